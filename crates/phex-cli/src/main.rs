@@ -1,0 +1,2 @@
+//! The program phex.
+fn main() {}

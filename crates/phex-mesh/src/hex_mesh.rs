@@ -1,0 +1,72 @@
+//! The polygon mesh that phex makes: positions and half-edge topology, faces of any valence.
+
+use crate::ids::{EdgeId, FaceId, VertexId};
+use crate::per_element::PerVertex;
+use crate::topology::{Topology, TopologyError};
+use crate::{PolygonSoup, Vec3};
+
+/// An oriented manifold polygon mesh. That its faces are planar or simple is *not* implied:
+/// see `validate` for the type that implies it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HexMesh {
+    /// Position of each vertex.
+    pub positions: PerVertex<Vec3>,
+    topology: Topology,
+}
+
+impl HexMesh {
+    /// Builds a mesh from positions and faces (vertex numbers from 0, counter-clockwise).
+    ///
+    /// # Errors
+    /// If the faces are not an oriented manifold that uses every vertex.
+    pub fn new<F: AsRef<[u32]>>(positions: Vec<Vec3>, faces: &[F]) -> Result<Self, TopologyError> {
+        let topology = Topology::from_faces(positions.len(), faces)?;
+        Ok(Self { positions: PerVertex::from_vec(positions), topology })
+    }
+
+    /// The connectivity.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// The same connectivity with other positions.
+    ///
+    /// # Panics
+    /// If the number of positions differs.
+    pub fn with_positions(&self, positions: PerVertex<Vec3>) -> Self {
+        assert_eq!(positions.len(), self.positions.len(), "one position per vertex");
+        Self { positions, topology: self.topology.clone() }
+    }
+
+    /// Corner positions of a face, counter-clockwise.
+    pub fn corners(&self, f: FaceId) -> impl ExactSizeIterator<Item = Vec3> + '_ {
+        self.topology.face_vertices(f).iter().map(|&v| self.positions[v])
+    }
+
+    /// Mean of a face's corners.
+    pub fn centre(&self, f: FaceId) -> Vec3 {
+        self.corners(f).sum::<Vec3>() / self.topology.valence(f) as f64
+    }
+
+    /// Length of an edge.
+    pub fn edge_length(&self, e: EdgeId) -> f64 {
+        let [a, b] = self.topology.edge_vertices(e);
+        (self.positions[a] - self.positions[b]).norm()
+    }
+
+    /// Mean length of all edges, the unit of every relative length.
+    pub fn mean_edge(&self) -> f64 {
+        let t = &self.topology;
+        t.edges().map(|e| self.edge_length(e)).sum::<f64>() / t.n_edges() as f64
+    }
+
+    /// Position of a vertex.
+    pub fn position(&self, v: VertexId) -> Vec3 {
+        self.positions[v]
+    }
+
+    /// Positions and face lists, for writing.
+    pub fn to_soup(&self) -> PolygonSoup {
+        PolygonSoup { positions: self.positions.as_slice().to_vec(), faces: self.topology.face_lists() }
+    }
+}

@@ -1,0 +1,37 @@
+//! Nouns of phex: meshes and surfaces, and how to measure them. Nothing here changes a shape.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`ids`], [`per_element`] | typed `u32` ids and dense maps from them to values |
+//! | [`topology`] | half-edge connectivity of an oriented manifold, frozen after building |
+//! | [`plane`] | least-squares plane of a face |
+//! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
+//! | [`hex_mesh`] | the polygon mesh that phex makes |
+
+pub mod hex_mesh;
+pub mod ids;
+pub mod per_element;
+pub mod plane;
+pub mod surface;
+pub mod topology;
+
+pub use hex_mesh::HexMesh;
+pub use ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
+pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
+pub use plane::FacePlane;
+pub use surface::{SurfacePoint, TriangleSurface};
+pub use topology::{Topology, TopologyError};
+
+/// Points and vectors of space; which of the two is meant follows from the name.
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// Points and vectors of a plane.
+pub type Vec2 = nalgebra::Vector2<f64>;
+
+/// Vertices and faces as they stand in a file: nothing has been checked.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PolygonSoup {
+    /// Positions of the vertices.
+    pub positions: Vec<Vec3>,
+    /// Vertex numbers (from 0) of each face.
+    pub faces: Vec<Vec<u32>>,
+}

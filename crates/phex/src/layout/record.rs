@@ -1,0 +1,33 @@
+//! What the layout hands to the optimiser, and what the repair loop edits.
+
+use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3, VertexId};
+use serde::{Deserialize, Serialize};
+
+/// Where a vertex of the panelling lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum VertexKind {
+    /// Three panels meet.
+    Interior,
+    /// On the boundary curve of the surface, between two panels (or, without a neighbour, on the rim of one).
+    Boundary,
+    /// At a sharp corner of the boundary: one panel, two boundary edges. It stays where it is.
+    BoundaryCorner,
+}
+
+/// A panelling before optimisation. Lengths are those of the normalised model (bounding-box diagonal 1).
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Connectivity (interior vertices of degree 3) and positions of the raw cells.
+    pub mesh: HexMesh,
+    /// Kind of each vertex.
+    pub vertex_kind: PerVertex<VertexKind>,
+    /// Point of the surface at the middle of each panel's cell.
+    pub face_point: PerFace<Vec3>,
+    /// Unit surface normal there: the only global guard against flipped panels.
+    pub face_normal: PerFace<Vec3>,
+    /// Local panel length (distance of neighbouring panel centres).
+    pub face_length: PerFace<f64>,
+    /// Vertex of the refined surface that each cell grew from; the repair loop drops seeds of panels that stay invalid.
+    pub face_seed: PerFace<VertexId>,
+}

@@ -1,0 +1,14 @@
+//! From a surface to a planar hexagonal mesh.
+//!
+//! Data flows `target -> curvature -> directions -> layout -> optimise -> report`; a stage uses earlier stages only.
+//!
+//! | stage | what it computes |
+//! |---|---|
+//! | [`layout`] | the panelling's connectivity and first positions |
+//! | [`optimise`] | planar, simple panels close to the surface |
+
+pub mod layout;
+pub mod optimise;
+pub mod progress;
+
+pub use progress::{Event, Progress, Silent};

@@ -1,0 +1,53 @@
+//! Progress and cancelling: the one trait that long stages talk to.
+
+use serde::Serialize;
+
+/// What a stage says while it runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+pub enum Event {
+    /// A stage begins.
+    StageStarted {
+        /// Name of the stage.
+        stage: &'static str,
+    },
+    /// A stage has ended.
+    StageFinished {
+        /// Name of the stage.
+        stage: &'static str,
+    },
+    /// One step of an iteration.
+    Iteration {
+        /// Name of the stage.
+        stage: &'static str,
+        /// Number of the iteration, from 1.
+        iteration: usize,
+        /// Iterations at the most.
+        limit: usize,
+        /// What is driven to zero (planarity in mean edges, say).
+        residual: f64,
+    },
+    /// Something that the user should know.
+    Note {
+        /// The message.
+        message: String,
+    },
+}
+
+/// Receives events and may ask to stop; called between steps, from one thread at a time.
+pub trait Progress: Sync {
+    /// Takes one event.
+    fn report(&self, event: &Event);
+    /// Whether the caller wants the run to end soon; what was reached is then returned as `Cancelled`.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Hears nothing, never cancels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn report(&self, _event: &Event) {}
+}
