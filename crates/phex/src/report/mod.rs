@@ -1,0 +1,3 @@
+//! Report: what a run reached, in numbers and as a picture.
+
+pub mod picture;
