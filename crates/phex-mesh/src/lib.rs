@@ -7,9 +7,13 @@
 //! | [`plane`] | least-squares plane of a face |
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
+//! | [`ear_clip`] | triangles of a simple polygon |
+//! | [`io`] | OBJ, PLY, STL and OFF files |
 
+pub mod ear_clip;
 pub mod hex_mesh;
 pub mod ids;
+pub mod io;
 pub mod per_element;
 pub mod plane;
 pub mod surface;
