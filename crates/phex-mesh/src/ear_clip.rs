@@ -1,12 +1,8 @@
-//! Triangles of a simple polygon by ear clipping, never by fans: concave faces keep their shape.
-//!
-//! The polygon is seen in its least-squares plane ([`FacePlane`]) and all decisions are exact for the projected
-//! coordinates (predicates of Shewchuk). Of all ears the best shaped is cut, so that straight corners end as a proper
-//! triangle's corner and not as a triangle without area.
+//! Triangulating a polygon by clipping its ears (Meisters' two-ears theorem), with exact predicates.
 
 use crate::plane::FacePlane;
+use crate::polygon::{is_simple, orientation, signed_area};
 use crate::{Vec2, Vec3};
-use robust::{Coord, orient2d};
 use thiserror::Error;
 
 /// A polygon has fewer than three corners, or touches or crosses itself in its least-squares plane.
@@ -14,104 +10,133 @@ use thiserror::Error;
 #[error("the polygon is not simple")]
 pub struct NotSimple;
 
-/// Cuts a polygon into `corners.len() - 2` triangles, given as corner numbers in the polygon's direction. A triangle is
-/// returned as it is.
+/// Triangles of a polygon of space, seen in its least-squares plane; a triangle is returned as it is.
 ///
 /// # Errors
-/// If the polygon is not simple in its least-squares plane (a polygon without area never is).
-pub fn ear_clip(corners: &[Vec3]) -> Result<Vec<[u32; 3]>, NotSimple> {
-    if corners.len() <= 3 {
-        return if corners.len() == 3 {
-            Ok(vec![[0, 1, 2]])
-        } else {
-            Err(NotSimple)
-        };
+/// If the polygon is not simple in that plane (a polygon without area never is).
+pub fn ear_clip_corners(corners: &[Vec3]) -> Result<Vec<[u32; 3]>, NotSimple> {
+    if corners.len() == 3 {
+        return Ok(vec![[0, 1, 2]]);
     }
     let plane = FacePlane::fit(corners);
-    let points: Vec<Vec2> = corners.iter().map(|&p| plane.project(p)).collect();
-    if !is_simple(&points) {
+    let polygon: Vec<Vec2> = corners.iter().map(|&p| plane.project(p)).collect();
+    if !is_simple(&polygon) {
         return Err(NotSimple);
     }
-    cut_ears(&points)
+    let triangles = ear_clip(&polygon).ok_or(NotSimple)?;
+    Ok(triangles.into_iter().map(|t| t.map(|k| k as u32)).collect())
 }
 
-fn cut_ears(points: &[Vec2]) -> Result<Vec<[u32; 3]>, NotSimple> {
-    let mut rest: Vec<u32> = (0..points.len() as u32).collect();
-    let mut quality: Vec<f64> = (0..rest.len())
-        .map(|i| ear_quality(points, &rest, i))
-        .collect();
-    let mut triangles = Vec::with_capacity(points.len() - 2);
-    while rest.len() > 3 {
-        let best = (0..rest.len()).reduce(|a, b| if quality[b] > quality[a] { b } else { a });
-        let i = best.filter(|&i| quality[i] > 0.0).ok_or(NotSimple)?;
-        triangles.push(ear(&rest, i));
+/// Triangles of a simple polygon, as triples of corner numbers wound like the polygon; none is degenerate. Corners of
+/// 180 degrees are allowed. `None` if clipping gets stuck, which happens only for a polygon that is not simple.
+pub fn ear_clip(polygon: &[Vec2]) -> Option<Vec<[usize; 3]>> {
+    let (triangles, rest) = clip(polygon);
+    rest.is_empty().then_some(triangles)
+}
+
+/// As [`ear_clip`]; what is left of a polygon that is not simple is fanned.
+pub(crate) fn ear_clip_or_fan(polygon: &[Vec2]) -> Vec<[usize; 3]> {
+    let (mut triangles, rest) = clip(polygon);
+    triangles.extend(rest.windows(2).skip(1).map(|w| [rest[0], w[0], w[1]]));
+    triangles
+}
+
+/// The clipped triangles, and the corners that are left when no ear is found.
+fn clip(polygon: &[Vec2]) -> (Vec<[usize; 3]>, Vec<usize>) {
+    let sign = signed_area(polygon).signum();
+    let mut rest: Vec<usize> = (0..polygon.len()).collect();
+    let mut triangles = Vec::with_capacity(polygon.len().saturating_sub(2));
+    while rest.len() >= 3 {
+        let Some(i) = (0..rest.len()).find(|&i| is_ear(polygon, &rest, i, sign)) else {
+            return (triangles, rest);
+        };
+        triangles.push(triple(&rest, i));
         rest.remove(i);
-        quality.remove(i);
-        for j in [(i + rest.len() - 1) % rest.len(), i % rest.len()] {
-            quality[j] = ear_quality(points, &rest, j);
-        }
     }
-    triangles.push([rest[0], rest[1], rest[2]]);
-    Ok(triangles)
+    (triangles, Vec::new())
 }
 
-fn ear(rest: &[u32], i: usize) -> [u32; 3] {
+fn triple(rest: &[usize], i: usize) -> [usize; 3] {
     let n = rest.len();
     [rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]]
 }
 
-/// Area by squared longest side of the ear at `rest[i]`; zero or less if there is none.
-fn ear_quality(points: &[Vec2], rest: &[u32], i: usize) -> f64 {
-    let corners = ear(rest, i);
-    let [a, b, c] = corners.map(|v| points[v as usize]);
-    if turn(a, b, c) <= 0.0 {
-        return 0.0;
+/// Whether the triangle at place `i` is convex and no other remaining corner lies in it or on its border.
+fn is_ear(polygon: &[Vec2], rest: &[usize], i: usize, sign: f64) -> bool {
+    let ear = triple(rest, i);
+    let [a, b, c] = ear.map(|k| polygon[k]);
+    let left = |a, b, q| sign * orientation(a, b, q);
+    let holds = |q| left(a, b, q) >= 0.0 && left(b, c, q) >= 0.0 && left(c, a, q) >= 0.0;
+    left(a, b, c) > 0.0 && !rest.iter().any(|k| !ear.contains(k) && holds(polygon[*k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::polygon::is_simple;
+    use proptest::prelude::*;
+
+    fn polygon(corners: &[[f64; 2]]) -> Vec<Vec2> {
+        corners.iter().map(|&[x, y]| Vec2::new(x, y)).collect()
     }
-    let mut others = rest
-        .iter()
-        .filter(|v| !corners.contains(v))
-        .map(|&v| points[v as usize]);
-    if others.any(|p| turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) {
-        return 0.0;
+
+    fn areas(polygon: &[Vec2], triangles: &[[usize; 3]]) -> Vec<f64> {
+        let area = |t: &[usize; 3]| signed_area(&t.map(|k| polygon[k]));
+        triangles.iter().map(area).collect()
     }
-    let longest = (b - a)
-        .norm_squared()
-        .max((c - b).norm_squared())
-        .max((a - c).norm_squared());
-    // The smallest positive number stands for an ear too thin for the quotient.
-    ((b - a).perp(&(c - b)) / longest).max(f64::MIN_POSITIVE)
-}
 
-/// Positive if `a`, `b`, `c` turn counter-clockwise, zero if they are collinear: exact.
-fn turn(a: Vec2, b: Vec2, c: Vec2) -> f64 {
-    let [a, b, c] = [a, b, c].map(|p| Coord { x: p.x, y: p.y });
-    orient2d(a, b, c)
-}
+    #[test]
+    fn concave_polygon_of_either_winding() {
+        let l = polygon(&[
+            [0.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+        ]);
+        let triangles = ear_clip(&l).unwrap();
+        assert_eq!(triangles.len(), 4);
+        assert_eq!(areas(&l, &triangles).iter().sum::<f64>(), 4.0);
+        let back: Vec<Vec2> = l.into_iter().rev().collect();
+        let areas = areas(&back, &ear_clip(&back).unwrap());
+        assert!(areas.iter().all(|&a| a < 0.0) && areas.iter().sum::<f64>() == -4.0);
+    }
 
-/// Whether no two sides meet but neighbours in their common corner.
-fn is_simple(points: &[Vec2]) -> bool {
-    let n = points.len();
-    let side = |i: usize| [points[i], points[(i + 1) % n]];
-    (0..n).all(|i| {
-        let [a, b] = side(i);
-        let folded = on_segment(a, b, points[(i + 2) % n]) || on_segment(b, points[(i + 2) % n], a);
-        let last = if i == 0 { n - 1 } else { n };
-        !folded && (i + 2..last).all(|j| !segments_meet(side(i), side(j)))
-    })
-}
+    #[test]
+    fn corners_of_180_degrees_give_no_degenerate_triangle() {
+        let brick = polygon(&[
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [0.0, 1.0],
+        ]);
+        let areas = areas(&brick, &ear_clip(&brick).unwrap());
+        assert!(areas.iter().all(|&a| a > 0.0) && areas.iter().sum::<f64>() == 2.0);
+    }
 
-fn segments_meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> bool {
-    let opposite = |x: f64, y: f64| (x > 0.0 && y < 0.0) || (x < 0.0 && y > 0.0);
-    let crossing = opposite(turn(a, b, c), turn(a, b, d)) && opposite(turn(c, d, a), turn(c, d, b));
-    crossing
-        || on_segment(a, b, c)
-        || on_segment(a, b, d)
-        || on_segment(c, d, a)
-        || on_segment(c, d, b)
-}
+    #[test]
+    fn stuck_polygon_is_refused_or_fanned() {
+        let line = polygon(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]);
+        assert_eq!(ear_clip(&line), None);
+        assert_eq!(ear_clip_or_fan(&line), [[0, 1, 2], [0, 2, 3]]);
+    }
 
-fn on_segment(a: Vec2, b: Vec2, p: Vec2) -> bool {
-    let (low, high) = (a.inf(&b), a.sup(&b));
-    let in_box = (0..2).all(|k| low[k] <= p[k] && p[k] <= high[k]);
-    in_box && turn(a, b, p) == 0.0
+    proptest! {
+        #[test]
+        fn a_simple_polygon_is_covered_once(grid in prop::collection::vec((0u8..6, 0u8..6), 4..8)) {
+            // A coarse grid makes collinear corners common.
+            let corners: Vec<Vec2> = grid.iter().map(|&(x, y)| Vec2::new(x.into(), y.into())).collect();
+            if is_simple(&corners) {
+                let triangles = ear_clip(&corners).expect("a simple polygon has ears");
+                let area = signed_area(&corners);
+                let areas = areas(&corners, &triangles);
+                prop_assert_eq!(triangles.len(), corners.len() - 2);
+                prop_assert!(areas.iter().all(|a| a * area > 0.0));
+                prop_assert_eq!(areas.iter().sum::<f64>(), area);
+            }
+        }
+    }
 }
