@@ -1,7 +1,31 @@
 //! Triangulating a polygon by clipping its ears (Meisters' two-ears theorem), with exact predicates.
 
-use crate::Vec2;
-use crate::polygon::{orientation, signed_area};
+use crate::plane::FacePlane;
+use crate::polygon::{is_simple, orientation, signed_area};
+use crate::{Vec2, Vec3};
+use thiserror::Error;
+
+/// A polygon has fewer than three corners, or touches or crosses itself in its least-squares plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("the polygon is not simple")]
+pub struct NotSimple;
+
+/// Triangles of a polygon of space, seen in its least-squares plane; a triangle is returned as it is.
+///
+/// # Errors
+/// If the polygon is not simple in that plane (a polygon without area never is).
+pub fn ear_clip_corners(corners: &[Vec3]) -> Result<Vec<[u32; 3]>, NotSimple> {
+    if corners.len() == 3 {
+        return Ok(vec![[0, 1, 2]]);
+    }
+    let plane = FacePlane::fit(corners);
+    let polygon: Vec<Vec2> = corners.iter().map(|&p| plane.project(p)).collect();
+    if !is_simple(&polygon) {
+        return Err(NotSimple);
+    }
+    let triangles = ear_clip(&polygon).ok_or(NotSimple)?;
+    Ok(triangles.into_iter().map(|t| t.map(|k| k as u32)).collect())
+}
 
 /// Triangles of a simple polygon, as triples of corner numbers wound like the polygon; none is degenerate. Corners of
 /// 180 degrees are allowed. `None` if clipping gets stuck, which happens only for a polygon that is not simple.

@@ -8,6 +8,7 @@
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
 //! | [`polygon`], [`ear_clip`](mod@ear_clip), [`flat_face`] | planar polygons: exact predicates, triangulation, a face in its plane |
+//! | [`io`] | OBJ, PLY, STL and OFF files |
 //! | [`measure`](mod@measure) | planarity, lengths, angles, clearance, deviation from a surface |
 //! | [`validate`](mod@validate) | located violations, and the type that has none |
 
@@ -15,6 +16,7 @@ pub mod ear_clip;
 pub mod flat_face;
 pub mod hex_mesh;
 pub mod ids;
+pub mod io;
 pub mod measure;
 pub mod per_element;
 pub mod plane;

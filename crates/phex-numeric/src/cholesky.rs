@@ -241,7 +241,7 @@ fn columns(pattern: &Pattern) -> SymbolicSparseColMatRef<'_, u32> {
 
 fn analyse(pattern: &Pattern, block: usize) -> Result<SymbolicCholesky<u32>, NumericError> {
     let params = CholeskySymbolicParams::default();
-    if block <= 1 || pattern.dimension() % block != 0 {
+    if block <= 1 || !pattern.dimension().is_multiple_of(block) {
         let ordering = SymmetricOrdering::Amd;
         return Ok(factorize_symbolic_cholesky(
             columns(pattern),
@@ -305,9 +305,9 @@ mod tests {
         for k in 0..n {
             for i in k + 1..n {
                 let factor = a[i][k] / a[k][k];
-                for j in k..n {
-                    a[i][j] -= factor * a[k][j];
-                }
+                let (above, below) = a.split_at_mut(i);
+                let pairs = below[0].iter_mut().zip(&above[k]).skip(k);
+                pairs.for_each(|(x, pivot)| *x -= factor * pivot);
                 b[i] -= factor * b[k];
             }
         }
@@ -329,8 +329,8 @@ mod tests {
                 dense[r][c] += v;
             }
         }
-        for i in 0..n {
-            dense[i][i] = 1.0 + dense[i].iter().map(|v| v.abs()).sum::<f64>();
+        for (i, row) in dense.iter_mut().enumerate() {
+            row[i] = 1.0 + row.iter().map(|v| v.abs()).sum::<f64>();
         }
         (sparse(&dense), dense)
     }
@@ -427,7 +427,7 @@ mod tests {
     fn refinement_rescues_an_ill_conditioned_chain() {
         // A path Laplacian with stiff and soft springs, held at one end.
         let n = 200;
-        let stiffness = |k: usize| if k % 7 == 0 { 1e9 } else { 1.0 };
+        let stiffness = |k: usize| if k.is_multiple_of(7) { 1e9 } else { 1.0 };
         let springs = (0..n as u32 - 1).flat_map(|k| {
             let s = stiffness(k as usize);
             [(k, k, s), (k + 1, k + 1, s), (k + 1, k, -s)]

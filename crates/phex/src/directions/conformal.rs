@@ -2,7 +2,7 @@
 
 use super::DirectionOptions;
 use super::intrinsic::{IntrinsicMesh, row};
-use phex_mesh::{ElementId, PerFace, PerVertex, Topology};
+use phex_mesh::{PerFace, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::f64::consts::{FRAC_PI_3, PI};
 
@@ -34,7 +34,7 @@ pub fn log_factor(
     }
     entries.extend(own.iter().enumerate().map(|(i, d)| (i as u32, i as u32, *d)));
     let mut s = rhs.into_vec();
-    Cholesky::new(&SymmetricMatrix::from_triplets(s.len(), entries))?.solve(&mut s);
+    Cholesky::new(&SymmetricMatrix::from_triplets(s.len(), entries.into_iter())?)?.solve(&mut s);
     Ok(PerVertex::from_vec(limited(&s, mesh, options.conformal_limit)))
 }
 

@@ -3,7 +3,7 @@
 use super::DirectionOptions;
 use crate::curvature::{Curvature, Principal, tangent_frame};
 use nalgebra::Matrix3;
-use phex_mesh::{ElementId, PerVertex, TriangleSurface, Vec3};
+use phex_mesh::{PerVertex, TriangleSurface, Vec3};
 
 /// Curvatures below one over this many bounding-box diagonals are flat whatever the surface looks like.
 const FLAT_RADIUS: f64 = 1e3;

@@ -3,7 +3,7 @@
 use super::intrinsic::{IntrinsicMesh, row};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
-use phex_mesh::{EdgeId, ElementId, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{EdgeId, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::f64::consts::{FRAC_PI_3, PI};
 
@@ -41,8 +41,8 @@ pub fn field(
         let diagonal = |v: VertexId| mesh.mass[v] * (inertia + t * total(v));
         connection_matrix(topology, mesh, t, diagonal)
     };
-    let mut u = solve(&Cholesky::new(&stiffness(1.0, 0.0))?, |i| source[i] * mesh.mass.as_slice()[i], source.len());
-    let polish = Cholesky::new(&stiffness(POLISH_TIME, 1.0))?;
+    let mut u = solve(&Cholesky::new(&stiffness(1.0, 0.0)?)?, |i| source[i] * mesh.mass.as_slice()[i], source.len());
+    let polish = Cholesky::new(&stiffness(POLISH_TIME, 1.0)?)?;
     for _ in 0..POLISH_STEPS {
         let unit: Vec<Complex<f64>> = u.iter().map(|z| z / (z.norm() + 1e-12)).collect();
         u = solve(&polish, |i| (unit[i] + source[i] * POLISH_TIME) * mesh.mass.as_slice()[i], unit.len());
@@ -63,7 +63,7 @@ fn connection_matrix(
     mesh: &IntrinsicMesh,
     t: f64,
     diagonal: impl Fn(VertexId) -> f64,
-) -> SymmetricMatrix {
+) -> Result<SymmetricMatrix, NumericError> {
     let n = topology.n_vertices();
     let mut own: Vec<f64> = topology.vertices().map(diagonal).collect();
     let mut entries = Vec::with_capacity(4 * topology.n_edges() + 2 * n);
@@ -79,7 +79,7 @@ fn connection_matrix(
         entries.push((2 * v as u32, 2 * v as u32, *d));
         entries.push((2 * v as u32 + 1, 2 * v as u32 + 1, *d));
     }
-    SymmetricMatrix::from_triplets(2 * n, entries)
+    SymmetricMatrix::from_triplets(2 * n, entries.into_iter())
 }
 
 /// Adds the real 2 x 2 form of the complex entry `(r, c)` of a Hermitian matrix, in the lower triangle.

@@ -40,7 +40,7 @@ impl Default for TargetOptions {
 }
 
 /// Similarity from model coordinates to normalised ones: `(p - centre) / scale`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Similarity {
     /// Centre of the bounding box, model units.
     pub centre: Vec3,

@@ -1,0 +1,248 @@
+//! Why a mesh file can't be read or written.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a mesh can't be read: the file, the place in it, and the cause.
+#[derive(Debug, Error)]
+#[error("{}{place}{cause}", prefix(.path))]
+pub struct ReadError {
+    /// The file, where one was read.
+    pub path: Option<PathBuf>,
+    /// The line or element.
+    pub place: Place,
+    /// What is wrong there.
+    pub cause: ReadCause,
+}
+
+/// A place in a mesh file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line, counted from 1.
+    Line(usize),
+    /// A vertex, counted from 0.
+    Vertex(usize),
+    /// A face, counted from 0.
+    Face(usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, "line {line}: "),
+            Self::Vertex(vertex) => write!(f, "vertex {vertex}: "),
+            Self::Face(face) => write!(f, "face {face}: "),
+        }
+    }
+}
+
+/// What is wrong with a mesh file.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReadCause {
+    /// The operating system refuses.
+    #[error("can't be read: {0}")]
+    Io(#[from] io::Error),
+    /// The extension stands for no format.
+    #[error(transparent)]
+    UnknownExtension(#[from] UnknownExtension),
+    /// Nothing but white space.
+    #[error("the file is empty")]
+    Empty,
+    /// The file does not start as its format must.
+    #[error("this is no {format} file: it starts with `{found}`")]
+    WrongStart {
+        /// Name of the format.
+        format: &'static str,
+        /// How the file starts.
+        found: String,
+    },
+    /// A variant of the format that is not read.
+    #[error("{0} is not supported")]
+    Unsupported(String),
+    /// A header line that can't be understood.
+    #[error("{0}")]
+    Malformed(String),
+    /// There is no vertex.
+    #[error("the file holds no vertices")]
+    NoVertices,
+    /// There is no face.
+    #[error("the file holds no faces")]
+    NoFaces,
+    /// More vertices than vertex numbers can address.
+    #[error("the file holds more than 4294967294 vertices")]
+    TooManyVertices,
+    /// The file ends too early.
+    #[error("{announced} {what} are announced, but the file holds at most {found}")]
+    Truncated {
+        /// The kind of element.
+        what: String,
+        /// How many the header announces.
+        announced: u64,
+        /// How many there are, or are room for in the bytes that remain.
+        found: u64,
+    },
+    /// A number can't be understood.
+    #[error("`{token}` is not a number")]
+    NotANumber {
+        /// What stands there.
+        token: String,
+    },
+    /// A coordinate is not finite, or too large for 64 bits.
+    #[error("the coordinate `{token}` is not finite")]
+    NonFinite {
+        /// What stands there.
+        token: String,
+    },
+    /// A vertex with fewer than three coordinates.
+    #[error("a vertex has {found} coordinates, 3 are needed")]
+    TooFewCoordinates {
+        /// Their number.
+        found: usize,
+    },
+    /// A face with fewer than three corners.
+    #[error("a face has {corners} corners, at least 3 are needed")]
+    TooFewCorners {
+        /// Their number.
+        corners: usize,
+    },
+    /// Vertex number 0 in a format that counts from 1.
+    #[error("a face names vertex 0, but OBJ numbers vertices from 1")]
+    IndexZero,
+    /// A vertex number that does not exist.
+    #[error(
+        "a face names vertex {index}, but there are {vertices} vertices (numbered from {first})"
+    )]
+    IndexOutOfRange {
+        /// The number as it stands in the file.
+        index: String,
+        /// Number of vertices (for a negative number: so far).
+        vertices: usize,
+        /// Number of the first vertex in this format.
+        first: u32,
+    },
+}
+
+/// A path whose extension stands for no mesh format.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("unknown extension `{extension}` (supported are .obj, .ply, .stl and .off)")]
+pub struct UnknownExtension {
+    /// The extension, empty where there is none.
+    pub extension: String,
+}
+
+impl ReadError {
+    /// The same error with the file's name.
+    pub fn in_file(self, path: &Path) -> Self {
+        Self {
+            path: Some(path.to_path_buf()),
+            ..self
+        }
+    }
+}
+
+impl ReadCause {
+    pub(super) fn at(self, place: Place) -> ReadError {
+        ReadError {
+            path: None,
+            place,
+            cause: self,
+        }
+    }
+}
+
+impl From<ReadCause> for ReadError {
+    fn from(cause: ReadCause) -> Self {
+        cause.at(Place::File)
+    }
+}
+
+/// Why a file can't be written: the file and the cause.
+#[derive(Debug, Error)]
+#[error("{}{cause}", prefix(.path))]
+pub struct WriteError {
+    /// The file, where one was to be written.
+    pub path: Option<PathBuf>,
+    /// What is wrong.
+    pub cause: WriteCause,
+}
+
+/// What keeps a file from being written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum WriteCause {
+    /// The operating system refuses.
+    #[error("can't be written: {0}")]
+    Io(#[from] io::Error),
+    /// The extension stands for no format.
+    #[error(transparent)]
+    UnknownExtension(#[from] UnknownExtension),
+    /// A coordinate is not finite.
+    #[error("vertex {vertex} has a coordinate that is not finite")]
+    NonFinite {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A coordinate is too large for the format.
+    #[error("vertex {vertex} has a coordinate that is too large for single precision")]
+    TooLarge {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A face has fewer than three corners.
+    #[error("face {face} has {corners} corners, at least 3 are needed")]
+    TooFewCorners {
+        /// The face.
+        face: usize,
+        /// Its corner count.
+        corners: usize,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("face {face} names vertex {vertex}, but there are {vertices} vertices")]
+    IndexOutOfRange {
+        /// The face.
+        face: usize,
+        /// The vertex number.
+        vertex: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// A face that must be cut into triangles is not simple.
+    #[error("face {face} can't be cut into triangles: it is not a simple polygon")]
+    NotSimple {
+        /// The face.
+        face: usize,
+    },
+    /// More triangles than the format can count.
+    #[error("STL holds at most 4294967295 triangles, there are {triangles}")]
+    TooManyTriangles {
+        /// Their number.
+        triangles: usize,
+    },
+}
+
+impl WriteError {
+    /// The same error with the file's name.
+    pub fn in_file(self, path: &Path) -> Self {
+        Self {
+            path: Some(path.to_path_buf()),
+            ..self
+        }
+    }
+}
+
+impl From<WriteCause> for WriteError {
+    fn from(cause: WriteCause) -> Self {
+        Self { path: None, cause }
+    }
+}
+
+fn prefix(path: &Option<PathBuf>) -> String {
+    path.as_ref()
+        .map_or_else(String::new, |path| format!("{}: ", path.display()))
+}

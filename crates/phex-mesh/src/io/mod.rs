@@ -1,0 +1,172 @@
+//! Polygon mesh files: OBJ, PLY, STL and OFF, one file per format.
+//!
+//! Reading returns a [`PolygonSoup`]: faces of any valence, vertex numbers checked, coordinates finite, nothing else
+//! promised. Every file is input from outside: a wrong one gives a [`ReadError`] that names the line or element, and
+//! no size that a file announces is believed before the bytes are there.
+//!
+//! | format | reads | writes |
+//! |---|---|---|
+//! | OBJ | `v`, `f` (`v`, `v/t`, `v//n`, `v/t/n`, negative), line continuation | n-gons, 64-bit text |
+//! | PLY | ascii, binary of both byte orders, any numeric type | n-gons, binary little endian, 64 bit |
+//! | STL | ascii, binary; corners welded (see `stl`) | binary, ear-clipped triangles, 32 bit |
+//! | OFF | `OFF` with or without normals and colours | n-gons, 64-bit text |
+//!
+//! OBJ, PLY and OFF return every coordinate bit by bit.
+
+mod atomic;
+mod error;
+mod hex_mesh;
+mod obj;
+mod off;
+mod ply;
+mod stl;
+mod text;
+mod weld;
+
+pub use atomic::atomic_write;
+pub use error::{Place, ReadCause, ReadError, UnknownExtension, WriteCause, WriteError};
+pub use hex_mesh::{HexMeshError, HexMeshReadError};
+
+use crate::PolygonSoup;
+use std::io::Write;
+use std::path::Path;
+
+/// A mesh file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// Stanford PLY.
+    Ply,
+    /// Stereolithography STL: triangles only, single precision.
+    Stl,
+    /// Geomview OFF.
+    Off,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 4] = [Self::Obj, Self::Ply, Self::Stl, Self::Off];
+
+    /// The format's file extension, without the dot.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Ply => "ply",
+            Self::Stl => "stl",
+            Self::Off => "off",
+        }
+    }
+
+    /// The format that a path's extension (in any case) stands for.
+    ///
+    /// # Errors
+    /// If there is no extension or an unknown one.
+    pub fn from_path(path: &Path) -> Result<Self, UnknownExtension> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        Self::ALL
+            .into_iter()
+            .find(|format| format.extension().eq_ignore_ascii_case(&extension))
+            .ok_or_else(|| UnknownExtension {
+                extension: extension.into_owned(),
+            })
+    }
+}
+
+/// Reads a mesh file; the extension decides the format.
+///
+/// # Errors
+/// If the extension is unknown, the file can't be read, or it holds no well-formed mesh with at least one face.
+pub fn read_soup(path: &Path) -> Result<PolygonSoup, ReadError> {
+    let read = || {
+        let format = Format::from_path(path).map_err(ReadCause::from)?;
+        let bytes = std::fs::read(path).map_err(ReadCause::from)?;
+        parse_soup(&bytes, format)
+    };
+    read().map_err(|error: ReadError| error.in_file(path))
+}
+
+/// Reads a mesh from the bytes of a file.
+///
+/// # Errors
+/// If the bytes hold no well-formed mesh with at least one face.
+pub fn parse_soup(bytes: &[u8], format: Format) -> Result<PolygonSoup, ReadError> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(ReadCause::Empty.into());
+    }
+    let soup = match format {
+        Format::Obj => obj::parse(bytes),
+        Format::Ply => ply::parse(bytes),
+        Format::Stl => stl::parse(bytes),
+        Format::Off => off::parse(bytes),
+    }?;
+    if soup.positions.is_empty() {
+        return Err(ReadCause::NoVertices.into());
+    }
+    if soup.faces.is_empty() {
+        return Err(ReadCause::NoFaces.into());
+    }
+    Ok(soup)
+}
+
+/// Writes a mesh file; the extension decides the format. The file appears whole or not at all (see [`atomic_write`]),
+/// and missing folders are made.
+///
+/// # Errors
+/// As [`write_soup_to`], or if the extension is unknown.
+pub fn write_soup(path: &Path, soup: &PolygonSoup) -> Result<(), WriteError> {
+    let write = || {
+        let format = Format::from_path(path).map_err(WriteCause::from)?;
+        let bytes = encode(soup, format)?;
+        atomic_write(path, |out| out.write_all(&bytes))
+    };
+    write().map_err(|error| error.in_file(path))
+}
+
+/// Writes a mesh in a given format.
+///
+/// # Errors
+/// If a coordinate is not finite (for STL: not finite in single precision), a face has fewer than three corners or
+/// names a missing vertex, STL is asked for a face that is not simple, or `out` fails. Nothing is written but in the
+/// last case.
+pub fn write_soup_to(
+    out: &mut impl Write,
+    soup: &PolygonSoup,
+    format: Format,
+) -> Result<(), WriteError> {
+    let bytes = encode(soup, format)?;
+    out.write_all(&bytes)
+        .map_err(|error| WriteCause::from(error).into())
+}
+
+fn encode(soup: &PolygonSoup, format: Format) -> Result<Vec<u8>, WriteCause> {
+    check_writable(soup)?;
+    match format {
+        Format::Obj => Ok(obj::encode(soup)),
+        Format::Ply => Ok(ply::encode(soup)),
+        Format::Stl => stl::encode(soup),
+        Format::Off => Ok(off::encode(soup)),
+    }
+}
+
+fn check_writable(soup: &PolygonSoup) -> Result<(), WriteCause> {
+    let finite = |p: &crate::Vec3| p.iter().all(|x| x.is_finite());
+    if let Some(vertex) = soup.positions.iter().position(|p| !finite(p)) {
+        return Err(WriteCause::NonFinite { vertex });
+    }
+    let vertices = soup.positions.len();
+    for (face, corners) in soup.faces.iter().enumerate() {
+        if corners.len() < 3 {
+            let corners = corners.len();
+            return Err(WriteCause::TooFewCorners { face, corners });
+        }
+        if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
+            return Err(WriteCause::IndexOutOfRange {
+                face,
+                vertex,
+                vertices,
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,210 @@
+//! Wavefront OBJ: vertices (`v`) and faces (`f`); groups, materials, texture, normals, points and lines are skipped.
+
+use super::error::{Place, ReadCause, ReadError};
+use super::text::{decode, integer, out_of_range, point, without_comment};
+use crate::PolygonSoup;
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// Reads a whole file.
+pub(super) fn parse(bytes: &[u8]) -> Result<PolygonSoup, ReadError> {
+    let text = decode(bytes);
+    let mut file = ObjFile::default();
+    for (number, line) in logical_lines(&text) {
+        file.read_line(Place::Line(number), &line)?;
+    }
+    file.finish()
+}
+
+#[derive(Default)]
+struct ObjFile {
+    soup: PolygonSoup,
+    /// Where each face stands: a face may name vertices that follow it, so the range is checked at the end.
+    face_places: Vec<Place>,
+}
+
+impl ObjFile {
+    fn read_line(&mut self, place: Place, line: &str) -> Result<(), ReadError> {
+        let mut tokens = line.split_whitespace();
+        match tokens.next() {
+            Some("v") => self.soup.positions.push(point(tokens, place)?),
+            Some("f") => {
+                let corners: Result<_, ReadCause> = tokens.map(|t| self.corner(t)).collect();
+                let corners: Vec<u32> = corners.map_err(|cause| cause.at(place))?;
+                if corners.len() < 3 {
+                    let corners = corners.len();
+                    return Err(ReadCause::TooFewCorners { corners }.at(place));
+                }
+                self.soup.faces.push(corners);
+                self.face_places.push(place);
+            }
+            _ => (),
+        }
+        Ok(())
+    }
+
+    /// The vertex number, from 0, of a corner `v`, `v/t`, `v//n` or `v/t/n`.
+    fn corner(&self, token: &str) -> Result<u32, ReadCause> {
+        let index = integer(token.split('/').next().unwrap_or_default())?;
+        let so_far = self.soup.positions.len();
+        let number = match index {
+            0 => return Err(ReadCause::IndexZero),
+            1.. => Some(index - 1),
+            _ => index.checked_add(so_far as i64).filter(|&v| v >= 0),
+        };
+        number
+            .and_then(|v| u32::try_from(v).ok())
+            .ok_or_else(|| out_of_range(index, so_far, 1))
+    }
+
+    fn finish(self) -> Result<PolygonSoup, ReadError> {
+        let vertices = self.soup.positions.len();
+        if vertices >= u32::MAX as usize {
+            return Err(ReadCause::TooManyVertices.into());
+        }
+        if vertices == 0 {
+            return Err(ReadCause::NoVertices.into());
+        }
+        for (corners, &place) in self.soup.faces.iter().zip(&self.face_places) {
+            if let Some(&v) = corners.iter().find(|&&v| v as usize >= vertices) {
+                return Err(out_of_range(i64::from(v) + 1, vertices, 1).at(place));
+            }
+        }
+        Ok(self.soup)
+    }
+}
+
+/// Lines without comments, joined where one ends in a backslash, with the number of their first line.
+fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let mut lines = text.lines().map(without_comment).enumerate();
+    std::iter::from_fn(move || {
+        let (number, first) = lines.next()?;
+        let mut line = Cow::Borrowed(first);
+        while let Some(head) = line.trim_end().strip_suffix('\\') {
+            let (_, rest) = lines.next().unwrap_or_default();
+            line = Cow::Owned(format!("{head} {rest}"));
+        }
+        Some((number + 1, line))
+    })
+}
+
+/// The file of a mesh.
+pub(super) fn encode(soup: &PolygonSoup) -> Vec<u8> {
+    let mut text = String::new();
+    for p in &soup.positions {
+        let _ = writeln!(text, "v {:?} {:?} {:?}", p.x, p.y, p.z);
+    }
+    for face in &soup.faces {
+        text.push('f');
+        for &v in face {
+            let _ = write!(text, " {}", u64::from(v) + 1);
+        }
+        text.push('\n');
+    }
+    text.into_bytes()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Vec3;
+
+    fn faces(text: &str) -> Vec<Vec<u32>> {
+        parse(text.as_bytes()).unwrap().faces
+    }
+
+    fn error(text: &str) -> (Place, ReadCause) {
+        let error = parse(text.as_bytes()).unwrap_err();
+        (error.place, error.cause)
+    }
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    #[test]
+    fn all_corner_forms() {
+        let corners = "vt 0 0\nvn 0 0 1\nf 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 3//1 4//1\nf 1/1/1 2/1/1 3/1/1\nf -4 -3 -2";
+        let expected = vec![
+            vec![0, 1, 2],
+            vec![0, 1, 2],
+            vec![0, 1, 2, 3],
+            vec![0, 1, 2],
+            vec![0, 1, 2],
+        ];
+        assert_eq!(faces(&format!("{SQUARE}{corners}")), expected);
+    }
+
+    #[test]
+    fn comments_continuation_crlf_groups_colours_and_late_vertices() {
+        let text = "# head\r\no roof\r\nf 1 2 \\\r\n  3 4 # quad\r\ng a\r\nl 1 2\r\np 1\r\nv 0 0 0 1\r\n\
+                    v 1 0 0 0.5 0.5 0.5\r\nv\t1 1 \\\r\n 0\r\nv 0 1 0";
+        let soup = parse(text.as_bytes()).unwrap();
+        assert_eq!(soup.faces, vec![vec![0, 1, 2, 3]]);
+        assert_eq!(soup.positions[2], Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(soup.positions.len(), 4);
+    }
+
+    #[test]
+    fn negative_numbers_count_from_the_line_they_stand_in() {
+        let text = format!("{SQUARE}f -4 -3 -2\nv 2 2 2\nf -1 -2 -3");
+        assert_eq!(faces(&text), vec![vec![0, 1, 2], vec![4, 3, 2]]);
+    }
+
+    #[test]
+    fn bad_lines_are_named() {
+        let with = |line: &str| error(&format!("{SQUARE}{line}\n"));
+        assert!(matches!(
+            with("f 0 1 2"),
+            (Place::Line(5), ReadCause::IndexZero)
+        ));
+        assert!(matches!(
+            with("f 1 2"),
+            (Place::Line(5), ReadCause::TooFewCorners { corners: 2 })
+        ));
+        assert!(matches!(
+            with("f 1 2 x"),
+            (Place::Line(5), ReadCause::NotANumber { .. })
+        ));
+        for index in [
+            "-5",
+            "5",
+            "4294967296",
+            "99999999999999999999",
+            "-99999999999999999999",
+        ] {
+            let (place, cause) = with(&format!("f 1 2 {index}"));
+            assert!(
+                matches!(
+                    cause,
+                    ReadCause::IndexOutOfRange {
+                        vertices: 4,
+                        first: 1,
+                        ..
+                    }
+                ),
+                "{index}: {cause}"
+            );
+            assert_eq!(place, Place::Line(5));
+        }
+        for x in ["nan", "inf", "-Infinity", "1e999"] {
+            let (place, cause) = with(&format!("v 0 {x} 0"));
+            assert!(matches!(cause, ReadCause::NonFinite { .. }), "{x}: {cause}");
+            assert_eq!(place, Place::Line(5));
+        }
+        assert!(matches!(
+            with("v 0 0,5 0"),
+            (Place::Line(5), ReadCause::NotANumber { .. })
+        ));
+        assert!(matches!(
+            with("v 0 0"),
+            (Place::Line(5), ReadCause::TooFewCoordinates { found: 2 })
+        ));
+    }
+
+    #[test]
+    fn text_that_is_no_mesh() {
+        assert!(matches!(
+            error("dear reader,\nthis is a letter"),
+            (Place::File, ReadCause::NoVertices)
+        ));
+    }
+}
