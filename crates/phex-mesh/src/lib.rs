@@ -7,9 +7,11 @@
 //! | [`plane`] | least-squares plane of a face |
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
+//! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
 //! | [`ear_clip`] | triangles of a simple polygon |
 //! | [`io`] | OBJ, PLY, STL and OFF files |
 
+mod disjoint_sets;
 pub mod ear_clip;
 pub mod hex_mesh;
 pub mod ids;
@@ -17,6 +19,7 @@ pub mod io;
 pub mod per_element;
 pub mod plane;
 pub mod surface;
+pub mod surface_from_soup;
 pub mod topology;
 
 pub use hex_mesh::HexMesh;
@@ -24,6 +27,7 @@ pub use ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;
 pub use surface::{SurfacePoint, TriangleSurface};
+pub use surface_from_soup::{SurfaceComponent, SurfaceError, SurfaceNotes, SurfaceParts};
 pub use topology::{Topology, TopologyError};
 
 /// Points and vectors of space; which of the two is meant follows from the name.
