@@ -7,11 +7,13 @@
 //! | [`plane`] | least-squares plane of a face |
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
+//! | [`shapes`] | analytic surfaces with closed-form curvature, and their triangulations |
 
 pub mod hex_mesh;
 pub mod ids;
 pub mod per_element;
 pub mod plane;
+pub mod shapes;
 pub mod surface;
 pub mod topology;
 
