@@ -12,6 +12,7 @@
 //! | [`io`] | OBJ, PLY, STL and OFF files |
 //! | [`measure`](mod@measure) | planarity, lengths, angles, clearance, deviation from a surface |
 //! | [`validate`](mod@validate) | located violations, and the type that has none |
+//! | [`shapes`] | analytic surfaces with closed-form curvature, and their triangulations |
 
 mod disjoint_sets;
 pub mod ear_clip;
@@ -24,6 +25,7 @@ pub mod per_element;
 pub mod plane;
 pub mod polygon;
 mod clipped;
+pub mod shapes;
 pub mod surface;
 pub mod surface_from_soup;
 pub mod topology;
