@@ -6,6 +6,7 @@
 //! loops that these steps close are the panels; no map from pairs of cells to vertices is needed, which would break where
 //! two cells touch twice.
 
+use super::seeds::Seed;
 use super::voronoi::{self, UNREACHED};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerVertex, Topology, VertexId};
@@ -134,13 +135,62 @@ fn mend(topology: &Topology, mesh: &IntrinsicMesh, complex: &mut CellComplex, fa
             complex.label.enumerate().filter(|(_, l)| **l == cell).map(|(v, _)| v).collect();
         let neighbours = neighbours(topology, &complex.label, &members, cell);
         let Some(&(largest, _)) = neighbours.first() else { continue };
-        if fault == Fault::NotADisc && split(topology, mesh, complex, &members, cell) {
+        if fault == Fault::NotADisc && release_islands(topology, complex, &members, cell) {
+            touched.extend(neighbours.iter().map(|n| n.0));
+        } else if fault == Fault::NotADisc && split(topology, mesh, complex, &members, cell) {
             touched.extend(neighbours.iter().map(|n| n.0));
         } else if touched.insert(largest) || fault == Fault::TooSmall {
             members.iter().for_each(|&v| complex.label[v] = largest);
             touched.extend(neighbours.iter().map(|n| n.0));
         }
     }
+}
+
+/// Gives all but the largest connected part of a cell to neighbours; false if the cell is connected.
+fn release_islands(
+    topology: &Topology,
+    complex: &mut CellComplex,
+    members: &[VertexId],
+    cell: u32,
+) -> bool {
+    let mut parts = connected_parts(topology, &complex.label, members, cell);
+    parts.sort_by_key(|p| std::cmp::Reverse(p.len()));
+    for island in parts.iter().skip(1) {
+        if let Some(&(to, _)) = neighbours(topology, &complex.label, island, cell).first() {
+            island.iter().for_each(|&v| complex.label[v] = to);
+        }
+    }
+    if parts.len() > 1 && !parts[0].contains(&complex.seed[cell as usize]) {
+        complex.seed[cell as usize] = parts[0][0];
+    }
+    parts.len() > 1
+}
+
+fn connected_parts(
+    topology: &Topology,
+    label: &PerVertex<u32>,
+    members: &[VertexId],
+    cell: u32,
+) -> Vec<Vec<VertexId>> {
+    let mut seen = HashSet::new();
+    let mut parts = Vec::new();
+    for &start in members {
+        if !seen.insert(start) {
+            continue;
+        }
+        let mut part = vec![start];
+        let mut next = 0;
+        while next < part.len() {
+            for w in topology.neighbours(part[next]) {
+                if label[w] == cell && seen.insert(w) {
+                    part.push(w);
+                }
+            }
+            next += 1;
+        }
+        parts.push(part);
+    }
+    parts
 }
 
 /// Neighbouring cells, the one with the most common edges first.
@@ -162,13 +212,13 @@ fn neighbours(topology: &Topology, label: &PerVertex<u32>, members: &[VertexId],
 fn split(topology: &Topology, mesh: &IntrinsicMesh, complex: &mut CellComplex, members: &[VertexId], cell: u32) -> bool {
     let label = &complex.label;
     let farthest = |from: VertexId| {
-        let cells = voronoi::grow(topology, mesh, &[from], |v| label[v] == cell);
+        let cells = voronoi::grow(topology, mesh, &[Seed::at(from)], |v| label[v] == cell);
         let reached = members.iter().filter(|v| cells.distance[**v].is_finite());
         reached.copied().max_by(|a, b| cells.distance[*a].total_cmp(&cells.distance[*b]).then(b.cmp(a)))
     };
     let Some(first) = farthest(members[0]) else { return false };
     let Some(second) = farthest(first).filter(|s| *s != first) else { return false };
-    let halves = voronoi::grow(topology, mesh, &[first, second], |v| label[v] == cell);
+    let halves = voronoi::grow(topology, mesh, &[first, second].map(Seed::at), |v| label[v] == cell);
     let new = complex.seed.len() as u32;
     complex.seed[cell as usize] = first;
     complex.seed.push(second);

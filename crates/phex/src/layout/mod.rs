@@ -30,6 +30,7 @@ use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;
 use seamless::{Annihilation, Offsets};
+use seeds::Seed;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use thiserror::Error;
@@ -44,13 +45,11 @@ pub struct LayoutOptions {
     pub sweeps: usize,
     /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay).
     pub annihilation_length: f64,
-    /// Passes in which seeds move to the middle of their cells.
-    pub centring: usize,
 }
 
 impl Default for LayoutOptions {
     fn default() -> Self {
-        Self { seed: 0, sweeps: 60, annihilation_length: f64::INFINITY, centring: 1 }
+        Self { seed: 0, sweeps: 60, annihilation_length: f64::INFINITY }
     }
 }
 
@@ -87,10 +86,10 @@ pub fn place_seeds(
     topology: &Topology,
     directions: &Directions,
     options: &LayoutOptions,
-) -> Result<(Vec<VertexId>, LayoutStatistics), LayoutError> {
+) -> Result<(Vec<Seed>, LayoutStatistics), LayoutError> {
     let mesh = &directions.intrinsic;
     let charts = Charts::new(topology, directions);
-    let mut position = waves::diffuse(topology, mesh, &charts, options.seed)?;
+    let mut position = waves::diffuse(topology, mesh, &charts, options.seed);
     polish::polish(topology, mesh, &charts, &mut position, options.sweeps);
     let mut offsets = Offsets::rounded(topology, &charts, position);
     let annihilation =
@@ -125,46 +124,16 @@ pub struct CellSurface<'a> {
 ///
 /// # Errors
 /// If no panelling with the surface's topology is found.
-pub fn panelling(
-    fine: &CellSurface<'_>,
-    seeds: Vec<VertexId>,
-    options: &LayoutOptions,
-) -> Result<Layout, LayoutError> {
-    let topology = fine.surface.topology();
+pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, LayoutError> {
     if seeds.is_empty() {
         return Err(LayoutError::Topology { reason: "there is no panel".into() });
     }
-    let mut seeds = seeds;
-    let mut grown = voronoi::grow(topology, fine.mesh, &seeds, |_| true);
-    for _ in 0..options.centring {
-        seeds = centred(fine, &grown.label, seeds);
-        grown = voronoi::grow(topology, fine.mesh, &seeds, |_| true);
-    }
-    let complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, seeds)
+    let topology = fine.surface.topology();
+    let grown = voronoi::grow(topology, fine.mesh, seeds, |_| true);
+    let vertices = seeds.iter().map(|s| s.vertex).collect();
+    let complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
     record(fine, &complex)
-}
-
-/// Moves each seed to the vertex of its cell that is nearest, in the metric, to the cell's centroid. Seeds of boundary
-/// cells stay, so that rows along the boundary do not creep inwards.
-fn centred(fine: &CellSurface<'_>, label: &PerVertex<u32>, seeds: Vec<VertexId>) -> Vec<VertexId> {
-    let (centroid, _) = centroids(fine, label, seeds.len());
-    let mut moved = seeds.clone();
-    let mut best = vec![f64::INFINITY; seeds.len()];
-    for (v, &l) in label.enumerate() {
-        let d = fine.surface.positions()[v] - centroid[l as usize];
-        let n = fine.surface.normals()[v];
-        let distance = d.dot(&(fine.metric[v] * d)) + d.dot(&n).powi(2) * fine.metric[v].trace();
-        if distance < best[l as usize] {
-            best[l as usize] = distance;
-            moved[l as usize] = v;
-        }
-    }
-    let mut at_boundary = vec![false; seeds.len()];
-    for (v, &l) in label.enumerate() {
-        at_boundary[l as usize] |= fine.surface.topology().is_boundary_vertex(v);
-    }
-    seeds.iter().zip(moved).enumerate().map(|(i, (s, m))| if at_boundary[i] { *s } else { m }).collect()
 }
 
 fn centroids(fine: &CellSurface<'_>, label: &PerVertex<u32>, count: usize) -> (Vec<Vec3>, Vec<f64>) {
@@ -236,14 +205,4 @@ fn same_topology(surface: &Topology, panels: &Topology) -> Result<(), String> {
         "the panels have Euler characteristic {} and {} boundary loops, the surface {} and {}",
         got.0, got.1, want.0, want.1
     ))
-}
-
-/// The same panelling without the given panels' seeds; their neighbours grow into the gap.
-///
-/// # Errors
-/// As [`panelling`].
-pub fn without_panels(fine: &CellSurface<'_>, layout: &Layout, drop: &[phex_mesh::FaceId]) -> Result<Layout, LayoutError> {
-    let dropped: HashSet<usize> = drop.iter().map(|f| f.index()).collect();
-    let seeds = layout.face_seed.enumerate().filter(|(f, _)| !dropped.contains(&f.index())).map(|(_, s)| *s).collect();
-    panelling(fine, seeds, &LayoutOptions { centring: 0, ..LayoutOptions::default() })
 }

@@ -4,6 +4,7 @@
 //! comes from unfolding the seed into the triangle's plane (the virtual source of Novotni and Klein, 2002), which makes
 //! cells as straight as the triangulation allows.
 
+use super::seeds::Seed;
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology, VertexId};
 use std::cmp::{Ordering, Reverse};
@@ -45,17 +46,21 @@ impl Ord for Front {
 pub fn grow(
     topology: &Topology,
     mesh: &IntrinsicMesh,
-    seeds: &[VertexId],
+    seeds: &[Seed],
     allowed: impl Fn(VertexId) -> bool,
 ) -> Cells {
     let n = topology.n_vertices();
     let mut cells = Cells { label: PerVertex::filled(n, UNREACHED), distance: PerVertex::filled(n, f64::INFINITY) };
     let mut settled = PerVertex::filled(n, false);
     let mut heap = BinaryHeap::new();
-    for (label, &vertex) in seeds.iter().enumerate() {
-        cells.distance[vertex] = 0.0;
-        cells.label[vertex] = label as u32;
-        heap.push(Reverse(Front { distance: 0.0, label: label as u32, vertex }));
+    for (label, seed) in seeds.iter().enumerate() {
+        for &(vertex, distance) in &seed.core {
+            if distance < cells.distance[vertex] {
+                cells.distance[vertex] = distance;
+                cells.label[vertex] = label as u32;
+                heap.push(Reverse(Front { distance, label: label as u32, vertex }));
+            }
+        }
     }
     while let Some(Reverse(front)) = heap.pop() {
         let v = front.vertex;
