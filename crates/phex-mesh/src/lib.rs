@@ -12,6 +12,7 @@
 //! | [`measure`](mod@measure) | planarity, lengths, angles, clearance, deviation from a surface |
 //! | [`validate`](mod@validate) | located violations, and the type that has none |
 
+mod clipped;
 pub mod ear_clip;
 pub mod flat_face;
 pub mod hex_mesh;
@@ -21,7 +22,6 @@ pub mod measure;
 pub mod per_element;
 pub mod plane;
 pub mod polygon;
-mod clipped;
 pub mod surface;
 pub mod topology;
 pub mod validate;
