@@ -8,11 +8,14 @@
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
 //! | [`polygon`], [`ear_clip`](mod@ear_clip), [`flat_face`] | planar polygons: exact predicates, triangulation, a face in its plane |
+//! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
 //! | [`io`] | OBJ, PLY, STL and OFF files |
 //! | [`measure`](mod@measure) | planarity, lengths, angles, clearance, deviation from a surface |
 //! | [`validate`](mod@validate) | located violations, and the type that has none |
+//! | [`shapes`] | analytic surfaces with closed-form curvature, and their triangulations |
 
 mod clipped;
+mod disjoint_sets;
 pub mod ear_clip;
 pub mod flat_face;
 pub mod hex_mesh;
@@ -22,7 +25,9 @@ pub mod measure;
 pub mod per_element;
 pub mod plane;
 pub mod polygon;
+pub mod shapes;
 pub mod surface;
+pub mod surface_from_soup;
 pub mod topology;
 pub mod validate;
 
@@ -34,6 +39,7 @@ pub use measure::{Deviation, MeshMeasures, Metric, deviation, measure};
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;
 pub use surface::{SurfacePoint, TriangleSurface};
+pub use surface_from_soup::{SurfaceComponent, SurfaceError, SurfaceNotes, SurfaceParts};
 pub use topology::{Topology, TopologyError};
 pub use validate::{Invalid, ValidHexMesh, ValidateOptions, Violation, validate, violations};
 

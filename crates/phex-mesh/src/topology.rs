@@ -381,7 +381,8 @@ impl Topology {
     }
 }
 
-fn check_corners<F: AsRef<[u32]>>(vertex_count: usize, faces: &[F]) -> Result<(), TopologyError> {
+/// That every face has three or more corners, all different and below `vertex_count`.
+pub(crate) fn check_corners<F: AsRef<[u32]>>(vertex_count: usize, faces: &[F]) -> Result<(), TopologyError> {
     let mut sorted = Vec::new();
     for (i, corners) in faces.iter().enumerate() {
         let (face, corners) = (FaceId::from_index(i), corners.as_ref());

@@ -1,0 +1,521 @@
+//! A [`TriangleSurface`] from faces as they stand in a file.
+//!
+//! The order of the checks: coordinates, corners, edges, orientation, vertices, polygons, areas. Vertices and faces
+//! are named by their numbers in the soup, from 0.
+//!
+//! - *Orientation* is made consistent over each connected component, by turning the smaller number of faces (at equal
+//!   numbers the first face stays). A closed component that is inside out as a whole stays so: normals may point either
+//!   way for what phex does, and the input's choice is the user's.
+//! - *Polygons* are ear-clipped in their least-squares plane.
+//! - *Zero area* means: the triangle's least height is at most four units in the last place of the largest coordinate,
+//!   `4 eps max |x|`, that is, no height beyond the rounding of its own corners; needles above that are kept.
+
+use crate::disjoint_sets::DisjointSets;
+use crate::ear_clip::ear_clip_corners;
+use crate::topology::{TopologyError, check_corners};
+use crate::{ElementId, FaceId, PolygonSoup, TriangleSurface, Vec3, VertexId};
+use thiserror::Error;
+
+/// Bounds of the largest coordinate and of the bounding box's longest side: fourth powers must neither over- nor underflow.
+const EXTENT: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
+/// Messages list at most this many elements.
+const LISTED: usize = 10;
+
+/// Why faces are no triangle surface. Vertices and faces are those of the input, from 0.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// A coordinate is not finite.
+    #[error("vertex {vertex} has a coordinate that is not finite")]
+    NonFinite {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// The model has no extent, or one beyond what can be computed with.
+    #[error("the model's extent {extent:e} is outside 1e-50 to 1e50")]
+    Extent {
+        /// Longest side of the bounding box, or largest coordinate.
+        extent: f64,
+    },
+    /// Faces, edges or vertices that no manifold has.
+    #[error(transparent)]
+    Topology(#[from] TopologyError),
+    /// The surface has one side only, like a Moebius strip.
+    #[error(
+        "the surface can't be oriented (it is one-sided like a Moebius strip): faces {first} and {second} disagree at \
+         the edge between vertices {from} and {to} once all others agree"
+    )]
+    NotOrientable {
+        /// One end of the edge.
+        from: VertexId,
+        /// The other end.
+        to: VertexId,
+        /// One face at the edge.
+        first: FaceId,
+        /// The other face.
+        second: FaceId,
+    },
+    /// Polygons that can't be cut into triangles.
+    #[error("{} not simple in their planes (they touch or cross themselves): {}", are(.faces), list(.faces))]
+    NotSimple {
+        /// The faces.
+        faces: Vec<FaceId>,
+    },
+    /// Triangles, or parts of polygons, without area.
+    #[error("{} without area: {}", are(.faces), list(.faces))]
+    ZeroArea {
+        /// The faces.
+        faces: Vec<FaceId>,
+    },
+}
+
+/// What was changed to make a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SurfaceNotes {
+    /// Vertices that belong to no face and were dropped.
+    pub unused_vertices: usize,
+    /// Faces that were turned round.
+    pub turned_faces: usize,
+    /// Faces with more than three corners, cut into triangles.
+    pub cut_polygons: usize,
+}
+
+/// A connected surface and where its elements come from.
+#[derive(Clone)]
+pub struct SurfaceComponent {
+    /// The surface; its vertices and triangles keep the order of the input.
+    pub surface: TriangleSurface,
+    /// Number in the input of each vertex.
+    pub original_vertices: Vec<u32>,
+    /// Number in the input of the face that each triangle is a part of.
+    pub original_faces: Vec<u32>,
+}
+
+/// The connected surfaces of a soup; see [`TriangleSurface::from_soup`].
+#[derive(Clone)]
+pub struct SurfaceParts {
+    /// At least one, in the order of their first faces.
+    pub components: Vec<SurfaceComponent>,
+    /// What was changed, over all components.
+    pub notes: SurfaceNotes,
+}
+
+impl TriangleSurface {
+    /// Builds the connected surfaces of faces of any valence: drops unused vertices, makes the orientation consistent,
+    /// cuts polygons into triangles. Equal positions are *not* joined. Whether more than one component is welcome is
+    /// for the caller to say.
+    ///
+    /// # Errors
+    /// A [`SurfaceError`] that names the elements: a coordinate that is not finite, a face with fewer than three
+    /// corners, a missing or repeated vertex, an edge with three faces, a bow-tie vertex, a one-sided surface, a
+    /// polygon that is not simple, a triangle without area.
+    pub fn from_soup(soup: &PolygonSoup) -> Result<SurfaceParts, SurfaceError> {
+        check_size(soup)?;
+        check_corners(soup.positions.len(), &soup.faces)?;
+        let (largest, unused_vertices) = check_positions(soup)?;
+        let corners = Corners::new(&soup.faces);
+        let joints = corners.joints()?;
+        corners.check_fans(&joints, soup.positions.len())?;
+        let sides = corners.sides(&joints)?;
+        let triangles = cut_polygons(soup, &sides.turned)?;
+        check_areas(&soup.positions, &triangles, largest)?;
+        let components = split(soup, &triangles, &sides)?;
+        let notes = SurfaceNotes {
+            unused_vertices,
+            turned_faces: sides.turned.iter().filter(|&&turned| turned).count(),
+            cut_polygons: soup.faces.iter().filter(|f| f.len() > 3).count(),
+        };
+        Ok(SurfaceParts { components, notes })
+    }
+}
+
+fn check_size(soup: &PolygonSoup) -> Result<(), TopologyError> {
+    let corners = soup.faces.iter().map(Vec::len).sum();
+    // Cutting a polygon of n corners makes 3 (n - 2) corners.
+    if corners >= u32::MAX as usize / 3 || soup.positions.len() >= u32::MAX as usize {
+        return Err(TopologyError::TooLarge { corners });
+    }
+    if soup.faces.is_empty() {
+        return Err(TopologyError::Empty);
+    }
+    Ok(())
+}
+
+/// The largest coordinate of the vertices that are used, and the number of those that are not.
+fn check_positions(soup: &PolygonSoup) -> Result<(f64, usize), SurfaceError> {
+    let finite = |p: &Vec3| p.iter().all(|x| x.is_finite());
+    if let Some(i) = soup.positions.iter().position(|p| !finite(p)) {
+        let vertex = VertexId::from_index(i);
+        return Err(SurfaceError::NonFinite { vertex });
+    }
+    let mut is_used = vec![false; soup.positions.len()];
+    soup.faces
+        .iter()
+        .flatten()
+        .for_each(|&v| is_used[v as usize] = true);
+    let used = || {
+        soup.positions
+            .iter()
+            .zip(&is_used)
+            .filter(|(_, used)| **used)
+            .map(|(p, _)| p)
+    };
+    let low = used().fold(Vec3::repeat(f64::INFINITY), |low, p| low.inf(p));
+    let high = used().fold(Vec3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
+    let (size, largest) = ((high - low).amax(), low.amax().max(high.amax()));
+    match [size, largest]
+        .into_iter()
+        .find(|extent| !EXTENT.contains(extent))
+    {
+        Some(extent) => Err(SurfaceError::Extent { extent }),
+        None => Ok((largest, soup.positions.len() - used().count())),
+    }
+}
+
+/// Face corners in one list. Corner `c` also stands for the side from it to the next corner.
+struct Corners {
+    vertex: Vec<u32>,
+    face: Vec<u32>,
+    next: Vec<u32>,
+}
+
+/// An edge with two faces, as their sides along it.
+#[derive(Clone, Copy)]
+struct Joint {
+    sides: [u32; 2],
+    /// Whether both faces run through it in the same direction.
+    same_direction: bool,
+}
+
+/// What orienting all faces gives.
+struct Sides {
+    /// Component of each face, numbered by first faces.
+    component: Vec<u32>,
+    /// Whether each face is to be turned.
+    turned: Vec<bool>,
+}
+
+impl Corners {
+    fn new(faces: &[Vec<u32>]) -> Self {
+        let mut corners = Self {
+            vertex: Vec::new(),
+            face: Vec::new(),
+            next: Vec::new(),
+        };
+        for (f, face) in faces.iter().enumerate() {
+            let start = corners.vertex.len() as u32;
+            let n = face.len() as u32;
+            corners.vertex.extend(face);
+            corners
+                .face
+                .extend(std::iter::repeat_n(f as u32, face.len()));
+            corners.next.extend((1..=n).map(|i| start + i % n));
+        }
+        corners
+    }
+
+    /// Ends of a side, lower vertex first, and whether it runs from the lower to the higher.
+    fn ends(&self, side: u32) -> (u32, u32, bool) {
+        let from = self.vertex[side as usize];
+        let to = self.vertex[self.next[side as usize] as usize];
+        (from.min(to), from.max(to), from < to)
+    }
+
+    /// All edges with two faces, in the order of their ends.
+    fn joints(&self) -> Result<Vec<Joint>, TopologyError> {
+        let mut sides: Vec<(u32, u32, u32)> = (0..self.vertex.len() as u32)
+            .map(|side| (self.ends(side).0, self.ends(side).1, side))
+            .collect();
+        sides.sort_unstable();
+        let edges = sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
+        edges
+            .filter(|edge| edge.len() > 1)
+            .map(|edge| self.joint(edge))
+            .collect()
+    }
+
+    fn joint(&self, edge: &[(u32, u32, u32)]) -> Result<Joint, TopologyError> {
+        match *edge {
+            [(_, _, a), (_, _, b)] => Ok(Joint {
+                sides: [a, b],
+                same_direction: self.ends(a).2 == self.ends(b).2,
+            }),
+            _ => Err(TopologyError::NonManifoldEdge {
+                from: VertexId::new(edge[0].0),
+                to: VertexId::new(edge[0].1),
+                faces: edge
+                    .iter()
+                    .map(|&(_, _, side)| self.face_id(side))
+                    .collect(),
+            }),
+        }
+    }
+
+    fn face_id(&self, side: u32) -> FaceId {
+        FaceId::new(self.face[side as usize])
+    }
+
+    /// Joins the corners at a vertex across edges: every vertex must end with one fan.
+    fn check_fans(&self, joints: &[Joint], vertices: usize) -> Result<(), TopologyError> {
+        let mut fans = DisjointSets::new(self.vertex.len());
+        for joint in joints {
+            let [a, b] = joint.sides;
+            let [a_end, b_end] = joint.sides.map(|side| self.next[side as usize]);
+            let (at_a, at_a_end) = if joint.same_direction {
+                (b, b_end)
+            } else {
+                (b_end, b)
+            };
+            fans.join(a, at_a);
+            fans.join(a_end, at_a_end);
+        }
+        let mut fan_of = vec![None; vertices];
+        for corner in 0..self.vertex.len() as u32 {
+            let fan = fans.root(corner);
+            let v = self.vertex[corner as usize];
+            if *fan_of[v as usize].get_or_insert(fan) != fan {
+                return Err(TopologyError::BowTieVertex {
+                    vertex: VertexId::new(v),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Walks over each component from its first face and turns the faces that disagree, or the others if they are fewer.
+    fn sides(&self, joints: &[Joint]) -> Result<Sides, SurfaceError> {
+        let n_faces = self.face.last().map_or(0, |&f| f as usize + 1);
+        let mut neighbours: Vec<Vec<(u32, bool)>> = vec![Vec::new(); n_faces];
+        for joint in joints {
+            let [f, g] = joint.sides.map(|side| self.face[side as usize]);
+            neighbours[f as usize].push((g, joint.same_direction));
+            neighbours[g as usize].push((f, joint.same_direction));
+        }
+        let mut sides = Sides {
+            component: vec![u32::MAX; n_faces],
+            turned: vec![false; n_faces],
+        };
+        let mut count = 0;
+        for seed in 0..n_faces {
+            if sides.component[seed] == u32::MAX {
+                sides.spread(seed as u32, count, &neighbours);
+                count += 1;
+            }
+        }
+        self.check_sides(joints, &sides)?;
+        Ok(sides)
+    }
+
+    fn check_sides(&self, joints: &[Joint], sides: &Sides) -> Result<(), SurfaceError> {
+        let turned = |side: u32| sides.turned[self.face[side as usize] as usize];
+        let agree = |j: &&Joint| (turned(j.sides[0]) != turned(j.sides[1])) == j.same_direction;
+        let Some(joint) = joints.iter().find(|joint| !agree(joint)) else {
+            return Ok(());
+        };
+        let (from, to, _) = self.ends(joint.sides[0]);
+        Err(SurfaceError::NotOrientable {
+            from: VertexId::new(from),
+            to: VertexId::new(to),
+            first: self.face_id(joint.sides[0]),
+            second: self.face_id(joint.sides[1]),
+        })
+    }
+}
+
+impl Sides {
+    fn spread(&mut self, seed: u32, component: u32, neighbours: &[Vec<(u32, bool)>]) {
+        let mut faces = vec![seed];
+        self.component[seed as usize] = component;
+        let mut done = 0;
+        while let Some(&f) = faces.get(done) {
+            done += 1;
+            for &(g, same_direction) in &neighbours[f as usize] {
+                if self.component[g as usize] == u32::MAX {
+                    self.component[g as usize] = component;
+                    self.turned[g as usize] = self.turned[f as usize] != same_direction;
+                    faces.push(g);
+                }
+            }
+        }
+        let n_turned = faces.iter().filter(|&&f| self.turned[f as usize]).count();
+        if 2 * n_turned > faces.len() {
+            faces.iter().for_each(|&f| self.turned[f as usize] ^= true);
+        }
+    }
+}
+
+/// A triangle of the result: vertices and face of the input.
+struct Triangle {
+    vertices: [u32; 3],
+    face: u32,
+}
+
+fn cut_polygons(soup: &PolygonSoup, turned: &[bool]) -> Result<Vec<Triangle>, SurfaceError> {
+    let mut triangles = Vec::with_capacity(soup.faces.len());
+    let (mut not_simple, mut without_area) = (Vec::new(), Vec::new());
+    for (f, face) in soup.faces.iter().enumerate() {
+        let mut vertices = face.clone();
+        if turned[f] {
+            // The first corner stays the first.
+            vertices[1..].reverse();
+        }
+        let points: Vec<Vec3> = vertices
+            .iter()
+            .map(|&v| soup.positions[v as usize])
+            .collect();
+        match ear_clip_corners(&points) {
+            Ok(ears) => triangles.extend(ears.iter().map(|ear| Triangle {
+                vertices: ear.map(|i| vertices[i as usize]),
+                face: f as u32,
+            })),
+            Err(_) if is_straight(&points) => without_area.push(FaceId::from_index(f)),
+            Err(_) => not_simple.push(FaceId::from_index(f)),
+        }
+    }
+    if !without_area.is_empty() {
+        return Err(SurfaceError::ZeroArea {
+            faces: without_area,
+        });
+    }
+    if !not_simple.is_empty() {
+        return Err(SurfaceError::NotSimple { faces: not_simple });
+    }
+    Ok(triangles)
+}
+
+/// Whether all points lie on a line, up to rounding.
+fn is_straight(points: &[Vec3]) -> bool {
+    let far = |from: Vec3| {
+        points
+            .iter()
+            .map(|p| p - from)
+            .max_by(|a, b| a.norm().total_cmp(&b.norm()))
+    };
+    let direction = far(points[0]).unwrap_or_default();
+    let height = |p: &Vec3| (p - points[0]).cross(&direction).norm();
+    let rounding = largest_coordinate(points) * direction.norm();
+    points
+        .iter()
+        .all(|p| height(p) <= 4.0 * f64::EPSILON * rounding)
+}
+
+fn check_areas(
+    positions: &[Vec3],
+    triangles: &[Triangle],
+    largest: f64,
+) -> Result<(), SurfaceError> {
+    let rounding = 4.0 * f64::EPSILON * largest;
+    let flat = |t: &&Triangle| least_height(t.vertices.map(|v| positions[v as usize])) <= rounding;
+    let mut faces: Vec<FaceId> = triangles
+        .iter()
+        .filter(flat)
+        .map(|t| FaceId::new(t.face))
+        .collect();
+    faces.dedup();
+    if faces.is_empty() {
+        Ok(())
+    } else {
+        Err(SurfaceError::ZeroArea { faces })
+    }
+}
+
+fn largest_coordinate(positions: &[Vec3]) -> f64 {
+    positions.iter().map(|p| p.amax()).fold(0.0, f64::max)
+}
+
+fn least_height([a, b, c]: [Vec3; 3]) -> f64 {
+    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+    if longest > 0.0 {
+        (b - a).cross(&(c - a)).norm() / longest
+    } else {
+        0.0
+    }
+}
+
+fn split(
+    soup: &PolygonSoup,
+    triangles: &[Triangle],
+    sides: &Sides,
+) -> Result<Vec<SurfaceComponent>, SurfaceError> {
+    let count = sides.component.iter().max().map_or(0, |&c| c as usize + 1);
+    let mut parts: Vec<Vec<&Triangle>> = vec![Vec::new(); count];
+    for triangle in triangles {
+        parts[sides.component[triangle.face as usize] as usize].push(triangle);
+    }
+    let mut local = vec![u32::MAX; soup.positions.len()];
+    parts
+        .iter()
+        .map(|part| component(soup, part, &mut local))
+        .collect()
+}
+
+/// `local` is scratch: a vertex belongs to one component only, so that it need not be cleared.
+fn component(
+    soup: &PolygonSoup,
+    triangles: &[&Triangle],
+    local: &mut [u32],
+) -> Result<SurfaceComponent, SurfaceError> {
+    let mut original_vertices: Vec<u32> = triangles.iter().flat_map(|t| t.vertices).collect();
+    original_vertices.sort_unstable();
+    original_vertices.dedup();
+    for (i, &v) in original_vertices.iter().enumerate() {
+        local[v as usize] = i as u32;
+    }
+    let original_faces: Vec<u32> = triangles.iter().map(|t| t.face).collect();
+    let positions = original_vertices
+        .iter()
+        .map(|&v| soup.positions[v as usize])
+        .collect();
+    let corners: Vec<[u32; 3]> = triangles
+        .iter()
+        .map(|t| t.vertices.map(|v| local[v as usize]))
+        .collect();
+    let surface = TriangleSurface::new(positions, &corners)
+        .map_err(|error| in_input_numbers(error, &original_vertices, &original_faces))?;
+    Ok(SurfaceComponent {
+        surface,
+        original_vertices,
+        original_faces,
+    })
+}
+
+/// Only the diagonals of cut polygons can still clash here: two that join the same vertices, or one along an edge.
+fn in_input_numbers(error: TopologyError, vertices: &[u32], faces: &[u32]) -> TopologyError {
+    let vertex = |v: VertexId| VertexId::new(vertices[v.index()]);
+    let face = |f: FaceId| FaceId::new(faces[f.index()]);
+    match error {
+        TopologyError::NonManifoldEdge { from, to, faces } => TopologyError::NonManifoldEdge {
+            from: vertex(from),
+            to: vertex(to),
+            faces: faces.into_iter().map(face).collect(),
+        },
+        TopologyError::InconsistentOrientation {
+            from,
+            to,
+            first,
+            second,
+        } => TopologyError::InconsistentOrientation {
+            from: vertex(from),
+            to: vertex(to),
+            first: face(first),
+            second: face(second),
+        },
+        TopologyError::BowTieVertex { vertex: v } => {
+            TopologyError::BowTieVertex { vertex: vertex(v) }
+        }
+        other => other,
+    }
+}
+
+fn are(faces: &[FaceId]) -> String {
+    match faces.len() {
+        1 => "one face is".to_owned(),
+        n => format!("{n} faces are"),
+    }
+}
+
+fn list(faces: &[FaceId]) -> String {
+    let shown: Vec<String> = faces.iter().take(LISTED).map(ToString::to_string).collect();
+    let more = if faces.len() > LISTED { ", ..." } else { "" };
+    shown.join(", ") + more
+}
