@@ -1,12 +1,12 @@
-//! Triangles of a simple polygon by ear clipping, never by fans: concave faces keep their shape.
+//! Triangles of a simple polygon by ear clipping (Meisters' two-ears theorem), never by fans: concave faces keep their
+//! shape.
 //!
-//! The polygon is seen in its least-squares plane ([`FacePlane`]) and all decisions are exact for the projected
-//! coordinates (predicates of Shewchuk). Of all ears the best is cut, so that a straight corner becomes the corner of
-//! triangles with area, and not the tip of one without.
+//! Which corners are ears is decided exactly (predicates of Shewchuk). Of all ears the best is cut, so that a straight
+//! corner becomes the corner of triangles with area, and not the tip of one without.
 
 use crate::plane::FacePlane;
+use crate::polygon::{is_simple, orientation, point_segment_distance, signed_area};
 use crate::{Vec2, Vec3};
-use robust::{Coord, orient2d};
 use thiserror::Error;
 
 /// A polygon has fewer than three corners, or touches or crosses itself in its least-squares plane.
@@ -14,134 +14,210 @@ use thiserror::Error;
 #[error("the polygon is not simple")]
 pub struct NotSimple;
 
-/// Cuts a polygon into `corners.len() - 2` triangles, given as corner numbers in the polygon's direction. A triangle is
-/// returned as it is.
+/// Triangles of a polygon of space, seen in its least-squares plane; a triangle is returned as it is.
 ///
 /// # Errors
-/// If the polygon is not simple in its least-squares plane (a polygon without area never is).
-pub fn ear_clip(corners: &[Vec3]) -> Result<Vec<[u32; 3]>, NotSimple> {
-    if corners.len() <= 3 {
-        return if corners.len() == 3 {
-            Ok(vec![[0, 1, 2]])
-        } else {
-            Err(NotSimple)
-        };
+/// If the polygon is not simple in that plane (a polygon without area never is).
+pub fn ear_clip_corners(corners: &[Vec3]) -> Result<Vec<[u32; 3]>, NotSimple> {
+    if corners.len() == 3 {
+        return Ok(vec![[0, 1, 2]]);
     }
     let plane = FacePlane::fit(corners);
-    let points: Vec<Vec2> = corners.iter().map(|&p| plane.project(p)).collect();
-    if !is_simple(&points) {
+    let polygon: Vec<Vec2> = corners.iter().map(|&p| plane.project(p)).collect();
+    if !is_simple(&polygon) {
         return Err(NotSimple);
     }
-    cut_ears(&points)
+    let triangles = ear_clip(&polygon).ok_or(NotSimple)?;
+    Ok(triangles.into_iter().map(|t| t.map(|k| k as u32)).collect())
 }
 
-fn cut_ears(points: &[Vec2]) -> Result<Vec<[u32; 3]>, NotSimple> {
-    let mut rest: Vec<u32> = (0..points.len() as u32).collect();
-    let mut quality = all_qualities(points, &rest);
-    let mut triangles = Vec::with_capacity(points.len() - 2);
-    while rest.len() > 3 {
-        let mut i = best(&quality);
-        if quality[i] <= 0.0 {
+/// Triangles of a simple polygon, as triples of corner numbers wound like the polygon; none is degenerate. Corners of
+/// 180 degrees are allowed. `None` if clipping gets stuck, which happens only for a polygon that is not simple.
+pub fn ear_clip(polygon: &[Vec2]) -> Option<Vec<[usize; 3]>> {
+    let (triangles, rest) = clip(polygon);
+    rest.is_empty().then_some(triangles)
+}
+
+/// As [`ear_clip`]; what is left of a polygon that is not simple is fanned.
+pub(crate) fn ear_clip_or_fan(polygon: &[Vec2]) -> Vec<[usize; 3]> {
+    let (mut triangles, rest) = clip(polygon);
+    triangles.extend(rest.windows(2).skip(1).map(|w| [rest[0], w[0], w[1]]));
+    triangles
+}
+
+/// The clipped triangles, and the corners that are left when no ear is found.
+fn clip(polygon: &[Vec2]) -> (Vec<[usize; 3]>, Vec<usize>) {
+    let mut clipper = Clipper::new(polygon);
+    let mut triangles = Vec::with_capacity(polygon.len().saturating_sub(2));
+    while clipper.rest.len() >= 3 {
+        let Some(i) = clipper.best_ear() else {
+            return (triangles, clipper.rest);
+        };
+        triangles.push(clipper.cut(i));
+    }
+    (triangles, Vec::new())
+}
+
+/// A polygon that is being clipped.
+struct Clipper<'a> {
+    polygon: &'a [Vec2],
+    /// Sign of the polygon's area.
+    sign: f64,
+    /// Corners that are left.
+    rest: Vec<usize>,
+    /// Quality of the ear at each of them, zero where there is none; it may have risen since it was computed.
+    quality: Vec<f64>,
+}
+
+impl<'a> Clipper<'a> {
+    fn new(polygon: &'a [Vec2]) -> Self {
+        let mut clipper = Self {
+            polygon,
+            sign: signed_area(polygon).signum(),
+            rest: (0..polygon.len()).collect(),
+            quality: Vec::new(),
+        };
+        clipper.measure_all();
+        clipper
+    }
+
+    fn measure_all(&mut self) {
+        self.quality = (0..self.rest.len()).map(|i| self.ear_quality(i)).collect();
+    }
+
+    /// Place of the best ear, the first of equals.
+    fn best_ear(&mut self) -> Option<usize> {
+        self.best_known_ear().or_else(|| {
             // A corner that was cut since may have been all that blocked an ear.
-            quality = all_qualities(points, &rest);
-            i = best(&quality);
-        }
-        if quality[i] <= 0.0 {
-            return Err(NotSimple);
-        }
-        triangles.push(ear(&rest, i));
-        rest.remove(i);
-        quality.remove(i);
-        for j in [(i + rest.len() - 1) % rest.len(), i % rest.len()] {
-            quality[j] = ear_quality(points, &rest, j);
-        }
+            self.measure_all();
+            self.best_known_ear()
+        })
     }
-    triangles.push([rest[0], rest[1], rest[2]]);
-    Ok(triangles)
-}
 
-fn all_qualities(points: &[Vec2], rest: &[u32]) -> Vec<f64> {
-    (0..rest.len())
-        .map(|i| ear_quality(points, rest, i))
-        .collect()
-}
-
-/// The first place of the largest value.
-fn best(quality: &[f64]) -> usize {
-    (1..quality.len()).fold(0, |a, b| if quality[b] > quality[a] { b } else { a })
-}
-
-fn ear(rest: &[u32], i: usize) -> [u32; 3] {
-    let n = rest.len();
-    [rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]]
-}
-
-/// How good the ear at `rest[i]` is, zero or less if there is none: the least height of its triangle or, if less, the
-/// least distance of the other corners from its diagonal, by its longest side. The second keeps an ear from leaving a
-/// polygon without area, as where the others are straight corners of one side.
-fn ear_quality(points: &[Vec2], rest: &[u32], i: usize) -> f64 {
-    let corners = ear(rest, i);
-    let [a, b, c] = corners.map(|v| points[v as usize]);
-    if turn(a, b, c) <= 0.0 {
-        return 0.0;
+    fn best_known_ear(&self) -> Option<usize> {
+        let better = |a: usize, b: usize| {
+            if self.quality[b] > self.quality[a] {
+                b
+            } else {
+                a
+            }
+        };
+        let best = (0..self.rest.len()).reduce(better);
+        best.filter(|&i| self.quality[i] > 0.0)
     }
-    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-    let mut least = (b - a).perp(&(c - b)) / longest;
-    for &v in rest.iter().filter(|v| !corners.contains(v)) {
-        let p = points[v as usize];
-        if turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0 {
+
+    /// Cuts the ear at place `i` off.
+    fn cut(&mut self, i: usize) -> [usize; 3] {
+        let ear = self.triple(i);
+        self.rest.remove(i);
+        self.quality.remove(i);
+        let n = self.rest.len();
+        for j in [(i + n - 1) % n, i % n] {
+            self.quality[j] = self.ear_quality(j);
+        }
+        ear
+    }
+
+    fn triple(&self, i: usize) -> [usize; 3] {
+        let n = self.rest.len();
+        [(i + n - 1) % n, i, (i + 1) % n].map(|k| self.rest[k])
+    }
+
+    /// Zero unless the triangle at place `i` is convex and no other remaining corner lies in it or on its border. Else
+    /// its least height or, if less, the least distance of the other corners from its diagonal, by its longest side.
+    /// The second keeps an ear from leaving a polygon without area, as where the others are straight corners of one side.
+    fn ear_quality(&self, i: usize) -> f64 {
+        let ear = self.triple(i);
+        let [a, b, c] = ear.map(|k| self.polygon[k]);
+        let left = |a, b, q| self.sign * orientation(a, b, q);
+        if left(a, b, c) <= 0.0 {
             return 0.0;
         }
-        least = least.min(distance_to_segment(p, a, c));
+        let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+        let mut least = (b - a).perp(&(c - b)).abs() / longest;
+        for &k in self.rest.iter().filter(|k| !ear.contains(k)) {
+            let q = self.polygon[k];
+            if left(a, b, q) >= 0.0 && left(b, c, q) >= 0.0 && left(c, a, q) >= 0.0 {
+                return 0.0;
+            }
+            least = least.min(point_segment_distance(q, a, c));
+        }
+        // The smallest positive number stands for an ear too thin for the quotient.
+        (least / longest).max(f64::MIN_POSITIVE)
     }
-    // The smallest positive number stands for an ear too thin for the quotient.
-    (least / longest).max(f64::MIN_POSITIVE)
-}
-
-fn distance_to_segment(p: Vec2, a: Vec2, b: Vec2) -> f64 {
-    let along = (p - a).dot(&(b - a)) / (b - a).norm_squared();
-    (a + (b - a) * along.clamp(0.0, 1.0) - p).norm()
-}
-
-/// Positive if `a`, `b`, `c` turn counter-clockwise, zero if they are collinear: exact.
-fn turn(a: Vec2, b: Vec2, c: Vec2) -> f64 {
-    let [a, b, c] = [a, b, c].map(|p| Coord { x: p.x, y: p.y });
-    orient2d(a, b, c)
-}
-
-/// Whether no two sides meet but neighbours in their common corner.
-fn is_simple(points: &[Vec2]) -> bool {
-    let n = points.len();
-    let side = |i: usize| [points[i], points[(i + 1) % n]];
-    (0..n).all(|i| {
-        let [a, b] = side(i);
-        let folded = on_segment(a, b, points[(i + 2) % n]) || on_segment(b, points[(i + 2) % n], a);
-        let last = if i == 0 { n - 1 } else { n };
-        !folded && (i + 2..last).all(|j| !segments_meet(side(i), side(j)))
-    })
-}
-
-fn segments_meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> bool {
-    let opposite = |x: f64, y: f64| (x > 0.0 && y < 0.0) || (x < 0.0 && y > 0.0);
-    let crossing = opposite(turn(a, b, c), turn(a, b, d)) && opposite(turn(c, d, a), turn(c, d, b));
-    crossing
-        || on_segment(a, b, c)
-        || on_segment(a, b, d)
-        || on_segment(c, d, a)
-        || on_segment(c, d, b)
-}
-
-fn on_segment(a: Vec2, b: Vec2, p: Vec2) -> bool {
-    let (low, high) = (a.inf(&b), a.sup(&b));
-    let in_box = (0..2).all(|k| low[k] <= p[k] && p[k] <= high[k]);
-    in_box && turn(a, b, p) == 0.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::polygon::is_simple;
+    use proptest::prelude::*;
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
+
+    fn polygon(corners: &[[f64; 2]]) -> Vec<Vec2> {
+        corners.iter().map(|&[x, y]| Vec2::new(x, y)).collect()
+    }
+
+    fn areas(polygon: &[Vec2], triangles: &[[usize; 3]]) -> Vec<f64> {
+        let area = |t: &[usize; 3]| signed_area(&t.map(|k| polygon[k]));
+        triangles.iter().map(area).collect()
+    }
+
+    #[test]
+    fn concave_polygon_of_either_winding() {
+        let l = polygon(&[
+            [0.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+        ]);
+        let triangles = ear_clip(&l).unwrap();
+        assert_eq!(triangles.len(), 4);
+        assert_eq!(areas(&l, &triangles).iter().sum::<f64>(), 4.0);
+        let back: Vec<Vec2> = l.into_iter().rev().collect();
+        let areas = areas(&back, &ear_clip(&back).unwrap());
+        assert!(areas.iter().all(|&a| a < 0.0) && areas.iter().sum::<f64>() == -4.0);
+    }
+
+    #[test]
+    fn corners_of_180_degrees_give_no_degenerate_triangle() {
+        let brick = polygon(&[
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [0.0, 1.0],
+        ]);
+        let areas = areas(&brick, &ear_clip(&brick).unwrap());
+        assert!(areas.iter().all(|&a| a > 0.0) && areas.iter().sum::<f64>() == 2.0);
+    }
+
+    #[test]
+    fn stuck_polygon_is_refused_or_fanned() {
+        let line = polygon(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]);
+        assert_eq!(ear_clip(&line), None);
+        assert_eq!(ear_clip_or_fan(&line), [[0, 1, 2], [0, 2, 3]]);
+    }
+
+    proptest! {
+        #[test]
+        fn a_simple_polygon_is_covered_once(grid in prop::collection::vec((0u8..6, 0u8..6), 4..8)) {
+            // A coarse grid makes collinear corners common.
+            let corners: Vec<Vec2> = grid.iter().map(|&(x, y)| Vec2::new(x.into(), y.into())).collect();
+            if is_simple(&corners) {
+                let triangles = ear_clip(&corners).expect("a simple polygon has ears");
+                let area = signed_area(&corners);
+                let areas = areas(&corners, &triangles);
+                prop_assert_eq!(triangles.len(), corners.len() - 2);
+                prop_assert!(areas.iter().all(|a| a * area > 0.0));
+                prop_assert_eq!(areas.iter().sum::<f64>(), area);
+            }
+        }
+    }
 
     /// Points of a tilted plane.
     fn lift(points: &[[f64; 2]]) -> Vec<Vec3> {
@@ -153,7 +229,7 @@ mod tests {
         points.iter().map(place).collect()
     }
 
-    fn signed_areas(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Vec<f64> {
+    fn areas_of_lifted(points: &[[f64; 2]], triangles: &[[u32; 3]]) -> Vec<f64> {
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| Vec2::from(points[i as usize]));
             0.5 * (b - a).perp(&(c - a))
@@ -182,8 +258,8 @@ mod tests {
                         [radius * angle.cos(), radius * angle.sin()]
                     })
                     .collect();
-                let triangles = ear_clip(&lift(&points)).unwrap();
-                let areas = signed_areas(&points, &triangles);
+                let triangles = ear_clip_corners(&lift(&points)).unwrap();
+                let areas = areas_of_lifted(&points, &triangles);
                 assert_eq!(areas.len(), points.len() - 2);
                 assert!(areas.iter().all(|&a| a > 0.0));
                 assert!((areas.iter().sum::<f64>() - polygon_area(&points)).abs() < 1e-12);
@@ -214,8 +290,8 @@ mod tests {
             [0.0, 2.0],
         ];
         for points in [&triangle[..], &comb[..]] {
-            let triangles = ear_clip(&lift(points)).unwrap();
-            let areas = signed_areas(points, &triangles);
+            let triangles = ear_clip_corners(&lift(points)).unwrap();
+            let areas = areas_of_lifted(points, &triangles);
             assert!(areas.iter().all(|&a| a > 0.1), "{areas:?}");
             assert!((areas.iter().sum::<f64>() - polygon_area(points)).abs() < 1e-12);
         }
@@ -229,7 +305,7 @@ mod tests {
             let (a, b, c) = ([0.1, 0.2], [1.7, 0.9], [0.3, 1.9]);
             let middle = [0, 1].map(|i| a[i] + (b[i] - a[i]) * t);
             for points in [vec![a, middle, b, c], vec![c, a, middle, b]] {
-                let areas = signed_areas(&points, &ear_clip(&lift(&points)).unwrap());
+                let areas = areas_of_lifted(&points, &ear_clip_corners(&lift(&points)).unwrap());
                 assert!(areas.iter().all(|&a| a > 1e-3), "t {t}: {areas:?}");
             }
         }
@@ -256,9 +332,9 @@ mod tests {
         for points in [bow, pentagram, touching, twice, spike, line] {
             // Not tilted: touching is exact only before rounding.
             let corners: Vec<Vec3> = points.iter().map(|p| Vec3::new(p[0], p[1], 0.0)).collect();
-            assert_eq!(ear_clip(&corners), Err(NotSimple), "{points:?}");
+            assert_eq!(ear_clip_corners(&corners), Err(NotSimple), "{points:?}");
         }
-        assert_eq!(ear_clip(&[Vec3::x(), Vec3::y()]), Err(NotSimple));
+        assert_eq!(ear_clip_corners(&[Vec3::x(), Vec3::y()]), Err(NotSimple));
     }
 
     #[test]
@@ -269,8 +345,8 @@ mod tests {
             [1.0, 1.0, 0.3],
             [0.0, 1.0, -0.3],
         ];
-        let triangles = ear_clip(&corners.map(Vec3::from)).unwrap();
+        let triangles = ear_clip_corners(&corners.map(Vec3::from)).unwrap();
         let flat = corners.map(|p| [p[0], p[1]]);
-        assert!(signed_areas(&flat, &triangles).iter().all(|&a| a == 0.5));
+        assert!(areas_of_lifted(&flat, &triangles).iter().all(|&a| a == 0.5));
     }
 }

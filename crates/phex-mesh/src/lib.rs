@@ -8,27 +8,38 @@
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
 //! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
-//! | [`ear_clip`] | triangles of a simple polygon |
+//! | [`polygon`], [`ear_clip`](mod@ear_clip), [`flat_face`] | planar polygons: exact predicates, triangulation, a face in its plane |
 //! | [`io`] | OBJ, PLY, STL and OFF files |
+//! | [`measure`](mod@measure) | planarity, lengths, angles, clearance, deviation from a surface |
+//! | [`validate`](mod@validate) | located violations, and the type that has none |
 
 mod disjoint_sets;
 pub mod ear_clip;
+pub mod flat_face;
 pub mod hex_mesh;
 pub mod ids;
 pub mod io;
+pub mod measure;
 pub mod per_element;
 pub mod plane;
+pub mod polygon;
+mod clipped;
 pub mod surface;
 pub mod surface_from_soup;
 pub mod topology;
+pub mod validate;
 
+pub use ear_clip::ear_clip;
+pub use flat_face::FlatFace;
 pub use hex_mesh::HexMesh;
 pub use ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
+pub use measure::{Deviation, MeshMeasures, Metric, deviation, measure};
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;
 pub use surface::{SurfacePoint, TriangleSurface};
 pub use surface_from_soup::{SurfaceComponent, SurfaceError, SurfaceNotes, SurfaceParts};
 pub use topology::{Topology, TopologyError};
+pub use validate::{Invalid, ValidHexMesh, ValidateOptions, Violation, validate, violations};
 
 /// Points and vectors of space; which of the two is meant follows from the name.
 pub type Vec3 = nalgebra::Vector3<f64>;

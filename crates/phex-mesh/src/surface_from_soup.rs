@@ -11,7 +11,7 @@
 //!   `4 eps max |x|`, that is, no height beyond the rounding of its own corners; needles above that are kept.
 
 use crate::disjoint_sets::DisjointSets;
-use crate::ear_clip::ear_clip;
+use crate::ear_clip::ear_clip_corners;
 use crate::topology::{TopologyError, check_corners};
 use crate::{ElementId, FaceId, PolygonSoup, TriangleSurface, Vec3, VertexId};
 use thiserror::Error;
@@ -363,7 +363,7 @@ fn cut_polygons(soup: &PolygonSoup, turned: &[bool]) -> Result<Vec<Triangle>, Su
             .iter()
             .map(|&v| soup.positions[v as usize])
             .collect();
-        match ear_clip(&points) {
+        match ear_clip_corners(&points) {
             Ok(ears) => triangles.extend(ears.iter().map(|ear| Triangle {
                 vertices: ear.map(|i| vertices[i as usize]),
                 face: f as u32,

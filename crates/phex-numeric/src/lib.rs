@@ -1,1 +1,33 @@
-//! phex-numeric
+//! Equations: sparse symmetric systems, factorisations, damped descent, projection onto constraints.
+//! This crate knows no mesh.
+//!
+//! | module | what it solves |
+//! |---|---|
+//! | [`symmetric`] | sparse symmetric matrices, built from triplets |
+//! | [`cholesky`] | `A = L L^T` with the symbolic part reused, residual refined |
+//! | [`assembly`] | sums of dense element blocks on a fixed pattern |
+//! | [`conjugate_gradients`] | `A x = b` from products with `A` alone |
+//! | [`damped`] | descent whose damping follows the collision step |
+//! | [`projection`] | minimum-norm projection onto constraints, guarded |
+//! | [`outcome`] | how an iteration ended |
+//! | [`error`] | what can be wrong with a system |
+
+pub mod assembly;
+pub mod cholesky;
+pub mod conjugate_gradients;
+pub mod damped;
+pub mod error;
+pub mod outcome;
+pub mod projection;
+pub mod symmetric;
+
+pub use assembly::Assembly;
+pub use cholesky::Cholesky;
+pub use conjugate_gradients::{
+    ConjugateGradientOptions, ConjugateGradientResult, conjugate_gradients,
+};
+pub use damped::{DampedOptions, DampedProblem, DampedSolver, Damping};
+pub use error::NumericError;
+pub use outcome::{Outcome, Record, Status};
+pub use projection::{Constraints, MinimumNorm, ProjectionOptions};
+pub use symmetric::{Pattern, SymmetricMatrix};

@@ -4,11 +4,17 @@
 //!
 //! | stage | what it computes |
 //! |---|---|
+//! | [`target`] | the smooth surface that the input's facets sample, normalised |
+//! | [`curvature`] | shape operator at the scale of a panel |
+//! | [`directions`] | the metric in which panels are regular, and their lattice directions |
 //! | [`layout`] | the panelling's connectivity and first positions |
 //! | [`optimise`] | planar, simple panels close to the surface |
 
+pub mod curvature;
+pub mod directions;
 pub mod layout;
 pub mod optimise;
 pub mod progress;
+pub mod target;
 
 pub use progress::{Event, Progress, Silent};

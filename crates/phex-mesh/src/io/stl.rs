@@ -14,7 +14,7 @@
 use super::error::{Place, ReadCause, ReadError, WriteCause};
 use super::text::{decode, numbered_lines, point, shown};
 use super::weld::weld;
-use crate::ear_clip::ear_clip;
+use crate::ear_clip::ear_clip_corners;
 use crate::{PolygonSoup, Vec3};
 use std::io::Cursor;
 use stl_io::{Triangle, Vector};
@@ -168,7 +168,7 @@ pub(super) fn encode(soup: &PolygonSoup) -> Result<Vec<u8>, WriteCause> {
             .iter()
             .map(|&v| soup.positions[v as usize])
             .collect();
-        for ear in ear_clip(&points).map_err(|_| WriteCause::NotSimple { face })? {
+        for ear in ear_clip_corners(&points).map_err(|_| WriteCause::NotSimple { face })? {
             let points = ear.map(|i| points[i as usize]);
             let single = points.map(|p| Vector::new([p.x as f32, p.y as f32, p.z as f32]));
             if let Some(i) = single

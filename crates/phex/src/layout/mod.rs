@@ -1,4 +1,208 @@
 //! Layout: connectivity and first positions of the panels.
+//!
+//! 1. [`waves`]: lattice offsets by diffusion and projection of three waves in the charts of the direction field;
+//!    [`polish`]: Gauss-Seidel.
+//! 2. [`seamless`]: Burgers vectors moved into opposites, cones or the boundary, then one linear solve.
+//! 3. [`seeds`]: one seed vertex per lattice point; [`voronoi`]: geodesic cells in the metric, on a finer mesh.
+//! 4. [`cells`]: discs whose outlines are the panels; triangles with three labels are vertices, so every interior vertex
+//!    has degree 3 by construction.
+//!
+//! Guaranteed: the panelling has the Euler characteristic and the boundary loops of the surface, every interior vertex has
+//! degree 3, sharp boundary corners are kept as corners of one panel. Fails, with an error that says so: where panels are
+//! so large that cells can't be made discs.
 
+pub mod cells;
+pub mod lattice;
+pub mod polish;
 pub mod record;
+pub mod seamless;
+pub mod seeds;
+pub mod voronoi;
+pub mod waves;
+
 pub use record::{Layout, VertexKind};
+
+use crate::directions::Directions;
+use crate::directions::intrinsic::IntrinsicMesh;
+use cells::{CellComplex, Node};
+use lattice::Charts;
+use nalgebra::Matrix3;
+use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_numeric::NumericError;
+use seamless::{Annihilation, Offsets};
+use seeds::Seed;
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use thiserror::Error;
+
+/// How panels are laid out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct LayoutOptions {
+    /// Seed of the random start of the waves.
+    pub seed: u64,
+    /// Sweeps of the Gauss-Seidel polish.
+    pub sweeps: usize,
+    /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay).
+    pub annihilation_length: f64,
+}
+
+impl Default for LayoutOptions {
+    fn default() -> Self {
+        Self { seed: 0, sweeps: 60, annihilation_length: f64::INFINITY }
+    }
+}
+
+/// Why no layout exists.
+#[derive(Clone, Debug, Error)]
+pub enum LayoutError {
+    /// A linear system could not be solved.
+    #[error("the layout's equations could not be solved: {0}")]
+    Numeric(#[from] NumericError),
+    /// Cells are not discs.
+    #[error("no panelling with the topology of the surface was found: {reason}; ask for smaller panels")]
+    Topology {
+        /// What went wrong.
+        reason: String,
+    },
+}
+
+/// What the position step reached.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct LayoutStatistics {
+    /// Cones of the direction field (triangles with an index).
+    pub cones: usize,
+    /// What became of the dislocations.
+    pub annihilation: Annihilation,
+    /// 95 % quantile of the edges' distortion.
+    pub distortion_p95: f64,
+}
+
+/// Seed vertices of the panels.
+///
+/// # Errors
+/// If a linear system can't be solved.
+pub fn place_seeds(
+    topology: &Topology,
+    directions: &Directions,
+    options: &LayoutOptions,
+) -> Result<(Vec<Seed>, LayoutStatistics), LayoutError> {
+    let mesh = &directions.intrinsic;
+    let charts = Charts::new(topology, directions);
+    let mut position = waves::diffuse(topology, mesh, &charts, options.seed);
+    polish::polish(topology, mesh, &charts, &mut position, options.sweeps);
+    let mut offsets = Offsets::rounded(topology, &charts, position);
+    let annihilation =
+        seamless::annihilate(topology, mesh, &charts, &mut offsets.jump, options.annihilation_length);
+    if annihilation.moved > 0 {
+        offsets.position = seamless::solve_offsets(topology, mesh, &charts, &offsets.jump, &offsets.position)?;
+    }
+    let mut distortion = offsets.distortion(topology, mesh, &charts).into_vec();
+    distortion.sort_by(f64::total_cmp);
+    let offsets = offsets.reduced(topology, &charts);
+    let statistics = LayoutStatistics {
+        cones: directions.cone.iter().filter(|c| **c != 0).count(),
+        annihilation,
+        distortion_p95: distortion[distortion.len() * 95 / 100],
+    };
+    Ok((seeds::seeds(topology, mesh, &offsets), statistics))
+}
+
+/// The fine surface on which cells are drawn.
+pub struct CellSurface<'a> {
+    /// The surface.
+    pub surface: &'a TriangleSurface,
+    /// Its metric, in lattice spacings.
+    pub metric: &'a PerVertex<Matrix3<f64>>,
+    /// The same as lengths.
+    pub mesh: &'a IntrinsicMesh,
+    /// Sharp corners of the boundary.
+    pub corners: &'a HashSet<VertexId>,
+}
+
+/// The panelling whose cells grow from `seeds`.
+///
+/// # Errors
+/// If no panelling with the surface's topology is found.
+pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, LayoutError> {
+    if seeds.is_empty() {
+        return Err(LayoutError::Topology { reason: "there is no panel".into() });
+    }
+    let topology = fine.surface.topology();
+    let grown = voronoi::grow(topology, fine.mesh, seeds, |_| true);
+    let vertices = seeds.iter().map(|s| s.vertex).collect();
+    let complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
+        .map_err(|reason| LayoutError::Topology { reason })?;
+    record(fine, &complex)
+}
+
+fn centroids(fine: &CellSurface<'_>, label: &PerVertex<u32>, count: usize) -> (Vec<Vec3>, Vec<f64>) {
+    let mut sum = vec![Vec3::zeros(); count];
+    let mut area = vec![0.0; count];
+    for (v, &l) in label.enumerate() {
+        sum[l as usize] += fine.surface.positions()[v] * fine.mesh.mass[v];
+        area[l as usize] += fine.mesh.mass[v];
+    }
+    (sum.into_iter().zip(&area).map(|(s, a)| s / a.max(f64::MIN_POSITIVE)).collect(), area)
+}
+
+fn record(fine: &CellSurface<'_>, complex: &CellComplex) -> Result<Layout, LayoutError> {
+    let topology = fine.surface.topology();
+    let (index, nodes) = cells::node_index(&complex.panels);
+    let faces: Vec<Vec<u32>> = complex.panels.iter().map(|(_, l)| l.iter().map(|n| index[n]).collect()).collect();
+    let positions = nodes.iter().map(|n| place(fine.surface, *n)).collect();
+    let mesh = HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology { reason: e.to_string() })?;
+    same_topology(topology, mesh.topology()).map_err(|reason| LayoutError::Topology { reason })?;
+    let (centroid, _) = centroids(fine, &complex.label, complex.seed.len());
+    let middle: Vec<Vec3> = complex.panels.iter().map(|(c, _)| centroid[*c as usize]).collect();
+    let foot = fine.surface.closest_points(&middle);
+    let seed: Vec<VertexId> = complex.panels.iter().map(|(c, _)| complex.seed[*c as usize]).collect();
+    let length = seed.iter().map(|&s| local_length(fine, s)).collect();
+    Ok(Layout {
+        mesh,
+        vertex_kind: PerVertex::from_vec(nodes.iter().map(|n| kind(*n)).collect()),
+        face_point: PerFace::from_vec(foot.iter().map(|p| p.position).collect()),
+        face_normal: PerFace::from_vec(foot.iter().map(|p| p.normal).collect()),
+        face_length: PerFace::from_vec(length),
+        face_seed: PerFace::from_vec(seed),
+    })
+}
+
+/// Length of a lattice spacing at a vertex: the determinant of the metric in the tangent plane is its inverse squared, squared.
+fn local_length(fine: &CellSurface<'_>, v: VertexId) -> f64 {
+    let [e1, e2] = crate::curvature::tangent_frame(fine.surface.normals()[v]);
+    let m = &fine.metric[v];
+    let (a, b, d) = (e1.dot(&(m * e1)), e1.dot(&(m * e2)), e2.dot(&(m * e2)));
+    (a * d - b * b).max(f64::MIN_POSITIVE).powf(-0.25)
+}
+
+fn kind(node: Node) -> VertexKind {
+    match node {
+        Node::Triangle(_) => VertexKind::Interior,
+        Node::Edge(_) => VertexKind::Boundary,
+        Node::Corner(_) => VertexKind::BoundaryCorner,
+    }
+}
+
+fn place(surface: &TriangleSurface, node: Node) -> Vec3 {
+    match node {
+        Node::Triangle(f) => surface.corners(f).iter().sum::<Vec3>() / 3.0,
+        Node::Edge(e) => {
+            let [a, b] = surface.topology().edge_vertices(e);
+            (surface.positions()[a] + surface.positions()[b]) * 0.5
+        }
+        Node::Corner(v) => surface.positions()[v],
+    }
+}
+
+fn same_topology(surface: &Topology, panels: &Topology) -> Result<(), String> {
+    let figures = |t: &Topology| (t.euler_characteristic(), t.boundary_loops().len());
+    let (want, got) = (figures(surface), figures(panels));
+    if want == got {
+        return Ok(());
+    }
+    Err(format!(
+        "the panels have Euler characteristic {} and {} boundary loops, the surface {} and {}",
+        got.0, got.1, want.0, want.1
+    ))
+}

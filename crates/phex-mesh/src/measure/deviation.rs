@@ -1,0 +1,136 @@
+//! Distance between a mesh and the surface it stands for, both ways.
+
+use super::Metric;
+use super::metric::quantile;
+use crate::clipped::{ClippedMesh, to_parry};
+use crate::{
+    ElementId, FaceId, FlatFace, HexMesh, PerElement, PerFace, PerVertex, TriangleSurface, Vec3,
+    VertexId,
+};
+use parry3d_f64::query::PointQuery;
+use parry3d_f64::shape::Polyline;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Distances between a mesh and a surface, over the diagonal of the surface's bounding box unless said otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Deviation {
+    /// The diagonal that the figures refer to, in model units.
+    pub diagonal: f64,
+    /// Largest distance of a mesh vertex or face centre to the surface.
+    pub deviation_max: f64,
+    /// Root mean square of these distances.
+    pub deviation_rms: f64,
+    /// Distances of the mesh vertices to the surface.
+    pub vertices: Metric<VertexId>,
+    /// Distances of the face centres (mean of the corners) to the surface.
+    pub face_centres: Metric<FaceId>,
+    /// Largest distance of a surface vertex to the mesh.
+    pub coverage_max: f64,
+    /// 99 % quantile of these distances.
+    pub coverage_p99: f64,
+    /// Largest of them among the surface vertices farther than two mean edges of the mesh from the surface's boundary;
+    /// 0 if there are none, and `coverage_max` if the surface is closed.
+    pub coverage_inner_max: f64,
+    /// Distances of the surface vertices to the mesh; the ids are those of the surface.
+    pub coverage: Metric<VertexId>,
+    /// Whether the Euler characteristic and the number of boundary loops are those of the surface.
+    pub same_topology: bool,
+    /// Distance of each mesh vertex to the surface, in model units; not serialised.
+    #[serde(skip)]
+    pub vertex_distance: PerVertex<f64>,
+    /// Distance of each face centre to the surface, in model units; not serialised.
+    #[serde(skip)]
+    pub face_distance: PerFace<f64>,
+    /// Distance of each surface vertex to the mesh, in model units; not serialised.
+    #[serde(skip)]
+    pub coverage_distance: PerVertex<f64>,
+}
+
+/// Measures the distance between a mesh and a surface, both ways. The mesh's faces count as their ear-clipped triangles.
+pub fn deviation(mesh: &HexMesh, surface: &TriangleSurface) -> Deviation {
+    let diagonal = surface.diagonal();
+    let centres: Vec<Vec3> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
+    let vertex_distance = to_surface(surface, mesh.positions.as_slice());
+    let face_distance: PerFace<f64> = to_surface(surface, &centres);
+    let both: Vec<f64> = vertex_distance
+        .iter()
+        .chain(&face_distance)
+        .map(|d| d / diagonal)
+        .collect();
+    let coverage_distance = to_mesh(surface, mesh);
+    let coverage = metric(&coverage_distance, diagonal);
+    Deviation {
+        diagonal,
+        deviation_max: both.iter().copied().fold(0.0, f64::max),
+        deviation_rms: (both.iter().map(|d| d * d).sum::<f64>() / both.len() as f64).sqrt(),
+        vertices: metric(&vertex_distance, diagonal),
+        face_centres: metric(&face_distance, diagonal),
+        coverage_max: coverage.max,
+        coverage_p99: sorted_quantile(&coverage_distance, 0.99) / diagonal,
+        coverage_inner_max: inner_max(surface, &coverage_distance, 2.0 * mesh.mean_edge())
+            / diagonal,
+        coverage,
+        same_topology: topology_key(mesh.topology()) == topology_key(surface.topology()),
+        vertex_distance,
+        face_distance,
+        coverage_distance,
+    }
+}
+
+fn metric<I: ElementId>(distance: &PerElement<I, f64>, diagonal: f64) -> Metric<I> {
+    Metric::large_is_bad(distance.enumerate().map(|(i, d)| (i, d / diagonal)))
+}
+
+fn to_surface<I: ElementId>(surface: &TriangleSurface, points: &[Vec3]) -> PerElement<I, f64> {
+    let closest = surface.closest_points(points);
+    let distances = points
+        .iter()
+        .zip(closest)
+        .map(|(p, q)| (p - q.position).norm());
+    PerElement::from_vec(distances.collect())
+}
+
+fn to_mesh(surface: &TriangleSurface, mesh: &HexMesh) -> PerVertex<f64> {
+    let clipped = ClippedMesh::new(mesh, &FlatFace::all(mesh));
+    let points = surface.positions().as_slice();
+    PerVertex::from_vec(points.par_iter().map(|&p| clipped.distance(p)).collect())
+}
+
+fn sorted_quantile(values: &PerVertex<f64>, q: f64) -> f64 {
+    let mut sorted = values.as_slice().to_vec();
+    sorted.sort_by(f64::total_cmp);
+    quantile(&sorted, q)
+}
+
+/// Largest distance among the surface vertices farther than `margin` from the boundary.
+fn inner_max(surface: &TriangleSurface, distance: &PerVertex<f64>, margin: f64) -> f64 {
+    let boundary = boundary_polyline(surface);
+    let inside = |p: Vec3| match &boundary {
+        Some(b) => b.distance_to_local_point(to_parry(p), false) > margin,
+        None => true,
+    };
+    let points = surface.positions().as_slice();
+    let distances = points.par_iter().zip(distance.as_slice());
+    distances
+        .filter(|(p, _)| inside(**p))
+        .map(|(_, &d)| d)
+        .reduce(|| 0.0, f64::max)
+}
+
+fn boundary_polyline(surface: &TriangleSurface) -> Option<Polyline> {
+    let topology = surface.topology();
+    let boundary = topology.edges().filter(|&e| topology.is_boundary_edge(e));
+    let segments: Vec<[u32; 2]> = boundary
+        .map(|e| topology.edge_vertices(e).map(|v| v.index() as u32))
+        .collect();
+    let points = || surface.positions().iter().map(|&p| to_parry(p)).collect();
+    (!segments.is_empty()).then(|| Polyline::new(points(), Some(segments)))
+}
+
+fn topology_key(topology: &crate::Topology) -> (i64, usize) {
+    (
+        topology.euler_characteristic(),
+        topology.boundary_loops().len(),
+    )
+}

@@ -1,0 +1,361 @@
+//! Is a mesh valid? What is wrong with it, and where?
+//!
+//! A valid mesh has planar, simple faces, three faces at each interior vertex, no collapsed edge, and lies like a
+//! surface: no face is flipped, no vertex is covered twice, no edge passes through another face. That it is an oriented
+//! manifold is already implied by [`HexMesh`]. Self-intersection is decided by exact predicates on the given coordinates.
+//!
+//! A [`ValidHexMesh`] is made by [`validate`] and nowhere else.
+
+mod crossings;
+mod violation;
+
+pub use violation::{FlipReference, Violation};
+
+use crate::measure::diagonal;
+use crate::polygon::{interior_angles, is_simple};
+use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, TriangleSurface, Vec3, VertexId};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use std::fmt;
+use std::ops::Deref;
+
+/// Limits for [`violations`] and [`validate`]. Lengths are relative to the mesh's mean edge.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ValidateOptions {
+    /// Largest distance of a vertex to the least-squares plane of its face, in mean edges; at least 0. Positions in
+    /// double precision cannot be planar beyond rounding, so what counts is the larger of this and
+    /// [`planarity_floor`]. Default 1e-12: a nanometre on a panel of a kilometre, so "exactly planar".
+    pub planarity: f64,
+    /// Smallest edge length, in mean edges; at least 0. Default 0.05: shorter edges can't be built, and dihedral
+    /// angles and offsets there are badly determined.
+    pub edge_length_rel: f64,
+    /// Smallest distance, in the plane of a face, of a vertex to an edge of the face that does not hold it, in mean
+    /// edges; at least 0. Default 0.05, as for edges: a narrower neck breaks.
+    pub clearance: f64,
+    /// Smallest distance of an interior angle to 0 and to 2 pi, in radians; at least 0. Default 1e-9: only corners
+    /// that fold back on themselves up to rounding; sharp ones are caught by the clearance.
+    pub corner_angle: f64,
+}
+
+impl Default for ValidateOptions {
+    fn default() -> Self {
+        Self {
+            planarity: 1e-12,
+            edge_length_rel: 0.05,
+            clearance: 0.05,
+            corner_angle: 1e-9,
+        }
+    }
+}
+
+/// The planarity, in mean edges, that rounding of the coordinates allows at best: 4 machine epsilons times the diagonal
+/// of the bounding box over the mean edge.
+pub fn planarity_floor(mesh: &HexMesh) -> f64 {
+    4.0 * f64::EPSILON * diagonal(mesh) / mesh.mean_edge()
+}
+
+/// A mesh that [`validate`] found no violation in. It cannot be changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ValidHexMesh {
+    mesh: HexMesh,
+}
+
+impl ValidHexMesh {
+    /// Gives up the guarantee.
+    pub fn into_inner(self) -> HexMesh {
+        self.mesh
+    }
+}
+
+impl Deref for ValidHexMesh {
+    type Target = HexMesh;
+    fn deref(&self) -> &HexMesh {
+        &self.mesh
+    }
+}
+
+/// A mesh that is not valid, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Invalid {
+    /// The mesh, as it was given.
+    pub mesh: Box<HexMesh>,
+    /// What is wrong with it; at least one.
+    pub violations: Vec<Violation>,
+}
+
+impl fmt::Display for Invalid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the mesh is not valid")?;
+        if let Some(first) = self.violations.first() {
+            write!(f, ": {first}")?;
+        }
+        match self.violations.len().saturating_sub(1) {
+            0 => Ok(()),
+            more => write!(f, " (and {more} more)"),
+        }
+    }
+}
+
+impl std::error::Error for Invalid {}
+
+/// Wraps a mesh that has no violation.
+///
+/// # Errors
+/// If there is a violation; the mesh is given back with all of them.
+pub fn validate(
+    mesh: HexMesh,
+    surface: Option<&TriangleSurface>,
+    options: &ValidateOptions,
+) -> Result<ValidHexMesh, Invalid> {
+    let violations = violations(&mesh, surface, options);
+    if violations.is_empty() {
+        Ok(ValidHexMesh { mesh })
+    } else {
+        Err(Invalid {
+            mesh: Box::new(mesh),
+            violations,
+        })
+    }
+}
+
+/// All violations of a mesh, by kind and then by element; empty if and only if it is valid. With a surface, faces are
+/// also checked against its normals. The same for any number of threads.
+pub fn violations(
+    mesh: &HexMesh,
+    surface: Option<&TriangleSurface>,
+    options: &ValidateOptions,
+) -> Vec<Violation> {
+    let finite = |v: &VertexId| mesh.position(*v).iter().all(|x| x.is_finite());
+    let broken = mesh.topology().vertices().filter(|v| !finite(v));
+    let mut found: Vec<Violation> = broken
+        .map(|vertex| Violation::NotFinite { vertex })
+        .collect();
+    if !found.is_empty() {
+        return found;
+    }
+    let inspection = Inspection::new(mesh, options);
+    let topology = mesh.topology();
+    found.extend(topology.faces().filter_map(|f| inspection.not_simple(f)));
+    found.extend(topology.faces().filter_map(|f| inspection.not_planar(f)));
+    found.extend(
+        topology
+            .edges()
+            .filter_map(|e| inspection.collapsed_edge(e)),
+    );
+    found.extend(
+        topology
+            .faces()
+            .filter_map(|f| inspection.small_clearance(f)),
+    );
+    found.extend(topology.faces().flat_map(|f| inspection.folded_corners(f)));
+    found.extend(
+        topology
+            .vertices()
+            .filter_map(|v| inspection.wrong_degree(v)),
+    );
+    found.extend(topology.vertices().filter_map(|v| inspection.wrong_fan(v)));
+    found.extend(inspection.flipped_faces(surface));
+    found.extend(topology.edges().filter_map(|e| inspection.fold(e)));
+    found.extend(crossings::crossings(mesh, &inspection.faces));
+    found
+}
+
+/// A mesh with everything that the checks share. Comparisons are written so that a NaN is a violation.
+struct Inspection<'a> {
+    mesh: &'a HexMesh,
+    options: &'a ValidateOptions,
+    faces: PerFace<FlatFace>,
+    mean_edge: f64,
+    planarity_limit: f64,
+}
+
+impl<'a> Inspection<'a> {
+    fn new(mesh: &'a HexMesh, options: &'a ValidateOptions) -> Self {
+        Self {
+            mesh,
+            options,
+            faces: FlatFace::all(mesh),
+            mean_edge: mesh.mean_edge(),
+            planarity_limit: options.planarity.max(planarity_floor(mesh)),
+        }
+    }
+
+    fn not_simple(&self, face: FaceId) -> Option<Violation> {
+        (!is_simple(&self.faces[face].polygon)).then_some(Violation::NotSimple { face })
+    }
+
+    fn not_planar(&self, face: FaceId) -> Option<Violation> {
+        let (planarity, limit) = (
+            self.faces[face].planarity_length / self.mean_edge,
+            self.planarity_limit,
+        );
+        let planar = planarity <= limit;
+        (!planar).then_some(Violation::NotPlanar {
+            face,
+            planarity,
+            limit,
+        })
+    }
+
+    fn collapsed_edge(&self, edge: EdgeId) -> Option<Violation> {
+        let vertices = self.mesh.topology().edge_vertices(edge);
+        let (length_rel, limit) = (
+            self.mesh.edge_length(edge) / self.mean_edge,
+            self.options.edge_length_rel,
+        );
+        let long_enough = length_rel >= limit;
+        (!long_enough).then_some(Violation::CollapsedEdge {
+            edge,
+            vertices,
+            length_rel,
+            limit,
+        })
+    }
+
+    fn small_clearance(&self, face: FaceId) -> Option<Violation> {
+        let topology = self.mesh.topology();
+        let closest = self.faces[face].clearance();
+        let (clearance, limit) = (closest.distance / self.mean_edge, self.options.clearance);
+        let vertex = topology.face_vertices(face)[closest.corner];
+        let edge = topology
+            .face_half_edges(face)
+            .nth(closest.edge)
+            .map(|h| topology.edge(h))?;
+        let clear = clearance >= limit;
+        (!clear).then_some(Violation::SmallClearance {
+            face,
+            vertex,
+            edge,
+            clearance,
+            limit,
+        })
+    }
+
+    fn folded_corners(&self, face: FaceId) -> impl Iterator<Item = Violation> {
+        let limit = self.options.corner_angle;
+        let vertices = self.mesh.topology().face_vertices(face);
+        let corners = vertices
+            .iter()
+            .zip(interior_angles(&self.faces[face].polygon));
+        let open = move |angle: f64| angle >= limit && TAU - angle >= limit;
+        corners
+            .filter(move |&(_, angle)| !open(angle))
+            .map(move |(&vertex, angle)| Violation::FoldedCorner {
+                face,
+                vertex,
+                angle,
+                limit,
+            })
+    }
+
+    fn wrong_degree(&self, vertex: VertexId) -> Option<Violation> {
+        let topology = self.mesh.topology();
+        let degree = topology.face_degree(vertex);
+        let wrong = !topology.is_boundary_vertex(vertex) && degree != 3;
+        wrong.then_some(Violation::WrongDegree { vertex, degree })
+    }
+
+    fn wrong_fan(&self, vertex: VertexId) -> Option<Violation> {
+        let topology = self.mesh.topology();
+        if topology.is_boundary_vertex(vertex) {
+            return None;
+        }
+        let faces: Vec<FaceId> = topology
+            .outgoing(vertex)
+            .map(|h| topology.face(h))
+            .collect();
+        let faces: [FaceId; 3] = faces.try_into().ok()?;
+        let turns = self.turns(vertex, faces);
+        let once = (turns - 1.0).abs() <= 1e-6;
+        (!once).then_some(Violation::WrongFan {
+            vertex,
+            faces,
+            turns,
+        })
+    }
+
+    /// How often the corners at a vertex go round it, seen along the mean normal of its faces.
+    fn turns(&self, vertex: VertexId, faces: [FaceId; 3]) -> f64 {
+        let topology = self.mesh.topology();
+        let mean: Vec3 = faces.iter().map(|&f| self.faces[f].normal()).sum();
+        let [x, y] = axes_across(mean.try_normalize(0.0).unwrap_or_else(Vec3::z));
+        let centre = self.mesh.position(vertex);
+        let direction = |v: VertexId| {
+            let d = self.mesh.position(v) - centre;
+            d.dot(&y).atan2(d.dot(&x))
+        };
+        let angle =
+            |h| direction(topology.origin(topology.prev(h))) - direction(topology.target(h));
+        topology
+            .outgoing(vertex)
+            .map(|h| angle(h).rem_euclid(TAU))
+            .sum::<f64>()
+            / TAU
+    }
+
+    fn flipped_faces(&self, surface: Option<&TriangleSurface>) -> Vec<Violation> {
+        let against_surface = surface.map(|s| self.against_surface(s));
+        let violation = |face| {
+            let against = if self.is_against_neighbours(face) {
+                FlipReference::Neighbours
+            } else if against_surface.as_ref().is_some_and(|a| a[face]) {
+                FlipReference::Surface
+            } else {
+                return None;
+            };
+            Some(Violation::FlippedFace { face, against })
+        };
+        self.mesh.topology().faces().filter_map(violation).collect()
+    }
+
+    fn is_against_neighbours(&self, face: FaceId) -> bool {
+        let topology = self.mesh.topology();
+        let twins = topology
+            .face_half_edges(face)
+            .filter_map(|h| topology.twin(h));
+        let sum: Vec3 = twins.map(|t| self.faces[topology.face(t)].normal()).sum();
+        self.faces[face].normal().dot(&sum) < 0.0
+    }
+
+    /// Whether each normal points against the triangle below the face's centre. A mesh that is wound the other way as
+    /// a whole (in more than half of its faces) is taken as such.
+    fn against_surface(&self, surface: &TriangleSurface) -> PerFace<bool> {
+        let centres: Vec<Vec3> = self.faces.iter().map(|f| f.plane.centre).collect();
+        let below = surface.closest_points(&centres);
+        let normals = below.iter().map(|p| surface.area_vector(p.triangle));
+        let cosines: Vec<f64> = self
+            .faces
+            .iter()
+            .zip(normals)
+            .map(|(f, n)| f.normal().dot(&n))
+            .collect();
+        let against = cosines.iter().filter(|&&c| c < 0.0).count();
+        let sign = if 2 * against > cosines.len() {
+            -1.0
+        } else {
+            1.0
+        };
+        PerFace::from_vec(cosines.iter().map(|c| sign * c < 0.0).collect())
+    }
+
+    fn fold(&self, edge: EdgeId) -> Option<Violation> {
+        let topology = self.mesh.topology();
+        let h = topology.edge_half_edge(edge);
+        let faces = [topology.face(h), topology.face(topology.twin(h)?)];
+        let [a, b] = faces.map(|f| self.faces[f].normal());
+        let angle = a.cross(&b).norm().atan2(a.dot(&b));
+        (a.dot(&b) < 0.0).then_some(Violation::Fold { edge, faces, angle })
+    }
+}
+
+/// Two unit vectors that form a right-handed frame with the unit vector `normal`.
+fn axes_across(normal: Vec3) -> [Vec3; 2] {
+    let helper = if normal.x.abs() < 0.8 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
+    let first = normal.cross(&helper).normalize();
+    [first, normal.cross(&first)]
+}

@@ -1,0 +1,268 @@
+//! What can be wrong with a mesh, and where.
+
+use crate::{EdgeId, FaceId, Topology, VertexId};
+use serde::Serialize;
+use std::fmt;
+
+/// What the normal of a flipped face points against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FlipReference {
+    /// The mean normal of the faces it shares an edge with.
+    Neighbours,
+    /// The surface's normal below its centre.
+    Surface,
+}
+
+/// One located violation. Ids count from 0; relative lengths refer to the mesh's mean edge; angles are in radians.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Violation {
+    /// A coordinate is infinite or not a number; nothing else is checked then.
+    NotFinite {
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// The face touches or crosses itself in its least-squares plane.
+    NotSimple {
+        /// The face.
+        face: FaceId,
+    },
+    /// A vertex of the face is too far from the face's least-squares plane.
+    NotPlanar {
+        /// The face.
+        face: FaceId,
+        /// Largest distance of its vertices to the plane, relative.
+        planarity: f64,
+        /// Largest allowed.
+        limit: f64,
+    },
+    /// The edge is too short.
+    CollapsedEdge {
+        /// The edge.
+        edge: EdgeId,
+        /// Its ends.
+        vertices: [VertexId; 2],
+        /// Its length, relative.
+        length_rel: f64,
+        /// Smallest allowed.
+        limit: f64,
+    },
+    /// A vertex comes too close to an edge of the face that does not hold it.
+    SmallClearance {
+        /// The face.
+        face: FaceId,
+        /// The vertex.
+        vertex: VertexId,
+        /// The edge.
+        edge: EdgeId,
+        /// Their distance in the face's plane, relative.
+        clearance: f64,
+        /// Smallest allowed.
+        limit: f64,
+    },
+    /// The face folds back on itself at a corner: its interior angle is almost 0 or 2 pi.
+    FoldedCorner {
+        /// The face.
+        face: FaceId,
+        /// The corner.
+        vertex: VertexId,
+        /// Its interior angle.
+        angle: f64,
+        /// Smallest allowed distance to 0 and to 2 pi.
+        limit: f64,
+    },
+    /// Seen along the mean normal, the corners at an interior vertex of degree 3 do not go round exactly once.
+    WrongFan {
+        /// The vertex.
+        vertex: VertexId,
+        /// The faces there.
+        faces: [FaceId; 3],
+        /// How often they go round; 2 is a double cover.
+        turns: f64,
+    },
+    /// The face's normal points the wrong way.
+    FlippedFace {
+        /// The face.
+        face: FaceId,
+        /// What it points against.
+        against: FlipReference,
+    },
+    /// The normals on the two sides of an edge differ by more than 90 degrees.
+    Fold {
+        /// The edge.
+        edge: EdgeId,
+        /// The faces on its two sides.
+        faces: [FaceId; 2],
+        /// Angle between their normals.
+        angle: f64,
+    },
+    /// The number of faces at an interior vertex is not three.
+    WrongDegree {
+        /// The vertex.
+        vertex: VertexId,
+        /// Its number of faces.
+        degree: usize,
+    },
+    /// The edge passes through the inside of a face that does not hold it.
+    Crossing {
+        /// The edge.
+        edge: EdgeId,
+        /// Its ends.
+        vertices: [VertexId; 2],
+        /// The face.
+        face: FaceId,
+    },
+}
+
+impl Violation {
+    /// Name of the kind of violation, as serialised.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::NotFinite { .. } => "not_finite",
+            Self::NotSimple { .. } => "not_simple",
+            Self::NotPlanar { .. } => "not_planar",
+            Self::CollapsedEdge { .. } => "collapsed_edge",
+            Self::SmallClearance { .. } => "small_clearance",
+            Self::FoldedCorner { .. } => "folded_corner",
+            Self::WrongFan { .. } => "wrong_fan",
+            Self::FlippedFace { .. } => "flipped_face",
+            Self::Fold { .. } => "fold",
+            Self::WrongDegree { .. } => "wrong_degree",
+            Self::Crossing { .. } => "crossing",
+        }
+    }
+
+    /// The faces that take part: the named ones, and those that hold the named edge or vertex.
+    pub fn faces(&self, topology: &Topology) -> Vec<FaceId> {
+        match *self {
+            Self::NotFinite { vertex } | Self::WrongDegree { vertex, .. } => topology
+                .outgoing(vertex)
+                .map(|h| topology.face(h))
+                .collect(),
+            Self::NotSimple { face }
+            | Self::NotPlanar { face, .. }
+            | Self::SmallClearance { face, .. }
+            | Self::FoldedCorner { face, .. }
+            | Self::FlippedFace { face, .. } => vec![face],
+            Self::CollapsedEdge { edge, .. } => edge_faces(topology, edge).collect(),
+            Self::WrongFan { faces, .. } => faces.to_vec(),
+            Self::Fold { faces, .. } => faces.to_vec(),
+            Self::Crossing { edge, face, .. } => edge_faces(topology, edge).chain([face]).collect(),
+        }
+    }
+}
+
+/// The one or two faces of an edge.
+pub(super) fn edge_faces(topology: &Topology, edge: EdgeId) -> impl Iterator<Item = FaceId> {
+    let h = topology.edge_half_edge(edge);
+    [Some(h), topology.twin(h)]
+        .into_iter()
+        .flatten()
+        .map(|h| topology.face(h))
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite { vertex } => {
+                write!(
+                    f,
+                    "vertex {vertex} has a coordinate that is not a finite number"
+                )
+            }
+            Self::NotSimple { face } => {
+                write!(f, "face {face} touches or crosses itself in its plane")
+            }
+            Self::NotPlanar {
+                face,
+                planarity,
+                limit,
+            } => write!(
+                f,
+                "face {face} is not planar: a vertex is {planarity:.3e} mean edges off its plane (limit {limit:.3e})"
+            ),
+            Self::CollapsedEdge {
+                edge,
+                vertices: [a, b],
+                length_rel,
+                limit,
+            } => write!(
+                f,
+                "edge {edge} between vertices {a} and {b} is {length_rel:.3e} mean edges long (limit {limit})"
+            ),
+            Self::SmallClearance {
+                face,
+                vertex,
+                edge,
+                clearance,
+                limit,
+            } => write!(
+                f,
+                "in face {face}, vertex {vertex} is {clearance:.3e} mean edges from edge {edge} (limit {limit})"
+            ),
+            Self::FoldedCorner {
+                face,
+                vertex,
+                angle,
+                limit,
+            } => write!(
+                f,
+                "face {face} folds back at vertex {vertex}: interior angle {:.3e} degrees (limit {:.3e} from 0 and 360)",
+                angle.to_degrees(),
+                limit.to_degrees()
+            ),
+            Self::WrongFan {
+                vertex,
+                faces: [a, b, c],
+                turns,
+            } => write!(
+                f,
+                "faces {a}, {b} and {c} go round vertex {vertex} {turns:.2} times instead of once"
+            ),
+            Self::FlippedFace {
+                face,
+                against: FlipReference::Neighbours,
+            } => {
+                write!(
+                    f,
+                    "face {face} is flipped: its normal points against those of its neighbours"
+                )
+            }
+            Self::FlippedFace {
+                face,
+                against: FlipReference::Surface,
+            } => {
+                write!(
+                    f,
+                    "face {face} is flipped: its normal points against the surface's"
+                )
+            }
+            Self::Fold {
+                edge,
+                faces: [a, b],
+                angle,
+            } => write!(
+                f,
+                "the mesh folds at edge {edge}: the normals of faces {a} and {b} differ by {:.1} degrees (limit 90)",
+                angle.to_degrees()
+            ),
+            Self::WrongDegree { vertex, degree } => {
+                write!(
+                    f,
+                    "interior vertex {vertex} has {degree} faces instead of 3"
+                )
+            }
+            Self::Crossing {
+                edge,
+                vertices: [a, b],
+                face,
+            } => {
+                write!(
+                    f,
+                    "edge {edge} between vertices {a} and {b} passes through face {face}"
+                )
+            }
+        }
+    }
+}

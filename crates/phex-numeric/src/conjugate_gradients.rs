@@ -1,0 +1,161 @@
+//! Conjugate gradients with the Jacobi preconditioner, for `A x = b` with `A` positive definite.
+
+use crate::outcome::Status;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConjugateGradientOptions {
+    /// Residual over right-hand side, in the Euclidean norm, that counts as solved.
+    pub tolerance: f64,
+    /// Iterations at the most.
+    pub max_iterations: usize,
+}
+
+impl Default for ConjugateGradientOptions {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-10,
+            max_iterations: 1000,
+        }
+    }
+}
+
+/// How conjugate gradients ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConjugateGradientResult {
+    /// Why it ended; `NumericalBreakdown` if `A` showed itself to be indefinite.
+    pub status: Status,
+    /// Number of iterations, each one product with `A`.
+    pub iterations: usize,
+    /// Last residual over right-hand side.
+    pub residual: f64,
+}
+
+/// Solves `A x = b` from the given `x`; `apply(p, y)` writes `A p` into `y`, `diagonal` is that of `A`.
+///
+/// # Panics
+/// If the lengths differ.
+pub fn conjugate_gradients(
+    mut apply: impl FnMut(&[f64], &mut [f64]),
+    diagonal: &[f64],
+    b: &[f64],
+    x: &mut [f64],
+    options: &ConjugateGradientOptions,
+) -> ConjugateGradientResult {
+    assert!(
+        diagonal.len() == b.len() && x.len() == b.len(),
+        "equal lengths"
+    );
+    let size = dot(b, b).sqrt();
+    let goal = options.tolerance * size;
+    let mut product = vec![0.0; b.len()];
+    apply(x, &mut product);
+    let mut residual: Vec<f64> = b.iter().zip(&product).map(|(b, y)| b - y).collect();
+    let precondition = |r: &[f64]| -> Vec<f64> {
+        let scale = |(r, d): (&f64, &f64)| if *d > 0.0 { r / d } else { *r };
+        r.iter().zip(diagonal).map(scale).collect()
+    };
+    let mut z = precondition(&residual);
+    let mut direction = z.clone();
+    let mut rz = dot(&residual, &z);
+    let result = |status, iterations, residual: &[f64]| ConjugateGradientResult {
+        status,
+        iterations,
+        residual: dot(residual, residual).sqrt() / size.max(f64::MIN_POSITIVE),
+    };
+    for iteration in 0..options.max_iterations {
+        if dot(&residual, &residual).sqrt() <= goal {
+            return result(Status::Converged, iteration, &residual);
+        }
+        apply(&direction, &mut product);
+        let curvature = dot(&direction, &product);
+        if curvature.is_nan() || curvature <= 0.0 {
+            return result(Status::NumericalBreakdown, iteration, &residual);
+        }
+        let alpha = rz / curvature;
+        add_scaled(x, alpha, &direction);
+        add_scaled(&mut residual, -alpha, &product);
+        z = precondition(&residual);
+        let next = dot(&residual, &z);
+        let beta = next / rz;
+        rz = next;
+        direction
+            .iter_mut()
+            .zip(&z)
+            .for_each(|(p, z)| *p = z + beta * *p);
+    }
+    let solved = dot(&residual, &residual).sqrt() <= goal;
+    let status = if solved {
+        Status::Converged
+    } else {
+        Status::IterationLimit
+    };
+    result(status, options.max_iterations, &residual)
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(crate) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cholesky, SymmetricMatrix};
+
+    fn grid_laplacian(side: u32) -> SymmetricMatrix {
+        let at = |i: u32, j: u32| i * side + j;
+        let mut entries = Vec::new();
+        for i in 0..side {
+            for j in 0..side {
+                entries.push((at(i, j), at(i, j), 4.1 + f64::from(i * j % 3)));
+                if i > 0 {
+                    entries.push((at(i, j), at(i - 1, j), -1.0));
+                }
+                if j > 0 {
+                    entries.push((at(i, j), at(i, j - 1), -1.0));
+                }
+            }
+        }
+        SymmetricMatrix::from_triplets((side * side) as usize, entries.into_iter()).unwrap()
+    }
+
+    #[test]
+    fn agrees_with_cholesky() {
+        let a = grid_laplacian(40);
+        let b: Vec<f64> = (0..1600).map(|k| (k as f64 * 0.7).sin()).collect();
+        let mut expected = b.clone();
+        Cholesky::new(&a).unwrap().solve(&mut expected);
+        let diagonal: Vec<f64> = a.diagonal().collect();
+        let mut x = vec![0.0; 1600];
+        let options = ConjugateGradientOptions {
+            tolerance: 1e-13,
+            max_iterations: 400,
+        };
+        let result = conjugate_gradients(|p, y| a.mul(p, y), &diagonal, &b, &mut x, &options);
+        assert_eq!(result.status, Status::Converged);
+        assert!(x.iter().zip(&expected).all(|(x, e)| (x - e).abs() < 1e-12));
+    }
+
+    #[test]
+    fn tells_of_the_limit_and_of_indefinite_matrices() {
+        let a = grid_laplacian(20);
+        let (b, diagonal) = (vec![1.0; 400], vec![1.0; 400]);
+        let options = ConjugateGradientOptions {
+            tolerance: 1e-13,
+            max_iterations: 2,
+        };
+        let run = |sign: f64| {
+            let apply = |p: &[f64], y: &mut [f64]| {
+                a.mul(p, y);
+                y.iter_mut().for_each(|y| *y *= sign);
+            };
+            conjugate_gradients(apply, &diagonal, &b, &mut vec![0.0; 400], &options).status
+        };
+        assert_eq!(run(1.0), Status::IterationLimit);
+        assert_eq!(run(-1.0), Status::NumericalBreakdown);
+    }
+}

@@ -1,0 +1,306 @@
+//! Projection onto constraints by steps of minimum norm.
+//!
+//! `d = -J^T (J J^T + eps I)^-1 c`, refined with the unshifted `J J^T`, repeated until `c` is at the floor of
+//! rounding. Where constraints depend on each other `J J^T` is singular up to rounding; the shift `eps` makes it
+//! factorise, and the refinement takes its effect back in the directions that count.
+//!
+//! | symbol | here |
+//! |---|---|
+//! | `c`, `J` | [`Constraints::linearise`] |
+//! | `J J^T` | `normal`, assembled by [`Constraints::linearise`] |
+//! | `eps` | [`SHIFT`], times 100 for each failed factorisation |
+//!
+//! Guaranteed: every iterate is admissible in the sense of [`Constraints::admissible`] if the first one is, and the
+//! residual never rises above its first value. Fails (`Stalled`) where the guard forbids every fraction of a step.
+
+use crate::conjugate_gradients::add_scaled;
+use crate::outcome::{Outcome, Record, Status};
+use crate::{Cholesky, SymmetricMatrix};
+use std::ops::ControlFlow;
+
+/// First diagonal shift of `J J^T`, whose diagonal should be about 1.
+pub const SHIFT: f64 = 1e-12;
+
+const SHIFT_TRIES: usize = 5;
+const REFINEMENTS: usize = 4;
+const HALVINGS: usize = 8;
+
+/// Equations `c(x) = 0` with a region that must not be left.
+pub trait Constraints {
+    /// Values `c` and the matrix `J J^T` at `x`; keeps `J` for [`transposed`](Self::transposed).
+    fn linearise(&mut self, x: &[f64], values: &mut [f64], normal: &mut SymmetricMatrix);
+    /// `d = J^T y`, with the `J` of the last linearisation.
+    fn transposed(&self, y: &[f64], d: &mut [f64]);
+    /// Largest fraction `t` in `(0, 1]` of `step` that may be tried.
+    fn step_bound(&mut self, x: &[f64], step: &[f64]) -> f64;
+    /// Residual at `x` if `x` may be visited, otherwise `None`.
+    fn admissible(&mut self, x: &[f64]) -> Option<f64>;
+    /// Length of a step in the unit of the problem.
+    fn step_length(&self, step: &[f64]) -> f64;
+}
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProjectionOptions {
+    /// Iterations at the most.
+    pub max_iterations: usize,
+    /// Residual below which the iteration stops at once.
+    pub goal: f64,
+    /// Residual that counts as converged when the iteration can't go on.
+    pub tolerance: f64,
+    /// Number that [`Record::phase`] is set to.
+    pub phase: f64,
+}
+
+/// Memory and factorisation of the projection, kept between runs on the same pattern.
+#[derive(Debug)]
+pub struct MinimumNorm {
+    cholesky: Cholesky,
+    normal: SymmetricMatrix,
+    values: Vec<f64>,
+    multiplier: Vec<f64>,
+    defect: Vec<f64>,
+}
+
+impl MinimumNorm {
+    /// Takes an analysed factorisation and a matrix on its pattern.
+    pub fn new(cholesky: Cholesky, normal: SymmetricMatrix) -> Self {
+        let n = normal.dimension();
+        Self {
+            cholesky,
+            normal,
+            values: vec![0.0; n],
+            multiplier: vec![0.0; n],
+            defect: vec![0.0; n],
+        }
+    }
+
+    /// Number of factorisations so far.
+    pub fn factorisations(&self) -> usize {
+        self.cholesky.factorisations()
+    }
+
+    /// Projects `x`, in place. `observe` hears of every iteration and may break off.
+    pub fn project(
+        &mut self,
+        problem: &mut impl Constraints,
+        x: &mut [f64],
+        options: &ProjectionOptions,
+        mut observe: impl FnMut(&Record) -> ControlFlow<()>,
+    ) -> Outcome {
+        let factorised = self.factorisations();
+        let mut outcome = Outcome::empty(Status::IterationLimit);
+        let (mut step, mut trial) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        let Some(mut residual) = problem.admissible(x) else {
+            outcome.status = Status::Stalled;
+            return outcome;
+        };
+        while outcome.history.len() < options.max_iterations && residual > options.goal {
+            if !self.solve(problem, x, &mut step) {
+                outcome.status = Status::NumericalBreakdown;
+                break;
+            }
+            let bound = problem.step_bound(x, &step);
+            let Some((fraction, reached)) = guarded(problem, x, &step, bound, residual, &mut trial)
+            else {
+                outcome.status = Status::Stalled;
+                break;
+            };
+            x.copy_from_slice(&trial);
+            let record = Record {
+                phase: options.phase,
+                energy: f64::NAN,
+                residual: reached,
+                step: fraction * problem.step_length(&step),
+                fraction,
+                damping: 0.0,
+            };
+            outcome.history.push(record);
+            residual = reached;
+            if observe(&record).is_break() {
+                outcome.status = Status::Cancelled;
+                break;
+            }
+        }
+        if residual <= options.tolerance && outcome.status != Status::Cancelled {
+            outcome.status = Status::Converged;
+        }
+        outcome.iterations = outcome.history.len();
+        outcome.factorisations = self.factorisations() - factorised;
+        outcome
+    }
+
+    /// The step of minimum norm that meets the linearised constraints.
+    fn solve(&mut self, problem: &mut impl Constraints, x: &[f64], step: &mut [f64]) -> bool {
+        problem.linearise(x, &mut self.values, &mut self.normal);
+        if !self.factorise() {
+            return false;
+        }
+        self.multiplier.copy_from_slice(&self.values);
+        self.cholesky.solve(&mut self.multiplier);
+        for _ in 0..REFINEMENTS {
+            self.normal.mul(&self.multiplier, &mut self.defect);
+            let defects = self.defect.iter_mut().zip(&self.values);
+            defects.for_each(|(d, c)| *d = c - *d);
+            self.cholesky.solve(&mut self.defect);
+            add_scaled(&mut self.multiplier, 1.0, &self.defect);
+        }
+        problem.transposed(&self.multiplier, step);
+        step.iter_mut().for_each(|d| *d = -*d);
+        step.iter().all(|d| d.is_finite())
+    }
+
+    fn factorise(&mut self) -> bool {
+        let mut shift = SHIFT;
+        for _ in 0..SHIFT_TRIES {
+            if self.cholesky.refactor_shifted(&self.normal, shift).is_ok() {
+                return true;
+            }
+            shift *= 100.0;
+        }
+        false
+    }
+}
+
+/// Largest tried fraction of the step that stays admissible and lowers the residual; `trial` holds the point.
+fn guarded(
+    problem: &mut impl Constraints,
+    x: &[f64],
+    step: &[f64],
+    bound: f64,
+    residual: f64,
+    trial: &mut [f64],
+) -> Option<(f64, f64)> {
+    let mut fraction = bound;
+    for _ in 0..HALVINGS {
+        trial.copy_from_slice(x);
+        add_scaled(trial, fraction, step);
+        if let Some(reached) = problem.admissible(trial).filter(|&r| r < residual) {
+            return Some((fraction, reached));
+        }
+        fraction *= 0.5;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `A x = b` (rows of `A`), with a bound for the first coordinate.
+    struct Linear {
+        rows: Vec<Vec<f64>>,
+        b: Vec<f64>,
+        floor: f64,
+    }
+
+    impl Linear {
+        fn values(&self, x: &[f64]) -> Vec<f64> {
+            let value = |(row, b): (&Vec<f64>, &f64)| crate::conjugate_gradients::dot(row, x) - b;
+            self.rows.iter().zip(&self.b).map(value).collect()
+        }
+    }
+
+    impl Constraints for Linear {
+        fn linearise(&mut self, x: &[f64], values: &mut [f64], normal: &mut SymmetricMatrix) {
+            values.copy_from_slice(&self.values(x));
+            let m = self.rows.len();
+            let mut at = 0;
+            for j in 0..m {
+                for i in j..m {
+                    normal.values_mut()[at] =
+                        crate::conjugate_gradients::dot(&self.rows[i], &self.rows[j]);
+                    at += 1;
+                }
+            }
+        }
+        fn transposed(&self, y: &[f64], d: &mut [f64]) {
+            d.fill(0.0);
+            for (row, y) in self.rows.iter().zip(y) {
+                add_scaled(d, *y, row);
+            }
+        }
+        fn step_bound(&mut self, _x: &[f64], _step: &[f64]) -> f64 {
+            1.0
+        }
+        fn admissible(&mut self, x: &[f64]) -> Option<f64> {
+            let size = self.values(x).iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+            (x[0] >= self.floor).then_some(size)
+        }
+        fn step_length(&self, step: &[f64]) -> f64 {
+            crate::conjugate_gradients::dot(step, step).sqrt()
+        }
+    }
+
+    fn project(problem: &mut Linear, x: &mut [f64]) -> Outcome {
+        let m = problem.rows.len() as u32;
+        let dense = (0..m).flat_map(|j| (j..m).map(move |i| (i, j, 1.0)));
+        let normal = SymmetricMatrix::from_triplets(m as usize, dense).unwrap();
+        let cholesky = Cholesky::analyse(normal.pattern(), 1).unwrap();
+        let options = ProjectionOptions {
+            max_iterations: 10,
+            goal: 1e-15,
+            tolerance: 1e-13,
+            phase: 0.0,
+        };
+        let observe = |_: &Record| ControlFlow::Continue(());
+        MinimumNorm::new(cholesky, normal).project(problem, x, &options, observe)
+    }
+
+    fn rows() -> Vec<Vec<f64>> {
+        vec![vec![1.0, 0.0, 0.6, 0.2], vec![0.3, 1.0, -0.1, 0.5]]
+    }
+
+    #[test]
+    fn equals_the_pseudo_inverse() {
+        let mut problem = Linear {
+            rows: rows(),
+            b: vec![1.0, -2.0],
+            floor: f64::NEG_INFINITY,
+        };
+        let mut x = vec![0.4, 0.1, -0.3, 0.8];
+        let start = x.clone();
+        assert_eq!(project(&mut problem, &mut x).status, Status::Converged);
+        assert!(problem.values(&x).iter().all(|c| c.abs() < 1e-14));
+        // Minimum norm: the movement lies in the row space, so it is orthogonal to the null space of the rows,
+        // here spanned by two vectors found by hand elimination.
+        let null = [[-0.6, 0.28, 1.0, 0.0], [-0.2, -0.44, 0.0, 1.0]];
+        for n in null {
+            assert!(
+                problem
+                    .rows
+                    .iter()
+                    .all(|r| crate::conjugate_gradients::dot(r, &n).abs() < 1e-15)
+            );
+            let along: f64 = (0..4).map(|k| n[k] * (x[k] - start[k])).sum();
+            assert!(along.abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn dependent_constraints_are_met_through_the_shift() {
+        let mut doubled = rows();
+        doubled.push(doubled[0].clone());
+        let mut problem = Linear {
+            rows: doubled,
+            b: vec![1.0, -2.0, 1.0],
+            floor: f64::NEG_INFINITY,
+        };
+        let mut x = vec![0.0; 4];
+        assert_eq!(project(&mut problem, &mut x).status, Status::Converged);
+        assert!(x.iter().all(|x| x.abs() < 10.0));
+    }
+
+    #[test]
+    fn the_guard_is_never_crossed() {
+        let mut problem = Linear {
+            rows: vec![vec![1.0, 0.0]],
+            b: vec![0.0],
+            floor: 0.25,
+        };
+        let mut x = vec![1.0, 3.0];
+        let outcome = project(&mut problem, &mut x);
+        assert_eq!(outcome.status, Status::Stalled);
+        assert!(x[0] >= 0.25 && x[0] < 0.3 && x[1] == 3.0, "{x:?}");
+    }
+}

@@ -1,0 +1,207 @@
+//! Sparse symmetric matrices: the lower triangle, stored by columns.
+
+use crate::NumericError;
+use std::sync::Arc;
+
+/// Where the entries of a sparse symmetric matrix stand: compressed columns of the lower triangle,
+/// rows ascending, every diagonal entry present.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pattern {
+    column_start: Vec<u32>,
+    row: Vec<u32>,
+}
+
+impl Pattern {
+    /// The pattern that holds the given lower-triangle positions and the diagonal.
+    /// `columns[j]` lists rows `i >= j`, in any order, repeats allowed.
+    pub(crate) fn from_columns(columns: &mut [Vec<u32>]) -> Self {
+        let mut column_start = vec![0];
+        let mut row = Vec::new();
+        for (j, rows) in columns.iter_mut().enumerate() {
+            rows.push(j as u32);
+            rows.sort_unstable();
+            rows.dedup();
+            row.extend_from_slice(rows);
+            column_start.push(row.len() as u32);
+        }
+        Self { column_start, row }
+    }
+
+    /// Number of rows, and of columns.
+    pub fn dimension(&self) -> usize {
+        self.column_start.len() - 1
+    }
+
+    /// Number of stored entries (lower triangle).
+    pub fn n_entries(&self) -> usize {
+        self.row.len()
+    }
+
+    /// Index of the first entry of each column, and one past the last entry.
+    pub fn column_start(&self) -> &[u32] {
+        &self.column_start
+    }
+
+    /// Row of each entry.
+    pub fn rows(&self) -> &[u32] {
+        &self.row
+    }
+
+    /// Indices of the entries of a column; the first one is the diagonal.
+    pub fn column(&self, j: usize) -> std::ops::Range<usize> {
+        self.column_start[j] as usize..self.column_start[j + 1] as usize
+    }
+
+    /// Index of entry `(row, column)`, `row >= column`, if it is stored.
+    pub fn position(&self, row: u32, column: u32) -> Option<usize> {
+        let range = self.column(column as usize);
+        let offset = self.row[range.clone()].binary_search(&row).ok()?;
+        Some(range.start + offset)
+    }
+}
+
+/// A sparse symmetric matrix. Matrices that share a pattern share one copy of it.
+#[derive(Clone, Debug)]
+pub struct SymmetricMatrix {
+    pattern: Arc<Pattern>,
+    values: Vec<f64>,
+}
+
+impl SymmetricMatrix {
+    /// The matrix of dimension `n` whose lower triangle is the sum of `(row, column, value)` triplets.
+    ///
+    /// Triplets with `row < column` are ignored, so that both triangles, or only the lower one, may be
+    /// given. Several triplets at one place are added in the order in which they come.
+    ///
+    /// # Errors
+    /// [`NumericError::IndexOutOfRange`] if a row or a column is not below `n`.
+    pub fn from_triplets(
+        n: usize,
+        triplets: impl Iterator<Item = (u32, u32, f64)>,
+    ) -> Result<Self, NumericError> {
+        let mut columns: Vec<Vec<u32>> = vec![Vec::new(); n];
+        let mut lower = Vec::with_capacity(triplets.size_hint().0);
+        for (row, column, value) in triplets {
+            if row.max(column) as usize >= n {
+                return Err(NumericError::IndexOutOfRange {
+                    row,
+                    column,
+                    dimension: n,
+                });
+            }
+            if row >= column {
+                columns[column as usize].push(row);
+                lower.push((row, column, value));
+            }
+        }
+        let pattern = Pattern::from_columns(&mut columns);
+        let mut values = vec![0.0; pattern.n_entries()];
+        for (row, column, value) in lower {
+            if let Some(at) = pattern.position(row, column) {
+                values[at] += value;
+            }
+        }
+        Ok(Self {
+            pattern: Arc::new(pattern),
+            values,
+        })
+    }
+
+    /// The zero matrix on a pattern.
+    pub fn zeros(pattern: Arc<Pattern>) -> Self {
+        let values = vec![0.0; pattern.n_entries()];
+        Self { pattern, values }
+    }
+
+    /// Number of rows, and of columns.
+    pub fn dimension(&self) -> usize {
+        self.pattern.dimension()
+    }
+
+    /// Where the entries stand.
+    pub fn pattern(&self) -> &Arc<Pattern> {
+        &self.pattern
+    }
+
+    /// Values of the lower triangle, in the order of the pattern.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Values of the lower triangle, mutable.
+    pub fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
+    /// The diagonal.
+    pub fn diagonal(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        let starts = &self.pattern.column_start()[..self.dimension()];
+        starts.iter().map(|&at| self.values[at as usize])
+    }
+
+    /// Adds `shift` to every diagonal entry.
+    pub fn shift_diagonal(&mut self, shift: f64) {
+        for j in 0..self.dimension() {
+            self.values[self.pattern.column_start[j] as usize] += shift;
+        }
+    }
+
+    /// `y = A x`.
+    ///
+    /// # Panics
+    /// If a length is not the dimension.
+    pub fn mul(&self, x: &[f64], y: &mut [f64]) {
+        assert_eq!(
+            (x.len(), y.len()),
+            (self.dimension(), self.dimension()),
+            "lengths"
+        );
+        y.fill(0.0);
+        for j in 0..self.dimension() {
+            let column = self.pattern.column(j);
+            y[j] += self.values[column.start] * x[j];
+            let mut sum = 0.0;
+            for at in column.start + 1..column.end {
+                let i = self.pattern.row[at] as usize;
+                y[i] += self.values[at] * x[j];
+                sum += self.values[at] * x[i];
+            }
+            y[j] += sum;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn duplicates_are_summed_and_the_upper_triangle_is_ignored() {
+        let triplets = [
+            (0, 0, 1.0),
+            (1, 0, 2.0),
+            (0, 1, 99.0),
+            (1, 0, 0.5),
+            (2, 2, 3.0),
+            (0, 0, 1.0),
+        ];
+        let a = SymmetricMatrix::from_triplets(3, triplets.into_iter()).unwrap();
+        let mut y = [0.0; 3];
+        a.mul(&[1.0, 10.0, 100.0], &mut y);
+        assert_eq!(y, [2.0 + 25.0, 2.5, 300.0]);
+        assert_eq!(a.diagonal().collect::<Vec<_>>(), [2.0, 0.0, 3.0]);
+    }
+
+    #[test]
+    fn out_of_range_is_refused() {
+        let error = SymmetricMatrix::from_triplets(2, [(2, 0, 1.0)].into_iter()).unwrap_err();
+        assert_eq!(
+            error,
+            NumericError::IndexOutOfRange {
+                row: 2,
+                column: 0,
+                dimension: 2
+            }
+        );
+    }
+}

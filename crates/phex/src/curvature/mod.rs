@@ -1,0 +1,102 @@
+//! Curvature: the shape operator of the target at the scale of a panel.
+//!
+//! A second-order jet `z = c + p x + q y + (a x^2 + 2 b x y + d y^2) / 2` is fitted over the connected neighbourhood of
+//! radius `r` of each vertex (weights `exp(-2 (distance / reach)^2)`); the normal is `(-p, -q, 1) / W` with
+//! `W = sqrt(1 + p^2 + q^2)` and the second fundamental form `[a b; b d] / W`. `r` is a share of the panel length: the
+//! layout needs curvature at the scale of a panel, not of a triangle, and this is what removes noise. The *tensor* is then
+//! smoothed, never the directions. Two radii are compared, and their disagreement lowers the [`Curvature::confidence`].
+//!
+//! Sign: positive where the surface is convex seen from the side of its normals.
+//!
+//! | symbol | variable |
+//! |---|---|
+//! | `II` as a tensor of space | [`Curvature::tensor`] |
+//! | `k1, k2` with `|k1| <= |k2|` | [`Principal::small`], [`Principal::large`] |
+//!
+//! Guaranteed: exact for quadrics in graph form at the fitted vertex, error `O(r^2)` elsewhere; a plane gives 0.
+//! Fails: where features are smaller than `r` they are averaged.
+
+mod jet;
+mod tensor;
+
+pub use tensor::{Principal, principal, smoothed, tangent_frame};
+
+use nalgebra::Matrix3;
+use phex_mesh::{PerVertex, TriangleSurface, Vec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// How curvature is estimated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CurvatureOptions {
+    /// Radius of the fitted neighbourhood over the panel length.
+    pub radius_rel: f64,
+    /// Passes of tensor smoothing over the one-ring.
+    pub smoothing: usize,
+}
+
+impl Default for CurvatureOptions {
+    fn default() -> Self {
+        Self { radius_rel: 0.6, smoothing: 6 }
+    }
+}
+
+/// Curvature of a surface at its vertices.
+#[derive(Clone, Debug)]
+pub struct Curvature {
+    /// Unit normals of the fitted jets.
+    pub normal: PerVertex<Vec3>,
+    /// Second fundamental form as a tangential tensor: `e . tensor e` is the normal curvature along a unit tangent `e`, in 1 / length.
+    pub tensor: PerVertex<Matrix3<f64>>,
+    /// Agreement of two radii, 0 (none) to 1 (full).
+    pub confidence: PerVertex<f64>,
+}
+
+/// Curvature of `surface` at the scale of panels of length `panel_length` (model units of the surface).
+pub fn curvature(surface: &TriangleSurface, panel_length: f64, options: &CurvatureOptions) -> Curvature {
+    let radius = options.radius_rel * panel_length;
+    let fits: Vec<(jet::Jet, f64)> = (0..surface.positions().len())
+        .into_par_iter()
+        .map_init(
+            || jet::Neighbourhood::new(surface),
+            |hood, i| {
+                let v = phex_mesh::VertexId::new(i as u32);
+                let members = hood.collect(v, radius);
+                let fit = jet::fit(surface, v, members, f64::INFINITY);
+                let inner = jet::fit(surface, v, members, 0.6 * radius);
+                let confidence = agreement(&fit.tensor, &inner.tensor);
+                (fit, confidence)
+            },
+        )
+        .collect();
+    let normal = PerVertex::from_vec(fits.iter().map(|f| f.0.normal).collect());
+    let raw = PerVertex::from_vec(fits.iter().map(|f| f.0.tensor).collect());
+    let confidence = PerVertex::from_vec(fits.iter().map(|f| f.1).collect());
+    let tensor = tensor::smoothed(surface.topology(), &normal, raw, options.smoothing);
+    Curvature { normal, tensor, confidence }
+}
+
+fn agreement(outer: &Matrix3<f64>, inner: &Matrix3<f64>) -> f64 {
+    let scale = outer.norm().max(inner.norm());
+    if scale == 0.0 {
+        return 1.0;
+    }
+    let ratio = (outer - inner).norm() / (0.5 * scale);
+    1.0 / (1.0 + ratio * ratio)
+}
+
+impl Curvature {
+    /// The curvature of the next finer level: tensors and normals follow the subdivision stencils.
+    pub fn refined(&self, step: &crate::target::subdivide::Refinement) -> Self {
+        let normal = step.apply(&self.normal).map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::z));
+        Self { normal, tensor: step.apply(&self.tensor), confidence: step.apply(&self.confidence) }
+    }
+
+    /// Principal curvatures and directions at every vertex.
+    pub fn principal(&self) -> PerVertex<Principal> {
+        PerVertex::from_vec(
+            self.normal.iter().zip(self.tensor.iter()).map(|(n, s)| tensor::principal(*n, s)).collect(),
+        )
+    }
+}

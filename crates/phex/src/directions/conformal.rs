@@ -1,0 +1,47 @@
+//! Screened conformal rescaling: absorbs intrinsic curvature that the cones of the field do not explain.
+
+use super::DirectionOptions;
+use super::intrinsic::{IntrinsicMesh, row};
+use phex_mesh::{PerFace, PerVertex, Topology};
+use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use std::f64::consts::{FRAC_PI_3, PI};
+
+/// Logarithm of the length factor at each vertex; the area-weighted mean of its square is 1.
+pub fn log_factor(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    cone: &PerFace<i32>,
+    options: &DirectionOptions,
+) -> Result<PerVertex<f64>, NumericError> {
+    let mut rhs = PerVertex::from_fn(topology.n_vertices(), |v| mesh.angle_sum[v] - 2.0 * PI);
+    for f in topology.faces() {
+        for &v in topology.face_vertices(f) {
+            rhs[v] += f64::from(cone[f]) * FRAC_PI_3 / 3.0;
+        }
+    }
+    for v in topology.vertices() {
+        if topology.is_boundary_vertex(v) {
+            rhs[v] = 0.0;
+        }
+    }
+    let mut own: Vec<f64> = mesh.mass.iter().map(|m| options.conformal_screening * m).collect();
+    let mut entries = Vec::with_capacity(topology.n_edges() + own.len());
+    for e in topology.edges() {
+        let [a, b] = topology.edge_vertices(e);
+        own[a.index()] += mesh.weight[e];
+        own[b.index()] += mesh.weight[e];
+        entries.push((row(a.max(b)), row(a.min(b)), -mesh.weight[e]));
+    }
+    entries.extend(own.iter().enumerate().map(|(i, d)| (i as u32, i as u32, *d)));
+    let mut s = rhs.into_vec();
+    Cholesky::new(&SymmetricMatrix::from_triplets(s.len(), entries.into_iter())?)?.solve(&mut s);
+    Ok(PerVertex::from_vec(limited(&s, mesh, options.conformal_limit)))
+}
+
+fn limited(s: &[f64], mesh: &IntrinsicMesh, limit: f64) -> Vec<f64> {
+    let mass = mesh.mass.as_slice();
+    let area: f64 = mass.iter().sum();
+    let scaled: f64 = mass.iter().zip(s).map(|(m, s)| m * (2.0 * s).exp()).sum();
+    let mean = 0.5 * (scaled / area).ln();
+    s.iter().map(|s| limit * ((s - mean) / limit).tanh()).collect()
+}

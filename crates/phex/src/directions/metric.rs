@@ -1,0 +1,67 @@
+//! The clipped `|II|` metric and the weight of alignment.
+
+use super::DirectionOptions;
+use crate::curvature::{Curvature, Principal, tangent_frame};
+use nalgebra::Matrix3;
+use phex_mesh::{PerVertex, TriangleSurface, Vec3};
+
+/// Curvatures below one over this many bounding-box diagonals are flat whatever the surface looks like.
+const FLAT_RADIUS: f64 = 1e3;
+/// Passes of smoothing over one-rings.
+const SMOOTHING: usize = 4;
+
+/// Metric tensors with unit determinant over `panel_length^2`.
+pub fn metric(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    principal: &PerVertex<Principal>,
+    panel_length: f64,
+    options: &DirectionOptions,
+) -> PerVertex<Matrix3<f64>> {
+    let floor = options.curvature_floor * large_curvature(principal) + 1.0 / FLAT_RADIUS;
+    let raw = principal.map(|p| shape(p, floor, options.anisotropy));
+    let smooth = crate::curvature::smoothed(surface.topology(), &curvature.normal, raw, SMOOTHING);
+    let unit = 1.0 / (panel_length * panel_length);
+    PerVertex::from_fn(smooth.len(), |v| smooth[v] * (unit / determinant_root(curvature.normal[v], &smooth[v])))
+}
+
+/// The 90 % quantile of the larger principal curvature.
+pub fn large_curvature(principal: &PerVertex<Principal>) -> f64 {
+    let mut values: Vec<f64> = principal.iter().map(|p| p.large.abs()).collect();
+    values.sort_by(f64::total_cmp);
+    values[(values.len() * 9 / 10).min(values.len() - 1)]
+}
+
+fn shape(p: &Principal, floor: f64, anisotropy: f64) -> Matrix3<f64> {
+    let across = p.large.hypot(floor);
+    let along = p.small.hypot(floor).max(across / (anisotropy * anisotropy));
+    let ratio = (along / across).sqrt();
+    let outer = |d: Vec3| d * d.transpose();
+    outer(p.small_direction) * ratio + outer(p.large_direction) / ratio
+}
+
+fn determinant_root(n: Vec3, m: &Matrix3<f64>) -> f64 {
+    let [e1, e2] = tangent_frame(n);
+    let (a, b, d) = (e1.dot(&(m * e1)), e1.dot(&(m * e2)), e2.dot(&(m * e2)));
+    (a * d - b * b).max(1e-12).sqrt()
+}
+
+/// Weight of alignment with the direction of smaller curvature: compulsory near parabolic curves, gentle elsewhere,
+/// none where the surface is flat or two radii disagree about its curvature.
+pub fn alignment_weight(
+    principal: &PerVertex<Principal>,
+    curvature: &Curvature,
+    options: &DirectionOptions,
+) -> PerVertex<f64> {
+    let large = large_curvature(principal).max(10.0 / FLAT_RADIUS);
+    PerVertex::from_fn(principal.len(), |v| {
+        let p = &principal[v];
+        let k2 = p.large.abs();
+        let ratio = p.small.abs() / k2.max(1e-12);
+        let clipped = ratio * options.anisotropy * options.anisotropy;
+        let t = ((0.8 - clipped) / 0.6).clamp(0.0, 1.0);
+        let curved = k2 * k2 / (k2 * k2 + (0.1 * large).powi(2));
+        let weight = options.alignment * t * t * (3.0 - 2.0 * t) + options.gentle_alignment * (1.0 - ratio).powi(2);
+        weight * curved * curvature.confidence.as_slice()[v.index()]
+    })
+}

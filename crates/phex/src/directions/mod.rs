@@ -1,0 +1,109 @@
+//! Directions: the metric in which panels are regular, and the six-fold direction field of their lattice.
+//!
+//! A hexagonal lattice that is regular in the metric `|II|` gives simple panels at every rotation, for either sign of the
+//! Gauss curvature (`K`): for equilateral dual triangles the values `II(e, e)` of the three edges are
+//! `cos 2(t + i pi / 3)` up to scale, and sum to zero. So the surface gets the intrinsic metric
+//!
+//! `M = diag(a1, a2) / (L^2 sqrt(a1 a2))`, `a2 = sqrt(k2^2 + k0^2)`, `a1 = max(sqrt(k1^2 + k0^2), a2 / rho^2)`
+//!
+//! in principal directions, as edge lengths `l^2 = e . M e`; from then on everything is intrinsic and isotropic. A 6-RoSy
+//! field `u = exp(6 i theta)` minimises `|grad u|^2 + c |u - u0|^2`, with `u0` along the direction of smaller curvature and
+//! `c` large only where theory asks for alignment (`|k1| rho^2 / |k2| < 0.8`, near parabolic curves). A screened conformal
+//! factor `(Laplacian + alpha) s = K_cones - K` trades change of size against dislocations.
+//!
+//! | symbol | variable |
+//! |---|---|
+//! | `rho` | [`DirectionOptions::anisotropy`] |
+//! | `k0` | [`DirectionOptions::curvature_floor`] times the 90 % quantile of `|k2|` |
+//! | `alpha` | [`DirectionOptions::conformal_screening`] |
+//! | `theta` | [`Directions::angle`], from the first half-edge of the vertex, counter-clockwise |
+//!
+//! Guaranteed: defined everywhere (a plane gets the isotropic metric and a constant direction); unit lattice spacing is
+//! one intrinsic length. Fails: never; where the metric violates triangle inequalities it is blended towards them.
+
+pub mod conformal;
+pub mod intrinsic;
+pub mod metric;
+pub mod rosy;
+
+use crate::curvature::Curvature;
+use intrinsic::IntrinsicMesh;
+use nalgebra::Matrix3;
+use phex_mesh::{PerFace, PerVertex, TriangleSurface};
+use phex_numeric::NumericError;
+use serde::{Deserialize, Serialize};
+
+/// How metric and field are made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DirectionOptions {
+    /// Largest ratio of panel lengths along the two principal directions (1: isotropic). 1.5 to 2 is the measured optimum.
+    pub anisotropy: f64,
+    /// Curvatures below this share of the surface's large ones count as flat.
+    pub curvature_floor: f64,
+    /// Weight of the compulsory alignment near parabolic curves.
+    pub alignment: f64,
+    /// Weight of the gentle alignment elsewhere.
+    pub gentle_alignment: f64,
+    /// Screening of the conformal factor (larger: more uniform size, more dislocations), per panel area.
+    pub conformal_screening: f64,
+    /// Largest logarithm of the conformal factor.
+    pub conformal_limit: f64,
+    /// Rotation of the preferred direction, radians.
+    pub rotate: f64,
+}
+
+impl Default for DirectionOptions {
+    fn default() -> Self {
+        Self {
+            anisotropy: 2.0,
+            curvature_floor: 0.05,
+            alignment: 5.0,
+            gentle_alignment: 0.3,
+            conformal_screening: 0.1,
+            conformal_limit: 0.6,
+            rotate: 0.0,
+        }
+    }
+}
+
+/// Metric and lattice directions on the triangles of a surface.
+#[derive(Clone, Debug)]
+pub struct Directions {
+    /// Metric tensor at each vertex: `e . metric e` is the squared length of a tangent `e` in lattice spacings.
+    pub metric: PerVertex<Matrix3<f64>>,
+    /// Intrinsic lengths, angles and weights of that metric.
+    pub intrinsic: IntrinsicMesh,
+    /// Angle of the lattice direction at each vertex (radians, modulo pi / 3), in the vertex's polar coordinates.
+    pub angle: PerVertex<f64>,
+    /// Index of the field in each triangle, in sixths of a turn.
+    pub cone: PerFace<i32>,
+}
+
+/// Metric and field for panels of length `panel_length`.
+///
+/// # Errors
+/// If a linear system can't be solved, which only happens when the surface's triangles are numerically degenerate.
+pub fn directions(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    panel_length: f64,
+    options: &DirectionOptions,
+) -> Result<Directions, NumericError> {
+    let principal = curvature.principal();
+    let mut tensor = metric::metric(surface, curvature, &principal, panel_length, options);
+    let weight = metric::alignment_weight(&principal, curvature, options);
+    let mut intrinsic = IntrinsicMesh::new(surface, &tensor);
+    let mut angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options.rotate)?;
+    if options.conformal_limit > 0.0 {
+        let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
+        let scale = conformal::log_factor(surface.topology(), &intrinsic, &cone, options)?;
+        for (m, s) in tensor.iter_mut().zip(scale.iter()) {
+            *m *= (2.0 * s).exp();
+        }
+        intrinsic = IntrinsicMesh::new(surface, &tensor);
+        angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options.rotate)?;
+    }
+    let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
+    Ok(Directions { metric: tensor, intrinsic, angle, cone })
+}

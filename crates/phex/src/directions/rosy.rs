@@ -1,0 +1,147 @@
+//! The smoothest aligned six-fold direction field (Knoeppel, Crane, Pinkall, Schroeder 2013, with a diffusion-projection polish).
+
+use super::intrinsic::{IntrinsicMesh, row};
+use crate::curvature::Principal;
+use nalgebra::{Complex, Matrix3};
+use phex_mesh::{EdgeId, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use std::f64::consts::{FRAC_PI_3, PI};
+
+/// Symmetry of the field.
+const N: f64 = 6.0;
+/// Diffusion time of the polish, in squared lattice spacings, and its steps.
+const POLISH_TIME: f64 = 0.3;
+const POLISH_STEPS: usize = 3;
+/// Weight of the fixed direction that decides where nothing else does.
+const TIE_BREAK: f64 = 1e-4;
+
+/// Angle of the field at each vertex, radians modulo pi / 3.
+pub fn field(
+    surface: &TriangleSurface,
+    mesh: &IntrinsicMesh,
+    metric: &PerVertex<Matrix3<f64>>,
+    principal: &PerVertex<Principal>,
+    weight: &PerVertex<f64>,
+    rotate: f64,
+) -> Result<PerVertex<f64>, NumericError> {
+    let topology = surface.topology();
+    let wish = |v: VertexId, along: Vec3, across: Vec3| {
+        Complex::from_polar(1.0, N * (polar_of(surface, mesh, metric, v, along, across) + rotate))
+    };
+    let source: Vec<Complex<f64>> = topology
+        .vertices()
+        .map(|v| {
+            let p = &principal[v];
+            let [along, across] = global_frame(surface.normals()[v]);
+            wish(v, p.small_direction, p.large_direction) * weight[v] + wish(v, along, across) * TIE_BREAK
+        })
+        .collect();
+    let total = |v: VertexId| weight[v] + TIE_BREAK;
+    let stiffness = |t: f64, inertia: f64| {
+        let diagonal = |v: VertexId| mesh.mass[v] * (inertia + t * total(v));
+        connection_matrix(topology, mesh, t, diagonal)
+    };
+    let mut u = solve(&Cholesky::new(&stiffness(1.0, 0.0)?)?, |i| source[i] * mesh.mass.as_slice()[i], source.len());
+    let polish = Cholesky::new(&stiffness(POLISH_TIME, 1.0)?)?;
+    for _ in 0..POLISH_STEPS {
+        let unit: Vec<Complex<f64>> = u.iter().map(|z| z / (z.norm() + 1e-12)).collect();
+        u = solve(&polish, |i| (unit[i] + source[i] * POLISH_TIME) * mesh.mass.as_slice()[i], unit.len());
+    }
+    Ok(PerVertex::from_vec(u.iter().map(|z| z.arg() / N).collect()))
+}
+
+/// A tangent pair that varies smoothly over most of space: the x axis projected to the tangent plane.
+fn global_frame(n: Vec3) -> [Vec3; 2] {
+    let axis = if n.x.abs() < 0.95 { Vec3::x() } else { Vec3::y() };
+    let along = (axis - n * axis.dot(&n)).normalize();
+    [along, n.cross(&along)]
+}
+
+/// Real 2n x 2n form of the Hermitian connection Laplacian `t A` plus a diagonal.
+fn connection_matrix(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    t: f64,
+    diagonal: impl Fn(VertexId) -> f64,
+) -> Result<SymmetricMatrix, NumericError> {
+    let n = topology.n_vertices();
+    let mut own: Vec<f64> = topology.vertices().map(diagonal).collect();
+    let mut entries = Vec::with_capacity(4 * topology.n_edges() + 2 * n);
+    for e in topology.edges() {
+        let [i, j] = topology.edge_vertices(e);
+        let w = t * mesh.weight[e];
+        own[i.index()] += w;
+        own[j.index()] += w;
+        let g = Complex::from_polar(w, N * mesh.transport(e));
+        push_block(&mut entries, row(j), row(i), -g);
+    }
+    for (v, d) in own.iter().enumerate() {
+        entries.push((2 * v as u32, 2 * v as u32, *d));
+        entries.push((2 * v as u32 + 1, 2 * v as u32 + 1, *d));
+    }
+    SymmetricMatrix::from_triplets(2 * n, entries.into_iter())
+}
+
+/// Adds the real 2 x 2 form of the complex entry `(r, c)` of a Hermitian matrix, in the lower triangle.
+pub(crate) fn push_block(entries: &mut Vec<(u32, u32, f64)>, r: u32, c: u32, value: Complex<f64>) {
+    let (r, c, z) = if r > c { (r, c, value) } else { (c, r, value.conj()) };
+    entries.push((2 * r, 2 * c, z.re));
+    entries.push((2 * r, 2 * c + 1, -z.im));
+    entries.push((2 * r + 1, 2 * c, z.im));
+    entries.push((2 * r + 1, 2 * c + 1, z.re));
+}
+
+/// Solves a complex system in its real form.
+pub(crate) fn solve(factor: &Cholesky, rhs: impl Fn(usize) -> Complex<f64>, n: usize) -> Vec<Complex<f64>> {
+    let mut x: Vec<f64> = (0..n).flat_map(|i| [rhs(i).re, rhs(i).im]).collect();
+    factor.solve(&mut x);
+    x.chunks_exact(2).map(|c| Complex::new(c[0], c[1])).collect()
+}
+
+/// Polar angle at `v` of the tangent direction `along` (with `across` to its left or right), measured in the metric
+/// against all edges of the vertex and averaged.
+fn polar_of(
+    surface: &TriangleSurface,
+    mesh: &IntrinsicMesh,
+    metric: &PerVertex<Matrix3<f64>>,
+    v: VertexId,
+    along: Vec3,
+    across: Vec3,
+) -> f64 {
+    let (topology, m) = (surface.topology(), &metric[v]);
+    // Left of `along`, whatever the handedness of the pair.
+    let left = across * surface.normals()[v].cross(&along).dot(&across).signum();
+    let length = along.dot(&(m * along)).sqrt();
+    let ortho = left - along * (along.dot(&(m * left)) / (length * length));
+    let ortho_length = ortho.dot(&(m * ortho)).sqrt();
+    let mut mean = Complex::new(0.0, 0.0);
+    for h in topology.outgoing(v) {
+        let e = surface.positions()[topology.target(h)] - surface.positions()[v];
+        let angle = (e.dot(&(m * ortho)) / ortho_length).atan2(e.dot(&(m * along)) / length);
+        mean += Complex::from_polar(1.0, mesh.polar(topology, h) - angle);
+    }
+    mean.arg()
+}
+
+/// Turns (in sixths) that match the field across an edge, from the origin's frame to the target's, and the rest.
+pub fn matching(mesh: &IntrinsicMesh, angle: &PerVertex<f64>, topology: &Topology, e: EdgeId) -> (i32, f64) {
+    let [i, j] = topology.edge_vertices(e);
+    let difference = angle[j] - angle[i] - mesh.transport(e);
+    let turns = (difference / FRAC_PI_3).round();
+    (turns as i32, difference - turns * FRAC_PI_3)
+}
+
+/// Index of the field in each triangle, in sixths of a turn.
+pub fn cones(topology: &Topology, mesh: &IntrinsicMesh, angle: &PerVertex<f64>) -> PerFace<i32> {
+    PerFace::from_fn(topology.n_faces(), |f| {
+        let (mut rest, mut holonomy) = (0.0, 0.0);
+        for h in topology.face_half_edges(f) {
+            let e = topology.edge(h);
+            let sign = if topology.edge_half_edge(e) == h { 1.0 } else { -1.0 };
+            rest += sign * matching(mesh, angle, topology, e).1;
+            holonomy += sign * mesh.transport(e);
+        }
+        let holonomy = (holonomy + PI).rem_euclid(2.0 * PI) - PI;
+        ((rest + holonomy) / FRAC_PI_3).round() as i32
+    })
+}

@@ -1,0 +1,347 @@
+//! From labelled vertices to a polygon mesh whose interior vertices have degree 3.
+//!
+//! Rule of the half-edge `p -> q` with different labels: the cell of `p` leaves through the middle of `pq` into the
+//! triangle on its left, the cell of `q` comes in there. Triangles with three labels are vertices of the panelling, edges
+//! of the boundary with two labels are boundary vertices, sharp corners of the boundary are corners of their cell. The
+//! loops that these steps close are the panels; no map from pairs of cells to vertices is needed, which would break where
+//! two cells touch twice.
+
+use super::seeds::Seed;
+use super::voronoi::{self, UNREACHED};
+use crate::directions::intrinsic::IntrinsicMesh;
+use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerVertex, Topology, VertexId};
+use std::collections::{HashMap, HashSet};
+
+/// A place where the outline of a cell passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// Middle of an edge (a vertex of the panelling only on the boundary).
+    Edge(EdgeId),
+    /// Middle of a triangle with three labels.
+    Triangle(FaceId),
+    /// Sharp corner of the boundary.
+    Corner(VertexId),
+}
+
+/// The outline of a cell: its vertices, in order, of each loop that could be closed.
+#[derive(Clone, Debug, Default)]
+struct Outline {
+    loops: Vec<Vec<Node>>,
+    open: bool,
+}
+
+/// Cells with their outlines.
+#[derive(Clone, Debug)]
+pub struct CellComplex {
+    /// Label of each vertex.
+    pub label: PerVertex<u32>,
+    /// Seed vertex of each label; labels without a panel keep theirs.
+    pub seed: Vec<VertexId>,
+    /// Label and outline of each panel, in the order of the labels.
+    pub panels: Vec<(u32, Vec<Node>)>,
+}
+
+/// Rounds of relabelling.
+const ROUNDS: usize = 20;
+
+/// Relabels until every cell is a disc with at least four vertices inside and three at the boundary; boundary cells that
+/// are mere slivers are given to a neighbour.
+///
+/// # Errors
+/// A sentence that says what remains when that does not end.
+pub fn disc_cells(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    corners: &HashSet<VertexId>,
+    label: PerVertex<u32>,
+    seed: Vec<VertexId>,
+) -> Result<CellComplex, String> {
+    let mut complex = CellComplex { label, seed, panels: Vec::new() };
+    let mut remaining = 0;
+    for _ in 0..ROUNDS {
+        let outlines = outlines(topology, corners, &complex.label, complex.seed.len());
+        let area = areas(mesh, &complex.label, complex.seed.len());
+        let faults = faults(topology, &outlines, &area);
+        remaining = faults.len();
+        if faults.is_empty() {
+            complex.panels = panels(outlines);
+            return Ok(complex);
+        }
+        mend(topology, mesh, &mut complex, &faults);
+    }
+    Err(format!("{remaining} panels could not be made discs; the panels are too large for the surface's features"))
+}
+
+fn panels(outlines: Vec<Outline>) -> Vec<(u32, Vec<Node>)> {
+    let single = |o: Outline| o.loops.into_iter().next();
+    outlines.into_iter().enumerate().filter_map(|(c, o)| single(o).map(|l| (c as u32, l))).collect()
+}
+
+fn areas(mesh: &IntrinsicMesh, label: &PerVertex<u32>, count: usize) -> Vec<f64> {
+    let mut area = vec![0.0; count];
+    for (l, m) in label.iter().zip(&mesh.mass) {
+        area[*l as usize] += m;
+    }
+    area
+}
+
+/// What is wrong with a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fault {
+    /// Not a disc: several loops, or one that does not close.
+    NotADisc,
+    /// Too few corners, or a sliver.
+    TooSmall,
+}
+
+fn faults(topology: &Topology, outlines: &[Outline], area: &[f64]) -> Vec<(u32, Fault)> {
+    let mut present: Vec<f64> = area.iter().copied().filter(|a| *a > 0.0).collect();
+    present.sort_by(f64::total_cmp);
+    let median = present.get(present.len() / 2).copied().unwrap_or(0.0);
+    let mut list = Vec::new();
+    for (c, outline) in outlines.iter().enumerate() {
+        if area[c] == 0.0 {
+            continue;
+        }
+        if outline.open || outline.loops.len() != 1 {
+            list.push((c as u32, Fault::NotADisc));
+        } else if too_small(&outline.loops[0], area[c], median) {
+            list.push((c as u32, Fault::TooSmall));
+        }
+    }
+    // A mesh with two cells and more must not end with one that holds everything.
+    debug_assert!(topology.n_faces() > 0);
+    list
+}
+
+fn too_small(nodes: &[Node], area: f64, median: f64) -> bool {
+    let corners = nodes.iter().filter(|n| matches!(n, Node::Corner(_))).count();
+    let inside = nodes.iter().all(|n| matches!(n, Node::Triangle(_)));
+    if inside {
+        return nodes.len() < 4;
+    }
+    let sliver = area < 0.25 * median || (nodes.len() - corners < 4 && area < 0.5 * median);
+    nodes.len() < 3 || sliver
+}
+
+/// Splits cells that are not discs and gives small ones to the neighbour with the longest common outline.
+fn mend(topology: &Topology, mesh: &IntrinsicMesh, complex: &mut CellComplex, faults: &[(u32, Fault)]) {
+    let mut touched = HashSet::new();
+    for &(cell, fault) in faults {
+        if !touched.insert(cell) {
+            continue;
+        }
+        let members: Vec<VertexId> =
+            complex.label.enumerate().filter(|(_, l)| **l == cell).map(|(v, _)| v).collect();
+        let neighbours = neighbours(topology, &complex.label, &members, cell);
+        let Some(&(largest, _)) = neighbours.first() else { continue };
+        if fault == Fault::NotADisc && release_islands(topology, complex, &members, cell) {
+            touched.extend(neighbours.iter().map(|n| n.0));
+        } else if fault == Fault::NotADisc && split(topology, mesh, complex, &members, cell) {
+            touched.extend(neighbours.iter().map(|n| n.0));
+        } else if touched.insert(largest) || fault == Fault::TooSmall {
+            members.iter().for_each(|&v| complex.label[v] = largest);
+            touched.extend(neighbours.iter().map(|n| n.0));
+        }
+    }
+}
+
+/// Gives all but the largest connected part of a cell to neighbours; false if the cell is connected.
+fn release_islands(
+    topology: &Topology,
+    complex: &mut CellComplex,
+    members: &[VertexId],
+    cell: u32,
+) -> bool {
+    let mut parts = connected_parts(topology, &complex.label, members, cell);
+    parts.sort_by_key(|p| std::cmp::Reverse(p.len()));
+    for island in parts.iter().skip(1) {
+        if let Some(&(to, _)) = neighbours(topology, &complex.label, island, cell).first() {
+            island.iter().for_each(|&v| complex.label[v] = to);
+        }
+    }
+    if parts.len() > 1 && !parts[0].contains(&complex.seed[cell as usize]) {
+        complex.seed[cell as usize] = parts[0][0];
+    }
+    parts.len() > 1
+}
+
+fn connected_parts(
+    topology: &Topology,
+    label: &PerVertex<u32>,
+    members: &[VertexId],
+    cell: u32,
+) -> Vec<Vec<VertexId>> {
+    let mut seen = HashSet::new();
+    let mut parts = Vec::new();
+    for &start in members {
+        if !seen.insert(start) {
+            continue;
+        }
+        let mut part = vec![start];
+        let mut next = 0;
+        while next < part.len() {
+            for w in topology.neighbours(part[next]) {
+                if label[w] == cell && seen.insert(w) {
+                    part.push(w);
+                }
+            }
+            next += 1;
+        }
+        parts.push(part);
+    }
+    parts
+}
+
+/// Neighbouring cells, the one with the most common edges first.
+fn neighbours(topology: &Topology, label: &PerVertex<u32>, members: &[VertexId], cell: u32) -> Vec<(u32, usize)> {
+    let mut count: HashMap<u32, usize> = HashMap::new();
+    for &v in members {
+        for w in topology.neighbours(v) {
+            if label[w] != cell {
+                *count.entry(label[w]).or_default() += 1;
+            }
+        }
+    }
+    let mut list: Vec<(u32, usize)> = count.into_iter().collect();
+    list.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+    list
+}
+
+/// Splits a cell between its two vertices farthest from each other; false if it has only one.
+fn split(topology: &Topology, mesh: &IntrinsicMesh, complex: &mut CellComplex, members: &[VertexId], cell: u32) -> bool {
+    let label = &complex.label;
+    let farthest = |from: VertexId| {
+        let cells = voronoi::grow(topology, mesh, &[Seed::at(from)], |v| label[v] == cell);
+        let reached = members.iter().filter(|v| cells.distance[**v].is_finite());
+        reached.copied().max_by(|a, b| cells.distance[*a].total_cmp(&cells.distance[*b]).then(b.cmp(a)))
+    };
+    let Some(first) = farthest(members[0]) else { return false };
+    let Some(second) = farthest(first).filter(|s| *s != first) else { return false };
+    let halves = voronoi::grow(topology, mesh, &[first, second].map(Seed::at), |v| label[v] == cell);
+    let new = complex.seed.len() as u32;
+    complex.seed[cell as usize] = first;
+    complex.seed.push(second);
+    for &v in members {
+        // A part that neither half reaches is a piece of its own and goes with the second.
+        if halves.label[v] == 1 || halves.label[v] == UNREACHED {
+            complex.label[v] = new;
+        }
+    }
+    true
+}
+
+/// Successor of each node on the outline of each cell.
+#[derive(Default)]
+struct Walk {
+    next: HashMap<(u32, Node), Node>,
+    order: Vec<(u32, Node)>,
+}
+
+impl Walk {
+    fn link(&mut self, cell: u32, from: Node, to: Node) {
+        if self.next.insert((cell, from), to).is_none() {
+            self.order.push((cell, from));
+        }
+    }
+}
+
+fn outlines(topology: &Topology, corners: &HashSet<VertexId>, label: &PerVertex<u32>, count: usize) -> Vec<Outline> {
+    let mut walk = Walk::default();
+    for f in topology.faces() {
+        link_triangle(topology, label, f, &mut walk);
+    }
+    for h in topology.half_edges() {
+        if topology.twin(h).is_none() && label[topology.origin(h)] != label[topology.target(h)] {
+            link_boundary(topology, corners, label, h, &mut walk);
+        }
+    }
+    closed_loops(topology, &walk, count)
+}
+
+fn link_triangle(topology: &Topology, label: &PerVertex<u32>, f: FaceId, walk: &mut Walk) {
+    let (mut leaves, mut enters) = (Vec::with_capacity(3), Vec::with_capacity(3));
+    for h in topology.face_half_edges(f) {
+        let (a, b) = (label[topology.origin(h)], label[topology.target(h)]);
+        if a != b {
+            leaves.push((a, Node::Edge(topology.edge(h))));
+            enters.push((b, Node::Edge(topology.edge(h))));
+        }
+    }
+    let middle = (leaves.len() == 3).then_some(Node::Triangle(f));
+    for &(cell, from) in &leaves {
+        let Some(&(_, to)) = enters.iter().find(|e| e.0 == cell) else { continue };
+        match middle {
+            Some(m) => {
+                walk.link(cell, from, m);
+                walk.link(cell, m, to);
+            }
+            None => walk.link(cell, from, to),
+        }
+    }
+}
+
+/// Follows the boundary from the edge `h`, where a new cell begins, to the edge where it ends.
+fn link_boundary(
+    topology: &Topology,
+    corners: &HashSet<VertexId>,
+    label: &PerVertex<u32>,
+    h: HalfEdgeId,
+    walk: &mut Walk,
+) {
+    let mut at = topology.target(h);
+    let cell = label[at];
+    let mut from = Node::Edge(topology.edge(h));
+    loop {
+        if corners.contains(&at) {
+            walk.link(cell, from, Node::Corner(at));
+            from = Node::Corner(at);
+        }
+        let along = topology.outgoing(at).next().expect("every vertex has an outgoing half-edge");
+        at = topology.target(along);
+        if label[at] != cell {
+            walk.link(cell, from, Node::Edge(topology.edge(along)));
+            return;
+        }
+    }
+}
+
+fn closed_loops(topology: &Topology, walk: &Walk, count: usize) -> Vec<Outline> {
+    let is_vertex = |n: &Node| match n {
+        Node::Edge(e) => topology.is_boundary_edge(*e),
+        _ => true,
+    };
+    let mut outlines = vec![Outline::default(); count];
+    let mut seen = HashSet::with_capacity(walk.order.len());
+    for &(cell, start) in &walk.order {
+        let (mut nodes, mut at) = (Vec::new(), start);
+        while seen.insert((cell, at)) {
+            nodes.push(at);
+            match walk.next.get(&(cell, at)) {
+                Some(&next) => at = next,
+                None => outlines[cell as usize].open = true,
+            }
+        }
+        if !nodes.is_empty() {
+            nodes.retain(is_vertex);
+            outlines[cell as usize].loops.push(nodes);
+        }
+    }
+    outlines
+}
+
+/// Number of vertices of the panelling, for building arrays.
+pub fn node_index(panels: &[(u32, Vec<Node>)]) -> (HashMap<Node, u32>, Vec<Node>) {
+    let (mut index, mut nodes) = (HashMap::new(), Vec::new());
+    for node in panels.iter().flat_map(|p| &p.1) {
+        index.entry(*node).or_insert_with(|| {
+            nodes.push(*node);
+            nodes.len() as u32 - 1
+        });
+    }
+    debug_assert!(nodes.iter().all(|n| match n {
+        Node::Edge(e) => e.index() < u32::MAX as usize,
+        _ => true,
+    }));
+    (index, nodes)
+}

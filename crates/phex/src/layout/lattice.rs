@@ -1,0 +1,212 @@
+//! The hexagonal lattice `Z[w]`, `w = exp(i pi / 3)`, and how neighbouring vertices see it.
+
+use crate::directions::{Directions, rosy};
+use nalgebra::Complex;
+use phex_mesh::{EdgeId, HalfEdgeId, PerEdge, Topology};
+use std::f64::consts::FRAC_PI_3;
+use std::ops::{Add, AddAssign, Neg, Sub};
+
+/// Complex numbers: positions in a tangent plane, in lattice spacings.
+pub type Plane = Complex<f64>;
+
+/// Half the square root of three: height of the lattice's triangle, and area of its cell.
+pub const CELL: f64 = 0.866_025_403_784_438_6;
+
+/// A lattice point `a + b w`, exact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Eisenstein {
+    /// Multiple of 1.
+    pub a: i32,
+    /// Multiple of `w`.
+    pub b: i32,
+}
+
+impl Eisenstein {
+    /// The origin.
+    pub const ZERO: Self = Self { a: 0, b: 0 };
+
+    /// The lattice point nearest to `z`; of several the first in the order of `b`, then `a`.
+    pub fn nearest(z: Plane) -> Self {
+        let b = z.im / CELL;
+        let a = z.re - 0.5 * b;
+        let (fa, fb) = (a.floor(), b.floor());
+        let mut best = (f64::INFINITY, Self::ZERO);
+        for (da, db) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let p = Self { a: fa as i32 + da, b: fb as i32 + db };
+            let distance = (z - p.to_plane()).norm_sqr();
+            if distance < best.0 - 1e-12 {
+                best = (distance, p);
+            }
+        }
+        best.1
+    }
+
+    /// Position in the plane.
+    pub fn to_plane(self) -> Plane {
+        Plane::new(f64::from(self.a) + 0.5 * f64::from(self.b), CELL * f64::from(self.b))
+    }
+
+    /// Product with `w^k`, a rotation by `k` sixths of a turn.
+    pub fn rotated(self, k: u8) -> Self {
+        (0..k % 6).fold(self, |p, _| Self { a: -p.b, b: p.a + p.b })
+    }
+}
+
+impl Add for Eisenstein {
+    type Output = Self;
+    fn add(self, o: Self) -> Self {
+        Self { a: self.a + o.a, b: self.b + o.b }
+    }
+}
+
+impl AddAssign for Eisenstein {
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+
+impl Sub for Eisenstein {
+    type Output = Self;
+    fn sub(self, o: Self) -> Self {
+        Self { a: self.a - o.a, b: self.b - o.b }
+    }
+}
+
+impl Neg for Eisenstein {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { a: -self.a, b: -self.b }
+    }
+}
+
+/// `z` rotated by `k` sixths of a turn.
+pub fn rotate(z: Plane, k: u8) -> Plane {
+    const H: f64 = CELL;
+    match k % 6 {
+        0 => z,
+        1 => Plane::new(0.5 * z.re - H * z.im, H * z.re + 0.5 * z.im),
+        2 => Plane::new(-0.5 * z.re - H * z.im, H * z.re - 0.5 * z.im),
+        3 => -z,
+        4 => Plane::new(-0.5 * z.re + H * z.im, -H * z.re - 0.5 * z.im),
+        _ => Plane::new(0.5 * z.re + H * z.im, -H * z.re + 0.5 * z.im),
+    }
+}
+
+/// The change of chart across an edge: a point `z` of the target's chart is `rotate(z, turn) + offset` in the origin's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition {
+    /// Sixths of a turn.
+    pub turn: u8,
+    /// Position of the target vertex in the chart of the origin.
+    pub offset: Plane,
+}
+
+impl Transition {
+    /// The transition the other way.
+    pub fn inverse(self) -> Self {
+        let turn = (6 - self.turn) % 6;
+        Self { turn, offset: -rotate(self.offset, turn) }
+    }
+    /// The point `z` of the target's chart, in the origin's.
+    pub fn apply(self, z: Plane) -> Plane {
+        rotate(z, self.turn) + self.offset
+    }
+}
+
+/// Transitions along all edges, from the target's chart to the origin's of the edge's half-edge.
+#[derive(Clone, Debug)]
+pub struct Charts {
+    edge: PerEdge<Transition>,
+}
+
+impl Charts {
+    /// Charts aligned with the direction field.
+    pub fn new(topology: &Topology, directions: &Directions) -> Self {
+        let edge = PerEdge::from_fn(topology.n_edges(), |e| transition(topology, directions, e));
+        Self { edge }
+    }
+
+    /// The transition along an edge, from target to origin of its half-edge.
+    pub fn edge(&self, e: EdgeId) -> Transition {
+        self.edge[e]
+    }
+
+    /// The transition from target to origin of any half-edge.
+    pub fn half_edge(&self, topology: &Topology, h: HalfEdgeId) -> Transition {
+        let e = topology.edge(h);
+        if topology.edge_half_edge(e) == h { self.edge[e] } else { self.edge[e].inverse() }
+    }
+}
+
+fn transition(topology: &Topology, directions: &Directions, e: EdgeId) -> Transition {
+    let mesh = &directions.intrinsic;
+    let [i, j] = topology.edge_vertices(e);
+    let (turns, _) = rosy::matching(mesh, &directions.angle, topology, e);
+    let turn = turns.rem_euclid(6) as u8;
+    // Both ends see the edge; their views are averaged.
+    let from_origin = Plane::from_polar(1.0, mesh.polar_origin[e] - directions.angle[i]);
+    let from_target = -rotate(Plane::from_polar(1.0, mesh.polar_target[e] - directions.angle[j]), turn);
+    let mean = from_origin + from_target;
+    let offset = mean * (mesh.length[e] / (mean.norm() + 1e-12));
+    Transition { turn, offset }
+}
+
+/// The six shortest vectors `g` of the reciprocal lattice: `<g, z>` is an integer at lattice points.
+pub fn reciprocal(m: usize) -> Plane {
+    Plane::from_polar(1.0 / CELL, FRAC_PI_3 * (m as f64 + 0.5))
+}
+
+/// Real scalar product of two plane vectors.
+pub fn dot(a: Plane, b: Plane) -> f64 {
+    a.re * b.re + a.im * b.im
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotations_agree() {
+        let p = Eisenstein { a: 3, b: -5 };
+        for k in 0..12 {
+            assert!((p.rotated(k).to_plane() - rotate(p.to_plane(), k)).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn nearest_is_nearest() {
+        for i in 0..400 {
+            let z = Plane::new((f64::from(i) * 0.731).sin() * 4.0, (f64::from(i) * 1.377).cos() * 4.0);
+            let p = Eisenstein::nearest(z);
+            for k in 0..6 {
+                let q = p + Eisenstein { a: 1, b: 0 }.rotated(k);
+                assert!((z - p.to_plane()).norm() <= (z - q.to_plane()).norm() + 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn reciprocal_vectors_give_integers() {
+        for m in 0..6 {
+            for (a, b) in [(1, 0), (0, 1), (7, -3)] {
+                let x = dot(reciprocal(m), Eisenstein { a, b }.to_plane());
+                assert!((x - x.round()).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn one_minus_w_is_a_unit() {
+        // A cone of one sixth absorbs any translation: (1 - w) z = t has a lattice solution z = w t.
+        let t = Eisenstein { a: 4, b: -7 };
+        let z = t.rotated(1);
+        assert_eq!(z - z.rotated(1), t);
+    }
+
+    #[test]
+    fn transitions_invert() {
+        let t = Transition { turn: 2, offset: Plane::new(0.3, -1.2) };
+        let z = Plane::new(-2.0, 0.7);
+        assert!((t.inverse().apply(t.apply(z)) - z).norm() < 1e-12);
+    }
+}

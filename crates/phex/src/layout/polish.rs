@@ -1,0 +1,35 @@
+//! Gauss-Seidel polish of lattice offsets: every vertex moves to the mean of what its neighbours see, modulo the lattice.
+
+use super::lattice::{Charts, Eisenstein, Plane};
+use crate::directions::intrinsic::IntrinsicMesh;
+use phex_mesh::{PerVertex, Topology};
+
+/// Share of the way to the neighbours' mean that a vertex moves.
+const RELAXATION: f64 = 0.9;
+
+/// Runs `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the lattice cell round 0.
+pub fn polish(topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts, position: &mut PerVertex<Plane>, sweeps: usize) {
+    for _ in 0..sweeps {
+        for v in topology.vertices() {
+            let (mut sum, mut total) = (Plane::new(0.0, 0.0), 0.0);
+            let here = position[v];
+            let mut add = |seen: Plane, weight: f64| {
+                sum += (seen - Eisenstein::nearest(seen - here).to_plane()) * weight;
+                total += weight;
+            };
+            for h in topology.outgoing(v) {
+                let seen = charts.half_edge(topology, h).apply(position[topology.target(h)]);
+                add(seen, mesh.weight[topology.edge(h)]);
+                let before = topology.prev(h);
+                if topology.twin(before).is_none() {
+                    let seen = charts.half_edge(topology, before).inverse().apply(position[topology.origin(before)]);
+                    add(seen, mesh.weight[topology.edge(before)]);
+                }
+            }
+            position[v] = here + (sum / total - here) * RELAXATION;
+        }
+    }
+    for z in position.iter_mut() {
+        *z -= Eisenstein::nearest(*z).to_plane();
+    }
+}

@@ -1,0 +1,288 @@
+//! From lattice offsets to a lattice without dislocations, by moving Burgers vectors and one linear solve.
+//!
+//! Integer jumps `n` along edges say which lattice point of one vertex is the origin of the next. Round a triangle they
+//! add up to a translation, its Burgers vector; a triangle without turn but with one is a dislocation (a 5|7 pair).
+//! Changing the jumps along a dual path moves a Burgers vector to the path's end, where it meets its opposite, or a cone
+//! or the boundary that absorbs it: `1 - w` is a unit of `Z[w]`, so a cone of one sixth absorbs *any* translation, and no
+//! integer programming is needed. With jumps free of dislocations, `min sum w |z_i - R z_j - d + n|^2` is one linear solve.
+
+use super::lattice::{Charts, Eisenstein, Plane, rotate};
+use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::rosy::{push_block, solve};
+use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, PerVertex, Topology};
+use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use serde::Serialize;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Lattice offsets and the integer jumps between them.
+#[derive(Clone, Debug)]
+pub struct Offsets {
+    /// Position of the nearest lattice point in the chart of each vertex.
+    pub position: PerVertex<Plane>,
+    /// Jump along each edge: the target's lattice point is the origin's moved by it. Zero: both name the same point.
+    pub jump: PerEdge<Eisenstein>,
+}
+
+impl Offsets {
+    /// Jumps by rounding.
+    pub fn rounded(topology: &Topology, charts: &Charts, position: PerVertex<Plane>) -> Self {
+        let jump = PerEdge::from_fn(topology.n_edges(), |e| {
+            let [i, j] = topology.edge_vertices(e);
+            Eisenstein::nearest(charts.edge(e).apply(position[j]) - position[i])
+        });
+        Self { position, jump }
+    }
+
+    /// The same lattice, each vertex naming the point nearest to it.
+    pub fn reduced(mut self, topology: &Topology, charts: &Charts) -> Self {
+        let shift = self.position.map(|z| Eisenstein::nearest(*z));
+        for e in topology.edges() {
+            let [i, j] = topology.edge_vertices(e);
+            self.jump[e] = self.jump[e] - shift[j].rotated(charts.edge(e).turn) + shift[i];
+        }
+        for (z, p) in self.position.iter_mut().zip(&shift) {
+            *z -= p.to_plane();
+        }
+        self
+    }
+
+    /// Largest and median distortion: what is left of the edges' offsets over their lengths, per edge.
+    pub fn distortion(&self, topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts) -> PerEdge<f64> {
+        PerEdge::from_fn(topology.n_edges(), |e| {
+            let [i, j] = topology.edge_vertices(e);
+            let rest = charts.edge(e).apply(self.position[j]) - self.jump[e].to_plane() - self.position[i];
+            rest.norm() / mesh.length[e]
+        })
+    }
+}
+
+/// What the seamless step did.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Annihilation {
+    /// Dislocations before.
+    pub dislocations: usize,
+    /// Burgers vectors moved.
+    pub moved: usize,
+    /// Dislocations that stay, because moving them would have gone too far.
+    pub kept: usize,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Defect {
+    None,
+    Dislocation,
+    Cone,
+}
+
+/// Turn and translation round a triangle, and for each of its edges the unit by which its jump enters the translation.
+struct Circuit {
+    turn: u8,
+    burgers: Eisenstein,
+    /// Per edge: (edge, rotation, negative).
+    entry: [(EdgeId, u8, bool); 3],
+}
+
+fn circuit(topology: &Topology, charts: &Charts, jump: &PerEdge<Eisenstein>, f: FaceId) -> Circuit {
+    let (mut turn, mut burgers) = (0u8, Eisenstein::ZERO);
+    let mut entry = [(EdgeId::new(0), 0, false); 3];
+    for (k, h) in topology.face_half_edges(f).enumerate() {
+        let e = topology.edge(h);
+        let step = charts.edge(e).turn;
+        if topology.edge_half_edge(e) == h {
+            entry[k] = (e, turn, false);
+            burgers += jump[e].rotated(turn);
+            turn = (turn + step) % 6;
+        } else {
+            turn = (turn + 6 - step) % 6;
+            entry[k] = (e, turn, true);
+            burgers += -jump[e].rotated(turn);
+        }
+    }
+    Circuit { turn, burgers, entry }
+}
+
+/// Moves the Burgers vector of `f` across its edge `e`.
+fn push_across(topology: &Topology, charts: &Charts, jump: &mut PerEdge<Eisenstein>, f: FaceId, e: EdgeId) {
+    let circuit = circuit(topology, charts, jump, f);
+    for (edge, rotation, negative) in circuit.entry {
+        if edge == e {
+            let change = circuit.burgers.rotated((6 - rotation) % 6);
+            jump[e] = if negative { jump[e] + change } else { jump[e] - change };
+        }
+    }
+}
+
+fn defect(c: &Circuit) -> Defect {
+    match (c.turn, c.burgers) {
+        (0, Eisenstein::ZERO) => Defect::None,
+        (0, _) => Defect::Dislocation,
+        _ => Defect::Cone,
+    }
+}
+
+/// Moves every Burgers vector into the nearest opposite, cone or boundary, the closest pairs first. Paths longer than
+/// `max_length` lattice spacings are not taken.
+pub fn annihilate(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    jump: &mut PerEdge<Eisenstein>,
+    max_length: f64,
+) -> Annihilation {
+    let mut state = PerFace::from_fn(topology.n_faces(), |f| defect(&circuit(topology, charts, jump, f)));
+    let dislocations = state.iter().filter(|d| **d == Defect::Dislocation).count();
+    let mut moved = 0;
+    // Each move ends at least one dislocation or merges two, so this is only a guard.
+    for _ in 0..4 * dislocations + 4 {
+        let Some(path) = shortest_path(topology, mesh, &state, max_length) else { break };
+        for &(f, e) in &path {
+            push_across(topology, charts, jump, f, e);
+        }
+        for &(f, e) in &path {
+            let h = topology.edge_half_edge(e);
+            let sides = [Some(topology.face(h)), topology.twin(h).map(|t| topology.face(t)), Some(f)];
+            for g in sides.into_iter().flatten() {
+                state[g] = defect(&circuit(topology, charts, jump, g));
+            }
+        }
+        moved += 1;
+    }
+    let kept = state.iter().filter(|d| **d == Defect::Dislocation).count();
+    Annihilation { dislocations, moved, kept }
+}
+
+/// Total order for distances in a heap.
+#[derive(Clone, Copy, PartialEq)]
+struct Distance(f64);
+impl Eq for Distance {}
+impl PartialOrd for Distance {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Distance {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+const NOBODY: u32 = u32::MAX;
+
+/// The shortest dual path from a dislocation to another one, a cone, or out of the boundary: fronts grow from all of them
+/// at once until two meet. Pairs (face, edge to leave it by), in the order of the move.
+fn shortest_path(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    state: &PerFace<Defect>,
+    max_length: f64,
+) -> Option<Vec<(FaceId, EdgeId)>> {
+    let size = |f: FaceId| 0.375 * mesh.area[f].sqrt();
+    let mut source = PerFace::filled(topology.n_faces(), NOBODY);
+    let mut distance = PerFace::filled(topology.n_faces(), f64::INFINITY);
+    let mut from: PerFace<Option<(FaceId, EdgeId)>> = PerFace::filled(topology.n_faces(), None);
+    let mut settled = PerFace::filled(topology.n_faces(), false);
+    let mut heap = BinaryHeap::new();
+    for f in topology.faces() {
+        if state[f] != Defect::None {
+            source[f] = f.index() as u32;
+            distance[f] = 0.0;
+            heap.push(Reverse((Distance(0.0), f)));
+        }
+    }
+    let moves = |s: u32| state.as_slice()[s as usize] == Defect::Dislocation;
+    let mut best: (f64, Option<(FaceId, EdgeId, Option<FaceId>)>) = (max_length, None);
+    while let Some(Reverse((Distance(d), f))) = heap.pop() {
+        if settled[f] {
+            continue;
+        }
+        settled[f] = true;
+        if 2.0 * d > best.0 {
+            break;
+        }
+        for h in topology.face_half_edges(f) {
+            let e = topology.edge(h);
+            let Some(t) = topology.twin(h) else {
+                let total = d + 4.0 * size(f);
+                if moves(source[f]) && total < best.0 {
+                    best = (total, Some((f, e, None)));
+                }
+                continue;
+            };
+            let g = topology.face(t);
+            let step = d + size(f) + size(g);
+            if settled[g] && source[g] != source[f] {
+                let total = step + distance[g];
+                if (moves(source[f]) || moves(source[g])) && total < best.0 {
+                    best = (total, Some((f, e, Some(g))));
+                }
+            }
+            if !settled[g] && step < distance[g] {
+                distance[g] = step;
+                source[g] = source[f];
+                from[g] = Some((f, e));
+                heap.push(Reverse((Distance(step), g)));
+            }
+        }
+    }
+    let (f, e, g) = best.1?;
+    Some(joined_path(&from, f, e, g, g.is_some_and(|g| !moves(source[f]) && moves(source[g]))))
+}
+
+fn joined_path(
+    from: &PerFace<Option<(FaceId, EdgeId)>>,
+    f: FaceId,
+    e: EdgeId,
+    g: Option<FaceId>,
+    backwards: bool,
+) -> Vec<(FaceId, EdgeId)> {
+    let (start, end) = if backwards { (g.expect("a far side"), Some(f)) } else { (f, g) };
+    // From the moving dislocation to the meeting edge ...
+    let mut path = Vec::new();
+    let mut at = start;
+    while let Some((before, edge)) = from[at] {
+        path.push((before, edge));
+        at = before;
+    }
+    path.reverse();
+    path.push((start, e));
+    // ... and on to the other defect, against the direction in which its front grew.
+    let mut at = end;
+    while let Some(face) = at {
+        at = from[face].map(|(before, edge)| {
+            path.push((face, edge));
+            before
+        });
+    }
+    path
+}
+
+/// Lattice offsets that fit the edges best with given jumps.
+pub fn solve_offsets(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    jump: &PerEdge<Eisenstein>,
+    near: &PerVertex<Plane>,
+) -> Result<PerVertex<Plane>, NumericError> {
+    const ANCHOR: f64 = 1e-8;
+    let n = topology.n_vertices();
+    let mut own: Vec<f64> = mesh.mass.iter().map(|m| ANCHOR * m).collect();
+    let mut rhs: Vec<Plane> = near.iter().zip(&own).map(|(z, a)| z * *a).collect();
+    let mut entries = Vec::with_capacity(4 * topology.n_edges() + 2 * n);
+    for e in topology.edges() {
+        let ([i, j], w, t) = (topology.edge_vertices(e).map(|v| v.index()), mesh.weight[e], charts.edge(e));
+        own[i] += w;
+        own[j] += w;
+        push_block(&mut entries, i as u32, j as u32, -rotate(Plane::new(w, 0.0), t.turn));
+        let c = (t.offset - jump[e].to_plane()) * w;
+        rhs[i] += c;
+        rhs[j] -= rotate(c, (6 - t.turn) % 6);
+    }
+    for (v, d) in own.iter().enumerate() {
+        entries.push((2 * v as u32, 2 * v as u32, *d));
+        entries.push((2 * v as u32 + 1, 2 * v as u32 + 1, *d));
+    }
+    let factor = Cholesky::new(&SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?)?;
+    Ok(PerVertex::from_vec(solve(&factor, |i| rhs[i], n)))
+}

@@ -1,0 +1,141 @@
+//! Geodesic Voronoi cells of seed vertices on an intrinsic triangle mesh.
+//!
+//! Fronts grow as in Dijkstra's algorithm; across a triangle whose two known corners belong to the same seed the distance
+//! comes from unfolding the seed into the triangle's plane (the virtual source of Novotni and Klein, 2002), which makes
+//! cells as straight as the triangulation allows.
+
+use super::seeds::Seed;
+use crate::directions::intrinsic::IntrinsicMesh;
+use phex_mesh::{PerVertex, Topology, VertexId};
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+
+/// Label of a vertex that no seed reaches.
+pub const UNREACHED: u32 = u32::MAX;
+
+/// Cells of seeds: for each vertex the number of the nearest seed and the distance to it.
+#[derive(Clone, Debug)]
+pub struct Cells {
+    /// Number of the seed, or [`UNREACHED`].
+    pub label: PerVertex<u32>,
+    /// Distance to it in intrinsic lengths.
+    pub distance: PerVertex<f64>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+struct Front {
+    distance: f64,
+    label: u32,
+    vertex: VertexId,
+}
+
+impl Eq for Front {}
+impl PartialOrd for Front {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Front {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_distance = self.distance.total_cmp(&other.distance);
+        by_distance.then(self.label.cmp(&other.label)).then(self.vertex.cmp(&other.vertex))
+    }
+}
+
+/// Grows cells over the vertices that `allowed` admits.
+pub fn grow(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    seeds: &[Seed],
+    allowed: impl Fn(VertexId) -> bool,
+) -> Cells {
+    let n = topology.n_vertices();
+    let mut cells = Cells { label: PerVertex::filled(n, UNREACHED), distance: PerVertex::filled(n, f64::INFINITY) };
+    let mut settled = PerVertex::filled(n, false);
+    let mut heap = BinaryHeap::new();
+    for (label, seed) in seeds.iter().enumerate() {
+        for &(vertex, distance) in &seed.core {
+            if distance < cells.distance[vertex] {
+                cells.distance[vertex] = distance;
+                cells.label[vertex] = label as u32;
+                heap.push(Reverse(Front { distance, label: label as u32, vertex }));
+            }
+        }
+    }
+    while let Some(Reverse(front)) = heap.pop() {
+        let v = front.vertex;
+        if settled[v] || front.label != cells.label[v] {
+            continue;
+        }
+        settled[v] = true;
+        for h in topology.outgoing(v) {
+            // The two other corners of the triangle, each reached from `v` alone and with the help of the third corner.
+            let (a, b) = (topology.target(h), topology.origin(topology.prev(h)));
+            for (to, third) in [(a, b), (b, a)] {
+                if settled[to] || !allowed(to) {
+                    continue;
+                }
+                let distance = reach(topology, mesh, &cells, &settled, h, v, to, third);
+                if (distance, front.label) < (cells.distance[to], cells.label[to]) {
+                    cells.distance[to] = distance;
+                    cells.label[to] = front.label;
+                    heap.push(Reverse(Front { distance, label: front.label, vertex: to }));
+                }
+            }
+        }
+    }
+    cells
+}
+
+#[allow(clippy::too_many_arguments)]
+fn reach(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    cells: &Cells,
+    settled: &PerVertex<bool>,
+    h: phex_mesh::HalfEdgeId,
+    v: VertexId,
+    to: VertexId,
+    third: VertexId,
+) -> f64 {
+    let side = |h| mesh.length[topology.edge(h)];
+    let (to_a, between, to_b) = (side(h), side(topology.next(h)), side(topology.prev(h)));
+    let (v_to, v_third) = if to == topology.target(h) { (to_a, to_b) } else { (to_b, to_a) };
+    let along_edge = cells.distance[v] + v_to;
+    if !settled[third] || cells.label[third] != cells.label[v] {
+        return along_edge;
+    }
+    let unfolded = unfold(v_third, v_to, between, cells.distance[v], cells.distance[third]);
+    unfolded.map_or(along_edge, |d| d.min(along_edge))
+}
+
+/// Distance from a virtual source, at `dv` and `dt` from the ends `v` and `t` of an edge of length `edge`, to the apex on
+/// the other side, at `va` and `ta` from them; `None` if the straight line does not cross the edge.
+fn unfold(edge: f64, va: f64, ta: f64, dv: f64, dt: f64) -> Option<f64> {
+    let foot = |p: f64, q: f64| (p * p - q * q + edge * edge) / (2.0 * edge);
+    let (xs, xa) = (foot(dv, dt), foot(va, ta));
+    let (ys2, ya2) = (dv * dv - xs * xs, va * va - xa * xa);
+    if ys2 < 0.0 || ya2 <= 0.0 {
+        return None;
+    }
+    let (ys, ya) = (ys2.sqrt(), ya2.sqrt());
+    let crossing = xs + (xa - xs) * ys / (ys + ya);
+    (crossing >= 0.0 && crossing <= edge).then(|| (xa - xs).hypot(ys + ya))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unfolding_measures_the_straight_line() {
+        // Source (0.3, -1), edge (0,0)-(1,0), apex (0.5, 0.8).
+        let d = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1);
+        let (s, v, t, a) = ((0.3, -1.0), (0.0, 0.0), (1.0, 0.0), (0.5, 0.8));
+        let got = unfold(1.0, d(v, a), d(t, a), d(s, v), d(s, t)).unwrap();
+        assert!((got - d(s, a)).abs() < 1e-12);
+        // A source far to the side does not see the apex through the edge.
+        let s = (-5.0, -0.1);
+        assert_eq!(unfold(1.0, d(v, a), d(t, a), d(s, v), d(s, t)), None);
+    }
+}

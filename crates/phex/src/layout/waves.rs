@@ -1,0 +1,162 @@
+//! Lattice positions by diffusing three waves and projecting them to a common phase, from coarse to fine.
+//!
+//! A lattice is the set where the waves `exp(2 pi i <g_m, z>)`, `m = 0, 1, 2`, are all 1. Each vertex holds the three
+//! values of its own chart; a change of chart permutes (and conjugates) them. Repeating "diffuse for time `t`, project to
+//! the nearest lattice phase" with falling `t` finds a position field whose dislocations sit only where size demands
+//! (a diffusion-projection scheme in the manner of Merriman, Bence and Osher).
+
+use super::lattice::{Charts, Plane, dot, reciprocal};
+use crate::directions::intrinsic::IntrinsicMesh;
+use phex_mesh::{PerVertex, Topology};
+use phex_numeric::{ConjugateGradientOptions, conjugate_gradients};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Diffusion times in squared lattice spacings, and steps at each.
+const SCHEDULE: [(f64, usize); 4] = [(1.5, 15), (0.5, 12), (0.15, 10), (0.05, 8)];
+/// Positions tried in each direction of the lattice cell when a phase is projected.
+const GRID: usize = 6;
+/// A step starts from the last one and is projected anyway, so it needs no accuracy.
+const DIFFUSION: ConjugateGradientOptions = ConjugateGradientOptions { tolerance: 1e-2, max_iterations: 60 };
+
+/// Lattice offset of each vertex (position of a lattice point in the vertex's chart).
+pub fn diffuse(topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts, seed: u64) -> PerVertex<Plane> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut cell = || random.random_range(-0.5..0.5);
+    let mut position: Vec<Plane> = topology.vertices().map(|_| Plane::new(cell(), cell())).collect();
+    let projector = Projector::new();
+    let operator = WaveOperator::new(topology, mesh, charts);
+    for (time, steps) in SCHEDULE {
+        let diagonal = operator.diagonal(time);
+        for _ in 0..steps {
+            let mut x: Vec<f64> = position.par_iter().flat_map_iter(|z| interleaved(waves(*z))).collect();
+            let rhs: Vec<f64> = x.iter().enumerate().map(|(i, a)| a * operator.mass[i / 6]).collect();
+            conjugate_gradients(|a, y| operator.apply(time, a, y), &diagonal, &rhs, &mut x, &DIFFUSION);
+            position = x.par_chunks_exact(6).map(|a| projector.project(a)).collect();
+        }
+    }
+    PerVertex::from_vec(position)
+}
+
+fn interleaved(a: [Plane; 3]) -> [f64; 6] {
+    [a[0].re, a[0].im, a[1].re, a[1].im, a[2].re, a[2].im]
+}
+
+fn waves(z: Plane) -> [Plane; 3] {
+    [0, 1, 2].map(|m| Plane::from_polar(1.0, TAU * dot(reciprocal(m), z)))
+}
+
+/// How one wave of a vertex is seen from a neighbour: its number there, whether conjugated, and the phase times the weight.
+#[derive(Clone, Copy)]
+struct Link {
+    source: u8,
+    conjugate: bool,
+    phase: Plane,
+}
+
+/// `mass + time * (connection Laplacian of the waves)`, three complex unknowns per vertex.
+struct WaveOperator<'a> {
+    mass: &'a [f64],
+    /// Sum of the weights of the edges at each vertex.
+    degree: Vec<f64>,
+    /// Neighbours of each vertex with the links of their three waves, vertex after vertex.
+    start: Vec<u32>,
+    links: Vec<(u32, [Link; 3])>,
+}
+
+impl<'a> WaveOperator<'a> {
+    fn new(topology: &Topology, mesh: &'a IntrinsicMesh, charts: &Charts) -> Self {
+        let (mut degree, mut start, mut links) = (Vec::new(), vec![0], Vec::new());
+        for v in topology.vertices() {
+            let mut total = 0.0;
+            for h in topology.outgoing(v) {
+                let weight = mesh.weight[topology.edge(h)];
+                total += weight;
+                links.push((topology.target(h).index() as u32, link(charts.half_edge(topology, h), weight)));
+                let before = topology.prev(h);
+                if topology.twin(before).is_none() {
+                    let weight = mesh.weight[topology.edge(before)];
+                    total += weight;
+                    let transition = charts.half_edge(topology, before).inverse();
+                    links.push((topology.origin(before).index() as u32, link(transition, weight)));
+                }
+            }
+            degree.push(total);
+            start.push(links.len() as u32);
+        }
+        Self { mass: mesh.mass.as_slice(), degree, start, links }
+    }
+
+    fn diagonal(&self, time: f64) -> Vec<f64> {
+        let own = self.mass.iter().zip(&self.degree).map(|(m, d)| m + time * d);
+        own.flat_map(|d| [d; 6]).collect()
+    }
+
+    fn apply(&self, time: f64, a: &[f64], y: &mut [f64]) {
+        y.par_chunks_exact_mut(6).with_min_len(512).enumerate().for_each(|(v, y)| {
+            let own = self.mass[v] + time * self.degree[v];
+            for k in 0..6 {
+                y[k] = own * a[6 * v + k];
+            }
+            for (w, links) in &self.links[self.start[v] as usize..self.start[v + 1] as usize] {
+                for (m, link) in links.iter().enumerate() {
+                    let at = 6 * *w as usize + 2 * link.source as usize;
+                    let im = if link.conjugate { -a[at + 1] } else { a[at + 1] };
+                    y[2 * m] -= time * (link.phase.re * a[at] - link.phase.im * im);
+                    y[2 * m + 1] -= time * (link.phase.re * im + link.phase.im * a[at]);
+                }
+            }
+        });
+    }
+}
+
+/// Wave `m` here is wave `m - turn` of the neighbour times the phase of its offset.
+fn link(transition: super::lattice::Transition, weight: f64) -> [Link; 3] {
+    [0, 1, 2].map(|m| {
+        let source = (m + 6 - transition.turn as usize) % 6;
+        let phase = Plane::from_polar(weight, TAU * dot(reciprocal(m), transition.offset));
+        Link { source: (source % 3) as u8, conjugate: source >= 3, phase }
+    })
+}
+
+/// Finds the lattice offset whose three waves are closest to given values.
+struct Projector {
+    trial: Vec<(Plane, [Plane; 3])>,
+    reciprocal: [Plane; 3],
+}
+
+impl Projector {
+    fn new() -> Self {
+        let w = Plane::from_polar(1.0, TAU / 6.0);
+        let at = |i: usize| i as f64 / GRID as f64;
+        let grid = (0..GRID).flat_map(|i| (0..GRID).map(move |k| (i, k)));
+        let trial = grid.map(|(i, k)| w * at(k) + at(i)).map(|z| (z, waves(z))).collect();
+        Self { trial, reciprocal: [0, 1, 2].map(reciprocal) }
+    }
+
+    fn project(&self, values: &[f64]) -> Plane {
+        let value = [0, 1, 2].map(|m| Plane::new(values[2 * m], values[2 * m + 1]));
+        let score = |w: &[Plane; 3]| -> f64 { w.iter().zip(&value).map(|(a, b)| dot(*a, *b)).sum() };
+        let mut best = (f64::NEG_INFINITY, Plane::new(0.0, 0.0));
+        for (z, w) in &self.trial {
+            let s = score(w);
+            if s > best.0 {
+                best = (s, *z);
+            }
+        }
+        (0..8).fold(best.1, |z, _| self.ascend(z, &value))
+    }
+
+    /// One damped Newton step towards the maximum of `sum Re(conj(a_m) wave_m(z))`.
+    fn ascend(&self, z: Plane, value: &[Plane; 3]) -> Plane {
+        let (mut gradient, mut bound) = (Plane::new(0.0, 0.0), 1e-9);
+        for (g, a) in self.reciprocal.iter().zip(value) {
+            let turned = a.conj() * Plane::from_polar(1.0, TAU * dot(*g, z));
+            gradient -= g * (TAU * turned.im);
+            bound += a.norm() * TAU * TAU * g.norm_sqr() * 0.5;
+        }
+        z + gradient / bound
+    }
+}

@@ -1,0 +1,170 @@
+//! Target: the smooth surface that everything else looks at.
+//!
+//! The input's facets are a sample of a smooth surface. It is normalised (bounding-box diagonal 1, box centre at the
+//! origin, so that no later figure depends on the unit), and refined by Loop subdivision whose control points are
+//! corrected until the refined surface passes through the input's vertices:
+//! `C <- C + damping * (V - (M C)|input)`, with `M` the subdivision matrix.
+//!
+//! | symbol | variable |
+//! |---|---|
+//! | `V` | positions of the input's vertices |
+//! | `C` | control points |
+//! | `M` | [`subdivide::Refinement`], level by level |
+//!
+//! Guaranteed: the refined surface has the topology of the input, vertex `i` of the input is vertex `i` of every level,
+//! sharp boundary corners stay where they are. Fails: never; where the corrections do not converge (very irregular
+//! triangles) the control points that came closest to the input are used.
+
+pub mod subdivide;
+
+use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
+use serde::{Deserialize, Serialize};
+use subdivide::Refinement;
+
+/// How the smooth target is made.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TargetOptions {
+    /// Corrections of the control points towards interpolation (0: plain Loop, which smooths noise; 6 interpolates to about 1e-4).
+    pub corrections: usize,
+    /// Share of the error that a correction removes (0 to 1).
+    pub damping: f64,
+    /// Turning angle in degrees above which a boundary vertex is a corner and is kept sharp.
+    pub corner_angle: f64,
+}
+
+impl Default for TargetOptions {
+    fn default() -> Self {
+        Self { corrections: 6, damping: 0.9, corner_angle: 40.0 }
+    }
+}
+
+/// Similarity from model coordinates to normalised ones: `(p - centre) / scale`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Similarity {
+    /// Centre of the bounding box, model units.
+    pub centre: Vec3,
+    /// Diagonal of the bounding box, model units.
+    pub scale: f64,
+}
+
+impl Similarity {
+    /// The similarity that gives a surface diagonal 1 and its box centre at the origin.
+    pub fn normalising(surface: &TriangleSurface) -> Self {
+        let (low, high) = surface.bounding_box();
+        Self { centre: (low + high) * 0.5, scale: (high - low).norm() }
+    }
+    /// Model to normalised coordinates.
+    pub fn normalise(&self, p: Vec3) -> Vec3 {
+        (p - self.centre) / self.scale
+    }
+    /// Normalised to model coordinates.
+    pub fn restore(&self, p: Vec3) -> Vec3 {
+        p * self.scale + self.centre
+    }
+}
+
+/// The smooth target at every level of refinement, in normalised coordinates.
+#[derive(Clone)]
+pub struct SmoothTarget {
+    /// Surfaces from the input's connectivity (level 0) to the finest.
+    pub levels: Vec<TriangleSurface>,
+    /// Refinement from each level to the next.
+    pub refinements: Vec<Refinement>,
+    /// Sharp corners of the boundary (vertices of the input, the same number at every level), sharpest first.
+    pub corners: Vec<VertexId>,
+    /// Largest distance of an input vertex to the refined surface's vertex of the same number, diagonals.
+    pub interpolation_error: f64,
+}
+
+impl SmoothTarget {
+    /// The finest surface.
+    pub fn finest(&self) -> &TriangleSurface {
+        self.levels.last().expect("there is a level for the input itself")
+    }
+}
+
+/// Refines a normalised surface until it has at least `min_vertices` vertices.
+pub fn smooth_target(surface: &TriangleSurface, min_vertices: usize, options: &TargetOptions) -> SmoothTarget {
+    let corners = boundary_corners(surface, options.corner_angle.to_radians());
+    let mut refinements = Vec::new();
+    let mut topology = surface.topology().clone();
+    while topology.n_vertices() < min_vertices {
+        let (refinement, finer) = Refinement::of(&topology, &corners);
+        refinements.push(refinement);
+        topology = finer;
+    }
+    let (control, interpolation_error) = interpolating_control(surface.positions(), &refinements, options);
+    let mut positions = control;
+    let mut levels = Vec::new();
+    let mut faces = triangles(surface);
+    for (i, refinement) in refinements.iter().enumerate() {
+        let finest: PerVertex<Vec3> = refinements[i..].iter().fold(positions.clone(), |p, r| r.apply(&p));
+        // A coarse level holds the points of the final surface, not its control points.
+        let on_surface = finest.as_slice()[..positions.len()].to_vec();
+        levels.push(rebuilt(on_surface, &faces));
+        positions = refinement.apply(&positions);
+        faces = refinement.faces.clone();
+    }
+    if refinements.is_empty() {
+        levels.push(surface.clone());
+    } else {
+        levels.push(rebuilt(positions.into_vec(), &faces));
+    }
+    SmoothTarget { levels, refinements, corners, interpolation_error }
+}
+
+fn rebuilt(positions: Vec<Vec3>, faces: &[[u32; 3]]) -> TriangleSurface {
+    TriangleSurface::new(positions, faces).expect("refinement keeps a manifold a manifold")
+}
+
+fn triangles(surface: &TriangleSurface) -> Vec<[u32; 3]> {
+    let t = surface.topology();
+    t.faces().map(|f| std::array::from_fn(|k| t.face_vertices(f)[k].index() as u32)).collect()
+}
+
+fn interpolating_control(
+    input: &PerVertex<Vec3>,
+    refinements: &[Refinement],
+    options: &TargetOptions,
+) -> (PerVertex<Vec3>, f64) {
+    let error_of = |control: &PerVertex<Vec3>| -> Vec<Vec3> {
+        let refined = refinements.iter().fold(control.clone(), |p, r| r.apply(&p));
+        input.iter().zip(refined.iter()).map(|(v, x)| v - x).collect()
+    };
+    let largest = |errors: &[Vec3]| errors.iter().map(|e| e.norm()).fold(0.0, f64::max);
+    let mut control = input.clone();
+    let mut errors = error_of(&control);
+    let mut best = (control.clone(), largest(&errors));
+    if refinements.is_empty() {
+        return best;
+    }
+    for _ in 0..options.corrections {
+        for (c, e) in control.iter_mut().zip(&errors) {
+            *c += options.damping * e;
+        }
+        errors = error_of(&control);
+        let worst = largest(&errors);
+        if worst < best.1 {
+            best = (control.clone(), worst);
+        }
+    }
+    best
+}
+
+/// Boundary vertices where the boundary turns by more than `angle` (radians), sharpest first.
+pub fn boundary_corners(surface: &TriangleSurface, angle: f64) -> Vec<VertexId> {
+    let mut corners = Vec::new();
+    for boundary in surface.topology().boundary_loops() {
+        let n = boundary.len();
+        let at = |i: usize| surface.positions()[boundary[i % n]];
+        for i in 0..n {
+            let turning = (at(i + n) - at(i + n - 1)).angle(&(at(i + 1) - at(i)));
+            if turning > angle {
+                corners.push((turning, boundary[i]));
+            }
+        }
+    }
+    corners.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    corners.into_iter().map(|(_, v)| v).collect()
+}
