@@ -1,2 +1,172 @@
-//! Project tasks.
-fn main() {}
+//! Tasks of the project: `cargo xtask check` runs everything that continuous integration runs.
+
+mod arrows;
+mod paths;
+mod stages;
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "usage: cargo xtask check
+
+check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
+        stops at the first step that fails";
+
+/// One step of the check: its name, and what it runs.
+struct Step {
+    name: &'static str,
+    run: fn(&Path) -> Result<(), String>,
+}
+
+const CHECK: [Step; 8] = [
+    Step {
+        name: "formatting",
+        run: |root| cargo(root, &["fmt", "--all", "--check"]),
+    },
+    Step {
+        name: "stages use earlier stages only",
+        run: stages::check,
+    },
+    Step {
+        name: "crates depend one way",
+        run: arrows::check,
+    },
+    Step {
+        name: "no machine paths",
+        run: paths::check,
+    },
+    Step {
+        name: "clippy without warnings",
+        run: |root| {
+            cargo(
+                root,
+                &[
+                    "clippy",
+                    "--workspace",
+                    "--all-targets",
+                    "--",
+                    "-D",
+                    "warnings",
+                ],
+            )
+        },
+    },
+    Step {
+        name: "documentation without warnings",
+        run: documentation,
+    },
+    Step {
+        name: "tests",
+        run: |root| cargo(root, &["test", "--workspace"]),
+    },
+    Step {
+        name: "examples build",
+        run: |root| cargo(root, &["build", "--workspace", "--examples"]),
+    },
+];
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["check"] => check(&root()),
+        _ => {
+            eprintln!("{USAGE}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The workspace's folder: the parent of this crate's.
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_path_buf()
+}
+
+fn check(root: &Path) -> ExitCode {
+    for step in &CHECK {
+        println!("== {}", step.name);
+        if let Err(cause) = (step.run)(root) {
+            println!("== FAILED: {}\n{cause}", step.name);
+            return ExitCode::FAILURE;
+        }
+    }
+    println!("== all {} steps passed", CHECK.len());
+    ExitCode::SUCCESS
+}
+
+fn cargo(root: &Path, arguments: &[&str]) -> Result<(), String> {
+    succeed(
+        Command::new(cargo_program())
+            .current_dir(root)
+            .args(arguments),
+    )
+}
+
+/// The cargo that runs this task, so that a chosen toolchain stays chosen.
+fn cargo_program() -> OsString {
+    std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
+}
+
+fn documentation(root: &Path) -> Result<(), String> {
+    let mut command = Command::new(cargo_program());
+    command.current_dir(root).env("RUSTDOCFLAGS", "-D warnings");
+    succeed(command.args([
+        "doc",
+        "--workspace",
+        "--no-deps",
+        "--document-private-items",
+    ]))
+}
+
+fn succeed(command: &mut Command) -> Result<(), String> {
+    let status = command
+        .status()
+        .map_err(|e| format!("{command:?} can't be started: {e}"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("{command:?} ended with {status}"))
+    }
+}
+
+/// All files below a folder, without version control, build products and results; in order.
+fn files_below(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    const SKIPPED: [&str; 4] = [".git", "target", "out", "node_modules"];
+    let fail = |e| format!("{}: {e}", folder.display());
+    let mut entries: Vec<PathBuf> = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
+        entries.push(entry.map_err(fail)?.path());
+    }
+    entries.sort();
+    let mut files = Vec::new();
+    for path in entries {
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        if SKIPPED.contains(&name.as_str()) {
+            continue;
+        }
+        if path.is_dir() {
+            files.extend(files_below(&path)?)
+        } else {
+            files.push(path)
+        }
+    }
+    Ok(files)
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// `Ok` without complaints, else all of them.
+fn verdict(complaints: Vec<String>) -> Result<(), String> {
+    if complaints.is_empty() {
+        Ok(())
+    } else {
+        Err(complaints.join("\n"))
+    }
+}

@@ -7,12 +7,14 @@
 //! | [`plane`] | least-squares plane of a face |
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
-//! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
 //! | [`polygon`], [`ear_clip`](mod@ear_clip), [`flat_face`] | planar polygons: exact predicates, triangulation, a face in its plane |
+//! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
 //! | [`io`] | OBJ, PLY, STL and OFF files |
 //! | [`measure`](mod@measure) | planarity, lengths, angles, clearance, deviation from a surface |
 //! | [`validate`](mod@validate) | located violations, and the type that has none |
+//! | [`shapes`] | analytic surfaces with closed-form curvature, and their triangulations |
 
+mod clipped;
 mod disjoint_sets;
 pub mod ear_clip;
 pub mod flat_face;
@@ -23,7 +25,7 @@ pub mod measure;
 pub mod per_element;
 pub mod plane;
 pub mod polygon;
-mod clipped;
+pub mod shapes;
 pub mod surface;
 pub mod surface_from_soup;
 pub mod topology;

@@ -9,12 +9,14 @@
 //! | [`directions`] | the metric in which panels are regular, and their lattice directions |
 //! | [`layout`] | the panelling's connectivity and first positions |
 //! | [`optimise`] | planar, simple panels close to the surface |
+//! | [`report`] | what was reached: figures, checks, verdict, a picture |
 
 pub mod curvature;
 pub mod directions;
 pub mod layout;
 pub mod optimise;
 pub mod progress;
+pub mod report;
 pub mod target;
 
 pub use progress::{Event, Progress, Silent};

@@ -1,0 +1,244 @@
+//! Light: panel colours, background with contact shadow, and ambient occlusion.
+
+use super::camera::{Camera, panel_plane};
+use super::palette::{PanelKind, linear, panel_colour};
+use super::raster::{Sheet, scan_polygon};
+use phex_mesh::{FaceId, HexMesh, PerFace, Vec2, Vec3};
+use rayon::prelude::*;
+
+/// Cells per side of the shadow map.
+const SHADOW_CELLS: usize = 256;
+/// Half the side of the shadow map, in radii of the model.
+const SHADOW_REACH: f64 = 1.8;
+/// Radius of one box blur of the shadow, in cells.
+const SHADOW_BLUR: usize = 9;
+/// Share of the ground's light that a deep shadow takes away.
+const SHADOW_DEPTH: f64 = 0.42;
+/// Samples of the ambient occlusion, per pixel.
+const OCCLUSION_SAMPLES: usize = 40;
+/// Farthest distance at which panels darken one another, in radii of the model.
+const OCCLUSION_REACH: f64 = 0.3;
+/// Share of light that full occlusion takes away.
+const OCCLUSION_DEPTH: f64 = 1.1;
+
+/// Colours (linear light) of everything that is drawn.
+#[derive(Clone, Debug)]
+pub struct Shading {
+    /// Light that each panel sends to the eye.
+    pub panels: PerFace<Vec3>,
+    /// Unit normal of each panel, towards the eye.
+    normals: PerFace<Vec3>,
+    background: Background,
+}
+
+impl Shading {
+    /// Lights the panels of a mesh.
+    pub fn new(mesh: &HexMesh, camera: &Camera, kinds: &PerFace<PanelKind>) -> Self {
+        let faces = mesh.topology().n_faces();
+        let planes: PerFace<_> = PerFace::from_fn(faces, |f| panel_plane(mesh, camera, f));
+        let towards_eye = |f: FaceId| {
+            let plane = &planes[f];
+            let outside = plane.normal.dot(&(camera.eye() - plane.centre)) >= 0.0;
+            if outside { plane.normal } else { -plane.normal }
+        };
+        let normals = PerFace::from_fn(faces, towards_eye);
+        let lit = |f: FaceId| panel_colour(mesh, f, kinds[f]) * diffuse(normals[f], camera);
+        Self {
+            panels: PerFace::from_fn(faces, lit),
+            background: Background::new(mesh, camera),
+            normals,
+        }
+    }
+
+    /// Light of the background at a pixel of a picture `height` pixels high.
+    pub fn background(&self, x: f64, y: f64, height: usize) -> Vec3 {
+        self.background.light(x, y, height)
+    }
+
+    /// Share of light that each pixel keeps where panels stand close to one another (1 where nothing is near).
+    pub fn occlusion(&self, sheet: &Sheet, camera: &Camera) -> Vec<f32> {
+        let offsets = spiral(OCCLUSION_REACH * camera.focal / camera.eye().norm());
+        let row = |y: usize| {
+            let offsets = &offsets;
+            (0..sheet.width).map(move |x| self.openness(sheet, camera, x, y, offsets))
+        };
+        (0..sheet.height)
+            .into_par_iter()
+            .flat_map_iter(row)
+            .collect()
+    }
+
+    fn openness(
+        &self,
+        sheet: &Sheet,
+        camera: &Camera,
+        x: usize,
+        y: usize,
+        offsets: &[Vec2],
+    ) -> f32 {
+        let Some((face, nearness)) = sheet.panel_at(x as f64 + 0.5, y as f64 + 0.5) else {
+            return 1.0;
+        };
+        let here = camera.unsee(x as f64 + 0.5, y as f64 + 0.5, nearness);
+        let normal = self.normals[face];
+        let hidden: f64 = offsets
+            .iter()
+            .filter_map(|o| {
+                let (u, v) = (x as f64 + 0.5 + o.x, y as f64 + 0.5 + o.y);
+                let (_, nearness) = sheet.panel_at(u, v)?;
+                Some(blocked(camera.unsee(u, v, nearness) - here, normal))
+            })
+            .sum();
+        (1.0 - OCCLUSION_DEPTH * hidden / offsets.len() as f64).max(0.25) as f32
+    }
+}
+
+/// How much a point at `offset` blocks the light of a surface element: its height over the element's plane, less with distance.
+fn blocked(offset: Vec3, normal: Vec3) -> f64 {
+    let distance = offset.norm().max(1e-9);
+    let rise = (normal.dot(&offset) / distance - 0.1).max(0.0);
+    rise * (1.0 - (distance / OCCLUSION_REACH).powi(2)).max(0.0)
+}
+
+/// Points that fill a disc evenly.
+fn spiral(radius: f64) -> Vec<Vec2> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let point = |k: usize| {
+        let r = radius * ((k as f64 + 0.5) / OCCLUSION_SAMPLES as f64).sqrt();
+        let (sin, cos) = (golden * k as f64).sin_cos();
+        Vec2::new(r * cos, r * sin)
+    };
+    (0..OCCLUSION_SAMPLES).map(point).collect()
+}
+
+/// Key light from the upper left behind the eye, weak light from the right, sky from above.
+fn diffuse(normal: Vec3, camera: &Camera) -> f64 {
+    let seen = camera.in_view(normal);
+    let key = seen.dot(&Vec3::new(-0.45, 0.60, 0.66)).max(0.0);
+    let fill = seen.dot(&Vec3::new(0.75, -0.05, 0.66)).max(0.0);
+    let sky = 0.5 + 0.5 * normal.z;
+    0.20 + 0.58 * key + 0.12 * fill + 0.16 * sky
+}
+
+/// A plain wall and floor with the soft shadow that the model throws straight down.
+#[derive(Clone, Debug)]
+struct Background {
+    shadow: Vec<f32>,
+    camera: Camera,
+}
+
+impl Background {
+    fn new(mesh: &HexMesh, camera: &Camera) -> Self {
+        let mut shadow = vec![0.0; SHADOW_CELLS * SHADOW_CELLS];
+        for f in mesh.topology().faces() {
+            throw_shadow(mesh, camera, f, &mut shadow);
+        }
+        for _ in 0..3 {
+            shadow = blurred_and_transposed(&blurred_and_transposed(&shadow));
+        }
+        Self {
+            shadow,
+            camera: camera.clone(),
+        }
+    }
+
+    fn light(&self, x: f64, y: f64, height: usize) -> Vec3 {
+        let down = (y / height as f64).clamp(0.0, 1.0);
+        let wall =
+            linear([0.975, 0.975, 0.98]) * (1.0 - down) + linear([0.90, 0.905, 0.915]) * down;
+        wall * (1.0 - SHADOW_DEPTH * self.shadow_at(x, y))
+    }
+
+    fn shadow_at(&self, x: f64, y: f64) -> f64 {
+        let (eye, ray) = (self.camera.eye(), self.camera.ray(x, y));
+        let distance = (self.camera.ground - eye.z) / ray.z;
+        if !(distance.is_finite() && distance > 0.0) {
+            return 0.0;
+        }
+        let p = map_cell(eye + ray * distance);
+        let (i, j) = (p.x.floor(), p.y.floor());
+        let (u, v) = (p.x - i, p.y - j);
+        let cell = |di: f64, dj: f64| self.cell(i + di, j + dj);
+        (cell(0.0, 0.0) * (1.0 - u) + cell(1.0, 0.0) * u) * (1.0 - v)
+            + (cell(0.0, 1.0) * (1.0 - u) + cell(1.0, 1.0) * u) * v
+    }
+
+    fn cell(&self, i: f64, j: f64) -> f64 {
+        let limit = SHADOW_CELLS as f64;
+        let inside = (0.0..limit).contains(&i) && (0.0..limit).contains(&j);
+        if inside {
+            f64::from(self.shadow[j as usize * SHADOW_CELLS + i as usize])
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Position on the shadow map, in cells.
+fn map_cell(p: Vec3) -> Vec2 {
+    p.xy()
+        .map(|c| (c / SHADOW_REACH + 1.0) * 0.5 * SHADOW_CELLS as f64)
+}
+
+/// Marks the cells under a panel: darker the nearer the panel is to the ground.
+fn throw_shadow(mesh: &HexMesh, camera: &Camera, f: FaceId, shadow: &mut [f32]) {
+    let corners: Vec<Vec3> = mesh.corners(f).map(|p| camera.normalised(p)).collect();
+    let height = corners.iter().map(|p| p.z).sum::<f64>() / corners.len() as f64 - camera.ground;
+    let strength = (1.0 / (1.0 + (2.0 * height).powi(2))) as f32;
+    let outline: Vec<Vec2> = corners.iter().map(|&p| map_cell(p)).collect();
+    scan_polygon(&outline, 0..SHADOW_CELLS, SHADOW_CELLS, |row, columns| {
+        for cell in
+            &mut shadow[row * SHADOW_CELLS + columns.start..row * SHADOW_CELLS + columns.end]
+        {
+            *cell = cell.max(strength);
+        }
+    });
+}
+
+/// Box blur along the rows; rows become columns, so that two calls blur both directions.
+fn blurred_and_transposed(map: &[f32]) -> Vec<f32> {
+    let n = SHADOW_CELLS;
+    let mut out = vec![0.0; n * n];
+    for (y, row) in map.chunks_exact(n).enumerate() {
+        for x in 0..n {
+            let (first, last) = (x.saturating_sub(SHADOW_BLUR), (x + SHADOW_BLUR).min(n - 1));
+            let sum: f32 = row[first..=last].iter().sum();
+            out[x * n + y] = sum / (2 * SHADOW_BLUR + 1) as f32;
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blur_keeps_the_amount_of_shadow_and_its_place() {
+        let mut map = vec![0.0; SHADOW_CELLS * SHADOW_CELLS];
+        map[100 * SHADOW_CELLS + 60] = 1.0;
+        let soft = blurred_and_transposed(&blurred_and_transposed(&map));
+        assert!((soft.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+        let weighted = |along: fn(usize) -> usize| -> f32 {
+            soft.iter()
+                .enumerate()
+                .map(|(i, s)| s * along(i) as f32)
+                .sum()
+        };
+        assert!((weighted(|i| i % SHADOW_CELLS) - 60.0).abs() < 1e-3);
+        assert!((weighted(|i| i / SHADOW_CELLS) - 100.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn only_what_rises_above_the_plane_blocks() {
+        assert_eq!(blocked(Vec3::new(0.1, 0.0, -0.05), Vec3::z()), 0.0);
+        assert!(
+            blocked(Vec3::new(0.1, 0.0, 0.1), Vec3::z())
+                > blocked(Vec3::new(0.1, 0.0, 0.03), Vec3::z())
+        );
+        assert_eq!(
+            blocked(Vec3::new(0.0, 0.0, 2.0 * OCCLUSION_REACH), Vec3::z()),
+            0.0
+        );
+    }
+}

@@ -1,0 +1,208 @@
+//! A shaded picture of a panelling, drawn without a display or a graphics card.
+//!
+//! Perspective view from above, two-sided light, contact shadow, panel edges. Every sample of the picture holds the panel
+//! that is nearest there, so panels of any shape (concave ones too) and hidden lines come out right without a depth bias:
+//! a line is drawn on the samples of its own two panels, and on others only where it is nearer.
+//!
+//! The picture is computed in bands of rows, in parallel; its bytes do not depend on the number of threads.
+
+mod camera;
+mod legend;
+mod light;
+mod palette;
+mod raster;
+mod strokes;
+
+use crate::report::picture::camera::Camera;
+use crate::report::picture::light::Shading;
+use crate::report::picture::raster::{PanelRaster, Sheet};
+use phex_mesh::HexMesh;
+use serde::{Deserialize, Serialize};
+
+/// What the picture shows, and from where.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
+pub struct PictureOptions {
+    /// Width in pixels (16 to 16384).
+    pub width: usize,
+    /// Height in pixels (16 to 16384).
+    pub height: usize,
+    /// Samples per pixel and direction (1 to 8); 3 gives clean thin lines.
+    pub supersampling: usize,
+    /// Direction from which the model is seen, degrees counter-clockwise from +x; `None` chooses the view that shows most.
+    pub azimuth: Option<f64>,
+    /// Height of the eye above the horizon, degrees (-89 to 89); 35 is the isometric view's.
+    pub elevation: f64,
+    /// Whether the colours and counts of the panel kinds are shown.
+    pub legend: bool,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self {
+            width: 1600,
+            height: 1200,
+            supersampling: 3,
+            azimuth: None,
+            elevation: 35.0,
+            legend: true,
+        }
+    }
+}
+
+impl PictureOptions {
+    /// The same options with every value inside its range.
+    fn clamped(&self) -> Self {
+        Self {
+            width: self.width.clamp(16, 16384),
+            height: self.height.clamp(16, 16384),
+            supersampling: self.supersampling.clamp(1, 8),
+            elevation: self.elevation.clamp(-89.0, 89.0),
+            ..self.clone()
+        }
+    }
+}
+
+/// An opaque picture: rows from the top, four bytes (red, green, blue, alpha; sRGB) a pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Width in pixels.
+    pub width: usize,
+    /// Height in pixels.
+    pub height: usize,
+    /// The pixels.
+    pub rgba: Vec<u8>,
+}
+
+/// Draws a mesh; options outside their ranges are moved to the nearest end.
+pub fn draw(mesh: &HexMesh, options: &PictureOptions) -> Picture {
+    let options = options.clamped();
+    let camera = Camera::facing(mesh, &options);
+    let kinds = palette::kinds(mesh);
+    let shading = Shading::new(mesh, &camera, &kinds);
+    let panels = PanelRaster::new(mesh, &camera, options.supersampling);
+    let mut sheet = Sheet::draw(&panels, &shading, &options);
+    sheet.darken(&shading.occlusion(&sheet, &camera));
+    if options.legend {
+        legend::draw(&mut sheet, &kinds);
+    }
+    sheet.into_picture()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phex_mesh::Vec3;
+
+    const SMALL: (usize, usize) = (160, 120);
+
+    fn options() -> PictureOptions {
+        let (width, height) = SMALL;
+        PictureOptions {
+            width,
+            height,
+            legend: false,
+            ..Default::default()
+        }
+    }
+
+    /// A flat panel at height 0 whose re-entrant corner lies at the middle of the view.
+    fn chevron() -> HexMesh {
+        let corners = [
+            (-2.0, -2.0),
+            (0.0, -0.5),
+            (2.0, -2.0),
+            (2.0, 2.0),
+            (-2.0, 2.0),
+        ];
+        let positions = corners.iter().map(|&(x, y)| Vec3::new(x, y, 0.0)).collect();
+        HexMesh::new(positions, &[[0, 1, 2, 3, 4]]).unwrap()
+    }
+
+    fn pixel(picture: &Picture, x: usize, y: usize) -> [u8; 3] {
+        let at = 4 * (y * picture.width + x);
+        [picture.rgba[at], picture.rgba[at + 1], picture.rgba[at + 2]]
+    }
+
+    #[test]
+    fn concave_panel_leaves_its_notch_free() {
+        let above = PictureOptions {
+            azimuth: Some(-90.0),
+            elevation: 89.0,
+            ..options()
+        };
+        let picture = draw(&chevron(), &above);
+        let (w, h) = SMALL;
+        let inside = pixel(&picture, w / 2, h / 4);
+        let notch = pixel(&picture, w / 2, h * 4 / 5);
+        assert!(
+            inside[2] > inside[0] + 30,
+            "a pentagon is blue, got {inside:?}"
+        );
+        assert!(
+            notch[2] <= notch[0].saturating_add(30),
+            "the notch shows the ground, got {notch:?}"
+        );
+    }
+
+    #[test]
+    fn nearer_panel_hides_the_farther_one_and_its_edges() {
+        let square =
+            |z: f64, s: f64| [(-s, -s), (s, -s), (s, s), (-s, s)].map(|(x, y)| Vec3::new(x, y, z));
+        let mut positions = square(1.0, 2.0).to_vec();
+        positions.extend(square(0.0, 1.0));
+        let both = HexMesh::new(positions.clone(), &[[0, 1, 2, 3], [4, 5, 6, 7]]).unwrap();
+        let above = PictureOptions {
+            azimuth: Some(0.0),
+            elevation: 89.0,
+            ..options()
+        };
+        let upper = HexMesh::new(positions[..4].to_vec(), &[[0, 1, 2, 3]]).unwrap();
+        let (a, b) = (draw(&both, &above), draw(&upper, &above));
+        let middle =
+            |p: &Picture| -> Vec<[u8; 3]> { (60..100).map(|x| pixel(p, x, SMALL.1 / 2)).collect() };
+        let flat = middle(&a)
+            .windows(2)
+            .all(|w| w[0].iter().zip(&w[1]).all(|(p, q)| p.abs_diff(*q) <= 2));
+        assert!(flat, "no edge of the lower square may shine through");
+        assert!(
+            middle(&b)
+                .iter()
+                .zip(middle(&a))
+                .all(|(p, q)| p[0].abs_diff(q[0]) < 12)
+        );
+    }
+
+    #[test]
+    fn bytes_do_not_depend_on_the_number_of_threads() {
+        let with = |n| {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(n)
+                .build()
+                .unwrap()
+                .install(|| draw(&chevron(), &options()))
+        };
+        assert_eq!(with(1), with(2));
+    }
+
+    #[test]
+    fn degenerate_meshes_are_drawn_without_a_panic() {
+        let point = HexMesh::new(vec![Vec3::zeros(); 3], &[[0, 1, 2]]).unwrap();
+        assert_eq!(draw(&point, &options()).rgba.len(), 4 * SMALL.0 * SMALL.1);
+        let far = HexMesh::new(
+            vec![Vec3::repeat(1e300), Vec3::repeat(-1e300), Vec3::x()],
+            &[[0, 1, 2]],
+        )
+        .unwrap();
+        draw(
+            &far,
+            &PictureOptions {
+                width: 0,
+                height: 0,
+                supersampling: 0,
+                elevation: 400.0,
+                ..options()
+            },
+        );
+    }
+}
