@@ -535,3 +535,33 @@ fn many_queries_at_once_give_the_same_answers() {
     let one_by_one: Vec<_> = points.iter().map(|&p| projector.closest_point(p)).collect();
     assert_eq!(projector.closest_points(&points), one_by_one);
 }
+
+/// `data/roof.obj` is the shape `roof` with 4000 triangles, rounded to 5 decimals.
+#[test]
+fn the_shipped_roof_is_the_shape_roof() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/roof.obj");
+    let text = std::fs::read_to_string(path).unwrap();
+    let numbers =
+        |line: &str| -> Vec<f64> { line.split(' ').map(|t| t.parse().unwrap()).collect() };
+    let lines = |tag: &str| -> Vec<Vec<f64>> {
+        text.lines()
+            .filter_map(|l| l.strip_prefix(tag))
+            .map(numbers)
+            .collect()
+    };
+    let (vertices, faces) = (lines("v "), lines("f "));
+    let mesh = triangulate_with_parameters(&shape("roof"), &options(4000, 0.0, 0)).unwrap();
+    assert_eq!(
+        (vertices.len(), faces.len()),
+        (mesh.positions.len(), mesh.triangles.len())
+    );
+    for (line, p) in vertices.iter().zip(&mesh.positions) {
+        assert!(
+            (Vec3::from_column_slice(line) - p).amax() < 5.1e-6,
+            "{line:?} {p:?}"
+        );
+    }
+    for (line, triangle) in faces.iter().zip(&mesh.triangles) {
+        assert_eq!(*line, triangle.map(|i| f64::from(i + 1)));
+    }
+}
