@@ -441,8 +441,8 @@ static SHAPES: [ShapeInfo; 16] = [
             length("width", 28.0, "extent along y"),
             length(
                 "height",
-                9.0,
-                "height of the larger hall, about the whole range of z",
+                11.0,
+                "height of the larger hall above z = 0",
             ),
             number(
                 "exponent",
