@@ -35,6 +35,18 @@ fn planar_honeycomb() {
 }
 
 #[test]
+fn brick_prism_has_straight_corners() {
+    let m = measure(&brick_prism(7, 5, 0));
+    assert_eq!(
+        (m.faces, m.euler_characteristic, m.boundary_loops),
+        (70, 0, 2)
+    );
+    assert_eq!((m.hex, m.degree3, m.faces_concave), (Some(1.0), 1.0, 0));
+    assert!(close(m.angle.min, 90.0));
+    assert!(close(m.dihedral.max, 180.0) && close(m.dihedral.min, 180.0 - 360.0 / 14.0));
+}
+
+#[test]
 fn regular_dodecahedron() {
     let m = measure(&dodecahedron());
     assert_eq!((m.vertices, m.edges, m.faces), (20, 30, 12));
