@@ -298,3 +298,13 @@ proptest! {
         prop_assert!((b.mean_edge / scale - a.mean_edge).abs() < 1e-9);
     }
 }
+
+#[test]
+fn infinite_coordinates_give_no_figures_but_an_answer() {
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mesh = moved(&honeycomb(3, 3), VertexId::new(7), Vec3::x() * bad);
+        let m = measure(&mesh);
+        assert!(!m.planarity.max.is_finite());
+        assert!(m.faces_not_simple > 0);
+    }
+}
