@@ -35,6 +35,18 @@ fn planar_honeycomb() {
 }
 
 #[test]
+fn brick_prism_has_straight_corners() {
+    let m = measure(&brick_prism(7, 5, 0));
+    assert_eq!(
+        (m.faces, m.euler_characteristic, m.boundary_loops),
+        (70, 0, 2)
+    );
+    assert_eq!((m.hex, m.degree3, m.faces_concave), (Some(1.0), 1.0, 0));
+    assert!(close(m.angle.min, 90.0));
+    assert!(close(m.dihedral.max, 180.0) && close(m.dihedral.min, 180.0 - 360.0 / 14.0));
+}
+
+#[test]
 fn regular_dodecahedron() {
     let m = measure(&dodecahedron());
     assert_eq!((m.vertices, m.edges, m.faces), (20, 30, 12));
@@ -284,5 +296,15 @@ proptest! {
         prop_assert_eq!(a.faces_concave, b.faces_concave);
         prop_assert_eq!(a.per_element.simple, b.per_element.simple);
         prop_assert!((b.mean_edge / scale - a.mean_edge).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn infinite_coordinates_give_no_figures_but_an_answer() {
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mesh = moved(&honeycomb(3, 3), VertexId::new(7), Vec3::x() * bad);
+        let m = measure(&mesh);
+        assert!(!m.planarity.max.is_finite());
+        assert!(m.faces_not_simple > 0);
     }
 }

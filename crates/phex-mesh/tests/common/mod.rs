@@ -110,6 +110,29 @@ pub fn honeycomb(columns: usize, rows: usize) -> HexMesh {
     HexMesh::new(points, &faces).expect("a honeycomb is a manifold")
 }
 
+/// A prism over a regular polygon of `2 * half_sides` sides (circumradius 1), each side a column of `rows` bricks of
+/// height 1, neighbouring columns shifted by half a brick: hexagons with two corners of 180 degrees. Each
+/// face's list starts at its corner number `start` (up to 5; 0 is a right-angled one, 2 and 5 are straight).
+pub fn brick_prism(half_sides: u32, rows: u32, start: usize) -> HexMesh {
+    let (sides, cuts) = (2 * half_sides, 2 * rows + 2);
+    // The vertex at height `cut / 2` on the upright between columns `k - 1` and `k`.
+    let number = |k: u32, cut: u32| (k % sides) * cuts + cut;
+    let angle = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(sides);
+    let at = |k: u32, cut: u32| Vec3::new(angle(k).cos(), angle(k).sin(), 0.5 * f64::from(cut));
+    let brick = |k: u32, row: u32| {
+        let low = 2 * row + k % 2;
+        let [right, left] = [k + 1, k].map(|k| [0, 1, 2].map(|step| number(k, low + step)));
+        let mut face = [left[0], right[0], right[1], right[2], left[2], left[1]];
+        face.rotate_left(start);
+        face
+    };
+    let points = (0..sides).flat_map(|k| (0..cuts).map(move |cut| at(k, cut)));
+    let faces: Vec<_> = (0..sides)
+        .flat_map(|k| (0..rows).map(move |row| brick(k, row)))
+        .collect();
+    HexMesh::new(points.collect(), &faces).expect("a brick prism is a manifold")
+}
+
 /// The face of a honeycomb's cell `(column, row)`.
 pub fn cell(columns: usize, column: usize, row: usize) -> FaceId {
     FaceId::new((row * columns + column) as u32)
