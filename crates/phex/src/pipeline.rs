@@ -179,7 +179,7 @@ pub fn mesh_surface(
         target::smooth_target(&normalised, vertices as usize, &options.target)
     })?;
     let field = Field::new(&smooth, panels, options, &mut clock)?;
-    let fine = FineSurface::new(&smooth, &field, options);
+    let fine = FineSurface::new(&smooth, &field);
     let mut seeds = field.seeds.clone();
     let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
     let target = SurfaceTarget::new(&fine.surface);
@@ -364,7 +364,7 @@ struct FineSurface {
 }
 
 impl FineSurface {
-    fn new(smooth: &SmoothTarget, field: &Field, _options: &MeshOptions) -> Self {
+    fn new(smooth: &SmoothTarget, field: &Field) -> Self {
         let mut curvature = field.curvature.clone();
         let mut metric = field.directions.metric.clone();
         for step in &smooth.refinements[field.level..] {
@@ -407,7 +407,7 @@ fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
 fn invalid_panels(result: &Optimised, violations: &[Violation]) -> BTreeSet<FaceId> {
     let mut invalid: BTreeSet<FaceId> = result.offenders.iter().map(|o| o.face).collect();
     for violation in violations {
-        invalid.extend(violation.faces(&result.mesh));
+        invalid.extend(violation.faces(result.mesh.topology()));
     }
     invalid
 }

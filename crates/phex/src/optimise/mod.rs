@@ -48,6 +48,7 @@ mod planarity;
 mod run;
 mod simple;
 mod start;
+mod surface_target;
 
 #[cfg(test)]
 mod tests;
@@ -63,6 +64,7 @@ use run::{Run, Solvers};
 use serde::Serialize;
 
 pub use inspect::{Fault, Offender, Quality};
+pub use surface_target::SurfaceTarget;
 pub use options::{OptimiseError, OptimiseOptions, StartKind, Starts};
 
 /// Foot point on a target surface.
