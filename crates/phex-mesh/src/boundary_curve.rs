@@ -66,7 +66,8 @@ mod tests {
 
     #[test]
     fn nearest_side_of_a_square_and_none_of_a_tetrahedron() {
-        let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(|p| Vec3::new(p[0], p[1], 0.0));
+        let square =
+            [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(|p| Vec3::new(p[0], p[1], 0.0));
         let surface = TriangleSurface::new(square.to_vec(), &[[0, 1, 2], [0, 2, 3]]).unwrap();
         let curve = BoundaryCurve::of(&surface).unwrap();
         let foot = curve.closest_point(Vec3::new(1.9, 0.7, 3.0));

@@ -9,11 +9,15 @@ use crate::directions::{self, DirectionOptions, Directions};
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics};
-use crate::optimise::{self, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget};
+use crate::optimise::{
+    self, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
+};
 use crate::progress::{Event, Progress};
 use crate::target::{self, Similarity, SmoothTarget, TargetOptions};
 use nalgebra::Matrix3;
-use phex_mesh::{FaceId, HexMesh, PerVertex, TriangleSurface, ValidateOptions, VertexId, Violation};
+use phex_mesh::{
+    FaceId, HexMesh, PerVertex, TriangleSurface, ValidateOptions, VertexId, Violation,
+};
 use phex_numeric::{NumericError, Outcome};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashSet};
@@ -170,7 +174,10 @@ pub fn mesh_surface(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    let mut clock = Clock { progress, stages: Vec::new() };
+    let mut clock = Clock {
+        progress,
+        stages: Vec::new(),
+    };
     let panels = panel_count(surface, options.size)?;
     let similarity = Similarity::normalising(surface);
     let smooth = clock.stage("target", || {
@@ -202,7 +209,10 @@ pub fn mesh_surface(
         }
         let before = seeds.len();
         drop_seeds(&mut seeds, &layout, &invalid);
-        repairs.push(RepairRound { panels: layout.mesh.topology().n_faces(), dropped: before - seeds.len() });
+        repairs.push(RepairRound {
+            panels: layout.mesh.topology().n_faces(),
+            dropped: before - seeds.len(),
+        });
         match clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))? {
             Ok(next) => layout = next,
             Err(_) => break,
@@ -239,21 +249,32 @@ fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, Pipe
     let count = match size {
         PanelSize::Panels(n) => n as f64,
         // A regular hexagon of edge e has area 3 sqrt(3) / 2 e^2.
-        PanelSize::EdgeLength(e) if e > 0.0 && e.is_finite() => surface.area() / (3.0 * CELL * e * e),
+        PanelSize::EdgeLength(e) if e > 0.0 && e.is_finite() => {
+            surface.area() / (3.0 * CELL * e * e)
+        }
         PanelSize::EdgeLength(e) => {
-            return Err(PipelineError::Size(format!("the edge length must be positive and finite, not {e}")));
+            return Err(PipelineError::Size(format!(
+                "the edge length must be positive and finite, not {e}"
+            )));
         }
     };
     if !(count >= 1.0) {
-        return Err(PipelineError::Size(format!("{count:.3} panels were asked for, at least 1 is needed")));
+        return Err(PipelineError::Size(format!(
+            "{count:.3} panels were asked for, at least 1 is needed"
+        )));
     }
     if count > MAX_PANELS as f64 {
-        return Err(PipelineError::Size(format!("{count:.0} panels were asked for, more than {MAX_PANELS}")));
+        return Err(PipelineError::Size(format!(
+            "{count:.0} panels were asked for, more than {MAX_PANELS}"
+        )));
     }
     Ok(count.round() as usize)
 }
 
-fn moved(surface: &TriangleSurface, f: impl Fn(phex_mesh::Vec3) -> phex_mesh::Vec3) -> TriangleSurface {
+fn moved(
+    surface: &TriangleSurface,
+    f: impl Fn(phex_mesh::Vec3) -> phex_mesh::Vec3,
+) -> TriangleSurface {
     let positions = surface.positions().map(|p| f(*p)).into_vec();
     let triangles: Vec<[u32; 3]> = surface
         .topology()
@@ -273,7 +294,11 @@ struct Clock<'a> {
 }
 
 impl Clock<'_> {
-    fn stage<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> Result<T, PipelineError> {
+    fn stage<T>(
+        &mut self,
+        stage: &'static str,
+        work: impl FnOnce() -> T,
+    ) -> Result<T, PipelineError> {
         if self.progress.is_cancelled() {
             return Err(PipelineError::Cancelled);
         }
@@ -314,11 +339,16 @@ impl Field {
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
         let wanted = options.field_density * panels as f64;
-        let level = smooth.levels.iter().position(|l| l.positions().len() as f64 >= wanted);
+        let level = smooth
+            .levels
+            .iter()
+            .position(|l| l.positions().len() as f64 >= wanted);
         let level = level.unwrap_or(smooth.levels.len() - 1);
         let surface = &smooth.levels[level];
         let mut length = panel_length(surface, panels);
-        let curvature = clock.stage("curvature", || curvature::curvature(surface, length, &options.curvature))?;
+        let curvature = clock.stage("curvature", || {
+            curvature::curvature(surface, length, &options.curvature)
+        })?;
         let mut best: Option<(f64, Self)> = None;
         for _ in 0..COUNT_TRIES {
             let directions = clock.stage("directions", || {
@@ -330,7 +360,16 @@ impl Field {
             let ratio = seeds.len().max(1) as f64 / panels as f64;
             let error = ratio.ln().abs();
             if best.as_ref().is_none_or(|b| error < b.0) {
-                best = Some((error, Self { level, curvature: curvature.clone(), directions, seeds, statistics }));
+                best = Some((
+                    error,
+                    Self {
+                        level,
+                        curvature: curvature.clone(),
+                        directions,
+                        seeds,
+                        statistics,
+                    },
+                ));
             }
             if error < COUNT_TOLERANCE {
                 break;
@@ -374,11 +413,21 @@ impl FineSurface {
         let surface = smooth.finest().clone().with_normals(curvature.normal);
         let mesh = IntrinsicMesh::new(&surface, &metric);
         let corners = spaced_corners(smooth, field);
-        Self { surface, metric, mesh, corners }
+        Self {
+            surface,
+            metric,
+            mesh,
+            corners,
+        }
     }
 
     fn cells(&self) -> CellSurface<'_> {
-        CellSurface { surface: &self.surface, metric: &self.metric, mesh: &self.mesh, corners: &self.corners }
+        CellSurface {
+            surface: &self.surface,
+            metric: &self.metric,
+            mesh: &self.mesh,
+            corners: &self.corners,
+        }
     }
 }
 

@@ -49,7 +49,11 @@ pub struct LayoutOptions {
 
 impl Default for LayoutOptions {
     fn default() -> Self {
-        Self { seed: 0, sweeps: 60, annihilation_length: f64::INFINITY }
+        Self {
+            seed: 0,
+            sweeps: 60,
+            annihilation_length: f64::INFINITY,
+        }
     }
 }
 
@@ -60,7 +64,9 @@ pub enum LayoutError {
     #[error("the layout's equations could not be solved: {0}")]
     Numeric(#[from] NumericError),
     /// Cells are not discs.
-    #[error("no panelling with the topology of the surface was found: {reason}; ask for smaller panels")]
+    #[error(
+        "no panelling with the topology of the surface was found: {reason}; ask for smaller panels"
+    )]
     Topology {
         /// What went wrong.
         reason: String,
@@ -92,10 +98,16 @@ pub fn place_seeds(
     let mut position = waves::diffuse(topology, mesh, &charts, options.seed);
     polish::polish(topology, mesh, &charts, &mut position, options.sweeps);
     let mut offsets = Offsets::rounded(topology, &charts, position);
-    let annihilation =
-        seamless::annihilate(topology, mesh, &charts, &mut offsets.jump, options.annihilation_length);
+    let annihilation = seamless::annihilate(
+        topology,
+        mesh,
+        &charts,
+        &mut offsets.jump,
+        options.annihilation_length,
+    );
     if annihilation.moved > 0 {
-        offsets.position = seamless::solve_offsets(topology, mesh, &charts, &offsets.jump, &offsets.position)?;
+        offsets.position =
+            seamless::solve_offsets(topology, mesh, &charts, &offsets.jump, &offsets.position)?;
     }
     let mut distortion = offsets.distortion(topology, mesh, &charts).into_vec();
     distortion.sort_by(f64::total_cmp);
@@ -126,7 +138,9 @@ pub struct CellSurface<'a> {
 /// If no panelling with the surface's topology is found.
 pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, LayoutError> {
     if seeds.is_empty() {
-        return Err(LayoutError::Topology { reason: "there is no panel".into() });
+        return Err(LayoutError::Topology {
+            reason: "there is no panel".into(),
+        });
     }
     let topology = fine.surface.topology();
     let grown = voronoi::grow(topology, fine.mesh, seeds, |_| true);
@@ -136,27 +150,51 @@ pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, Layou
     record(fine, &complex)
 }
 
-fn centroids(fine: &CellSurface<'_>, label: &PerVertex<u32>, count: usize) -> (Vec<Vec3>, Vec<f64>) {
+fn centroids(
+    fine: &CellSurface<'_>,
+    label: &PerVertex<u32>,
+    count: usize,
+) -> (Vec<Vec3>, Vec<f64>) {
     let mut sum = vec![Vec3::zeros(); count];
     let mut area = vec![0.0; count];
     for (v, &l) in label.enumerate() {
         sum[l as usize] += fine.surface.positions()[v] * fine.mesh.mass[v];
         area[l as usize] += fine.mesh.mass[v];
     }
-    (sum.into_iter().zip(&area).map(|(s, a)| s / a.max(f64::MIN_POSITIVE)).collect(), area)
+    (
+        sum.into_iter()
+            .zip(&area)
+            .map(|(s, a)| s / a.max(f64::MIN_POSITIVE))
+            .collect(),
+        area,
+    )
 }
 
 fn record(fine: &CellSurface<'_>, complex: &CellComplex) -> Result<Layout, LayoutError> {
     let topology = fine.surface.topology();
     let (index, nodes) = cells::node_index(&complex.panels);
-    let faces: Vec<Vec<u32>> = complex.panels.iter().map(|(_, l)| l.iter().map(|n| index[n]).collect()).collect();
+    let faces: Vec<Vec<u32>> = complex
+        .panels
+        .iter()
+        .map(|(_, l)| l.iter().map(|n| index[n]).collect())
+        .collect();
     let positions = nodes.iter().map(|n| place(fine.surface, *n)).collect();
-    let mesh = HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology { reason: e.to_string() })?;
+    let mesh = HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology {
+        reason: e.to_string(),
+    })?;
     same_topology(topology, mesh.topology()).map_err(|reason| LayoutError::Topology { reason })?;
     let (centroid, _) = centroids(fine, &complex.label, complex.seed.len());
-    let middle: Vec<Vec3> = complex.panels.iter().map(|(c, _)| centroid[*c as usize]).collect();
+    let middle: Vec<Vec3> = complex
+        .panels
+        .iter()
+        .map(|(c, _)| centroid[*c as usize])
+        .collect();
     let foot = fine.surface.closest_points(&middle);
-    let seed: Vec<VertexId> = complex.panels.iter().map(|(c, _)| complex.seed[*c as usize]).collect();
+    let seed: Vec<VertexId> = complex
+        .panels
+        .iter()
+        .map(|(c, _)| complex.seed[*c as usize])
+        .collect();
     let length = seed.iter().map(|&s| local_length(fine, s)).collect();
     Ok(Layout {
         mesh,

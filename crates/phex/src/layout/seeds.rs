@@ -28,7 +28,10 @@ pub struct Seed {
 impl Seed {
     /// A seed in a vertex.
     pub fn at(vertex: VertexId) -> Self {
-        Self { vertex, core: vec![(vertex, 0.0)] }
+        Self {
+            vertex,
+            core: vec![(vertex, 0.0)],
+        }
     }
 }
 
@@ -52,11 +55,16 @@ pub fn seeds(topology: &Topology, mesh: &IntrinsicMesh, offsets: &Offsets) -> Ve
     for c in 0..count {
         let share = area[c] / CELL;
         if share > MIN_AREA || (touches_boundary[c] && share > MIN_BOUNDARY_AREA) {
-            seeds.extend(centre[c].map(|vertex| Seed { vertex, core: Vec::new() }));
+            seeds.extend(centre[c].map(|vertex| Seed {
+                vertex,
+                core: Vec::new(),
+            }));
         }
     }
     fill_cores(topology, offsets, &label, &mut seeds);
-    let large: Vec<usize> = (0..count).filter(|&c| area[c] > SPLIT_AREA * CELL).collect();
+    let large: Vec<usize> = (0..count)
+        .filter(|&c| area[c] > SPLIT_AREA * CELL)
+        .collect();
     for c in large {
         let extra = (area[c] / CELL).round() as usize - 1;
         split(topology, mesh, &label, c as u32, extra, &mut seeds);
@@ -101,7 +109,11 @@ fn clusters(topology: &Topology, offsets: &Offsets) -> PerVertex<u32> {
         while let Some(v) = stack.pop() {
             for h in topology.outgoing(v) {
                 for h in [h, topology.prev(h)] {
-                    let other = if topology.origin(h) == v { topology.target(h) } else { topology.origin(h) };
+                    let other = if topology.origin(h) == v {
+                        topology.target(h)
+                    } else {
+                        topology.origin(h)
+                    };
                     let joined = offsets.jump[topology.edge(h)] == super::lattice::Eisenstein::ZERO;
                     if joined && label[other] == NONE {
                         label[other] = count;
@@ -125,7 +137,11 @@ fn split(
     seeds: &mut Vec<Seed>,
 ) {
     for _ in 0..extra {
-        let own: Vec<Seed> = seeds.iter().filter(|s| label[s.vertex] == cluster).cloned().collect();
+        let own: Vec<Seed> = seeds
+            .iter()
+            .filter(|s| label[s.vertex] == cluster)
+            .cloned()
+            .collect();
         if own.is_empty() {
             return;
         }

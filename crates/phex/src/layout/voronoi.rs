@@ -38,7 +38,9 @@ impl PartialOrd for Front {
 impl Ord for Front {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_distance = self.distance.total_cmp(&other.distance);
-        by_distance.then(self.label.cmp(&other.label)).then(self.vertex.cmp(&other.vertex))
+        by_distance
+            .then(self.label.cmp(&other.label))
+            .then(self.vertex.cmp(&other.vertex))
     }
 }
 
@@ -50,7 +52,10 @@ pub fn grow(
     allowed: impl Fn(VertexId) -> bool,
 ) -> Cells {
     let n = topology.n_vertices();
-    let mut cells = Cells { label: PerVertex::filled(n, UNREACHED), distance: PerVertex::filled(n, f64::INFINITY) };
+    let mut cells = Cells {
+        label: PerVertex::filled(n, UNREACHED),
+        distance: PerVertex::filled(n, f64::INFINITY),
+    };
     let mut settled = PerVertex::filled(n, false);
     let mut heap = BinaryHeap::new();
     for (label, seed) in seeds.iter().enumerate() {
@@ -58,7 +63,11 @@ pub fn grow(
             if distance < cells.distance[vertex] {
                 cells.distance[vertex] = distance;
                 cells.label[vertex] = label as u32;
-                heap.push(Reverse(Front { distance, label: label as u32, vertex }));
+                heap.push(Reverse(Front {
+                    distance,
+                    label: label as u32,
+                    vertex,
+                }));
             }
         }
     }
@@ -79,7 +88,11 @@ pub fn grow(
                 if (distance, front.label) < (cells.distance[to], cells.label[to]) {
                     cells.distance[to] = distance;
                     cells.label[to] = front.label;
-                    heap.push(Reverse(Front { distance, label: front.label, vertex: to }));
+                    heap.push(Reverse(Front {
+                        distance,
+                        label: front.label,
+                        vertex: to,
+                    }));
                 }
             }
         }
@@ -100,12 +113,22 @@ fn reach(
 ) -> f64 {
     let side = |h| mesh.length[topology.edge(h)];
     let (to_a, between, to_b) = (side(h), side(topology.next(h)), side(topology.prev(h)));
-    let (v_to, v_third) = if to == topology.target(h) { (to_a, to_b) } else { (to_b, to_a) };
+    let (v_to, v_third) = if to == topology.target(h) {
+        (to_a, to_b)
+    } else {
+        (to_b, to_a)
+    };
     let along_edge = cells.distance[v] + v_to;
     if !settled[third] || cells.label[third] != cells.label[v] {
         return along_edge;
     }
-    let unfolded = unfold(v_third, v_to, between, cells.distance[v], cells.distance[third]);
+    let unfolded = unfold(
+        v_third,
+        v_to,
+        between,
+        cells.distance[v],
+        cells.distance[third],
+    );
     unfolded.map_or(along_edge, |d| d.min(along_edge))
 }
 

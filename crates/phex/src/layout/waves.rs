@@ -19,22 +19,49 @@ const SCHEDULE: [(f64, usize); 4] = [(1.5, 15), (0.5, 12), (0.15, 10), (0.05, 8)
 /// Positions tried in each direction of the lattice cell when a phase is projected.
 const GRID: usize = 6;
 /// A step starts from the last one and is projected anyway, so it needs no accuracy.
-const DIFFUSION: ConjugateGradientOptions = ConjugateGradientOptions { tolerance: 1e-2, max_iterations: 60 };
+const DIFFUSION: ConjugateGradientOptions = ConjugateGradientOptions {
+    tolerance: 1e-2,
+    max_iterations: 60,
+};
 
 /// Lattice offset of each vertex (position of a lattice point in the vertex's chart).
-pub fn diffuse(topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts, seed: u64) -> PerVertex<Plane> {
+pub fn diffuse(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    seed: u64,
+) -> PerVertex<Plane> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut cell = || random.random_range(-0.5..0.5);
-    let mut position: Vec<Plane> = topology.vertices().map(|_| Plane::new(cell(), cell())).collect();
+    let mut position: Vec<Plane> = topology
+        .vertices()
+        .map(|_| Plane::new(cell(), cell()))
+        .collect();
     let projector = Projector::new();
     let operator = WaveOperator::new(topology, mesh, charts);
     for (time, steps) in SCHEDULE {
         let diagonal = operator.diagonal(time);
         for _ in 0..steps {
-            let mut x: Vec<f64> = position.par_iter().flat_map_iter(|z| interleaved(waves(*z))).collect();
-            let rhs: Vec<f64> = x.iter().enumerate().map(|(i, a)| a * operator.mass[i / 6]).collect();
-            conjugate_gradients(|a, y| operator.apply(time, a, y), &diagonal, &rhs, &mut x, &DIFFUSION);
-            position = x.par_chunks_exact(6).map(|a| projector.project(a)).collect();
+            let mut x: Vec<f64> = position
+                .par_iter()
+                .flat_map_iter(|z| interleaved(waves(*z)))
+                .collect();
+            let rhs: Vec<f64> = x
+                .iter()
+                .enumerate()
+                .map(|(i, a)| a * operator.mass[i / 6])
+                .collect();
+            conjugate_gradients(
+                |a, y| operator.apply(time, a, y),
+                &diagonal,
+                &rhs,
+                &mut x,
+                &DIFFUSION,
+            );
+            position = x
+                .par_chunks_exact(6)
+                .map(|a| projector.project(a))
+                .collect();
         }
     }
     PerVertex::from_vec(position)
@@ -74,41 +101,63 @@ impl<'a> WaveOperator<'a> {
             for h in topology.outgoing(v) {
                 let weight = mesh.weight[topology.edge(h)];
                 total += weight;
-                links.push((topology.target(h).index() as u32, link(charts.half_edge(topology, h), weight)));
+                links.push((
+                    topology.target(h).index() as u32,
+                    link(charts.half_edge(topology, h), weight),
+                ));
                 let before = topology.prev(h);
                 if topology.twin(before).is_none() {
                     let weight = mesh.weight[topology.edge(before)];
                     total += weight;
                     let transition = charts.half_edge(topology, before).inverse();
-                    links.push((topology.origin(before).index() as u32, link(transition, weight)));
+                    links.push((
+                        topology.origin(before).index() as u32,
+                        link(transition, weight),
+                    ));
                 }
             }
             degree.push(total);
             start.push(links.len() as u32);
         }
-        Self { mass: mesh.mass.as_slice(), degree, start, links }
+        Self {
+            mass: mesh.mass.as_slice(),
+            degree,
+            start,
+            links,
+        }
     }
 
     fn diagonal(&self, time: f64) -> Vec<f64> {
-        let own = self.mass.iter().zip(&self.degree).map(|(m, d)| m + time * d);
+        let own = self
+            .mass
+            .iter()
+            .zip(&self.degree)
+            .map(|(m, d)| m + time * d);
         own.flat_map(|d| [d; 6]).collect()
     }
 
     fn apply(&self, time: f64, a: &[f64], y: &mut [f64]) {
-        y.par_chunks_exact_mut(6).with_min_len(512).enumerate().for_each(|(v, y)| {
-            let own = self.mass[v] + time * self.degree[v];
-            for k in 0..6 {
-                y[k] = own * a[6 * v + k];
-            }
-            for (w, links) in &self.links[self.start[v] as usize..self.start[v + 1] as usize] {
-                for (m, link) in links.iter().enumerate() {
-                    let at = 6 * *w as usize + 2 * link.source as usize;
-                    let im = if link.conjugate { -a[at + 1] } else { a[at + 1] };
-                    y[2 * m] -= time * (link.phase.re * a[at] - link.phase.im * im);
-                    y[2 * m + 1] -= time * (link.phase.re * im + link.phase.im * a[at]);
+        y.par_chunks_exact_mut(6)
+            .with_min_len(512)
+            .enumerate()
+            .for_each(|(v, y)| {
+                let own = self.mass[v] + time * self.degree[v];
+                for k in 0..6 {
+                    y[k] = own * a[6 * v + k];
                 }
-            }
-        });
+                for (w, links) in &self.links[self.start[v] as usize..self.start[v + 1] as usize] {
+                    for (m, link) in links.iter().enumerate() {
+                        let at = 6 * *w as usize + 2 * link.source as usize;
+                        let im = if link.conjugate {
+                            -a[at + 1]
+                        } else {
+                            a[at + 1]
+                        };
+                        y[2 * m] -= time * (link.phase.re * a[at] - link.phase.im * im);
+                        y[2 * m + 1] -= time * (link.phase.re * im + link.phase.im * a[at]);
+                    }
+                }
+            });
     }
 }
 
@@ -117,7 +166,11 @@ fn link(transition: super::lattice::Transition, weight: f64) -> [Link; 3] {
     [0, 1, 2].map(|m| {
         let source = (m + 6 - transition.turn as usize) % 6;
         let phase = Plane::from_polar(weight, TAU * dot(reciprocal(m), transition.offset));
-        Link { source: (source % 3) as u8, conjugate: source >= 3, phase }
+        Link {
+            source: (source % 3) as u8,
+            conjugate: source >= 3,
+            phase,
+        }
     })
 }
 
@@ -132,13 +185,20 @@ impl Projector {
         let w = Plane::from_polar(1.0, TAU / 6.0);
         let at = |i: usize| i as f64 / GRID as f64;
         let grid = (0..GRID).flat_map(|i| (0..GRID).map(move |k| (i, k)));
-        let trial = grid.map(|(i, k)| w * at(k) + at(i)).map(|z| (z, waves(z))).collect();
-        Self { trial, reciprocal: [0, 1, 2].map(reciprocal) }
+        let trial = grid
+            .map(|(i, k)| w * at(k) + at(i))
+            .map(|z| (z, waves(z)))
+            .collect();
+        Self {
+            trial,
+            reciprocal: [0, 1, 2].map(reciprocal),
+        }
     }
 
     fn project(&self, values: &[f64]) -> Plane {
         let value = [0, 1, 2].map(|m| Plane::new(values[2 * m], values[2 * m + 1]));
-        let score = |w: &[Plane; 3]| -> f64 { w.iter().zip(&value).map(|(a, b)| dot(*a, *b)).sum() };
+        let score =
+            |w: &[Plane; 3]| -> f64 { w.iter().zip(&value).map(|(a, b)| dot(*a, *b)).sum() };
         let mut best = (f64::NEG_INFINITY, Plane::new(0.0, 0.0));
         for (z, w) in &self.trial {
             let s = score(w);

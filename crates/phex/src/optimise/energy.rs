@@ -133,7 +133,11 @@ impl<'a> PanelEnergy<'a> {
     }
 
     fn anchor_energy(&self) -> f64 {
-        let squares = self.at.iter().zip(&self.anchor).map(|(x, a)| (x - a).powi(2));
+        let squares = self
+            .at
+            .iter()
+            .zip(&self.anchor)
+            .map(|(x, a)| (x - a).powi(2));
         0.5 * self.weights.anchor * squares.sum::<f64>()
     }
 
@@ -212,7 +216,9 @@ impl DampedProblem for PanelEnergy<'_> {
             return f64::INFINITY;
         }
         let closeness = &self.weights.closeness;
-        let near = self.feet.energy(self.setting.panels.n_vertices(), closeness);
+        let near = self
+            .feet
+            .energy(self.setting.panels.n_vertices(), closeness);
         self.panel_energy() + near + self.anchor_energy()
     }
 
@@ -257,7 +263,9 @@ fn collision_bound(
     for f in (0..panels.n_faces()).filter(|&f| armed.is_simple(f)) {
         let motion = &mut corner_motion[panels.corners(f)];
         for (m, &v) in motion.iter_mut().zip(panels.vertices(f)) {
-            *m = shape.frames[f].plane.project_vector(point(step, v as usize));
+            *m = shape.frames[f]
+                .plane
+                .project_vector(point(step, v as usize));
         }
         bound = collision(shape.face(panels, f), motion, bound);
     }
@@ -376,7 +384,9 @@ impl Constraints for PlanarityConstraints<'_> {
                 for &c in panels.corners_at(v) {
                     let f = panels.face_of(c);
                     let constraints = self.bases.of_face(f).enumerate();
-                    let along: f64 = constraints.map(|(a, i)| self.basis_entry(c, a) * y[i]).sum();
+                    let along: f64 = constraints
+                        .map(|(a, i)| self.basis_entry(c, a) * y[i])
+                        .sum();
                     sum += self.linearised.normal(f) * along;
                 }
             }

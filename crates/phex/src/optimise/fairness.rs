@@ -45,7 +45,11 @@ pub(super) fn add(corners: &[Corner], weight: f64, gradient: &mut [Vec3], block:
     for i in 0..2 * m {
         gradient[i] += defect(corners, mean, i % m) * weight;
         for j in 0..=i {
-            let value = if i % m == j % m { weight + other } else { other };
+            let value = if i % m == j % m {
+                weight + other
+            } else {
+                other
+            };
             add_block(block, i, j, &Matrix3::from_diagonal_element(value));
         }
     }

@@ -9,10 +9,10 @@
 //! `b_i = n_i . (p_i - x)`, no farther than 0.8 cells. Where panels would suffer, their vertices back off.
 //! Where the surface is nearly flat the planes hardly meet; `eps` is set by the middle singular value.
 
+use super::Target;
 use super::barrier::clearance;
 use super::guard::{Breach, Guard};
 use super::panels::{Panels, Shape, flatten, points};
-use super::Target;
 use crate::layout::{Layout, VertexKind};
 use nalgebra::Matrix3;
 use phex_mesh::{Topology, Vec3, VertexId};
@@ -173,7 +173,9 @@ fn circumcentre_steps(layout: &Layout, positions: &[Vec3]) -> Vec<Vec3> {
         };
         let eps = (0.2 * middle.max(0.35 * typical)).powi(2) + 1e-12;
         let regularised = matrix + Matrix3::from_diagonal_element(eps);
-        let step = regularised.cholesky().map_or(Vec3::zeros(), |c| c.solve(rhs));
+        let step = regularised
+            .cholesky()
+            .map_or(Vec3::zeros(), |c| c.solve(rhs));
         let faces = topology.outgoing(v).map(|h| topology.face(h));
         let lengths: f64 = faces.map(|f| layout.face_length[f]).sum();
         let longest = 0.8 * lengths / 3.0;
@@ -181,4 +183,3 @@ fn circumcentre_steps(layout: &Layout, positions: &[Vec3]) -> Vec<Vec3> {
     };
     topology.vertices().zip(&systems).map(step).collect()
 }
-

@@ -13,7 +13,10 @@ pub struct SurfaceTarget<'a> {
 impl<'a> SurfaceTarget<'a> {
     /// The surface as a target.
     pub fn new(surface: &'a TriangleSurface) -> Self {
-        Self { surface, boundary: BoundaryCurve::of(surface) }
+        Self {
+            surface,
+            boundary: BoundaryCurve::of(surface),
+        }
     }
 }
 
@@ -21,7 +24,10 @@ impl Target for SurfaceTarget<'_> {
     fn closest_points(&self, points: &[Vec3]) -> Vec<TargetPoint> {
         let foot = |p: &Vec3| {
             let foot = self.surface.closest_point(*p);
-            TargetPoint { position: foot.position, normal: foot.normal }
+            TargetPoint {
+                position: foot.position,
+                normal: foot.normal,
+            }
         };
         points.par_iter().with_min_len(64).map(foot).collect()
     }
@@ -30,7 +36,10 @@ impl Target for SurfaceTarget<'_> {
         let curve = self.boundary.as_ref()?;
         let foot = |p: &Vec3| {
             let foot = curve.closest_point(*p);
-            CurvePoint { position: foot.position, tangent: foot.tangent }
+            CurvePoint {
+                position: foot.position,
+                tangent: foot.tangent,
+            }
         };
         Some(points.iter().map(foot).collect())
     }
