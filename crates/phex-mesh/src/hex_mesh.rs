@@ -21,7 +21,10 @@ impl HexMesh {
     /// If the faces are not an oriented manifold that uses every vertex.
     pub fn new<F: AsRef<[u32]>>(positions: Vec<Vec3>, faces: &[F]) -> Result<Self, TopologyError> {
         let topology = Topology::from_faces(positions.len(), faces)?;
-        Ok(Self { positions: PerVertex::from_vec(positions), topology })
+        Ok(Self {
+            positions: PerVertex::from_vec(positions),
+            topology,
+        })
     }
 
     /// The connectivity.
@@ -34,13 +37,23 @@ impl HexMesh {
     /// # Panics
     /// If the number of positions differs.
     pub fn with_positions(&self, positions: PerVertex<Vec3>) -> Self {
-        assert_eq!(positions.len(), self.positions.len(), "one position per vertex");
-        Self { positions, topology: self.topology.clone() }
+        assert_eq!(
+            positions.len(),
+            self.positions.len(),
+            "one position per vertex"
+        );
+        Self {
+            positions,
+            topology: self.topology.clone(),
+        }
     }
 
     /// Corner positions of a face, counter-clockwise.
     pub fn corners(&self, f: FaceId) -> impl ExactSizeIterator<Item = Vec3> + '_ {
-        self.topology.face_vertices(f).iter().map(|&v| self.positions[v])
+        self.topology
+            .face_vertices(f)
+            .iter()
+            .map(|&v| self.positions[v])
     }
 
     /// Mean of a face's corners.
@@ -67,6 +80,9 @@ impl HexMesh {
 
     /// Positions and face lists, for writing.
     pub fn to_soup(&self) -> PolygonSoup {
-        PolygonSoup { positions: self.positions.as_slice().to_vec(), faces: self.topology.face_lists() }
+        PolygonSoup {
+            positions: self.positions.as_slice().to_vec(),
+            faces: self.topology.face_lists(),
+        }
     }
 }

@@ -58,6 +58,10 @@ macro_rules! element_id {
 }
 
 element_id!(VertexId, "v", "A vertex of a mesh.");
-element_id!(HalfEdgeId, "h", "A half-edge: one side of an edge, directed counter-clockwise round its face.");
+element_id!(
+    HalfEdgeId,
+    "h",
+    "A half-edge: one side of an edge, directed counter-clockwise round its face."
+);
 element_id!(EdgeId, "e", "An undirected edge.");
 element_id!(FaceId, "f", "A face.");

@@ -6,6 +6,7 @@
 //! | [`topology`] | half-edge connectivity of an oriented manifold, frozen after building |
 //! | [`plane`] | least-squares plane of a face |
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
+//! | [`boundary_curve`] | the boundary loops of a surface, with closest points |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
 //! | [`polygon`], [`ear_clip`](mod@ear_clip), [`flat_face`] | planar polygons: exact predicates, triangulation, a face in its plane |
 //! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
@@ -14,6 +15,8 @@
 //! | [`validate`](mod@validate) | located violations, and the type that has none |
 //! | [`shapes`] | analytic surfaces with closed-form curvature, and their triangulations |
 
+pub mod boundary_curve;
+mod clipped;
 mod disjoint_sets;
 pub mod ear_clip;
 pub mod flat_face;
@@ -24,13 +27,13 @@ pub mod measure;
 pub mod per_element;
 pub mod plane;
 pub mod polygon;
-mod clipped;
 pub mod shapes;
 pub mod surface;
 pub mod surface_from_soup;
 pub mod topology;
 pub mod validate;
 
+pub use boundary_curve::{BoundaryCurve, BoundaryPoint};
 pub use ear_clip::ear_clip;
 pub use flat_face::FlatFace;
 pub use hex_mesh::HexMesh;

@@ -26,7 +26,10 @@ pub type PerFace<T> = PerElement<FaceId, T>;
 impl<I: ElementId, T> PerElement<I, T> {
     /// Wraps values that are already in the order of the ids.
     pub fn from_vec(values: Vec<T>) -> Self {
-        Self { values, id: PhantomData }
+        Self {
+            values,
+            id: PhantomData,
+        }
     }
 
     /// `count` copies of `value`.
@@ -69,7 +72,10 @@ impl<I: ElementId, T> PerElement<I, T> {
 
     /// Pairs of id and value.
     pub fn enumerate(&self) -> impl ExactSizeIterator<Item = (I, &T)> {
-        self.values.iter().enumerate().map(|(i, v)| (I::from_index(i), v))
+        self.values
+            .iter()
+            .enumerate()
+            .map(|(i, v)| (I::from_index(i), v))
     }
 
     /// The values as a slice.

@@ -19,8 +19,15 @@ impl FacePlane {
     /// Where the corners determine no plane (all equal or collinear) some plane through them is returned.
     pub fn fit(corners: &[Vec3]) -> Self {
         let centre = corners.iter().sum::<Vec3>() / corners.len() as f64;
-        let scale = corners.iter().map(|p| (p - centre).amax()).fold(0.0, f64::max);
-        let unit = if scale > 0.0 && scale.is_finite() { 1.0 / scale } else { 0.0 };
+        let scale = corners
+            .iter()
+            .map(|p| (p - centre).amax())
+            .fold(0.0, f64::max);
+        let unit = if scale > 0.0 && scale.is_finite() {
+            1.0 / scale
+        } else {
+            0.0
+        };
         let mut covariance = Matrix3::zeros();
         let mut newell = Vec3::zeros();
         for (i, p) in corners.iter().enumerate() {
@@ -32,9 +39,17 @@ impl FacePlane {
         let eigen = SymmetricEigen::new(covariance);
         let (low, _, high) = ordered(eigen.eigenvalues);
         let normal = eigen.eigenvectors.column(low).into_owned();
-        let normal = if normal.dot(&newell) < 0.0 { -normal } else { normal };
+        let normal = if normal.dot(&newell) < 0.0 {
+            -normal
+        } else {
+            normal
+        };
         let first = eigen.eigenvectors.column(high).into_owned();
-        Self { centre, normal, axes: [first, normal.cross(&first)] }
+        Self {
+            centre,
+            normal,
+            axes: [first, normal.cross(&first)],
+        }
     }
 
     /// In-plane coordinates of a point.
@@ -70,9 +85,22 @@ mod tests {
 
     #[test]
     fn tilted_concave_polygon() {
-        let flat = [[0.0, 0.0], [2.0, 0.0], [1.0, 0.4], [2.0, 1.0], [0.0, 1.0], [0.3, 0.5]];
-        let (u, v) = (Vec3::new(1.0, 2.0, 2.0) / 3.0, Vec3::new(2.0, 1.0, -2.0) / 3.0);
-        let corners: Vec<Vec3> = flat.iter().map(|p| Vec3::new(5.0, -3.0, 7.0) + u * p[0] + v * p[1]).collect();
+        let flat = [
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [1.0, 0.4],
+            [2.0, 1.0],
+            [0.0, 1.0],
+            [0.3, 0.5],
+        ];
+        let (u, v) = (
+            Vec3::new(1.0, 2.0, 2.0) / 3.0,
+            Vec3::new(2.0, 1.0, -2.0) / 3.0,
+        );
+        let corners: Vec<Vec3> = flat
+            .iter()
+            .map(|p| Vec3::new(5.0, -3.0, 7.0) + u * p[0] + v * p[1])
+            .collect();
         let plane = FacePlane::fit(&corners);
         assert!((plane.normal - u.cross(&v)).norm() < 1e-14);
         assert!((plane.axes[0].cross(&plane.axes[1]) - plane.normal).norm() < 1e-14);
@@ -85,6 +113,8 @@ mod tests {
     #[test]
     fn degenerate_corners_give_finite_axes() {
         let plane = FacePlane::fit(&[Vec3::x(); 4]);
-        assert!(plane.normal.iter().all(|x| x.is_finite()) && (plane.normal.norm() - 1.0).abs() < 1e-12);
+        assert!(
+            plane.normal.iter().all(|x| x.is_finite()) && (plane.normal.norm() - 1.0).abs() < 1e-12
+        );
     }
 }

@@ -2,10 +2,10 @@
 //!
 //! Positions, topology, vertex normals, and closest points with interpolated normal over a bounding volume hierarchy.
 
-use crate::ids::FaceId;
+use crate::Vec3;
+use crate::ids::{FaceId, VertexId};
 use crate::per_element::PerVertex;
 use crate::topology::{Topology, TopologyError};
-use crate::Vec3;
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use rayon::prelude::*;
@@ -40,11 +40,20 @@ impl TriangleSurface {
     /// If the triangles are not an oriented manifold.
     pub fn new(positions: Vec<Vec3>, triangles: &[[u32; 3]]) -> Result<Self, TopologyError> {
         let topology = Topology::from_faces(positions.len(), triangles)?;
-        let points = positions.iter().map(|p| parry3d_f64::math::Vector::new(p.x, p.y, p.z)).collect();
-        let hierarchy = TriMesh::new(points, triangles.to_vec()).map_err(|_| TopologyError::Empty)?;
+        let points = positions
+            .iter()
+            .map(|p| parry3d_f64::math::Vector::new(p.x, p.y, p.z))
+            .collect();
+        let hierarchy =
+            TriMesh::new(points, triangles.to_vec()).map_err(|_| TopologyError::Empty)?;
         let positions = PerVertex::from_vec(positions);
         let normals = max_normals(&positions, &topology);
-        Ok(Self { positions, normals, topology, hierarchy })
+        Ok(Self {
+            positions,
+            normals,
+            topology,
+            hierarchy,
+        })
     }
 
     /// The same surface with other unit vertex normals (those of a fitted jet, say).
@@ -72,10 +81,19 @@ impl TriangleSurface {
         &self.topology
     }
 
+    /// Boundary loops; the surface lies to their left (see [`Topology::boundary_loops`]).
+    pub fn boundary_loops(&self) -> Vec<Vec<VertexId>> {
+        self.topology.boundary_loops()
+    }
+
     /// The three corners of a triangle.
     pub fn corners(&self, f: FaceId) -> [Vec3; 3] {
         let v = self.topology.face_vertices(f);
-        [self.positions[v[0]], self.positions[v[1]], self.positions[v[2]]]
+        [
+            self.positions[v[0]],
+            self.positions[v[1]],
+            self.positions[v[2]],
+        ]
     }
 
     /// Normal of a triangle times twice its area.
@@ -86,13 +104,18 @@ impl TriangleSurface {
 
     /// Total area.
     pub fn area(&self) -> f64 {
-        self.topology.faces().map(|f| 0.5 * self.area_vector(f).norm()).sum()
+        self.topology
+            .faces()
+            .map(|f| 0.5 * self.area_vector(f).norm())
+            .sum()
     }
 
     /// Corner with the smallest and corner with the largest coordinates.
     pub fn bounding_box(&self) -> (Vec3, Vec3) {
         let first = self.positions.as_slice()[0];
-        self.positions.iter().fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p)))
+        self.positions
+            .iter()
+            .fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p)))
     }
 
     /// Diagonal of the bounding box, the length that percentages refer to.
@@ -104,7 +127,9 @@ impl TriangleSurface {
     /// The point of the surface that is closest to `p`.
     pub fn closest_point(&self, p: Vec3) -> SurfacePoint {
         let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
-        let (_, (triangle, location)) = self.hierarchy.project_local_point_and_get_location(query, false);
+        let (_, (triangle, location)) = self
+            .hierarchy
+            .project_local_point_and_get_location(query, false);
         let barycentric = barycentric(location);
         self.at(FaceId::new(triangle), barycentric)
     }
@@ -117,16 +142,27 @@ impl TriangleSurface {
     /// The point with barycentric coordinates `b` in a triangle.
     pub fn at(&self, triangle: FaceId, b: [f64; 3]) -> SurfacePoint {
         let v = self.topology.face_vertices(triangle);
-        let mix = |values: &PerVertex<Vec3>| values[v[0]] * b[0] + values[v[1]] * b[1] + values[v[2]] * b[2];
+        let mix = |values: &PerVertex<Vec3>| {
+            values[v[0]] * b[0] + values[v[1]] * b[1] + values[v[2]] * b[2]
+        };
         let normal = mix(&self.normals);
-        let normal = normal.try_normalize(1e-12).unwrap_or_else(|| self.area_vector(triangle).normalize());
-        SurfacePoint { triangle, barycentric: b, position: mix(&self.positions), normal }
+        let normal = normal
+            .try_normalize(1e-12)
+            .unwrap_or_else(|| self.area_vector(triangle).normalize());
+        SurfacePoint {
+            triangle,
+            barycentric: b,
+            position: mix(&self.positions),
+            normal,
+        }
     }
 }
 
 fn barycentric(location: TrianglePointLocation) -> [f64; 3] {
     match location {
-        TrianglePointLocation::OnVertex(i) => std::array::from_fn(|k| f64::from(u8::from(k == i as usize))),
+        TrianglePointLocation::OnVertex(i) => {
+            std::array::from_fn(|k| f64::from(u8::from(k == i as usize)))
+        }
         _ => location.barycentric_coordinates().unwrap_or([1.0 / 3.0; 3]),
     }
 }
@@ -145,4 +181,196 @@ fn max_normals(positions: &PerVertex<Vec3>, topology: &Topology) -> PerVertex<Ve
         }
         normal.try_normalize(0.0).unwrap_or_else(Vec3::z)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A bumpy grid of `2 n^2` triangles over the square of side `size`, far from the origin by `offset` sides.
+    fn bumps(n: u32, size: f64, offset: f64) -> TriangleSurface {
+        let position = |i: u32, j: u32| {
+            let (x, y) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+            let z = 0.1 * (7.0 * x).sin() + 0.08 * (5.0 * y + 2.0 * x).cos();
+            (Vec3::new(x, y, z) + Vec3::repeat(offset)) * size
+        };
+        let positions = (0..=n).flat_map(|i| (0..=n).map(move |j| position(i, j)));
+        let id = |i: u32, j: u32| i * (n + 1) + j;
+        let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let triangles: Vec<[u32; 3]> = cells
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        TriangleSurface::new(positions.collect(), &triangles).unwrap()
+    }
+
+    fn random_points(surface: &TriangleSurface, count: usize, margin: f64) -> Vec<Vec3> {
+        let (low, high) = surface.bounding_box();
+        let (low, high) = (low - (high - low) * margin, high + (high - low) * margin);
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let mut random = |k: usize| rng.random_range(low[k]..high[k]);
+        (0..count)
+            .map(|_| Vec3::new(random(0), random(1), random(2)))
+            .collect()
+    }
+
+    /// Distance to a triangle as the least over its inside, its sides and its corners, each by its own formula.
+    fn distance_to_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
+        let n = (b - a).cross(&(c - a));
+        let inside = [(a, b), (b, c), (c, a)]
+            .iter()
+            .all(|(q, r)| (r - q).cross(&(p - q)).dot(&n) >= 0.0);
+        let to_side = |q: Vec3, r: Vec3| {
+            let t = ((p - q).dot(&(r - q)) / (r - q).norm_squared()).clamp(0.0, 1.0);
+            (q + (r - q) * t - p).norm()
+        };
+        let to_plane = if inside {
+            (p - a).dot(&n).abs() / n.norm()
+        } else {
+            f64::INFINITY
+        };
+        to_plane
+            .min(to_side(a, b))
+            .min(to_side(b, c))
+            .min(to_side(c, a))
+    }
+
+    fn zeros(b: [f64; 3]) -> usize {
+        b.iter().filter(|&&x| x == 0.0).count()
+    }
+
+    #[test]
+    fn closest_points_are_those_of_all_triangles() {
+        for (size, offset) in [(1.0, 0.0), (1.0, 1e3), (1e-3, 0.0), (1e4, 0.0)] {
+            let surface = bumps(9, size, offset);
+            let points = random_points(&surface, 400, 0.3);
+            let (mut of_faces, mut of_edges, mut of_vertices) = (0, 0, 0);
+            for (&p, found) in points.iter().zip(surface.closest_points(&points)) {
+                let distances = surface
+                    .topology()
+                    .faces()
+                    .map(|f| distance_to_triangle(p, surface.corners(f)));
+                let least = distances.fold(f64::INFINITY, f64::min);
+                let rounding = 1e-14 * size * (1.0 + offset);
+                assert!(
+                    ((found.position - p).norm() - least).abs() <= 10.0 * rounding,
+                    "size {size} offset {offset}"
+                );
+                let rebuilt: Vec3 = surface
+                    .corners(found.triangle)
+                    .iter()
+                    .zip(found.barycentric)
+                    .map(|(q, b)| q * b)
+                    .sum();
+                assert!((rebuilt - found.position).norm() <= rounding);
+                assert!((found.barycentric.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+                assert!(
+                    found
+                        .barycentric
+                        .iter()
+                        .all(|&b| (-1e-14..=1.0 + 1e-14).contains(&b))
+                );
+                match zeros(found.barycentric) {
+                    0 => of_faces += 1,
+                    1 => of_edges += 1,
+                    _ => of_vertices += 1,
+                }
+            }
+            assert!(
+                of_faces > 50 && of_edges > 20 && of_vertices > 5,
+                "{of_faces} {of_edges} {of_vertices}"
+            );
+        }
+    }
+
+    #[test]
+    fn scaling_changes_neither_triangle_nor_barycentric_coordinates() {
+        let unit = bumps(20, 1.0, 0.0);
+        let points = random_points(&unit, 500, 0.2);
+        let expected = unit.closest_points(&points);
+        for size in [1e-40, 1e-6, 1e-3, 1e4, 1e40] {
+            let scaled = bumps(20, size, 0.0);
+            for (p, expected) in points.iter().zip(&expected) {
+                let found = scaled.closest_point(p * size);
+                let off = |a: Vec3, b: Vec3| (a - b).norm();
+                assert!(
+                    off(found.position / size, expected.position) < 1e-12,
+                    "size {size}"
+                );
+                assert!(off(found.normal, expected.normal) < 1e-9, "size {size}");
+                // On an edge or vertex either of its triangles may be named.
+                if zeros(expected.barycentric) == 0 {
+                    assert_eq!(found.triangle, expected.triangle);
+                    assert!(
+                        off(found.barycentric.into(), expected.barycentric.into()) < 1e-9,
+                        "size {size}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn normals_are_interpolated() {
+        let surface = bumps(9, 1.0, 0.0);
+        let f = FaceId::new(40);
+        let v = surface.topology().face_vertices(f);
+        let b = [0.2, 0.3, 0.5];
+        let expected = (0..3)
+            .map(|k| surface.normals()[v[k]] * b[k])
+            .sum::<Vec3>()
+            .normalize();
+        assert!((surface.at(f, b).normal - expected).norm() < 1e-15);
+        for (k, &v) in v.iter().enumerate() {
+            let corner =
+                surface.closest_point(surface.positions()[v] + surface.normals()[v] * 1e-3);
+            assert!(
+                (corner.position - surface.positions()[v]).norm() < 1e-3,
+                "corner {k}"
+            );
+            assert!(corner.normal.dot(&surface.normals()[v]) > 0.99);
+        }
+    }
+
+    #[test]
+    fn max_normals_are_exact_on_a_sphere() {
+        let circle = |k: u32| f64::from(k).sin_cos();
+        let mut positions = vec![Vec3::z()];
+        // A fan of uneven triangles inscribed in the unit sphere.
+        positions.extend([0, 1, 2, 3, 5].map(|k| {
+            let ((s, c), tilt) = (circle(k), 0.3 + 0.1 * f64::from(k));
+            Vec3::new(tilt.sin() * c, tilt.sin() * s, tilt.cos())
+        }));
+        let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5], [0, 5, 1]];
+        let surface = TriangleSurface::new(positions, &triangles).unwrap();
+        assert!((surface.normals().as_slice()[0] - Vec3::z()).norm() < 1e-14);
+    }
+
+    #[test]
+    fn same_points_with_one_and_many_threads() {
+        let surface = bumps(30, 1.0, 0.0);
+        let points = random_points(&surface, 3000, 0.5);
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| surface.closest_points(&points))
+        };
+        let one = with(1);
+        assert_eq!(one, with(4));
+        let in_order: Vec<SurfacePoint> =
+            points.iter().map(|&p| surface.closest_point(p)).collect();
+        assert_eq!(one, in_order);
+    }
+
+    #[test]
+    fn one_boundary_loop() {
+        let loops = bumps(3, 1.0, 0.0).boundary_loops();
+        assert_eq!((loops.len(), loops[0].len()), (1, 12));
+    }
 }

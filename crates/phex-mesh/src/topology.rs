@@ -31,7 +31,9 @@ pub enum TopologyError {
         corners: usize,
     },
     /// A face names a vertex that does not exist.
-    #[error("face {face} names vertex {vertex}, but the mesh has {vertices} vertices (numbered from 0)")]
+    #[error(
+        "face {face} names vertex {vertex}, but the mesh has {vertices} vertices (numbered from 0)"
+    )]
     IndexOutOfRange {
         /// The face.
         face: FaceId,
@@ -59,7 +61,9 @@ pub enum TopologyError {
         faces: Vec<FaceId>,
     },
     /// Two faces run through an edge in the same direction.
-    #[error("faces {first} and {second} run through the edge from vertex {from} to vertex {to} in the same direction")]
+    #[error(
+        "faces {first} and {second} run through the edge from vertex {from} to vertex {to} in the same direction"
+    )]
     InconsistentOrientation {
         /// Start of the edge.
         from: VertexId,
@@ -105,7 +109,10 @@ impl Topology {
     ///
     /// # Errors
     /// A [`TopologyError`] that names the first element that keeps the faces from being an oriented manifold.
-    pub fn from_faces<F: AsRef<[u32]>>(vertex_count: usize, faces: &[F]) -> Result<Self, TopologyError> {
+    pub fn from_faces<F: AsRef<[u32]>>(
+        vertex_count: usize,
+        faces: &[F],
+    ) -> Result<Self, TopologyError> {
         if faces.is_empty() {
             return Err(TopologyError::Empty);
         }
@@ -141,7 +148,8 @@ impl Topology {
     }
 
     fn pair_half_edges(&mut self) -> Result<(), TopologyError> {
-        let mut seen: HashMap<(VertexId, VertexId), HalfEdgeId> = HashMap::with_capacity(self.n_half_edges());
+        let mut seen: HashMap<(VertexId, VertexId), HalfEdgeId> =
+            HashMap::with_capacity(self.n_half_edges());
         let mut edge_half_edge = Vec::with_capacity(self.n_half_edges() / 2 + 1);
         for h in self.half_edges() {
             let (from, to) = (self.origin(h), self.target(h));
@@ -165,7 +173,13 @@ impl Topology {
         Ok(())
     }
 
-    fn edge_error(&self, from: VertexId, to: VertexId, first: HalfEdgeId, second: HalfEdgeId) -> TopologyError {
+    fn edge_error(
+        &self,
+        from: VertexId,
+        to: VertexId,
+        first: HalfEdgeId,
+        second: HalfEdgeId,
+    ) -> TopologyError {
         let mut faces: Vec<FaceId> = self
             .half_edges()
             .filter(|&h| {
@@ -178,7 +192,12 @@ impl Topology {
         if faces.len() > 2 {
             TopologyError::NonManifoldEdge { from, to, faces }
         } else {
-            TopologyError::InconsistentOrientation { from, to, first: self.face(first), second: self.face(second) }
+            TopologyError::InconsistentOrientation {
+                from,
+                to,
+                first: self.face(first),
+                second: self.face(second),
+            }
         }
     }
 
@@ -264,13 +283,21 @@ impl Topology {
     pub fn next(&self, h: HalfEdgeId) -> HalfEdgeId {
         let f = self.face[h].index();
         let n = h.index() as u32 + 1;
-        HalfEdgeId::new(if n == self.face_start[f + 1] { self.face_start[f] } else { n })
+        HalfEdgeId::new(if n == self.face_start[f + 1] {
+            self.face_start[f]
+        } else {
+            n
+        })
     }
     /// The previous half-edge of the same face.
     pub fn prev(&self, h: HalfEdgeId) -> HalfEdgeId {
         let f = self.face[h].index();
         let i = h.index() as u32;
-        HalfEdgeId::new(if i == self.face_start[f] { self.face_start[f + 1] - 1 } else { i - 1 })
+        HalfEdgeId::new(if i == self.face_start[f] {
+            self.face_start[f + 1] - 1
+        } else {
+            i - 1
+        })
     }
     /// One half-edge of an edge (the lower id; on the boundary the only one).
     pub fn edge_half_edge(&self, e: EdgeId) -> HalfEdgeId {
@@ -304,16 +331,28 @@ impl Topology {
     }
     /// Vertices of a face, counter-clockwise.
     pub fn face_vertices(&self, f: FaceId) -> &[VertexId] {
-        &self.origin.as_slice()[self.face_start[f.index()] as usize..self.face_start[f.index() + 1] as usize]
+        &self.origin.as_slice()
+            [self.face_start[f.index()] as usize..self.face_start[f.index() + 1] as usize]
     }
     /// Vertices of every face, as lists of numbers.
     pub fn face_lists(&self) -> Vec<Vec<u32>> {
-        self.faces().map(|f| self.face_vertices(f).iter().map(|v| v.index() as u32).collect()).collect()
+        self.faces()
+            .map(|f| {
+                self.face_vertices(f)
+                    .iter()
+                    .map(|v| v.index() as u32)
+                    .collect()
+            })
+            .collect()
     }
     /// Half-edges that leave a vertex, counter-clockwise; at a boundary vertex the first one lies on the boundary.
     pub fn outgoing(&self, v: VertexId) -> Outgoing<'_> {
         let start = self.outgoing[v];
-        Outgoing { topology: self, start, next: Some(start) }
+        Outgoing {
+            topology: self,
+            start,
+            next: Some(start),
+        }
     }
     /// Number of faces at a vertex.
     pub fn face_degree(&self, v: VertexId) -> usize {
@@ -327,7 +366,10 @@ impl Topology {
     pub fn neighbours(&self, v: VertexId) -> Vec<VertexId> {
         let mut ring: Vec<VertexId> = self.outgoing(v).map(|h| self.target(h)).collect();
         if self.on_boundary[v] {
-            let last = self.outgoing(v).last().expect("every vertex has an outgoing half-edge");
+            let last = self
+                .outgoing(v)
+                .last()
+                .expect("every vertex has an outgoing half-edge");
             ring.push(self.origin(self.prev(last)));
         }
         ring
@@ -382,22 +424,35 @@ impl Topology {
 }
 
 /// That every face has three or more corners, all different and below `vertex_count`.
-pub(crate) fn check_corners<F: AsRef<[u32]>>(vertex_count: usize, faces: &[F]) -> Result<(), TopologyError> {
+pub(crate) fn check_corners<F: AsRef<[u32]>>(
+    vertex_count: usize,
+    faces: &[F],
+) -> Result<(), TopologyError> {
     let mut sorted = Vec::new();
     for (i, corners) in faces.iter().enumerate() {
         let (face, corners) = (FaceId::from_index(i), corners.as_ref());
         if corners.len() < 3 {
-            return Err(TopologyError::TooFewCorners { face, corners: corners.len() });
+            return Err(TopologyError::TooFewCorners {
+                face,
+                corners: corners.len(),
+            });
         }
         sorted.clear();
         sorted.extend_from_slice(corners);
         sorted.sort_unstable();
         let last = sorted[sorted.len() - 1];
         if last as usize >= vertex_count {
-            return Err(TopologyError::IndexOutOfRange { face, vertex: last, vertices: vertex_count });
+            return Err(TopologyError::IndexOutOfRange {
+                face,
+                vertex: last,
+                vertices: vertex_count,
+            });
         }
         if let Some(pair) = sorted.windows(2).find(|w| w[0] == w[1]) {
-            return Err(TopologyError::RepeatedVertex { face, vertex: VertexId::new(pair[0]) });
+            return Err(TopologyError::RepeatedVertex {
+                face,
+                vertex: VertexId::new(pair[0]),
+            });
         }
     }
     Ok(())
@@ -416,7 +471,10 @@ impl Iterator for Outgoing<'_> {
     fn next(&mut self) -> Option<HalfEdgeId> {
         let h = self.next?;
         // Counter-clockwise: across the edge that enters the vertex in this face.
-        self.next = self.topology.twin(self.topology.prev(h)).filter(|&n| n != self.start);
+        self.next = self
+            .topology
+            .twin(self.topology.prev(h))
+            .filter(|&n| n != self.start);
         Some(h)
     }
 }
@@ -446,8 +504,14 @@ mod tests {
     #[test]
     fn hexagon_pair_has_one_boundary_loop_in_face_direction() {
         let t = Topology::from_faces(6, &[vec![0, 1, 2, 3], vec![1, 4, 5, 2]]).unwrap();
-        assert_eq!(t.boundary_loops(), vec![[0, 1, 4, 5, 2, 3].map(VertexId::new).to_vec()]);
-        assert_eq!(t.neighbours(VertexId::new(1)), [4, 2, 0].map(VertexId::new).to_vec());
+        assert_eq!(
+            t.boundary_loops(),
+            vec![[0, 1, 4, 5, 2, 3].map(VertexId::new).to_vec()]
+        );
+        assert_eq!(
+            t.neighbours(VertexId::new(1)),
+            [4, 2, 0].map(VertexId::new).to_vec()
+        );
         assert_eq!(t.edge_degree(VertexId::new(1)), 3);
         assert_eq!(t.components().1, 1);
     }
@@ -456,22 +520,53 @@ mod tests {
     fn bad_faces_are_named() {
         let err = |n, f: &[Vec<u32>]| Topology::from_faces(n, f).unwrap_err();
         assert_eq!(err(0, &[]), TopologyError::Empty);
-        assert!(matches!(err(3, &[vec![0, 1]]), TopologyError::TooFewCorners { corners: 2, .. }));
-        assert!(matches!(err(3, &[vec![0, 1, 9]]), TopologyError::IndexOutOfRange { vertex: 9, .. }));
-        assert!(matches!(err(3, &[vec![0, 1, 1]]), TopologyError::RepeatedVertex { .. }));
-        assert!(matches!(err(4, &[vec![0, 1, 2]]), TopologyError::UnusedVertex { .. }));
+        assert!(matches!(
+            err(3, &[vec![0, 1]]),
+            TopologyError::TooFewCorners { corners: 2, .. }
+        ));
+        assert!(matches!(
+            err(3, &[vec![0, 1, 9]]),
+            TopologyError::IndexOutOfRange { vertex: 9, .. }
+        ));
+        assert!(matches!(
+            err(3, &[vec![0, 1, 1]]),
+            TopologyError::RepeatedVertex { .. }
+        ));
+        assert!(matches!(
+            err(4, &[vec![0, 1, 2]]),
+            TopologyError::UnusedVertex { .. }
+        ));
         let fan = [vec![0, 1, 2], vec![1, 0, 3], vec![0, 1, 4]];
-        assert!(matches!(err(5, &fan), TopologyError::NonManifoldEdge { ref faces, .. } if faces.len() == 3));
+        assert!(
+            matches!(err(5, &fan), TopologyError::NonManifoldEdge { ref faces, .. } if faces.len() == 3)
+        );
         let same_way = [vec![0, 1, 2], vec![0, 1, 3]];
-        assert!(matches!(err(4, &same_way), TopologyError::InconsistentOrientation { .. }));
+        assert!(matches!(
+            err(4, &same_way),
+            TopologyError::InconsistentOrientation { .. }
+        ));
         let bow_tie = [vec![0, 1, 2], vec![0, 3, 4]];
-        assert_eq!(err(5, &bow_tie), TopologyError::BowTieVertex { vertex: VertexId::new(0) });
+        assert_eq!(
+            err(5, &bow_tie),
+            TopologyError::BowTieVertex {
+                vertex: VertexId::new(0)
+            }
+        );
     }
 
     #[test]
     fn closed_fans_that_touch_in_a_vertex_are_a_bow_tie() {
         let mut faces: Vec<Vec<u32>> = TETRAHEDRON.iter().map(|f| f.to_vec()).collect();
-        faces.extend(TETRAHEDRON.iter().map(|f| f.iter().map(|&v| if v == 0 { 0 } else { v + 3 }).collect()));
-        assert_eq!(Topology::from_faces(7, &faces).unwrap_err(), TopologyError::BowTieVertex { vertex: VertexId::new(0) });
+        faces.extend(
+            TETRAHEDRON
+                .iter()
+                .map(|f| f.iter().map(|&v| if v == 0 { 0 } else { v + 3 }).collect()),
+        );
+        assert_eq!(
+            Topology::from_faces(7, &faces).unwrap_err(),
+            TopologyError::BowTieVertex {
+                vertex: VertexId::new(0)
+            }
+        );
     }
 }

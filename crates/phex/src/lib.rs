@@ -15,8 +15,10 @@ pub mod curvature;
 pub mod directions;
 pub mod layout;
 pub mod optimise;
+pub mod pipeline;
 pub mod progress;
 pub mod report;
 pub mod target;
 
+pub use pipeline::{MeshOptions, MeshRun, PanelSize, PipelineError, mesh_surface};
 pub use progress::{Event, Progress, Silent};

@@ -14,7 +14,7 @@
 //! | `hex` | faces with six corners among the faces without a boundary edge |
 //! | `degree3` | interior vertices with exactly three faces, as a fraction |
 //! | concave face | some corner turns to the right: unavoidable where the Gauss curvature is negative, and no fault |
-//! | simple face | see [`is_simple`](crate::polygon::is_simple), in the face's plane |
+//! | simple face | see [`is_simple`], in the face's plane |
 //!
 //! The two planarities are both in use and differ: 1 % by the diagonals is 1 to 2.5 % of an edge. A planar face that
 //! intersects itself has planarity 0 by either, so planarity and simplicity are always to be reported together.

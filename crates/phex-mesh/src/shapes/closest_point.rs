@@ -105,19 +105,15 @@ impl<S: ParametricSurface> ShapeProjector<S> {
 
     fn search(&self, p: Vec3) -> [f64; 2] {
         let starts = self.samples.starts(p);
-        let bound = starts.reach;
-        let inside = starts
-            .parameters
-            .into_iter()
-            .map(|start| self.descend(start, p));
         let rims = self
             .arcs
             .iter()
-            .flat_map(|(arc, points)| self.along_arc(arc, points, p, bound));
+            .flat_map(|(arc, points)| self.along_arc(arc, points, p, starts.reach));
+        // From a rim sample the way inside may be barred; from the nearest point of the rim it is not.
+        let all = starts.parameters.iter().copied().chain(rims);
+        let ends = all.map(|start| self.descend(start, p));
         let distance = |&[u, v]: &[f64; 2]| (self.surface.point(u, v) - p).norm_squared();
-        let nearest = inside
-            .chain(rims)
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let nearest = ends.min_by(|a, b| distance(a).total_cmp(&distance(b)));
         nearest.unwrap_or(self.samples.triangulation.parameters[0])
     }
 

@@ -439,11 +439,7 @@ static SHAPES: [ShapeInfo; 16] = [
         parameters: &[
             length("length", 40.0, "extent along x"),
             length("width", 28.0, "extent along y"),
-            length(
-                "height",
-                9.0,
-                "height of the larger hall, about the whole range of z",
-            ),
+            length("height", 11.0, "height of the larger hall above z = 0"),
             number(
                 "exponent",
                 2.5,

@@ -1,6 +1,6 @@
 //! A free-form roof: two halls, a saddle between them and raised ends, over a rounded plan.
 //!
-//! `z = height f(x / half_length, y / half_width)` with `f` a sum of two Gaussian bumps and a shallow trough along the length.
+//! `z = height f(x / half_length, y / half_width)` with `f` the sum of two Gaussian bumps and a shallow quadratic.
 
 use super::graph::{HeightField, HeightJet};
 
@@ -13,18 +13,18 @@ struct Bump {
 
 const BUMPS: [Bump; 2] = [
     Bump {
-        weight: 1.0,
-        centre: [-0.38, 0.06],
-        spread: [0.55, 0.95],
+        weight: 0.92,
+        centre: [-0.36, 0.08],
+        spread: [0.66, 0.95],
     },
     Bump {
-        weight: 0.62,
-        centre: [0.56, -0.10],
-        spread: [0.45, 0.80],
+        weight: 0.50,
+        centre: [0.60, -0.16],
+        spread: [0.52, 0.85],
     },
 ];
-/// Rise of the ends: the coefficient of `x^2`.
-const END_RISE: f64 = 0.10;
+/// Coefficients of `x^2`, which lifts the ends, and of `y^2`, which lowers the long sides.
+const TROUGH: [f64; 2] = [0.14, -0.06];
 
 pub(super) struct Roof {
     pub half_length: f64,
@@ -36,10 +36,12 @@ impl HeightField for Roof {
     fn height(&self, x: f64, y: f64) -> HeightJet {
         let (p, q) = (x / self.half_length, y / self.half_width);
         let mut sum = HeightJet {
-            z: END_RISE * p * p,
-            x: 2.0 * END_RISE * p,
-            xx: 2.0 * END_RISE,
-            ..HeightJet::default()
+            z: TROUGH[0] * p * p + TROUGH[1] * q * q,
+            x: 2.0 * TROUGH[0] * p,
+            y: 2.0 * TROUGH[1] * q,
+            xx: 2.0 * TROUGH[0],
+            xy: 0.0,
+            yy: 2.0 * TROUGH[1],
         };
         for bump in &BUMPS {
             bump.add_to(&mut sum, p, q);

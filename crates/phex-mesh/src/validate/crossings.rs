@@ -7,6 +7,10 @@ use parry3d_f64::bounding_volume::Aabb;
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
+/// Relative to the length of the edge and the heights of the triangle. At a corner of 180 degrees an edge starts on the
+/// border of a face up to rounding, so that exact signs alone would see crossings in valid meshes.
+const TOUCHING: f64 = 1e-9;
+
 /// All crossings, by edge and then by face.
 ///
 /// A face counts as its ear-clipped triangles. Triangles with a vertex of the edge, and all triangles of the edge's own
@@ -59,23 +63,31 @@ fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Vi
         .collect()
 }
 
-/// Whether the open segment passes through the inside of a triangle (exact). Sides that are diagonals of the face
-/// belong to its inside, but not their ends.
+/// Whether the segment passes through the inside of a triangle; all signs are exact. Sides that are diagonals of the
+/// face belong to its inside, but not their ends. What passes within [`TOUCHING`] of an end of the segment or of a side
+/// that is no diagonal only touches.
 fn passes_through(from: Vec3, to: Vec3, triangle: [Vec3; 3], diagonal: [bool; 3]) -> bool {
     let [a, b, c] = triangle;
-    let (below, above) = (volume(a, b, c, from), volume(a, b, c, to));
-    if !((below > 0.0 && above < 0.0) || (below < 0.0 && above > 0.0)) {
+    let along = shares([volume(a, b, c, from), -volume(a, b, c, to)]);
+    if !along.iter().all(|&share| share > TOUCHING) {
         return false;
     }
-    let sides = [
+    let across = shares([
         volume(from, to, a, b),
         volume(from, to, b, c),
         volume(from, to, c, a),
-    ];
-    let on_border = (0..3).any(|k| sides[k] == 0.0 && !diagonal[k]);
-    let zeros = sides.iter().filter(|&&s| s == 0.0).count();
-    let one_way = sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0);
-    one_way && zeros <= 1 && !on_border
+    ]);
+    let on_diagonal = (0..3).find(|&k| diagonal[k] && across[k] == 0.0);
+    (0..3).all(|k| {
+        let least = if diagonal[k] { 0.0 } else { TOUCHING };
+        across[k] > least || on_diagonal == Some(k)
+    })
+}
+
+/// Each value over their sum; all are positive if and only if the values have the same sign.
+fn shares<const N: usize>(values: [f64; N]) -> [f64; N] {
+    let total: f64 = values.iter().sum();
+    values.map(|x| x / total)
 }
 
 /// Exact sign of the volume of a tetrahedron.
@@ -118,6 +130,18 @@ mod tests {
             !passes([-1.0, 1.0, 0.0], [5.0, 1.0, 0.0], [false; 3]),
             "in the plane"
         );
+    }
+
+    #[test]
+    fn within_rounding_of_an_end_or_a_border_is_touching() {
+        let upright = |x: f64, low: f64| passes([x, 1.0, 1.0], [x, 1.0, low], [false; 3]);
+        assert!(upright(1e-6, -1.0) && !upright(1e-12, -1.0));
+        assert!(upright(1.0, -1e-6) && !upright(1.0, -1e-12));
+        assert!(passes(
+            [1e-12, 1.0, 1.0],
+            [1e-12, 1.0, -1.0],
+            [false, false, true]
+        ));
     }
 
     #[test]

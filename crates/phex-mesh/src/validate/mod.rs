@@ -50,9 +50,10 @@ impl Default for ValidateOptions {
 }
 
 /// The planarity, in mean edges, that rounding of the coordinates allows at best: 4 machine epsilons times the diagonal
-/// of the bounding box over the mean edge.
+/// of the bounding box (or the largest coordinate, for a mesh far from the origin) over the mean edge.
 pub fn planarity_floor(mesh: &HexMesh) -> f64 {
-    4.0 * f64::EPSILON * diagonal(mesh) / mesh.mean_edge()
+    let largest = mesh.positions.iter().map(|p| p.amax()).fold(0.0, f64::max);
+    4.0 * f64::EPSILON * diagonal(mesh).max(largest) / mesh.mean_edge()
 }
 
 /// A mesh that [`validate`] found no violation in. It cannot be changed.

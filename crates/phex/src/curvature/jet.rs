@@ -24,7 +24,12 @@ const MIN_NEIGHBOURS: usize = 9;
 
 impl<'a> Neighbourhood<'a> {
     pub fn new(surface: &'a TriangleSurface) -> Self {
-        Self { surface, stamp: vec![0; surface.positions().len()], round: 0, members: Vec::new() }
+        Self {
+            surface,
+            stamp: vec![0; surface.positions().len()],
+            round: 0,
+            members: Vec::new(),
+        }
     }
 
     /// Vertices connected to `v` within `radius`, and at least two rings.
@@ -38,7 +43,11 @@ impl<'a> Neighbourhood<'a> {
             let ring_end = self.members.len();
             let enough = ring >= 2 && (ring_end > MIN_NEIGHBOURS || ring >= 4);
             for i in ring_start..ring_end {
-                self.visit_ring(self.members[i], v, if enough { radius } else { f64::INFINITY });
+                self.visit_ring(
+                    self.members[i],
+                    v,
+                    if enough { radius } else { f64::INFINITY },
+                );
             }
             ring_start = ring_end;
             ring += 1;
@@ -52,7 +61,9 @@ impl<'a> Neighbourhood<'a> {
         for h in topology.outgoing(at) {
             // The origin of the previous half-edge covers the last neighbour at a boundary.
             for w in [topology.target(h), topology.origin(topology.prev(h))] {
-                if self.stamp[w.index()] != self.round && (positions[w] - positions[centre]).norm() < reach {
+                if self.stamp[w.index()] != self.round
+                    && (positions[w] - positions[centre]).norm() < reach
+                {
                     self.stamp[w.index()] = self.round;
                     self.members.push(w);
                 }
@@ -74,7 +85,10 @@ pub fn fit(surface: &TriangleSurface, v: VertexId, members: &[VertexId], reach: 
         .map(|d| Vec3::new(d.dot(&e1), d.dot(&e2), d.dot(&n)))
         .collect();
     let reach = local.iter().map(|q| q.xy().norm()).fold(0.0, f64::max);
-    let flat = Jet { normal: n, tensor: Matrix3::zeros() };
+    let flat = Jet {
+        normal: n,
+        tensor: Matrix3::zeros(),
+    };
     if !(reach > 0.0) {
         return flat;
     }
@@ -104,5 +118,8 @@ fn jet(c: &SVector<f64, 6>, reach: f64, n: Vec3, e1: Vec3, e2: Vec3) -> Jet {
     let first = Matrix2::new(1.0 + p * p, p * q, p * q, 1.0 + q * q);
     let inverse = first.try_inverse().unwrap_or_else(Matrix2::identity);
     let tangents = SMatrix::<f64, 3, 2>::from_columns(&[e1 + n * p, e2 + n * q]) * inverse;
-    Jet { normal: (n - e1 * p - e2 * q) / w, tensor: -(tangents * second * tangents.transpose()) }
+    Jet {
+        normal: (n - e1 * p - e2 * q) / w,
+        tensor: -(tangents * second * tangents.transpose()),
+    }
 }

@@ -38,7 +38,10 @@ pub struct CurvatureOptions {
 
 impl Default for CurvatureOptions {
     fn default() -> Self {
-        Self { radius_rel: 0.6, smoothing: 6 }
+        Self {
+            radius_rel: 0.6,
+            smoothing: 6,
+        }
     }
 }
 
@@ -54,7 +57,11 @@ pub struct Curvature {
 }
 
 /// Curvature of `surface` at the scale of panels of length `panel_length` (model units of the surface).
-pub fn curvature(surface: &TriangleSurface, panel_length: f64, options: &CurvatureOptions) -> Curvature {
+pub fn curvature(
+    surface: &TriangleSurface,
+    panel_length: f64,
+    options: &CurvatureOptions,
+) -> Curvature {
     let radius = options.radius_rel * panel_length;
     let fits: Vec<(jet::Jet, f64)> = (0..surface.positions().len())
         .into_par_iter()
@@ -74,7 +81,11 @@ pub fn curvature(surface: &TriangleSurface, panel_length: f64, options: &Curvatu
     let raw = PerVertex::from_vec(fits.iter().map(|f| f.0.tensor).collect());
     let confidence = PerVertex::from_vec(fits.iter().map(|f| f.1).collect());
     let tensor = tensor::smoothed(surface.topology(), &normal, raw, options.smoothing);
-    Curvature { normal, tensor, confidence }
+    Curvature {
+        normal,
+        tensor,
+        confidence,
+    }
 }
 
 fn agreement(outer: &Matrix3<f64>, inner: &Matrix3<f64>) -> f64 {
@@ -89,14 +100,24 @@ fn agreement(outer: &Matrix3<f64>, inner: &Matrix3<f64>) -> f64 {
 impl Curvature {
     /// The curvature of the next finer level: tensors and normals follow the subdivision stencils.
     pub fn refined(&self, step: &crate::target::subdivide::Refinement) -> Self {
-        let normal = step.apply(&self.normal).map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::z));
-        Self { normal, tensor: step.apply(&self.tensor), confidence: step.apply(&self.confidence) }
+        let normal = step
+            .apply(&self.normal)
+            .map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::z));
+        Self {
+            normal,
+            tensor: step.apply(&self.tensor),
+            confidence: step.apply(&self.confidence),
+        }
     }
 
     /// Principal curvatures and directions at every vertex.
     pub fn principal(&self) -> PerVertex<Principal> {
         PerVertex::from_vec(
-            self.normal.iter().zip(self.tensor.iter()).map(|(n, s)| tensor::principal(*n, s)).collect(),
+            self.normal
+                .iter()
+                .zip(self.tensor.iter())
+                .map(|(n, s)| tensor::principal(*n, s))
+                .collect(),
         )
     }
 }

@@ -5,7 +5,11 @@ use phex_mesh::{PerVertex, Topology, Vec3};
 
 /// Two unit tangents that make a right-handed frame with the unit normal `n`.
 pub fn tangent_frame(n: Vec3) -> [Vec3; 2] {
-    let axis = if n.x.abs() < 0.8 { Vec3::x() } else { Vec3::y() };
+    let axis = if n.x.abs() < 0.8 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
     let e1 = (axis - n * axis.dot(&n)).normalize();
     [e1, n.cross(&e1)]
 }
@@ -17,7 +21,10 @@ pub fn smoothed(
     tensor: PerVertex<Matrix3<f64>>,
     passes: usize,
 ) -> PerVertex<Matrix3<f64>> {
-    let rings: Vec<Vec<_>> = topology.vertices().map(|v| topology.neighbours(v)).collect();
+    let rings: Vec<Vec<_>> = topology
+        .vertices()
+        .map(|v| topology.neighbours(v))
+        .collect();
     let mut current = tensor;
     for _ in 0..passes {
         current = PerVertex::from_fn(current.len(), |v| {
@@ -51,9 +58,18 @@ pub struct Principal {
 /// Principal values of a tangential tensor at a point with unit normal `n`.
 pub fn principal(n: Vec3, s: &Matrix3<f64>) -> Principal {
     let [e1, e2] = tangent_frame(n);
-    let form = Matrix2::new(e1.dot(&(s * e1)), e1.dot(&(s * e2)), e1.dot(&(s * e2)), e2.dot(&(s * e2)));
+    let form = Matrix2::new(
+        e1.dot(&(s * e1)),
+        e1.dot(&(s * e2)),
+        e1.dot(&(s * e2)),
+        e2.dot(&(s * e2)),
+    );
     let eigen = SymmetricEigen::new(form);
-    let (i, j) = if eigen.eigenvalues[0].abs() <= eigen.eigenvalues[1].abs() { (0, 1) } else { (1, 0) };
+    let (i, j) = if eigen.eigenvalues[0].abs() <= eigen.eigenvalues[1].abs() {
+        (0, 1)
+    } else {
+        (1, 0)
+    };
     let direction = |k: usize| e1 * eigen.eigenvectors[(0, k)] + e2 * eigen.eigenvectors[(1, k)];
     Principal {
         small: eigen.eigenvalues[i],

@@ -24,7 +24,11 @@ pub fn log_factor(
             rhs[v] = 0.0;
         }
     }
-    let mut own: Vec<f64> = mesh.mass.iter().map(|m| options.conformal_screening * m).collect();
+    let mut own: Vec<f64> = mesh
+        .mass
+        .iter()
+        .map(|m| options.conformal_screening * m)
+        .collect();
     let mut entries = Vec::with_capacity(topology.n_edges() + own.len());
     for e in topology.edges() {
         let [a, b] = topology.edge_vertices(e);
@@ -32,10 +36,22 @@ pub fn log_factor(
         own[b.index()] += mesh.weight[e];
         entries.push((row(a.max(b)), row(a.min(b)), -mesh.weight[e]));
     }
-    entries.extend(own.iter().enumerate().map(|(i, d)| (i as u32, i as u32, *d)));
+    entries.extend(
+        own.iter()
+            .enumerate()
+            .map(|(i, d)| (i as u32, i as u32, *d)),
+    );
     let mut s = rhs.into_vec();
-    Cholesky::new(&SymmetricMatrix::from_triplets(s.len(), entries.into_iter())?)?.solve(&mut s);
-    Ok(PerVertex::from_vec(limited(&s, mesh, options.conformal_limit)))
+    Cholesky::new(&SymmetricMatrix::from_triplets(
+        s.len(),
+        entries.into_iter(),
+    )?)?
+    .solve(&mut s);
+    Ok(PerVertex::from_vec(limited(
+        &s,
+        mesh,
+        options.conformal_limit,
+    )))
 }
 
 fn limited(s: &[f64], mesh: &IntrinsicMesh, limit: f64) -> Vec<f64> {
@@ -43,5 +59,7 @@ fn limited(s: &[f64], mesh: &IntrinsicMesh, limit: f64) -> Vec<f64> {
     let area: f64 = mass.iter().sum();
     let scaled: f64 = mass.iter().zip(s).map(|(m, s)| m * (2.0 * s).exp()).sum();
     let mean = 0.5 * (scaled / area).ln();
-    s.iter().map(|s| limit * ((s - mean) / limit).tanh()).collect()
+    s.iter()
+        .map(|s| limit * ((s - mean) / limit).tanh())
+        .collect()
 }

@@ -1,7 +1,10 @@
 //! A triangle mesh known by its edge lengths only.
 
 use nalgebra::Matrix3;
-use phex_mesh::{ElementId, HalfEdgeId, PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex, Topology, TriangleSurface};
+use phex_mesh::{
+    ElementId, HalfEdgeId, PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex, Topology,
+    TriangleSurface,
+};
 use std::f64::consts::PI;
 
 /// Largest share of the sum of the two other sides that a side may have.
@@ -48,10 +51,15 @@ impl IntrinsicMesh {
         let side = |h: HalfEdgeId| length[topology.edge(h)];
         let corner = PerHalfEdge::from_fn(topology.n_half_edges(), |h| {
             let (b, c, a) = (side(h), side(topology.prev(h)), side(topology.next(h)));
-            ((b * b + c * c - a * a) / (2.0 * b * c)).clamp(-0.99999, 0.99999).acos()
+            ((b * b + c * c - a * a) / (2.0 * b * c))
+                .clamp(-0.99999, 0.99999)
+                .acos()
         });
         let area = PerFace::from_fn(topology.n_faces(), |f| {
-            let h = topology.face_half_edges(f).next().expect("a triangle has half-edges");
+            let h = topology
+                .face_half_edges(f)
+                .next()
+                .expect("a triangle has half-edges");
             0.5 * side(h) * side(topology.prev(h)) * corner[h].sin()
         });
         let mut weight = PerEdge::filled(topology.n_edges(), 0.0);
@@ -80,7 +88,11 @@ impl IntrinsicMesh {
     /// Polar angles round each vertex from its first half-edge, scaled to a full turn at interior vertices.
     fn unroll(&mut self, topology: &Topology) {
         for v in topology.vertices() {
-            let full = if topology.is_boundary_vertex(v) { 1.0 } else { 2.0 * PI / self.angle_sum[v] };
+            let full = if topology.is_boundary_vertex(v) {
+                1.0
+            } else {
+                2.0 * PI / self.angle_sum[v]
+            };
             let mut angle = 0.0;
             let mut last = None;
             for h in topology.outgoing(v) {
@@ -112,7 +124,11 @@ impl IntrinsicMesh {
     /// Polar angle, at its origin, of the direction of a half-edge.
     pub fn polar(&self, topology: &Topology, h: HalfEdgeId) -> f64 {
         let e = topology.edge(h);
-        if topology.edge_half_edge(e) == h { self.polar_origin[e] } else { self.polar_target[e] }
+        if topology.edge_half_edge(e) == h {
+            self.polar_origin[e]
+        } else {
+            self.polar_target[e]
+        }
     }
 }
 
@@ -121,12 +137,20 @@ fn mend_triangles(topology: &Topology, length: &mut PerEdge<f64>) {
     for _ in 0..100 {
         let mut mended = true;
         for f in topology.faces() {
-            let edges: Vec<_> = topology.face_half_edges(f).map(|h| topology.edge(h)).collect();
+            let edges: Vec<_> = topology
+                .face_half_edges(f)
+                .map(|h| topology.edge(h))
+                .collect();
             let sum: f64 = edges.iter().map(|&e| length[e]).sum();
-            let longest = *edges.iter().max_by(|a, b| length[**a].total_cmp(&length[**b])).expect("three edges");
+            let longest = *edges
+                .iter()
+                .max_by(|a, b| length[**a].total_cmp(&length[**b]))
+                .expect("three edges");
             if length[longest] > MAX_SIDE * (sum - length[longest]) {
                 mended = false;
-                edges.iter().for_each(|&e| length[e] *= if e == longest { 0.98 } else { 1.01 });
+                edges
+                    .iter()
+                    .for_each(|&e| length[e] *= if e == longest { 0.98 } else { 1.01 });
             }
         }
         if mended {
@@ -135,9 +159,14 @@ fn mend_triangles(topology: &Topology, length: &mut PerEdge<f64>) {
     }
     // What small changes did not mend is made equilateral enough by force.
     for f in topology.faces() {
-        let edges: Vec<_> = topology.face_half_edges(f).map(|h| topology.edge(h)).collect();
+        let edges: Vec<_> = topology
+            .face_half_edges(f)
+            .map(|h| topology.edge(h))
+            .collect();
         let longest = edges.iter().map(|&e| length[e]).fold(0.0, f64::max);
-        edges.iter().for_each(|&e| length[e] = length[e].max(0.52 * longest));
+        edges
+            .iter()
+            .for_each(|&e| length[e] = length[e].max(0.52 * longest));
     }
 }
 

@@ -22,7 +22,9 @@ pub fn metric(
     let raw = principal.map(|p| shape(p, floor, options.anisotropy));
     let smooth = crate::curvature::smoothed(surface.topology(), &curvature.normal, raw, SMOOTHING);
     let unit = 1.0 / (panel_length * panel_length);
-    PerVertex::from_fn(smooth.len(), |v| smooth[v] * (unit / determinant_root(curvature.normal[v], &smooth[v])))
+    PerVertex::from_fn(smooth.len(), |v| {
+        smooth[v] * (unit / determinant_root(curvature.normal[v], &smooth[v]))
+    })
 }
 
 /// The 90 % quantile of the larger principal curvature.
@@ -61,7 +63,8 @@ pub fn alignment_weight(
         let clipped = ratio * options.anisotropy * options.anisotropy;
         let t = ((0.8 - clipped) / 0.6).clamp(0.0, 1.0);
         let curved = k2 * k2 / (k2 * k2 + (0.1 * large).powi(2));
-        let weight = options.alignment * t * t * (3.0 - 2.0 * t) + options.gentle_alignment * (1.0 - ratio).powi(2);
+        let weight = options.alignment * t * t * (3.0 - 2.0 * t)
+            + options.gentle_alignment * (1.0 - ratio).powi(2);
         weight * curved * curvature.confidence.as_slice()[v.index()]
     })
 }

@@ -94,7 +94,14 @@ pub fn directions(
     let mut tensor = metric::metric(surface, curvature, &principal, panel_length, options);
     let weight = metric::alignment_weight(&principal, curvature, options);
     let mut intrinsic = IntrinsicMesh::new(surface, &tensor);
-    let mut angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options.rotate)?;
+    let mut angle = rosy::field(
+        surface,
+        &intrinsic,
+        &tensor,
+        &principal,
+        &weight,
+        options.rotate,
+    )?;
     if options.conformal_limit > 0.0 {
         let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
         let scale = conformal::log_factor(surface.topology(), &intrinsic, &cone, options)?;
@@ -102,8 +109,20 @@ pub fn directions(
             *m *= (2.0 * s).exp();
         }
         intrinsic = IntrinsicMesh::new(surface, &tensor);
-        angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options.rotate)?;
+        angle = rosy::field(
+            surface,
+            &intrinsic,
+            &tensor,
+            &principal,
+            &weight,
+            options.rotate,
+        )?;
     }
     let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
-    Ok(Directions { metric: tensor, intrinsic, angle, cone })
+    Ok(Directions {
+        metric: tensor,
+        intrinsic,
+        angle,
+        cone,
+    })
 }

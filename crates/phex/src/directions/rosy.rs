@@ -26,14 +26,18 @@ pub fn field(
 ) -> Result<PerVertex<f64>, NumericError> {
     let topology = surface.topology();
     let wish = |v: VertexId, along: Vec3, across: Vec3| {
-        Complex::from_polar(1.0, N * (polar_of(surface, mesh, metric, v, along, across) + rotate))
+        Complex::from_polar(
+            1.0,
+            N * (polar_of(surface, mesh, metric, v, along, across) + rotate),
+        )
     };
     let source: Vec<Complex<f64>> = topology
         .vertices()
         .map(|v| {
             let p = &principal[v];
             let [along, across] = global_frame(surface.normals()[v]);
-            wish(v, p.small_direction, p.large_direction) * weight[v] + wish(v, along, across) * TIE_BREAK
+            wish(v, p.small_direction, p.large_direction) * weight[v]
+                + wish(v, along, across) * TIE_BREAK
         })
         .collect();
     let total = |v: VertexId| weight[v] + TIE_BREAK;
@@ -41,18 +45,30 @@ pub fn field(
         let diagonal = |v: VertexId| mesh.mass[v] * (inertia + t * total(v));
         connection_matrix(topology, mesh, t, diagonal)
     };
-    let mut u = solve(&Cholesky::new(&stiffness(1.0, 0.0)?)?, |i| source[i] * mesh.mass.as_slice()[i], source.len());
+    let mut u = solve(
+        &Cholesky::new(&stiffness(1.0, 0.0)?)?,
+        |i| source[i] * mesh.mass.as_slice()[i],
+        source.len(),
+    );
     let polish = Cholesky::new(&stiffness(POLISH_TIME, 1.0)?)?;
     for _ in 0..POLISH_STEPS {
         let unit: Vec<Complex<f64>> = u.iter().map(|z| z / (z.norm() + 1e-12)).collect();
-        u = solve(&polish, |i| (unit[i] + source[i] * POLISH_TIME) * mesh.mass.as_slice()[i], unit.len());
+        u = solve(
+            &polish,
+            |i| (unit[i] + source[i] * POLISH_TIME) * mesh.mass.as_slice()[i],
+            unit.len(),
+        );
     }
     Ok(PerVertex::from_vec(u.iter().map(|z| z.arg() / N).collect()))
 }
 
 /// A tangent pair that varies smoothly over most of space: the x axis projected to the tangent plane.
 fn global_frame(n: Vec3) -> [Vec3; 2] {
-    let axis = if n.x.abs() < 0.95 { Vec3::x() } else { Vec3::y() };
+    let axis = if n.x.abs() < 0.95 {
+        Vec3::x()
+    } else {
+        Vec3::y()
+    };
     let along = (axis - n * axis.dot(&n)).normalize();
     [along, n.cross(&along)]
 }
@@ -84,7 +100,11 @@ fn connection_matrix(
 
 /// Adds the real 2 x 2 form of the complex entry `(r, c)` of a Hermitian matrix, in the lower triangle.
 pub(crate) fn push_block(entries: &mut Vec<(u32, u32, f64)>, r: u32, c: u32, value: Complex<f64>) {
-    let (r, c, z) = if r > c { (r, c, value) } else { (c, r, value.conj()) };
+    let (r, c, z) = if r > c {
+        (r, c, value)
+    } else {
+        (c, r, value.conj())
+    };
     entries.push((2 * r, 2 * c, z.re));
     entries.push((2 * r, 2 * c + 1, -z.im));
     entries.push((2 * r + 1, 2 * c, z.im));
@@ -92,10 +112,16 @@ pub(crate) fn push_block(entries: &mut Vec<(u32, u32, f64)>, r: u32, c: u32, val
 }
 
 /// Solves a complex system in its real form.
-pub(crate) fn solve(factor: &Cholesky, rhs: impl Fn(usize) -> Complex<f64>, n: usize) -> Vec<Complex<f64>> {
+pub(crate) fn solve(
+    factor: &Cholesky,
+    rhs: impl Fn(usize) -> Complex<f64>,
+    n: usize,
+) -> Vec<Complex<f64>> {
     let mut x: Vec<f64> = (0..n).flat_map(|i| [rhs(i).re, rhs(i).im]).collect();
     factor.solve(&mut x);
-    x.chunks_exact(2).map(|c| Complex::new(c[0], c[1])).collect()
+    x.chunks_exact(2)
+        .map(|c| Complex::new(c[0], c[1]))
+        .collect()
 }
 
 /// Polar angle at `v` of the tangent direction `along` (with `across` to its left or right), measured in the metric
@@ -124,7 +150,12 @@ fn polar_of(
 }
 
 /// Turns (in sixths) that match the field across an edge, from the origin's frame to the target's, and the rest.
-pub fn matching(mesh: &IntrinsicMesh, angle: &PerVertex<f64>, topology: &Topology, e: EdgeId) -> (i32, f64) {
+pub fn matching(
+    mesh: &IntrinsicMesh,
+    angle: &PerVertex<f64>,
+    topology: &Topology,
+    e: EdgeId,
+) -> (i32, f64) {
     let [i, j] = topology.edge_vertices(e);
     let difference = angle[j] - angle[i] - mesh.transport(e);
     let turns = (difference / FRAC_PI_3).round();
@@ -137,7 +168,11 @@ pub fn cones(topology: &Topology, mesh: &IntrinsicMesh, angle: &PerVertex<f64>) 
         let (mut rest, mut holonomy) = (0.0, 0.0);
         for h in topology.face_half_edges(f) {
             let e = topology.edge(h);
-            let sign = if topology.edge_half_edge(e) == h { 1.0 } else { -1.0 };
+            let sign = if topology.edge_half_edge(e) == h {
+                1.0
+            } else {
+                -1.0
+            };
             rest += sign * matching(mesh, angle, topology, e).1;
             holonomy += sign * mesh.transport(e);
         }

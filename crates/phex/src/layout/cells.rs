@@ -6,6 +6,7 @@
 //! loops that these steps close are the panels; no map from pairs of cells to vertices is needed, which would break where
 //! two cells touch twice.
 
+use super::seeds::Seed;
 use super::voronoi::{self, UNREACHED};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerVertex, Topology, VertexId};
@@ -55,7 +56,11 @@ pub fn disc_cells(
     label: PerVertex<u32>,
     seed: Vec<VertexId>,
 ) -> Result<CellComplex, String> {
-    let mut complex = CellComplex { label, seed, panels: Vec::new() };
+    let mut complex = CellComplex {
+        label,
+        seed,
+        panels: Vec::new(),
+    };
     let mut remaining = 0;
     for _ in 0..ROUNDS {
         let outlines = outlines(topology, corners, &complex.label, complex.seed.len());
@@ -68,12 +73,18 @@ pub fn disc_cells(
         }
         mend(topology, mesh, &mut complex, &faults);
     }
-    Err(format!("{remaining} panels could not be made discs; the panels are too large for the surface's features"))
+    Err(format!(
+        "{remaining} panels could not be made discs; the panels are too large for the surface's features"
+    ))
 }
 
 fn panels(outlines: Vec<Outline>) -> Vec<(u32, Vec<Node>)> {
     let single = |o: Outline| o.loops.into_iter().next();
-    outlines.into_iter().enumerate().filter_map(|(c, o)| single(o).map(|l| (c as u32, l))).collect()
+    outlines
+        .into_iter()
+        .enumerate()
+        .filter_map(|(c, o)| single(o).map(|l| (c as u32, l)))
+        .collect()
 }
 
 fn areas(mesh: &IntrinsicMesh, label: &PerVertex<u32>, count: usize) -> Vec<f64> {
@@ -114,7 +125,10 @@ fn faults(topology: &Topology, outlines: &[Outline], area: &[f64]) -> Vec<(u32, 
 }
 
 fn too_small(nodes: &[Node], area: f64, median: f64) -> bool {
-    let corners = nodes.iter().filter(|n| matches!(n, Node::Corner(_))).count();
+    let corners = nodes
+        .iter()
+        .filter(|n| matches!(n, Node::Corner(_)))
+        .count();
     let inside = nodes.iter().all(|n| matches!(n, Node::Triangle(_)));
     if inside {
         return nodes.len() < 4;
@@ -124,17 +138,30 @@ fn too_small(nodes: &[Node], area: f64, median: f64) -> bool {
 }
 
 /// Splits cells that are not discs and gives small ones to the neighbour with the longest common outline.
-fn mend(topology: &Topology, mesh: &IntrinsicMesh, complex: &mut CellComplex, faults: &[(u32, Fault)]) {
+fn mend(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    complex: &mut CellComplex,
+    faults: &[(u32, Fault)],
+) {
     let mut touched = HashSet::new();
     for &(cell, fault) in faults {
         if !touched.insert(cell) {
             continue;
         }
-        let members: Vec<VertexId> =
-            complex.label.enumerate().filter(|(_, l)| **l == cell).map(|(v, _)| v).collect();
+        let members: Vec<VertexId> = complex
+            .label
+            .enumerate()
+            .filter(|(_, l)| **l == cell)
+            .map(|(v, _)| v)
+            .collect();
         let neighbours = neighbours(topology, &complex.label, &members, cell);
-        let Some(&(largest, _)) = neighbours.first() else { continue };
-        if fault == Fault::NotADisc && split(topology, mesh, complex, &members, cell) {
+        let Some(&(largest, _)) = neighbours.first() else {
+            continue;
+        };
+        if fault == Fault::NotADisc && release_islands(topology, complex, &members, cell) {
+            touched.extend(neighbours.iter().map(|n| n.0));
+        } else if fault == Fault::NotADisc && split(topology, mesh, complex, &members, cell) {
             touched.extend(neighbours.iter().map(|n| n.0));
         } else if touched.insert(largest) || fault == Fault::TooSmall {
             members.iter().for_each(|&v| complex.label[v] = largest);
@@ -143,8 +170,60 @@ fn mend(topology: &Topology, mesh: &IntrinsicMesh, complex: &mut CellComplex, fa
     }
 }
 
+/// Gives all but the largest connected part of a cell to neighbours; false if the cell is connected.
+fn release_islands(
+    topology: &Topology,
+    complex: &mut CellComplex,
+    members: &[VertexId],
+    cell: u32,
+) -> bool {
+    let mut parts = connected_parts(topology, &complex.label, members, cell);
+    parts.sort_by_key(|p| std::cmp::Reverse(p.len()));
+    for island in parts.iter().skip(1) {
+        if let Some(&(to, _)) = neighbours(topology, &complex.label, island, cell).first() {
+            island.iter().for_each(|&v| complex.label[v] = to);
+        }
+    }
+    if parts.len() > 1 && !parts[0].contains(&complex.seed[cell as usize]) {
+        complex.seed[cell as usize] = parts[0][0];
+    }
+    parts.len() > 1
+}
+
+fn connected_parts(
+    topology: &Topology,
+    label: &PerVertex<u32>,
+    members: &[VertexId],
+    cell: u32,
+) -> Vec<Vec<VertexId>> {
+    let mut seen = HashSet::new();
+    let mut parts = Vec::new();
+    for &start in members {
+        if !seen.insert(start) {
+            continue;
+        }
+        let mut part = vec![start];
+        let mut next = 0;
+        while next < part.len() {
+            for w in topology.neighbours(part[next]) {
+                if label[w] == cell && seen.insert(w) {
+                    part.push(w);
+                }
+            }
+            next += 1;
+        }
+        parts.push(part);
+    }
+    parts
+}
+
 /// Neighbouring cells, the one with the most common edges first.
-fn neighbours(topology: &Topology, label: &PerVertex<u32>, members: &[VertexId], cell: u32) -> Vec<(u32, usize)> {
+fn neighbours(
+    topology: &Topology,
+    label: &PerVertex<u32>,
+    members: &[VertexId],
+    cell: u32,
+) -> Vec<(u32, usize)> {
     let mut count: HashMap<u32, usize> = HashMap::new();
     for &v in members {
         for w in topology.neighbours(v) {
@@ -159,16 +238,32 @@ fn neighbours(topology: &Topology, label: &PerVertex<u32>, members: &[VertexId],
 }
 
 /// Splits a cell between its two vertices farthest from each other; false if it has only one.
-fn split(topology: &Topology, mesh: &IntrinsicMesh, complex: &mut CellComplex, members: &[VertexId], cell: u32) -> bool {
+fn split(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    complex: &mut CellComplex,
+    members: &[VertexId],
+    cell: u32,
+) -> bool {
     let label = &complex.label;
     let farthest = |from: VertexId| {
-        let cells = voronoi::grow(topology, mesh, &[from], |v| label[v] == cell);
+        let cells = voronoi::grow(topology, mesh, &[Seed::at(from)], |v| label[v] == cell);
         let reached = members.iter().filter(|v| cells.distance[**v].is_finite());
-        reached.copied().max_by(|a, b| cells.distance[*a].total_cmp(&cells.distance[*b]).then(b.cmp(a)))
+        reached.copied().max_by(|a, b| {
+            cells.distance[*a]
+                .total_cmp(&cells.distance[*b])
+                .then(b.cmp(a))
+        })
     };
-    let Some(first) = farthest(members[0]) else { return false };
-    let Some(second) = farthest(first).filter(|s| *s != first) else { return false };
-    let halves = voronoi::grow(topology, mesh, &[first, second], |v| label[v] == cell);
+    let Some(first) = farthest(members[0]) else {
+        return false;
+    };
+    let Some(second) = farthest(first).filter(|s| *s != first) else {
+        return false;
+    };
+    let halves = voronoi::grow(topology, mesh, &[first, second].map(Seed::at), |v| {
+        label[v] == cell
+    });
     let new = complex.seed.len() as u32;
     complex.seed[cell as usize] = first;
     complex.seed.push(second);
@@ -196,7 +291,12 @@ impl Walk {
     }
 }
 
-fn outlines(topology: &Topology, corners: &HashSet<VertexId>, label: &PerVertex<u32>, count: usize) -> Vec<Outline> {
+fn outlines(
+    topology: &Topology,
+    corners: &HashSet<VertexId>,
+    label: &PerVertex<u32>,
+    count: usize,
+) -> Vec<Outline> {
     let mut walk = Walk::default();
     for f in topology.faces() {
         link_triangle(topology, label, f, &mut walk);
@@ -220,7 +320,9 @@ fn link_triangle(topology: &Topology, label: &PerVertex<u32>, f: FaceId, walk: &
     }
     let middle = (leaves.len() == 3).then_some(Node::Triangle(f));
     for &(cell, from) in &leaves {
-        let Some(&(_, to)) = enters.iter().find(|e| e.0 == cell) else { continue };
+        let Some(&(_, to)) = enters.iter().find(|e| e.0 == cell) else {
+            continue;
+        };
         match middle {
             Some(m) => {
                 walk.link(cell, from, m);
@@ -247,7 +349,10 @@ fn link_boundary(
             walk.link(cell, from, Node::Corner(at));
             from = Node::Corner(at);
         }
-        let along = topology.outgoing(at).next().expect("every vertex has an outgoing half-edge");
+        let along = topology
+            .outgoing(at)
+            .next()
+            .expect("every vertex has an outgoing half-edge");
         at = topology.target(along);
         if label[at] != cell {
             walk.link(cell, from, Node::Edge(topology.edge(along)));

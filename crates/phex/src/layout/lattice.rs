@@ -32,7 +32,10 @@ impl Eisenstein {
         let (fa, fb) = (a.floor(), b.floor());
         let mut best = (f64::INFINITY, Self::ZERO);
         for (da, db) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let p = Self { a: fa as i32 + da, b: fb as i32 + db };
+            let p = Self {
+                a: fa as i32 + da,
+                b: fb as i32 + db,
+            };
             let distance = (z - p.to_plane()).norm_sqr();
             if distance < best.0 - 1e-12 {
                 best = (distance, p);
@@ -43,19 +46,28 @@ impl Eisenstein {
 
     /// Position in the plane.
     pub fn to_plane(self) -> Plane {
-        Plane::new(f64::from(self.a) + 0.5 * f64::from(self.b), CELL * f64::from(self.b))
+        Plane::new(
+            f64::from(self.a) + 0.5 * f64::from(self.b),
+            CELL * f64::from(self.b),
+        )
     }
 
     /// Product with `w^k`, a rotation by `k` sixths of a turn.
     pub fn rotated(self, k: u8) -> Self {
-        (0..k % 6).fold(self, |p, _| Self { a: -p.b, b: p.a + p.b })
+        (0..k % 6).fold(self, |p, _| Self {
+            a: -p.b,
+            b: p.a + p.b,
+        })
     }
 }
 
 impl Add for Eisenstein {
     type Output = Self;
     fn add(self, o: Self) -> Self {
-        Self { a: self.a + o.a, b: self.b + o.b }
+        Self {
+            a: self.a + o.a,
+            b: self.b + o.b,
+        }
     }
 }
 
@@ -68,14 +80,20 @@ impl AddAssign for Eisenstein {
 impl Sub for Eisenstein {
     type Output = Self;
     fn sub(self, o: Self) -> Self {
-        Self { a: self.a - o.a, b: self.b - o.b }
+        Self {
+            a: self.a - o.a,
+            b: self.b - o.b,
+        }
     }
 }
 
 impl Neg for Eisenstein {
     type Output = Self;
     fn neg(self) -> Self {
-        Self { a: -self.a, b: -self.b }
+        Self {
+            a: -self.a,
+            b: -self.b,
+        }
     }
 }
 
@@ -105,7 +123,10 @@ impl Transition {
     /// The transition the other way.
     pub fn inverse(self) -> Self {
         let turn = (6 - self.turn) % 6;
-        Self { turn, offset: -rotate(self.offset, turn) }
+        Self {
+            turn,
+            offset: -rotate(self.offset, turn),
+        }
     }
     /// The point `z` of the target's chart, in the origin's.
     pub fn apply(self, z: Plane) -> Plane {
@@ -134,7 +155,11 @@ impl Charts {
     /// The transition from target to origin of any half-edge.
     pub fn half_edge(&self, topology: &Topology, h: HalfEdgeId) -> Transition {
         let e = topology.edge(h);
-        if topology.edge_half_edge(e) == h { self.edge[e] } else { self.edge[e].inverse() }
+        if topology.edge_half_edge(e) == h {
+            self.edge[e]
+        } else {
+            self.edge[e].inverse()
+        }
     }
 }
 
@@ -145,7 +170,10 @@ fn transition(topology: &Topology, directions: &Directions, e: EdgeId) -> Transi
     let turn = turns.rem_euclid(6) as u8;
     // Both ends see the edge; their views are averaged.
     let from_origin = Plane::from_polar(1.0, mesh.polar_origin[e] - directions.angle[i]);
-    let from_target = -rotate(Plane::from_polar(1.0, mesh.polar_target[e] - directions.angle[j]), turn);
+    let from_target = -rotate(
+        Plane::from_polar(1.0, mesh.polar_target[e] - directions.angle[j]),
+        turn,
+    );
     let mean = from_origin + from_target;
     let offset = mean * (mesh.length[e] / (mean.norm() + 1e-12));
     Transition { turn, offset }
@@ -176,7 +204,10 @@ mod tests {
     #[test]
     fn nearest_is_nearest() {
         for i in 0..400 {
-            let z = Plane::new((f64::from(i) * 0.731).sin() * 4.0, (f64::from(i) * 1.377).cos() * 4.0);
+            let z = Plane::new(
+                (f64::from(i) * 0.731).sin() * 4.0,
+                (f64::from(i) * 1.377).cos() * 4.0,
+            );
             let p = Eisenstein::nearest(z);
             for k in 0..6 {
                 let q = p + Eisenstein { a: 1, b: 0 }.rotated(k);
@@ -205,7 +236,10 @@ mod tests {
 
     #[test]
     fn transitions_invert() {
-        let t = Transition { turn: 2, offset: Plane::new(0.3, -1.2) };
+        let t = Transition {
+            turn: 2,
+            offset: Plane::new(0.3, -1.2),
+        };
         let z = Plane::new(-2.0, 0.7);
         assert!((t.inverse().apply(t.apply(z)) - z).norm() < 1e-12);
     }

@@ -30,6 +30,7 @@ use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;
 use seamless::{Annihilation, Offsets};
+use seeds::Seed;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use thiserror::Error;
@@ -44,13 +45,15 @@ pub struct LayoutOptions {
     pub sweeps: usize,
     /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay).
     pub annihilation_length: f64,
-    /// Passes in which seeds move to the middle of their cells.
-    pub centring: usize,
 }
 
 impl Default for LayoutOptions {
     fn default() -> Self {
-        Self { seed: 0, sweeps: 60, annihilation_length: f64::INFINITY, centring: 1 }
+        Self {
+            seed: 0,
+            sweeps: 60,
+            annihilation_length: f64::INFINITY,
+        }
     }
 }
 
@@ -61,7 +64,9 @@ pub enum LayoutError {
     #[error("the layout's equations could not be solved: {0}")]
     Numeric(#[from] NumericError),
     /// Cells are not discs.
-    #[error("no panelling with the topology of the surface was found: {reason}; ask for smaller panels")]
+    #[error(
+        "no panelling with the topology of the surface was found: {reason}; ask for smaller panels"
+    )]
     Topology {
         /// What went wrong.
         reason: String,
@@ -87,16 +92,22 @@ pub fn place_seeds(
     topology: &Topology,
     directions: &Directions,
     options: &LayoutOptions,
-) -> Result<(Vec<VertexId>, LayoutStatistics), LayoutError> {
+) -> Result<(Vec<Seed>, LayoutStatistics), LayoutError> {
     let mesh = &directions.intrinsic;
     let charts = Charts::new(topology, directions);
-    let mut position = waves::diffuse(topology, mesh, &charts, options.seed)?;
+    let mut position = waves::diffuse(topology, mesh, &charts, options.seed);
     polish::polish(topology, mesh, &charts, &mut position, options.sweeps);
     let mut offsets = Offsets::rounded(topology, &charts, position);
-    let annihilation =
-        seamless::annihilate(topology, mesh, &charts, &mut offsets.jump, options.annihilation_length);
+    let annihilation = seamless::annihilate(
+        topology,
+        mesh,
+        &charts,
+        &mut offsets.jump,
+        options.annihilation_length,
+    );
     if annihilation.moved > 0 {
-        offsets.position = seamless::solve_offsets(topology, mesh, &charts, &offsets.jump, &offsets.position)?;
+        offsets.position =
+            seamless::solve_offsets(topology, mesh, &charts, &offsets.jump, &offsets.position)?;
     }
     let mut distortion = offsets.distortion(topology, mesh, &charts).into_vec();
     distortion.sort_by(f64::total_cmp);
@@ -125,69 +136,65 @@ pub struct CellSurface<'a> {
 ///
 /// # Errors
 /// If no panelling with the surface's topology is found.
-pub fn panelling(
-    fine: &CellSurface<'_>,
-    seeds: Vec<VertexId>,
-    options: &LayoutOptions,
-) -> Result<Layout, LayoutError> {
-    let topology = fine.surface.topology();
+pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, LayoutError> {
     if seeds.is_empty() {
-        return Err(LayoutError::Topology { reason: "there is no panel".into() });
+        return Err(LayoutError::Topology {
+            reason: "there is no panel".into(),
+        });
     }
-    let mut seeds = seeds;
-    let mut grown = voronoi::grow(topology, fine.mesh, &seeds, |_| true);
-    for _ in 0..options.centring {
-        seeds = centred(fine, &grown.label, seeds);
-        grown = voronoi::grow(topology, fine.mesh, &seeds, |_| true);
-    }
-    let complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, seeds)
+    let topology = fine.surface.topology();
+    let grown = voronoi::grow(topology, fine.mesh, seeds, |_| true);
+    let vertices = seeds.iter().map(|s| s.vertex).collect();
+    let complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
     record(fine, &complex)
 }
 
-/// Moves each seed to the vertex of its cell that is nearest, in the metric, to the cell's centroid. Seeds of boundary
-/// cells stay, so that rows along the boundary do not creep inwards.
-fn centred(fine: &CellSurface<'_>, label: &PerVertex<u32>, seeds: Vec<VertexId>) -> Vec<VertexId> {
-    let (centroid, _) = centroids(fine, label, seeds.len());
-    let mut moved = seeds.clone();
-    let mut best = vec![f64::INFINITY; seeds.len()];
-    for (v, &l) in label.enumerate() {
-        let d = fine.surface.positions()[v] - centroid[l as usize];
-        let n = fine.surface.normals()[v];
-        let distance = d.dot(&(fine.metric[v] * d)) + d.dot(&n).powi(2) * fine.metric[v].trace();
-        if distance < best[l as usize] {
-            best[l as usize] = distance;
-            moved[l as usize] = v;
-        }
-    }
-    let mut at_boundary = vec![false; seeds.len()];
-    for (v, &l) in label.enumerate() {
-        at_boundary[l as usize] |= fine.surface.topology().is_boundary_vertex(v);
-    }
-    seeds.iter().zip(moved).enumerate().map(|(i, (s, m))| if at_boundary[i] { *s } else { m }).collect()
-}
-
-fn centroids(fine: &CellSurface<'_>, label: &PerVertex<u32>, count: usize) -> (Vec<Vec3>, Vec<f64>) {
+fn centroids(
+    fine: &CellSurface<'_>,
+    label: &PerVertex<u32>,
+    count: usize,
+) -> (Vec<Vec3>, Vec<f64>) {
     let mut sum = vec![Vec3::zeros(); count];
     let mut area = vec![0.0; count];
     for (v, &l) in label.enumerate() {
         sum[l as usize] += fine.surface.positions()[v] * fine.mesh.mass[v];
         area[l as usize] += fine.mesh.mass[v];
     }
-    (sum.into_iter().zip(&area).map(|(s, a)| s / a.max(f64::MIN_POSITIVE)).collect(), area)
+    (
+        sum.into_iter()
+            .zip(&area)
+            .map(|(s, a)| s / a.max(f64::MIN_POSITIVE))
+            .collect(),
+        area,
+    )
 }
 
 fn record(fine: &CellSurface<'_>, complex: &CellComplex) -> Result<Layout, LayoutError> {
     let topology = fine.surface.topology();
     let (index, nodes) = cells::node_index(&complex.panels);
-    let faces: Vec<Vec<u32>> = complex.panels.iter().map(|(_, l)| l.iter().map(|n| index[n]).collect()).collect();
+    let faces: Vec<Vec<u32>> = complex
+        .panels
+        .iter()
+        .map(|(_, l)| l.iter().map(|n| index[n]).collect())
+        .collect();
     let positions = nodes.iter().map(|n| place(fine.surface, *n)).collect();
-    let mesh = HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology { reason: e.to_string() })?;
+    let mesh = HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology {
+        reason: e.to_string(),
+    })?;
     same_topology(topology, mesh.topology()).map_err(|reason| LayoutError::Topology { reason })?;
     let (centroid, _) = centroids(fine, &complex.label, complex.seed.len());
-    let middle: Vec<Vec3> = complex.panels.iter().map(|(c, _)| centroid[*c as usize]).collect();
+    let middle: Vec<Vec3> = complex
+        .panels
+        .iter()
+        .map(|(c, _)| centroid[*c as usize])
+        .collect();
     let foot = fine.surface.closest_points(&middle);
-    let seed: Vec<VertexId> = complex.panels.iter().map(|(c, _)| complex.seed[*c as usize]).collect();
+    let seed: Vec<VertexId> = complex
+        .panels
+        .iter()
+        .map(|(c, _)| complex.seed[*c as usize])
+        .collect();
     let length = seed.iter().map(|&s| local_length(fine, s)).collect();
     Ok(Layout {
         mesh,
@@ -236,14 +243,4 @@ fn same_topology(surface: &Topology, panels: &Topology) -> Result<(), String> {
         "the panels have Euler characteristic {} and {} boundary loops, the surface {} and {}",
         got.0, got.1, want.0, want.1
     ))
-}
-
-/// The same panelling without the given panels' seeds; their neighbours grow into the gap.
-///
-/// # Errors
-/// As [`panelling`].
-pub fn without_panels(fine: &CellSurface<'_>, layout: &Layout, drop: &[phex_mesh::FaceId]) -> Result<Layout, LayoutError> {
-    let dropped: HashSet<usize> = drop.iter().map(|f| f.index()).collect();
-    let seeds = layout.face_seed.enumerate().filter(|(f, _)| !dropped.contains(&f.index())).map(|(_, s)| *s).collect();
-    panelling(fine, seeds, &LayoutOptions { centring: 0, ..LayoutOptions::default() })
 }

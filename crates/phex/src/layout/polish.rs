@@ -8,7 +8,13 @@ use phex_mesh::{PerVertex, Topology};
 const RELAXATION: f64 = 0.9;
 
 /// Runs `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the lattice cell round 0.
-pub fn polish(topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts, position: &mut PerVertex<Plane>, sweeps: usize) {
+pub fn polish(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    position: &mut PerVertex<Plane>,
+    sweeps: usize,
+) {
     for _ in 0..sweeps {
         for v in topology.vertices() {
             let (mut sum, mut total) = (Plane::new(0.0, 0.0), 0.0);
@@ -18,11 +24,16 @@ pub fn polish(topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts, positi
                 total += weight;
             };
             for h in topology.outgoing(v) {
-                let seen = charts.half_edge(topology, h).apply(position[topology.target(h)]);
+                let seen = charts
+                    .half_edge(topology, h)
+                    .apply(position[topology.target(h)]);
                 add(seen, mesh.weight[topology.edge(h)]);
                 let before = topology.prev(h);
                 if topology.twin(before).is_none() {
-                    let seen = charts.half_edge(topology, before).inverse().apply(position[topology.origin(before)]);
+                    let seen = charts
+                        .half_edge(topology, before)
+                        .inverse()
+                        .apply(position[topology.origin(before)]);
                     add(seen, mesh.weight[topology.edge(before)]);
                 }
             }

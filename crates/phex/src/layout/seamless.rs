@@ -48,10 +48,16 @@ impl Offsets {
     }
 
     /// Largest and median distortion: what is left of the edges' offsets over their lengths, per edge.
-    pub fn distortion(&self, topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts) -> PerEdge<f64> {
+    pub fn distortion(
+        &self,
+        topology: &Topology,
+        mesh: &IntrinsicMesh,
+        charts: &Charts,
+    ) -> PerEdge<f64> {
         PerEdge::from_fn(topology.n_edges(), |e| {
             let [i, j] = topology.edge_vertices(e);
-            let rest = charts.edge(e).apply(self.position[j]) - self.jump[e].to_plane() - self.position[i];
+            let rest =
+                charts.edge(e).apply(self.position[j]) - self.jump[e].to_plane() - self.position[i];
             rest.norm() / mesh.length[e]
         })
     }
@@ -99,16 +105,30 @@ fn circuit(topology: &Topology, charts: &Charts, jump: &PerEdge<Eisenstein>, f: 
             burgers += -jump[e].rotated(turn);
         }
     }
-    Circuit { turn, burgers, entry }
+    Circuit {
+        turn,
+        burgers,
+        entry,
+    }
 }
 
 /// Moves the Burgers vector of `f` across its edge `e`.
-fn push_across(topology: &Topology, charts: &Charts, jump: &mut PerEdge<Eisenstein>, f: FaceId, e: EdgeId) {
+fn push_across(
+    topology: &Topology,
+    charts: &Charts,
+    jump: &mut PerEdge<Eisenstein>,
+    f: FaceId,
+    e: EdgeId,
+) {
     let circuit = circuit(topology, charts, jump, f);
     for (edge, rotation, negative) in circuit.entry {
         if edge == e {
             let change = circuit.burgers.rotated((6 - rotation) % 6);
-            jump[e] = if negative { jump[e] + change } else { jump[e] - change };
+            jump[e] = if negative {
+                jump[e] + change
+            } else {
+                jump[e] - change
+            };
         }
     }
 }
@@ -130,18 +150,26 @@ pub fn annihilate(
     jump: &mut PerEdge<Eisenstein>,
     max_length: f64,
 ) -> Annihilation {
-    let mut state = PerFace::from_fn(topology.n_faces(), |f| defect(&circuit(topology, charts, jump, f)));
+    let mut state = PerFace::from_fn(topology.n_faces(), |f| {
+        defect(&circuit(topology, charts, jump, f))
+    });
     let dislocations = state.iter().filter(|d| **d == Defect::Dislocation).count();
     let mut moved = 0;
     // Each move ends at least one dislocation or merges two, so this is only a guard.
     for _ in 0..4 * dislocations + 4 {
-        let Some(path) = shortest_path(topology, mesh, &state, max_length) else { break };
+        let Some(path) = shortest_path(topology, mesh, &state, max_length) else {
+            break;
+        };
         for &(f, e) in &path {
             push_across(topology, charts, jump, f, e);
         }
         for &(f, e) in &path {
             let h = topology.edge_half_edge(e);
-            let sides = [Some(topology.face(h)), topology.twin(h).map(|t| topology.face(t)), Some(f)];
+            let sides = [
+                Some(topology.face(h)),
+                topology.twin(h).map(|t| topology.face(t)),
+                Some(f),
+            ];
             for g in sides.into_iter().flatten() {
                 state[g] = defect(&circuit(topology, charts, jump, g));
             }
@@ -149,7 +177,11 @@ pub fn annihilate(
         moved += 1;
     }
     let kept = state.iter().filter(|d| **d == Defect::Dislocation).count();
-    Annihilation { dislocations, moved, kept }
+    Annihilation {
+        dislocations,
+        moved,
+        kept,
+    }
 }
 
 /// Total order for distances in a heap.
@@ -226,7 +258,13 @@ fn shortest_path(
         }
     }
     let (f, e, g) = best.1?;
-    Some(joined_path(&from, f, e, g, g.is_some_and(|g| !moves(source[f]) && moves(source[g]))))
+    Some(joined_path(
+        &from,
+        f,
+        e,
+        g,
+        g.is_some_and(|g| !moves(source[f]) && moves(source[g])),
+    ))
 }
 
 fn joined_path(
@@ -236,7 +274,11 @@ fn joined_path(
     g: Option<FaceId>,
     backwards: bool,
 ) -> Vec<(FaceId, EdgeId)> {
-    let (start, end) = if backwards { (g.expect("a far side"), Some(f)) } else { (f, g) };
+    let (start, end) = if backwards {
+        (g.expect("a far side"), Some(f))
+    } else {
+        (f, g)
+    };
     // From the moving dislocation to the meeting edge ...
     let mut path = Vec::new();
     let mut at = start;
@@ -271,10 +313,19 @@ pub fn solve_offsets(
     let mut rhs: Vec<Plane> = near.iter().zip(&own).map(|(z, a)| z * *a).collect();
     let mut entries = Vec::with_capacity(4 * topology.n_edges() + 2 * n);
     for e in topology.edges() {
-        let ([i, j], w, t) = (topology.edge_vertices(e).map(|v| v.index()), mesh.weight[e], charts.edge(e));
+        let ([i, j], w, t) = (
+            topology.edge_vertices(e).map(|v| v.index()),
+            mesh.weight[e],
+            charts.edge(e),
+        );
         own[i] += w;
         own[j] += w;
-        push_block(&mut entries, i as u32, j as u32, -rotate(Plane::new(w, 0.0), t.turn));
+        push_block(
+            &mut entries,
+            i as u32,
+            j as u32,
+            -rotate(Plane::new(w, 0.0), t.turn),
+        );
         let c = (t.offset - jump[e].to_plane()) * w;
         rhs[i] += c;
         rhs[j] -= rotate(c, (6 - t.turn) % 6);

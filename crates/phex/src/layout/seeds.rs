@@ -13,8 +13,30 @@ const MIN_BOUNDARY_AREA: f64 = 0.25;
 /// Clusters larger than this many cells are split.
 const SPLIT_AREA: f64 = 1.75;
 
-/// One seed vertex per panel, in the order of the vertices.
-pub fn seeds(topology: &Topology, mesh: &IntrinsicMesh, offsets: &Offsets) -> Vec<VertexId> {
+/// Vertices nearer to a lattice point than this start in its cell, at the distance that the lattice says.
+const CORE: f64 = 0.45;
+
+/// Where a cell begins to grow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seed {
+    /// The vertex nearest to the lattice point; it names the seed.
+    pub vertex: VertexId,
+    /// Vertices round it with their distances, so that a cell's middle need not be a vertex.
+    pub core: Vec<(VertexId, f64)>,
+}
+
+impl Seed {
+    /// A seed in a vertex.
+    pub fn at(vertex: VertexId) -> Self {
+        Self {
+            vertex,
+            core: vec![(vertex, 0.0)],
+        }
+    }
+}
+
+/// One seed per panel, in the order of their vertices.
+pub fn seeds(topology: &Topology, mesh: &IntrinsicMesh, offsets: &Offsets) -> Vec<Seed> {
     let label = clusters(topology, offsets);
     let count = label.iter().map(|l| *l as usize + 1).max().unwrap_or(0);
     let mut area = vec![0.0; count];
@@ -33,17 +55,43 @@ pub fn seeds(topology: &Topology, mesh: &IntrinsicMesh, offsets: &Offsets) -> Ve
     for c in 0..count {
         let share = area[c] / CELL;
         if share > MIN_AREA || (touches_boundary[c] && share > MIN_BOUNDARY_AREA) {
-            seeds.extend(centre[c]);
+            seeds.extend(centre[c].map(|vertex| Seed {
+                vertex,
+                core: Vec::new(),
+            }));
         }
     }
-    let large: Vec<usize> = (0..count).filter(|&c| area[c] > SPLIT_AREA * CELL).collect();
+    fill_cores(topology, offsets, &label, &mut seeds);
+    let large: Vec<usize> = (0..count)
+        .filter(|&c| area[c] > SPLIT_AREA * CELL)
+        .collect();
     for c in large {
         let extra = (area[c] / CELL).round() as usize - 1;
         split(topology, mesh, &label, c as u32, extra, &mut seeds);
     }
-    seeds.sort();
-    seeds.dedup();
+    seeds.sort_by_key(|s| s.vertex);
+    seeds.dedup_by_key(|s| s.vertex);
     seeds
+}
+
+/// Collects the vertices near each lattice point, connected to the seed: near a cone a cluster may see its point twice.
+fn fill_cores(topology: &Topology, offsets: &Offsets, label: &PerVertex<u32>, seeds: &mut [Seed]) {
+    let mut seen = PerVertex::filled(topology.n_vertices(), false);
+    for seed in seeds {
+        let reach = CORE.max(offsets.position[seed.vertex].norm() + 0.05);
+        let mut stack = vec![seed.vertex];
+        seen[seed.vertex] = true;
+        while let Some(v) = stack.pop() {
+            seed.core.push((v, offsets.position[v].norm()));
+            for w in topology.neighbours(v) {
+                let same = label[w] == label[seed.vertex];
+                if same && !seen[w] && offsets.position[w].norm() < reach {
+                    seen[w] = true;
+                    stack.push(w);
+                }
+            }
+        }
+    }
 }
 
 /// Number of the cluster of each vertex: connected by edges without jump.
@@ -61,7 +109,11 @@ fn clusters(topology: &Topology, offsets: &Offsets) -> PerVertex<u32> {
         while let Some(v) = stack.pop() {
             for h in topology.outgoing(v) {
                 for h in [h, topology.prev(h)] {
-                    let other = if topology.origin(h) == v { topology.target(h) } else { topology.origin(h) };
+                    let other = if topology.origin(h) == v {
+                        topology.target(h)
+                    } else {
+                        topology.origin(h)
+                    };
                     let joined = offsets.jump[topology.edge(h)] == super::lattice::Eisenstein::ZERO;
                     if joined && label[other] == NONE {
                         label[other] = count;
@@ -82,10 +134,14 @@ fn split(
     label: &PerVertex<u32>,
     cluster: u32,
     extra: usize,
-    seeds: &mut Vec<VertexId>,
+    seeds: &mut Vec<Seed>,
 ) {
     for _ in 0..extra {
-        let own: Vec<VertexId> = seeds.iter().copied().filter(|&s| label[s] == cluster).collect();
+        let own: Vec<Seed> = seeds
+            .iter()
+            .filter(|s| label[s.vertex] == cluster)
+            .cloned()
+            .collect();
         if own.is_empty() {
             return;
         }
@@ -97,9 +153,8 @@ fn split(
             .filter(|(_, d)| d.is_finite())
             .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
         match farthest {
-            Some((v, d)) if d > 0.0 => seeds.push(v),
+            Some((v, d)) if d > 0.0 => seeds.push(Seed::at(v)),
             _ => return,
         }
     }
-    debug_assert!(seeds.iter().all(|s| s.index() < topology.n_vertices()));
 }

@@ -4,6 +4,7 @@
 //! comes from unfolding the seed into the triangle's plane (the virtual source of Novotni and Klein, 2002), which makes
 //! cells as straight as the triangulation allows.
 
+use super::seeds::Seed;
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology, VertexId};
 use std::cmp::{Ordering, Reverse};
@@ -37,7 +38,9 @@ impl PartialOrd for Front {
 impl Ord for Front {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_distance = self.distance.total_cmp(&other.distance);
-        by_distance.then(self.label.cmp(&other.label)).then(self.vertex.cmp(&other.vertex))
+        by_distance
+            .then(self.label.cmp(&other.label))
+            .then(self.vertex.cmp(&other.vertex))
     }
 }
 
@@ -45,17 +48,28 @@ impl Ord for Front {
 pub fn grow(
     topology: &Topology,
     mesh: &IntrinsicMesh,
-    seeds: &[VertexId],
+    seeds: &[Seed],
     allowed: impl Fn(VertexId) -> bool,
 ) -> Cells {
     let n = topology.n_vertices();
-    let mut cells = Cells { label: PerVertex::filled(n, UNREACHED), distance: PerVertex::filled(n, f64::INFINITY) };
+    let mut cells = Cells {
+        label: PerVertex::filled(n, UNREACHED),
+        distance: PerVertex::filled(n, f64::INFINITY),
+    };
     let mut settled = PerVertex::filled(n, false);
     let mut heap = BinaryHeap::new();
-    for (label, &vertex) in seeds.iter().enumerate() {
-        cells.distance[vertex] = 0.0;
-        cells.label[vertex] = label as u32;
-        heap.push(Reverse(Front { distance: 0.0, label: label as u32, vertex }));
+    for (label, seed) in seeds.iter().enumerate() {
+        for &(vertex, distance) in &seed.core {
+            if distance < cells.distance[vertex] {
+                cells.distance[vertex] = distance;
+                cells.label[vertex] = label as u32;
+                heap.push(Reverse(Front {
+                    distance,
+                    label: label as u32,
+                    vertex,
+                }));
+            }
+        }
     }
     while let Some(Reverse(front)) = heap.pop() {
         let v = front.vertex;
@@ -74,7 +88,11 @@ pub fn grow(
                 if (distance, front.label) < (cells.distance[to], cells.label[to]) {
                     cells.distance[to] = distance;
                     cells.label[to] = front.label;
-                    heap.push(Reverse(Front { distance, label: front.label, vertex: to }));
+                    heap.push(Reverse(Front {
+                        distance,
+                        label: front.label,
+                        vertex: to,
+                    }));
                 }
             }
         }
@@ -95,12 +113,22 @@ fn reach(
 ) -> f64 {
     let side = |h| mesh.length[topology.edge(h)];
     let (to_a, between, to_b) = (side(h), side(topology.next(h)), side(topology.prev(h)));
-    let (v_to, v_third) = if to == topology.target(h) { (to_a, to_b) } else { (to_b, to_a) };
+    let (v_to, v_third) = if to == topology.target(h) {
+        (to_a, to_b)
+    } else {
+        (to_b, to_a)
+    };
     let along_edge = cells.distance[v] + v_to;
     if !settled[third] || cells.label[third] != cells.label[v] {
         return along_edge;
     }
-    let unfolded = unfold(v_third, v_to, between, cells.distance[v], cells.distance[third]);
+    let unfolded = unfold(
+        v_third,
+        v_to,
+        between,
+        cells.distance[v],
+        cells.distance[third],
+    );
     unfolded.map_or(along_edge, |d| d.min(along_edge))
 }
 

@@ -7,17 +7,22 @@
 
 use super::lattice::{Charts, Plane, dot, reciprocal};
 use crate::directions::intrinsic::IntrinsicMesh;
-use phex_mesh::{EdgeId, PerVertex, Topology};
-use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use phex_mesh::{PerVertex, Topology};
+use phex_numeric::{ConjugateGradientOptions, conjugate_gradients};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Diffusion times in squared lattice spacings, and steps at each.
-const SCHEDULE: [(f64, usize); 4] = [(1.5, 12), (0.5, 8), (0.15, 6), (0.05, 4)];
+const SCHEDULE: [(f64, usize); 4] = [(1.5, 15), (0.5, 12), (0.15, 10), (0.05, 8)];
 /// Positions tried in each direction of the lattice cell when a phase is projected.
 const GRID: usize = 6;
+/// A step starts from the last one and is projected anyway, so it needs no accuracy.
+const DIFFUSION: ConjugateGradientOptions = ConjugateGradientOptions {
+    tolerance: 1e-2,
+    max_iterations: 60,
+};
 
 /// Lattice offset of each vertex (position of a lattice point in the vertex's chart).
 pub fn diffuse(
@@ -25,78 +30,147 @@ pub fn diffuse(
     mesh: &IntrinsicMesh,
     charts: &Charts,
     seed: u64,
-) -> Result<PerVertex<Plane>, NumericError> {
+) -> PerVertex<Plane> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let n = topology.n_vertices();
-    let mut position: Vec<Plane> =
-        (0..n).map(|_| Plane::new(random.random_range(-0.5..0.5), random.random_range(-0.5..0.5))).collect();
+    let mut cell = || random.random_range(-0.5..0.5);
+    let mut position: Vec<Plane> = topology
+        .vertices()
+        .map(|_| Plane::new(cell(), cell()))
+        .collect();
     let projector = Projector::new();
-    let mut factor: Option<Cholesky> = None;
+    let operator = WaveOperator::new(topology, mesh, charts);
     for (time, steps) in SCHEDULE {
-        let matrix = wave_matrix(topology, mesh, charts, time)?;
-        match &mut factor {
-            Some(f) => f.refactor(&matrix)?,
-            None => {
-                let mut fresh = Cholesky::analyse(matrix.pattern(), 6)?;
-                fresh.refactor(&matrix)?;
-                factor = Some(fresh);
-            }
-        }
-        let factor = factor.as_ref().expect("factorised above");
+        let diagonal = operator.diagonal(time);
         for _ in 0..steps {
             let mut x: Vec<f64> = position
-                .iter()
-                .zip(&mesh.mass)
-                .flat_map(|(z, m)| waves(*z).map(|a| a * *m))
-                .flat_map(|a| [a.re, a.im])
+                .par_iter()
+                .flat_map_iter(|z| interleaved(waves(*z)))
                 .collect();
-            factor.solve(&mut x);
-            position = x.par_chunks_exact(6).map(|a| projector.project(a)).collect();
+            let rhs: Vec<f64> = x
+                .iter()
+                .enumerate()
+                .map(|(i, a)| a * operator.mass[i / 6])
+                .collect();
+            conjugate_gradients(
+                |a, y| operator.apply(time, a, y),
+                &diagonal,
+                &rhs,
+                &mut x,
+                &DIFFUSION,
+            );
+            position = x
+                .par_chunks_exact(6)
+                .map(|a| projector.project(a))
+                .collect();
         }
     }
-    Ok(PerVertex::from_vec(position))
+    PerVertex::from_vec(position)
+}
+
+fn interleaved(a: [Plane; 3]) -> [f64; 6] {
+    [a[0].re, a[0].im, a[1].re, a[1].im, a[2].re, a[2].im]
 }
 
 fn waves(z: Plane) -> [Plane; 3] {
     [0, 1, 2].map(|m| Plane::from_polar(1.0, TAU * dot(reciprocal(m), z)))
 }
 
-/// `mass + time * (connection Laplacian of the waves)`, three complex unknowns per vertex in real form.
-fn wave_matrix(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-    time: f64,
-) -> Result<SymmetricMatrix, NumericError> {
-    let mut own: Vec<f64> = mesh.mass.as_slice().to_vec();
-    for e in topology.edges() {
-        for v in topology.edge_vertices(e) {
-            own[v.index()] += time * mesh.weight[e];
-        }
-    }
-    let diagonal = own.into_iter().enumerate().flat_map(|(v, d)| (0..6).map(move |k| (6 * v as u32 + k, d)));
-    let diagonal = diagonal.map(|(i, d)| (i, i, d));
-    let coupling = topology.edges().flat_map(|e| edge_entries(topology, mesh, charts, time, e));
-    SymmetricMatrix::from_triplets(6 * topology.n_vertices(), diagonal.chain(coupling))
+/// How one wave of a vertex is seen from a neighbour: its number there, whether conjugated, and the phase times the weight.
+#[derive(Clone, Copy)]
+struct Link {
+    source: u8,
+    conjugate: bool,
+    phase: Plane,
 }
 
-fn edge_entries(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-    time: f64,
-    e: EdgeId,
-) -> impl Iterator<Item = (u32, u32, f64)> + use<> {
-    let [i, j] = topology.edge_vertices(e).map(|v| 6 * v.index() as u32);
-    let (transition, weight) = (charts.edge(e), time * mesh.weight[e]);
-    (0..3usize).flat_map(move |m| {
-        // Wave m of the origin is wave (m - turn) of the target, times the phase of the offset.
+/// `mass + time * (connection Laplacian of the waves)`, three complex unknowns per vertex.
+struct WaveOperator<'a> {
+    mass: &'a [f64],
+    /// Sum of the weights of the edges at each vertex.
+    degree: Vec<f64>,
+    /// Neighbours of each vertex with the links of their three waves, vertex after vertex.
+    start: Vec<u32>,
+    links: Vec<(u32, [Link; 3])>,
+}
+
+impl<'a> WaveOperator<'a> {
+    fn new(topology: &Topology, mesh: &'a IntrinsicMesh, charts: &Charts) -> Self {
+        let (mut degree, mut start, mut links) = (Vec::new(), vec![0], Vec::new());
+        for v in topology.vertices() {
+            let mut total = 0.0;
+            for h in topology.outgoing(v) {
+                let weight = mesh.weight[topology.edge(h)];
+                total += weight;
+                links.push((
+                    topology.target(h).index() as u32,
+                    link(charts.half_edge(topology, h), weight),
+                ));
+                let before = topology.prev(h);
+                if topology.twin(before).is_none() {
+                    let weight = mesh.weight[topology.edge(before)];
+                    total += weight;
+                    let transition = charts.half_edge(topology, before).inverse();
+                    links.push((
+                        topology.origin(before).index() as u32,
+                        link(transition, weight),
+                    ));
+                }
+            }
+            degree.push(total);
+            start.push(links.len() as u32);
+        }
+        Self {
+            mass: mesh.mass.as_slice(),
+            degree,
+            start,
+            links,
+        }
+    }
+
+    fn diagonal(&self, time: f64) -> Vec<f64> {
+        let own = self
+            .mass
+            .iter()
+            .zip(&self.degree)
+            .map(|(m, d)| m + time * d);
+        own.flat_map(|d| [d; 6]).collect()
+    }
+
+    fn apply(&self, time: f64, a: &[f64], y: &mut [f64]) {
+        y.par_chunks_exact_mut(6)
+            .with_min_len(512)
+            .enumerate()
+            .for_each(|(v, y)| {
+                let own = self.mass[v] + time * self.degree[v];
+                for k in 0..6 {
+                    y[k] = own * a[6 * v + k];
+                }
+                for (w, links) in &self.links[self.start[v] as usize..self.start[v + 1] as usize] {
+                    for (m, link) in links.iter().enumerate() {
+                        let at = 6 * *w as usize + 2 * link.source as usize;
+                        let im = if link.conjugate {
+                            -a[at + 1]
+                        } else {
+                            a[at + 1]
+                        };
+                        y[2 * m] -= time * (link.phase.re * a[at] - link.phase.im * im);
+                        y[2 * m + 1] -= time * (link.phase.re * im + link.phase.im * a[at]);
+                    }
+                }
+            });
+    }
+}
+
+/// Wave `m` here is wave `m - turn` of the neighbour times the phase of its offset.
+fn link(transition: super::lattice::Transition, weight: f64) -> [Link; 3] {
+    [0, 1, 2].map(|m| {
         let source = (m + 6 - transition.turn as usize) % 6;
-        let sign = if source < 3 { 1.0 } else { -1.0 };
-        let phase = Plane::from_polar(-weight, TAU * dot(reciprocal(m), transition.offset));
-        let (r, c) = (i + 2 * m as u32, j + 2 * (source % 3) as u32);
-        let block = [(0, 0, phase.re), (0, 1, -phase.im * sign), (1, 0, phase.im), (1, 1, phase.re * sign)];
-        block.into_iter().map(move |(p, q, v)| ((r + p).max(c + q), (r + p).min(c + q), v))
+        let phase = Plane::from_polar(weight, TAU * dot(reciprocal(m), transition.offset));
+        Link {
+            source: (source % 3) as u8,
+            conjugate: source >= 3,
+            phase,
+        }
     })
 }
 
@@ -111,13 +185,20 @@ impl Projector {
         let w = Plane::from_polar(1.0, TAU / 6.0);
         let at = |i: usize| i as f64 / GRID as f64;
         let grid = (0..GRID).flat_map(|i| (0..GRID).map(move |k| (i, k)));
-        let trial = grid.map(|(i, k)| w * at(k) + at(i)).map(|z| (z, waves(z))).collect();
-        Self { trial, reciprocal: [0, 1, 2].map(reciprocal) }
+        let trial = grid
+            .map(|(i, k)| w * at(k) + at(i))
+            .map(|z| (z, waves(z)))
+            .collect();
+        Self {
+            trial,
+            reciprocal: [0, 1, 2].map(reciprocal),
+        }
     }
 
     fn project(&self, values: &[f64]) -> Plane {
         let value = [0, 1, 2].map(|m| Plane::new(values[2 * m], values[2 * m + 1]));
-        let score = |w: &[Plane; 3]| -> f64 { w.iter().zip(&value).map(|(a, b)| dot(*a, *b)).sum() };
+        let score =
+            |w: &[Plane; 3]| -> f64 { w.iter().zip(&value).map(|(a, b)| dot(*a, *b)).sum() };
         let mut best = (f64::NEG_INFINITY, Plane::new(0.0, 0.0));
         for (z, w) in &self.trial {
             let s = score(w);

@@ -1,6 +1,71 @@
 //! Optimise: planar, simple panels close to the surface.
+//!
+//! The unknowns are the vertices alone; the plane of a face is the best one (total least squares) of its corners.
+//! Minimised is
+//!
+//! ```text
+//! E = w_p/2 sum h^2                      planarity, a penalty that rises: 1, 30, 1e3, 1e4
+//!   + w_c/2 sum |x - p(x)|^2             closeness of vertices, w_cf of face centres, w_bd of the rim to the boundary curve
+//!   + w_s/2 sum |x_a + x_(a+m) - M|^2    fairness: central symmetry of each panel
+//!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
+//!   + w_t/2 sum |x - x_0|^2              anchor
+//! ```
+//!
+//! by damped Gauss-Newton steps that end before the first collision within a face and never leave the region where every
+//! panel is simple. A projection of minimum norm onto the exact constraints `Q^T h = 0`, guarded in the same way, then
+//! takes planarity to the floor of rounding.
+//!
+//! | symbol | here | meaning |
+//! |---|---|---|
+//! | `h_i`, `n` | `panels::Corner::height`, `FacePlane::normal` | height over, normal of the best plane of a face |
+//! | `P`, `Q` | `planarity::projector`, `planarity::ConstraintBases` | projector onto the complement of `[1 xi eta]`, its basis |
+//! | `z = d / d_hat`, `w_b`, `tau` | `barrier`, [`OptimiseOptions::barrier`], [`OptimiseOptions::barrier_reach`] | distance over reach, weight, reach over the root of the area |
+//! | `w_p` | [`OptimiseOptions::penalties`] | weight of planarity |
+//! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
+//! | `w_s`, `w_t` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`] | fairness, anchor |
+//!
+//! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3, with the plane eliminated; the
+//! feasible path and its barrier after Li et al., "Incremental potential contact" (2020), within each face's plane.
+//! Differences: no auxiliary planes or tetrahedra; central symmetry instead of neighbour averaging; exact projection at the
+//! end; face centres count; the damping follows the collision step (`phex_numeric::damped`).
+//!
+//! *Guaranteed*: with a start whose panels are all simple, every iterate, and so also a cancelled run, has simple panels; the
+//! same holds of panels on their side of the surface, fans that go round once and edges that do not fold, each where the start
+//! has it. The same input gives the same bytes for any number of threads.
+//!
+//! *Fails*: where the layout gives no simple start, and in wrong local basins (a panel squeezed between its neighbours). Nothing is
+//! then claimed: [`Optimised::offenders`] names the panels, and the repair loop may drop their seeds.
 
-use phex_mesh::Vec3;
+mod barrier;
+mod closeness;
+mod energy;
+mod fairness;
+mod guard;
+mod inspect;
+mod options;
+mod panels;
+mod planarity;
+mod run;
+mod simple;
+mod start;
+mod surface_target;
+
+#[cfg(test)]
+mod tests;
+
+use crate::layout::{Layout, VertexKind};
+use crate::progress::Progress;
+use closeness::Reference;
+use guard::Guard;
+use panels::{Panels, Shape, points, unknowns};
+use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3};
+use phex_numeric::{Outcome, Status};
+use run::{Run, Solvers};
+use serde::Serialize;
+
+pub use inspect::{Fault, Offender, Quality};
+pub use options::{OptimiseError, OptimiseOptions, StartKind, Starts};
+pub use surface_target::SurfaceTarget;
 
 /// Foot point on a target surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,4 +91,244 @@ pub trait Target: Sync {
     fn closest_points(&self, points: &[Vec3]) -> Vec<TargetPoint>;
     /// Closest points on the boundary curves, or `None` for a closed surface.
     fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>>;
+}
+
+/// How the run from one start went.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunSummary {
+    /// The start.
+    pub start: StartKind,
+    /// Panels of the start that were not simple or not on their side.
+    pub start_faults: usize,
+    /// How it ended.
+    pub status: Status,
+    /// Iterations, projection included.
+    pub iterations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Number of offenders.
+    pub offenders: usize,
+    /// Figures of the result.
+    pub quality: Quality,
+    /// What the runs are compared by; smaller is better.
+    pub score: f64,
+}
+
+/// What the optimiser made.
+#[derive(Clone, Debug)]
+pub struct Optimised {
+    /// The mesh; panels that are not as they should be are listed in [`offenders`](Self::offenders).
+    pub mesh: HexMesh,
+    /// How the run that won ended. `Converged` means planar to the tolerance; offenders may remain.
+    pub outcome: Outcome,
+    /// The start that won.
+    pub start: StartKind,
+    /// All runs, in the order in which they were made.
+    pub runs: Vec<RunSummary>,
+    /// Panels that are not as they should be, in the order of the faces; a panel may stand here more than once.
+    pub offenders: Vec<Offender>,
+    /// Figures of the mesh.
+    pub quality: Quality,
+}
+
+impl Optimised {
+    /// Whether the mesh is planar and nothing is wrong with any panel.
+    pub fn is_sound(&self) -> bool {
+        self.offenders.is_empty()
+    }
+}
+
+/// Makes the panels of a layout planar, simple and close to `target`.
+///
+/// # Errors
+/// If the layout or an option can't be used; what can't be *reached* is told by [`Optimised`].
+pub fn optimise(
+    layout: &Layout,
+    target: &dyn Target,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, OptimiseError> {
+    options.check()?;
+    check_mesh(&layout.mesh)?;
+    check_layout(layout)?;
+    let reference = Reference::Surface(target);
+    let side = Some(layout.face_normal.as_slice().to_vec());
+    let stage = Stage::new(&layout.mesh, reference, side, &layout.vertex_kind, options);
+    let cancelled = || progress.is_cancelled();
+    let (panels, guard) = (&stage.panels, &stage.guard);
+    let cells = start::smoothed_cells(layout, target, panels, guard, options.smoothing, cancelled);
+    let mut solvers = Solvers::new(panels)?;
+    let mut runs = Vec::new();
+    if options.starts != Starts::Circumcentres {
+        let run = stage.run(
+            &mut solvers,
+            StartKind::SmoothedCells,
+            &cells,
+            options,
+            progress,
+        );
+        runs.push(run);
+    }
+    if wants_second(options, &runs, stage.diagonal) {
+        let mean_edge = panels.mean_edge(&cells.x);
+        let centres = start::circumcentres(layout, panels, guard, &cells, mean_edge);
+        let run = stage.run(
+            &mut solvers,
+            StartKind::Circumcentres,
+            &centres,
+            options,
+            progress,
+        );
+        runs.push(run);
+    }
+    Ok(better(&layout.mesh, runs))
+}
+
+/// Makes the faces of any polygon mesh planar and simple, close to `target` or, without one, to where they are.
+///
+/// A mesh that is planar and sound is returned unchanged; one that is nearly planar is only projected.
+///
+/// # Errors
+/// If the mesh or an option can't be used.
+pub fn planarize(
+    mesh: &HexMesh,
+    target: Option<&dyn Target>,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, OptimiseError> {
+    options.check()?;
+    check_mesh(mesh)?;
+    let x = unknowns(mesh);
+    let panels = Panels::new(mesh.topology());
+    let reference = target.map_or_else(|| Reference::start(&panels, &x), Reference::Surface);
+    let shape = Shape::at(&panels, &x);
+    let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
+    let kinds = kinds_of(mesh);
+    let stage = Stage::new(mesh, reference, side, &kinds, options);
+    let mut solvers = Solvers::new(&panels)?;
+    let run = stage.run_as_given(&mut solvers, &x, options, progress);
+    Ok(better(mesh, vec![run]))
+}
+
+/// What all runs on one mesh share.
+struct Stage<'a> {
+    panels: Panels,
+    guard: Guard,
+    reference: Reference<'a>,
+    rim: Vec<u32>,
+    fixed: Vec<bool>,
+    diagonal: f64,
+}
+
+impl<'a> Stage<'a> {
+    fn new(
+        mesh: &HexMesh,
+        reference: Reference<'a>,
+        side: Option<Vec<Vec3>>,
+        kinds: &PerVertex<VertexKind>,
+        options: &OptimiseOptions,
+    ) -> Self {
+        let rim = kinds
+            .enumerate()
+            .filter(|(_, k)| **k == VertexKind::Boundary);
+        Self {
+            panels: Panels::new(mesh.topology()),
+            guard: Guard::new(mesh.topology(), side, options.least_side),
+            reference,
+            rim: rim.map(|(v, _)| v.index() as u32).collect(),
+            fixed: kinds
+                .iter()
+                .map(|k| *k == VertexKind::BoundaryCorner)
+                .collect(),
+            diagonal: diagonal(mesh),
+        }
+    }
+}
+
+/// Kinds of vertices as far as the mesh alone tells.
+fn kinds_of(mesh: &HexMesh) -> PerVertex<VertexKind> {
+    let topology = mesh.topology();
+    PerVertex::from_fn(topology.n_vertices(), |v| {
+        if topology.is_boundary_vertex(v) {
+            VertexKind::Boundary
+        } else {
+            VertexKind::Interior
+        }
+    })
+}
+
+fn wants_second(options: &OptimiseOptions, runs: &[Run], diagonal: f64) -> bool {
+    match options.starts {
+        Starts::SmoothedCells => false,
+        Starts::Circumcentres => true,
+        Starts::Both => !runs.iter().any(Run::is_cancelled),
+        Starts::Auto => !runs
+            .iter()
+            .any(|r| r.is_cancelled() || r.is_good(options, diagonal)),
+    }
+}
+
+fn better(mesh: &HexMesh, runs: Vec<Run>) -> Optimised {
+    let summaries = runs.iter().map(|r| r.summary.clone()).collect();
+    let smaller = |a: Run, b: Run| {
+        if b.summary.score < a.summary.score {
+            b
+        } else {
+            a
+        }
+    };
+    let best = runs.into_iter().reduce(smaller).expect("at least one run");
+    Optimised {
+        mesh: mesh.with_positions(PerVertex::from_vec(points(&best.x))),
+        outcome: best.outcome,
+        start: best.summary.start,
+        runs: summaries,
+        offenders: best.offenders,
+        quality: best.summary.quality,
+    }
+}
+
+fn diagonal(mesh: &HexMesh) -> f64 {
+    let first = mesh.positions.as_slice()[0];
+    let bounds = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lo.inf(p), hi.sup(p));
+    let (low, high) = mesh.positions.iter().fold((first, first), bounds);
+    (high - low).norm()
+}
+
+fn check_mesh(mesh: &HexMesh) -> Result<(), OptimiseError> {
+    let broken = |p: &&Vec3| !p.iter().all(|c| c.is_finite());
+    if let Some((vertex, _)) = mesh.positions.enumerate().find(|(_, p)| broken(p)) {
+        return Err(OptimiseError::NotFinite { vertex });
+    }
+    if diagonal(mesh) > 0.0 {
+        Ok(())
+    } else {
+        Err(OptimiseError::NoExtent)
+    }
+}
+
+fn check_layout(layout: &Layout) -> Result<(), OptimiseError> {
+    let topology = layout.mesh.topology();
+    let (v, f) = (topology.n_vertices(), topology.n_faces());
+    let counts = [
+        ("vertex kinds", layout.vertex_kind.len(), v),
+        ("face points", layout.face_point.len(), f),
+        ("face normals", layout.face_normal.len(), f),
+        ("face lengths", layout.face_length.len(), f),
+    ];
+    for (what, found, expected) in counts {
+        if found != expected {
+            return Err(OptimiseError::WrongCount {
+                what,
+                found,
+                expected,
+            });
+        }
+    }
+    let unit = |n: &Vec3| (n.norm() - 1.0).abs() < 1e-6;
+    let normals: &PerFace<Vec3> = &layout.face_normal;
+    match normals.enumerate().find(|(_, n)| !unit(n)) {
+        Some((face, _)) => Err(OptimiseError::BadNormal { face }),
+        None => Ok(()),
+    }
 }

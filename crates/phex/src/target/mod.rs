@@ -35,7 +35,11 @@ pub struct TargetOptions {
 
 impl Default for TargetOptions {
     fn default() -> Self {
-        Self { corrections: 6, damping: 0.9, corner_angle: 40.0 }
+        Self {
+            corrections: 6,
+            damping: 0.9,
+            corner_angle: 40.0,
+        }
     }
 }
 
@@ -52,7 +56,10 @@ impl Similarity {
     /// The similarity that gives a surface diagonal 1 and its box centre at the origin.
     pub fn normalising(surface: &TriangleSurface) -> Self {
         let (low, high) = surface.bounding_box();
-        Self { centre: (low + high) * 0.5, scale: (high - low).norm() }
+        Self {
+            centre: (low + high) * 0.5,
+            scale: (high - low).norm(),
+        }
     }
     /// Model to normalised coordinates.
     pub fn normalise(&self, p: Vec3) -> Vec3 {
@@ -80,12 +87,18 @@ pub struct SmoothTarget {
 impl SmoothTarget {
     /// The finest surface.
     pub fn finest(&self) -> &TriangleSurface {
-        self.levels.last().expect("there is a level for the input itself")
+        self.levels
+            .last()
+            .expect("there is a level for the input itself")
     }
 }
 
 /// Refines a normalised surface until it has at least `min_vertices` vertices.
-pub fn smooth_target(surface: &TriangleSurface, min_vertices: usize, options: &TargetOptions) -> SmoothTarget {
+pub fn smooth_target(
+    surface: &TriangleSurface,
+    min_vertices: usize,
+    options: &TargetOptions,
+) -> SmoothTarget {
     let corners = boundary_corners(surface, options.corner_angle.to_radians());
     let mut refinements = Vec::new();
     let mut topology = surface.topology().clone();
@@ -94,12 +107,15 @@ pub fn smooth_target(surface: &TriangleSurface, min_vertices: usize, options: &T
         refinements.push(refinement);
         topology = finer;
     }
-    let (control, interpolation_error) = interpolating_control(surface.positions(), &refinements, options);
+    let (control, interpolation_error) =
+        interpolating_control(surface.positions(), &refinements, options);
     let mut positions = control;
     let mut levels = Vec::new();
     let mut faces = triangles(surface);
     for (i, refinement) in refinements.iter().enumerate() {
-        let finest: PerVertex<Vec3> = refinements[i..].iter().fold(positions.clone(), |p, r| r.apply(&p));
+        let finest: PerVertex<Vec3> = refinements[i..]
+            .iter()
+            .fold(positions.clone(), |p, r| r.apply(&p));
         // A coarse level holds the points of the final surface, not its control points.
         let on_surface = finest.as_slice()[..positions.len()].to_vec();
         levels.push(rebuilt(on_surface, &faces));
@@ -111,7 +127,12 @@ pub fn smooth_target(surface: &TriangleSurface, min_vertices: usize, options: &T
     } else {
         levels.push(rebuilt(positions.into_vec(), &faces));
     }
-    SmoothTarget { levels, refinements, corners, interpolation_error }
+    SmoothTarget {
+        levels,
+        refinements,
+        corners,
+        interpolation_error,
+    }
 }
 
 fn rebuilt(positions: Vec<Vec3>, faces: &[[u32; 3]]) -> TriangleSurface {
@@ -120,7 +141,9 @@ fn rebuilt(positions: Vec<Vec3>, faces: &[[u32; 3]]) -> TriangleSurface {
 
 fn triangles(surface: &TriangleSurface) -> Vec<[u32; 3]> {
     let t = surface.topology();
-    t.faces().map(|f| std::array::from_fn(|k| t.face_vertices(f)[k].index() as u32)).collect()
+    t.faces()
+        .map(|f| std::array::from_fn(|k| t.face_vertices(f)[k].index() as u32))
+        .collect()
 }
 
 fn interpolating_control(
@@ -130,7 +153,11 @@ fn interpolating_control(
 ) -> (PerVertex<Vec3>, f64) {
     let error_of = |control: &PerVertex<Vec3>| -> Vec<Vec3> {
         let refined = refinements.iter().fold(control.clone(), |p, r| r.apply(&p));
-        input.iter().zip(refined.iter()).map(|(v, x)| v - x).collect()
+        input
+            .iter()
+            .zip(refined.iter())
+            .map(|(v, x)| v - x)
+            .collect()
     };
     let largest = |errors: &[Vec3]| errors.iter().map(|e| e.norm()).fold(0.0, f64::max);
     let mut control = input.clone();

@@ -17,11 +17,20 @@ pub struct Refinement {
 impl Refinement {
     /// The Loop step of a triangle mesh; vertices in `corners` do not move. Returns the refined connectivity too.
     pub fn of(topology: &Topology, corners: &[VertexId]) -> (Self, Topology) {
-        let mut step = Self { faces: split_faces(topology), start: vec![0], source: Vec::new(), weight: Vec::new() };
+        let mut step = Self {
+            faces: split_faces(topology),
+            start: vec![0],
+            source: Vec::new(),
+            weight: Vec::new(),
+        };
         let mut fixed = PerVertex::filled(topology.n_vertices(), false);
         corners.iter().for_each(|&v| fixed[v] = true);
         for v in topology.vertices() {
-            step.push(&if fixed[v] { vec![(v, 1.0)] } else { vertex_stencil(topology, v) });
+            step.push(&if fixed[v] {
+                vec![(v, 1.0)]
+            } else {
+                vertex_stencil(topology, v)
+            });
         }
         for e in topology.edges() {
             step.push(&edge_stencil(topology, e));
@@ -58,8 +67,15 @@ fn split_faces(topology: &Topology) -> Vec<[u32; 3]> {
     let n = topology.n_vertices() as u32;
     let mut faces = Vec::with_capacity(4 * topology.n_faces());
     for f in topology.faces() {
-        let corner: Vec<u32> = topology.face_vertices(f).iter().map(|v| v.index() as u32).collect();
-        let middle: Vec<u32> = topology.face_half_edges(f).map(|h| n + topology.edge(h).index() as u32).collect();
+        let corner: Vec<u32> = topology
+            .face_vertices(f)
+            .iter()
+            .map(|v| v.index() as u32)
+            .collect();
+        let middle: Vec<u32> = topology
+            .face_half_edges(f)
+            .map(|h| n + topology.edge(h).index() as u32)
+            .collect();
         for k in 0..3 {
             faces.push([corner[k], middle[k], middle[(k + 2) % 3]]);
         }
@@ -86,7 +102,12 @@ fn edge_stencil(topology: &Topology, e: phex_mesh::EdgeId) -> Vec<(VertexId, f64
     let opposite = |h| topology.origin(topology.prev(h));
     match topology.twin(h) {
         None => vec![(a, 0.5), (b, 0.5)],
-        Some(t) => vec![(a, 0.375), (b, 0.375), (opposite(h), 0.125), (opposite(t), 0.125)],
+        Some(t) => vec![
+            (a, 0.375),
+            (b, 0.375),
+            (opposite(h), 0.125),
+            (opposite(t), 0.125),
+        ],
     }
 }
 
@@ -101,12 +122,19 @@ mod tests {
         let topology = Topology::from_faces(6, &faces).unwrap();
         let points = PerVertex::from_fn(6, |v: VertexId| {
             let t = v.index() as f64;
-            let (x, y) = if t == 0.0 { (0.0, 0.0) } else { ((1.3 * t).cos(), (1.3 * t).sin()) };
+            let (x, y) = if t == 0.0 {
+                (0.0, 0.0)
+            } else {
+                ((1.3 * t).cos(), (1.3 * t).sin())
+            };
             Vec3::new(x, y, 1.0 + 2.0 * x - 3.0 * y)
         });
         let (step, refined) = Refinement::of(&topology, &[VertexId::new(2)]);
         let fine = step.apply(&points);
-        assert_eq!(refined.euler_characteristic(), topology.euler_characteristic());
+        assert_eq!(
+            refined.euler_characteristic(),
+            topology.euler_characteristic()
+        );
         assert_eq!(fine.len(), topology.n_vertices() + topology.n_edges());
         assert_eq!(fine[VertexId::new(2)], points[VertexId::new(2)]);
         for p in &fine {

@@ -3,7 +3,7 @@
 //! | region of the domain | lattice | file |
 //! |---|---|---|
 //! | rectangle, also periodic | rows of equilateral triangles, spaced by the mean length of the parameter lines | `strip` |
-//! | superellipse | a hexagonal piece of the equilateral lattice, spread by a harmonic map | `disc` |
+//! | superellipse | concentric rings of 6, 12, 18, ... vertices | `disc` |
 //! | pole to pole | a subdivided icosahedron, projected along rays | `icosphere` |
 //!
 //! Jitter moves interior vertices in the plane (or sphere) of the lattice before it is mapped to the surface. With altitudes of

@@ -1,0 +1,81 @@
+//! The boundary of a triangle surface as curves, with closest points.
+
+use crate::Vec3;
+use crate::surface::TriangleSurface;
+use parry3d_f64::query::PointQueryWithLocation;
+use parry3d_f64::shape::Polyline;
+
+/// All boundary loops of a surface.
+#[derive(Clone)]
+pub struct BoundaryCurve {
+    ends: Vec<[Vec3; 2]>,
+    hierarchy: Polyline,
+}
+
+/// A point on a [`BoundaryCurve`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundaryPoint {
+    /// The point.
+    pub position: Vec3,
+    /// Unit tangent of the segment; the surface lies to its left.
+    pub tangent: Vec3,
+}
+
+impl BoundaryCurve {
+    /// The boundary of `surface`, or `None` where it is closed.
+    pub fn of(surface: &TriangleSurface) -> Option<Self> {
+        let (mut ends, mut points, mut segments) = (Vec::new(), Vec::new(), Vec::new());
+        for boundary in surface.topology().boundary_loops() {
+            let first = points.len() as u32;
+            let n = boundary.len() as u32;
+            for (i, &v) in boundary.iter().enumerate() {
+                let (p, q) = (
+                    surface.positions()[v],
+                    surface.positions()[boundary[(i + 1) % boundary.len()]],
+                );
+                points.push(parry3d_f64::math::Vector::new(p.x, p.y, p.z));
+                segments.push([first + i as u32, first + (i as u32 + 1) % n]);
+                ends.push([p, q]);
+            }
+        }
+        (!ends.is_empty()).then(|| Self {
+            ends,
+            hierarchy: Polyline::new(points, Some(segments)),
+        })
+    }
+
+    /// The point of the boundary that is closest to `p`.
+    pub fn closest_point(&self, p: Vec3) -> BoundaryPoint {
+        let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
+        let (_, (segment, location)) = self
+            .hierarchy
+            .project_local_point_and_get_location(query, false);
+        let [a, b] = self.ends[segment as usize];
+        let [u, v] = location.barycentric_coordinates();
+        let tangent = (b - a).try_normalize(0.0).unwrap_or_else(Vec3::x);
+        BoundaryPoint {
+            position: a * u + b * v,
+            tangent,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_side_of_a_square_and_none_of_a_tetrahedron() {
+        let square =
+            [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(|p| Vec3::new(p[0], p[1], 0.0));
+        let surface = TriangleSurface::new(square.to_vec(), &[[0, 1, 2], [0, 2, 3]]).unwrap();
+        let curve = BoundaryCurve::of(&surface).unwrap();
+        let foot = curve.closest_point(Vec3::new(1.9, 0.7, 3.0));
+        assert!((foot.position - Vec3::new(2.0, 0.7, 0.0)).norm() < 1e-15);
+        assert!((foot.tangent - Vec3::y()).norm() < 1e-15);
+        let corners = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let closed = TriangleSurface::new(corners.to_vec(), &faces).unwrap();
+        assert!(BoundaryCurve::of(&closed).is_none());
+    }
+}

@@ -1,0 +1,165 @@
+//! Closeness: vertices, face centres and the rim are drawn to the surface.
+//!
+//! `w/2 |x - p(x)|^2` with the foot point `p`, gradient `w (x - p)`, Hessian `w n n^T` (distance to the tangent plane).
+//! Face centres count as well, since the middle of a large convex panel may stand off where its corners do not.
+//! Vertices of the boundary are drawn to the boundary curve too, Hessian `w (I - t t^T)`. Beyond the rim the foot point
+//! lies on the curve, so there the surface term takes the same form.
+
+use super::panels::{Panels, Shape, point};
+use super::{CurvePoint, Target, TargetPoint};
+use nalgebra::Matrix3;
+use phex_mesh::Vec3;
+
+/// What a panelling is kept close to.
+pub(super) enum Reference<'a> {
+    /// A surface; foot points are sought.
+    Surface(&'a dyn Target),
+    /// The start itself: a plane for each vertex and for each face centre.
+    Start { planes: Vec<TargetPoint> },
+}
+
+impl<'a> Reference<'a> {
+    /// Tangent planes of a mesh at its own vertices and face centres.
+    pub fn start(panels: &Panels, x: &[f64]) -> Self {
+        let shape = Shape::at(panels, x);
+        let vertex = |v: usize| {
+            let normals = panels.corners_at(v).iter();
+            let sum: Vec3 = normals.map(|&c| shape.normal(panels.face_of(c))).sum();
+            TargetPoint {
+                position: point(x, v),
+                normal: sum.try_normalize(0.0).unwrap_or_else(Vec3::z),
+            }
+        };
+        let centre = |f: usize| TargetPoint {
+            position: shape.frames[f].plane.centre,
+            normal: shape.normal(f),
+        };
+        let vertices = (0..panels.n_vertices()).map(vertex);
+        let planes = vertices.chain((0..panels.n_faces()).map(centre)).collect();
+        Self::Start { planes }
+    }
+
+    /// Foot points of vertices and then of face centres.
+    fn feet(&self, points: &[Vec3]) -> Vec<TargetPoint> {
+        match self {
+            Self::Surface(target) => target.closest_points(points),
+            Self::Start { planes } => {
+                let foot = |(plane, p): (&TargetPoint, &Vec3)| TargetPoint {
+                    position: p - plane.normal * plane.normal.dot(&(p - plane.position)),
+                    normal: plane.normal,
+                };
+                planes.iter().zip(points).map(foot).collect()
+            }
+        }
+    }
+
+    fn on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>> {
+        match self {
+            Self::Surface(target) if !points.is_empty() => target.closest_on_boundary(points),
+            _ => None,
+        }
+    }
+}
+
+/// Foot points at some positions; asked for once and used for energy, gradient and Hessian.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Feet {
+    points: Vec<Vec3>,
+    feet: Vec<TargetPoint>,
+    rim_points: Vec<Vec3>,
+    rim: Vec<CurvePoint>,
+}
+
+/// Weights of closeness.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ClosenessWeights {
+    pub vertex: f64,
+    pub centre: f64,
+    pub rim: f64,
+}
+
+/// A gradient and a Hessian in one point's coordinates.
+pub(super) struct PointTerm {
+    pub gradient: Vec3,
+    pub hessian: Matrix3<f64>,
+}
+
+impl Feet {
+    /// Finds the foot points; `rim_vertices` are drawn to the boundary curve.
+    pub fn update(
+        &mut self,
+        reference: &Reference<'_>,
+        shape: &Shape,
+        x: &[f64],
+        rim_vertices: &[u32],
+    ) {
+        self.points.clear();
+        self.points
+            .extend(x.chunks_exact(3).map(Vec3::from_column_slice));
+        self.rim_points.clear();
+        let rim = rim_vertices.iter().map(|&v| self.points[v as usize]);
+        self.rim_points.extend(rim);
+        let centres = shape.frames.iter().map(|frame| frame.plane.centre);
+        self.points.extend(centres);
+        self.feet = reference.feet(&self.points);
+        self.rim = reference.on_boundary(&self.rim_points).unwrap_or_default();
+    }
+
+    fn residual(&self, k: usize) -> Vec3 {
+        self.points[k] - self.feet[k].position
+    }
+
+    pub fn energy(&self, n_vertices: usize, weights: &ClosenessWeights) -> f64 {
+        let weight = |k: usize| {
+            if k < n_vertices {
+                weights.vertex
+            } else {
+                weights.centre
+            }
+        };
+        let surface: f64 = (0..self.points.len())
+            .map(|k| weight(k) * self.residual(k).norm_squared())
+            .sum();
+        let rim = self.rim.iter().zip(&self.rim_points);
+        let curve: f64 = rim.map(|(q, p)| (p - q.position).norm_squared()).sum();
+        0.5 * (surface + weights.rim * curve)
+    }
+
+    /// Surface term of a vertex.
+    pub fn vertex(&self, v: usize, weight: f64) -> PointTerm {
+        let normal = self.feet[v].normal;
+        PointTerm {
+            gradient: self.residual(v) * weight,
+            hessian: normal * normal.transpose() * weight,
+        }
+    }
+
+    /// Surface term of a face centre.
+    pub fn centre(&self, n_vertices: usize, f: usize, weight: f64) -> PointTerm {
+        self.vertex(n_vertices + f, weight)
+    }
+
+    /// Surface and boundary term of the `k`-th rim vertex `v`.
+    pub fn rim_vertex(&self, k: usize, v: usize, weights: &ClosenessWeights) -> PointTerm {
+        let mut term = self.vertex(v, weights.vertex);
+        let Some(q) = self.rim.get(k) else {
+            return term;
+        };
+        let across = Matrix3::identity() - q.tangent * q.tangent.transpose();
+        let offset = self.points[v] - q.position;
+        let beyond = (q.position - self.feet[v].position).norm() <= 1e-9 * offset.norm();
+        if beyond {
+            term.hessian = across * weights.vertex;
+        }
+        term.gradient += offset * weights.rim;
+        term.hessian += across * weights.rim;
+        term
+    }
+
+    /// Largest distance of a vertex or a face centre to its foot point, and the root mean square.
+    pub fn deviation(&self) -> (f64, f64) {
+        let squares = (0..self.points.len()).map(|k| self.residual(k).norm_squared());
+        let (most, sum) = squares.fold((0.0, 0.0), |(m, s): (f64, f64), d| (m.max(d), s + d));
+        (most.sqrt(), (sum / self.points.len().max(1) as f64).sqrt())
+    }
+}

@@ -1,0 +1,414 @@
+//! The energy that is minimised, and the planarity constraints, both over the vertices alone.
+//!
+//! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the guard is broken.
+
+use super::barrier::{self, Barrier};
+use super::closeness::{ClosenessWeights, Feet, Reference};
+use super::guard::{Armed, Guard};
+use super::panels::{Panels, Shape, add_block};
+use super::planarity::{self, ConstraintBases};
+use super::simple::collision;
+use super::{fairness, panels::point};
+use nalgebra::Matrix3;
+use phex_mesh::{Vec2, Vec3};
+use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
+
+/// Fraction of the way to the first collision that a step may go.
+const COLLISION_FRACTION: f64 = 0.85;
+
+/// Weight of the diagonal that holds a fixed vertex.
+const HOLD: f64 = 1e6;
+
+/// Weights of the energy.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weights {
+    pub planarity: f64,
+    pub closeness: ClosenessWeights,
+    pub fairness: f64,
+    pub anchor: f64,
+}
+
+/// What does not change while one start is optimised.
+pub(super) struct Setting<'a> {
+    pub panels: &'a Panels,
+    pub reference: &'a Reference<'a>,
+    pub guard: &'a Guard,
+    /// Vertices that are drawn to the boundary curve.
+    pub rim: &'a [u32],
+    /// Vertices that stay where they are.
+    pub fixed: &'a [bool],
+    pub mean_edge: f64,
+}
+
+/// The energy at the positions that were asked for last, and what was computed there.
+pub(super) struct PanelEnergy<'a> {
+    pub weights: Weights,
+    pub barriers: Vec<Barrier>,
+    setting: &'a Setting<'a>,
+    assembly: &'a Assembly,
+    armed: Armed,
+    anchor: Vec<f64>,
+    at: Vec<f64>,
+    shape: Shape,
+    /// The shape that was linearised last.
+    linearised: Shape,
+    feet: Feet,
+    admissible: bool,
+    face_energy: Vec<f64>,
+    corner_gradient: Vec<Vec3>,
+    corner_motion: Vec<Vec2>,
+    blocks: Vec<f64>,
+}
+
+impl<'a> PanelEnergy<'a> {
+    /// `assembly` has a block for every face and then one for every vertex.
+    pub fn new(
+        setting: &'a Setting<'a>,
+        assembly: &'a Assembly,
+        weights: Weights,
+        barriers: Vec<Barrier>,
+        start: &[f64],
+    ) -> Self {
+        let panels = setting.panels;
+        let shape = Shape::at(panels, start);
+        Self {
+            weights,
+            barriers,
+            armed: setting.guard.arm(panels, &shape, start),
+            setting,
+            assembly,
+            anchor: start.to_vec(),
+            at: Vec::new(),
+            linearised: shape.clone(),
+            shape,
+            feet: Feet::default(),
+            admissible: false,
+            face_energy: vec![0.0; panels.n_faces()],
+            corner_gradient: vec![Vec3::zeros(); panels.n_corners()],
+            corner_motion: vec![Vec2::zeros(); panels.n_corners()],
+            blocks: vec![0.0; assembly.n_block_entries()],
+        }
+    }
+
+    /// Demands from now on what the shape at `x` meets; panels that are not simple have no barrier until they are.
+    pub fn arm(&mut self, x: &[f64]) {
+        let panels = self.setting.panels;
+        let shape = Shape::at(panels, x);
+        self.armed = self.setting.guard.arm(panels, &shape, x);
+        self.at.clear();
+    }
+
+    /// Moves to `x`, unless already there.
+    fn visit(&mut self, x: &[f64]) {
+        if self.at == x {
+            return;
+        }
+        let setting = self.setting;
+        self.at.clear();
+        self.at.extend_from_slice(x);
+        self.shape.update(setting.panels, x);
+        self.admissible = setting
+            .guard
+            .holds(&self.armed, setting.panels, &self.shape, x);
+        if self.admissible {
+            self.feet
+                .update(setting.reference, &self.shape, x, setting.rim);
+        }
+    }
+
+    fn panel_energy(&mut self) -> f64 {
+        let (panels, shape) = (self.setting.panels, &self.shape);
+        let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
+        let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
+            let corners = shape.face(panels, f);
+            *energy = planarity::energy(&shape.frames[f], weights.planarity)
+                + fairness::energy(corners, weights.fairness);
+            if armed.is_simple(f) {
+                *energy += barrier::energy(corners, &barriers[f]);
+            }
+        };
+        let mut none = vec![(); panels.n_corners()];
+        panels.for_each_face(&mut self.face_energy, &mut none, &mut [], &|_| 0, &work);
+        self.face_energy.iter().sum()
+    }
+
+    fn anchor_energy(&self) -> f64 {
+        let squares = self
+            .at
+            .iter()
+            .zip(&self.anchor)
+            .map(|(x, a)| (x - a).powi(2));
+        0.5 * self.weights.anchor * squares.sum::<f64>()
+    }
+
+    /// Gradient at the corners and Hessian blocks of all faces.
+    fn linearise_faces(&mut self) {
+        let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
+        let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
+        let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
+            let corners = shape.face(panels, f);
+            let (frame, k) = (&shape.frames[f], corners.len() as f64);
+            block.fill(0.0);
+            let centre = feet.centre(panels.n_vertices(), f, weights.closeness.centre);
+            gradient.fill(centre.gradient / k);
+            let share = centre.hessian / (k * k);
+            for i in 0..corners.len() {
+                (0..=i).for_each(|j| add_block(block, i, j, &share));
+            }
+            planarity::add(frame, corners, weights.planarity, gradient, block);
+            fairness::add(corners, weights.fairness, gradient, block);
+            if armed.is_simple(f) {
+                barrier::add(frame, corners, &barriers[f], gradient, block);
+            }
+        };
+        let assembly = self.assembly;
+        let face_entries = assembly.block(panels.n_faces()).start;
+        panels.for_each_face(
+            &mut self.face_energy,
+            &mut self.corner_gradient,
+            &mut self.blocks[..face_entries],
+            &|f| assembly.block(f).end,
+            &work,
+        );
+    }
+
+    /// Gradient and Hessian of what depends on one vertex alone.
+    fn linearise_vertices(&mut self, gradient: &mut [f64]) {
+        let setting = self.setting;
+        let panels = setting.panels;
+        let mut rim = setting.rim.iter().enumerate().peekable();
+        for v in 0..panels.n_vertices() {
+            let closeness = &self.weights.closeness;
+            let term = match rim.next_if(|(_, r)| **r as usize == v) {
+                Some((k, _)) => self.feet.rim_vertex(k, v, closeness),
+                None => self.feet.vertex(v, closeness.vertex),
+            };
+            let pull = point(&self.at, v) - point(&self.anchor, v);
+            let corners = panels.corners_at(v).iter();
+            let faces: Vec3 = corners.map(|&c| self.corner_gradient[c as usize]).sum();
+            let mut g = term.gradient + pull * self.weights.anchor + faces;
+            let mut stiffness = self.weights.anchor;
+            if setting.fixed[v] {
+                g = Vec3::zeros();
+                stiffness = HOLD;
+            }
+            gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
+            let block = &mut self.blocks[self.assembly.block(panels.n_faces() + v)];
+            block.fill(0.0);
+            let hessian = term.hessian + Matrix3::from_diagonal_element(stiffness);
+            add_block(block, 0, 0, &hessian);
+        }
+    }
+
+    /// Distances of vertices and face centres to the reference: largest, and root mean square.
+    pub fn deviation(&mut self, x: &[f64]) -> (f64, f64) {
+        let shape = Shape::at(self.setting.panels, x);
+        let mut feet = Feet::default();
+        feet.update(self.setting.reference, &shape, x, &[]);
+        feet.deviation()
+    }
+}
+
+impl DampedProblem for PanelEnergy<'_> {
+    fn energy(&mut self, x: &[f64]) -> f64 {
+        self.visit(x);
+        if !self.admissible {
+            return f64::INFINITY;
+        }
+        let closeness = &self.weights.closeness;
+        let near = self
+            .feet
+            .energy(self.setting.panels.n_vertices(), closeness);
+        self.panel_energy() + near + self.anchor_energy()
+    }
+
+    fn linearise(&mut self, x: &[f64], gradient: &mut [f64], hessian: &mut SymmetricMatrix) {
+        self.visit(x);
+        self.linearised.clone_from(&self.shape);
+        self.linearise_faces();
+        self.linearise_vertices(gradient);
+        self.assembly.assemble(&self.blocks, hessian);
+    }
+
+    fn step_bound(&mut self, _x: &[f64], step: &[f64]) -> f64 {
+        let motion = &mut self.corner_motion;
+        collision_bound(self.setting, &self.armed, &self.linearised, step, motion)
+    }
+
+    fn step_length(&self, step: &[f64]) -> f64 {
+        longest(step) / self.setting.mean_edge
+    }
+
+    fn residual(&self) -> f64 {
+        self.shape.max_height() / self.setting.mean_edge
+    }
+}
+
+/// Largest displacement of a vertex.
+fn longest(step: &[f64]) -> f64 {
+    let squares = step.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum());
+    squares.fold(0.0, f64::max).sqrt()
+}
+
+/// Fraction of a step that keeps clear of collisions within every face.
+fn collision_bound(
+    setting: &Setting<'_>,
+    armed: &Armed,
+    shape: &Shape,
+    step: &[f64],
+    corner_motion: &mut [Vec2],
+) -> f64 {
+    let panels = setting.panels;
+    let mut bound: f64 = 1.0;
+    for f in (0..panels.n_faces()).filter(|&f| armed.is_simple(f)) {
+        let motion = &mut corner_motion[panels.corners(f)];
+        for (m, &v) in motion.iter_mut().zip(panels.vertices(f)) {
+            *m = shape.frames[f]
+                .plane
+                .project_vector(point(step, v as usize));
+        }
+        bound = collision(shape.face(panels, f), motion, bound);
+    }
+    if bound < 1.0 {
+        COLLISION_FRACTION * bound
+    } else {
+        1.0
+    }
+}
+
+/// The planarity constraints of all faces.
+pub(super) struct PlanarityConstraints<'a> {
+    setting: &'a Setting<'a>,
+    assembly: &'a Assembly,
+    bases: ConstraintBases,
+    armed: Armed,
+    linearised: Shape,
+    trial: Shape,
+    corner_motion: Vec<Vec2>,
+    blocks: Vec<f64>,
+}
+
+impl<'a> PlanarityConstraints<'a> {
+    /// The unknowns of `assembly` are the constraints, its elements the vertices.
+    pub fn new(
+        setting: &'a Setting<'a>,
+        assembly: &'a Assembly,
+        start: &[f64],
+        least_clearance: f64,
+    ) -> Self {
+        let panels = setting.panels;
+        let shape = Shape::at(panels, start);
+        let mut armed = setting.guard.arm(panels, &shape, start);
+        armed.keep_clear(panels, &shape, least_clearance);
+        Self {
+            bases: ConstraintBases::new(panels),
+            armed,
+            trial: shape.clone(),
+            linearised: shape,
+            corner_motion: vec![Vec2::zeros(); panels.n_corners()],
+            blocks: vec![0.0; assembly.n_block_entries()],
+            setting,
+            assembly,
+        }
+    }
+
+    /// Constraints that each vertex takes part in, as elements of the assembly of `J J^T`.
+    pub fn elements(panels: &Panels) -> Vec<Vec<u32>> {
+        let bases = ConstraintBases::new(panels);
+        let of_corner = |&c: &u32| bases.of_face(panels.face_of(c)).map(|i| i as u32);
+        let of_vertex = |v| panels.corners_at(v).iter().flat_map(of_corner).collect();
+        (0..panels.n_vertices()).map(of_vertex).collect()
+    }
+
+    /// Number of constraints.
+    pub fn count(panels: &Panels) -> usize {
+        ConstraintBases::new(panels).n_constraints()
+    }
+
+    /// Entry of `Q` of constraint `a` of the face of a corner, at that corner.
+    fn basis_entry(&self, corner: u32, a: usize) -> f64 {
+        let panels = self.setting.panels;
+        let face = panels.face_of(corner);
+        let local = corner as usize - panels.corners(face).start;
+        self.bases.row(face, a, panels.valence(face))[local]
+    }
+
+    fn add_vertex(&mut self, v: usize) {
+        let panels = self.setting.panels;
+        let range = self.assembly.block(v);
+        if self.setting.fixed[v] {
+            self.blocks[range].fill(0.0);
+            return;
+        }
+        let corners = panels.corners_at(v);
+        let mut at = range.start;
+        for (m, &c) in corners.iter().enumerate() {
+            let f = panels.face_of(c);
+            for a in 0..panels.valence(f) - 3 {
+                let entry = self.basis_entry(c, a);
+                for (l, &d) in corners[..=m].iter().enumerate() {
+                    let g = panels.face_of(d);
+                    let normals = self.linearised.normal(f).dot(&self.linearised.normal(g));
+                    let last = if l == m { a + 1 } else { panels.valence(g) - 3 };
+                    for b in 0..last {
+                        self.blocks[at] = entry * self.basis_entry(d, b) * normals;
+                        at += 1;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Constraints for PlanarityConstraints<'_> {
+    fn linearise(&mut self, x: &[f64], values: &mut [f64], normal: &mut SymmetricMatrix) {
+        let panels = self.setting.panels;
+        self.linearised.update(panels, x);
+        self.bases.update(panels, &self.linearised);
+        for f in 0..panels.n_faces() {
+            let corners = self.linearised.face(panels, f);
+            for (a, i) in self.bases.of_face(f).enumerate() {
+                let row = self.bases.row(f, a, corners.len()).iter();
+                values[i] = row.zip(corners).map(|(q, c)| q * c.height).sum();
+            }
+        }
+        (0..panels.n_vertices()).for_each(|v| self.add_vertex(v));
+        self.assembly.assemble(&self.blocks, normal);
+    }
+
+    fn transposed(&self, y: &[f64], d: &mut [f64]) {
+        let panels = self.setting.panels;
+        for v in 0..panels.n_vertices() {
+            let mut sum = Vec3::zeros();
+            if !self.setting.fixed[v] {
+                for &c in panels.corners_at(v) {
+                    let f = panels.face_of(c);
+                    let constraints = self.bases.of_face(f).enumerate();
+                    let along: f64 = constraints
+                        .map(|(a, i)| self.basis_entry(c, a) * y[i])
+                        .sum();
+                    sum += self.linearised.normal(f) * along;
+                }
+            }
+            d[3 * v..3 * v + 3].copy_from_slice(sum.as_slice());
+        }
+    }
+
+    fn step_bound(&mut self, _x: &[f64], step: &[f64]) -> f64 {
+        const LONGEST: f64 = 0.3;
+        let motion = &mut self.corner_motion;
+        let bound = collision_bound(self.setting, &self.armed, &self.linearised, step, motion);
+        bound.min(LONGEST / self.step_length(step).max(f64::MIN_POSITIVE))
+    }
+
+    fn admissible(&mut self, x: &[f64]) -> Option<f64> {
+        let (setting, panels) = (self.setting, self.setting.panels);
+        self.trial.update(panels, x);
+        let held = setting.guard.holds(&self.armed, panels, &self.trial, x);
+        held.then(|| self.trial.max_height() / setting.mean_edge)
+    }
+
+    fn step_length(&self, step: &[f64]) -> f64 {
+        longest(step) / self.setting.mean_edge
+    }
+}

@@ -1,0 +1,176 @@
+//! What no step may break: simple faces, their side of the surface, vertex fans and edges that do not fold.
+//!
+//! A demand is armed where the first shape meets it; where it does not, it could only block every step.
+
+use super::barrier::clearance;
+use super::panels::{Panels, Shape, point};
+use super::simple::is_simple;
+use phex_mesh::{FaceId, Topology, Vec3, VertexId};
+
+/// Least `n . n'` of the faces at an edge that is not called folded.
+const UNFOLDED: f64 = 0.0;
+
+/// An interior vertex of degree 3 with its neighbours and faces, counter-clockwise.
+#[derive(Clone, Copy, Debug)]
+struct Fan {
+    vertex: u32,
+    neighbours: [u32; 3],
+    faces: [u32; 3],
+}
+
+/// Demands on a shape.
+#[derive(Clone, Debug)]
+pub(super) struct Guard {
+    fans: Vec<Fan>,
+    /// The two faces of each interior edge.
+    hinges: Vec<[u32; 2]>,
+    side: Option<Vec<Vec3>>,
+    least_side: f64,
+}
+
+/// What is demanded of each element.
+#[derive(Clone, Debug)]
+pub(super) struct Armed {
+    simple: Vec<bool>,
+    side: Vec<bool>,
+    fan: Vec<bool>,
+    hinge: Vec<bool>,
+    /// Least clearance of each face, if clearances are guarded.
+    clearance: Option<Vec<f64>>,
+}
+
+/// One broken demand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Breach {
+    NotSimple(usize),
+    WrongSide(usize),
+    Fan(usize),
+    Fold([usize; 2]),
+}
+
+impl Guard {
+    /// `side` is the surface's normal at each face, if there is a surface; `least_side` the least `n . side`.
+    pub fn new(topology: &Topology, side: Option<Vec<Vec3>>, least_side: f64) -> Self {
+        let inner =
+            |v: &VertexId| !topology.is_boundary_vertex(*v) && topology.face_degree(*v) == 3;
+        let hinge = |e| {
+            let h = topology.edge_half_edge(e);
+            let face = |h| topology.face(h).index() as u32;
+            topology.twin(h).map(|t| [face(h), face(t)])
+        };
+        Self {
+            fans: topology
+                .vertices()
+                .filter(inner)
+                .map(|v| fan(topology, v))
+                .collect(),
+            hinges: topology.edges().filter_map(hinge).collect(),
+            side,
+            least_side,
+        }
+    }
+
+    fn fan_goes_round_once(&self, fan: &Fan, shape: &Shape, x: &[f64]) -> bool {
+        let axis: Vec3 = fan.faces.iter().map(|&f| shape.normal(f as usize)).sum();
+        let centre = point(x, fan.vertex as usize);
+        let e = fan.neighbours.map(|n| point(x, n as usize) - centre);
+        // Three directions turn counter-clockwise once exactly if at most one of the turns is a reflex one.
+        let left = |k: usize| axis.dot(&e[k].cross(&e[(k + 1) % 3])) > 0.0;
+        (0..3).filter(|&k| left(k)).count() >= 2
+    }
+
+    fn on_its_side(&self, shape: &Shape, face: usize) -> bool {
+        let dot = |side: &Vec<Vec3>| shape.normal(face).dot(&side[face]);
+        self.side.as_ref().is_none_or(|s| dot(s) > self.least_side)
+    }
+
+    fn unfolded(&self, shape: &Shape, [f, g]: [u32; 2]) -> bool {
+        shape.normal(f as usize).dot(&shape.normal(g as usize)) > UNFOLDED
+    }
+
+    /// Arms every demand that a shape meets.
+    pub fn arm(&self, panels: &Panels, shape: &Shape, x: &[f64]) -> Armed {
+        let faces = 0..panels.n_faces();
+        let simple = |f: usize| is_simple(shape.face(panels, f));
+        Armed {
+            simple: faces.clone().map(simple).collect(),
+            side: faces.map(|f| self.on_its_side(shape, f)).collect(),
+            fan: self
+                .fans
+                .iter()
+                .map(|fan| self.fan_goes_round_once(fan, shape, x))
+                .collect(),
+            hinge: self
+                .hinges
+                .iter()
+                .map(|&h| self.unfolded(shape, h))
+                .collect(),
+            clearance: None,
+        }
+    }
+
+    /// Whether a shape meets every armed demand.
+    pub fn holds(&self, armed: &Armed, panels: &Panels, shape: &Shape, x: &[f64]) -> bool {
+        let face = |f: usize| {
+            (!armed.simple[f] || is_simple(shape.face(panels, f)))
+                && (!armed.side[f] || self.on_its_side(shape, f))
+        };
+        let clear = |least: &Vec<f64>| {
+            let enough = |(f, least): (usize, &f64)| clearance(shape.face(panels, f)) >= *least;
+            least.iter().enumerate().all(enough)
+        };
+        let mut fans = self.fans.iter().zip(&armed.fan);
+        let mut hinges = self.hinges.iter().zip(&armed.hinge);
+        (0..panels.n_faces()).all(face)
+            && hinges.all(|(&h, &on)| !on || self.unfolded(shape, h))
+            && fans.all(|(fan, &on)| !on || self.fan_goes_round_once(fan, shape, x))
+            && armed.clearance.as_ref().is_none_or(clear)
+    }
+
+    /// Everything that a shape breaks.
+    pub fn breaches(&self, panels: &Panels, shape: &Shape, x: &[f64]) -> Vec<Breach> {
+        let mut found = Vec::new();
+        for f in 0..panels.n_faces() {
+            if !is_simple(shape.face(panels, f)) {
+                found.push(Breach::NotSimple(f));
+            }
+            if !self.on_its_side(shape, f) {
+                found.push(Breach::WrongSide(f));
+            }
+        }
+        let wrong = |fan: &&Fan| !self.fan_goes_round_once(fan, shape, x);
+        let fans = self.fans.iter().filter(wrong);
+        found.extend(fans.map(|fan| Breach::Fan(fan.vertex as usize)));
+        let folded = self.hinges.iter().filter(|&&h| !self.unfolded(shape, h));
+        found.extend(folded.map(|h| Breach::Fold(h.map(|f| f as usize))));
+        found
+    }
+}
+
+impl Armed {
+    /// Whether a face was simple when the guard was armed.
+    pub fn is_simple(&self, face: usize) -> bool {
+        self.simple[face]
+    }
+
+    /// Also demands a clearance of `least`, or half of what a face has now if that is less.
+    pub fn keep_clear(&mut self, panels: &Panels, shape: &Shape, least: f64) {
+        let now = |f: usize| clearance(shape.face(panels, f));
+        let demands = (0..panels.n_faces()).map(|f| least.min(0.5 * now(f)));
+        self.clearance = Some(demands.collect());
+    }
+}
+
+fn fan(topology: &Topology, v: VertexId) -> Fan {
+    let mut fan = Fan {
+        vertex: v.index() as u32,
+        neighbours: [0; 3],
+        faces: [0; 3],
+    };
+    for (k, h) in topology.outgoing(v).take(3).enumerate() {
+        let face: FaceId = topology.face(h);
+        fan.neighbours[k] = topology.target(h).index() as u32;
+        fan.faces[k] = face.index() as u32;
+    }
+    fan
+}

@@ -1,0 +1,322 @@
+//! Panels as the optimiser sees them: corners in one flat array, and where every face lies just now.
+
+use nalgebra::Matrix3;
+use phex_mesh::{FacePlane, HexMesh, Topology, Vec2, Vec3, VertexId};
+
+/// Faces that one task handles; fewer are not worth another thread.
+const GRAIN: usize = 256;
+
+/// Which vertices the corners of each face are, and which corners each vertex has.
+#[derive(Clone, Debug)]
+pub(super) struct Panels {
+    corner_start: Vec<usize>,
+    corner_vertex: Vec<u32>,
+    corner_face: Vec<u32>,
+    vertex_start: Vec<usize>,
+    vertex_corner: Vec<u32>,
+    edges: Vec<[u32; 2]>,
+}
+
+impl Panels {
+    pub fn new(topology: &Topology) -> Self {
+        let mut corner_start = vec![0];
+        let mut corner_vertex = Vec::with_capacity(topology.n_half_edges());
+        let mut corner_face = Vec::with_capacity(topology.n_half_edges());
+        for f in topology.faces() {
+            let corners = topology.face_vertices(f).iter();
+            corner_vertex.extend(corners.map(|v| v.index() as u32));
+            corner_start.push(corner_vertex.len());
+            corner_face.resize(corner_vertex.len(), f.index() as u32);
+        }
+        let (vertex_start, vertex_corner) = invert(&corner_vertex, topology.n_vertices());
+        let ends = |e| {
+            topology
+                .edge_vertices(e)
+                .map(|v: VertexId| v.index() as u32)
+        };
+        Self {
+            corner_start,
+            corner_vertex,
+            corner_face,
+            vertex_start,
+            vertex_corner,
+            edges: topology.edges().map(ends).collect(),
+        }
+    }
+
+    pub fn n_faces(&self) -> usize {
+        self.corner_start.len() - 1
+    }
+
+    pub fn n_vertices(&self) -> usize {
+        self.vertex_start.len() - 1
+    }
+
+    pub fn n_corners(&self) -> usize {
+        self.corner_vertex.len()
+    }
+
+    pub fn valence(&self, face: usize) -> usize {
+        self.corner_start[face + 1] - self.corner_start[face]
+    }
+
+    /// The face that a corner belongs to.
+    pub fn face_of(&self, corner: u32) -> usize {
+        self.corner_face[corner as usize] as usize
+    }
+
+    /// Corners of a face.
+    pub fn corners(&self, face: usize) -> std::ops::Range<usize> {
+        self.corner_start[face]..self.corner_start[face + 1]
+    }
+
+    /// Vertices of a face, counter-clockwise.
+    pub fn vertices(&self, face: usize) -> &[u32] {
+        &self.corner_vertex[self.corners(face)]
+    }
+
+    /// Corners that lie at a vertex.
+    pub fn corners_at(&self, vertex: usize) -> &[u32] {
+        &self.vertex_corner[self.vertex_start[vertex]..self.vertex_start[vertex + 1]]
+    }
+
+    /// Mean length of the edges.
+    pub fn mean_edge(&self, x: &[f64]) -> f64 {
+        let length = |[a, b]: &[u32; 2]| (point(x, *a as usize) - point(x, *b as usize)).norm();
+        self.edges.iter().map(length).sum::<f64>() / self.edges.len() as f64
+    }
+
+    /// Calls `work(face, per_face, per_corner, block)` for every face, each with its own slices, on all threads.
+    /// Block `f` is `blocks[block_end(f - 1)..block_end(f)]`.
+    pub fn for_each_face<A: Send, B: Send>(
+        &self,
+        per_face: &mut [A],
+        per_corner: &mut [B],
+        blocks: &mut [f64],
+        block_end: &(impl Fn(usize) -> usize + Sync),
+        work: &(impl Fn(usize, &mut A, &mut [B], &mut [f64]) + Sync),
+    ) {
+        let slices = Slices {
+            first: 0,
+            per_face,
+            per_corner,
+            blocks,
+        };
+        self.split(slices, block_end, work);
+    }
+
+    fn split<A: Send, B: Send>(
+        &self,
+        slices: Slices<'_, A, B>,
+        block_end: &(impl Fn(usize) -> usize + Sync),
+        work: &(impl Fn(usize, &mut A, &mut [B], &mut [f64]) + Sync),
+    ) {
+        let count = slices.per_face.len();
+        if count > GRAIN {
+            let (low, high) = self.halves(slices, count / 2, block_end);
+            rayon::join(
+                || self.split(low, block_end, work),
+                || self.split(high, block_end, work),
+            );
+            return;
+        }
+        let mut rest = slices;
+        while !rest.per_face.is_empty() {
+            let (one, others) = self.halves(rest, 1, block_end);
+            work(one.first, &mut one.per_face[0], one.per_corner, one.blocks);
+            rest = others;
+        }
+    }
+
+    fn halves<'a, A, B>(
+        &self,
+        slices: Slices<'a, A, B>,
+        count: usize,
+        block_end: &impl Fn(usize) -> usize,
+    ) -> (Slices<'a, A, B>, Slices<'a, A, B>) {
+        let (first, middle) = (slices.first, slices.first + count);
+        let start = if first == 0 { 0 } else { block_end(first - 1) };
+        let corners = self.corner_start[middle] - self.corner_start[first];
+        let (face_low, face_high) = slices.per_face.split_at_mut(count);
+        let (corner_low, corner_high) = slices.per_corner.split_at_mut(corners);
+        let (block_low, block_high) = slices.blocks.split_at_mut(block_end(middle - 1) - start);
+        let half = |first, per_face, per_corner, blocks| Slices {
+            first,
+            per_face,
+            per_corner,
+            blocks,
+        };
+        (
+            half(first, face_low, corner_low, block_low),
+            half(middle, face_high, corner_high, block_high),
+        )
+    }
+}
+
+struct Slices<'a, A, B> {
+    first: usize,
+    per_face: &'a mut [A],
+    per_corner: &'a mut [B],
+    blocks: &'a mut [f64],
+}
+
+/// Corners of each vertex, in ascending order, as start indices and one flat list.
+fn invert(corner_vertex: &[u32], n_vertices: usize) -> (Vec<usize>, Vec<u32>) {
+    let mut start = vec![0; n_vertices + 1];
+    for &v in corner_vertex {
+        start[v as usize + 1] += 1;
+    }
+    for v in 0..n_vertices {
+        start[v + 1] += start[v];
+    }
+    let mut next = start.clone();
+    let mut corners = vec![0; corner_vertex.len()];
+    for (corner, &v) in corner_vertex.iter().enumerate() {
+        corners[next[v as usize]] = corner as u32;
+        next[v as usize] += 1;
+    }
+    (start, corners)
+}
+
+/// Position of a vertex in the vector of unknowns.
+pub(super) fn point(x: &[f64], vertex: usize) -> Vec3 {
+    Vec3::new(x[3 * vertex], x[3 * vertex + 1], x[3 * vertex + 2])
+}
+
+/// Positions of a mesh as one vector of unknowns.
+pub(super) fn unknowns(mesh: &HexMesh) -> Vec<f64> {
+    flatten(mesh.positions.as_slice())
+}
+
+/// Points as one vector of unknowns.
+pub(super) fn flatten(points: &[Vec3]) -> Vec<f64> {
+    points.iter().flat_map(|p| [p.x, p.y, p.z]).collect()
+}
+
+/// Unknowns as points.
+pub(super) fn points(x: &[f64]) -> Vec<Vec3> {
+    x.chunks_exact(3).map(Vec3::from_column_slice).collect()
+}
+
+/// A corner in the frame of its face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    pub position: Vec3,
+    /// In-plane coordinates.
+    pub flat: Vec2,
+    /// Height above the face's plane.
+    pub height: f64,
+}
+
+/// Where a face lies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FaceFrame {
+    pub plane: FacePlane,
+    /// In-plane second moments `sum xi^2`, `sum eta^2` along the axes, and `sum h^2`.
+    pub moments: [f64; 3],
+}
+
+impl FaceFrame {
+    fn degenerate() -> Self {
+        let plane = FacePlane {
+            centre: Vec3::zeros(),
+            normal: Vec3::z(),
+            axes: [Vec3::x(), Vec3::y()],
+        };
+        Self {
+            plane,
+            moments: [0.0; 3],
+        }
+    }
+
+    fn fit(corners: &mut [Corner]) -> Self {
+        let plane = fit_plane(corners);
+        let mut moments = [0.0; 3];
+        for corner in corners {
+            corner.flat = plane.project(corner.position);
+            corner.height = plane.height(corner.position);
+            moments[0] += corner.flat.x * corner.flat.x;
+            moments[1] += corner.flat.y * corner.flat.y;
+            moments[2] += corner.height * corner.height;
+        }
+        Self { plane, moments }
+    }
+}
+
+/// Total least-squares plane of corners, oriented by their winding.
+fn fit_plane(corners: &[Corner]) -> FacePlane {
+    const MOST: usize = 12;
+    if corners.len() <= MOST {
+        let mut positions = [Vec3::zeros(); MOST];
+        for (p, corner) in positions.iter_mut().zip(corners) {
+            *p = corner.position;
+        }
+        return FacePlane::fit(&positions[..corners.len()]);
+    }
+    FacePlane::fit(&corners.iter().map(|c| c.position).collect::<Vec<_>>())
+}
+
+/// All faces at some positions.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    pub frames: Vec<FaceFrame>,
+    pub corners: Vec<Corner>,
+}
+
+impl Shape {
+    pub fn new(panels: &Panels) -> Self {
+        let corner = Corner {
+            position: Vec3::zeros(),
+            flat: Vec2::zeros(),
+            height: 0.0,
+        };
+        Self {
+            frames: vec![FaceFrame::degenerate(); panels.n_faces()],
+            corners: vec![corner; panels.n_corners()],
+        }
+    }
+
+    /// The shape of `panels` at `x`.
+    pub fn at(panels: &Panels, x: &[f64]) -> Self {
+        let mut shape = Self::new(panels);
+        shape.update(panels, x);
+        shape
+    }
+
+    pub fn update(&mut self, panels: &Panels, x: &[f64]) {
+        let work = |f: usize, frame: &mut FaceFrame, corners: &mut [Corner], _: &mut [f64]| {
+            for (corner, &v) in corners.iter_mut().zip(panels.vertices(f)) {
+                corner.position = point(x, v as usize);
+            }
+            *frame = FaceFrame::fit(corners);
+        };
+        let (frames, corners) = (&mut self.frames, &mut self.corners);
+        panels.for_each_face(frames, corners, &mut [], &|_| 0, &work);
+    }
+
+    pub fn face<'a>(&'a self, panels: &Panels, face: usize) -> &'a [Corner] {
+        &self.corners[panels.corners(face)]
+    }
+
+    pub fn normal(&self, face: usize) -> Vec3 {
+        self.frames[face].plane.normal
+    }
+
+    /// Largest distance of a corner to the plane of its face.
+    pub fn max_height(&self) -> f64 {
+        let heights = self.corners.iter().map(|c| c.height.abs());
+        heights.fold(0.0, |m, h| if h > m || h.is_nan() { h } else { m })
+    }
+}
+
+/// Adds a 3 x 3 block to corners `i >= j` of a packed lower triangle; on the diagonal only its lower half.
+pub(super) fn add_block(block: &mut [f64], i: usize, j: usize, value: &Matrix3<f64>) {
+    for a in 0..3 {
+        let row = 3 * i + a;
+        let start = phex_numeric::assembly::packed(row, 3 * j);
+        let width = if i == j { a + 1 } else { 3 };
+        for b in 0..width {
+            block[start + b] += value[(a, b)];
+        }
+    }
+}

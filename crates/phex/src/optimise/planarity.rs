@@ -1,0 +1,146 @@
+//! Planarity: the penalty that draws corners into the plane of their face, and the exact constraints.
+//!
+//! Penalty `w_p / 2 sum_i h_i^2` with gradient `w_p h_i n` (exact, since the plane is the best one) and
+//! Gauss-Newton block `w_p P (x) n n^T`, `P = I - A (A^T A)^-1 A^T`, `A = [1 xi eta]`.
+//! Constraints `c = Q^T h`, `Q` an orthonormal basis of the complement of `A`: `k - 3` numbers for a `k`-gon.
+
+use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
+use nalgebra::Matrix3;
+use phex_mesh::Vec3;
+
+/// Entry `(i, j)` of the projector `P`. The axes are principal, so that `A^T A` is diagonal.
+pub(super) fn projector(frame: &FaceFrame, corners: &[Corner], i: usize, j: usize) -> f64 {
+    let [xx, yy, _] = frame.moments.map(|m| m.max(f64::MIN_POSITIVE));
+    let (p, q) = (corners[i].flat, corners[j].flat);
+    let identity = f64::from(u8::from(i == j));
+    identity - 1.0 / corners.len() as f64 - p.x * q.x / xx - p.y * q.y / yy
+}
+
+/// Energy of a face.
+pub(super) fn energy(frame: &FaceFrame, weight: f64) -> f64 {
+    0.5 * weight * frame.moments[2]
+}
+
+/// Adds gradient and Hessian block of a face.
+pub(super) fn add(
+    frame: &FaceFrame,
+    corners: &[Corner],
+    weight: f64,
+    gradient: &mut [Vec3],
+    block: &mut [f64],
+) {
+    let normal = frame.plane.normal;
+    let outer: Matrix3<f64> = normal * normal.transpose() * weight;
+    for (i, corner) in corners.iter().enumerate() {
+        gradient[i] += normal * (weight * corner.height);
+        for j in 0..=i {
+            let value = outer * projector(frame, corners, i, j);
+            add_block(block, i, j, &value);
+        }
+    }
+}
+
+/// Bases `Q` of all faces and the numbers of their constraints.
+#[derive(Clone, Debug)]
+pub(super) struct ConstraintBases {
+    /// First constraint of each face, and one past the last.
+    start: Vec<usize>,
+    /// `Q`, face after face, constraint after constraint, corner after corner.
+    entries: Vec<f64>,
+    entry_start: Vec<usize>,
+}
+
+impl ConstraintBases {
+    pub fn new(panels: &Panels) -> Self {
+        let (mut start, mut entry_start) = (vec![0], vec![0]);
+        for f in 0..panels.n_faces() {
+            let k = panels.valence(f);
+            start.push(start[f] + k - 3);
+            entry_start.push(entry_start[f] + k * (k - 3));
+        }
+        Self {
+            entries: vec![0.0; entry_start[panels.n_faces()]],
+            start,
+            entry_start,
+        }
+    }
+
+    pub fn n_constraints(&self) -> usize {
+        self.start[self.start.len() - 1]
+    }
+
+    /// Constraints of a face.
+    pub fn of_face(&self, face: usize) -> std::ops::Range<usize> {
+        self.start[face]..self.start[face + 1]
+    }
+
+    /// `Q` of a face: the row of constraint `a` (from 0) over the `k` corners.
+    pub fn row(&self, face: usize, a: usize, k: usize) -> &[f64] {
+        let at = self.entry_start[face] + a * k;
+        &self.entries[at..at + k]
+    }
+
+    /// Recomputes the bases for a shape.
+    pub fn update(&mut self, panels: &Panels, shape: &Shape) {
+        for f in 0..panels.n_faces() {
+            let range = self.entry_start[f]..self.entry_start[f + 1];
+            let corners = shape.face(panels, f);
+            orthonormal_complement(&shape.frames[f], corners, &mut self.entries[range]);
+        }
+    }
+}
+
+/// Orthonormal rows that span the range of `P`, by Gram-Schmidt with the largest remaining column of `P` as pivot.
+fn orthonormal_complement(frame: &FaceFrame, corners: &[Corner], rows: &mut [f64]) {
+    let k = corners.len();
+    for a in 0..k - 3 {
+        let (done, rest) = rows.split_at_mut(a * k);
+        let row = &mut rest[..k];
+        let left = |i: usize| {
+            let taken: f64 = done.chunks_exact(k).map(|q| q[i] * q[i]).sum();
+            projector(frame, corners, i, i) - taken
+        };
+        // The first of the largest, so that rounding does not decide between equal ones.
+        let mut pivot = 0;
+        for i in 1..k {
+            if left(i) > left(pivot) + 1e-9 {
+                pivot = i;
+            }
+        }
+        for (i, entry) in row.iter_mut().enumerate() {
+            *entry = projector(frame, corners, i, pivot);
+        }
+        orthogonalise(frame, corners, done, row);
+        orthogonalise(frame, corners, done, row);
+    }
+}
+
+/// Removes the parts of `row` along `1`, `xi`, `eta` and the rows that are done, and normalises it.
+fn orthogonalise(frame: &FaceFrame, corners: &[Corner], done: &[f64], row: &mut [f64]) {
+    let k = row.len();
+    let mean = row.iter().sum::<f64>() / k as f64;
+    let [xx, yy, _] = frame.moments.map(|m| m.max(f64::MIN_POSITIVE));
+    let x = row
+        .iter()
+        .zip(corners)
+        .map(|(r, c)| r * c.flat.x)
+        .sum::<f64>()
+        / xx;
+    let y = row
+        .iter()
+        .zip(corners)
+        .map(|(r, c)| r * c.flat.y)
+        .sum::<f64>()
+        / yy;
+    for (entry, corner) in row.iter_mut().zip(corners) {
+        *entry -= mean + x * corner.flat.x + y * corner.flat.y;
+    }
+    for q in done.chunks_exact(k) {
+        let along: f64 = q.iter().zip(&*row).map(|(q, r)| q * r).sum();
+        row.iter_mut().zip(q).for_each(|(r, q)| *r -= along * q);
+    }
+    let length = row.iter().map(|r| r * r).sum::<f64>().sqrt();
+    if length > 0.0 {
+        row.iter_mut().for_each(|r| *r /= length);
+    }
+}

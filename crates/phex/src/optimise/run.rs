@@ -1,0 +1,412 @@
+//! One run: rising penalties from one start, then the projection.
+
+use super::barrier::{Barrier, clearance};
+use super::closeness::ClosenessWeights;
+use super::energy::{PanelEnergy, PlanarityConstraints, Setting, Weights};
+use super::inspect::{Offender, inspect};
+use super::options::{OptimiseError, OptimiseOptions, StartKind};
+use super::panels::{Panels, Shape};
+use super::simple::{area, is_simple};
+use super::start::Start;
+use super::{RunSummary, Stage};
+use crate::progress::{Event, Progress};
+use phex_numeric::{
+    Assembly, Cholesky, DampedOptions, DampedSolver, Damping, MinimumNorm, Outcome,
+    ProjectionOptions, Record, Status, SymmetricMatrix,
+};
+use std::ops::ControlFlow;
+
+/// Area of a regular hexagon over the square of its edge.
+const HEXAGON: f64 = 2.598_076_211_353_316;
+
+/// Factor of the barrier when a panel has come out with too little clearance.
+const STRONGER: f64 = 4.0;
+
+/// Planarity up to which a mesh is projected without being optimised first.
+const NEARLY_PLANAR: f64 = 1e-3;
+
+/// Factorisations and memory, shared by all runs on one mesh.
+pub(super) struct Solvers {
+    energy_assembly: Assembly,
+    energy: DampedSolver,
+    constraint_assembly: Assembly,
+    constraints: Option<MinimumNorm>,
+}
+
+impl Solvers {
+    pub fn new(panels: &Panels) -> Result<Self, OptimiseError> {
+        let unknowns = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
+        let face = |f| {
+            panels
+                .vertices(f)
+                .iter()
+                .flat_map(|&v| unknowns(v))
+                .collect()
+        };
+        let faces = (0..panels.n_faces()).map(face);
+        let vertices = (0..panels.n_vertices() as u32).map(|v| unknowns(v).to_vec());
+        let elements: Vec<Vec<u32>> = faces.chain(vertices).collect();
+        let energy_assembly = Assembly::new(3 * panels.n_vertices(), &elements);
+        let (cholesky, matrix) = system(&energy_assembly, 3)?;
+        let energy = DampedSolver::new(cholesky, matrix);
+        let elements = PlanarityConstraints::elements(panels);
+        let count = PlanarityConstraints::count(panels);
+        let constraint_assembly = Assembly::new(count, &elements);
+        let constraints = if count == 0 {
+            None
+        } else {
+            let (cholesky, matrix) = system(&constraint_assembly, 1)?;
+            Some(MinimumNorm::new(cholesky, matrix))
+        };
+        Ok(Self {
+            energy_assembly,
+            energy,
+            constraint_assembly,
+            constraints,
+        })
+    }
+}
+
+fn system(assembly: &Assembly, block: usize) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
+    let cholesky = Cholesky::analyse(assembly.pattern(), block)?;
+    Ok((cholesky, SymmetricMatrix::zeros(assembly.pattern().clone())))
+}
+
+/// What came of one start.
+pub(super) struct Run {
+    pub x: Vec<f64>,
+    pub outcome: Outcome,
+    pub offenders: Vec<Offender>,
+    pub summary: RunSummary,
+}
+
+impl Run {
+    pub fn is_cancelled(&self) -> bool {
+        self.outcome.status == Status::Cancelled
+    }
+
+    /// Whether there is no reason to try another start.
+    pub fn is_good(&self, options: &OptimiseOptions, diagonal: f64) -> bool {
+        let quality = &self.summary.quality;
+        self.offenders.is_empty()
+            && quality.clearance >= options.good_clearance
+            && quality.deviation_max <= options.good_deviation * diagonal
+    }
+}
+
+/// Tells of iterations and hears of cancelling.
+struct Reporter<'a> {
+    progress: &'a dyn Progress,
+    iteration: usize,
+    limit: usize,
+}
+
+impl Reporter<'_> {
+    fn observe(&mut self, record: &Record) -> ControlFlow<()> {
+        self.iteration += 1;
+        self.progress.report(&Event::Iteration {
+            stage: "optimise",
+            iteration: self.iteration,
+            limit: self.limit,
+            residual: record.residual,
+        });
+        if self.progress.is_cancelled() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+impl Stage<'_> {
+    fn setting(&self, x: &[f64]) -> Setting<'_> {
+        Setting {
+            panels: &self.panels,
+            reference: &self.reference,
+            guard: &self.guard,
+            rim: &self.rim,
+            fixed: &self.fixed,
+            mean_edge: self.panels.mean_edge(x),
+        }
+    }
+
+    /// Optimises one start.
+    pub fn run(
+        &self,
+        solvers: &mut Solvers,
+        kind: StartKind,
+        start: &Start,
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Run {
+        let setting = self.setting(&start.x);
+        let mut path = Path::new(&setting, solvers, &start.x, options, progress);
+        for &penalty in &options.penalties {
+            path.descend(penalty);
+        }
+        let mut best = path.project();
+        if let Some(&last) = options.penalties.last() {
+            if !path.is_over() && best.planarity > options.planarity_tolerance {
+                best = better(best, path.insist(last));
+            }
+            if !path.is_over() && best.clearance < options.clearance_margin {
+                best = better(best, path.strengthen(&options.penalties));
+            }
+        }
+        let deviation = path.energy.deviation(&best.x);
+        let outcome = path.outcome;
+        self.conclude(kind, start.n_bad, best, outcome, deviation, options)
+    }
+
+    /// Makes a mesh planar as it is: nothing if it is sound, a projection if that is enough, else the whole path.
+    pub fn run_as_given(
+        &self,
+        solvers: &mut Solvers,
+        x: &[f64],
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Run {
+        let kind = StartKind::AsGiven;
+        let setting = self.setting(x);
+        let given = Reached::at(&setting, x.to_vec());
+        let mut path = Path::new(&setting, solvers, x, options, progress);
+        if given.planarity <= NEARLY_PLANAR {
+            let projected = path.project();
+            let deviation = path.energy.deviation(&projected.x);
+            let outcome = path.outcome;
+            let run = self.conclude(kind, 0, projected, outcome, deviation, options);
+            if run.offenders.is_empty() || run.is_cancelled() {
+                return run;
+            }
+        }
+        let shape = Shape::at(&self.panels, x);
+        let simple = |f: &usize| is_simple(shape.face(&self.panels, *f));
+        let n_bad = (0..self.panels.n_faces()).filter(|f| !simple(f)).count();
+        let start = Start {
+            x: x.to_vec(),
+            n_bad,
+        };
+        self.run(solvers, kind, &start, options, progress)
+    }
+
+    fn conclude(
+        &self,
+        kind: StartKind,
+        start_faults: usize,
+        reached: Reached,
+        mut outcome: Outcome,
+        deviation: (f64, f64),
+        options: &OptimiseOptions,
+    ) -> Run {
+        let (quality, offenders) =
+            inspect(&self.panels, &self.guard, &reached.x, deviation, options);
+        let planar = quality.planarity <= options.planarity_tolerance;
+        if planar && outcome.status != Status::Cancelled {
+            outcome.status = Status::Converged;
+        }
+        let faulty = offenders.chunk_by(|a, b| a.face == b.face).count() as f64;
+        // Valid first, then close, then clear.
+        let score = f64::from(u8::from(!planar)) * 100.0
+            + 10.0 * faulty
+            + quality.deviation_max / (2e-3 * self.diagonal)
+            + 0.1 / quality.clearance.max(1e-3);
+        let summary = RunSummary {
+            start: kind,
+            start_faults,
+            status: outcome.status,
+            iterations: outcome.iterations,
+            factorisations: outcome.factorisations,
+            offenders: offenders.len(),
+            quality,
+            score,
+        };
+        Run {
+            x: reached.x,
+            outcome,
+            offenders,
+            summary,
+        }
+    }
+}
+
+/// Positions and what they are judged by on the way.
+struct Reached {
+    x: Vec<f64>,
+    planarity: f64,
+    clearance: f64,
+}
+
+impl Reached {
+    fn at(setting: &Setting<'_>, x: Vec<f64>) -> Self {
+        let shape = Shape::at(setting.panels, &x);
+        let faces = 0..setting.panels.n_faces();
+        let clearances = faces.map(|f| clearance(shape.face(setting.panels, f)));
+        Self {
+            planarity: shape.max_height() / setting.mean_edge,
+            clearance: clearances.fold(f64::INFINITY, f64::min) / setting.mean_edge,
+            x,
+        }
+    }
+}
+
+/// The planar one; of two planar ones that with more clearance.
+fn better(a: Reached, b: Reached) -> Reached {
+    const PLANAR: f64 = 1e-12;
+    let planar = [a.planarity <= PLANAR, b.planarity <= PLANAR];
+    let second = match planar {
+        [true, false] => false,
+        [false, true] => true,
+        [false, false] => b.planarity < a.planarity,
+        [true, true] => b.clearance > a.clearance,
+    };
+    if second { b } else { a }
+}
+
+/// The way from one start: the positions, the energy, and everything that is handed on from phase to phase.
+struct Path<'a> {
+    setting: &'a Setting<'a>,
+    options: &'a OptimiseOptions,
+    energy: PanelEnergy<'a>,
+    minimiser: &'a mut DampedSolver,
+    projector: Option<&'a mut MinimumNorm>,
+    constraint_assembly: &'a Assembly,
+    reporter: Reporter<'a>,
+    damping: Damping,
+    outcome: Outcome,
+    x: Vec<f64>,
+}
+
+impl<'a> Path<'a> {
+    fn new(
+        setting: &'a Setting<'a>,
+        solvers: &'a mut Solvers,
+        start: &[f64],
+        options: &'a OptimiseOptions,
+        progress: &'a dyn Progress,
+    ) -> Self {
+        let reporter = Reporter {
+            progress,
+            iteration: 0,
+            limit: options.penalties.len() * options.max_iterations + options.projection_iterations,
+        };
+        Self {
+            energy: panel_energy(setting, &solvers.energy_assembly, start, options),
+            minimiser: &mut solvers.energy,
+            projector: solvers.constraints.as_mut(),
+            constraint_assembly: &solvers.constraint_assembly,
+            setting,
+            options,
+            reporter,
+            damping: Damping::default(),
+            outcome: Outcome::empty(Status::Converged),
+            x: start.to_vec(),
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.outcome.status == Status::Cancelled
+    }
+
+    /// One phase: minimises the energy with a weight of planarity.
+    fn descend(&mut self, penalty: f64) {
+        if self.is_over() {
+            return;
+        }
+        self.energy.weights.planarity = penalty;
+        self.energy.arm(&self.x);
+        let phase = DampedOptions {
+            max_iterations: self.options.max_iterations,
+            energy_tolerance: self.options.energy_tolerance,
+            step_tolerance: self.options.step_tolerance,
+            phase: penalty,
+        };
+        let reporter = &mut self.reporter;
+        let outcome = self.minimiser.minimise(
+            &mut self.energy,
+            &mut self.x,
+            &mut self.damping,
+            &phase,
+            |record| reporter.observe(record),
+        );
+        self.outcome.append(outcome);
+    }
+
+    /// Projects a copy of the positions onto the planarity constraints.
+    fn project(&mut self) -> Reached {
+        let mut x = self.x.clone();
+        if let (Some(projector), false) = (
+            self.projector.as_mut(),
+            self.outcome.status == Status::Cancelled,
+        ) {
+            let least = self.options.clearance_margin * self.setting.mean_edge;
+            let mut constraints =
+                PlanarityConstraints::new(self.setting, self.constraint_assembly, &x, least);
+            let options = ProjectionOptions {
+                max_iterations: self.options.projection_iterations,
+                goal: 0.0,
+                tolerance: self.options.planarity_tolerance,
+                phase: f64::INFINITY,
+            };
+            let reporter = &mut self.reporter;
+            let observe = |record: &Record| reporter.observe(record);
+            let outcome = projector.project(&mut constraints, &mut x, &options, observe);
+            self.outcome.append(outcome);
+        }
+        Reached::at(self.setting, x)
+    }
+
+    /// Goes on with higher penalties where the projection has not arrived.
+    fn insist(&mut self, last: f64) -> Reached {
+        self.descend(10.0 * last);
+        self.descend(100.0 * last);
+        self.project()
+    }
+
+    /// Repeats the last two phases with a stronger barrier, where a panel has come out too tight.
+    fn strengthen(&mut self, penalties: &[f64]) -> Reached {
+        for barrier in &mut self.energy.barriers {
+            barrier.weight *= STRONGER;
+        }
+        for &penalty in &penalties[penalties.len().saturating_sub(2)..] {
+            self.descend(penalty);
+        }
+        self.project()
+    }
+}
+
+fn panel_energy<'a>(
+    setting: &'a Setting<'a>,
+    assembly: &'a Assembly,
+    start: &[f64],
+    options: &OptimiseOptions,
+) -> PanelEnergy<'a> {
+    let weights = Weights {
+        planarity: 0.0,
+        closeness: ClosenessWeights {
+            vertex: options.vertex_closeness,
+            centre: options.centre_closeness,
+            rim: options.boundary_closeness,
+        },
+        fairness: options.fairness,
+        anchor: options.anchor,
+    };
+    let barriers = barriers(setting.panels, start, options);
+    PanelEnergy::new(setting, assembly, weights, barriers, start)
+}
+
+/// Barriers in proportion to each panel's own area, so that graded meshes are treated alike everywhere.
+fn barriers(panels: &Panels, start: &[f64], options: &OptimiseOptions) -> Vec<Barrier> {
+    let shape = Shape::at(panels, start);
+    let areas: Vec<f64> = (0..panels.n_faces())
+        .map(|f| area(shape.face(panels, f)).abs())
+        .collect();
+    let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+    let barrier = |&area: &f64| {
+        let area = area.max(0.05 * mean);
+        Barrier {
+            weight: options.barrier * options.vertex_closeness * area / HEXAGON,
+            reach: options.barrier_reach * area.sqrt(),
+        }
+    };
+    areas.iter().map(barrier).collect()
+}

@@ -1,0 +1,185 @@
+//! Starts: simple panels near the surface.
+//!
+//! *Smoothed cells*: each vertex moves half-way to the mean of its neighbours and back to the surface, until every panel is
+//! simple and on its side of the surface (Voronoi cells mostly are from the beginning; a few rounds make them
+//! even). Vertices of the boundary are averaged along the boundary; corners stay.
+//!
+//! *Blended circumcentres*: each interior vertex moves towards the point where the tangent planes of its three cells meet,
+//! the circumcentre in the metric `|II|` (Dupin duality): `d = (A^T A + eps I)^-1 A^T b`, rows of `A` the three normals,
+//! `b_i = n_i . (p_i - x)`, no farther than 0.8 cells. Where panels would suffer, their vertices back off.
+//! Where the surface is nearly flat the planes hardly meet; `eps` is set by the middle singular value.
+
+use super::Target;
+use super::barrier::clearance;
+use super::guard::{Breach, Guard};
+use super::panels::{Panels, Shape, flatten, points};
+use crate::layout::{Layout, VertexKind};
+use nalgebra::Matrix3;
+use phex_mesh::{Topology, Vec3, VertexId};
+
+/// A start and the number of its panels that are not simple or not on their side.
+#[derive(Clone, Debug)]
+pub(super) struct Start {
+    pub x: Vec<f64>,
+    pub n_bad: usize,
+}
+
+/// Panels that are not simple or not on their side.
+fn bad_faces(panels: &Panels, guard: &Guard, x: &[f64]) -> (Vec<usize>, Shape) {
+    let shape = Shape::at(panels, x);
+    let face = |b: Breach| match b {
+        Breach::NotSimple(f) | Breach::WrongSide(f) => Some(f),
+        Breach::Fan(_) | Breach::Fold(_) => None,
+    };
+    let breaches = guard.breaches(panels, &shape, x).into_iter();
+    let mut faces: Vec<usize> = breaches.filter_map(face).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    (faces, shape)
+}
+
+/// Neighbours whose mean each vertex moves to.
+fn averaging_stencils(topology: &Topology) -> Vec<Vec<u32>> {
+    let stencil = |v: VertexId| {
+        let rim = topology.is_boundary_vertex(v);
+        let neighbours = topology.neighbours(v).into_iter();
+        let wanted = neighbours.filter(|&n| !rim || topology.is_boundary_vertex(n));
+        wanted.map(|n| n.index() as u32).collect()
+    };
+    topology.vertices().map(stencil).collect()
+}
+
+/// Cells smoothed on the surface; `steps` are the least and the largest number of rounds. Stops early when asked to.
+pub(super) fn smoothed_cells(
+    layout: &Layout,
+    target: &dyn Target,
+    panels: &Panels,
+    guard: &Guard,
+    steps: [usize; 2],
+    cancelled: impl Fn() -> bool,
+) -> Start {
+    let topology = layout.mesh.topology();
+    let stencils = averaging_stencils(topology);
+    let mut positions = layout.mesh.positions.as_slice().to_vec();
+    let mut best = Start {
+        x: flatten(&positions),
+        n_bad: usize::MAX,
+    };
+    for round in 0..=steps[1] {
+        let x = flatten(&positions);
+        let n_bad = bad_faces(panels, guard, &x).0.len();
+        if n_bad < best.n_bad || (n_bad == 0 && round <= steps[0]) {
+            best = Start { x, n_bad };
+        }
+        if (n_bad == 0 && round >= steps[0]) || cancelled() {
+            break;
+        }
+        smooth(&mut positions, &stencils, layout, target);
+    }
+    best
+}
+
+fn smooth(positions: &mut [Vec3], stencils: &[Vec<u32>], layout: &Layout, target: &dyn Target) {
+    let halfway = |v: usize| {
+        let ring = &stencils[v];
+        if layout.vertex_kind[VertexId::new(v as u32)] == VertexKind::BoundaryCorner
+            || ring.is_empty()
+        {
+            return positions[v];
+        }
+        let sum: Vec3 = ring.iter().map(|&n| positions[n as usize]).sum();
+        positions[v] * 0.5 + sum * (0.5 / ring.len() as f64)
+    };
+    let moved: Vec<Vec3> = (0..positions.len()).map(halfway).collect();
+    let feet = target.closest_points(&moved);
+    let rim: Vec<usize> = (0..positions.len())
+        .filter(|&v| layout.vertex_kind[VertexId::new(v as u32)] == VertexKind::Boundary)
+        .collect();
+    let rim_points: Vec<Vec3> = rim.iter().map(|&v| moved[v]).collect();
+    for v in 0..positions.len() {
+        if layout.vertex_kind[VertexId::new(v as u32)] != VertexKind::BoundaryCorner {
+            positions[v] = feet[v].position;
+        }
+    }
+    if let Some(curve) = target.closest_on_boundary(&rim_points) {
+        for (&v, q) in rim.iter().zip(&curve) {
+            positions[v] = q.position;
+        }
+    }
+}
+
+/// Moves a start towards its circumcentres.
+pub(super) fn circumcentres(
+    layout: &Layout,
+    panels: &Panels,
+    guard: &Guard,
+    cells: &Start,
+    mean_edge: f64,
+) -> Start {
+    let before = points(&cells.x);
+    let steps = circumcentre_steps(layout, &before);
+    let (bad_before, shape) = bad_faces(panels, guard, &cells.x);
+    let allowed = |f: usize| bad_before.binary_search(&f).is_ok();
+    let least: Vec<f64> = (0..panels.n_faces())
+        .map(|f| (0.6 * clearance(shape.face(panels, f))).min(0.12 * mean_edge))
+        .collect();
+    let mut blend = vec![1.0; before.len()];
+    const ROUNDS: usize = 30;
+    for round in 0..=ROUNDS {
+        let moved = |v: usize| before[v] + steps[v] * blend[v];
+        let x = flatten(&(0..before.len()).map(moved).collect::<Vec<_>>());
+        let (bad, shape) = bad_faces(panels, guard, &x);
+        let suffers = |&f: &usize| {
+            bad.binary_search(&f).is_ok() || clearance(shape.face(panels, f)) < least[f]
+        };
+        let all = 0..panels.n_faces();
+        let suffering: Vec<usize> = all.filter(|f| !allowed(*f) && suffers(f)).collect();
+        if suffering.is_empty() {
+            let n_bad = bad.len();
+            return Start { x, n_bad };
+        }
+        let factor = if round + 1 < ROUNDS { 0.6 } else { 0.0 };
+        for &v in suffering.iter().flat_map(|&f| panels.vertices(f)) {
+            blend[v as usize] *= factor;
+        }
+    }
+    cells.clone()
+}
+
+/// Step of each vertex to its regularised circumcentre; zero on the boundary.
+fn circumcentre_steps(layout: &Layout, positions: &[Vec3]) -> Vec<Vec3> {
+    let topology = layout.mesh.topology();
+    let normal_equations = |v: VertexId| {
+        let inner = !topology.is_boundary_vertex(v) && topology.face_degree(v) == 3;
+        inner.then(|| {
+            let (mut matrix, mut rhs) = (Matrix3::zeros(), Vec3::zeros());
+            for f in topology.outgoing(v).map(|h| topology.face(h)) {
+                let n = layout.face_normal[f];
+                matrix += n * n.transpose();
+                rhs += n * n.dot(&(layout.face_point[f] - positions[v.index()]));
+            }
+            let mut squares = matrix.symmetric_eigenvalues();
+            squares.as_mut_slice().sort_by(f64::total_cmp);
+            (matrix, rhs, squares[1].max(0.0).sqrt())
+        })
+    };
+    let systems: Vec<_> = topology.vertices().map(normal_equations).collect();
+    let mut middles: Vec<f64> = systems.iter().flatten().map(|s| s.2).collect();
+    middles.sort_by(f64::total_cmp);
+    let typical = middles.get(middles.len() / 2).copied().unwrap_or(0.0);
+    let step = |(v, system): (VertexId, &Option<(Matrix3<f64>, Vec3, f64)>)| {
+        let Some((matrix, rhs, middle)) = system else {
+            return Vec3::zeros();
+        };
+        let eps = (0.2 * middle.max(0.35 * typical)).powi(2) + 1e-12;
+        let regularised = matrix + Matrix3::from_diagonal_element(eps);
+        let step = regularised
+            .cholesky()
+            .map_or(Vec3::zeros(), |c| c.solve(rhs));
+        let faces = topology.outgoing(v).map(|h| topology.face(h));
+        let lengths: f64 = faces.map(|f| layout.face_length[f]).sum();
+        let longest = 0.8 * lengths / 3.0;
+        step * (longest / step.norm().max(longest))
+    };
+    topology.vertices().zip(&systems).map(step).collect()
+}

@@ -1,0 +1,467 @@
+//! The whole flow, and its one loop.
+//!
+//! surface -> target -> curvature -> directions -> layout -> optimise; panels that stay invalid go back to the layout as
+//! seeds to drop, and layout and optimiser run again.
+
+use crate::curvature::{self, Curvature, CurvatureOptions};
+use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::{self, DirectionOptions, Directions};
+use crate::layout::lattice::CELL;
+use crate::layout::seeds::Seed;
+use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics};
+use crate::optimise::{
+    self, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
+};
+use crate::progress::{Event, Progress};
+use crate::target::{self, Similarity, SmoothTarget, TargetOptions};
+use nalgebra::Matrix3;
+use phex_mesh::{
+    FaceId, HexMesh, PerVertex, TriangleSurface, ValidateOptions, VertexId, Violation,
+};
+use phex_numeric::{NumericError, Outcome};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeSet, HashSet};
+use std::time::Instant;
+use thiserror::Error;
+
+/// How large panels are.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PanelSize {
+    /// Number of panels, at least 1.
+    Panels(usize),
+    /// Mean edge length, model units.
+    EdgeLength(f64),
+}
+
+/// Options of [`mesh_surface`]: one struct per stage, and what concerns the whole flow.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MeshOptions {
+    /// Size of the panels.
+    pub size: PanelSize,
+    /// Smooth target.
+    pub target: TargetOptions,
+    /// Curvature.
+    pub curvature: CurvatureOptions,
+    /// Metric and direction field.
+    pub directions: DirectionOptions,
+    /// Layout.
+    pub layout: LayoutOptions,
+    /// Optimiser.
+    pub optimise: OptimiseOptions,
+    /// Vertices per panel, at least, of the mesh on which directions and lattice are computed.
+    pub field_density: f64,
+    /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are kept close.
+    pub cell_density: f64,
+    /// Rounds of the repair loop at the most.
+    pub max_repairs: usize,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        Self {
+            size: PanelSize::Panels(500),
+            target: TargetOptions::default(),
+            curvature: CurvatureOptions::default(),
+            directions: DirectionOptions::default(),
+            layout: LayoutOptions::default(),
+            optimise: OptimiseOptions::default(),
+            field_density: 8.0,
+            cell_density: 25.0,
+            max_repairs: 6,
+        }
+    }
+}
+
+/// Most panels that one run is asked for; more would not fit into the ids of the refined surface.
+pub const MAX_PANELS: usize = 2_000_000;
+
+/// Why nothing was made.
+#[derive(Clone, Debug, Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// The size of the panels makes no sense for the surface.
+    #[error("{0}")]
+    Size(String),
+    /// The surface has several components; the flow takes one at a time.
+    #[error("the surface has {0} components, one at a time can be meshed")]
+    Components(usize),
+    /// A linear system could not be solved.
+    #[error("the equations of the direction field could not be solved: {0}")]
+    Numeric(#[from] NumericError),
+    /// No panelling exists.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// The optimiser refused its input.
+    #[error(transparent)]
+    Optimise(#[from] OptimiseError),
+    /// The caller cancelled before there was a mesh.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Seconds that a stage took.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageSeconds {
+    /// Name of the stage.
+    pub stage: &'static str,
+    /// Wall time, seconds, summed over repeats.
+    pub seconds: f64,
+}
+
+/// One round of the repair loop.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RepairRound {
+    /// Panels before the round.
+    pub panels: usize,
+    /// Panels that were invalid and lost their seeds.
+    pub dropped: usize,
+}
+
+/// What the stages did, for the report.
+#[derive(Clone, Debug, Serialize)]
+pub struct Statistics {
+    /// Panels asked for.
+    pub panels_asked: usize,
+    /// Vertices of each level of the smooth target.
+    pub target_vertices: Vec<usize>,
+    /// Distance of the input's vertices to the target, over the diagonal.
+    pub interpolation_error: f64,
+    /// The lattice.
+    pub layout: LayoutStatistics,
+    /// The optimiser's runs of the last round.
+    pub runs: Vec<RunSummary>,
+    /// Factorisations of the optimiser in all rounds.
+    pub factorisations: usize,
+    /// The repair loop.
+    pub repairs: Vec<RepairRound>,
+}
+
+/// What [`mesh_surface`] made.
+#[derive(Clone)]
+pub struct MeshRun {
+    /// The panelling in model coordinates.
+    pub mesh: HexMesh,
+    /// The smooth target in model coordinates.
+    pub target: TriangleSurface,
+    /// How the optimiser ended.
+    pub outcome: Outcome,
+    /// Panels that are not as they should be; empty if the mesh is sound.
+    pub offenders: Vec<Offender>,
+    /// Violations between panels (crossings, folds) that the optimiser does not see.
+    pub violations: Vec<Violation>,
+    /// What the stages did.
+    pub statistics: Statistics,
+    /// Where the time went.
+    pub stages: Vec<StageSeconds>,
+}
+
+impl MeshRun {
+    /// Whether every panel is planar and simple, and no two of them meet where they should not.
+    pub fn is_sound(&self) -> bool {
+        self.offenders.is_empty() && self.violations.is_empty()
+    }
+}
+
+/// Makes a planar hexagonal mesh of a connected surface.
+///
+/// # Errors
+/// If the input can't be used or no panelling with its topology is found. A mesh that did not become valid is returned,
+/// with its offenders, and never called valid.
+pub fn mesh_surface(
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<MeshRun, PipelineError> {
+    let mut clock = Clock {
+        progress,
+        stages: Vec::new(),
+    };
+    let panels = panel_count(surface, options.size)?;
+    let similarity = Similarity::normalising(surface);
+    let smooth = clock.stage("target", || {
+        let normalised = moved(surface, |p| similarity.normalise(p));
+        let vertices = options.cell_density.max(options.field_density) * panels as f64;
+        target::smooth_target(&normalised, vertices as usize, &options.target)
+    })?;
+    let field = Field::new(&smooth, panels, options, &mut clock)?;
+    let fine = FineSurface::new(&smooth, &field);
+    let mut seeds = field.seeds.clone();
+    let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
+    let target = SurfaceTarget::new(&fine.surface);
+    let mut repairs = Vec::new();
+    let mut factorisations = 0;
+    let mut best: Option<(usize, Optimised, Vec<Violation>)> = None;
+    loop {
+        let result = clock.stage("optimise", || {
+            optimise::optimise(&layout, &target, &options.optimise, progress)
+        })??;
+        factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
+        let violations = clock.stage("validate", || between_panels(&result.mesh, &fine.surface))?;
+        let invalid = invalid_panels(&result, &violations);
+        let better = best.as_ref().is_none_or(|b| invalid.len() < b.0);
+        if better {
+            best = Some((invalid.len(), result, violations));
+        }
+        if invalid.is_empty() || repairs.len() >= options.max_repairs || progress.is_cancelled() {
+            break;
+        }
+        let before = seeds.len();
+        drop_seeds(&mut seeds, &layout, &invalid);
+        repairs.push(RepairRound {
+            panels: layout.mesh.topology().n_faces(),
+            dropped: before - seeds.len(),
+        });
+        match clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))? {
+            Ok(next) => layout = next,
+            Err(_) => break,
+        }
+    }
+    let (_, result, violations) = best.expect("the loop runs at least once");
+    let statistics = Statistics {
+        panels_asked: panels,
+        target_vertices: smooth.levels.iter().map(|l| l.positions().len()).collect(),
+        interpolation_error: smooth.interpolation_error,
+        layout: field.statistics,
+        runs: result.runs.clone(),
+        factorisations,
+        repairs,
+    };
+    let positions = result.mesh.positions.map(|p| similarity.restore(*p));
+    Ok(MeshRun {
+        mesh: result.mesh.with_positions(positions),
+        target: moved(&fine.surface, |p| similarity.restore(p)),
+        outcome: result.outcome,
+        offenders: result.offenders,
+        violations,
+        statistics,
+        stages: clock.stages,
+    })
+}
+
+/// Panels that a size means for a surface.
+fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, PipelineError> {
+    let (_, components) = surface.topology().components();
+    if components != 1 {
+        return Err(PipelineError::Components(components));
+    }
+    let count = match size {
+        PanelSize::Panels(n) => n as f64,
+        // A regular hexagon of edge e has area 3 sqrt(3) / 2 e^2.
+        PanelSize::EdgeLength(e) if e > 0.0 && e.is_finite() => {
+            surface.area() / (3.0 * CELL * e * e)
+        }
+        PanelSize::EdgeLength(e) => {
+            return Err(PipelineError::Size(format!(
+                "the edge length must be positive and finite, not {e}"
+            )));
+        }
+    };
+    if !(count >= 1.0) {
+        return Err(PipelineError::Size(format!(
+            "{count:.3} panels were asked for, at least 1 is needed"
+        )));
+    }
+    if count > MAX_PANELS as f64 {
+        return Err(PipelineError::Size(format!(
+            "{count:.0} panels were asked for, more than {MAX_PANELS}"
+        )));
+    }
+    Ok(count.round() as usize)
+}
+
+fn moved(
+    surface: &TriangleSurface,
+    f: impl Fn(phex_mesh::Vec3) -> phex_mesh::Vec3,
+) -> TriangleSurface {
+    let positions = surface.positions().map(|p| f(*p)).into_vec();
+    let triangles: Vec<[u32; 3]> = surface
+        .topology()
+        .face_lists()
+        .into_iter()
+        .map(|f| [f[0], f[1], f[2]])
+        .collect();
+    TriangleSurface::new(positions, &triangles)
+        .expect("a similarity keeps a manifold a manifold")
+        .with_normals(surface.normals().clone())
+}
+
+/// Names stages to the progress and sums their times.
+struct Clock<'a> {
+    progress: &'a dyn Progress,
+    stages: Vec<StageSeconds>,
+}
+
+impl Clock<'_> {
+    fn stage<T>(
+        &mut self,
+        stage: &'static str,
+        work: impl FnOnce() -> T,
+    ) -> Result<T, PipelineError> {
+        if self.progress.is_cancelled() {
+            return Err(PipelineError::Cancelled);
+        }
+        self.progress.report(&Event::StageStarted { stage });
+        let start = Instant::now();
+        let result = work();
+        let seconds = start.elapsed().as_secs_f64();
+        self.progress.report(&Event::StageFinished { stage });
+        match self.stages.iter_mut().find(|s| s.stage == stage) {
+            Some(s) => s.seconds += seconds,
+            None => self.stages.push(StageSeconds { stage, seconds }),
+        }
+        Ok(result)
+    }
+}
+
+/// Curvature, metric and seeds on the level where the lattice is computed.
+struct Field {
+    level: usize,
+    curvature: Curvature,
+    directions: Directions,
+    seeds: Vec<Seed>,
+    statistics: LayoutStatistics,
+}
+
+/// Deviation from the number of panels asked for that is corrected by another lattice.
+const COUNT_TOLERANCE: f64 = 0.06;
+/// Lattices tried for that at the most.
+const COUNT_TRIES: usize = 3;
+/// Panels that a boundary adds, per panel length of it: cells that it cuts are kept when half is left, more or less.
+const RIM_PANELS: f64 = 0.12;
+
+impl Field {
+    fn new(
+        smooth: &SmoothTarget,
+        panels: usize,
+        options: &MeshOptions,
+        clock: &mut Clock<'_>,
+    ) -> Result<Self, PipelineError> {
+        let wanted = options.field_density * panels as f64;
+        let level = smooth
+            .levels
+            .iter()
+            .position(|l| l.positions().len() as f64 >= wanted);
+        let level = level.unwrap_or(smooth.levels.len() - 1);
+        let surface = &smooth.levels[level];
+        let mut length = panel_length(surface, panels);
+        let curvature = clock.stage("curvature", || {
+            curvature::curvature(surface, length, &options.curvature)
+        })?;
+        let mut best: Option<(f64, Self)> = None;
+        for _ in 0..COUNT_TRIES {
+            let directions = clock.stage("directions", || {
+                directions::directions(surface, &curvature, length, &options.directions)
+            })??;
+            let (seeds, statistics) = clock.stage("layout", || {
+                layout::place_seeds(surface.topology(), &directions, &options.layout)
+            })??;
+            let ratio = seeds.len().max(1) as f64 / panels as f64;
+            let error = ratio.ln().abs();
+            if best.as_ref().is_none_or(|b| error < b.0) {
+                best = Some((
+                    error,
+                    Self {
+                        level,
+                        curvature: curvature.clone(),
+                        directions,
+                        seeds,
+                        statistics,
+                    },
+                ));
+            }
+            if error < COUNT_TOLERANCE {
+                break;
+            }
+            length *= ratio.sqrt();
+        }
+        Ok(best.expect("at least one lattice is tried").1)
+    }
+}
+
+/// Distance of neighbouring panel centres for a number of panels.
+fn panel_length(surface: &TriangleSurface, panels: usize) -> f64 {
+    let topology = surface.topology();
+    let rim: f64 = topology
+        .edges()
+        .filter(|&e| topology.is_boundary_edge(e))
+        .map(|e| topology.edge_vertices(e))
+        .map(|[a, b]| (surface.positions()[a] - surface.positions()[b]).norm())
+        .sum();
+    // area / (CELL L^2) + RIM_PANELS rim / L = panels
+    let (a, b, n) = (surface.area() / CELL, RIM_PANELS * rim, panels as f64);
+    (b + (b * b + 4.0 * n * a).sqrt()) / (2.0 * n)
+}
+
+/// The finest level with everything that cells need.
+struct FineSurface {
+    surface: TriangleSurface,
+    metric: PerVertex<Matrix3<f64>>,
+    mesh: IntrinsicMesh,
+    corners: HashSet<VertexId>,
+}
+
+impl FineSurface {
+    fn new(smooth: &SmoothTarget, field: &Field) -> Self {
+        let mut curvature = field.curvature.clone();
+        let mut metric = field.directions.metric.clone();
+        for step in &smooth.refinements[field.level..] {
+            curvature = curvature.refined(step);
+            metric = step.apply(&metric);
+        }
+        let surface = smooth.finest().clone().with_normals(curvature.normal);
+        let mesh = IntrinsicMesh::new(&surface, &metric);
+        let corners = spaced_corners(smooth, field);
+        Self {
+            surface,
+            metric,
+            mesh,
+            corners,
+        }
+    }
+
+    fn cells(&self) -> CellSurface<'_> {
+        CellSurface {
+            surface: &self.surface,
+            metric: &self.metric,
+            mesh: &self.mesh,
+            corners: &self.corners,
+        }
+    }
+}
+
+/// Sharp boundary corners at least half a panel apart, the sharpest first.
+fn spaced_corners(smooth: &SmoothTarget, field: &Field) -> HashSet<VertexId> {
+    let positions = smooth.finest().positions();
+    let mut kept: Vec<VertexId> = Vec::new();
+    for &corner in &smooth.corners {
+        let d = |other: &VertexId| {
+            let d = positions[corner] - positions[*other];
+            d.dot(&(field.directions.metric[corner] * d)).sqrt()
+        };
+        if kept.iter().all(|other| d(other) > 0.5) {
+            kept.push(corner);
+        }
+    }
+    kept.into_iter().collect()
+}
+
+/// Violations that concern several panels: the optimiser's own list has the others.
+fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
+    phex_mesh::violations(mesh, Some(surface), &ValidateOptions::default())
+}
+
+/// Panels whose seeds the next round drops.
+fn invalid_panels(result: &Optimised, violations: &[Violation]) -> BTreeSet<FaceId> {
+    let mut invalid: BTreeSet<FaceId> = result.offenders.iter().map(|o| o.face).collect();
+    for violation in violations {
+        invalid.extend(violation.faces(result.mesh.topology()));
+    }
+    invalid
+}
+
+fn drop_seeds(seeds: &mut Vec<Seed>, layout: &Layout, invalid: &BTreeSet<FaceId>) {
+    let dropped: HashSet<VertexId> = invalid.iter().map(|f| layout.face_seed[*f]).collect();
+    seeds.retain(|s| !dropped.contains(&s.vertex));
+}
