@@ -3,6 +3,7 @@
 use crate::exit::Failure;
 use crate::units::{Quantity, Unit};
 use clap::Args;
+use phex::MeshOptions;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -42,6 +43,9 @@ pub struct MeshSettings {
     /// Number of threads; the result does not depend on it [default: all cores]
     #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of them.
+    #[arg(skip)]
+    pub stages: MeshOptions,
 }
 
 /// How fine the panelling is to be.
@@ -86,6 +90,7 @@ impl MeshSettings {
             all_components: self.all_components || file.all_components,
             seed: self.seed.or(file.seed),
             threads: self.threads.or(file.threads),
+            stages: file.stages,
         }
     }
 
@@ -102,18 +107,33 @@ impl MeshSettings {
         self.max_deviation.unwrap_or(DEFAULT_DEVIATION)
     }
 
+    /// The options of the stages for a number of panels.
+    pub fn options(&self, panels: u64) -> MeshOptions {
+        let mut options = self.stages.clone();
+        options.size = phex::PanelSize::Panels(usize::try_from(panels).unwrap_or(usize::MAX));
+        if let Some(degrees) = self.rotate {
+            options.directions.rotate = degrees.to_radians();
+        }
+        if let Some(seed) = self.seed {
+            options.layout.seed = seed;
+        }
+        options
+    }
+
     /// The settings with every default filled in, for the report.
     pub fn complete(&self) -> Self {
         let panels = match self.size() {
             PanelSize::Panels(panels) => Some(panels),
             PanelSize::EdgeLength(_) => None,
         };
+        let stages = self.options(panels.unwrap_or(DEFAULT_PANELS));
         Self {
             panels,
-            rotate: Some(self.rotate.unwrap_or(0.0)),
+            rotate: Some(stages.directions.rotate.to_degrees()),
             max_deviation: Some(self.max_deviation()),
             unit: Some(self.unit.unwrap_or_default()),
-            seed: Some(self.seed.unwrap_or(0)),
+            seed: Some(stages.layout.seed),
+            stages,
             ..self.clone()
         }
     }
@@ -146,6 +166,29 @@ mod tests {
         );
         let size = MeshSettings::default().over(file).size();
         assert_eq!(size, PanelSize::EdgeLength("80cm".parse().unwrap()));
+    }
+
+    #[test]
+    fn options_of_a_stage_come_from_the_file_and_give_way_to_the_command_line() {
+        let file: MeshSettings = toml::from_str("[stages.layout]\nseed = 4\ncentring = 3").unwrap();
+        let options = MeshSettings {
+            rotate: Some(90.0),
+            ..Default::default()
+        }
+        .over(file.clone())
+        .options(77);
+        assert_eq!((options.layout.seed, options.layout.centring), (4, 3));
+        assert_eq!(options.size, phex::PanelSize::Panels(77));
+        assert!((options.directions.rotate - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        let typed = MeshSettings {
+            seed: Some(9),
+            ..Default::default()
+        }
+        .over(file);
+        assert_eq!(
+            (typed.options(1).layout.seed, typed.complete().seed),
+            (9, Some(9))
+        );
     }
 
     #[test]

@@ -115,10 +115,9 @@ fn mesh_each(
     let unit = settings.unit.unwrap_or_default();
     let areas: Vec<f64> = components.iter().map(|c| c.surface.area()).collect();
     let counts = shares(panels(settings.size(), facets, unit)?, &areas);
-    let (rotate, seed) = (settings.rotate.unwrap_or(0.0), settings.seed.unwrap_or(0));
     let mesh = |(part, &count): (&SurfaceComponent, &u64)| {
-        let reached = engine::mesh(&part.surface, count, rotate, seed, reporter)?;
-        if reached.cancelled || is_interrupted() {
+        let reached = engine::mesh(&part.surface, &settings.options(count), reporter)?;
+        if is_interrupted() {
             Err(Failure::interrupted())
         } else {
             Ok(reached)
@@ -158,7 +157,7 @@ fn describe(
 ) -> Result<(), Failure> {
     report.unit = settings.unit.unwrap_or_default().to_string();
     report.settings = serde_json::to_value(settings.complete()).context("the settings")?;
-    report.seed = settings.seed.unwrap_or(0);
+    report.seed = settings.options(1).layout.seed;
     report.stages = summed(runs.iter().flat_map(|run| &run.stages));
     let (outcomes, statistics): (Vec<Value>, Vec<Value>) = runs
         .into_iter()

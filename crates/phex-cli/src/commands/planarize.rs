@@ -9,6 +9,7 @@ use crate::output::{Content, check_writable, write_mesh};
 use crate::progress::{Reporter, is_interrupted};
 use crate::summary;
 use crate::verdict::{TypedLimits, exit_of, written};
+use phex::optimise::OptimiseOptions;
 use phex::report::{References, RunReport, Verdict};
 use phex_mesh::HexMesh;
 use serde_json::json;
@@ -24,12 +25,19 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let reporter = Reporter::new(&command.talk);
     let file = MeshFile::read(&command.input)?;
     let (start, dropped) = file.polygon_mesh()?;
-    let reference = command.surface.as_deref().map(MeshFile::read).transpose()?;
-    let surface = whole(&reference.as_ref().unwrap_or(&file).surfaces()?.components)?;
+    let given = command.surface.as_deref().map(MeshFile::read).transpose()?;
+    let surface = given
+        .as_ref()
+        .map(|file| whole(&file.surfaces()?.components))
+        .transpose()?;
+    // Without a surface, the distance to where the faces were is told, unless they are too bad to be a surface.
+    let own = || whole(&file.surfaces().ok()?.components).ok();
+    let facets = if surface.is_some() { None } else { own() };
 
-    let reached = engine::planarize(&start, &surface, &reporter)?;
+    let options = OptimiseOptions::default();
+    let reached = engine::planarize(&start, surface.as_ref(), &options, &reporter)?;
     reporter.finish();
-    if reached.cancelled || is_interrupted() {
+    if is_interrupted() {
         return Err(Failure::interrupted());
     }
     let limits = TypedLimits::from(&command.limits);
@@ -37,17 +45,17 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         &reached.mesh,
         References {
             smooth: None,
-            facets: Some(&surface),
+            facets: surface.as_ref().or(facets.as_ref()),
         },
     );
     let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
     let mut report = RunReport::new("planarize", assessment);
     report.inputs = std::iter::once(file.record)
-        .chain(reference.map(|r| r.record))
+        .chain(given.map(|r| r.record))
         .collect();
     report.unit = limits.unit.to_string();
     report.threads = threads;
-    report.settings = json!({ "planarity": limits.planarity, "max-deviation": limits.max_deviation, "unit": limits.unit });
+    report.settings = json!({ "planarity": limits.planarity, "max-deviation": limits.max_deviation, "unit": limits.unit, "optimise": options });
     report.outcome = reached.outcome;
     report.statistics = reached.statistics;
     report.stages = reached.stages;
