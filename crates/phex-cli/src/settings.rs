@@ -170,14 +170,14 @@ mod tests {
 
     #[test]
     fn options_of_a_stage_come_from_the_file_and_give_way_to_the_command_line() {
-        let file: MeshSettings = toml::from_str("[stages.layout]\nseed = 4\ncentring = 3").unwrap();
+        let file: MeshSettings = toml::from_str("[stages.layout]\nseed = 4\nsweeps = 3").unwrap();
         let options = MeshSettings {
             rotate: Some(90.0),
             ..Default::default()
         }
         .over(file.clone())
         .options(77);
-        assert_eq!((options.layout.seed, options.layout.centring), (4, 3));
+        assert_eq!((options.layout.seed, options.layout.sweeps), (4, 3));
         assert_eq!(options.size, phex::PanelSize::Panels(77));
         assert!((options.directions.rotate - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         let typed = MeshSettings {
