@@ -70,7 +70,7 @@ fn main() {
     println!(
         "    {:?} {:?}",
         r.statistics.layout,
-        r.violations.iter().map(|v| v.kind()).collect::<Vec<_>>()
+        r.violations.iter().map(|v| v.kind()).take(20).collect::<Vec<_>>()
     );
     if let Some(p) = a.get(3) {
         io::write_soup(p.as_ref(), &r.mesh.to_soup()).unwrap();
