@@ -16,7 +16,12 @@ pub fn run(command: &ShapeCommand) -> Result<Exit, Failure> {
         return Ok(Exit::Success);
     };
     check_writable(&[(path, Content::Mesh)], &[])?;
-    let shape = Shape::from_name(name, &command.parameters).or_exit(Exit::InputUnusable)?;
+    let parameters: Vec<(&str, f64)> = command
+        .parameters
+        .iter()
+        .map(|(name, value)| (name.as_str(), *value))
+        .collect();
+    let shape = Shape::from_name(name, &parameters).or_exit(Exit::InputUnusable)?;
     let ShapeCommand {
         triangles,
         jitter,
