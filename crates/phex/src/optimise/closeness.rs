@@ -102,9 +102,7 @@ impl Feet {
         let centres = shape.frames.iter().map(|frame| frame.plane.centre);
         self.points.extend(centres);
         self.feet = reference.feet(&self.points);
-        self.rim = reference
-            .on_boundary(&self.rim_points)
-            .unwrap_or_default();
+        self.rim = reference.on_boundary(&self.rim_points).unwrap_or_default();
     }
 
     fn residual(&self, k: usize) -> Vec3 {
@@ -112,7 +110,13 @@ impl Feet {
     }
 
     pub fn energy(&self, n_vertices: usize, weights: &ClosenessWeights) -> f64 {
-        let weight = |k: usize| if k < n_vertices { weights.vertex } else { weights.centre };
+        let weight = |k: usize| {
+            if k < n_vertices {
+                weights.vertex
+            } else {
+                weights.centre
+            }
+        };
         let surface: f64 = (0..self.points.len())
             .map(|k| weight(k) * self.residual(k).norm_squared())
             .sum();
@@ -138,7 +142,9 @@ impl Feet {
     /// Surface and boundary term of the `k`-th rim vertex `v`.
     pub fn rim_vertex(&self, k: usize, v: usize, weights: &ClosenessWeights) -> PointTerm {
         let mut term = self.vertex(v, weights.vertex);
-        let Some(q) = self.rim.get(k) else { return term };
+        let Some(q) = self.rim.get(k) else {
+            return term;
+        };
         let across = Matrix3::identity() - q.tangent * q.tangent.transpose();
         let offset = self.points[v] - q.position;
         let beyond = (q.position - self.feet[v].position).norm() <= 1e-9 * offset.norm();

@@ -11,13 +11,11 @@ use super::simple::collision;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
+use phex_numeric::assembly::packed;
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
 
 /// Fraction of the way to the first collision that a step may go.
 const COLLISION_FRACTION: f64 = 0.85;
-
-/// Weight of the diagonal that holds a fixed vertex.
-const HOLD: f64 = 1e6;
 
 /// Weights of the energy.
 #[derive(Clone, Copy, Debug)]
@@ -133,7 +131,11 @@ impl<'a> PanelEnergy<'a> {
     }
 
     fn anchor_energy(&self) -> f64 {
-        let squares = self.at.iter().zip(&self.anchor).map(|(x, a)| (x - a).powi(2));
+        let squares = self
+            .at
+            .iter()
+            .zip(&self.anchor)
+            .map(|(x, a)| (x - a).powi(2));
         0.5 * self.weights.anchor * squares.sum::<f64>()
     }
 
@@ -141,6 +143,7 @@ impl<'a> PanelEnergy<'a> {
     fn linearise_faces(&mut self) {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
+        let fixed = self.setting.fixed;
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
             let (frame, k) = (&shape.frames[f], corners.len() as f64);
@@ -155,6 +158,11 @@ impl<'a> PanelEnergy<'a> {
             fairness::add(corners, weights.fairness, gradient, block);
             if armed.is_simple(f) {
                 barrier::add(frame, corners, &barriers[f], gradient, block);
+            }
+            for (i, &v) in panels.vertices(f).iter().enumerate() {
+                if fixed[v as usize] {
+                    decouple(block, i, corners.len());
+                }
             }
         };
         let assembly = self.assembly;
@@ -183,15 +191,14 @@ impl<'a> PanelEnergy<'a> {
             let corners = panels.corners_at(v).iter();
             let faces: Vec3 = corners.map(|&c| self.corner_gradient[c as usize]).sum();
             let mut g = term.gradient + pull * self.weights.anchor + faces;
-            let mut stiffness = self.weights.anchor;
+            let mut hessian = term.hessian + Matrix3::from_diagonal_element(self.weights.anchor);
             if setting.fixed[v] {
-                g = Vec3::zeros();
-                stiffness = HOLD;
+                // Decoupled from all others, so that its step is exactly zero.
+                (g, hessian) = (Vec3::zeros(), Matrix3::identity());
             }
             gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
             let block = &mut self.blocks[self.assembly.block(panels.n_faces() + v)];
             block.fill(0.0);
-            let hessian = term.hessian + Matrix3::from_diagonal_element(stiffness);
             add_block(block, 0, 0, &hessian);
         }
     }
@@ -212,7 +219,9 @@ impl DampedProblem for PanelEnergy<'_> {
             return f64::INFINITY;
         }
         let closeness = &self.weights.closeness;
-        let near = self.feet.energy(self.setting.panels.n_vertices(), closeness);
+        let near = self
+            .feet
+            .energy(self.setting.panels.n_vertices(), closeness);
         self.panel_energy() + near + self.anchor_energy()
     }
 
@@ -238,6 +247,17 @@ impl DampedProblem for PanelEnergy<'_> {
     }
 }
 
+/// Clears the rows and columns of corner `i` of `k` from a packed block.
+fn decouple(block: &mut [f64], i: usize, k: usize) {
+    for row in 0..3 * k {
+        for column in 0..=row {
+            if row / 3 == i || column / 3 == i {
+                block[packed(row, column)] = 0.0;
+            }
+        }
+    }
+}
+
 /// Largest displacement of a vertex.
 fn longest(step: &[f64]) -> f64 {
     let squares = step.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum());
@@ -257,7 +277,9 @@ fn collision_bound(
     for f in (0..panels.n_faces()).filter(|&f| armed.is_simple(f)) {
         let motion = &mut corner_motion[panels.corners(f)];
         for (m, &v) in motion.iter_mut().zip(panels.vertices(f)) {
-            *m = shape.frames[f].plane.project_vector(point(step, v as usize));
+            *m = shape.frames[f]
+                .plane
+                .project_vector(point(step, v as usize));
         }
         bound = collision(shape.face(panels, f), motion, bound);
     }
@@ -376,7 +398,9 @@ impl Constraints for PlanarityConstraints<'_> {
                 for &c in panels.corners_at(v) {
                     let f = panels.face_of(c);
                     let constraints = self.bases.of_face(f).enumerate();
-                    let along: f64 = constraints.map(|(a, i)| self.basis_entry(c, a) * y[i]).sum();
+                    let along: f64 = constraints
+                        .map(|(a, i)| self.basis_entry(c, a) * y[i])
+                        .sum();
                     sum += self.linearised.normal(f) * along;
                 }
             }

@@ -51,7 +51,8 @@ pub(super) enum Breach {
 impl Guard {
     /// `side` is the surface's normal at each face, if there is a surface; `least_side` the least `n . side`.
     pub fn new(topology: &Topology, side: Option<Vec<Vec3>>, least_side: f64) -> Self {
-        let inner = |v: &VertexId| !topology.is_boundary_vertex(*v) && topology.face_degree(*v) == 3;
+        let inner =
+            |v: &VertexId| !topology.is_boundary_vertex(*v) && topology.face_degree(*v) == 3;
         let hinge = |e| {
             let h = topology.edge_half_edge(e);
             let face = |h| topology.face(h).index() as u32;

@@ -158,13 +158,25 @@ pub fn optimise(
     let mut solvers = Solvers::new(panels)?;
     let mut runs = Vec::new();
     if options.starts != Starts::Circumcentres {
-        let run = stage.run(&mut solvers, StartKind::SmoothedCells, &cells, options, progress);
+        let run = stage.run(
+            &mut solvers,
+            StartKind::SmoothedCells,
+            &cells,
+            options,
+            progress,
+        );
         runs.push(run);
     }
     if wants_second(options, &runs, stage.diagonal) {
         let mean_edge = panels.mean_edge(&cells.x);
         let centres = start::circumcentres(layout, panels, guard, &cells, mean_edge);
-        let run = stage.run(&mut solvers, StartKind::Circumcentres, &centres, options, progress);
+        let run = stage.run(
+            &mut solvers,
+            StartKind::Circumcentres,
+            &centres,
+            options,
+            progress,
+        );
         runs.push(run);
     }
     Ok(better(&layout.mesh, runs))
@@ -214,13 +226,18 @@ impl<'a> Stage<'a> {
         kinds: &PerVertex<VertexKind>,
         options: &OptimiseOptions,
     ) -> Self {
-        let rim = kinds.enumerate().filter(|(_, k)| **k == VertexKind::Boundary);
+        let rim = kinds
+            .enumerate()
+            .filter(|(_, k)| **k == VertexKind::Boundary);
         Self {
             panels: Panels::new(mesh.topology()),
             guard: Guard::new(mesh.topology(), side, options.least_side),
             reference,
             rim: rim.map(|(v, _)| v.index() as u32).collect(),
-            fixed: kinds.iter().map(|k| *k == VertexKind::BoundaryCorner).collect(),
+            fixed: kinds
+                .iter()
+                .map(|k| *k == VertexKind::BoundaryCorner)
+                .collect(),
             diagonal: diagonal(mesh),
         }
     }
@@ -243,13 +260,21 @@ fn wants_second(options: &OptimiseOptions, runs: &[Run], diagonal: f64) -> bool 
         Starts::SmoothedCells => false,
         Starts::Circumcentres => true,
         Starts::Both => !runs.iter().any(Run::is_cancelled),
-        Starts::Auto => !runs.iter().any(|r| r.is_cancelled() || r.is_good(options, diagonal)),
+        Starts::Auto => !runs
+            .iter()
+            .any(|r| r.is_cancelled() || r.is_good(options, diagonal)),
     }
 }
 
 fn better(mesh: &HexMesh, runs: Vec<Run>) -> Optimised {
     let summaries = runs.iter().map(|r| r.summary.clone()).collect();
-    let smaller = |a: Run, b: Run| if b.summary.score < a.summary.score { b } else { a };
+    let smaller = |a: Run, b: Run| {
+        if b.summary.score < a.summary.score {
+            b
+        } else {
+            a
+        }
+    };
     let best = runs.into_iter().reduce(smaller).expect("at least one run");
     Optimised {
         mesh: mesh.with_positions(PerVertex::from_vec(points(&best.x))),
@@ -291,7 +316,11 @@ fn check_layout(layout: &Layout) -> Result<(), OptimiseError> {
     ];
     for (what, found, expected) in counts {
         if found != expected {
-            return Err(OptimiseError::WrongCount { what, found, expected });
+            return Err(OptimiseError::WrongCount {
+                what,
+                found,
+                expected,
+            });
         }
     }
     let unit = |n: &Vec3| (n.norm() - 1.0).abs() < 1e-6;

@@ -29,7 +29,11 @@ impl Panels {
             corner_face.resize(corner_vertex.len(), f.index() as u32);
         }
         let (vertex_start, vertex_corner) = invert(&corner_vertex, topology.n_vertices());
-        let ends = |e| topology.edge_vertices(e).map(|v: VertexId| v.index() as u32);
+        let ends = |e| {
+            topology
+                .edge_vertices(e)
+                .map(|v: VertexId| v.index() as u32)
+        };
         Self {
             corner_start,
             corner_vertex,

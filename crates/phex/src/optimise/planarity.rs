@@ -120,8 +120,18 @@ fn orthogonalise(frame: &FaceFrame, corners: &[Corner], done: &[f64], row: &mut 
     let k = row.len();
     let mean = row.iter().sum::<f64>() / k as f64;
     let [xx, yy, _] = frame.moments.map(|m| m.max(f64::MIN_POSITIVE));
-    let x = row.iter().zip(corners).map(|(r, c)| r * c.flat.x).sum::<f64>() / xx;
-    let y = row.iter().zip(corners).map(|(r, c)| r * c.flat.y).sum::<f64>() / yy;
+    let x = row
+        .iter()
+        .zip(corners)
+        .map(|(r, c)| r * c.flat.x)
+        .sum::<f64>()
+        / xx;
+    let y = row
+        .iter()
+        .zip(corners)
+        .map(|(r, c)| r * c.flat.y)
+        .sum::<f64>()
+        / yy;
     for (entry, corner) in row.iter_mut().zip(corners) {
         *entry -= mean + x * corner.flat.x + y * corner.flat.y;
     }

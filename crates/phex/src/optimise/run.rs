@@ -1,8 +1,8 @@
 //! One run: rising penalties from one start, then the projection.
 
+use super::barrier::{Barrier, clearance};
 use super::closeness::ClosenessWeights;
 use super::energy::{PanelEnergy, PlanarityConstraints, Setting, Weights};
-use super::barrier::{Barrier, clearance};
 use super::inspect::{Offender, inspect};
 use super::options::{OptimiseError, OptimiseOptions, StartKind};
 use super::panels::{Panels, Shape};
@@ -22,6 +22,10 @@ const HEXAGON: f64 = 2.598_076_211_353_316;
 /// Factor of the barrier when a panel has come out with too little clearance.
 const STRONGER: f64 = 4.0;
 
+/// Fraction of the planarity that is demanded at which the projection stops. It converges quadratically, so the last step
+/// mostly ends at the floor of rounding.
+const GOAL: f64 = 0.05;
+
 /// Planarity up to which a mesh is projected without being optimised first.
 const NEARLY_PLANAR: f64 = 1e-3;
 
@@ -36,7 +40,13 @@ pub(super) struct Solvers {
 impl Solvers {
     pub fn new(panels: &Panels) -> Result<Self, OptimiseError> {
         let unknowns = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
-        let face = |f| panels.vertices(f).iter().flat_map(|&v| unknowns(v)).collect();
+        let face = |f| {
+            panels
+                .vertices(f)
+                .iter()
+                .flat_map(|&v| unknowns(v))
+                .collect()
+        };
         let faces = (0..panels.n_faces()).map(face);
         let vertices = (0..panels.n_vertices() as u32).map(|v| unknowns(v).to_vec());
         let elements: Vec<Vec<u32>> = faces.chain(vertices).collect();
@@ -61,10 +71,7 @@ impl Solvers {
     }
 }
 
-fn system(
-    assembly: &Assembly,
-    block: usize,
-) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
+fn system(assembly: &Assembly, block: usize) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
     let cholesky = Cholesky::analyse(assembly.pattern(), block)?;
     Ok((cholesky, SymmetricMatrix::zeros(assembly.pattern().clone())))
 }
@@ -179,7 +186,10 @@ impl Stage<'_> {
         let shape = Shape::at(&self.panels, x);
         let simple = |f: &usize| is_simple(shape.face(&self.panels, *f));
         let n_bad = (0..self.panels.n_faces()).filter(|f| !simple(f)).count();
-        let start = Start { x: x.to_vec(), n_bad };
+        let start = Start {
+            x: x.to_vec(),
+            n_bad,
+        };
         self.run(solvers, kind, &start, options, progress)
     }
 
@@ -328,13 +338,16 @@ impl<'a> Path<'a> {
     /// Projects a copy of the positions onto the planarity constraints.
     fn project(&mut self) -> Reached {
         let mut x = self.x.clone();
-        if let (Some(projector), false) = (self.projector.as_mut(), self.outcome.status == Status::Cancelled) {
+        if let (Some(projector), false) = (
+            self.projector.as_mut(),
+            self.outcome.status == Status::Cancelled,
+        ) {
             let least = self.options.clearance_margin * self.setting.mean_edge;
             let mut constraints =
                 PlanarityConstraints::new(self.setting, self.constraint_assembly, &x, least);
             let options = ProjectionOptions {
                 max_iterations: self.options.projection_iterations,
-                goal: 0.0,
+                goal: GOAL * self.options.planarity_tolerance,
                 tolerance: self.options.planarity_tolerance,
                 phase: f64::INFINITY,
             };
