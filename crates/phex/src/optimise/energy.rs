@@ -11,13 +11,11 @@ use super::simple::collision;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
+use phex_numeric::assembly::packed;
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
 
 /// Fraction of the way to the first collision that a step may go.
 const COLLISION_FRACTION: f64 = 0.85;
-
-/// Weight of the diagonal that holds a fixed vertex.
-const HOLD: f64 = 1e6;
 
 /// Weights of the energy.
 #[derive(Clone, Copy, Debug)]
@@ -145,6 +143,7 @@ impl<'a> PanelEnergy<'a> {
     fn linearise_faces(&mut self) {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
+        let fixed = self.setting.fixed;
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
             let (frame, k) = (&shape.frames[f], corners.len() as f64);
@@ -159,6 +158,11 @@ impl<'a> PanelEnergy<'a> {
             fairness::add(corners, weights.fairness, gradient, block);
             if armed.is_simple(f) {
                 barrier::add(frame, corners, &barriers[f], gradient, block);
+            }
+            for (i, &v) in panels.vertices(f).iter().enumerate() {
+                if fixed[v as usize] {
+                    decouple(block, i, corners.len());
+                }
             }
         };
         let assembly = self.assembly;
@@ -187,15 +191,14 @@ impl<'a> PanelEnergy<'a> {
             let corners = panels.corners_at(v).iter();
             let faces: Vec3 = corners.map(|&c| self.corner_gradient[c as usize]).sum();
             let mut g = term.gradient + pull * self.weights.anchor + faces;
-            let mut stiffness = self.weights.anchor;
+            let mut hessian = term.hessian + Matrix3::from_diagonal_element(self.weights.anchor);
             if setting.fixed[v] {
-                g = Vec3::zeros();
-                stiffness = HOLD;
+                // Decoupled from all others, so that its step is exactly zero.
+                (g, hessian) = (Vec3::zeros(), Matrix3::identity());
             }
             gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
             let block = &mut self.blocks[self.assembly.block(panels.n_faces() + v)];
             block.fill(0.0);
-            let hessian = term.hessian + Matrix3::from_diagonal_element(stiffness);
             add_block(block, 0, 0, &hessian);
         }
     }
@@ -241,6 +244,17 @@ impl DampedProblem for PanelEnergy<'_> {
 
     fn residual(&self) -> f64 {
         self.shape.max_height() / self.setting.mean_edge
+    }
+}
+
+/// Clears the rows and columns of corner `i` of `k` from a packed block.
+fn decouple(block: &mut [f64], i: usize, k: usize) {
+    for row in 0..3 * k {
+        for column in 0..=row {
+            if row / 3 == i || column / 3 == i {
+                block[packed(row, column)] = 0.0;
+            }
+        }
     }
 }
 

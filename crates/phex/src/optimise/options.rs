@@ -97,7 +97,7 @@ impl Default for OptimiseOptions {
             barrier_reach: 0.3,
             penalties: vec![1.0, 30.0, 1e3, 1e4],
             max_iterations: 15,
-            energy_tolerance: 1e-2,
+            energy_tolerance: 3e-2,
             step_tolerance: 1e-3,
             projection_iterations: 12,
             planarity_tolerance: 1e-12,
