@@ -21,7 +21,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Cover a surface with planar hexagonal panels
-    Mesh(MeshCommand),
+    Mesh(Box<MeshCommand>),
     /// Make the faces of a polygon mesh planar (three faces at each interior vertex)
     Planarize(PlanarizeCommand),
     /// Judge any polygon mesh: planar, simple, sound, close to a surface; lists offenders by id

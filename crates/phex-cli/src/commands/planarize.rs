@@ -2,7 +2,7 @@
 
 use super::{tell, use_threads};
 use crate::args::PlanarizeCommand;
-use crate::engine;
+use crate::engine::{self, Reached};
 use crate::exit::{Exit, Failure};
 use crate::input::{MeshFile, whole};
 use crate::output::{Content, check_writable, write_mesh};
@@ -10,8 +10,8 @@ use crate::progress::{Reporter, is_interrupted};
 use crate::summary;
 use crate::verdict::{TypedLimits, exit_of, written};
 use phex::optimise::OptimiseOptions;
-use phex::report::{References, RunReport, Verdict};
-use phex_mesh::HexMesh;
+use phex::report::{Assessment, InputFile, References, RunReport, Verdict};
+use phex_mesh::{HexMesh, TriangleSurface};
 use serde_json::json;
 use std::path::Path;
 
@@ -23,17 +23,9 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     check_writable(&outputs(command), &inputs(command))?;
     let threads = use_threads(command.threads)?;
     let reporter = Reporter::new(&command.talk);
-    let file = MeshFile::read(&command.input)?;
-    let (start, dropped) = file.polygon_mesh()?;
-    let given = command.surface.as_deref().map(MeshFile::read).transpose()?;
-    let surface = given
-        .as_ref()
-        .map(|file| whole(&file.surfaces()?.components))
-        .transpose()?;
-    // Without a surface, the distance to where the faces were is told, unless they are too bad to be a surface.
-    let own = || whole(&file.surfaces().ok()?.components).ok();
-    let facets = if surface.is_some() { None } else { own() };
-
+    let files = Files::read(command)?;
+    let (start, dropped) = files.mesh.polygon_mesh()?;
+    let surface = files.surface()?;
     let options = OptimiseOptions::default();
     let reached = engine::planarize(&start, surface.as_ref(), &options, &reporter)?;
     reporter.finish();
@@ -41,24 +33,16 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         return Err(Failure::interrupted());
     }
     let limits = TypedLimits::from(&command.limits);
-    let assessment = limits.judge(
-        &reached.mesh,
-        References {
-            smooth: None,
-            facets: surface.as_ref().or(facets.as_ref()),
-        },
-    );
+    let facets = surface.or_else(|| files.own_surface());
+    let references = References {
+        smooth: None,
+        facets: facets.as_ref(),
+    };
+    let assessment = limits.judge(&reached.mesh, references);
     let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
-    let mut report = RunReport::new("planarize", assessment);
-    report.inputs = std::iter::once(file.record)
-        .chain(given.map(|r| r.record))
-        .collect();
-    report.unit = limits.unit.to_string();
+    let mut report = report(assessment, &limits, &options, &reached);
     report.threads = threads;
-    report.settings = json!({ "planarity": limits.planarity, "max-deviation": limits.max_deviation, "unit": limits.unit, "optimise": options });
-    report.outcome = reached.outcome;
-    report.statistics = reached.statistics;
-    report.stages = reached.stages;
+    report.inputs = files.records();
     if dropped > 0 {
         report.notes.push(format!(
             "{dropped} vertices belong to no face and were left out"
@@ -68,6 +52,59 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     write(command, &reached.mesh, &mut report)?;
     tell(command.talk.quiet, &table)?;
     Ok(exit_of(report.verdict))
+}
+
+/// The files that are read.
+struct Files {
+    mesh: MeshFile,
+    surface: Option<MeshFile>,
+}
+
+impl Files {
+    fn read(command: &PlanarizeCommand) -> Result<Self, Failure> {
+        let mesh = MeshFile::read(&command.input)?;
+        let surface = command.surface.as_deref().map(MeshFile::read).transpose()?;
+        Ok(Self { mesh, surface })
+    }
+
+    /// The surface to stay close to, where one is given.
+    fn surface(&self) -> Result<Option<TriangleSurface>, Failure> {
+        let surface = self
+            .surface
+            .as_ref()
+            .map(|file| whole(&file.surfaces()?.components));
+        surface.transpose()
+    }
+
+    /// The faces as they are, to measure how far they move; nothing if they are too bad to be a surface.
+    fn own_surface(&self) -> Option<TriangleSurface> {
+        whole(&self.mesh.surfaces().ok()?.components).ok()
+    }
+
+    fn records(self) -> Vec<InputFile> {
+        let surface = self.surface.map(|file| file.record);
+        std::iter::once(self.mesh.record).chain(surface).collect()
+    }
+}
+
+fn report(
+    assessment: Assessment,
+    limits: &TypedLimits,
+    options: &OptimiseOptions,
+    reached: &Reached,
+) -> RunReport {
+    let mut report = RunReport::new("planarize", assessment);
+    report.unit = limits.unit.to_string();
+    report.settings = json!({
+        "planarity": limits.planarity,
+        "max-deviation": limits.max_deviation,
+        "unit": limits.unit,
+        "optimise": options,
+    });
+    report.outcome = reached.outcome.clone();
+    report.statistics = reached.statistics.clone();
+    report.stages = reached.stages.clone();
+    report
 }
 
 fn inputs(command: &PlanarizeCommand) -> Vec<&Path> {
