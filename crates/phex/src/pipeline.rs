@@ -10,7 +10,7 @@ use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics};
 use crate::optimise::{
-    self, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
+    self, Fault, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
 };
 use crate::progress::{Event, Progress};
 use crate::target::{self, Similarity, SmoothTarget, TargetOptions};
@@ -192,7 +192,7 @@ pub fn mesh_surface(
     let target = SurfaceTarget::new(&fine.surface);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
-    let mut best: Option<(usize, Optimised, Vec<Violation>)> = None;
+    let mut best: Option<((bool, usize), Optimised, Vec<Violation>)> = None;
     loop {
         let result = clock.stage("optimise", || {
             optimise::optimise(&layout, &target, &options.optimise, progress)
@@ -200,9 +200,9 @@ pub fn mesh_surface(
         factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
         let violations = clock.stage("validate", || between_panels(&result.mesh, &fine.surface))?;
         let invalid = invalid_panels(&result, &violations);
-        let better = best.as_ref().is_none_or(|b| invalid.len() < b.0);
-        if better {
-            best = Some((invalid.len(), result, violations));
+        let badness = (!is_planar(&result), invalid.len());
+        if best.as_ref().is_none_or(|b| badness < b.0) {
+            best = Some((badness, result, violations));
         }
         if invalid.is_empty() || repairs.len() >= options.max_repairs || progress.is_cancelled() {
             break;
@@ -452,16 +452,53 @@ fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
     phex_mesh::violations(mesh, Some(surface), &ValidateOptions::default())
 }
 
-/// Panels whose seeds the next round drops.
+/// Panels whose seeds the next round drops: those with a wrong shape; if there are none, those farthest from planar,
+/// because one blocked panel keeps all others from their planes.
 fn invalid_panels(result: &Optimised, violations: &[Violation]) -> BTreeSet<FaceId> {
-    let mut invalid: BTreeSet<FaceId> = result.offenders.iter().map(|o| o.face).collect();
-    for violation in violations {
-        invalid.extend(violation.faces(result.mesh.topology()));
+    let topology = result.mesh.topology();
+    let shape = |v: &&Violation| !matches!(v, Violation::NotPlanar { .. });
+    let mut invalid: BTreeSet<FaceId> = result
+        .offenders
+        .iter()
+        .filter(|o| !matches!(o.fault, Fault::NotPlanar { .. }))
+        .map(|o| o.face)
+        .collect();
+    invalid.extend(
+        violations
+            .iter()
+            .filter(shape)
+            .flat_map(|v| v.faces(topology)),
+    );
+    if !invalid.is_empty() {
+        return invalid;
     }
-    invalid
+    let distance = |o: &Offender| match o.fault {
+        Fault::NotPlanar { distance } => distance,
+        _ => 0.0,
+    };
+    let worst = result.offenders.iter().map(distance).fold(0.0, f64::max);
+    let far = result
+        .offenders
+        .iter()
+        .filter(|o| distance(o) > 0.3 * worst);
+    far.map(|o| o.face).collect()
 }
 
+fn is_planar(result: &Optimised) -> bool {
+    let planar = |o: &Offender| !matches!(o.fault, Fault::NotPlanar { .. });
+    result.offenders.iter().all(planar)
+}
+
+/// Drops the seeds of invalid panels, never those of two neighbours in one round: one of them grows into the gap.
 fn drop_seeds(seeds: &mut Vec<Seed>, layout: &Layout, invalid: &BTreeSet<FaceId>) {
-    let dropped: HashSet<VertexId> = invalid.iter().map(|f| layout.face_seed[*f]).collect();
+    let topology = layout.mesh.topology();
+    let mut chosen: BTreeSet<FaceId> = BTreeSet::new();
+    for &f in invalid {
+        let twins = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
+        if !twins.map(|t| topology.face(t)).any(|g| chosen.contains(&g)) {
+            chosen.insert(f);
+        }
+    }
+    let dropped: HashSet<VertexId> = chosen.iter().map(|f| layout.face_seed[*f]).collect();
     seeds.retain(|s| !dropped.contains(&s.vertex));
 }

@@ -64,8 +64,8 @@ use run::{Run, Solvers};
 use serde::Serialize;
 
 pub use inspect::{Fault, Offender, Quality};
-pub use surface_target::SurfaceTarget;
 pub use options::{OptimiseError, OptimiseOptions, StartKind, Starts};
+pub use surface_target::SurfaceTarget;
 
 /// Foot point on a target surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
