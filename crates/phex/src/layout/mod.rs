@@ -43,8 +43,8 @@ pub struct LayoutOptions {
     pub seed: u64,
     /// Sweeps of the Gauss-Seidel polish.
     pub sweeps: usize,
-    /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay).
-    pub annihilation_length: f64,
+    /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay; `None`: any).
+    pub annihilation_length: Option<f64>,
     /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it only dislocations
     /// that are near each other vanish.
     pub max_distortion: f64,
@@ -55,7 +55,7 @@ impl Default for LayoutOptions {
         Self {
             seed: 0,
             sweeps: 60,
-            annihilation_length: f64::INFINITY,
+            annihilation_length: None,
             max_distortion: 0.35,
         }
     }
@@ -128,7 +128,7 @@ fn seamless_offsets(
         .into_iter()
         .filter(|l| *l < options.annihilation_length);
     let mut last = None;
-    for limit in std::iter::once(options.annihilation_length).chain(shorter) {
+    for limit in std::iter::once(longest).chain(shorter) {
         let mut offsets = rounded.clone();
         let annihilation = seamless::annihilate(topology, mesh, charts, &mut offsets.jump, limit);
         if annihilation.moved > 0 {
