@@ -8,7 +8,7 @@
 //!   + w_c/2 sum |x - p(x)|^2             closeness of vertices, w_cf of face centres, w_bd of the rim to the boundary curve
 //!   + w_s/2 sum |x_a + x_(a+m) - M|^2    fairness: central symmetry of each panel
 //!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
-//!   + w_t/2 sum |x - x_0|^2              anchor
+//!   + w_t/2 sum |x - x_0|^2              anchor, w_k at the corners of the boundary
 //! ```
 //!
 //! by damped Gauss-Newton steps that end before the first collision within a face and never leave the region where every
@@ -22,7 +22,7 @@
 //! | `z = d / d_hat`, `w_b`, `tau` | `barrier`, [`OptimiseOptions::barrier`], [`OptimiseOptions::barrier_reach`] | distance over reach, weight, reach over the root of the area |
 //! | `w_p` | [`OptimiseOptions::penalties`] | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
-//! | `w_s`, `w_t` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`] | fairness, anchor |
+//! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3, with the plane eliminated; the
 //! feasible path and its barrier after Li et al., "Incremental potential contact" (2020), within each face's plane.
@@ -214,7 +214,7 @@ struct Stage<'a> {
     guard: Guard,
     reference: Reference<'a>,
     rim: Vec<u32>,
-    fixed: Vec<bool>,
+    corner: Vec<bool>,
     diagonal: f64,
 }
 
@@ -234,7 +234,7 @@ impl<'a> Stage<'a> {
             guard: Guard::new(mesh.topology(), side, options.least_side),
             reference,
             rim: rim.map(|(v, _)| v.index() as u32).collect(),
-            fixed: kinds
+            corner: kinds
                 .iter()
                 .map(|k| *k == VertexKind::BoundaryCorner)
                 .collect(),

@@ -129,7 +129,7 @@ impl Stage<'_> {
             reference: &self.reference,
             guard: &self.guard,
             rim: &self.rim,
-            fixed: &self.fixed,
+            corner: &self.corner,
             mean_edge: self.panels.mean_edge(x),
         }
     }
@@ -407,6 +407,7 @@ fn panel_energy<'a>(
         },
         fairness: options.fairness,
         anchor: options.anchor,
+        corner: options.corner_closeness,
     };
     let barriers = barriers(setting.panels, start, options);
     PanelEnergy::new(setting, assembly, weights, barriers, start)
