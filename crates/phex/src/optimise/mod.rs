@@ -29,12 +29,15 @@
 //! Differences: no auxiliary planes or tetrahedra; central symmetry instead of neighbour averaging; exact projection at the
 //! end; face centres count; the damping follows the collision step (`phex_numeric::damped`).
 //!
-//! *Guaranteed*: with a start whose panels are all simple, every iterate, and so also a cancelled run, has simple panels; the
-//! same holds of panels on their side of the surface, fans that go round once and edges that do not fold, each where the start
-//! has it. The same input gives the same bytes for any number of threads.
+//! *Guaranteed*: a panel that is simple at the start of a phase is simple ever after, so with a certified start a cancelled run
+//! has simple panels too. The projection besides keeps panels on their side of the surface, fans that go round once,
+//! edges that do not fold, and a clearance, each where it finds them so. The same input gives the same bytes for any number of
+//! threads. A panel that starts out crossed is left without barrier until it comes right.
 //!
-//! *Fails*: where the layout gives no simple start, and in wrong local basins (a panel squeezed between its neighbours). Nothing is
-//! then claimed: [`Optimised::offenders`] names the panels, and the repair loop may drop their seeds.
+//! *Fails*: where the layout gives no simple start, where it folds (thin sheets, sharp creases: fans and folds are not prevented
+//! while the penalty rises), and in wrong local basins (a panel squeezed between its neighbours; a stronger barrier and
+//! higher penalties are then tried once). Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair
+//! loop may drop their seeds.
 
 mod barrier;
 mod closeness;
@@ -156,30 +159,20 @@ pub fn optimise(
     let (panels, guard) = (&stage.panels, &stage.guard);
     let cells = start::smoothed_cells(layout, target, panels, guard, options.smoothing, cancelled);
     let mut solvers = Solvers::new(panels)?;
-    let mut runs = Vec::new();
-    if options.starts != Starts::Circumcentres {
-        let run = stage.run(
-            &mut solvers,
-            StartKind::SmoothedCells,
-            &cells,
-            options,
-            progress,
-        );
-        runs.push(run);
+    let mut from = |kind: StartKind| {
+        let start = match kind {
+            StartKind::Circumcentres => &start::circumcentres(layout, panels, guard, &cells),
+            _ => &cells,
+        };
+        stage.run(&mut solvers, kind, start, options, progress)
+    };
+    if options.starts == Starts::Circumcentres {
+        return Ok(better(&layout.mesh, from(StartKind::Circumcentres), None));
     }
-    if wants_second(options, &runs, stage.diagonal) {
-        let mean_edge = panels.mean_edge(&cells.x);
-        let centres = start::circumcentres(layout, panels, guard, &cells, mean_edge);
-        let run = stage.run(
-            &mut solvers,
-            StartKind::Circumcentres,
-            &centres,
-            options,
-            progress,
-        );
-        runs.push(run);
-    }
-    Ok(better(&layout.mesh, runs))
+    let first = from(StartKind::SmoothedCells);
+    let again = wants_second(options, &first, stage.diagonal);
+    let second = again.then(|| from(StartKind::Circumcentres));
+    Ok(better(&layout.mesh, first, second))
 }
 
 /// Makes the faces of any polygon mesh planar and simple, close to `target` or, without one, to where they are.
@@ -205,7 +198,7 @@ pub fn planarize(
     let stage = Stage::new(mesh, reference, side, &kinds, options);
     let mut solvers = Solvers::new(&panels)?;
     let run = stage.run_as_given(&mut solvers, &x, options, progress);
-    Ok(better(mesh, vec![run]))
+    Ok(better(mesh, run, None))
 }
 
 /// What all runs on one mesh share.
@@ -255,27 +248,23 @@ fn kinds_of(mesh: &HexMesh) -> PerVertex<VertexKind> {
     })
 }
 
-fn wants_second(options: &OptimiseOptions, runs: &[Run], diagonal: f64) -> bool {
-    match options.starts {
-        Starts::SmoothedCells => false,
-        Starts::Circumcentres => true,
-        Starts::Both => !runs.iter().any(Run::is_cancelled),
-        Starts::Auto => !runs
-            .iter()
-            .any(|r| r.is_cancelled() || r.is_good(options, diagonal)),
-    }
+fn wants_second(options: &OptimiseOptions, first: &Run, diagonal: f64) -> bool {
+    let wanted = match options.starts {
+        Starts::SmoothedCells | Starts::Circumcentres => false,
+        Starts::Both => true,
+        Starts::Auto => !first.is_good(options, diagonal),
+    };
+    wanted && !first.is_cancelled()
 }
 
-fn better(mesh: &HexMesh, runs: Vec<Run>) -> Optimised {
-    let summaries = runs.iter().map(|r| r.summary.clone()).collect();
-    let smaller = |a: Run, b: Run| {
-        if b.summary.score < a.summary.score {
-            b
-        } else {
-            a
-        }
+/// The run with the smaller score, as a mesh.
+fn better(mesh: &HexMesh, first: Run, second: Option<Run>) -> Optimised {
+    let runs = std::iter::once(&first).chain(&second);
+    let summaries = runs.map(|r| r.summary.clone()).collect();
+    let best = match second {
+        Some(second) if second.summary.score < first.summary.score => second,
+        _ => first,
     };
-    let best = runs.into_iter().reduce(smaller).expect("at least one run");
     Optimised {
         mesh: mesh.with_positions(PerVertex::from_vec(points(&best.x))),
         outcome: best.outcome,

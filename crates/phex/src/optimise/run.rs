@@ -111,7 +111,7 @@ impl Reporter<'_> {
         self.progress.report(&Event::Iteration {
             stage: "optimise",
             iteration: self.iteration,
-            limit: self.limit,
+            limit: self.limit.max(self.iteration),
             residual: record.residual,
         });
         if self.progress.is_cancelled() {
