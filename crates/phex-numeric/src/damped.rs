@@ -87,7 +87,7 @@ const HALVINGS: usize = 8;
 const ARMIJO: f64 = 1e-4;
 const SHORT: f64 = 0.2;
 
-/// Memory and factorisation of [`minimise`], kept between runs on the same pattern.
+/// Memory and factorisation of [`minimise`](Self::minimise), kept between runs on the same pattern.
 #[derive(Debug)]
 pub struct DampedSolver {
     cholesky: Cholesky,
