@@ -5,6 +5,7 @@
 
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::size::{self, SizeOptions};
 use crate::directions::{self, DirectionOptions, Directions};
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
@@ -40,6 +41,10 @@ pub enum PanelSize {
 pub struct MeshOptions {
     /// Size of the panels.
     pub size: PanelSize,
+    /// Where panels are smaller.
+    pub sizes: SizeOptions,
+    /// Relative size of panels at each vertex of the input (positive; only ratios matter).
+    pub size_field: Option<Vec<f64>>,
     /// Smooth target.
     pub target: TargetOptions,
     /// Curvature.
@@ -62,6 +67,8 @@ impl Default for MeshOptions {
     fn default() -> Self {
         Self {
             size: PanelSize::Panels(500),
+            sizes: SizeOptions::default(),
+            size_field: None,
             target: TargetOptions::default(),
             curvature: CurvatureOptions::default(),
             directions: DirectionOptions::default(),
@@ -345,14 +352,16 @@ impl Field {
             .position(|l| l.positions().len() as f64 >= wanted);
         let level = level.unwrap_or(smooth.levels.len() - 1);
         let surface = &smooth.levels[level];
-        let mut length = panel_length(surface, panels);
+        let length = panel_length(surface, panels);
         let curvature = clock.stage("curvature", || {
             curvature::curvature(surface, length, &options.curvature)
         })?;
+        let mut length = panel_lengths(smooth, level, &curvature, length, panels, options)?;
+        let settings = direction_options(options);
         let mut best: Option<(f64, Self)> = None;
         for _ in 0..COUNT_TRIES {
             let directions = clock.stage("directions", || {
-                directions::directions(surface, &curvature, length, &options.directions)
+                directions::directions_sized(surface, &curvature, &length, &settings)
             })??;
             let (seeds, statistics) = clock.stage("layout", || {
                 layout::place_seeds(surface.topology(), &directions, &options.layout)
@@ -374,10 +383,81 @@ impl Field {
             if error < COUNT_TOLERANCE {
                 break;
             }
-            length *= ratio.sqrt();
+            length.iter_mut().for_each(|l| *l *= ratio.sqrt());
         }
         Ok(best.expect("at least one lattice is tried").1)
     }
+}
+
+/// Screening that keeps varying sizes against the conformal factor, which would even them out.
+const SIZED_SCREENING: f64 = 0.5;
+
+fn direction_options(options: &MeshOptions) -> DirectionOptions {
+    let mut settings = options.directions.clone();
+    if options.sizes.adaptive.is_some() || options.size_field.is_some() {
+        settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
+    }
+    settings
+}
+
+/// Panel length at each vertex of a level.
+fn panel_lengths(
+    smooth: &SmoothTarget,
+    level: usize,
+    curvature: &Curvature,
+    uniform: f64,
+    panels: usize,
+    options: &MeshOptions,
+) -> Result<PerVertex<f64>, PipelineError> {
+    let surface = &smooth.levels[level];
+    let field = match &options.size_field {
+        Some(values) => Some(refined_sizes(smooth, level, values)?),
+        None => None,
+    };
+    let principal = curvature.principal();
+    let mut base = uniform;
+    // The largest length depends on how much of the surface is finer, and that on the largest length.
+    for _ in 0..8 {
+        let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+        let Some(relative) = sizes else { break };
+        let next = size::base_length(surface, &relative, CELL, panels);
+        if (next / base).ln().abs() < 1e-3 {
+            return Ok(relative.map(|r| r * next));
+        }
+        base = next;
+    }
+    let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+    Ok(sizes.map_or_else(
+        || PerVertex::filled(surface.positions().len(), uniform),
+        |r| r.map(|r| r * base),
+    ))
+}
+
+fn refined_sizes(
+    smooth: &SmoothTarget,
+    level: usize,
+    values: &[f64],
+) -> Result<PerVertex<f64>, PipelineError> {
+    let expected = smooth.levels[0].positions().len();
+    if values.len() != expected {
+        let message = format!(
+            "the size field has {} values, the surface {expected} vertices",
+            values.len()
+        );
+        return Err(PipelineError::Size(message));
+    }
+    if let Some(i) = values.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
+        let message = format!(
+            "the size at vertex {i} is {}, it must be positive and finite",
+            values[i]
+        );
+        return Err(PipelineError::Size(message));
+    }
+    let start = PerVertex::from_vec(values.iter().map(|v| v.ln()).collect());
+    let steps = smooth.refinements[..level].iter();
+    Ok(steps
+        .fold(start, |field, step| step.apply(&field))
+        .map(|l| l.exp()))
 }
 
 /// Distance of neighbouring panel centres for a number of panels.

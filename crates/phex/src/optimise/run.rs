@@ -111,7 +111,7 @@ impl Reporter<'_> {
         self.progress.report(&Event::Iteration {
             stage: "optimise",
             iteration: self.iteration,
-            limit: self.limit,
+            limit: self.limit.max(self.iteration),
             residual: record.residual,
         });
         if self.progress.is_cancelled() {
@@ -129,7 +129,7 @@ impl Stage<'_> {
             reference: &self.reference,
             guard: &self.guard,
             rim: &self.rim,
-            fixed: &self.fixed,
+            corner: &self.corner,
             mean_edge: self.panels.mean_edge(x),
         }
     }
@@ -407,6 +407,7 @@ fn panel_energy<'a>(
         },
         fairness: options.fairness,
         anchor: options.anchor,
+        corner: options.corner_closeness,
     };
     let barriers = barriers(setting.panels, start, options);
     PanelEnergy::new(setting, assembly, weights, barriers, start)

@@ -114,8 +114,8 @@ pub(super) fn circumcentres(
     panels: &Panels,
     guard: &Guard,
     cells: &Start,
-    mean_edge: f64,
 ) -> Start {
+    let mean_edge = panels.mean_edge(&cells.x);
     let before = points(&cells.x);
     let steps = circumcentre_steps(layout, &before);
     let (bad_before, shape) = bad_faces(panels, guard, &cells.x);
