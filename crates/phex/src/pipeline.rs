@@ -14,7 +14,7 @@ use crate::optimise::{
     self, Fault, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
 };
 use crate::progress::{Event, Progress};
-use crate::target::{self, Similarity, SmoothTarget, TargetOptions};
+use crate::target::{self, Similarity, SmoothTarget, TargetKind, TargetOptions};
 use nalgebra::Matrix3;
 use phex_mesh::{
     FaceId, HexMesh, PerVertex, TriangleSurface, ValidateOptions, VertexId, Violation,
@@ -150,7 +150,7 @@ pub struct Statistics {
 pub struct MeshRun {
     /// The panelling in model coordinates.
     pub mesh: HexMesh,
-    /// The smooth target in model coordinates.
+    /// The surface that the panels were kept close to, in model coordinates.
     pub target: TriangleSurface,
     /// How the optimiser ended.
     pub outcome: Outcome,
@@ -187,8 +187,8 @@ pub fn mesh_surface(
     };
     let panels = panel_count(surface, options.size)?;
     let similarity = Similarity::normalising(surface);
+    let normalised = moved(surface, |p| similarity.normalise(p));
     let smooth = clock.stage("target", || {
-        let normalised = moved(surface, |p| similarity.normalise(p));
         let vertices = options.cell_density.max(options.field_density) * panels as f64;
         target::smooth_target(&normalised, vertices as usize, &options.target)
     })?;
@@ -196,7 +196,11 @@ pub fn mesh_surface(
     let fine = FineSurface::new(&smooth, &field);
     let mut seeds = field.seeds.clone();
     let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
-    let target = SurfaceTarget::new(&fine.surface);
+    let close_to = match options.target.kind {
+        TargetKind::Facets => &normalised,
+        _ => &fine.surface,
+    };
+    let target = SurfaceTarget::new(close_to);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
     let mut best: Option<((bool, usize), Optimised, Vec<Violation>)> = None;
@@ -205,7 +209,7 @@ pub fn mesh_surface(
             optimise::optimise(&layout, &target, &options.optimise, progress)
         })??;
         factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
-        let violations = clock.stage("validate", || between_panels(&result.mesh, &fine.surface))?;
+        let violations = clock.stage("validate", || between_panels(&result.mesh, close_to))?;
         let invalid = invalid_panels(&result, &violations);
         let badness = (!is_planar(&result), invalid.len());
         if best.as_ref().is_none_or(|b| badness < b.0) {
@@ -238,7 +242,7 @@ pub fn mesh_surface(
     let positions = result.mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
         mesh: result.mesh.with_positions(positions),
-        target: moved(&fine.surface, |p| similarity.restore(p)),
+        target: moved(close_to, |p| similarity.restore(p)),
         outcome: result.outcome,
         offenders: result.offenders,
         violations,
