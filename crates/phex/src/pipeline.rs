@@ -81,8 +81,8 @@ impl Default for MeshOptions {
     }
 }
 
-/// Most panels that one run is asked for; more would not fit into the ids of the refined surface.
-pub const MAX_PANELS: usize = 2_000_000;
+/// Most panels that one run is asked for: the refined surface has 25 vertices and more for each, and memory ends.
+pub const MAX_PANELS: usize = 200_000;
 
 /// Why nothing was made.
 #[derive(Clone, Debug, Error)]
@@ -269,7 +269,7 @@ fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, Pipe
             )));
         }
     };
-    if !(count >= 1.0) {
+    if count < 1.0 || count.is_nan() {
         return Err(PipelineError::Size(format!(
             "{count:.3} panels were asked for, at least 1 is needed"
         )));
