@@ -42,7 +42,7 @@ fn check(name: &str, surface: &TriangleSurface, asked: usize) {
     assert_eq!(run.outcome.status, Status::Converged, "{name}");
     assert!(figures_of_run.planarity.max <= 1e-12, "{name}");
     assert_eq!(figures_of_run.faces_not_simple, 0, "{name}");
-    assert_eq!(figures_of_run.degree3, Some(1.0), "{name}");
+    assert_eq!(figures_of_run.degree3, 1.0, "{name}");
     assert!(figures_of_run.clearance.min >= 0.05, "{name}");
     assert_eq!(
         figures(run.mesh.topology()),
