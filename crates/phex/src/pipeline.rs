@@ -205,11 +205,11 @@ pub fn mesh_surface(
     let mut factorisations = 0;
     let mut best: Option<((bool, usize), Optimised, Vec<Violation>)> = None;
     loop {
-        let result = clock.stage("optimise", || {
+        let result = clock.timed("optimise", || {
             optimise::optimise(&layout, &target, &options.optimise, progress)
-        })??;
+        })?;
         factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
-        let violations = clock.stage("validate", || between_panels(&result.mesh, close_to))?;
+        let violations = clock.timed("validate", || between_panels(&result.mesh, close_to));
         let invalid = invalid_panels(&result, &violations);
         let badness = (!is_planar(&result), invalid.len());
         if best.as_ref().is_none_or(|b| badness < b.0) {
@@ -224,7 +224,7 @@ pub fn mesh_surface(
             panels: layout.mesh.topology().n_faces(),
             dropped: before - seeds.len(),
         });
-        match clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))? {
+        match clock.timed("layout", || layout::panelling(&fine.cells(), &seeds)) {
             Ok(next) => layout = next,
             Err(_) => break,
         }
@@ -305,6 +305,7 @@ struct Clock<'a> {
 }
 
 impl Clock<'_> {
+    /// A stage before there is a mesh: a cancelled run ends here.
     fn stage<T>(
         &mut self,
         stage: &'static str,
@@ -313,6 +314,11 @@ impl Clock<'_> {
         if self.progress.is_cancelled() {
             return Err(PipelineError::Cancelled);
         }
+        Ok(self.timed(stage, work))
+    }
+
+    /// A stage that a cancelled run still makes, because what was reached is returned.
+    fn timed<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
         self.progress.report(&Event::StageStarted { stage });
         let start = Instant::now();
         let result = work();
@@ -322,7 +328,7 @@ impl Clock<'_> {
             Some(s) => s.seconds += seconds,
             None => self.stages.push(StageSeconds { stage, seconds }),
         }
-        Ok(result)
+        result
     }
 }
 
