@@ -31,7 +31,7 @@ use thiserror::Error;
 pub enum PanelSize {
     /// Number of panels, at least 1.
     Panels(usize),
-    /// Mean edge length, model units.
+    /// Mean edge length, model units; met by a second run where the first is off.
     EdgeLength(f64),
 }
 
@@ -181,11 +181,36 @@ pub fn mesh_surface(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
+    let panels = panel_count(surface, options.size)?;
+    let first = mesh_with_panels(surface, panels, options, progress)?;
+    let PanelSize::EdgeLength(wanted) = options.size else {
+        return Ok(first);
+    };
+    // Panels that are long or re-entrant have longer edges than regular ones of their area: how much is known afterwards.
+    let error = |run: &MeshRun| (run.mesh.mean_edge() / wanted).ln();
+    let count = (panels as f64 * (2.0 * error(&first)).exp()).round();
+    if error(&first).abs() < EDGE_TOLERANCE || !(1.0..=MAX_PANELS as f64).contains(&count) {
+        return Ok(first);
+    }
+    match mesh_with_panels(surface, count as usize, options, progress) {
+        Ok(second) if error(&second).abs() < error(&first).abs() => Ok(second),
+        _ => Ok(first),
+    }
+}
+
+/// Relative error of the mean edge that is corrected by another run.
+const EDGE_TOLERANCE: f64 = 0.08;
+
+fn mesh_with_panels(
+    surface: &TriangleSurface,
+    panels: usize,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<MeshRun, PipelineError> {
     let mut clock = Clock {
         progress,
         stages: Vec::new(),
     };
-    let panels = panel_count(surface, options.size)?;
     let similarity = Similarity::normalising(surface);
     let normalised = moved(surface, |p| similarity.normalise(p));
     let smooth = clock.stage("target", || {
