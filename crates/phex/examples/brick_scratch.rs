@@ -9,7 +9,7 @@ fn main() {
         let soup = io::read_soup(a[1].as_ref()).unwrap();
         TriangleSurface::from_soup(&soup).unwrap().components[0].surface.clone()
     } else {
-        let o = TriangulationOptions { jitter: 0.2, ..Default::default() };
+        let o = TriangulationOptions { jitter: std::env::var("JIT").map_or(0.2, |x| x.parse().unwrap()), triangles: std::env::var("TRI").map_or(8000, |x| x.parse().unwrap()), ..Default::default() };
         triangulate(&Shape::from_name(&a[1], &[]).unwrap(), &o).unwrap()
     };
     let mut o = MeshOptions { size: PanelSize::Panels(panels), method: Method::BrickWall, ..Default::default() };

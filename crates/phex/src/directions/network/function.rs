@@ -1,7 +1,8 @@
 //! Functions on a surface that follow directions.
 //!
 //! The function `f` minimises `sum A (W (level . grad f)^2 + (across . grad f - rate)^2)` over the triangles: its level
-//! lines run along `level`, strictly so for large `W`, and it grows at `rate` along `across`. With periods `p_k`
+//! lines run along `level`, strictly so for large `W`, and it grows at `rate` along `across`. Along edges that are held it is
+//! constant, nearly. With periods `p_k`
 //! on the cochains `omega_k` its change along an edge is `x_j - x_i + sum p_k omega_k`; the values `x` depend on `rate` and
 //! on the periods linearly, `x = base + sum p_k response_k`, with one factorisation for all.
 
@@ -110,7 +111,8 @@ pub fn hat_gradients(surface: &TriangleSurface, f: FaceId) -> [Vec3; 3] {
     std::array::from_fn(|k| normal.cross(&(corner[(k + 2) % 3] - corner[(k + 1) % 3])) * scale)
 }
 
-/// Solves for the functions that follow the guides with strictness `strictness`.
+/// Solves for the functions that follow the guides with strictness `strictness` and are constant along `held` half-edges of
+/// the boundary.
 ///
 /// # Errors
 /// If a linear system can't be solved.
@@ -118,12 +120,16 @@ pub fn following(
     surface: &TriangleSurface,
     basis: &[PerEdge<i32>],
     guides: &PerFace<Guide>,
+    held: &[HalfEdgeId],
     strictness: f64,
 ) -> Result<FunctionFamily, NumericError> {
-    let elements = PerFace::from_fn(guides.len(), |f| {
+    let topology = surface.topology();
+    let mut elements = PerFace::from_fn(guides.len(), |f| {
         Element::new(surface, f, &guides[f], strictness)
     });
-    let topology = surface.topology();
+    for &h in held {
+        elements[topology.face(h)].hold(surface, h, strictness);
+    }
     let cochain = |k: usize, f: FaceId| {
         continued(0.0, topology, f, |h| f64::from(along(topology, &basis[k], h)))
     };
@@ -159,6 +165,26 @@ impl Element {
                 * area,
             load: across * (area * guide.rate),
         }
+    }
+}
+
+/// How much more a held edge counts than the triangle at it.
+const HOLD: f64 = 10.0;
+
+impl Element {
+    fn hold(&mut self, surface: &TriangleSurface, h: HalfEdgeId, strictness: f64) {
+        let topology = surface.topology();
+        let f = topology.face(h);
+        let Some(k) = topology.face_half_edges(f).position(|x| x == h) else {
+            return;
+        };
+        let corner = surface.corners(f);
+        let edge = corner[(k + 1) % 3] - corner[k];
+        let area = 0.5 * surface.area_vector(f).norm();
+        let mut change = Vec3::zeros();
+        (change[k], change[(k + 1) % 3]) = (-1.0, 1.0);
+        let weight = HOLD * strictness * area / edge.norm_squared();
+        self.stiffness += change * change.transpose() * weight;
     }
 }
 
@@ -203,6 +229,9 @@ fn best_periods(
     cochain: impl Fn(usize, FaceId) -> [f64; 3],
 ) -> Vec<f64> {
     let n = response.len();
+    if n == 0 {
+        return Vec::new();
+    }
     let (mut matrix, mut rhs) = (DMatrix::zeros(n, n), DVector::zeros(n));
     for f in topology.faces() {
         let v = topology.face_vertices(f);

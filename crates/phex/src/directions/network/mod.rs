@@ -4,7 +4,8 @@
 //!    curvatures differ, smooth elsewhere, without singularities, combed into one direction per vertex ([`flat`]).
 //! 2. [`conjugate`]: the nearest conjugate pair `r, s`, or `r` conjugate to a given `s`.
 //! 3. [`function`]: functions `u, v` with `s . grad u = 0`, `r . grad v = 0` as well as possible; along curves of one
-//!    family the other function counts. Round holes and handles they have [`periods`].
+//!    family the other function counts. Round holes and handles they have [`periods`]. Sides of the boundary that follow a
+//!    family become curves of it.
 //! 4. [`curves`]: level lines, the network itself.
 //!
 //! Source: W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 3, begin with a conjugate network and
@@ -27,6 +28,7 @@ pub mod curves;
 pub mod flat;
 pub mod function;
 pub mod periods;
+mod sides;
 
 pub use curves::{Curve, level_lines};
 pub use function::{Function, FunctionFamily};
@@ -194,7 +196,7 @@ pub fn row_field(
     let field = RowField {
         row: pairs.map(|p| p[0]),
         column: pairs.map(|p| p[1]),
-        alignment_kept: combed.weakened,
+        alignment_kept: combed.kept,
     };
     let turn = options.family == NetworkFamily::Principal && field.is_steep(curvature, &mesh);
     Ok(if turn { field.turned() } else { field })
@@ -304,11 +306,12 @@ pub fn conjugate_network(
     let guide = |f: FaceId| guide(surface, field, f);
     let along = PerFace::from_fn(surface.topology().n_faces(), |f| guide(f)[0]);
     let across = PerFace::from_fn(surface.topology().n_faces(), |f| guide(f)[1]);
+    let held = [&along, &across].map(|guides| sides::followed(surface, |f| guides[f].level));
     let mut strictness = options.strictness.max(1.0);
     loop {
         let network = ConjugateNetwork {
-            along: function::following(surface, &basis, &along, strictness)?,
-            across: function::following(surface, &basis, &across, strictness)?,
+            along: function::following(surface, &basis, &along, &held[0], strictness)?,
+            across: function::following(surface, &basis, &across, &held[1], strictness)?,
             basis: basis.clone(),
         };
         let Some((count, near)) = network.folded(surface) else {
