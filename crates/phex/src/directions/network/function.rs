@@ -169,7 +169,7 @@ impl Element {
 }
 
 /// How much more a held edge counts than the triangle at it.
-const HOLD: f64 = 10.0;
+const HOLD: f64 = 1e3;
 
 impl Element {
     fn hold(&mut self, surface: &TriangleSurface, h: HalfEdgeId, strictness: f64) {
