@@ -291,7 +291,7 @@ pub struct ConjugateNetwork {
 }
 
 /// Share of the area that may fold over, at corners of the boundary say.
-const MAX_FOLDED: f64 = 0.005;
+const MAX_FOLDED: f64 = 5e-4;
 
 /// The network whose curves follow the directions of `field`.
 ///

@@ -5,9 +5,9 @@ use phex_mesh::{FaceId, HalfEdgeId, TriangleSurface, Vec3, VertexId};
 /// Turning angle, degrees, at which a side ends.
 const CORNER: f64 = 40.0;
 /// Angle between boundary and curves, degrees, up to which an edge follows them.
-const SLANT: f64 = 30.0;
+const SLANT: f64 = 12.0;
 /// Share of a side's length that must follow them.
-const SHARE: f64 = 0.7;
+const SHARE: f64 = 0.9;
 
 /// Half-edges of all sides that follow the directions `level`.
 pub fn followed(surface: &TriangleSurface, level: impl Fn(FaceId) -> Vec3) -> Vec<HalfEdgeId> {
