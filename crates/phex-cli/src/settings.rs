@@ -4,6 +4,8 @@ use crate::exit::Failure;
 use crate::units::{Quantity, Unit};
 use clap::Args;
 use phex::MeshOptions;
+use phex::pipeline::Method;
+use phex::target::TargetKind;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -22,9 +24,18 @@ pub struct MeshSettings {
     /// Length of the panels' edges, about: `1.2`, `1.2m`, or `2%` of the bounding-box diagonal
     #[arg(long, value_name = "LENGTH")]
     pub edge_length: Option<Quantity>,
+    /// How panels are laid out [default: lattice]
+    #[arg(long, value_enum)]
+    pub method: Option<Layout>,
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub rotate: Option<f64>,
+    /// Smaller panels where the surface is strongly curved: panel length times curvature stays below this (0.4 without a number)
+    #[arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive)]
+    pub adaptive: Option<f64>,
+    /// Surface that the panels are kept close to [default: smooth]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub target: Option<CloseTo>,
     /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default: 0.5%]
     #[arg(long, value_name = "LENGTH", help_heading = "Tolerances")]
     pub max_deviation: Option<Quantity>,
@@ -46,6 +57,63 @@ pub struct MeshSettings {
     /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of them.
     #[arg(skip)]
     pub stages: MeshOptions,
+}
+
+/// How panels are laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layout {
+    /// A hexagonal lattice, on any surface
+    Lattice,
+    /// A brick wall on the lines of curvature, where the surface has a network of them without singular points
+    BrickWall,
+}
+
+impl From<Layout> for Method {
+    fn from(layout: Layout) -> Self {
+        match layout {
+            Layout::Lattice => Self::Lattice,
+            Layout::BrickWall => Self::BrickWall,
+        }
+    }
+}
+
+impl From<Method> for Layout {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Lattice => Self::Lattice,
+            Method::BrickWall => Self::BrickWall,
+        }
+    }
+}
+
+/// Which surface the panels are kept close to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CloseTo {
+    /// The smooth surface through the input's vertices
+    Smooth,
+    /// Between the smooth surface and the facets
+    HalfWay,
+    /// The input's facets
+    Facets,
+}
+
+impl From<CloseTo> for TargetKind {
+    fn from(kind: CloseTo) -> Self {
+        match kind {
+            CloseTo::Smooth => Self::Smooth,
+            CloseTo::HalfWay => Self::HalfWay,
+            CloseTo::Facets => Self::Facets,
+        }
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(c) if c > 0.0 && c.is_finite() => Ok(c),
+        _ => Err(format!("`{text}` is not a positive number")),
+    }
 }
 
 /// How fine the panelling is to be.
@@ -83,7 +151,10 @@ impl MeshSettings {
             } else {
                 file.edge_length
             },
+            method: self.method.or(file.method),
             rotate: self.rotate.or(file.rotate),
+            adaptive: self.adaptive.or(file.adaptive),
+            target: self.target.or(file.target),
             max_deviation: self.max_deviation.or(file.max_deviation),
             planarity: self.planarity.or(file.planarity),
             unit: self.unit.or(file.unit),
@@ -111,8 +182,17 @@ impl MeshSettings {
     pub fn options(&self, panels: u64) -> MeshOptions {
         let mut options = self.stages.clone();
         options.size = phex::PanelSize::Panels(usize::try_from(panels).unwrap_or(usize::MAX));
+        if let Some(method) = self.method {
+            options.method = method.into();
+        }
         if let Some(degrees) = self.rotate {
             options.directions.rotate = degrees.to_radians();
+        }
+        if self.adaptive.is_some() {
+            options.sizes.adaptive = self.adaptive;
+        }
+        if let Some(kind) = self.target {
+            options.target.kind = kind.into();
         }
         if let Some(seed) = self.seed {
             options.layout.seed = seed;
@@ -125,6 +205,7 @@ impl MeshSettings {
         let stages = self.options(panels);
         Self {
             panels: Some(panels),
+            method: Some(stages.method.into()),
             rotate: Some(stages.directions.rotate.to_degrees()),
             max_deviation: Some(self.max_deviation()),
             unit: Some(self.unit.unwrap_or_default()),

@@ -13,13 +13,14 @@ use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
-use crate::target::{self, Similarity, SmoothTarget};
+use crate::target::{self, Similarity, SmoothTarget, TargetKind};
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;
 
 /// The target with everything that bricks are laid on, in normalised coordinates.
 struct Ground {
     similarity: Similarity,
+    normalised: TriangleSurface,
     smooth: SmoothTarget,
     surface: TriangleSurface,
     curvature: Curvature,
@@ -35,8 +36,8 @@ impl Ground {
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
         let similarity = Similarity::normalising(input);
+        let normalised = moved(input, |p| similarity.normalise(p));
         let smooth = clock.stage("target", || {
-            let normalised = moved(input, |p| similarity.normalise(p));
             let vertices = options.cell_density.max(options.field_density) * panels as f64;
             target::smooth_target(&normalised, vertices as usize, &options.target)
         })?;
@@ -59,12 +60,21 @@ impl Ground {
         let corners = spaced_corners(&smooth, length);
         Ok(Self {
             similarity,
+            normalised,
             smooth,
             surface,
             curvature,
             field,
             corners,
         })
+    }
+
+    /// The surface that panels are kept close to.
+    fn close_to(&self, kind: TargetKind) -> &TriangleSurface {
+        match kind {
+            TargetKind::Facets => &self.normalised,
+            _ => &self.surface,
+        }
     }
 
     fn bricks(&self) -> BrickSurface<'_> {
@@ -105,15 +115,21 @@ pub(super) fn mesh_surface(
     let mut clock = Clock::new(progress);
     let panels = panel_count(input, options.size)?;
     let ground = Ground::new(input, panels, options, &mut clock)?;
-    let (layout, wall) = clock.stage("layout", || {
-        brick_wall(&ground.bricks(), panels, &options.brick_wall)
-    })??;
-    let target = SurfaceTarget::new(&ground.surface);
-    let result = clock.stage("optimise", || {
-        optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
-    })??;
-    let violations = clock.stage("validate", || between_panels(&result.mesh, &ground.surface))?;
     let similarity = ground.similarity;
+    let (layout, wall) = clock
+        .stage("layout", || {
+            brick_wall(&ground.bricks(), panels, &options.brick_wall)
+        })?
+        .map_err(|e| match e {
+            LayoutError::Network(e) => in_model(e, &similarity),
+            other => other.into(),
+        })?;
+    let close_to = ground.close_to(options.target.kind);
+    let target = SurfaceTarget::new(close_to);
+    let result = clock.timed("optimise", || {
+        optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
+    })?;
+    let violations = clock.timed("validate", || between_panels(&result.mesh, close_to));
     let statistics = Statistics {
         panels_asked: panels,
         target_vertices: (ground.smooth.levels.iter())
@@ -129,7 +145,7 @@ pub(super) fn mesh_surface(
     let positions = result.mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
         mesh: result.mesh.with_positions(positions),
-        target: moved(&ground.surface, |p| similarity.restore(p)),
+        target: moved(close_to, |p| similarity.restore(p)),
         outcome: result.outcome,
         offenders: result.offenders,
         violations,
