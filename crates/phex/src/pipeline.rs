@@ -3,10 +3,15 @@
 //! surface -> target -> curvature -> directions -> layout -> optimise; panels that stay invalid go back to the layout as
 //! seeds to drop, and layout and optimiser run again.
 
+mod brick_wall;
+
+pub use brick_wall::{NetworkCurves, network_curves};
+
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::size::{self, SizeOptions};
 use crate::directions::{self, DirectionOptions, Directions};
+use crate::layout::brick_wall::{BrickWallOptions, BrickWallStatistics};
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics};
@@ -35,6 +40,17 @@ pub enum PanelSize {
     EdgeLength(f64),
 }
 
+/// How panels are laid out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// A hexagonal lattice in the metric of the second fundamental form, on any surface.
+    #[default]
+    Lattice,
+    /// A brick wall on a conjugate curve network, where the surface has one.
+    BrickWall,
+}
+
 /// Options of [`mesh_surface`]: one struct per stage, and what concerns the whole flow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -51,8 +67,12 @@ pub struct MeshOptions {
     pub curvature: CurvatureOptions,
     /// Metric and direction field.
     pub directions: DirectionOptions,
-    /// Layout.
+    /// How panels are laid out.
+    pub method: Method,
+    /// Layout by a lattice.
     pub layout: LayoutOptions,
+    /// Layout as a brick wall.
+    pub brick_wall: BrickWallOptions,
     /// Optimiser.
     pub optimise: OptimiseOptions,
     /// Vertices per panel, at least, of the mesh on which directions and lattice are computed.
@@ -72,7 +92,9 @@ impl Default for MeshOptions {
             target: TargetOptions::default(),
             curvature: CurvatureOptions::default(),
             directions: DirectionOptions::default(),
+            method: Method::default(),
             layout: LayoutOptions::default(),
+            brick_wall: BrickWallOptions::default(),
             optimise: OptimiseOptions::default(),
             field_density: 8.0,
             cell_density: 25.0,
@@ -137,6 +159,8 @@ pub struct Statistics {
     pub interpolation_error: f64,
     /// The lattice.
     pub layout: LayoutStatistics,
+    /// The brick wall, if that was the method.
+    pub brick_wall: Option<BrickWallStatistics>,
     /// The optimiser's runs of the last round.
     pub runs: Vec<RunSummary>,
     /// Factorisations of the optimiser in all rounds.
@@ -181,6 +205,9 @@ pub fn mesh_surface(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
+    if options.method == Method::BrickWall {
+        return brick_wall::mesh_surface(surface, options, progress);
+    }
     let panels = panel_count(surface, options.size)?;
     let first = mesh_with_panels(surface, panels, options, progress)?;
     let PanelSize::EdgeLength(wanted) = options.size else {
@@ -207,10 +234,7 @@ fn mesh_with_panels(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    let mut clock = Clock {
-        progress,
-        stages: Vec::new(),
-    };
+    let mut clock = Clock::new(progress);
     let similarity = Similarity::normalising(surface);
     let normalised = moved(surface, |p| similarity.normalise(p));
     let smooth = clock.stage("target", || {
@@ -260,6 +284,7 @@ fn mesh_with_panels(
         target_vertices: smooth.levels.iter().map(|l| l.positions().len()).collect(),
         interpolation_error: smooth.interpolation_error,
         layout: field.statistics,
+        brick_wall: None,
         runs: result.runs.clone(),
         factorisations,
         repairs,
@@ -329,7 +354,14 @@ struct Clock<'a> {
     stages: Vec<StageSeconds>,
 }
 
-impl Clock<'_> {
+impl<'a> Clock<'a> {
+    fn new(progress: &'a dyn Progress) -> Self {
+        Self {
+            progress,
+            stages: Vec::new(),
+        }
+    }
+
     /// A stage before there is a mesh: a cancelled run ends here.
     fn stage<T>(
         &mut self,
@@ -380,12 +412,7 @@ impl Field {
         options: &MeshOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let wanted = options.field_density * panels as f64;
-        let level = smooth
-            .levels
-            .iter()
-            .position(|l| l.positions().len() as f64 >= wanted);
-        let level = level.unwrap_or(smooth.levels.len() - 1);
+        let level = smooth.level_with(options.field_density * panels as f64);
         let surface = &smooth.levels[level];
         let length = panel_length(surface, panels);
         let curvature = clock.stage("curvature", || {

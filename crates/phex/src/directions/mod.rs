@@ -24,6 +24,7 @@
 pub mod conformal;
 pub mod intrinsic;
 pub mod metric;
+pub mod network;
 pub mod rosy;
 pub mod size;
 

@@ -11,6 +11,7 @@
 //! degree 3, sharp boundary corners are kept as corners of one panel. Fails, with an error that says so: where panels are
 //! so large that cells can't be made discs.
 
+pub mod brick_wall;
 pub mod cells;
 pub mod lattice;
 pub mod polish;
@@ -24,6 +25,7 @@ pub use record::{Layout, VertexKind};
 
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::network::NetworkError;
 use cells::{CellComplex, Node};
 use lattice::Charts;
 use nalgebra::Matrix3;
@@ -67,6 +69,9 @@ pub enum LayoutError {
     /// A linear system could not be solved.
     #[error("the layout's equations could not be solved: {0}")]
     Numeric(#[from] NumericError),
+    /// There is no conjugate network for a brick wall.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
     /// Cells are not discs.
     #[error(
         "no panelling with the topology of the surface was found: {reason}; ask for smaller panels"
@@ -172,7 +177,7 @@ pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, Layou
     let vertices = seeds.iter().map(|s| s.vertex).collect();
     let complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
-    record(fine, &complex)
+    record(fine, &complex, |node| place(fine.surface, node))
 }
 
 fn centroids(
@@ -195,7 +200,12 @@ fn centroids(
     )
 }
 
-fn record(fine: &CellSurface<'_>, complex: &CellComplex) -> Result<Layout, LayoutError> {
+/// The layout whose panels are the cells, with its vertices where `place` says.
+fn record(
+    fine: &CellSurface<'_>,
+    complex: &CellComplex,
+    place: impl Fn(Node) -> Vec3,
+) -> Result<Layout, LayoutError> {
     let topology = fine.surface.topology();
     let (index, nodes) = cells::node_index(&complex.panels);
     let faces: Vec<Vec<u32>> = complex
@@ -203,7 +213,7 @@ fn record(fine: &CellSurface<'_>, complex: &CellComplex) -> Result<Layout, Layou
         .iter()
         .map(|(_, l)| l.iter().map(|n| index[n]).collect())
         .collect();
-    let positions = nodes.iter().map(|n| place(fine.surface, *n)).collect();
+    let positions = nodes.iter().map(|n| place(*n)).collect();
     let mesh = HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology {
         reason: e.to_string(),
     })?;

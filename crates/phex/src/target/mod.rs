@@ -107,6 +107,13 @@ impl SmoothTarget {
             .last()
             .expect("there is a level for the input itself")
     }
+
+    /// The coarsest level with at least `vertices` vertices, or the finest.
+    pub fn level_with(&self, vertices: f64) -> usize {
+        let enough = |l: &TriangleSurface| l.positions().len() as f64 >= vertices;
+        let last = self.levels.len() - 1;
+        self.levels.iter().position(enough).unwrap_or(last)
+    }
 }
 
 /// Refines a normalised surface until it has at least `min_vertices` vertices.
