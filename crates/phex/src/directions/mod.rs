@@ -21,6 +21,7 @@
 //! Guaranteed: defined everywhere (a plane gets the isotropic metric and a constant direction); unit lattice spacing is
 //! one intrinsic length. Fails: never; where the metric violates triangle inequalities it is blended towards them.
 
+pub mod boundary;
 pub mod conformal;
 pub mod intrinsic;
 pub mod metric;
@@ -51,6 +52,8 @@ pub struct DirectionOptions {
     pub conformal_limit: f64,
     /// Rotation of the preferred direction, radians.
     pub rotate: f64,
+    /// Weight of the alignment of a lattice row with the boundary, per panel length of it (0: the boundary is ignored).
+    pub boundary_alignment: f64,
 }
 
 impl Default for DirectionOptions {
@@ -63,6 +66,7 @@ impl Default for DirectionOptions {
             conformal_screening: 0.1,
             conformal_limit: 0.6,
             rotate: 0.0,
+            boundary_alignment: 3.0,
         }
     }
 }
@@ -100,7 +104,7 @@ pub fn directions(
         &tensor,
         &principal,
         &weight,
-        options.rotate,
+        options,
     )?;
     if options.conformal_limit > 0.0 {
         let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
@@ -115,7 +119,7 @@ pub fn directions(
             &tensor,
             &principal,
             &weight,
-            options.rotate,
+            options,
         )?;
     }
     let cone = rosy::cones(surface.topology(), &intrinsic, &angle);

@@ -11,6 +11,7 @@
 //! degree 3, sharp boundary corners are kept as corners of one panel. Fails, with an error that says so: where panels are
 //! so large that cells can't be made discs.
 
+pub mod boundary;
 pub mod cells;
 pub mod lattice;
 pub mod polish;
@@ -45,6 +46,8 @@ pub struct LayoutOptions {
     pub sweeps: usize,
     /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay).
     pub annihilation_length: f64,
+    /// Weight that draws rows along the boundary to half a row's distance from it, per panel length (0: not at all).
+    pub boundary_phase: f64,
 }
 
 impl Default for LayoutOptions {
@@ -53,6 +56,7 @@ impl Default for LayoutOptions {
             seed: 0,
             sweeps: 60,
             annihilation_length: f64::INFINITY,
+            boundary_phase: 3.0,
         }
     }
 }
@@ -95,8 +99,9 @@ pub fn place_seeds(
 ) -> Result<(Vec<Seed>, LayoutStatistics), LayoutError> {
     let mesh = &directions.intrinsic;
     let charts = Charts::new(topology, directions);
-    let mut position = waves::diffuse(topology, mesh, &charts, options.seed);
-    polish::polish(topology, mesh, &charts, &mut position, options.sweeps);
+    let pins = boundary::pins(topology, directions, options.boundary_phase);
+    let mut position = waves::diffuse(topology, mesh, &charts, &pins, options.seed);
+    polish::polish(topology, mesh, &charts, &pins, &mut position, options.sweeps);
     let mut offsets = Offsets::rounded(topology, &charts, position);
     let annihilation = seamless::annihilate(
         topology,
@@ -106,8 +111,18 @@ pub fn place_seeds(
         options.annihilation_length,
     );
     if annihilation.moved > 0 {
-        offsets.position =
-            seamless::solve_offsets(topology, mesh, &charts, &offsets.jump, &offsets.position)?;
+        // Where the boundary's rows come to lie is seen only without pins.
+        let free = PerVertex::filled(topology.n_vertices(), None);
+        for pins in [&free, &pins, &pins] {
+            offsets.position = seamless::solve_offsets(
+                topology,
+                mesh,
+                &charts,
+                &offsets.jump,
+                pins,
+                &offsets.position,
+            )?;
+        }
     }
     let mut distortion = offsets.distortion(topology, mesh, &charts).into_vec();
     distortion.sort_by(f64::total_cmp);
