@@ -188,7 +188,7 @@ pub fn mesh_surface(
     let field = Field::new(&smooth, panels, options, &mut clock)?;
     let fine = FineSurface::new(&smooth, &field);
     let mut seeds = field.seeds.clone();
-    let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
+    let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds, true))??;
     let target = SurfaceTarget::new(&fine.surface);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
@@ -213,7 +213,7 @@ pub fn mesh_surface(
             panels: layout.mesh.topology().n_faces(),
             dropped: before - seeds.len(),
         });
-        match clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))? {
+        match clock.stage("layout", || layout::panelling(&fine.cells(), &seeds, true))? {
             Ok(next) => layout = next,
             Err(_) => break,
         }

@@ -12,10 +12,12 @@
 //! so large that cells can't be made discs.
 
 pub mod boundary;
+pub mod boundary_nodes;
 pub mod cells;
 pub mod lattice;
 pub mod polish;
 pub mod record;
+pub mod rim;
 pub mod seamless;
 pub mod seeds;
 pub mod voronoi;
@@ -151,17 +153,28 @@ pub struct CellSurface<'a> {
 ///
 /// # Errors
 /// If no panelling with the surface's topology is found.
-pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, LayoutError> {
+pub fn panelling(
+    fine: &CellSurface<'_>,
+    seeds: &[Seed],
+    even_rim: bool,
+) -> Result<Layout, LayoutError> {
     if seeds.is_empty() {
         return Err(LayoutError::Topology {
             reason: "there is no panel".into(),
         });
     }
     let topology = fine.surface.topology();
-    let grown = voronoi::grow(topology, fine.mesh, seeds, |_| true);
+    let (seeds, grown) = if even_rim {
+        rim::even_rim(fine, seeds)
+    } else {
+        (seeds.to_vec(), voronoi::grow(topology, fine.mesh, seeds, |_| true))
+    };
     let vertices = seeds.iter().map(|s| s.vertex).collect();
-    let complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
+    let mut complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
+    if even_rim {
+        boundary_nodes::follow_boundary(fine.surface, &mut complex);
+    }
     record(fine, &complex)
 }
 
@@ -232,7 +245,7 @@ fn local_length(fine: &CellSurface<'_>, v: VertexId) -> f64 {
 fn kind(node: Node) -> VertexKind {
     match node {
         Node::Triangle(_) => VertexKind::Interior,
-        Node::Edge(_) => VertexKind::Boundary,
+        Node::Edge(_) | Node::Rim(_) => VertexKind::Boundary,
         Node::Corner(_) => VertexKind::BoundaryCorner,
     }
 }
@@ -244,7 +257,7 @@ fn place(surface: &TriangleSurface, node: Node) -> Vec3 {
             let [a, b] = surface.topology().edge_vertices(e);
             (surface.positions()[a] + surface.positions()[b]) * 0.5
         }
-        Node::Corner(v) => surface.positions()[v],
+        Node::Corner(v) | Node::Rim(v) => surface.positions()[v],
     }
 }
 
