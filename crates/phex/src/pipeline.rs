@@ -1,19 +1,22 @@
 //! The whole flow, and its one loop.
 //!
-//! surface -> target -> curvature -> directions -> layout -> optimise; panels that stay invalid go back to the layout as
-//! seeds to drop, and layout and optimiser run again.
+//! surface -> target -> curvature -> directions -> layout -> optimise -> trim; panels that stay invalid go back to the
+//! layout as seeds to drop, and layout and optimiser run again.
 
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::size::{self, SizeOptions};
 use crate::directions::{self, DirectionOptions, Directions};
+use crate::ground::Ground;
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics};
 use crate::optimise::{
-    self, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
+    self, Fault, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
 };
 use crate::progress::{Event, Progress};
-use crate::target::{self, Similarity, SmoothTarget, TargetOptions};
+use crate::target::{Similarity, SmoothTarget, TargetOptions};
+use crate::trim::{self, Boundary, TrimError, Trimmed};
 use nalgebra::Matrix3;
 use phex_mesh::{
     FaceId, HexMesh, PerVertex, TriangleSurface, ValidateOptions, VertexId, Violation,
@@ -40,6 +43,12 @@ pub enum PanelSize {
 pub struct MeshOptions {
     /// Size of the panels.
     pub size: PanelSize,
+    /// Where panels are smaller.
+    pub sizes: SizeOptions,
+    /// Relative size of panels at each vertex of the input (positive; only ratios matter).
+    pub size_field: Option<Vec<f64>>,
+    /// What happens at the boundary.
+    pub boundary: Boundary,
     /// Smooth target.
     pub target: TargetOptions,
     /// Curvature.
@@ -62,6 +71,9 @@ impl Default for MeshOptions {
     fn default() -> Self {
         Self {
             size: PanelSize::Panels(500),
+            sizes: SizeOptions::default(),
+            size_field: None,
+            boundary: Boundary::default(),
             target: TargetOptions::default(),
             curvature: CurvatureOptions::default(),
             directions: DirectionOptions::default(),
@@ -96,6 +108,9 @@ pub enum PipelineError {
     /// The optimiser refused its input.
     #[error(transparent)]
     Optimise(#[from] OptimiseError),
+    /// Nothing is left within the boundary.
+    #[error(transparent)]
+    Trim(#[from] TrimError),
     /// The caller cancelled before there was a mesh.
     #[error("cancelled")]
     Cancelled,
@@ -143,7 +158,7 @@ pub struct Statistics {
 pub struct MeshRun {
     /// The panelling in model coordinates.
     pub mesh: HexMesh,
-    /// The smooth target in model coordinates.
+    /// The surface that the panels were kept close to, in model coordinates.
     pub target: TriangleSurface,
     /// How the optimiser ended.
     pub outcome: Outcome,
@@ -180,29 +195,35 @@ pub fn mesh_surface(
     };
     let panels = panel_count(surface, options.size)?;
     let similarity = Similarity::normalising(surface);
-    let smooth = clock.stage("target", || {
-        let normalised = moved(surface, |p| similarity.normalise(p));
-        let vertices = options.cell_density.max(options.field_density) * panels as f64;
-        target::smooth_target(&normalised, vertices as usize, &options.target)
-    })?;
-    let field = Field::new(&smooth, panels, options, &mut clock)?;
-    let fine = FineSurface::new(&smooth, &field);
+    let normalised = moved(surface, |p| similarity.normalise(p));
+    let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
+    let options = &ground.options;
+    let field = Field::new(&ground.smooth, ground.panels, options, &mut clock)?;
+    let fine = FineSurface::new(&ground, &field);
     let mut seeds = field.seeds.clone();
-    let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds, true))??;
-    let target = SurfaceTarget::new(&fine.surface);
+    let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
+    let target = SurfaceTarget::new(ground.close_to(&fine.surface));
+    let reported = ground.reported(&fine.surface);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
-    let mut best: Option<(usize, Optimised, Vec<Violation>)> = None;
+    let mut best: Option<((bool, usize), Optimised, Left)> = None;
     loop {
         let result = clock.stage("optimise", || {
             optimise::optimise(&layout, &target, &options.optimise, progress)
         })??;
         factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
-        let violations = clock.stage("validate", || between_panels(&result.mesh, &fine.surface))?;
-        let invalid = invalid_panels(&result, &violations);
-        let better = best.as_ref().is_none_or(|b| invalid.len() < b.0);
-        if better {
-            best = Some((invalid.len(), result, violations));
+        let trimmed = clock.stage("trim", || ground.trimmed(&result.mesh, &fine.surface))??;
+        let violations = clock.stage("validate", || between_panels(&trimmed.mesh, reported))?;
+        let offenders = offenders_left(&result.offenders, &trimmed);
+        let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
+        let badness = (!is_planar(&offenders), invalid.len());
+        if best.as_ref().is_none_or(|b| badness < b.0) {
+            let left = Left {
+                trimmed,
+                offenders,
+                violations,
+            };
+            best = Some((badness, result, left));
         }
         if invalid.is_empty() || repairs.len() >= options.max_repairs || progress.is_cancelled() {
             break;
@@ -213,31 +234,40 @@ pub fn mesh_surface(
             panels: layout.mesh.topology().n_faces(),
             dropped: before - seeds.len(),
         });
-        match clock.stage("layout", || layout::panelling(&fine.cells(), &seeds, true))? {
+        match clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))? {
             Ok(next) => layout = next,
             Err(_) => break,
         }
     }
-    let (_, result, violations) = best.expect("the loop runs at least once");
+    let (_, result, left) = best.expect("the loop runs at least once");
+    let levels = ground.smooth.levels.iter();
     let statistics = Statistics {
         panels_asked: panels,
-        target_vertices: smooth.levels.iter().map(|l| l.positions().len()).collect(),
-        interpolation_error: smooth.interpolation_error,
+        target_vertices: levels.map(|l| l.positions().len()).collect(),
+        interpolation_error: ground.smooth.interpolation_error,
         layout: field.statistics,
         runs: result.runs.clone(),
         factorisations,
         repairs,
     };
-    let positions = result.mesh.positions.map(|p| similarity.restore(*p));
+    let mesh = left.trimmed.mesh;
+    let positions = mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
-        mesh: result.mesh.with_positions(positions),
-        target: moved(&fine.surface, |p| similarity.restore(p)),
+        mesh: mesh.with_positions(positions),
+        target: moved(reported, |p| similarity.restore(p)),
         outcome: result.outcome,
-        offenders: result.offenders,
-        violations,
+        offenders: left.offenders,
+        violations: left.violations,
         statistics,
         stages: clock.stages,
     })
+}
+
+/// What a round of the repair loop leaves.
+struct Left {
+    trimmed: Trimmed,
+    offenders: Vec<Offender>,
+    violations: Vec<Violation>,
 }
 
 /// Panels that a size means for a surface.
@@ -345,14 +375,16 @@ impl Field {
             .position(|l| l.positions().len() as f64 >= wanted);
         let level = level.unwrap_or(smooth.levels.len() - 1);
         let surface = &smooth.levels[level];
-        let mut length = panel_length(surface, panels);
+        let length = panel_length(surface, panels);
         let curvature = clock.stage("curvature", || {
             curvature::curvature(surface, length, &options.curvature)
         })?;
+        let mut length = panel_lengths(smooth, level, &curvature, length, panels, options)?;
+        let settings = direction_options(options);
         let mut best: Option<(f64, Self)> = None;
         for _ in 0..COUNT_TRIES {
             let directions = clock.stage("directions", || {
-                directions::directions(surface, &curvature, length, &options.directions)
+                directions::directions_sized(surface, &curvature, &length, &settings)
             })??;
             let (seeds, statistics) = clock.stage("layout", || {
                 layout::place_seeds(surface.topology(), &directions, &options.layout)
@@ -374,10 +406,81 @@ impl Field {
             if error < COUNT_TOLERANCE {
                 break;
             }
-            length *= ratio.sqrt();
+            length.iter_mut().for_each(|l| *l *= ratio.sqrt());
         }
         Ok(best.expect("at least one lattice is tried").1)
     }
+}
+
+/// Screening that keeps varying sizes against the conformal factor, which would even them out.
+const SIZED_SCREENING: f64 = 0.5;
+
+fn direction_options(options: &MeshOptions) -> DirectionOptions {
+    let mut settings = options.directions.clone();
+    if options.sizes.adaptive.is_some() || options.size_field.is_some() {
+        settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
+    }
+    settings
+}
+
+/// Panel length at each vertex of a level.
+fn panel_lengths(
+    smooth: &SmoothTarget,
+    level: usize,
+    curvature: &Curvature,
+    uniform: f64,
+    panels: usize,
+    options: &MeshOptions,
+) -> Result<PerVertex<f64>, PipelineError> {
+    let surface = &smooth.levels[level];
+    let field = match &options.size_field {
+        Some(values) => Some(refined_sizes(smooth, level, values)?),
+        None => None,
+    };
+    let principal = curvature.principal();
+    let mut base = uniform;
+    // The largest length depends on how much of the surface is finer, and that on the largest length.
+    for _ in 0..8 {
+        let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+        let Some(relative) = sizes else { break };
+        let next = size::base_length(surface, &relative, CELL, panels);
+        if (next / base).ln().abs() < 1e-3 {
+            return Ok(relative.map(|r| r * next));
+        }
+        base = next;
+    }
+    let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+    Ok(sizes.map_or_else(
+        || PerVertex::filled(surface.positions().len(), uniform),
+        |r| r.map(|r| r * base),
+    ))
+}
+
+fn refined_sizes(
+    smooth: &SmoothTarget,
+    level: usize,
+    values: &[f64],
+) -> Result<PerVertex<f64>, PipelineError> {
+    let expected = smooth.levels[0].positions().len();
+    if values.len() != expected {
+        let message = format!(
+            "the size field has {} values, the surface {expected} vertices",
+            values.len()
+        );
+        return Err(PipelineError::Size(message));
+    }
+    if let Some(i) = values.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
+        let message = format!(
+            "the size at vertex {i} is {}, it must be positive and finite",
+            values[i]
+        );
+        return Err(PipelineError::Size(message));
+    }
+    let start = PerVertex::from_vec(values.iter().map(|v| v.ln()).collect());
+    let steps = smooth.refinements[..level].iter();
+    Ok(steps
+        .fold(start, |field, step| step.apply(&field))
+        .map(|l| l.exp()))
 }
 
 /// Distance of neighbouring panel centres for a number of panels.
@@ -400,10 +503,12 @@ struct FineSurface {
     metric: PerVertex<Matrix3<f64>>,
     mesh: IntrinsicMesh,
     corners: HashSet<VertexId>,
+    kept: Option<PerVertex<bool>>,
 }
 
 impl FineSurface {
-    fn new(smooth: &SmoothTarget, field: &Field) -> Self {
+    fn new(ground: &Ground, field: &Field) -> Self {
+        let smooth = &ground.smooth;
         let mut curvature = field.curvature.clone();
         let mut metric = field.directions.metric.clone();
         for step in &smooth.refinements[field.level..] {
@@ -418,6 +523,7 @@ impl FineSurface {
             metric,
             mesh,
             corners,
+            kept: ground.kept(),
         }
     }
 
@@ -427,6 +533,7 @@ impl FineSurface {
             metric: &self.metric,
             mesh: &self.mesh,
             corners: &self.corners,
+            kept: self.kept.as_ref(),
         }
     }
 }
@@ -452,16 +559,64 @@ fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
     phex_mesh::violations(mesh, Some(surface), &ValidateOptions::default())
 }
 
-/// Panels whose seeds the next round drops.
-fn invalid_panels(result: &Optimised, violations: &[Violation]) -> BTreeSet<FaceId> {
-    let mut invalid: BTreeSet<FaceId> = result.offenders.iter().map(|o| o.face).collect();
-    for violation in violations {
-        invalid.extend(violation.faces(result.mesh.topology()));
+/// Panels whose seeds the next round drops: those with a wrong shape; if there are none, those farthest from planar,
+/// because one blocked panel keeps all others from their planes.
+fn invalid_panels(
+    offenders: &[Offender],
+    trimmed: &Trimmed,
+    violations: &[Violation],
+    boundary: Boundary,
+) -> BTreeSet<FaceId> {
+    let topology = trimmed.mesh.topology();
+    let crooked = |o: &&Offender| !matches!(o.fault, Fault::NotPlanar { .. });
+    let shape = |v: &&Violation| !matches!(v, Violation::NotPlanar { .. });
+    let located = violations.iter().filter(shape);
+    let mut invalid: BTreeSet<FaceId> = offenders.iter().filter(crooked).map(|o| o.face).collect();
+    invalid.extend(located.flat_map(|v| v.faces(topology)));
+    if boundary != Boundary::Whole {
+        invalid.extend(trim::small_rim_panels(&trimmed.mesh));
     }
-    invalid
+    if invalid.is_empty() {
+        invalid.extend(farthest_from_planar(offenders));
+    }
+    invalid.iter().map(|f| trimmed.parent[*f]).collect()
 }
 
+fn farthest_from_planar(offenders: &[Offender]) -> impl Iterator<Item = FaceId> {
+    let distance = |o: &Offender| match o.fault {
+        Fault::NotPlanar { distance } => distance,
+        _ => 0.0,
+    };
+    let worst = offenders.iter().map(distance).fold(0.0, f64::max);
+    let far = offenders.iter().filter(move |o| distance(o) > 0.3 * worst);
+    far.map(|o| o.face)
+}
+
+/// Offenders of which something is left, with the numbers of their parts.
+fn offenders_left(offenders: &[Offender], trimmed: &Trimmed) -> Vec<Offender> {
+    let parts = |o: &Offender| {
+        let (face, fault) = (o.face, o.fault);
+        let own = trimmed.parent.enumerate().filter(move |(_, p)| **p == face);
+        own.map(move |(face, _)| Offender { face, fault })
+    };
+    offenders.iter().flat_map(parts).collect()
+}
+
+fn is_planar(offenders: &[Offender]) -> bool {
+    let planar = |o: &Offender| !matches!(o.fault, Fault::NotPlanar { .. });
+    offenders.iter().all(planar)
+}
+
+/// Drops the seeds of invalid panels, never those of two neighbours in one round: one of them grows into the gap.
 fn drop_seeds(seeds: &mut Vec<Seed>, layout: &Layout, invalid: &BTreeSet<FaceId>) {
-    let dropped: HashSet<VertexId> = invalid.iter().map(|f| layout.face_seed[*f]).collect();
+    let topology = layout.mesh.topology();
+    let mut chosen: BTreeSet<FaceId> = BTreeSet::new();
+    for &f in invalid {
+        let twins = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
+        if !twins.map(|t| topology.face(t)).any(|g| chosen.contains(&g)) {
+            chosen.insert(f);
+        }
+    }
+    let dropped: HashSet<VertexId> = chosen.iter().map(|f| layout.face_seed[*f]).collect();
     seeds.retain(|s| !dropped.contains(&s.vertex));
 }

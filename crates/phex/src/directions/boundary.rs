@@ -33,7 +33,8 @@ fn frame(topology: &Topology, mesh: &IntrinsicMesh, v: VertexId) -> BoundaryFram
     let [out, back] = boundary_half_edges(topology, v);
     let (ahead, behind) = (side(out), side(back));
     // The first edge lies at angle 0, the last at `angle`; both count by their length.
-    let mean = (Complex::new(ahead, 0.0) + Complex::from_polar(behind, 6.0 * angle)) / (ahead + behind);
+    let mean =
+        (Complex::new(ahead, 0.0) + Complex::from_polar(behind, 6.0 * angle)) / (ahead + behind);
     BoundaryFrame {
         inward: 0.5 * angle,
         turning: PI - angle,

@@ -1,7 +1,7 @@
 //! Screened conformal rescaling: absorbs intrinsic curvature that the cones of the field do not explain.
 
-use super::boundary::{self, BoundaryFrame};
 use super::DirectionOptions;
+use super::boundary::{self, BoundaryFrame};
 use super::intrinsic::{IntrinsicMesh, row};
 use phex_mesh::{PerFace, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};

@@ -26,6 +26,7 @@ pub mod conformal;
 pub mod intrinsic;
 pub mod metric;
 pub mod rosy;
+pub mod size;
 
 use crate::curvature::Curvature;
 use intrinsic::IntrinsicMesh;
@@ -66,7 +67,7 @@ impl Default for DirectionOptions {
             conformal_screening: 0.1,
             conformal_limit: 0.6,
             rotate: 0.0,
-            boundary_alignment: 3.0,
+            boundary_alignment: 0.5,
         }
     }
 }
@@ -84,28 +85,35 @@ pub struct Directions {
     pub cone: PerFace<i32>,
 }
 
-/// Metric and field for panels of length `panel_length`.
+/// Metric and field for panels of one length.
 ///
 /// # Errors
-/// If a linear system can't be solved, which only happens when the surface's triangles are numerically degenerate.
+/// As [`directions_sized`].
 pub fn directions(
     surface: &TriangleSurface,
     curvature: &Curvature,
     panel_length: f64,
     options: &DirectionOptions,
 ) -> Result<Directions, NumericError> {
+    let length = PerVertex::filled(surface.positions().len(), panel_length);
+    directions_sized(surface, curvature, &length, options)
+}
+
+/// Metric and field for panels of length `panel_length` at each vertex.
+///
+/// # Errors
+/// If a linear system can't be solved, which only happens when the surface's triangles are numerically degenerate.
+pub fn directions_sized(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    panel_length: &PerVertex<f64>,
+    options: &DirectionOptions,
+) -> Result<Directions, NumericError> {
     let principal = curvature.principal();
     let mut tensor = metric::metric(surface, curvature, &principal, panel_length, options);
     let weight = metric::alignment_weight(&principal, curvature, options);
     let mut intrinsic = IntrinsicMesh::new(surface, &tensor);
-    let mut angle = rosy::field(
-        surface,
-        &intrinsic,
-        &tensor,
-        &principal,
-        &weight,
-        options,
-    )?;
+    let mut angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options)?;
     if options.conformal_limit > 0.0 {
         let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
         let scale = conformal::log_factor(surface.topology(), &intrinsic, &cone, options)?;
@@ -113,14 +121,7 @@ pub fn directions(
             *m *= (2.0 * s).exp();
         }
         intrinsic = IntrinsicMesh::new(surface, &tensor);
-        angle = rosy::field(
-            surface,
-            &intrinsic,
-            &tensor,
-            &principal,
-            &weight,
-            options,
-        )?;
+        angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options)?;
     }
     let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
     Ok(Directions {

@@ -60,7 +60,11 @@ mod tests {
     fn half_way_between_two_rows_the_wave_is_at_its_trough() {
         for m in 0..3 {
             let normal = reciprocal(m) * CELL;
-            let pin = Pin { wave: m, normal, weight: 1.0 };
+            let pin = Pin {
+                wave: m,
+                normal,
+                weight: 1.0,
+            };
             for z in [Plane::new(0.3, -0.8), Plane::new(-1.7, 0.2)] {
                 let z = z + pin.correction(z);
                 let phase = dot(reciprocal(m), z);

@@ -17,7 +17,13 @@ pub fn follow_boundary(surface: &TriangleSurface, complex: &mut CellComplex) {
             let to = outline[(i + 1) % outline.len()];
             refined.push(from);
             let path = path(surface.topology(), &next, &complex.label, *label, from, to);
-            split(surface, &path, place(surface, from), place(surface, to), &mut refined);
+            split(
+                surface,
+                &path,
+                place(surface, from),
+                place(surface, to),
+                &mut refined,
+            );
         }
         *outline = refined;
     }
@@ -27,7 +33,10 @@ pub fn follow_boundary(surface: &TriangleSurface, complex: &mut CellComplex) {
 fn next_on_boundary(topology: &Topology) -> PerVertex<Option<VertexId>> {
     PerVertex::from_fn(topology.n_vertices(), |v| {
         let along = topology.outgoing(v).next()?;
-        topology.twin(along).is_none().then(|| topology.target(along))
+        topology
+            .twin(along)
+            .is_none()
+            .then(|| topology.target(along))
     })
 }
 
@@ -72,7 +81,8 @@ fn split(
     outline: &mut Vec<Node>,
 ) {
     let distance = |v: &VertexId| distance_to_segment(surface.positions()[*v], from, to);
-    let farthest = (0..path.len()).max_by(|&i, &k| distance(&path[i]).total_cmp(&distance(&path[k])));
+    let farthest =
+        (0..path.len()).max_by(|&i, &k| distance(&path[i]).total_cmp(&distance(&path[k])));
     let Some(i) = farthest.filter(|&i| distance(&path[i]) > TOLERANCE) else {
         return;
     };

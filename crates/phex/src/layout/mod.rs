@@ -27,8 +27,9 @@ pub use record::{Layout, VertexKind};
 
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
+use boundary::Pin;
 use cells::{CellComplex, Node};
-use lattice::Charts;
+use lattice::{Charts, Plane};
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;
@@ -46,8 +47,11 @@ pub struct LayoutOptions {
     pub seed: u64,
     /// Sweeps of the Gauss-Seidel polish.
     pub sweeps: usize,
-    /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay).
-    pub annihilation_length: f64,
+    /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay; `None`: any).
+    pub annihilation_length: Option<f64>,
+    /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it only dislocations
+    /// that are near each other vanish.
+    pub max_distortion: f64,
     /// Weight that draws rows along the boundary to half a row's distance from it, per panel length (0: not at all).
     pub boundary_phase: f64,
 }
@@ -57,7 +61,8 @@ impl Default for LayoutOptions {
         Self {
             seed: 0,
             sweeps: 60,
-            annihilation_length: f64::INFINITY,
+            annihilation_length: None,
+            max_distortion: 0.35,
             boundary_phase: 3.0,
         }
     }
@@ -103,38 +108,75 @@ pub fn place_seeds(
     let charts = Charts::new(topology, directions);
     let pins = boundary::pins(topology, directions, options.boundary_phase);
     let mut position = waves::diffuse(topology, mesh, &charts, &pins, options.seed);
-    polish::polish(topology, mesh, &charts, &pins, &mut position, options.sweeps);
-    let mut offsets = Offsets::rounded(topology, &charts, position);
-    let annihilation = seamless::annihilate(
+    polish::polish(
         topology,
         mesh,
         &charts,
-        &mut offsets.jump,
-        options.annihilation_length,
+        &pins,
+        &mut position,
+        options.sweeps,
     );
-    if annihilation.moved > 0 {
-        // Where the boundary's rows come to lie is seen only without pins.
-        let free = PerVertex::filled(topology.n_vertices(), None);
-        for pins in [&free, &pins, &pins] {
-            offsets.position = seamless::solve_offsets(
-                topology,
-                mesh,
-                &charts,
-                &offsets.jump,
-                pins,
-                &offsets.position,
-            )?;
-        }
-    }
-    let mut distortion = offsets.distortion(topology, mesh, &charts).into_vec();
-    distortion.sort_by(f64::total_cmp);
+    let rounded = Offsets::rounded(topology, &charts, position);
+    let (offsets, annihilation, distortion_p95) =
+        seamless_offsets(topology, mesh, &charts, &pins, rounded, options)?;
     let offsets = offsets.reduced(topology, &charts);
     let statistics = LayoutStatistics {
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
         annihilation,
-        distortion_p95: distortion[distortion.len() * 95 / 100],
+        distortion_p95,
     };
     Ok((seeds::seeds(topology, mesh, &offsets), statistics))
+}
+
+/// Shorter limits for the paths of dislocations, tried where all of them vanishing distorts too much.
+const SHORTER: [f64; 4] = [12.0, 6.0, 3.0, 0.0];
+
+/// The lattice with as few dislocations as the bound on distortion allows, and its distortion.
+fn seamless_offsets(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    pins: &PerVertex<Option<Pin>>,
+    rounded: Offsets,
+    options: &LayoutOptions,
+) -> Result<(Offsets, Annihilation, f64), LayoutError> {
+    let longest = options.annihilation_length.unwrap_or(f64::INFINITY);
+    let shorter = SHORTER.into_iter().filter(|l| *l < longest);
+    let mut last = None;
+    for limit in std::iter::once(longest).chain(shorter) {
+        let mut offsets = rounded.clone();
+        let annihilation = seamless::annihilate(topology, mesh, charts, &mut offsets.jump, limit);
+        if annihilation.moved > 0 {
+            offsets.position = solve_pinned(topology, mesh, charts, pins, &offsets)?;
+        }
+        let mut distortion = offsets.distortion(topology, mesh, charts).into_vec();
+        distortion.sort_by(f64::total_cmp);
+        let p95 = distortion[distortion.len() * 95 / 100];
+        last = Some((offsets, annihilation, p95));
+        if p95 <= options.max_distortion {
+            break;
+        }
+    }
+    Ok(last.expect("at least one limit is tried"))
+}
+
+/// Offsets solved first without pins, to see where the boundary's rows come to lie, and then with those.
+fn solve_pinned(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    pins: &PerVertex<Option<Pin>>,
+    offsets: &Offsets,
+) -> Result<PerVertex<Plane>, NumericError> {
+    let free = PerVertex::filled(topology.n_vertices(), None);
+    let solve =
+        |pins, near: &_| seamless::solve_offsets(topology, mesh, charts, &offsets.jump, pins, near);
+    let position = solve(&free, &offsets.position)?;
+    if pins.iter().all(Option::is_none) {
+        return Ok(position);
+    }
+    let position = solve(pins, &position)?;
+    solve(pins, &position)
 }
 
 /// The fine surface on which cells are drawn.
@@ -147,34 +189,26 @@ pub struct CellSurface<'a> {
     pub mesh: &'a IntrinsicMesh,
     /// Sharp corners of the boundary.
     pub corners: &'a HashSet<VertexId>,
+    /// Whether each vertex lies on the part that is kept, where panels will be clipped.
+    pub kept: Option<&'a PerVertex<bool>>,
 }
 
 /// The panelling whose cells grow from `seeds`.
 ///
 /// # Errors
 /// If no panelling with the surface's topology is found.
-pub fn panelling(
-    fine: &CellSurface<'_>,
-    seeds: &[Seed],
-    even_rim: bool,
-) -> Result<Layout, LayoutError> {
+pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, LayoutError> {
     if seeds.is_empty() {
         return Err(LayoutError::Topology {
             reason: "there is no panel".into(),
         });
     }
     let topology = fine.surface.topology();
-    let (seeds, grown) = if even_rim {
-        rim::even_rim(fine, seeds)
-    } else {
-        (seeds.to_vec(), voronoi::grow(topology, fine.mesh, seeds, |_| true))
-    };
+    let (seeds, grown) = rim::even_rim(fine, seeds);
     let vertices = seeds.iter().map(|s| s.vertex).collect();
     let mut complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
-    if even_rim {
-        boundary_nodes::follow_boundary(fine.surface, &mut complex);
-    }
+    boundary_nodes::follow_boundary(fine.surface, &mut complex);
     record(fine, &complex)
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Seeds whose cells hold less than [`MIN_CELL`] of a lattice cell (or of the mean panel of space) are dropped, smallest
 //! first and never two neighbours in one round; then every cell at the boundary grows again from its centroid (Lloyd's
-//! step, for that row alone). Inside, the lattice stays as it is.
+//! step, for that row alone). Inside, the lattice stays as it is. Where panels will be clipped later, the part of a cell
+//! that is kept counts, and nothing moves.
 
 use super::CellSurface;
 use super::lattice::CELL;
@@ -23,7 +24,7 @@ pub fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
     let mut seeds = seeds.to_vec();
     let topology = fine.surface.topology();
     let mut grown = voronoi::grow(topology, fine.mesh, &seeds, |_| true);
-    if topology.boundary_loops().is_empty() {
+    if topology.vertices().all(|v| !topology.is_boundary_vertex(v)) {
         return (seeds, grown);
     }
     let area = vertex_areas(fine);
@@ -31,8 +32,10 @@ pub fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
         let rim = rim_cells(fine, &grown, &area, seeds.len());
         let dropped = too_small(fine, &grown, &rim, &area, seeds.len());
         let before = seeds.len();
-        for cell in &rim {
-            seeds[cell.label].core = core(fine, cell);
+        if fine.kept.is_none() {
+            for cell in &rim {
+                seeds[cell.label].core = core(fine, cell);
+            }
         }
         let mut label = 0..;
         seeds.retain(|_| label.next().is_none_or(|l: usize| !dropped.contains(&l)));
@@ -44,7 +47,7 @@ pub fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
     (seeds, grown)
 }
 
-/// A cell that touches the boundary.
+/// A cell that touches the boundary, or the part of one that is kept.
 struct RimCell {
     label: usize,
     members: Vec<VertexId>,
@@ -61,7 +64,10 @@ fn vertex_areas(fine: &CellSurface<'_>) -> PerVertex<f64> {
     let mut area = PerVertex::filled(topology.n_vertices(), 0.0);
     for f in topology.faces() {
         let third = fine.surface.area_vector(f).norm() / 6.0;
-        topology.face_vertices(f).iter().for_each(|&v| area[v] += third);
+        topology
+            .face_vertices(f)
+            .iter()
+            .for_each(|&v| area[v] += third);
     }
     area
 }
@@ -76,10 +82,14 @@ fn rim_cells(
     let mut members: Vec<Vec<VertexId>> = vec![Vec::new(); count];
     let mut at_rim = vec![false; count];
     for (v, &l) in grown.label.enumerate().filter(|(_, l)| **l != UNREACHED) {
-        members[l as usize].push(v);
-        at_rim[l as usize] |= topology.is_boundary_vertex(v);
+        let kept = fine.kept.is_none_or(|k| k[v]);
+        if kept {
+            members[l as usize].push(v);
+        }
+        at_rim[l as usize] |= topology.is_boundary_vertex(v) || !kept;
     }
-    let cells = members.into_iter().enumerate().filter(|(l, _)| at_rim[*l]);
+    let cells = members.into_iter().enumerate();
+    let cells = cells.filter(|(l, members)| at_rim[*l] && !members.is_empty());
     cells
         .map(|(label, members)| {
             let mass: f64 = members.iter().map(|&v| fine.mesh.mass[v]).sum();
@@ -114,7 +124,10 @@ fn too_small(
             continue;
         }
         dropped.insert(cell.label);
-        let around = cell.members.iter().flat_map(|&v| fine.surface.topology().neighbours(v));
+        let around = cell
+            .members
+            .iter()
+            .flat_map(|&v| fine.surface.topology().neighbours(v));
         kept.extend(around.map(|w| grown.label[w] as usize));
     }
     dropped

@@ -338,7 +338,13 @@ pub fn solve_offsets(
     }
     for (v, pin) in pins.enumerate() {
         if let Some(pin) = pin {
-            push_pin(&mut entries, &mut rhs[v.index()], v.index() as u32, pin, near[v]);
+            push_pin(
+                &mut entries,
+                &mut rhs[v.index()],
+                v.index() as u32,
+                pin,
+                near[v],
+            );
         }
     }
     let factor = Cholesky::new(&SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?)?;
