@@ -206,9 +206,7 @@ impl Smoothing<'_> {
         let diagonal = |v: VertexId| mass[v] * (weights[v] + TIE_BREAK);
         let matrix = connection_matrix(topology, self.mesh, self.transport, diagonal)?;
         let z = solve(&Cholesky::new(&matrix)?, |i| source[i], source.len());
-        Ok(PerVertex::from_vec(
-            z.iter().map(|z| z.arg() / N).collect(),
-        ))
+        Ok(PerVertex::from_vec(z.iter().map(|z| z.arg() / N).collect()))
     }
 
     /// Angles transported from the first vertex along a spanning tree.

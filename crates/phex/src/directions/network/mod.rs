@@ -186,7 +186,11 @@ pub fn row_field(
     let combed = cross::combed_cross_field(surface, &mesh, &wishes)?;
     let flat = options.umbilic_rel * large_curvature(&principal);
     let pair = |v| {
-        let (n, form, d) = (curvature.normal[v], &curvature.tensor[v], combed.direction[v]);
+        let (n, form, d) = (
+            curvature.normal[v],
+            &curvature.tensor[v],
+            combed.direction[v],
+        );
         match options.family {
             NetworkFamily::Principal => conjugate::nearest_pair(n, form, d, flat),
             NetworkFamily::ConjugateTo(_) => [conjugate::conjugate_row(n, form, d, flat), d],
@@ -328,7 +332,12 @@ pub fn conjugate_network(
 fn guide(surface: &TriangleSurface, field: &RowField, f: FaceId) -> [Guide; 2] {
     let normal = surface.area_vector(f).normalize();
     let mean = |d: &PerVertex<Vec3>| {
-        let sum: Vec3 = surface.topology().face_vertices(f).iter().map(|&v| d[v]).sum();
+        let sum: Vec3 = surface
+            .topology()
+            .face_vertices(f)
+            .iter()
+            .map(|&v| d[v])
+            .sum();
         conjugate::projected(normal, sum).0
     };
     let (row, column) = (mean(&field.row), mean(&field.column));

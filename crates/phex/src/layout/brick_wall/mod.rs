@@ -33,9 +33,7 @@ use super::cells::{self, CellComplex, Node};
 use super::{CellSurface, Layout, LayoutError, place, record};
 use crate::curvature::Curvature;
 use crate::directions::intrinsic::IntrinsicMesh;
-use crate::directions::network::{
-    ConjugateNetwork, NetworkOptions, RowField, conjugate_network,
-};
+use crate::directions::network::{ConjugateNetwork, NetworkOptions, RowField, conjugate_network};
 use bricks::{Brick, Junction};
 use grid::BrickGrid;
 use kink::BrickForms;
@@ -128,7 +126,10 @@ pub fn brick_wall(
         scale = scale.map(|s| s / ratio.sqrt());
     }
     let (_, wall) = best.expect("at least one wall is built");
-    Ok((wall.layout(options.max_kink)?, wall.statistics(options.max_kink)))
+    Ok((
+        wall.layout(options.max_kink)?,
+        wall.statistics(options.max_kink),
+    ))
 }
 
 /// Bricks and rows per length for the wanted number and ratio.
@@ -179,10 +180,7 @@ impl<'a> Wall<'a> {
         let grid = fit::fitted_grid(on.surface, network, scale);
         let forms = BrickForms::new(on.surface, on.curvature, &grid);
         let length_squared = on.surface.area() / forms.bricks.max(1.0);
-        let metric = PerVertex::filled(
-            topology.n_vertices(),
-            Matrix3::identity() / length_squared,
-        );
+        let metric = PerVertex::filled(topology.n_vertices(), Matrix3::identity() / length_squared);
         let mesh = IntrinsicMesh::new(on.surface, &metric);
         let bricks = grid.bricks(topology);
         let (label, middles) = grid.cells(topology, &bricks);
@@ -205,6 +203,7 @@ impl<'a> Wall<'a> {
             metric: &self.metric,
             mesh: &self.mesh,
             corners: self.on.corners,
+            kept: None,
         };
         record(&fine, &self.complex, |node| self.place(node, max_kink))
     }
@@ -220,7 +219,7 @@ impl<'a> Wall<'a> {
                 let t = self.grid.crossing(surface.topology(), &self.bricks, e);
                 surface.positions()[a] * (1.0 - t) + surface.positions()[b] * t
             }
-            Node::Corner(_) => place(surface, node),
+            Node::Corner(_) | Node::Rim(_) => place(surface, node),
         }
     }
 
