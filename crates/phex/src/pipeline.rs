@@ -73,6 +73,8 @@ pub struct MeshOptions {
     pub directions: DirectionOptions,
     /// How panels are laid out.
     pub method: Method,
+    /// Anisotropies that are tried where the one of `directions` gives no good result; the best is kept.
+    pub portfolio: Vec<f64>,
     /// Layout by a lattice.
     pub layout: LayoutOptions,
     /// Layout as a brick wall.
@@ -98,6 +100,7 @@ impl Default for MeshOptions {
             curvature: CurvatureOptions::default(),
             directions: DirectionOptions::default(),
             method: Method::default(),
+            portfolio: vec![1.5, 1.0],
             layout: LayoutOptions::default(),
             brick_wall: BrickWallOptions::default(),
             optimise: OptimiseOptions::default(),
@@ -175,6 +178,8 @@ pub struct Statistics {
     pub factorisations: usize,
     /// The repair loop.
     pub repairs: Vec<RepairRound>,
+    /// The anisotropies that were tried, the first first; the best was kept.
+    pub tried: Vec<AttemptSummary>,
 }
 
 /// What [`mesh_surface`] made.
@@ -246,9 +251,121 @@ fn mesh_with_panels(
     let similarity = Similarity::normalising(surface);
     let normalised = moved(surface, |p| similarity.normalise(p));
     let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
-    let options = &ground.options;
-    let field = Field::new(&ground.smooth, ground.panels, options, &mut clock)?;
-    let fine = FineSurface::new(&ground, &field);
+    let mut tried = Vec::new();
+    let mut best: Option<Attempt> = None;
+    for anisotropy in portfolio(&ground.options) {
+        let attempt = match attempt(&ground, anisotropy, &mut clock) {
+            Ok(attempt) => attempt,
+            // Another anisotropy may do better than the one without a panelling, but not than a mesh.
+            Err(PipelineError::Layout(_)) if best.is_some() => continue,
+            Err(PipelineError::Cancelled) if best.is_some() => break,
+            Err(error) => return Err(error),
+        };
+        tried.push(attempt.summary.clone());
+        let good = attempt.is_good(&ground.options);
+        if best.as_ref().is_none_or(|b| attempt.cost() < b.cost()) {
+            best = Some(attempt);
+        }
+        if good || progress.is_cancelled() {
+            break;
+        }
+    }
+    let best = best.expect("the first anisotropy gives a mesh or an error");
+    let levels = ground.smooth.levels.iter();
+    let statistics = Statistics {
+        panels_asked: panels,
+        target_vertices: levels.map(|l| l.positions().len()).collect(),
+        interpolation_error: ground.smooth.interpolation_error,
+        layout: best.layout,
+        brick_wall: None,
+        runs: best.result.runs.clone(),
+        factorisations: best.factorisations,
+        repairs: best.repairs,
+        tried,
+    };
+    let mesh = best.left.trimmed.mesh;
+    let positions = mesh.positions.map(|p| similarity.restore(*p));
+    Ok(MeshRun {
+        mesh: mesh.with_positions(positions),
+        target: moved(&best.reported, |p| similarity.restore(p)),
+        outcome: best.result.outcome,
+        offenders: best.left.offenders,
+        violations: best.left.violations,
+        statistics,
+        stages: clock.stages,
+    })
+}
+
+/// Anisotropies in the order in which they are tried.
+fn portfolio(options: &MeshOptions) -> Vec<f64> {
+    let mut list = vec![options.directions.anisotropy];
+    for &other in &options.portfolio {
+        if !list.contains(&other) {
+            list.push(other);
+        }
+    }
+    list
+}
+
+/// One member of the portfolio, for the report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AttemptSummary {
+    /// Largest ratio of panel lengths along the principal directions.
+    pub anisotropy: f64,
+    /// Panels that are not as they should be.
+    pub invalid: usize,
+    /// Share of hexagons among the panels inside.
+    pub hex: f64,
+    /// Largest distance between panels and surface either way, away from the boundary, over the diagonal.
+    pub deviation: f64,
+    /// Least clearance, mean edges.
+    pub clearance: f64,
+}
+
+/// A panelling for one anisotropy.
+struct Attempt {
+    summary: AttemptSummary,
+    planar: bool,
+    layout: LayoutStatistics,
+    result: Optimised,
+    left: Left,
+    reported: TriangleSurface,
+    factorisations: usize,
+    repairs: Vec<RepairRound>,
+}
+
+impl Attempt {
+    /// Whether nothing else needs to be tried.
+    fn is_good(&self, options: &MeshOptions) -> bool {
+        let s = &self.summary;
+        s.invalid == 0
+            && s.deviation <= GOOD_DEVIATION
+            && s.clearance >= options.optimise.good_clearance
+    }
+
+    /// What attempts are compared by, smaller is better: valid first, then close, clear and regular.
+    fn cost(&self) -> f64 {
+        let s = &self.summary;
+        let invalid = if self.planar { 0.0 } else { 1e6 } + 100.0 * s.invalid as f64;
+        let far = 10.0 * (s.deviation / GOOD_DEVIATION - 1.0).max(0.0);
+        let tight = (0.15 / s.clearance.max(1e-3) - 1.0).max(0.0);
+        invalid + far + tight + (1.0 - s.hex) + s.deviation / GOOD_DEVIATION * 0.1
+    }
+}
+
+/// Deviation, over the diagonal, with which no other anisotropy is tried: a little below the usual tolerance of 0.5 %.
+const GOOD_DEVIATION: f64 = 4.5e-3;
+
+/// Layout, optimiser and the repair loop for one anisotropy.
+fn attempt(
+    ground: &Ground,
+    anisotropy: f64,
+    clock: &mut Clock<'_>,
+) -> Result<Attempt, PipelineError> {
+    let (options, progress) = (&ground.options, clock.progress);
+    let settings = direction_options(options, anisotropy);
+    let field = Field::new(&ground.smooth, ground.panels, options, &settings, clock)?;
+    let fine = FineSurface::new(ground, &field);
     let mut seeds = field.seeds.clone();
     let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
     let target = SurfaceTarget::new(ground.close_to(&fine.surface));
@@ -288,29 +405,37 @@ fn mesh_with_panels(
             Err(_) => break,
         }
     }
-    let (_, result, left) = best.expect("the loop runs at least once");
-    let levels = ground.smooth.levels.iter();
-    let statistics = Statistics {
-        panels_asked: panels,
-        target_vertices: levels.map(|l| l.positions().len()).collect(),
-        interpolation_error: ground.smooth.interpolation_error,
+    let ((not_planar, invalid), result, left) = best.expect("the loop runs at least once");
+    let summary = clock.timed("validate", || {
+        summarise(&left.trimmed.mesh, reported, anisotropy, invalid)
+    });
+    Ok(Attempt {
+        summary,
+        planar: !not_planar,
         layout: field.statistics,
-        brick_wall: None,
-        runs: result.runs.clone(),
+        result,
+        left,
+        reported: reported.clone(),
         factorisations,
         repairs,
-    };
-    let mesh = left.trimmed.mesh;
-    let positions = mesh.positions.map(|p| similarity.restore(*p));
-    Ok(MeshRun {
-        mesh: mesh.with_positions(positions),
-        target: moved(reported, |p| similarity.restore(p)),
-        outcome: result.outcome,
-        offenders: left.offenders,
-        violations: left.violations,
-        statistics,
-        stages: clock.stages,
     })
+}
+
+fn summarise(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    anisotropy: f64,
+    invalid: usize,
+) -> AttemptSummary {
+    let measures = phex_mesh::measure(mesh);
+    let deviation = phex_mesh::deviation(mesh, surface);
+    AttemptSummary {
+        anisotropy,
+        invalid,
+        hex: measures.hex.unwrap_or(1.0),
+        deviation: deviation.deviation_max.max(deviation.coverage_inner_max),
+        clearance: measures.clearance.min,
+    }
 }
 
 /// What a round of the repair loop leaves.
@@ -429,6 +554,7 @@ impl Field {
         smooth: &SmoothTarget,
         panels: usize,
         options: &MeshOptions,
+        settings: &DirectionOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
         let level = smooth.level_with(options.field_density * panels as f64);
@@ -438,11 +564,10 @@ impl Field {
             curvature::curvature(surface, length, &options.curvature)
         })?;
         let mut length = panel_lengths(smooth, level, &curvature, length, panels, options)?;
-        let settings = direction_options(options);
         let mut best: Option<(f64, Self)> = None;
         for _ in 0..COUNT_TRIES {
             let directions = clock.stage("directions", || {
-                directions::directions_sized(surface, &curvature, &length, &settings)
+                directions::directions_sized(surface, &curvature, &length, settings)
             })??;
             let (seeds, statistics) = clock.stage("layout", || {
                 layout::place_seeds(surface.topology(), &directions, &options.layout)
@@ -473,8 +598,9 @@ impl Field {
 /// Screening that keeps varying sizes against the conformal factor, which would even them out.
 const SIZED_SCREENING: f64 = 0.5;
 
-fn direction_options(options: &MeshOptions) -> DirectionOptions {
+fn direction_options(options: &MeshOptions, anisotropy: f64) -> DirectionOptions {
     let mut settings = options.directions.clone();
+    settings.anisotropy = anisotropy;
     if options.sizes.adaptive.is_some() || options.size_field.is_some() {
         settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
     }

@@ -142,6 +142,7 @@ pub(super) fn mesh_surface(
         factorisations: result.runs.iter().map(|r| r.factorisations).sum(),
         runs: result.runs.clone(),
         repairs: Vec::new(),
+        tried: Vec::new(),
     };
     let positions = result.mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
