@@ -283,7 +283,7 @@ fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, Pipe
             )));
         }
     };
-    if !(count >= 1.0) {
+    if count.is_nan() || count < 1.0 {
         return Err(PipelineError::Size(format!(
             "{count:.3} panels were asked for, at least 1 is needed"
         )));

@@ -185,10 +185,10 @@ pub fn boundary_corners(surface: &TriangleSurface, angle: f64) -> Vec<VertexId> 
     for boundary in surface.topology().boundary_loops() {
         let n = boundary.len();
         let at = |i: usize| surface.positions()[boundary[i % n]];
-        for i in 0..n {
+        for (i, &v) in boundary.iter().enumerate() {
             let turning = (at(i + n) - at(i + n - 1)).angle(&(at(i + 1) - at(i)));
             if turning > angle {
-                corners.push((turning, boundary[i]));
+                corners.push((turning, v));
             }
         }
     }
