@@ -243,3 +243,92 @@ impl Projector {
         z + gradient / bound
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curvature::curvature;
+    use crate::directions::directions;
+    use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+
+    /// The charts of a shape, which turn against each other.
+    fn charts_of(name: &str) -> (phex_mesh::TriangleSurface, IntrinsicMesh, Charts) {
+        let options = TriangulationOptions {
+            triangles: 500,
+            ..Default::default()
+        };
+        let surface = triangulate(&Shape::from_name(name, &[]).unwrap(), &options).unwrap();
+        let length = 0.2 * surface.diagonal();
+        let curvature = curvature(&surface, length, &Default::default());
+        let directions = directions(&surface, &curvature, length, &Default::default()).unwrap();
+        let charts = Charts::new(surface.topology(), &directions);
+        (surface, directions.intrinsic, charts)
+    }
+
+    /// Conjugate gradients need it; a wave that is seen wrongly from one side of an edge breaks it.
+    #[test]
+    fn the_operator_is_symmetric_and_positive_definite() {
+        for name in ["torus", "sphere", "wave"] {
+            let (surface, mesh, charts) = charts_of(name);
+            let operator = WaveOperator::new(surface.topology(), &mesh, &charts);
+            let n = 6 * surface.positions().len();
+            let mut random = ChaCha8Rng::seed_from_u64(9);
+            let mut vector =
+                || -> Vec<f64> { (0..n).map(|_| random.random_range(-1.0..1.0)).collect() };
+            let apply = |x: &[f64]| {
+                let mut y = vec![0.0; n];
+                operator.apply(0.7, x, &mut y);
+                y
+            };
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let masses = |x: &[f64]| {
+                (0..n)
+                    .map(|i| operator.mass[i / 6] * x[i] * x[i])
+                    .sum::<f64>()
+            };
+            for _ in 0..5 {
+                let (x, y) = (vector(), vector());
+                let (xy, yx) = (dot(&x, &apply(&y)), dot(&y, &apply(&x)));
+                assert!(
+                    (xy - yx).abs() < 1e-11 * dot(&x, &apply(&x)),
+                    "{name}: {xy} {yx}"
+                );
+                assert!(dot(&x, &apply(&x)) >= masses(&x) * (1.0 - 1e-12), "{name}");
+            }
+        }
+    }
+
+    /// Waves of the same lattice seen from both ends of an edge differ by nothing: the operator leaves a lattice alone.
+    #[test]
+    fn links_carry_waves_across_an_edge() {
+        let (surface, mesh, charts) = charts_of("torus");
+        let topology = surface.topology();
+        let operator = WaveOperator::new(topology, &mesh, &charts);
+        for v in topology.vertices().take(40) {
+            let first = operator.start[phex_mesh::ElementId::index(v)] as usize;
+            for (k, h) in topology.outgoing(v).enumerate() {
+                let there = Plane::new(0.3, -0.45);
+                let here = waves(charts.half_edge(topology, h).apply(there));
+                let (_, links) = operator.links[first + k];
+                for (m, link) in links.iter().enumerate() {
+                    let seen = waves(there)[link.source as usize];
+                    let seen = if link.conjugate { seen.conj() } else { seen };
+                    let weight = mesh.weight[topology.edge(h)];
+                    assert!((link.phase * seen - here[m] * weight).norm() < 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn projection_finds_the_offset_of_waves() {
+        let projector = Projector::new();
+        for i in 0..200 {
+            let z = Plane::new((f64::from(i) * 0.37).sin(), (f64::from(i) * 0.91).cos());
+            let found = projector.project(&interleaved(waves(z)));
+            let apart = found - z;
+            let apart = apart - super::super::lattice::Eisenstein::nearest(apart).to_plane();
+            assert!(apart.norm() < 1e-3, "{z} {found}");
+        }
+    }
+}
