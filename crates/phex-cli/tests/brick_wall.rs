@@ -23,7 +23,10 @@ fn a_torus_has_a_network_and_a_wall_of_hexagons() {
     let report = shop.json("run.json");
     assert_eq!(report["settings"]["method"], "brick-wall");
     let info = shop.succeed("check wall.obj").stdout;
-    assert!(info.contains("hexagons") && !info.contains("pentagons"), "{info}");
+    assert!(
+        info.contains("hexagons") && !info.contains("pentagons"),
+        "{info}"
+    );
 }
 
 #[test]
@@ -31,7 +34,8 @@ fn a_sphere_has_no_network() {
     let shop = Workshop::new();
     shop.succeed("shape sphere -o sphere.obj --triangles 2000");
     let texts = ["no global conjugate network", "Euler characteristic 2"];
-    shop.phex("network sphere.obj -o net.obj").refuses(5, &texts);
+    shop.phex("network sphere.obj -o net.obj")
+        .refuses(5, &texts);
     shop.phex("mesh sphere.obj -o wall.obj --method brick-wall")
         .refuses(5, &texts);
     assert_eq!(shop.files(), ["sphere.obj"]);
@@ -41,7 +45,8 @@ fn a_sphere_has_no_network() {
 fn unusable_values_are_refused() {
     let shop = Workshop::new();
     shop.succeed("shape wave -o wave.obj --triangles 2000");
-    shop.phex("network wave.obj -o net.ply").refuses(4, &["OBJ"]);
+    shop.phex("network wave.obj -o net.ply")
+        .refuses(4, &["OBJ"]);
     shop.phex("network wave.obj -o net.obj --columns-along 0,0,0")
         .refuses(4, &["axis"]);
     shop.succeed("network wave.obj -o net.obj --columns-along 1,0,0 -n 200");

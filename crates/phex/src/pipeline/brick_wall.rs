@@ -56,7 +56,10 @@ impl Ground {
             curvature = curvature.refined(step);
             field = field.refined(step);
         }
-        let surface = smooth.finest().clone().with_normals(curvature.normal.clone());
+        let surface = smooth
+            .finest()
+            .clone()
+            .with_normals(curvature.normal.clone());
         let corners = spaced_corners(&smooth, length);
         Ok(Self {
             similarity,
@@ -92,9 +95,7 @@ fn spaced_corners(smooth: &SmoothTarget, length: f64) -> HashSet<VertexId> {
     let positions = smooth.finest().positions();
     let mut kept: Vec<VertexId> = Vec::new();
     for &corner in &smooth.corners {
-        let far = |other: &VertexId| {
-            (positions[corner] - positions[*other]).norm() > 0.5 * length
-        };
+        let far = |other: &VertexId| (positions[corner] - positions[*other]).norm() > 0.5 * length;
         if kept.iter().all(far) {
             kept.push(corner);
         }

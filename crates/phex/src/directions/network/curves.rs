@@ -62,7 +62,11 @@ impl Crossing {
     fn place(&self, surface: &TriangleSurface, function: &Function) -> Vec3 {
         let [a, b] = surface.topology().edge_vertices(self.edge);
         let t = (self.level as f64 - function.value[a]) / function.change[self.edge];
-        let t = if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 };
+        let t = if t.is_finite() {
+            t.clamp(0.0, 1.0)
+        } else {
+            0.5
+        };
         surface.positions()[a] * (1.0 - t) + surface.positions()[b] * t
     }
 }

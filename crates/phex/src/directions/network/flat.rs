@@ -29,10 +29,7 @@ pub fn flat_transport(
 /// The faces to the left and to the right of an edge's half-edge.
 fn sides(topology: &Topology, e: EdgeId) -> (FaceId, Option<FaceId>) {
     let h = topology.edge_half_edge(e);
-    (
-        topology.face(h),
-        topology.twin(h).map(|t| topology.face(t)),
-    )
+    (topology.face(h), topology.twin(h).map(|t| topology.face(t)))
 }
 
 fn dual_potential(topology: &Topology, mesh: &IntrinsicMesh) -> Result<Vec<f64>, NumericError> {
@@ -52,7 +49,11 @@ fn dual_potential(topology: &Topology, mesh: &IntrinsicMesh) -> Result<Vec<f64>,
         // A closed surface: potentials count up to a constant.
         own[0] *= 2.0;
     }
-    entries.extend(own.iter().enumerate().map(|(i, d)| (i as u32, i as u32, *d)));
+    entries.extend(
+        own.iter()
+            .enumerate()
+            .map(|(i, d)| (i as u32, i as u32, *d)),
+    );
     let mut beta: Vec<f64> = topology
         .faces()
         .map(|f| -curvature(topology, mesh, f))

@@ -131,11 +131,15 @@ pub fn following(
         elements[topology.face(h)].hold(surface, h, strictness);
     }
     let cochain = |k: usize, f: FaceId| {
-        continued(0.0, topology, f, |h| f64::from(along(topology, &basis[k], h)))
+        continued(0.0, topology, f, |h| {
+            f64::from(along(topology, &basis[k], h))
+        })
     };
     let mut columns = vec![load(topology, |f| elements[f].load)];
     columns.extend((0..basis.len()).map(|k| {
-        load(topology, |f| -(elements[f].stiffness * nalgebra::Vector3::from(cochain(k, f))))
+        load(topology, |f| {
+            -(elements[f].stiffness * nalgebra::Vector3::from(cochain(k, f)))
+        })
     }));
     factor(topology, &elements)?.solve_many(&mut columns);
     let mut solutions = columns.into_iter().map(PerVertex::from_vec);

@@ -131,7 +131,9 @@ mod tests {
         let basis = cochain_basis(topology);
         for cochain in &basis {
             for f in topology.faces() {
-                let turn = topology.face_half_edges(f).map(|h| along(topology, cochain, h));
+                let turn = topology
+                    .face_half_edges(f)
+                    .map(|h| along(topology, cochain, h));
                 assert_eq!(turn.sum::<i32>(), 0, "{name}: closed");
             }
         }

@@ -19,7 +19,8 @@ pub fn followed(surface: &TriangleSurface, level: impl Fn(FaceId) -> Vec3) -> Ve
         let along = edge(**h).normalize().dot(&level(topology.face(**h)));
         along.abs() > SLANT.to_radians().cos()
     };
-    let length = |side: &mut dyn Iterator<Item = &HalfEdgeId>| side.map(|&h| edge(h).norm()).sum::<f64>();
+    let length =
+        |side: &mut dyn Iterator<Item = &HalfEdgeId>| side.map(|&h| edge(h).norm()).sum::<f64>();
     let mut held = Vec::new();
     for side in topology
         .boundary_loops()
@@ -75,7 +76,10 @@ mod tests {
     #[test]
     fn two_sides_of_a_square_follow_an_axis_and_no_disc_does() {
         assert!((share_followed("plane", Vec3::x()) - 0.5).abs() < 0.1);
-        assert_eq!(share_followed("plane", Vec3::new(1.0, 1.0, 0.0).normalize()), 0.0);
+        assert_eq!(
+            share_followed("plane", Vec3::new(1.0, 1.0, 0.0).normalize()),
+            0.0
+        );
         assert_eq!(share_followed("elliptic-paraboloid", Vec3::x()), 0.0);
     }
 }

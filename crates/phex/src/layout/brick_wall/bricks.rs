@@ -58,8 +58,7 @@ impl Junction {
         let least = |of: fn(&Brick) -> i64| bricks.iter().map(of).min();
         let (left, right) = (largest(|b| b.half)?, least(|b| b.half)? + 2);
         let (below, above) = (largest(|b| b.row)?, least(|b| b.row)? + 1);
-        let distinct =
-            bricks[0] != bricks[1] && bricks[1] != bricks[2] && bricks[0] != bricks[2];
+        let distinct = bricks[0] != bricks[1] && bricks[1] != bricks[2] && bricks[0] != bricks[2];
         (distinct && left == right && below == above).then_some(Self {
             half: left,
             line: below,
@@ -73,10 +72,7 @@ impl Junction {
         } else {
             -1.0
         };
-        [
-            0.5 * self.half as f64,
-            self.line as f64 + up * 0.5 * kink,
-        ]
+        [0.5 * self.half as f64, self.line as f64 + up * 0.5 * kink]
     }
 }
 
@@ -88,7 +84,11 @@ pub fn wall_crossing([a, b]: [[f64; 2]; 2], [of_a, of_b]: [Brick; 2]) -> f64 {
         (of_a.row.max(of_b.row) as f64 - a[1]) / (b[1] - a[1])
     };
     // Walls of neighbouring edges must not fall together.
-    if t.is_finite() { t.clamp(0.05, 0.95) } else { 0.5 }
+    if t.is_finite() {
+        t.clamp(0.05, 0.95)
+    } else {
+        0.5
+    }
 }
 
 /// How much a shear by one brick counts against a misfit of one row when periods are rounded: closed rows are wanted.
@@ -115,7 +115,10 @@ pub fn rounded_periods(periods: &[[f64; 2]]) -> Vec<Translation> {
     let mut rounded: Vec<Translation> = short.into_iter().map(nearest_translation).collect();
     for &(i, j, sign) in steps.iter().rev() {
         let other = rounded[j];
-        rounded[i] = [rounded[i][0] - sign * other[0], rounded[i][1] - sign * other[1]];
+        rounded[i] = [
+            rounded[i][0] - sign * other[0],
+            rounded[i][1] - sign * other[1],
+        ];
     }
     rounded
 }
@@ -131,7 +134,10 @@ fn shorten(vectors: &mut [[f64; 2]]) -> Vec<(usize, usize, i64)> {
         let signed = pairs.flat_map(|(i, j)| [(i, j, 1), (i, j, -1)]);
         let sum = |i: usize, j: usize, sign: i64| {
             let s = sign as f64;
-            [vectors[i][0] + s * vectors[j][0], vectors[i][1] + s * vectors[j][1]]
+            [
+                vectors[i][0] + s * vectors[j][0],
+                vectors[i][1] + s * vectors[j][1],
+            ]
         };
         let better = signed
             .filter(|&(i, j, sign)| {

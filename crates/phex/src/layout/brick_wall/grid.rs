@@ -2,7 +2,9 @@
 
 use super::bricks::{Brick, Translation, rounded_periods, wall_crossing};
 use crate::directions::network::ConjugateNetwork;
-use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerEdge, PerVertex, Topology, TriangleSurface, VertexId};
+use phex_mesh::{
+    EdgeId, FaceId, HalfEdgeId, PerEdge, PerVertex, Topology, TriangleSurface, VertexId,
+};
 
 /// Brick coordinates on a surface.
 #[derive(Clone, Debug)]

@@ -68,7 +68,11 @@ impl BrickForms {
     /// `rho` in a triangle.
     pub fn face_kink(&self, corners: &[phex_mesh::VertexId], barycentric: [f64; 3]) -> f64 {
         let mix = |q: &PerVertex<f64>| -> f64 {
-            corners.iter().zip(barycentric).map(|(&v, b)| q[v] * b).sum()
+            corners
+                .iter()
+                .zip(barycentric)
+                .map(|(&v, b)| q[v] * b)
+                .sum()
         };
         ratio(mix(&self.along), mix(&self.across), self.flat)
     }
@@ -97,12 +101,16 @@ fn ratio(along: f64, across: f64, flat: f64) -> f64 {
 fn tangents(surface: &TriangleSurface, grid: &BrickGrid, f: FaceId) -> Option<([Vec3; 2], f64)> {
     let hats = hat_gradients(surface, f);
     let chart = grid.chart(surface.topology(), f);
-    let gradient =
-        |k: usize| hats[0] * chart[0][k] + hats[1] * chart[1][k] + hats[2] * chart[2][k];
+    let gradient = |k: usize| hats[0] * chart[0][k] + hats[1] * chart[1][k] + hats[2] * chart[2][k];
     let (u, v) = (gradient(0), gradient(1));
     let normal = surface.area_vector(f).try_normalize(0.0)?;
     let density = u.cross(&v).dot(&normal);
-    (density > 0.0).then(|| ([v.cross(&normal) / density, normal.cross(&u) / density], density))
+    (density > 0.0).then(|| {
+        (
+            [v.cross(&normal) / density, normal.cross(&u) / density],
+            density,
+        )
+    })
 }
 
 /// Quantile of finite values; 0 if there are none.

@@ -33,9 +33,7 @@ use super::cells::{self, CellComplex, Node};
 use super::{CellSurface, Layout, LayoutError, place, record};
 use crate::curvature::Curvature;
 use crate::directions::intrinsic::IntrinsicMesh;
-use crate::directions::network::{
-    ConjugateNetwork, NetworkOptions, RowField, conjugate_network,
-};
+use crate::directions::network::{ConjugateNetwork, NetworkOptions, RowField, conjugate_network};
 use bricks::{Brick, Junction};
 use grid::BrickGrid;
 use kink::BrickForms;
@@ -128,7 +126,10 @@ pub fn brick_wall(
         scale = scale.map(|s| s / ratio.sqrt());
     }
     let (_, wall) = best.expect("at least one wall is built");
-    Ok((wall.layout(options.max_kink)?, wall.statistics(options.max_kink)))
+    Ok((
+        wall.layout(options.max_kink)?,
+        wall.statistics(options.max_kink),
+    ))
 }
 
 /// Bricks and rows per length for the wanted number and ratio.
@@ -179,10 +180,7 @@ impl<'a> Wall<'a> {
         let grid = fit::fitted_grid(on.surface, network, scale);
         let forms = BrickForms::new(on.surface, on.curvature, &grid);
         let length_squared = on.surface.area() / forms.bricks.max(1.0);
-        let metric = PerVertex::filled(
-            topology.n_vertices(),
-            Matrix3::identity() / length_squared,
-        );
+        let metric = PerVertex::filled(topology.n_vertices(), Matrix3::identity() / length_squared);
         let mesh = IntrinsicMesh::new(on.surface, &metric);
         let bricks = grid.bricks(topology);
         let (label, middles) = grid.cells(topology, &bricks);
