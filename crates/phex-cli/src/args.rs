@@ -138,14 +138,8 @@ pub struct NetworkCommand {
     #[arg(short = 'n', long, value_name = "N", default_value_t = 500)]
     pub panels: u64,
     /// Let columns follow a direction, e.g. `0,0,1`, with rows conjugate to them, instead of the lines of curvature
-    #[arg(
-        long,
-        value_name = "X,Y,Z",
-        value_delimiter = ',',
-        num_args = 3,
-        allow_negative_numbers = true
-    )]
-    pub columns_along: Option<Vec<f64>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = axis, allow_hyphen_values = true)]
+    pub columns_along: Option<[f64; 3]>,
     /// Number of threads; the result does not depend on it
     #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
@@ -284,6 +278,12 @@ pub struct ShapeCommand {
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,
+}
+
+fn axis(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let numbers = numbers.map_err(|e| e.to_string())?;
+    numbers.try_into().map_err(|_| "write X,Y,Z".to_owned())
 }
 
 fn parameter(text: &str) -> Result<(String, f64), String> {

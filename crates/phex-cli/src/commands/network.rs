@@ -62,8 +62,8 @@ fn options(command: &NetworkCommand, panels: u64) -> MeshOptions {
         size: phex::PanelSize::Panels(usize::try_from(panels).unwrap_or(usize::MAX)),
         ..Default::default()
     };
-    if let Some(&[x, y, z]) = command.columns_along.as_deref() {
-        options.brick_wall.network.family = NetworkFamily::ConjugateTo([x, y, z]);
+    if let Some(axis) = command.columns_along {
+        options.brick_wall.network.family = NetworkFamily::ConjugateTo(axis);
     }
     options
 }

@@ -3,7 +3,7 @@
 //! `z = exp(4 i theta)` minimises `sum w |z_j - exp(4 i tau) z_i|^2 + sum c m |z - z_0|^2` with the transport `tau` of a
 //! flat connection; `z_0` are the wished directions and `c` their weights. Where the minimiser has singular triangles the
 //! weights are lowered, most of all in growing neighbourhoods of them, until it has none: in a flat connection the smoothest
-//! field is parallel, so that ends.
+//! field is parallel, so that ends. Weights are lowered too while the field turns round a hole or a handle.
 
 use super::super::intrinsic::{IntrinsicMesh, row};
 use super::super::rosy::{push_block, solve};
@@ -60,7 +60,7 @@ pub fn combed_cross_field(
     let transport = flat_transport(topology, mesh)?;
     let frames = PerVertex::from_fn(topology.n_vertices(), |v| Frame::new(surface, mesh, v));
     let mut weights = wishes.map(|w| w.weight);
-    let mut singular = Vec::new();
+    let mut failure = NetworkError::Turning { quarter_turns: 0 };
     let mut radius = FIRST_RADIUS;
     for _ in 0..ATTEMPTS {
         let problem = Smoothing {
@@ -75,20 +75,29 @@ pub fn combed_cross_field(
             transport: &transport,
             angle,
         };
-        singular = field.singular_faces();
+        let singular = field.singular_faces();
         if singular.is_empty() {
-            let angle = field.combed()?;
-            let direction = PerVertex::from_fn(angle.len(), |v| frames[v].direction(angle[v]));
-            let kept = kept(wishes, &weights);
-            return Ok(Combed { direction, kept });
+            match field.combed() {
+                Ok(angle) => return Ok(combed(&frames, &angle, kept(wishes, &weights))),
+                Err(turning) => failure = turning,
+            }
+        } else {
+            failure = NetworkError::Singular {
+                count: singular.len(),
+                near: surface.corners(singular[0]).iter().sum::<Vec3>() / 3.0,
+            };
         }
         weaken(topology, &mut weights, &singular, radius as usize);
         radius *= RADIUS_GROWTH;
     }
-    Err(NetworkError::Singular {
-        count: singular.len(),
-        near: surface.corners(singular[0]).iter().sum::<Vec3>() / 3.0,
-    })
+    Err(failure)
+}
+
+fn combed(frames: &PerVertex<Frame>, angle: &PerVertex<f64>, kept: f64) -> Combed {
+    Combed {
+        direction: PerVertex::from_fn(angle.len(), |v| frames[v].direction(angle[v])),
+        kept,
+    }
 }
 
 /// Share of the weights that is left.

@@ -185,12 +185,14 @@ pub fn row_field(
     }
     let combed = cross::combed_cross_field(surface, &mesh, &wishes)?;
     let flat = options.umbilic_rel * large_curvature(&principal);
+    let quarter = follows_across(curvature, &combed.direction, &wishes);
     let pair = |v| {
-        let (n, form, d) = (
-            curvature.normal[v],
-            &curvature.tensor[v],
-            combed.direction[v],
-        );
+        let (n, form) = (curvature.normal[v], &curvature.tensor[v]);
+        let d = if quarter {
+            n.cross(&combed.direction[v])
+        } else {
+            combed.direction[v]
+        };
         match options.family {
             NetworkFamily::Principal => conjugate::nearest_pair(n, form, d, flat),
             NetworkFamily::ConjugateTo(_) => [conjugate::conjugate_row(n, form, d, flat), d],
@@ -204,6 +206,21 @@ pub fn row_field(
     };
     let turn = options.family == NetworkFamily::Principal && field.is_steep(curvature, &mesh);
     Ok(if turn { field.turned() } else { field })
+}
+
+/// Whether the other arms of the crosses are those that follow the wishes.
+fn follows_across(
+    curvature: &Curvature,
+    direction: &PerVertex<Vec3>,
+    wishes: &PerVertex<Wish>,
+) -> bool {
+    let across = |(v, d): (phex_mesh::VertexId, &Vec3)| {
+        let wish = &wishes[v];
+        let along = d.dot(&wish.direction).powi(2);
+        let left = curvature.normal[v].cross(d).dot(&wish.direction).powi(2);
+        wish.weight * (left - along)
+    };
+    direction.enumerate().map(across).sum::<f64>() > 0.0
 }
 
 /// The 90 % quantile of the larger principal curvature, at least a thousandth of the reciprocal diagonal.
@@ -295,7 +312,9 @@ pub struct ConjugateNetwork {
 }
 
 /// Share of the area that may fold over, at corners of the boundary say.
-const MAX_FOLDED: f64 = 5e-4;
+const MAX_FOLDED: f64 = 0.01;
+/// Share from which less strictness is tried.
+const SOME_FOLDED: f64 = 5e-4;
 
 /// The network whose curves follow the directions of `field`.
 ///
@@ -311,6 +330,7 @@ pub fn conjugate_network(
     let along = PerFace::from_fn(surface.topology().n_faces(), |f| guide(f)[0]);
     let across = PerFace::from_fn(surface.topology().n_faces(), |f| guide(f)[1]);
     let held = [&along, &across].map(|guides| sides::followed(surface, |f| guides[f].level));
+    let mut best: Option<(Folded, ConjugateNetwork)> = None;
     let mut strictness = options.strictness.max(1.0);
     loop {
         let network = ConjugateNetwork {
@@ -318,14 +338,28 @@ pub fn conjugate_network(
             across: function::following(surface, &basis, &across, &held[1], strictness)?,
             basis: basis.clone(),
         };
-        let Some((count, near)) = network.folded(surface) else {
-            return Ok(network);
-        };
-        if strictness <= 1.0 {
-            return Err(NetworkError::Folded { count, near });
+        let folded = network.folded(surface);
+        if best.as_ref().is_none_or(|b| folded.share < b.0.share) {
+            best = Some((folded, network));
+        }
+        let (least, _) = best.as_ref().expect("a network has been tried");
+        if least.share <= SOME_FOLDED || strictness <= 1.0 {
+            break;
         }
         strictness = (0.1 * strictness).max(1.0);
     }
+    let (Folded { share, count, near }, network) = best.expect("a network has been tried");
+    if share > MAX_FOLDED {
+        return Err(NetworkError::Folded { count, near });
+    }
+    Ok(network)
+}
+
+/// Triangles that fold over.
+struct Folded {
+    share: f64,
+    count: usize,
+    near: Vec3,
 }
 
 /// Guides of `u` and of `v` in a triangle.
@@ -359,8 +393,7 @@ impl ConjugateNetwork {
         [of(&self.along, scale[0]), of(&self.across, scale[1])]
     }
 
-    /// Number and place of triangles that fold over, if they make up too much of the area.
-    fn folded(&self, surface: &TriangleSurface) -> Option<(usize, Vec3)> {
+    fn folded(&self, surface: &TriangleSurface) -> Folded {
         let [u, v] = self.functions(surface, [1.0, 1.0]);
         let is_folded = |f: &FaceId| {
             let turn = u.gradient(surface, *f).cross(&v.gradient(surface, *f));
@@ -368,8 +401,11 @@ impl ConjugateNetwork {
         };
         let folded: Vec<FaceId> = surface.topology().faces().filter(is_folded).collect();
         let area = |f: &FaceId| 0.5 * surface.area_vector(*f).norm();
-        let share = folded.iter().map(area).sum::<f64>() / surface.area();
-        let centre = |f: FaceId| surface.corners(f).iter().sum::<Vec3>() / 3.0;
-        (share > MAX_FOLDED).then(|| (folded.len(), centre(folded[0])))
+        let centre = |f: &FaceId| surface.corners(*f).iter().sum::<Vec3>() / 3.0;
+        Folded {
+            share: folded.iter().map(area).sum::<f64>() / surface.area(),
+            count: folded.len(),
+            near: folded.first().map_or(Vec3::zeros(), centre),
+        }
     }
 }
