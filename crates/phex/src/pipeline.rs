@@ -503,7 +503,6 @@ struct FineSurface {
     metric: PerVertex<Matrix3<f64>>,
     mesh: IntrinsicMesh,
     corners: HashSet<VertexId>,
-    kept: Option<PerVertex<bool>>,
 }
 
 impl FineSurface {
@@ -523,7 +522,6 @@ impl FineSurface {
             metric,
             mesh,
             corners,
-            kept: ground.kept(),
         }
     }
 
@@ -533,7 +531,6 @@ impl FineSurface {
             metric: &self.metric,
             mesh: &self.mesh,
             corners: &self.corners,
-            kept: self.kept.as_ref(),
         }
     }
 }
