@@ -22,6 +22,8 @@ pub struct Arguments {
 pub enum Command {
     /// Cover a surface with planar hexagonal panels
     Mesh(Box<MeshCommand>),
+    /// Write a conjugate curve network of a surface, for drawing
+    Network(Box<NetworkCommand>),
     /// Make the faces of a polygon mesh planar (three faces at each interior vertex)
     Planarize(PlanarizeCommand),
     /// Judge any polygon mesh: planar, simple, sound, close to a surface; lists offenders by id
@@ -39,6 +41,7 @@ impl Command {
     pub fn talk(&self) -> &Talk {
         match self {
             Self::Mesh(c) => &c.talk,
+            Self::Network(c) => &c.talk,
             Self::Planarize(c) => &c.talk,
             Self::Check(c) => &c.talk,
             Self::Info(c) => &c.talk,
@@ -116,6 +119,36 @@ pub struct MeshCommand {
     /// Report and picture.
     #[command(flatten)]
     pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Arguments of `phex network`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct NetworkCommand {
+    /// Surface: OBJ, PLY, STL or OFF, triangles or polygons
+    #[arg(value_name = "SURFACE")]
+    pub input: PathBuf,
+    /// OBJ file to write: polylines in the groups `rows` and `columns`
+    #[arg(short, long, value_name = "NETWORK.OBJ")]
+    pub output: PathBuf,
+    /// Number of panels, about, that a brick wall on the curves would have
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 500)]
+    pub panels: u64,
+    /// Let columns follow a direction, e.g. `0,0,1`, with rows conjugate to them, instead of the lines of curvature
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_delimiter = ',',
+        num_args = 3,
+        allow_negative_numbers = true
+    )]
+    pub columns_along: Option<Vec<f64>>,
+    /// Number of threads; the result does not depend on it
+    #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,

@@ -2,8 +2,10 @@
 
 use crate::exit::{Exit, Failure, OrExit};
 use anyhow::Context;
+use phex::directions::network::NetworkError;
 use phex::layout::LayoutError;
 use phex::optimise::{self, OptimiseOptions, SurfaceTarget, Target};
+use phex::pipeline::{NetworkCurves, network_curves};
 use phex::report::StageTime;
 use phex::{MeshOptions, PipelineError, Progress, mesh_surface};
 use phex_mesh::{HexMesh, TriangleSurface};
@@ -47,6 +49,18 @@ pub fn mesh(
         mesh: run.mesh,
         smooth: Some(run.target),
     })
+}
+
+/// A conjugate curve network of a connected surface.
+///
+/// # Errors
+/// If the surface can't be used or has no network, or the user interrupts.
+pub fn network(
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<NetworkCurves, Failure> {
+    network_curves(surface, options, progress).map_err(pipeline_failure)
 }
 
 /// Makes the faces of a mesh planar, close to a surface or to where they are.
@@ -95,7 +109,10 @@ fn pipeline_failure(error: PipelineError) -> Failure {
     let exit = match error {
         PipelineError::Cancelled => return Failure::interrupted(),
         PipelineError::Size(_) | PipelineError::Components(_) => Exit::InputUnusable,
-        PipelineError::Layout(LayoutError::Topology { .. }) => Exit::NoValidResult,
+        PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => Exit::InputUnusable,
+        PipelineError::Layout(LayoutError::Topology { .. } | LayoutError::Network(_)) => {
+            Exit::NoValidResult
+        }
         _ => Exit::Internal,
     };
     Failure {

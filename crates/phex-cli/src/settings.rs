@@ -4,6 +4,7 @@ use crate::exit::Failure;
 use crate::units::{Quantity, Unit};
 use clap::Args;
 use phex::MeshOptions;
+use phex::pipeline::Method;
 use phex::target::TargetKind;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -23,6 +24,9 @@ pub struct MeshSettings {
     /// Length of the panels' edges, about: `1.2`, `1.2m`, or `2%` of the bounding-box diagonal
     #[arg(long, value_name = "LENGTH")]
     pub edge_length: Option<Quantity>,
+    /// How panels are laid out [default: lattice]
+    #[arg(long, value_enum)]
+    pub method: Option<Layout>,
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub rotate: Option<f64>,
@@ -53,6 +57,34 @@ pub struct MeshSettings {
     /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of them.
     #[arg(skip)]
     pub stages: MeshOptions,
+}
+
+/// How panels are laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layout {
+    /// A hexagonal lattice, on any surface
+    Lattice,
+    /// A brick wall on the lines of curvature, where the surface has a network of them without singular points
+    BrickWall,
+}
+
+impl From<Layout> for Method {
+    fn from(layout: Layout) -> Self {
+        match layout {
+            Layout::Lattice => Self::Lattice,
+            Layout::BrickWall => Self::BrickWall,
+        }
+    }
+}
+
+impl From<Method> for Layout {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Lattice => Self::Lattice,
+            Method::BrickWall => Self::BrickWall,
+        }
+    }
 }
 
 /// Which surface the panels are kept close to.
@@ -119,6 +151,7 @@ impl MeshSettings {
             } else {
                 file.edge_length
             },
+            method: self.method.or(file.method),
             rotate: self.rotate.or(file.rotate),
             adaptive: self.adaptive.or(file.adaptive),
             target: self.target.or(file.target),
@@ -149,6 +182,9 @@ impl MeshSettings {
     pub fn options(&self, panels: u64) -> MeshOptions {
         let mut options = self.stages.clone();
         options.size = phex::PanelSize::Panels(usize::try_from(panels).unwrap_or(usize::MAX));
+        if let Some(method) = self.method {
+            options.method = method.into();
+        }
         if let Some(degrees) = self.rotate {
             options.directions.rotate = degrees.to_radians();
         }
@@ -169,6 +205,7 @@ impl MeshSettings {
         let stages = self.options(panels);
         Self {
             panels: Some(panels),
+            method: Some(stages.method.into()),
             rotate: Some(stages.directions.rotate.to_degrees()),
             max_deviation: Some(self.max_deviation()),
             unit: Some(self.unit.unwrap_or_default()),

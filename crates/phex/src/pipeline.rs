@@ -3,11 +3,16 @@
 //! surface -> target -> curvature -> directions -> layout -> optimise -> trim; panels that stay invalid go back to the
 //! layout as seeds to drop, and layout and optimiser run again.
 
+mod brick_wall;
+
+pub use brick_wall::{NetworkCurves, network_curves};
+
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::size::{self, SizeOptions};
 use crate::directions::{self, DirectionOptions, Directions};
 use crate::ground::Ground;
+use crate::layout::brick_wall::{BrickWallOptions, BrickWallStatistics};
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics};
@@ -33,8 +38,19 @@ use thiserror::Error;
 pub enum PanelSize {
     /// Number of panels, at least 1.
     Panels(usize),
-    /// Mean edge length, model units.
+    /// Mean edge length, model units; met by a second run where the first is off.
     EdgeLength(f64),
+}
+
+/// How panels are laid out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// A hexagonal lattice in the metric of the second fundamental form, on any surface.
+    #[default]
+    Lattice,
+    /// A brick wall on a conjugate curve network, where the surface has one.
+    BrickWall,
 }
 
 /// Options of [`mesh_surface`]: one struct per stage, and what concerns the whole flow.
@@ -55,8 +71,12 @@ pub struct MeshOptions {
     pub curvature: CurvatureOptions,
     /// Metric and direction field.
     pub directions: DirectionOptions,
-    /// Layout.
+    /// How panels are laid out.
+    pub method: Method,
+    /// Layout by a lattice.
     pub layout: LayoutOptions,
+    /// Layout as a brick wall.
+    pub brick_wall: BrickWallOptions,
     /// Optimiser.
     pub optimise: OptimiseOptions,
     /// Vertices per panel, at least, of the mesh on which directions and lattice are computed.
@@ -77,7 +97,9 @@ impl Default for MeshOptions {
             target: TargetOptions::default(),
             curvature: CurvatureOptions::default(),
             directions: DirectionOptions::default(),
+            method: Method::default(),
             layout: LayoutOptions::default(),
+            brick_wall: BrickWallOptions::default(),
             optimise: OptimiseOptions::default(),
             field_density: 8.0,
             cell_density: 25.0,
@@ -86,8 +108,8 @@ impl Default for MeshOptions {
     }
 }
 
-/// Most panels that one run is asked for; more would not fit into the ids of the refined surface.
-pub const MAX_PANELS: usize = 2_000_000;
+/// Most panels that one run is asked for: the refined surface has 25 vertices and more for each, and memory ends.
+pub const MAX_PANELS: usize = 200_000;
 
 /// Why nothing was made.
 #[derive(Clone, Debug, Error)]
@@ -145,6 +167,8 @@ pub struct Statistics {
     pub interpolation_error: f64,
     /// The lattice.
     pub layout: LayoutStatistics,
+    /// The brick wall, if that was the method.
+    pub brick_wall: Option<BrickWallStatistics>,
     /// The optimiser's runs of the last round.
     pub runs: Vec<RunSummary>,
     /// Factorisations of the optimiser in all rounds.
@@ -189,11 +213,36 @@ pub fn mesh_surface(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    let mut clock = Clock {
-        progress,
-        stages: Vec::new(),
-    };
+    if options.method == Method::BrickWall {
+        return brick_wall::mesh_surface(surface, options, progress);
+    }
     let panels = panel_count(surface, options.size)?;
+    let first = mesh_with_panels(surface, panels, options, progress)?;
+    let PanelSize::EdgeLength(wanted) = options.size else {
+        return Ok(first);
+    };
+    // Panels that are long or re-entrant have longer edges than regular ones of their area: how much is known afterwards.
+    let error = |run: &MeshRun| (run.mesh.mean_edge() / wanted).ln();
+    let count = (panels as f64 * (2.0 * error(&first)).exp()).round();
+    if error(&first).abs() < EDGE_TOLERANCE || !(1.0..=MAX_PANELS as f64).contains(&count) {
+        return Ok(first);
+    }
+    match mesh_with_panels(surface, count as usize, options, progress) {
+        Ok(second) if error(&second).abs() < error(&first).abs() => Ok(second),
+        _ => Ok(first),
+    }
+}
+
+/// Relative error of the mean edge that is corrected by another run.
+const EDGE_TOLERANCE: f64 = 0.08;
+
+fn mesh_with_panels(
+    surface: &TriangleSurface,
+    panels: usize,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<MeshRun, PipelineError> {
+    let mut clock = Clock::new(progress);
     let similarity = Similarity::normalising(surface);
     let normalised = moved(surface, |p| similarity.normalise(p));
     let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
@@ -208,12 +257,12 @@ pub fn mesh_surface(
     let mut factorisations = 0;
     let mut best: Option<((bool, usize), Optimised, Left)> = None;
     loop {
-        let result = clock.stage("optimise", || {
+        let result = clock.timed("optimise", || {
             optimise::optimise(&layout, &target, &options.optimise, progress)
-        })??;
+        })?;
         factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
-        let trimmed = clock.stage("trim", || ground.trimmed(&result.mesh, &fine.surface))??;
-        let violations = clock.stage("validate", || between_panels(&trimmed.mesh, reported))?;
+        let trimmed = clock.timed("trim", || ground.trimmed(&result.mesh, &fine.surface))?;
+        let violations = clock.timed("validate", || between_panels(&trimmed.mesh, reported));
         let offenders = offenders_left(&result.offenders, &trimmed);
         let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
         let badness = (!is_planar(&offenders), invalid.len());
@@ -234,7 +283,7 @@ pub fn mesh_surface(
             panels: layout.mesh.topology().n_faces(),
             dropped: before - seeds.len(),
         });
-        match clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))? {
+        match clock.timed("layout", || layout::panelling(&fine.cells(), &seeds)) {
             Ok(next) => layout = next,
             Err(_) => break,
         }
@@ -246,6 +295,7 @@ pub fn mesh_surface(
         target_vertices: levels.map(|l| l.positions().len()).collect(),
         interpolation_error: ground.smooth.interpolation_error,
         layout: field.statistics,
+        brick_wall: None,
         runs: result.runs.clone(),
         factorisations,
         repairs,
@@ -288,7 +338,7 @@ fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, Pipe
             )));
         }
     };
-    if !(count >= 1.0) {
+    if count < 1.0 || count.is_nan() {
         return Err(PipelineError::Size(format!(
             "{count:.3} panels were asked for, at least 1 is needed"
         )));
@@ -323,7 +373,15 @@ struct Clock<'a> {
     stages: Vec<StageSeconds>,
 }
 
-impl Clock<'_> {
+impl<'a> Clock<'a> {
+    fn new(progress: &'a dyn Progress) -> Self {
+        Self {
+            progress,
+            stages: Vec::new(),
+        }
+    }
+
+    /// A stage before there is a mesh: a cancelled run ends here.
     fn stage<T>(
         &mut self,
         stage: &'static str,
@@ -332,6 +390,11 @@ impl Clock<'_> {
         if self.progress.is_cancelled() {
             return Err(PipelineError::Cancelled);
         }
+        Ok(self.timed(stage, work))
+    }
+
+    /// A stage that a cancelled run still makes, because what was reached is returned.
+    fn timed<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
         self.progress.report(&Event::StageStarted { stage });
         let start = Instant::now();
         let result = work();
@@ -341,7 +404,7 @@ impl Clock<'_> {
             Some(s) => s.seconds += seconds,
             None => self.stages.push(StageSeconds { stage, seconds }),
         }
-        Ok(result)
+        result
     }
 }
 
@@ -368,12 +431,7 @@ impl Field {
         options: &MeshOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let wanted = options.field_density * panels as f64;
-        let level = smooth
-            .levels
-            .iter()
-            .position(|l| l.positions().len() as f64 >= wanted);
-        let level = level.unwrap_or(smooth.levels.len() - 1);
+        let level = smooth.level_with(options.field_density * panels as f64);
         let surface = &smooth.levels[level];
         let length = panel_length(surface, panels);
         let curvature = clock.stage("curvature", || {

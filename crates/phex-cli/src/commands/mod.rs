@@ -4,6 +4,7 @@ mod check;
 mod convert;
 mod info;
 mod mesh;
+mod network;
 mod planarize;
 mod shape;
 
@@ -18,6 +19,7 @@ use crate::output;
 pub fn run(command: Command) -> Result<Exit, Failure> {
     match command {
         Command::Mesh(command) => mesh::run(&command),
+        Command::Network(command) => network::run(&command),
         Command::Planarize(command) => planarize::run(&command),
         Command::Check(command) => check::run(&command),
         Command::Info(command) => info::run(&command),

@@ -25,6 +25,7 @@ pub mod boundary;
 pub mod conformal;
 pub mod intrinsic;
 pub mod metric;
+pub mod network;
 pub mod rosy;
 pub mod size;
 

@@ -69,7 +69,14 @@ pub fn field(
             unit.len(),
         );
     }
-    Ok(PerVertex::from_vec(u.iter().map(|z| z.arg() / N).collect()))
+    Ok(PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()))
+}
+
+/// The angle of a direction, one of six: the cut between them lies where no symmetry puts a field exactly, so that
+/// rounding does not choose.
+fn angle(z: Complex<f64>) -> f64 {
+    const CUT: f64 = 0.7;
+    ((z * Complex::from_polar(1.0, -CUT)).arg() + CUT) / N
 }
 
 /// A tangent pair that varies smoothly over most of space: the x axis projected to the tangent plane.

@@ -13,6 +13,7 @@
 
 pub mod boundary;
 pub mod boundary_nodes;
+pub mod brick_wall;
 pub mod cells;
 pub mod lattice;
 pub mod polish;
@@ -27,6 +28,7 @@ pub use record::{Layout, VertexKind};
 
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::network::NetworkError;
 use boundary::Pin;
 use cells::{CellComplex, Node};
 use lattice::{Charts, Plane};
@@ -74,6 +76,9 @@ pub enum LayoutError {
     /// A linear system could not be solved.
     #[error("the layout's equations could not be solved: {0}")]
     Numeric(#[from] NumericError),
+    /// There is no conjugate network for a brick wall.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
     /// Cells are not discs.
     #[error(
         "no panelling with the topology of the surface was found: {reason}; ask for smaller panels"
@@ -207,7 +212,7 @@ pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, Layou
     let mut complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
     boundary_nodes::follow_boundary(fine.surface, &mut complex);
-    record(fine, &complex)
+    record(fine, &complex, |node| place(fine.surface, node))
 }
 
 fn centroids(
@@ -230,7 +235,12 @@ fn centroids(
     )
 }
 
-fn record(fine: &CellSurface<'_>, complex: &CellComplex) -> Result<Layout, LayoutError> {
+/// The layout whose panels are the cells, with its vertices where `place` says.
+fn record(
+    fine: &CellSurface<'_>,
+    complex: &CellComplex,
+    place: impl Fn(Node) -> Vec3,
+) -> Result<Layout, LayoutError> {
     let topology = fine.surface.topology();
     let (index, nodes) = cells::node_index(&complex.panels);
     let faces: Vec<Vec<u32>> = complex
@@ -238,7 +248,7 @@ fn record(fine: &CellSurface<'_>, complex: &CellComplex) -> Result<Layout, Layou
         .iter()
         .map(|(_, l)| l.iter().map(|n| index[n]).collect())
         .collect();
-    let positions = nodes.iter().map(|n| place(fine.surface, *n)).collect();
+    let positions = nodes.iter().map(|n| place(*n)).collect();
     let mesh = HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology {
         reason: e.to_string(),
     })?;

@@ -108,6 +108,13 @@ impl SmoothTarget {
             .last()
             .expect("there is a level for the input itself")
     }
+
+    /// The coarsest level with at least `vertices` vertices, or the finest.
+    pub fn level_with(&self, vertices: f64) -> usize {
+        let enough = |l: &TriangleSurface| l.positions().len() as f64 >= vertices;
+        let last = self.levels.len() - 1;
+        self.levels.iter().position(enough).unwrap_or(last)
+    }
 }
 
 /// Refines a normalised surface until it has at least `min_vertices` vertices.
@@ -206,10 +213,10 @@ pub fn boundary_corners(surface: &TriangleSurface, angle: f64) -> Vec<VertexId> 
     for boundary in surface.topology().boundary_loops() {
         let n = boundary.len();
         let at = |i: usize| surface.positions()[boundary[i % n]];
-        for i in 0..n {
+        for (i, &corner) in boundary.iter().enumerate() {
             let turning = (at(i + n) - at(i + n - 1)).angle(&(at(i + 1) - at(i)));
             if turning > angle {
-                corners.push((turning, boundary[i]));
+                corners.push((turning, corner));
             }
         }
     }

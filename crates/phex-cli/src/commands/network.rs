@@ -1,0 +1,115 @@
+//! `phex network`: writes a conjugate curve network.
+
+use super::{tell, use_threads};
+use crate::args::NetworkCommand;
+use crate::engine;
+use crate::exit::{Exit, Failure};
+use crate::input::{MeshFile, sentences, whole};
+use crate::output::{Content, check_writable, write_text};
+use crate::panel_size;
+use crate::progress::Reporter;
+use crate::settings::PanelSize;
+use crate::units::Unit;
+use phex::MeshOptions;
+use phex::directions::network::{Curve, NetworkFamily};
+use phex::pipeline::NetworkCurves;
+use std::fmt::Write;
+
+/// Runs the command.
+///
+/// # Errors
+/// If the input can't be used, the surface has no network, or the output can't be written.
+pub fn run(command: &NetworkCommand) -> Result<Exit, Failure> {
+    check_writable(
+        &[(&command.output, Content::Mesh)],
+        &[command.input.as_path()],
+    )?;
+    check_obj(command)?;
+    use_threads(command.threads)?;
+    let reporter = Reporter::new(&command.talk);
+    let parts = MeshFile::read(&command.input)?.surfaces()?;
+    let surface = whole(&parts.components)?;
+    for note in sentences(parts.notes) {
+        reporter.note(note);
+    }
+    let size = PanelSize::Panels(command.panels);
+    let panels = panel_size::panels(size, &surface, Unit::default())?;
+    let curves = engine::network(&surface, &options(command, panels), &reporter)?;
+    reporter.finish();
+    write_text(&command.output, &obj(&curves))?;
+    let (rows, columns) = (curves.rows.len(), curves.columns.len());
+    let path = command.output.display();
+    tell(
+        command.talk.quiet,
+        &format!("{path}: {rows} curves along rows, {columns} across\n"),
+    )?;
+    Ok(Exit::Success)
+}
+
+fn check_obj(command: &NetworkCommand) -> Result<(), Failure> {
+    let extension = command.output.extension().and_then(|e| e.to_str());
+    if extension.is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
+        return Ok(());
+    }
+    let path = command.output.display();
+    Err(Failure::input(format!(
+        "{path}: curves are written as OBJ only"
+    )))
+}
+
+fn options(command: &NetworkCommand, panels: u64) -> MeshOptions {
+    let mut options = MeshOptions {
+        size: phex::PanelSize::Panels(usize::try_from(panels).unwrap_or(usize::MAX)),
+        ..Default::default()
+    };
+    if let Some(&[x, y, z]) = command.columns_along.as_deref() {
+        options.brick_wall.network.family = NetworkFamily::ConjugateTo([x, y, z]);
+    }
+    options
+}
+
+/// Polylines as OBJ: two groups with `l` elements; a closed curve ends with its first vertex.
+fn obj(curves: &NetworkCurves) -> String {
+    let mut text = String::from("# conjugate curve network\n");
+    let mut next = 1;
+    for (name, family) in [("rows", &curves.rows), ("columns", &curves.columns)] {
+        let _ = writeln!(text, "g {name}");
+        for curve in family {
+            push_curve(&mut text, curve, next);
+            next += curve.points.len();
+        }
+    }
+    text
+}
+
+fn push_curve(text: &mut String, curve: &Curve, first: usize) {
+    for p in &curve.points {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    let numbers = (first..first + curve.points.len()).chain(curve.closed.then_some(first));
+    text.push('l');
+    for number in numbers {
+        let _ = write!(text, " {number}");
+    }
+    text.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phex_mesh::Vec3;
+
+    #[test]
+    fn a_closed_curve_returns_to_its_first_vertex() {
+        let curve = |closed| Curve {
+            points: vec![Vec3::zeros(), Vec3::x(), Vec3::y()],
+            closed,
+        };
+        let text = obj(&NetworkCurves {
+            rows: vec![curve(true)],
+            columns: vec![curve(false)],
+        });
+        let lines: Vec<&str> = text.lines().filter(|l| l.starts_with(['l', 'g'])).collect();
+        assert_eq!(lines, ["g rows", "l 1 2 3 1", "g columns", "l 4 5 6"]);
+    }
+}

@@ -1,0 +1,221 @@
+//! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, no repair.
+
+use super::{
+    Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, panel_count,
+    panel_length,
+};
+use crate::curvature::{self, Curvature};
+use crate::directions::network::{
+    ConjugateNetwork, Curve, Function, NetworkError, RowField, conjugate_network, level_lines,
+    row_field,
+};
+use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
+use crate::layout::{LayoutError, LayoutStatistics};
+use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
+use crate::progress::Progress;
+use crate::target::{self, Similarity, SmoothTarget, TargetKind};
+use phex_mesh::{TriangleSurface, VertexId};
+use std::collections::HashSet;
+
+/// The target with everything that bricks are laid on, in normalised coordinates.
+struct Ground {
+    similarity: Similarity,
+    normalised: TriangleSurface,
+    smooth: SmoothTarget,
+    surface: TriangleSurface,
+    curvature: Curvature,
+    field: RowField,
+    corners: HashSet<VertexId>,
+}
+
+impl Ground {
+    fn new(
+        input: &TriangleSurface,
+        panels: usize,
+        options: &MeshOptions,
+        clock: &mut Clock<'_>,
+    ) -> Result<Self, PipelineError> {
+        let similarity = Similarity::normalising(input);
+        let normalised = moved(input, |p| similarity.normalise(p));
+        let smooth = clock.stage("target", || {
+            let vertices = options.cell_density.max(options.field_density) * panels as f64;
+            target::smooth_target(&normalised, vertices as usize, &options.target)
+        })?;
+        let level = smooth.level_with(options.field_density * panels as f64);
+        let coarse = &smooth.levels[level];
+        let length = panel_length(coarse, panels);
+        let mut curvature = clock.stage("curvature", || {
+            curvature::curvature(coarse, length, &options.curvature)
+        })?;
+        let mut field = clock
+            .stage("directions", || {
+                row_field(coarse, &curvature, length, &options.brick_wall.network)
+            })?
+            .map_err(|e| in_model(e, &similarity))?;
+        for step in &smooth.refinements[level..] {
+            curvature = curvature.refined(step);
+            field = field.refined(step);
+        }
+        let surface = smooth
+            .finest()
+            .clone()
+            .with_normals(curvature.normal.clone());
+        let corners = spaced_corners(&smooth, length);
+        Ok(Self {
+            similarity,
+            normalised,
+            smooth,
+            surface,
+            curvature,
+            field,
+            corners,
+        })
+    }
+
+    /// The surface that panels are kept close to.
+    fn close_to(&self, kind: TargetKind) -> &TriangleSurface {
+        match kind {
+            TargetKind::Facets => &self.normalised,
+            _ => &self.surface,
+        }
+    }
+
+    fn bricks(&self) -> BrickSurface<'_> {
+        BrickSurface {
+            surface: &self.surface,
+            curvature: &self.curvature,
+            field: &self.field,
+            corners: &self.corners,
+        }
+    }
+}
+
+/// Sharp boundary corners at least half a panel apart, the sharpest first.
+fn spaced_corners(smooth: &SmoothTarget, length: f64) -> HashSet<VertexId> {
+    let positions = smooth.finest().positions();
+    let mut kept: Vec<VertexId> = Vec::new();
+    for &corner in &smooth.corners {
+        let far = |other: &VertexId| (positions[corner] - positions[*other]).norm() > 0.5 * length;
+        if kept.iter().all(far) {
+            kept.push(corner);
+        }
+    }
+    kept.into_iter().collect()
+}
+
+fn in_model(error: NetworkError, similarity: &Similarity) -> PipelineError {
+    LayoutError::Network(error.mapped(|p| similarity.restore(p))).into()
+}
+
+/// Makes a brick wall of a surface planar.
+pub(super) fn mesh_surface(
+    input: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<MeshRun, PipelineError> {
+    let mut clock = Clock::new(progress);
+    let panels = panel_count(input, options.size)?;
+    let ground = Ground::new(input, panels, options, &mut clock)?;
+    let similarity = ground.similarity;
+    let (layout, wall) = clock
+        .stage("layout", || {
+            brick_wall(&ground.bricks(), panels, &options.brick_wall)
+        })?
+        .map_err(|e| match e {
+            LayoutError::Network(e) => in_model(e, &similarity),
+            other => other.into(),
+        })?;
+    let close_to = ground.close_to(options.target.kind);
+    let target = SurfaceTarget::new(close_to);
+    let result = clock.timed("optimise", || {
+        optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
+    })?;
+    let violations = clock.timed("validate", || between_panels(&result.mesh, close_to));
+    let statistics = Statistics {
+        panels_asked: panels,
+        target_vertices: (ground.smooth.levels.iter())
+            .map(|l| l.positions().len())
+            .collect(),
+        interpolation_error: ground.smooth.interpolation_error,
+        layout: LayoutStatistics::default(),
+        brick_wall: Some(wall),
+        factorisations: result.runs.iter().map(|r| r.factorisations).sum(),
+        runs: result.runs.clone(),
+        repairs: Vec::new(),
+    };
+    let positions = result.mesh.positions.map(|p| similarity.restore(*p));
+    Ok(MeshRun {
+        mesh: result.mesh.with_positions(positions),
+        target: moved(close_to, |p| similarity.restore(p)),
+        outcome: result.outcome,
+        offenders: result.offenders,
+        violations,
+        statistics,
+        stages: clock.stages,
+    })
+}
+
+/// Options that do not smooth a start which is simple: smoothing would undo the kinks.
+fn kinked(options: &OptimiseOptions) -> OptimiseOptions {
+    OptimiseOptions {
+        smoothing: [0, options.smoothing[1]],
+        ..options.clone()
+    }
+}
+
+/// The curves of a conjugate network, in model coordinates.
+#[derive(Clone, Debug)]
+pub struct NetworkCurves {
+    /// Curves along rows, one row of panels apart.
+    pub rows: Vec<Curve>,
+    /// Curves across rows, half a brick apart.
+    pub columns: Vec<Curve>,
+}
+
+/// The conjugate network of a surface, sampled as densely as a brick wall of the given size samples it.
+///
+/// # Errors
+/// If the input can't be used or the surface has no global network.
+pub fn network_curves(
+    input: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<NetworkCurves, PipelineError> {
+    let mut clock = Clock::new(progress);
+    let panels = panel_count(input, options.size)?;
+    let ground = Ground::new(input, panels, options, &mut clock)?;
+    let similarity = ground.similarity;
+    let [rows, columns] = clock
+        .stage("layout", || sampled_network(&ground, panels, options))?
+        .map_err(|e| in_model(e, &similarity))?;
+    let curves = |function: &Function| {
+        let mut lines = level_lines(&ground.surface, function);
+        for point in lines.iter_mut().flat_map(|c| &mut c.points) {
+            *point = similarity.restore(*point);
+        }
+        lines
+    };
+    Ok(NetworkCurves {
+        rows: curves(&rows),
+        columns: curves(&columns),
+    })
+}
+
+/// Functions whose whole values are the rows and the columns.
+fn sampled_network(
+    ground: &Ground,
+    panels: usize,
+    options: &MeshOptions,
+) -> Result<[Function; 2], NetworkError> {
+    let network: ConjugateNetwork =
+        conjugate_network(&ground.surface, &ground.field, &options.brick_wall.network)?;
+    let scale = first_scale(&ground.bricks(), &network, panels, &options.brick_wall);
+    let whole = |family: &crate::directions::network::FunctionFamily, scale: f64| {
+        let periods: Vec<f64> = family.periods.iter().map(|p| (p * scale).round()).collect();
+        family.function(ground.surface.topology(), &network.basis, scale, &periods)
+    };
+    Ok([
+        whole(&network.across, scale[1]),
+        whole(&network.along, 2.0 * scale[0]),
+    ])
+}
