@@ -5,10 +5,12 @@ use crate::pipeline::MeshOptions;
 use crate::target::extend::{self, Extension};
 use crate::target::{self, SmoothTarget, TargetKind};
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
-use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface};
+use phex_mesh::{HexMesh, PerFace, TriangleSurface};
 
-/// Width of the strip beyond the boundary, in panel lengths.
-const EXTENSION: f64 = 1.5;
+/// Width of the strip beyond the boundary for whole panels, in panel lengths.
+const WHOLE_STRIP: f64 = 1.5;
+/// The same for clipped panels: as much as is cut off a row that runs along the boundary.
+const CLIP_STRIP: f64 = 0.2;
 
 /// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a strip beyond it.
 pub(crate) struct Ground {
@@ -36,10 +38,11 @@ impl Ground {
         let smooth = |surface: &TriangleSurface, panels: usize| {
             target::smooth_target(surface, (density * panels as f64) as usize, &options.target)
         };
-        let width = EXTENSION * (facets.area() / (CELL * panels as f64)).sqrt();
+        let length = (facets.area() / (CELL * panels as f64)).sqrt();
         let extension = match options.boundary {
             Boundary::Snap => None,
-            Boundary::Whole | Boundary::Clip => extend::extend(facets, width),
+            Boundary::Whole => extend::extend(facets, WHOLE_STRIP * length),
+            Boundary::Clip => extend::extend(facets, CLIP_STRIP * length),
         };
         let Some(extension) = extension else {
             return Self {
@@ -99,28 +102,15 @@ impl Ground {
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }
-
-    /// Whether each vertex of the finest level lies on the part that clipped panels are trimmed to.
-    pub fn kept(&self) -> Option<PerVertex<bool>> {
-        let trimming = self.trimming.as_ref()?;
-        let (topology, levels) = (
-            self.smooth.finest().topology(),
-            self.smooth.refinements.len(),
-        );
-        let original = |h| trimming.extension.is_original(topology.face(h), levels);
-        (self.options.boundary == Boundary::Clip).then(|| {
-            PerVertex::from_fn(topology.n_vertices(), |v| {
-                topology.outgoing(v).any(original)
-            })
-        })
-    }
 }
 
-/// Options for the extended surface: its outer boundary means nothing, and its sizes go on from the boundary.
+/// Options for the extended surface: sizes go on from the boundary, and a boundary that will not be seen means nothing.
 fn extended_options(options: &MeshOptions, extension: &Extension) -> MeshOptions {
     let mut options = options.clone();
-    options.directions.boundary_alignment = 0.0;
-    options.layout.boundary_phase = 0.0;
+    if options.boundary == Boundary::Whole {
+        options.directions.boundary_alignment = 0.0;
+        options.layout.boundary_phase = 0.0;
+    }
     if let Some(values) = &mut options.size_field {
         let beyond = extension.origin.iter().skip(values.len());
         let beyond: Vec<f64> = beyond

@@ -687,7 +687,6 @@ struct FineSurface {
     metric: PerVertex<Matrix3<f64>>,
     mesh: IntrinsicMesh,
     corners: HashSet<VertexId>,
-    kept: Option<PerVertex<bool>>,
 }
 
 impl FineSurface {
@@ -707,7 +706,6 @@ impl FineSurface {
             metric,
             mesh,
             corners,
-            kept: ground.kept(),
         }
     }
 
@@ -717,7 +715,6 @@ impl FineSurface {
             metric: &self.metric,
             mesh: &self.mesh,
             corners: &self.corners,
-            kept: self.kept.as_ref(),
         }
     }
 }

@@ -194,8 +194,6 @@ pub struct CellSurface<'a> {
     pub mesh: &'a IntrinsicMesh,
     /// Sharp corners of the boundary.
     pub corners: &'a HashSet<VertexId>,
-    /// Whether each vertex lies on the part that is kept, where panels will be clipped.
-    pub kept: Option<&'a PerVertex<bool>>,
 }
 
 /// The panelling whose cells grow from `seeds`.

@@ -2,8 +2,7 @@
 //!
 //! Seeds whose cells hold less than [`MIN_CELL`] of a lattice cell (or of the mean panel of space) are dropped, smallest
 //! first and never two neighbours in one round; then every cell at the boundary grows again from its centroid (Lloyd's
-//! step, for that row alone). Inside, the lattice stays as it is. Where panels will be clipped later, the part of a cell
-//! that is kept counts, and nothing moves.
+//! step, for that row alone). Inside, the lattice stays as it is.
 
 use super::CellSurface;
 use super::lattice::CELL;
@@ -32,10 +31,8 @@ pub fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
         let rim = rim_cells(fine, &grown, &area, seeds.len());
         let dropped = too_small(fine, &grown, &rim, &area, seeds.len());
         let before = seeds.len();
-        if fine.kept.is_none() {
-            for cell in &rim {
-                seeds[cell.label].core = core(fine, cell);
-            }
+        for cell in &rim {
+            seeds[cell.label].core = core(fine, cell);
         }
         let mut label = 0..;
         seeds.retain(|_| label.next().is_none_or(|l: usize| !dropped.contains(&l)));
@@ -47,7 +44,7 @@ pub fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
     (seeds, grown)
 }
 
-/// A cell that touches the boundary, or the part of one that is kept.
+/// A cell that touches the boundary.
 struct RimCell {
     label: usize,
     members: Vec<VertexId>,
@@ -82,14 +79,11 @@ fn rim_cells(
     let mut members: Vec<Vec<VertexId>> = vec![Vec::new(); count];
     let mut at_rim = vec![false; count];
     for (v, &l) in grown.label.enumerate().filter(|(_, l)| **l != UNREACHED) {
-        let kept = fine.kept.is_none_or(|k| k[v]);
-        if kept {
-            members[l as usize].push(v);
-        }
-        at_rim[l as usize] |= topology.is_boundary_vertex(v) || !kept;
+        members[l as usize].push(v);
+        at_rim[l as usize] |= topology.is_boundary_vertex(v);
     }
     let cells = members.into_iter().enumerate();
-    let cells = cells.filter(|(l, members)| at_rim[*l] && !members.is_empty());
+    let cells = cells.filter(|(l, _)| at_rim[*l]);
     cells
         .map(|(label, members)| {
             let mass: f64 = members.iter().map(|&v| fine.mesh.mass[v]).sum();

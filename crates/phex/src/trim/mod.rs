@@ -1,7 +1,8 @@
 //! Trim: panels of the extended surface brought back to the boundary of the surface itself.
 //!
 //! With [`Boundary::Whole`] and [`Boundary::Clip`] panels are laid out and made planar on a surface that goes on beyond its boundary
-//! ([`crate::target::extend`]), so that nothing at the boundary disturbs them. Then
+//! ([`crate::target::extend`]): far, so that nothing at the boundary disturbs them, or a little, so that the cut runs
+//! across a row of panels along the boundary and leaves no slivers. Then
 //!
 //! * [`whole`] keeps the panels of which at least half lies inside, and more where the coverage asks for it;
 //! * [`clip`] cuts each panel in its own plane along the boundary curve projected to that plane. A cut through a shared
@@ -11,7 +12,7 @@
 //! A point is inside if its foot point on the extended surface lies on a triangle of the input's part.
 //!
 //! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one connected manifold. Fails, with
-//! an error, where nothing is left. Clipping can leave panels that are too small: [`Trimmed::small`] lists them, and the
+//! an error, where nothing is left. Clipping can leave panels that are too small: [`small_rim_panels`] lists them, and the
 //! repair loop drops their seeds.
 
 mod clip;
