@@ -9,12 +9,14 @@
 //! | [`directions`] | the metric in which panels are regular, and their lattice directions |
 //! | [`layout`] | the panelling's connectivity and first positions |
 //! | [`optimise`] | planar, simple panels close to the surface |
+//! | [`parallel_mesh`] | offsets, Gauss images, layers and solid panels |
 //! | [`report`] | what was reached: figures, checks, verdict, a picture |
 
 pub mod curvature;
 pub mod directions;
 pub mod layout;
 pub mod optimise;
+pub mod parallel_mesh;
 pub mod pipeline;
 pub mod progress;
 pub mod report;
