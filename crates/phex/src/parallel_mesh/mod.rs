@@ -14,16 +14,37 @@
 //! |---|---|
 //! | [`vertex_normal`](mod@vertex_normal) | where three moved planes meet, by three ways with error estimates |
 //! | [`face_offset`](mod@face_offset) | face-distance offsets, one distance for all faces or one for each |
+//! | [`angle_condition`] | the condition (4.1) for vertex-distance offsets |
+//! | [`vertex_offset`] | spherical meshes by reflections along edges, and their holonomy |
+//! | [`gauss_image`] | `M'` and `M + d M'` |
+//! | `contact` | when a face first meets itself on its way |
+//! | [`layers`] | offsets that have been checked, and how far one may go |
+//! | [`solids`] | closed panels between two layers, mitred, with joint gaps |
+//! | [`beams`] | beams and node axes between two layers |
+//! | [`error`] | why an offset can't be made |
 
+pub mod angle_condition;
+pub mod beams;
+mod contact;
 pub mod error;
 pub mod face_offset;
 pub mod gauss_image;
+pub mod layers;
+pub mod solids;
 pub mod vertex_normal;
+pub mod vertex_offset;
 
 #[cfg(test)]
 mod tests;
 
+pub use angle_condition::{AngleCondition, angle_conditions};
+pub use beams::{BeamAxis, NodeAxis, beam_axes, node_axes};
 pub use error::OffsetError;
 pub use face_offset::{FaceOffset, face_gauss_image, face_offset};
 pub use gauss_image::{GaussImage, OffsetKind};
+pub use layers::{SafeDistance, SafeDistances, checked, layer, safe_distances};
+pub use solids::{PanelSolid, joined, panel_solids};
 pub use vertex_normal::{Displacement, NormalMethod, vertex_normal};
+pub use vertex_offset::{
+    Holonomy, SphericalMesh, VertexOffsetOptions, check_angles, spherical_mesh, vertex_gauss_image,
+};
