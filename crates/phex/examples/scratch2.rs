@@ -70,8 +70,37 @@ fn main() {
     println!(
         "    {:?} {:?}",
         r.statistics.layout,
-        r.violations.iter().map(|v| v.kind()).take(20).collect::<Vec<_>>()
+        r.violations
+            .iter()
+            .map(|v| v.kind())
+            .take(20)
+            .collect::<Vec<_>>()
     );
+    for x in &r.statistics.runs {
+        println!(
+            "    {:?} faults {} {:?} its {} off {} plan {:.1e} clear {:.3} score {:.2}",
+            x.start,
+            x.start_faults,
+            x.status,
+            x.iterations,
+            x.offenders,
+            x.quality.planarity,
+            x.quality.clearance,
+            x.score
+        );
+    }
+    let mut c = std::collections::BTreeMap::new();
+    for o in &r.offenders {
+        *c.entry(
+            format!("{:?}", o.fault)
+                .split([' ', '{'])
+                .next()
+                .unwrap()
+                .to_string(),
+        )
+        .or_insert(0) += 1;
+    }
+    println!("    {c:?}");
     if let Some(p) = a.get(3) {
         io::write_soup(p.as_ref(), &r.mesh.to_soup()).unwrap();
         let t = PolygonSoup {

@@ -5,12 +5,13 @@
 
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::size::{self, SizeOptions};
 use crate::directions::{self, DirectionOptions, Directions};
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics};
 use crate::optimise::{
-    self, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
+    self, Fault, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
 };
 use crate::progress::{Event, Progress};
 use crate::target::{self, Similarity, SmoothTarget, TargetOptions};
@@ -40,6 +41,10 @@ pub enum PanelSize {
 pub struct MeshOptions {
     /// Size of the panels.
     pub size: PanelSize,
+    /// Where panels are smaller.
+    pub sizes: SizeOptions,
+    /// Relative size of panels at each vertex of the input (positive; only ratios matter).
+    pub size_field: Option<Vec<f64>>,
     /// Smooth target.
     pub target: TargetOptions,
     /// Curvature.
@@ -62,6 +67,8 @@ impl Default for MeshOptions {
     fn default() -> Self {
         Self {
             size: PanelSize::Panels(500),
+            sizes: SizeOptions::default(),
+            size_field: None,
             target: TargetOptions::default(),
             curvature: CurvatureOptions::default(),
             directions: DirectionOptions::default(),
@@ -192,7 +199,7 @@ pub fn mesh_surface(
     let target = SurfaceTarget::new(&fine.surface);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
-    let mut best: Option<(usize, Optimised, Vec<Violation>)> = None;
+    let mut best: Option<((bool, usize), Optimised, Vec<Violation>)> = None;
     loop {
         let result = clock.stage("optimise", || {
             optimise::optimise(&layout, &target, &options.optimise, progress)
@@ -200,9 +207,9 @@ pub fn mesh_surface(
         factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
         let violations = clock.stage("validate", || between_panels(&result.mesh, &fine.surface))?;
         let invalid = invalid_panels(&result, &violations);
-        let better = best.as_ref().is_none_or(|b| invalid.len() < b.0);
-        if better {
-            best = Some((invalid.len(), result, violations));
+        let badness = (!is_planar(&result), invalid.len());
+        if best.as_ref().is_none_or(|b| badness < b.0) {
+            best = Some((badness, result, violations));
         }
         if invalid.is_empty() || repairs.len() >= options.max_repairs || progress.is_cancelled() {
             break;
@@ -345,14 +352,16 @@ impl Field {
             .position(|l| l.positions().len() as f64 >= wanted);
         let level = level.unwrap_or(smooth.levels.len() - 1);
         let surface = &smooth.levels[level];
-        let mut length = panel_length(surface, panels);
+        let length = panel_length(surface, panels);
         let curvature = clock.stage("curvature", || {
             curvature::curvature(surface, length, &options.curvature)
         })?;
+        let mut length = panel_lengths(smooth, level, &curvature, length, panels, options)?;
+        let settings = direction_options(options);
         let mut best: Option<(f64, Self)> = None;
         for _ in 0..COUNT_TRIES {
             let directions = clock.stage("directions", || {
-                directions::directions(surface, &curvature, length, &options.directions)
+                directions::directions_sized(surface, &curvature, &length, &settings)
             })??;
             let (seeds, statistics) = clock.stage("layout", || {
                 layout::place_seeds(surface.topology(), &directions, &options.layout)
@@ -374,10 +383,81 @@ impl Field {
             if error < COUNT_TOLERANCE {
                 break;
             }
-            length *= ratio.sqrt();
+            length.iter_mut().for_each(|l| *l *= ratio.sqrt());
         }
         Ok(best.expect("at least one lattice is tried").1)
     }
+}
+
+/// Screening that keeps varying sizes against the conformal factor, which would even them out.
+const SIZED_SCREENING: f64 = 0.5;
+
+fn direction_options(options: &MeshOptions) -> DirectionOptions {
+    let mut settings = options.directions.clone();
+    if options.sizes.adaptive.is_some() || options.size_field.is_some() {
+        settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
+    }
+    settings
+}
+
+/// Panel length at each vertex of a level.
+fn panel_lengths(
+    smooth: &SmoothTarget,
+    level: usize,
+    curvature: &Curvature,
+    uniform: f64,
+    panels: usize,
+    options: &MeshOptions,
+) -> Result<PerVertex<f64>, PipelineError> {
+    let surface = &smooth.levels[level];
+    let field = match &options.size_field {
+        Some(values) => Some(refined_sizes(smooth, level, values)?),
+        None => None,
+    };
+    let principal = curvature.principal();
+    let mut base = uniform;
+    // The largest length depends on how much of the surface is finer, and that on the largest length.
+    for _ in 0..8 {
+        let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+        let Some(relative) = sizes else { break };
+        let next = size::base_length(surface, &relative, CELL, panels);
+        if (next / base).ln().abs() < 1e-3 {
+            return Ok(relative.map(|r| r * next));
+        }
+        base = next;
+    }
+    let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+    Ok(sizes.map_or_else(
+        || PerVertex::filled(surface.positions().len(), uniform),
+        |r| r.map(|r| r * base),
+    ))
+}
+
+fn refined_sizes(
+    smooth: &SmoothTarget,
+    level: usize,
+    values: &[f64],
+) -> Result<PerVertex<f64>, PipelineError> {
+    let expected = smooth.levels[0].positions().len();
+    if values.len() != expected {
+        let message = format!(
+            "the size field has {} values, the surface {expected} vertices",
+            values.len()
+        );
+        return Err(PipelineError::Size(message));
+    }
+    if let Some(i) = values.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
+        let message = format!(
+            "the size at vertex {i} is {}, it must be positive and finite",
+            values[i]
+        );
+        return Err(PipelineError::Size(message));
+    }
+    let start = PerVertex::from_vec(values.iter().map(|v| v.ln()).collect());
+    let steps = smooth.refinements[..level].iter();
+    Ok(steps
+        .fold(start, |field, step| step.apply(&field))
+        .map(|l| l.exp()))
 }
 
 /// Distance of neighbouring panel centres for a number of panels.
@@ -452,16 +532,53 @@ fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
     phex_mesh::violations(mesh, Some(surface), &ValidateOptions::default())
 }
 
-/// Panels whose seeds the next round drops.
+/// Panels whose seeds the next round drops: those with a wrong shape; if there are none, those farthest from planar,
+/// because one blocked panel keeps all others from their planes.
 fn invalid_panels(result: &Optimised, violations: &[Violation]) -> BTreeSet<FaceId> {
-    let mut invalid: BTreeSet<FaceId> = result.offenders.iter().map(|o| o.face).collect();
-    for violation in violations {
-        invalid.extend(violation.faces(result.mesh.topology()));
+    let topology = result.mesh.topology();
+    let shape = |v: &&Violation| !matches!(v, Violation::NotPlanar { .. });
+    let mut invalid: BTreeSet<FaceId> = result
+        .offenders
+        .iter()
+        .filter(|o| !matches!(o.fault, Fault::NotPlanar { .. }))
+        .map(|o| o.face)
+        .collect();
+    invalid.extend(
+        violations
+            .iter()
+            .filter(shape)
+            .flat_map(|v| v.faces(topology)),
+    );
+    if !invalid.is_empty() {
+        return invalid;
     }
-    invalid
+    let distance = |o: &Offender| match o.fault {
+        Fault::NotPlanar { distance } => distance,
+        _ => 0.0,
+    };
+    let worst = result.offenders.iter().map(distance).fold(0.0, f64::max);
+    let far = result
+        .offenders
+        .iter()
+        .filter(|o| distance(o) > 0.3 * worst);
+    far.map(|o| o.face).collect()
 }
 
+fn is_planar(result: &Optimised) -> bool {
+    let planar = |o: &Offender| !matches!(o.fault, Fault::NotPlanar { .. });
+    result.offenders.iter().all(planar)
+}
+
+/// Drops the seeds of invalid panels, never those of two neighbours in one round: one of them grows into the gap.
 fn drop_seeds(seeds: &mut Vec<Seed>, layout: &Layout, invalid: &BTreeSet<FaceId>) {
-    let dropped: HashSet<VertexId> = invalid.iter().map(|f| layout.face_seed[*f]).collect();
+    let topology = layout.mesh.topology();
+    let mut chosen: BTreeSet<FaceId> = BTreeSet::new();
+    for &f in invalid {
+        let twins = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
+        if !twins.map(|t| topology.face(t)).any(|g| chosen.contains(&g)) {
+            chosen.insert(f);
+        }
+    }
+    let dropped: HashSet<VertexId> = chosen.iter().map(|f| layout.face_seed[*f]).collect();
     seeds.retain(|s| !dropped.contains(&s.vertex));
 }
