@@ -190,8 +190,6 @@ struct Branch {
 
 /// Edges along which the start is reflected to every vertex, breadth first, and the edges that must then close.
 struct SpanningTree {
-    /// Where all reflections begin.
-    root: VertexId,
     branches: Vec<Branch>,
     closing: Vec<EdgeId>,
 }
@@ -217,7 +215,6 @@ impl SpanningTree {
             }
         }
         Self {
-            root,
             branches,
             closing: topology.edges().filter(|&e| usable[e]).collect(),
         }
