@@ -3,17 +3,16 @@
 use crate::exit::Failure;
 use crate::settings::PanelSize;
 use crate::units::Unit;
+use phex::pipeline::MAX_PANELS;
 use phex_mesh::TriangleSurface;
 
-/// More panels than anybody has built, by two orders of magnitude; a run with more would not fit in memory.
-pub const MOST_PANELS: u64 = 2_000_000;
 /// Smallest edge, in units of the rounding of the largest coordinate: below, a panel's shape is noise.
 const LEAST_EDGE_ULPS: f64 = 1e4;
 
 /// The number of panels that a size means on a surface.
 ///
 /// # Errors
-/// If it is none, more than [`MOST_PANELS`], or so many that double precision can't hold their shapes.
+/// If it is none, more than [`MAX_PANELS`], or so many that double precision can't hold their shapes.
 pub fn panels(size: PanelSize, surface: &TriangleSurface, unit: Unit) -> Result<u64, Failure> {
     let area = surface.area();
     let panels = match size {
@@ -39,11 +38,11 @@ pub fn panels(size: PanelSize, surface: &TriangleSurface, unit: Unit) -> Result<
 }
 
 fn check_count(panels: u64) -> Result<(), Failure> {
-    if panels <= MOST_PANELS {
+    if panels <= MAX_PANELS as u64 {
         return Ok(());
     }
     Err(Failure::input(format!(
-        "{panels} panels are asked for, at most {MOST_PANELS} make sense"
+        "{panels} panels are asked for, at most {MAX_PANELS} make sense"
     )))
 }
 
@@ -122,7 +121,7 @@ mod tests {
     #[test]
     fn senseless_sizes_are_refused() {
         assert!(message(PanelSize::Panels(0), 0.0).contains("--panels 0"));
-        assert!(message(PanelSize::Panels(2_000_001), 0.0).contains("at most 2000000"));
+        assert!(message(PanelSize::Panels(MAX_PANELS as u64 + 1), 0.0).contains("at most"));
         assert!(message(PanelSize::EdgeLength("0".parse().unwrap()), 0.0).contains("at most"));
         assert!(
             message(PanelSize::EdgeLength("30m".parse().unwrap()), 0.0).contains("less than one")

@@ -120,15 +120,11 @@ impl MeshSettings {
         options
     }
 
-    /// The settings with every default filled in, for the report.
-    pub fn complete(&self) -> Self {
-        let panels = match self.size() {
-            PanelSize::Panels(panels) => Some(panels),
-            PanelSize::EdgeLength(_) => None,
-        };
-        let stages = self.options(panels.unwrap_or(DEFAULT_PANELS));
+    /// The settings with every default filled in, for the report; `panels` is the number that the size means.
+    pub fn complete(&self, panels: u64) -> Self {
+        let stages = self.options(panels);
         Self {
-            panels,
+            panels: Some(panels),
             rotate: Some(stages.directions.rotate.to_degrees()),
             max_deviation: Some(self.max_deviation()),
             unit: Some(self.unit.unwrap_or_default()),
@@ -186,7 +182,7 @@ mod tests {
         }
         .over(file);
         assert_eq!(
-            (typed.options(1).layout.seed, typed.complete().seed),
+            (typed.options(1).layout.seed, typed.complete(1).seed),
             (9, Some(9))
         );
     }

@@ -1,7 +1,7 @@
 //! The short table on standard output.
 
 use crate::units::Unit;
-use phex::report::{Assessment, Check, ElementKind, Verdict};
+use phex::report::{Assessment, Check, ElementKind, RunReport, Verdict};
 use phex_mesh::measure::{Deviation, MeshMeasures};
 use std::fmt::Write;
 
@@ -55,6 +55,21 @@ pub fn of_assessment(assessment: &Assessment, unit: Unit, every_check: bool) -> 
         table.row(if check.pass { "ok" } else { "FAILED" }, said(check));
     }
     table.row("verdict", verdict(assessment.verdict));
+    table.into_text()
+}
+
+/// The files that were written, or why the mesh was not.
+pub fn of_outputs(report: &RunReport) -> String {
+    let mut table = Table::default();
+    for output in &report.outputs {
+        table.row("written", &output.path);
+    }
+    if !report.outputs.iter().any(|output| output.content == "mesh") {
+        table.row(
+            "NOT WRITTEN",
+            "the mesh, since it is not valid (--keep-invalid writes it)",
+        );
+    }
     table.into_text()
 }
 

@@ -224,13 +224,9 @@ fn senseless_numbers_of_panels() {
     refused_as_is(
         &shop,
         "mesh a.obj -o out.obj --panels 2000001",
-        &["2000001", "at most 2000000"],
+        &["2000001", "at most"],
     );
-    refused_as_is(
-        &shop,
-        "mesh a.obj -o out.obj --edge-length 0",
-        &["at most 2000000"],
-    );
+    refused_as_is(&shop, "mesh a.obj -o out.obj --edge-length 0", &["at most"]);
 }
 
 #[test]

@@ -98,6 +98,29 @@ fn unreachable_tolerance_is_written_with_exit_code_3_and_offenders() {
 }
 
 #[test]
+fn invalid_mesh_is_reported_and_written_only_on_request() {
+    let shop = Workshop::new();
+    shop.succeed("shape torus -o torus.obj --triangles 1000");
+    let run = shop.phex("mesh torus.obj -o out.obj -n 4 --report run.json");
+    assert_eq!(run.code, Some(5), "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("INVALID") && run.stdout.contains("NOT WRITTEN"),
+        "{}",
+        run.stdout
+    );
+    assert!(!shop.files().contains(&"out.obj".to_owned()));
+    let report = shop.json("run.json");
+    assert_eq!(report["verdict"], "invalid");
+    assert!(!report["violations"].as_array().unwrap().is_empty());
+    assert_eq!(
+        shop.phex("mesh torus.obj -o out.obj -n 4 --keep-invalid")
+            .code,
+        Some(5)
+    );
+    assert!(shop.files().contains(&"out.obj".to_owned()));
+}
+
+#[test]
 fn components_are_meshed_together_on_request() {
     let shop = dome();
     let text = String::from_utf8(shop.read("dome.obj")).unwrap();

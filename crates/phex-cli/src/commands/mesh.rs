@@ -6,7 +6,7 @@ use crate::engine::{self, Reached};
 use crate::exit::{Exit, Failure};
 use crate::input::{MeshFile, joined, sentences, whole};
 use crate::output::{Content, check_writable, write_mesh};
-use crate::panel_size::{panels, shares};
+use crate::panel_size::{self, shares};
 use crate::progress::{Reporter, is_interrupted};
 use crate::settings::MeshSettings;
 use crate::summary;
@@ -33,7 +33,10 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let notes = sentences(parts.notes);
     notes.iter().for_each(|note| reporter.note(note));
 
-    let runs = mesh_each(&parts.components, &facets, &settings, &reporter)?;
+    let unit = settings.unit.unwrap_or_default();
+    let panels = panel_size::panels(settings.size(), &facets, unit)?;
+    let settings = settings.complete(panels);
+    let runs = mesh_each(&parts.components, panels, &settings, &reporter)?;
     reporter.finish();
     let mesh = joined_mesh(&runs)?;
     let smooth = joined_target(&runs)?;
@@ -51,7 +54,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     report.notes = notes;
     describe(&mut report, &settings, runs)?;
     write(command, &mesh, smooth.as_ref(), &mut report)?;
-    tell(command.talk.quiet, &table)?;
+    tell(command.talk.quiet, &(table + &summary::of_outputs(&report)))?;
     Ok(exit_of(report.verdict))
 }
 
@@ -108,13 +111,12 @@ fn check_components(
 
 fn mesh_each(
     components: &[SurfaceComponent],
-    facets: &TriangleSurface,
+    panels: u64,
     settings: &MeshSettings,
     reporter: &Reporter,
 ) -> Result<Vec<Reached>, Failure> {
-    let unit = settings.unit.unwrap_or_default();
     let areas: Vec<f64> = components.iter().map(|c| c.surface.area()).collect();
-    let counts = shares(panels(settings.size(), facets, unit)?, &areas);
+    let counts = shares(panels, &areas);
     let mesh = |(part, &count): (&SurfaceComponent, &u64)| {
         let reached = engine::mesh(&part.surface, &settings.options(count), reporter)?;
         if is_interrupted() {
@@ -156,8 +158,8 @@ fn describe(
     runs: Vec<Reached>,
 ) -> Result<(), Failure> {
     report.unit = settings.unit.unwrap_or_default().to_string();
-    report.settings = serde_json::to_value(settings.complete()).context("the settings")?;
-    report.seed = settings.options(1).layout.seed;
+    report.settings = serde_json::to_value(settings).context("the settings")?;
+    report.seed = settings.stages.layout.seed;
     report.stages = summed(runs.iter().flat_map(|run| &run.stages));
     let (outcomes, statistics): (Vec<Value>, Vec<Value>) = runs
         .into_iter()

@@ -50,7 +50,7 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     }
     report.notes.iter().for_each(|note| reporter.note(note));
     write(command, &reached.mesh, &mut report)?;
-    tell(command.talk.quiet, &table)?;
+    tell(command.talk.quiet, &(table + &summary::of_outputs(&report)))?;
     Ok(exit_of(report.verdict))
 }
 

@@ -124,9 +124,8 @@ fn seamless_offsets(
     rounded: Offsets,
     options: &LayoutOptions,
 ) -> Result<(Offsets, Annihilation, f64), LayoutError> {
-    let shorter = SHORTER
-        .into_iter()
-        .filter(|l| *l < options.annihilation_length);
+    let longest = options.annihilation_length.unwrap_or(f64::INFINITY);
+    let shorter = SHORTER.into_iter().filter(|l| *l < longest);
     let mut last = None;
     for limit in std::iter::once(longest).chain(shorter) {
         let mut offsets = rounded.clone();
