@@ -89,7 +89,8 @@ impl AngleOptimised {
 }
 
 /// Moves the vertices of a mesh until its faces are planar and its even ones satisfy the angle condition, close to
-/// `target` or, without one, to where they are. Odd faces are only made planar.
+/// `target` or, without one, to where they are. Odd faces are only made planar. A mesh that meets this is returned
+/// unchanged.
 ///
 /// # Errors
 /// If the mesh or an option can't be used; what can't be *reached* is told by the result.
@@ -111,9 +112,11 @@ pub fn satisfy_angle_condition(
     let assemblies = [energy_assembly(&panels), angle_assembly(&panels)];
     let mut path = AnglePath::new(&setting, &assemblies, &x, options, progress)?;
     let before = (path.constraints.defect(&x), path.energy.deviation(&x).0);
-    path.project(&mut x);
-    if path.outcome.status == Status::Converged {
-        path.descend(&mut x);
+    if !path.is_met(&x) {
+        path.project(&mut x);
+        if path.outcome.status == Status::Converged {
+            path.descend(&mut x);
+        }
     }
     let after = path.constraints.defect(&x);
     let deviation = path.energy.deviation(&x);
@@ -415,6 +418,12 @@ impl<'a> AnglePath<'a> {
             progress,
             outcome: Outcome::empty(Status::Converged),
         })
+    }
+
+    /// Whether `x` is sound, planar and has the right angles as it is.
+    fn is_met(&mut self, x: &[f64]) -> bool {
+        let residual = self.constraints.admissible(x);
+        residual.is_some_and(|r| r <= self.options.tolerance)
     }
 
     /// Projects `x` onto the constraints.
