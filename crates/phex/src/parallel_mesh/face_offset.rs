@@ -2,7 +2,9 @@
 
 use super::OffsetError;
 use super::gauss_image::{GaussImage, OffsetKind};
-use super::vertex_normal::{Displacement, minimum_norm, three_face_displacement, vertex_normal};
+use super::vertex_normal::{
+    Displacement, TrivalentVertex, minimum_norm, three_face_displacement,
+};
 use phex_mesh::validate::planarity_floor;
 use phex_mesh::{FlatFace, HalfEdgeId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
 
@@ -100,32 +102,12 @@ fn displacement(
     if topology.is_boundary_vertex(vertex) || n.len() != 3 {
         return minimum_norm(&n, &d);
     }
-    let (n, d) = ([n[0], n[1], n[2]], [d[0], d[1], d[2]]);
-    let angles = std::array::from_fn(|k| corner_angle(mesh, corners[k], &n[k]));
-    if d == [1.0; 3] {
-        vertex_normal(&n, &angles)
-    } else {
-        three_face_displacement(&n, &angles, &d)
-    }
-}
-
-/// Interior angle in (0, 2 pi) at the origin of a half-edge, in its face with unit normal `normal`.
-pub(super) fn corner_angle(mesh: &HexMesh, h: HalfEdgeId, normal: &Vec3) -> f64 {
-    let topology = mesh.topology();
-    let at = mesh.position(topology.origin(h));
-    let next = mesh.position(topology.target(h)) - at;
-    let previous = mesh.position(topology.origin(topology.prev(h))) - at;
-    angle_between(&next, &previous, normal)
-}
-
-/// Angle in [0, 2 pi) from `a` counter-clockwise about the unit vector `normal` to `b`.
-pub fn angle_between(a: &Vec3, b: &Vec3, normal: &Vec3) -> f64 {
-    let angle = normal.dot(&a.cross(b)).atan2(a.dot(b));
-    if angle < 0.0 {
-        angle + std::f64::consts::TAU
-    } else {
-        angle
-    }
+    let at = mesh.position(vertex);
+    let vertex = TrivalentVertex {
+        normals: [n[0], n[1], n[2]],
+        edges: std::array::from_fn(|k| mesh.position(topology.target(corners[k])) - at),
+    };
+    three_face_displacement(&vertex, &[d[0], d[1], d[2]])
 }
 
 /// Unit normals by Newell's sum, which keeps the relative accuracy of every component in flat and in squashed meshes.

@@ -12,7 +12,7 @@
 //!
 //! | file | what it computes |
 //! |---|---|
-//! | [`vertex_normal`](mod@vertex_normal) | where three moved planes meet, by three ways with error estimates |
+//! | [`vertex_normal`](mod@vertex_normal) | where three moved planes meet, by four ways with error estimates |
 //! | [`face_offset`](mod@face_offset) | face-distance offsets, one distance for all faces or one for each |
 //! | [`angle_condition`] | the condition (4.1) for vertex-distance offsets |
 //! | [`vertex_offset`] | spherical meshes by reflections along edges, and their holonomy |
@@ -44,7 +44,7 @@ pub use face_offset::{FaceOffset, face_gauss_image, face_offset};
 pub use gauss_image::{GaussImage, OffsetKind};
 pub use layers::{SafeDistance, SafeDistances, checked, layer, safe_distances};
 pub use solids::{PanelSolid, joined, panel_solids};
-pub use vertex_normal::{Displacement, NormalMethod, vertex_normal};
+pub use vertex_normal::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};
 pub use vertex_offset::{
     Holonomy, SphericalMesh, VertexOffsetOptions, check_angles, spherical_mesh, vertex_gauss_image,
 };

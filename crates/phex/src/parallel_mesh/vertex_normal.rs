@@ -1,15 +1,19 @@
 //! Where a vertex goes when its faces move along their normals: the vector `x` with `x . N_i = d_i`.
 //!
-//! Three ways, none of which is good everywhere:
+//! Four ways, none of which is good everywhere:
 //!
 //! | way | formula | loses digits |
 //! |---|---|---|
 //! | [`TangentWeights`](NormalMethod::TangentWeights) | `sum (tan beta_i + tan gamma_i) N_i`, scaled to `x . N_i = 1` (the paper, section 4) | at nearly folded edges |
 //! | [`ThreePlanes`](NormalMethod::ThreePlanes) | the 3 x 3 system | `1e-16 / slope` at nearly flat vertices |
+//! | [`MitrePlanes`](NormalMethod::MitrePlanes) | `x` lies in the plane of each edge `e` and the sum of its two normals: two such planes meet in `x` | at nearly folded edges |
 //! | [`MinimumNorm`](NormalMethod::MinimumNorm) | truncated singular values | nothing, but it applies only where planes coincide or are fewer than three |
 //!
 //! `beta_i = (t_i + t_(i+1) - t_(i-1)) / 2`, `gamma_i = (t_i + t_(i-1) - t_(i+1)) / 2` with the interior angles `t_i` in
 //! (0, 2 pi). At a 90/90/180 corner two tangents are huge, yet nothing is lost: both large weights share one of them.
+//!
+//! Where two faces lie in one plane, any point of a line will do; the mitre planes then choose the one that keeps edges
+//! parallel, as it is the limit of faces that come to lie in one plane.
 //!
 //! Each way states what rounding may have done to its result, and the smallest such error decides; so small residuals
 //! alone can't win, as they would for the 3 x 3 system at a flat vertex.
@@ -23,6 +27,9 @@ const RANK: f64 = 1e-13;
 /// Rounding errors of normals and right-hand sides, in machine epsilons.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// Error of the best of the other ways above which the planes count as leaving a choice.
+const HOPELESS: f64 = 1e-6;
+
 /// How a displacement was computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -31,6 +38,8 @@ pub enum NormalMethod {
     TangentWeights,
     /// Intersection of three planes.
     ThreePlanes,
+    /// Intersection of two planes that halve the angles at edges.
+    MitrePlanes,
     /// The shortest vector, where the planes leave a choice.
     MinimumNorm,
 }
@@ -75,21 +84,49 @@ impl Displacement {
     }
 }
 
-/// The vector with `x . N_i = 1` at a vertex of three faces in cyclic order, with their interior angles in (0, 2 pi).
-pub fn vertex_normal(normals: &[Vec3; 3], angles: &[f64; 3]) -> Displacement {
-    let ones = [1.0; 3];
-    three_planes(normals, &ones)
-        .better(tangent_weights(normals, angles))
-        .better(minimum_norm(normals, &ones))
+/// An inner vertex of three faces: face `i` lies between edges `i` and `i + 1`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrivalentVertex {
+    /// Unit normals of the faces, in cyclic order.
+    pub normals: [Vec3; 3],
+    /// Edges from the vertex to its neighbours, of any length, counter-clockwise.
+    pub edges: [Vec3; 3],
+}
+
+impl TrivalentVertex {
+    /// Interior angle of each face, in (0, 2 pi).
+    pub fn angles(&self) -> [f64; 3] {
+        let (e, n) = (&self.edges, &self.normals);
+        std::array::from_fn(|i| angle_between(&e[i], &e[(i + 1) % 3], &n[i]))
+    }
+}
+
+/// Angle in [0, 2 pi) from `a` counter-clockwise about the unit vector `normal` to `b`.
+fn angle_between(a: &Vec3, b: &Vec3, normal: &Vec3) -> f64 {
+    let angle = normal.dot(&a.cross(b)).atan2(a.dot(b));
+    if angle < 0.0 {
+        angle + std::f64::consts::TAU
+    } else {
+        angle
+    }
+}
+
+/// The vector with `x . N_i = 1` at a vertex of three faces.
+pub fn vertex_normal(vertex: &TrivalentVertex) -> Displacement {
+    let normals = &vertex.normals;
+    let best = three_planes(normals, &[1.0; 3])
+        .better(tangent_weights(normals, &vertex.angles()))
+        .better(mitre_planes(vertex));
+    if best.error > HOPELESS {
+        best.better(minimum_norm(normals, &[1.0; 3]))
+    } else {
+        best
+    }
 }
 
 /// The vector with `x . N_i = d_i` at a vertex of three faces: the mean distance along the vertex normal, and the rest.
-pub fn three_face_displacement(
-    normals: &[Vec3; 3],
-    angles: &[f64; 3],
-    d: &[f64; 3],
-) -> Displacement {
-    let normal = vertex_normal(normals, angles);
+pub fn three_face_displacement(vertex: &TrivalentVertex, d: &[f64; 3]) -> Displacement {
+    let (normals, normal) = (&vertex.normals, vertex_normal(vertex));
     let mean = d.iter().sum::<f64>() / 3.0;
     let rest = d.map(|d| d - mean);
     let main = normal.vector * mean;
@@ -99,13 +136,8 @@ pub fn three_face_displacement(
     let tilt = three_planes(normals, &rest).better(minimum_norm(normals, &rest));
     let vector = main + tilt.vector;
     let error = normal.error * main.norm() + tilt.error * tilt.vector.norm();
-    Displacement::new(
-        vector,
-        tilt.method,
-        error / vector.norm().max(f64::MIN_POSITIVE),
-        normals,
-        d,
-    )
+    let error = error / vector.norm().max(f64::MIN_POSITIVE);
+    Displacement::new(vector, tilt.method, error, normals, d)
 }
 
 /// The shortest vector with `x . N_i = d_i` for one, two or three faces; where planes coincide but their distances
@@ -220,4 +252,28 @@ fn weight_error(normals: &[Vec3; 3], tangents: &[f64; 3], sum: Vec3, along: f64)
     }
     let scale = 3.0 * length / along.abs();
     ROUNDING * (error / length).max(1.0) * scale.max(1.0)
+}
+
+/// The best of the three pairs of mitre planes.
+fn mitre_planes(vertex: &TrivalentVertex) -> Displacement {
+    let pair = |k: usize| mitre_pair(vertex, [k, (k + 1) % 3]);
+    pair(0).better(pair(1)).better(pair(2))
+}
+
+/// Where the mitre planes of two edges meet.
+fn mitre_pair(vertex: &TrivalentVertex, edges: [usize; 2]) -> Displacement {
+    let normals = &vertex.normals;
+    // Edge k lies between the faces k - 1 and k.
+    let sums = edges.map(|k| normals[(k + 2) % 3] + normals[k]);
+    let across = [0, 1].map(|i| {
+        let across = sums[i].cross(&vertex.edges[edges[i]]);
+        across.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+    });
+    let line = across[0].cross(&across[1]);
+    let along: f64 = normals.iter().map(|n| n.dot(&line)).sum();
+    let vector = line * (3.0 / along);
+    let sharpness = sums.iter().map(|s| 1.0 / s.norm()).sum::<f64>();
+    let scale = (3.0 * line.norm() / along.abs()).max(1.0);
+    let error = ROUNDING * (1.0 + sharpness / line.norm()) * scale;
+    Displacement::new(vector, NormalMethod::MitrePlanes, error, normals, &[1.0; 3])
 }

@@ -4,8 +4,15 @@
 //! `x'_j = x'_i - 2 (x'_i . e) e`. So one start determines all vertices along a spanning tree; the other edges must close:
 //! `(H_e R_i - R_j) x'_0 = 0` with the reflections `H_e` and their products `R`. On a simply connected mesh whose faces are
 //! even and satisfy the angle condition they all do, for every start, and the start is free: it is chosen so that the
-//! spherical mesh faces the way of the normals. On other meshes the sum of squares of what fails to close has at best
-//! a few null directions; its least value is the *holonomy*, measured and reported.
+//! spherical mesh faces the way of the normals. Elsewhere the start minimises the sum of squares of what fails to close; what
+//! remains is the *holonomy*, measured and reported.
+//!
+//! | loops that are no faces | starts that close |
+//! |---|---|
+//! | none (a disc or a sphere) | all |
+//! | one (an annulus) | the axis of its rotation, since an even number of reflections is one; so this is always possible, but it may not face the normals |
+//! | two of a torus | the common axis, since its two rotations commute |
+//! | more | none, in general |
 //!
 //! An odd face on the boundary leaves one of its boundary edges free to turn in the plane of the face, since the closing
 //! of odd faces would pin the start. Odd faces inside can't be relieved so.
@@ -64,6 +71,9 @@ pub struct SphericalMesh {
     pub image: GaussImage,
     /// What fails to close.
     pub holonomy: Holonomy,
+    /// Least cosine between a vertex of the Gauss image and the mean normal of the faces there. Where it is not positive
+    /// vertices move along the surface or to the other side of it.
+    pub facing: f64,
     /// Boundary edges that were left free to turn in the plane of their odd face.
     pub free_edges: Vec<EdgeId>,
 }
@@ -134,6 +144,8 @@ pub fn spherical_mesh(mesh: &HexMesh) -> Result<SphericalMesh, OffsetError> {
     let (start, starts) = tree.best_start(mesh, &products, &normals);
     let positions = tree.reflected(mesh, start);
     let (edge, defect) = tree.largest_defect(mesh, &positions);
+    let cosines = positions.iter().zip(&normals).map(|(x, n)| x.dot(n) / n.norm());
+    let facing = cosines.fold(f64::INFINITY, f64::min);
     let inside = |f: &FaceId| !topology.is_boundary_face(*f);
     Ok(SphericalMesh {
         holonomy: Holonomy {
@@ -147,6 +159,7 @@ pub fn spherical_mesh(mesh: &HexMesh) -> Result<SphericalMesh, OffsetError> {
             kind: OffsetKind::Vertex,
             positions,
         },
+        facing,
         free_edges,
     })
 }
