@@ -4,6 +4,7 @@ use crate::exit::Failure;
 use crate::units::{Quantity, Unit};
 use clap::Args;
 use phex::MeshOptions;
+use phex::target::TargetKind;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -25,6 +26,12 @@ pub struct MeshSettings {
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub rotate: Option<f64>,
+    /// Smaller panels where the surface is strongly curved: panel length times curvature stays below this (0.4 without a number)
+    #[arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive)]
+    pub adaptive: Option<f64>,
+    /// Surface that the panels are kept close to [default: smooth]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub target: Option<CloseTo>,
     /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default: 0.5%]
     #[arg(long, value_name = "LENGTH", help_heading = "Tolerances")]
     pub max_deviation: Option<Quantity>,
@@ -46,6 +53,35 @@ pub struct MeshSettings {
     /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of them.
     #[arg(skip)]
     pub stages: MeshOptions,
+}
+
+/// Which surface the panels are kept close to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CloseTo {
+    /// The smooth surface through the input's vertices
+    Smooth,
+    /// Between the smooth surface and the facets
+    HalfWay,
+    /// The input's facets
+    Facets,
+}
+
+impl From<CloseTo> for TargetKind {
+    fn from(kind: CloseTo) -> Self {
+        match kind {
+            CloseTo::Smooth => Self::Smooth,
+            CloseTo::HalfWay => Self::HalfWay,
+            CloseTo::Facets => Self::Facets,
+        }
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(c) if c > 0.0 && c.is_finite() => Ok(c),
+        _ => Err(format!("`{text}` is not a positive number")),
+    }
 }
 
 /// How fine the panelling is to be.
@@ -84,6 +120,8 @@ impl MeshSettings {
                 file.edge_length
             },
             rotate: self.rotate.or(file.rotate),
+            adaptive: self.adaptive.or(file.adaptive),
+            target: self.target.or(file.target),
             max_deviation: self.max_deviation.or(file.max_deviation),
             planarity: self.planarity.or(file.planarity),
             unit: self.unit.or(file.unit),
@@ -113,6 +151,12 @@ impl MeshSettings {
         options.size = phex::PanelSize::Panels(usize::try_from(panels).unwrap_or(usize::MAX));
         if let Some(degrees) = self.rotate {
             options.directions.rotate = degrees.to_radians();
+        }
+        if self.adaptive.is_some() {
+            options.sizes.adaptive = self.adaptive;
+        }
+        if let Some(kind) = self.target {
+            options.target.kind = kind.into();
         }
         if let Some(seed) = self.seed {
             options.layout.seed = seed;

@@ -14,7 +14,7 @@ use crate::optimise::{
     self, Fault, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
 };
 use crate::progress::{Event, Progress};
-use crate::target::{self, Similarity, SmoothTarget, TargetOptions};
+use crate::target::{self, Similarity, SmoothTarget, TargetKind, TargetOptions};
 use nalgebra::Matrix3;
 use phex_mesh::{
     FaceId, HexMesh, PerVertex, TriangleSurface, ValidateOptions, VertexId, Violation,
@@ -81,8 +81,8 @@ impl Default for MeshOptions {
     }
 }
 
-/// Most panels that one run is asked for; more would not fit into the ids of the refined surface.
-pub const MAX_PANELS: usize = 2_000_000;
+/// Most panels that one run is asked for: the refined surface has 25 vertices and more for each, and memory ends.
+pub const MAX_PANELS: usize = 200_000;
 
 /// Why nothing was made.
 #[derive(Clone, Debug, Error)]
@@ -150,7 +150,7 @@ pub struct Statistics {
 pub struct MeshRun {
     /// The panelling in model coordinates.
     pub mesh: HexMesh,
-    /// The smooth target in model coordinates.
+    /// The surface that the panels were kept close to, in model coordinates.
     pub target: TriangleSurface,
     /// How the optimiser ended.
     pub outcome: Outcome,
@@ -187,8 +187,8 @@ pub fn mesh_surface(
     };
     let panels = panel_count(surface, options.size)?;
     let similarity = Similarity::normalising(surface);
+    let normalised = moved(surface, |p| similarity.normalise(p));
     let smooth = clock.stage("target", || {
-        let normalised = moved(surface, |p| similarity.normalise(p));
         let vertices = options.cell_density.max(options.field_density) * panels as f64;
         target::smooth_target(&normalised, vertices as usize, &options.target)
     })?;
@@ -196,16 +196,20 @@ pub fn mesh_surface(
     let fine = FineSurface::new(&smooth, &field);
     let mut seeds = field.seeds.clone();
     let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
-    let target = SurfaceTarget::new(&fine.surface);
+    let close_to = match options.target.kind {
+        TargetKind::Facets => &normalised,
+        _ => &fine.surface,
+    };
+    let target = SurfaceTarget::new(close_to);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
     let mut best: Option<((bool, usize), Optimised, Vec<Violation>)> = None;
     loop {
-        let result = clock.stage("optimise", || {
+        let result = clock.timed("optimise", || {
             optimise::optimise(&layout, &target, &options.optimise, progress)
-        })??;
+        })?;
         factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
-        let violations = clock.stage("validate", || between_panels(&result.mesh, &fine.surface))?;
+        let violations = clock.timed("validate", || between_panels(&result.mesh, close_to));
         let invalid = invalid_panels(&result, &violations);
         let badness = (!is_planar(&result), invalid.len());
         if best.as_ref().is_none_or(|b| badness < b.0) {
@@ -220,7 +224,7 @@ pub fn mesh_surface(
             panels: layout.mesh.topology().n_faces(),
             dropped: before - seeds.len(),
         });
-        match clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))? {
+        match clock.timed("layout", || layout::panelling(&fine.cells(), &seeds)) {
             Ok(next) => layout = next,
             Err(_) => break,
         }
@@ -238,7 +242,7 @@ pub fn mesh_surface(
     let positions = result.mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
         mesh: result.mesh.with_positions(positions),
-        target: moved(&fine.surface, |p| similarity.restore(p)),
+        target: moved(close_to, |p| similarity.restore(p)),
         outcome: result.outcome,
         offenders: result.offenders,
         violations,
@@ -265,7 +269,7 @@ fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, Pipe
             )));
         }
     };
-    if !(count >= 1.0) {
+    if count < 1.0 || count.is_nan() {
         return Err(PipelineError::Size(format!(
             "{count:.3} panels were asked for, at least 1 is needed"
         )));
@@ -301,6 +305,7 @@ struct Clock<'a> {
 }
 
 impl Clock<'_> {
+    /// A stage before there is a mesh: a cancelled run ends here.
     fn stage<T>(
         &mut self,
         stage: &'static str,
@@ -309,6 +314,11 @@ impl Clock<'_> {
         if self.progress.is_cancelled() {
             return Err(PipelineError::Cancelled);
         }
+        Ok(self.timed(stage, work))
+    }
+
+    /// A stage that a cancelled run still makes, because what was reached is returned.
+    fn timed<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
         self.progress.report(&Event::StageStarted { stage });
         let start = Instant::now();
         let result = work();
@@ -318,7 +328,7 @@ impl Clock<'_> {
             Some(s) => s.seconds += seconds,
             None => self.stages.push(StageSeconds { stage, seconds }),
         }
-        Ok(result)
+        result
     }
 }
 

@@ -157,17 +157,24 @@ fn mend_triangles(topology: &Topology, length: &mut PerEdge<f64>) {
             return;
         }
     }
-    // What small changes did not mend is made equilateral enough by force.
+    // What small changes did not mend is made equilateral enough by force. Sides only grow, each at most to a share of one
+    // that is longer, so this ends.
+    while force_triangles(topology, length) {}
+}
+
+/// Lengthens the shorter sides of triangles that violate the triangle inequality; false if there is none.
+fn force_triangles(topology: &Topology, length: &mut PerEdge<f64>) -> bool {
+    let mut forced = false;
     for f in topology.faces() {
-        let edges: Vec<_> = topology
-            .face_half_edges(f)
-            .map(|h| topology.edge(h))
-            .collect();
-        let longest = edges.iter().map(|&e| length[e]).fold(0.0, f64::max);
-        edges
-            .iter()
-            .for_each(|&e| length[e] = length[e].max(0.52 * longest));
+        let edges = || topology.face_half_edges(f).map(|h| topology.edge(h));
+        let sum: f64 = edges().map(|e| length[e]).sum();
+        let longest = edges().map(|e| length[e]).fold(0.0, f64::max);
+        if longest > MAX_SIDE * (sum - longest) {
+            edges().for_each(|e| length[e] = length[e].max(0.52 * longest));
+            forced = true;
+        }
     }
+    forced
 }
 
 /// Index of a vertex in a system with one unknown per vertex.

@@ -7,6 +7,7 @@
 //! integer programming is needed. With jumps free of dislocations, `min sum w |z_i - R z_j - d + n|^2` is one linear solve.
 
 use super::lattice::{Charts, Eisenstein, Plane, rotate};
+use super::waves::{self, Projector};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::rosy::{push_block, solve};
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, PerVertex, Topology};
@@ -299,7 +300,10 @@ fn joined_path(
     path
 }
 
-/// Lattice offsets that fit the edges best with given jumps.
+/// Lattice offsets that fit the edges best with given jumps, and are nearest to `near` where that leaves them free.
+///
+/// # Errors
+/// If the linear system can't be solved.
 pub fn solve_offsets(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -335,5 +339,61 @@ pub fn solve_offsets(
         entries.push((2 * v as u32 + 1, 2 * v as u32 + 1, *d));
     }
     let factor = Cholesky::new(&SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?)?;
-    Ok(PerVertex::from_vec(solve(&factor, |i| rhs[i], n)))
+    let mut position = PerVertex::from_vec(solve(&factor, |i| rhs[i], n));
+    if let Some(turn) = common_frame(topology, charts) {
+        translate(&mut position, near, mesh, &turn);
+    }
+    Ok(position)
+}
+
+/// Turns that take each chart to that of the first vertex, where no loop turns: then a common translation costs nothing.
+fn common_frame(topology: &Topology, charts: &Charts) -> Option<PerVertex<u8>> {
+    let mut turn: PerVertex<Option<u8>> = PerVertex::filled(topology.n_vertices(), None);
+    let first = topology.vertices().next()?;
+    turn[first] = Some(0);
+    let mut stack = vec![first];
+    while let Some(v) = stack.pop() {
+        for h in topology.outgoing(v) {
+            for h in [h, topology.prev(h)] {
+                let seen = charts.half_edge(topology, h).turn;
+                let (w, step) = if topology.origin(h) == v {
+                    (topology.target(h), seen)
+                } else {
+                    (topology.origin(h), 6 - seen)
+                };
+                let there = turn[v].map(|t| (t + step) % 6);
+                if turn[w].is_none() {
+                    turn[w] = there;
+                    stack.push(w);
+                } else if turn[w] != there {
+                    return None;
+                }
+            }
+        }
+    }
+    turn.iter()
+        .copied()
+        .collect::<Option<Vec<u8>>>()
+        .map(PerVertex::from_vec)
+}
+
+/// Translates a lattice to where it fits `near` best, modulo the lattice: which of several shortest paths a dislocation took
+/// shifts offsets by lattice vectors and must not matter.
+fn translate(
+    position: &mut PerVertex<Plane>,
+    near: &PerVertex<Plane>,
+    mesh: &IntrinsicMesh,
+    turn: &PerVertex<u8>,
+) {
+    let mut sum = [Plane::new(0.0, 0.0); 3];
+    for (v, &t) in turn.enumerate() {
+        let seen = waves::waves(rotate(near[v] - position[v], t));
+        for (sum, wave) in sum.iter_mut().zip(seen) {
+            *sum += wave * mesh.mass[v];
+        }
+    }
+    let shift = Projector::new().project(&waves::interleaved(sum));
+    for (v, &t) in turn.enumerate() {
+        position[v] += rotate(shift, (6 - t) % 6);
+    }
 }

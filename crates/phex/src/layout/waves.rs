@@ -67,11 +67,12 @@ pub fn diffuse(
     PerVertex::from_vec(position)
 }
 
-fn interleaved(a: [Plane; 3]) -> [f64; 6] {
+pub(super) fn interleaved(a: [Plane; 3]) -> [f64; 6] {
     [a[0].re, a[0].im, a[1].re, a[1].im, a[2].re, a[2].im]
 }
 
-fn waves(z: Plane) -> [Plane; 3] {
+/// The three waves of a lattice offset.
+pub(super) fn waves(z: Plane) -> [Plane; 3] {
     [0, 1, 2].map(|m| Plane::from_polar(1.0, TAU * dot(reciprocal(m), z)))
 }
 
@@ -175,13 +176,13 @@ fn link(transition: super::lattice::Transition, weight: f64) -> [Link; 3] {
 }
 
 /// Finds the lattice offset whose three waves are closest to given values.
-struct Projector {
+pub(super) struct Projector {
     trial: Vec<(Plane, [Plane; 3])>,
     reciprocal: [Plane; 3],
 }
 
 impl Projector {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let w = Plane::from_polar(1.0, TAU / 6.0);
         let at = |i: usize| i as f64 / GRID as f64;
         let grid = (0..GRID).flat_map(|i| (0..GRID).map(move |k| (i, k)));
@@ -195,7 +196,7 @@ impl Projector {
         }
     }
 
-    fn project(&self, values: &[f64]) -> Plane {
+    pub fn project(&self, values: &[f64]) -> Plane {
         let value = [0, 1, 2].map(|m| Plane::new(values[2 * m], values[2 * m + 1]));
         let score =
             |w: &[Plane; 3]| -> f64 { w.iter().zip(&value).map(|(a, b)| dot(*a, *b)).sum() };

@@ -1,0 +1,316 @@
+//! The whole flow: what every run promises, on surfaces of all kinds.
+
+mod common;
+
+use common::{figures, mapped, rotation, shape, two_components};
+use phex::{Event, MeshOptions, MeshRun, PanelSize, PipelineError, Progress, Silent, mesh_surface};
+use phex_mesh::{HexMesh, MeshMeasures, TriangleSurface, Vec3, deviation, measure};
+use phex_numeric::Status;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+fn panels(count: usize) -> MeshOptions {
+    MeshOptions {
+        size: PanelSize::Panels(count),
+        ..Default::default()
+    }
+}
+
+fn run(surface: &TriangleSurface, count: usize) -> MeshRun {
+    mesh_surface(surface, &panels(count), &Silent).unwrap()
+}
+
+/// The bits of a mesh.
+fn bits(mesh: &HexMesh) -> (Vec<u64>, Vec<Vec<u32>>) {
+    let coordinates = mesh.positions.iter().flat_map(|p| [p.x, p.y, p.z]);
+    (
+        coordinates.map(f64::to_bits).collect(),
+        mesh.topology().face_lists(),
+    )
+}
+
+/// Everything that a run promises when it says that its mesh is sound.
+fn check(name: &str, surface: &TriangleSurface, asked: usize) {
+    let run = run(surface, asked);
+    let figures_of_run = measure(&run.mesh);
+    assert!(
+        run.is_sound(),
+        "{name}: {:?} {:?}",
+        run.offenders,
+        run.violations
+    );
+    assert_eq!(run.outcome.status, Status::Converged, "{name}");
+    assert!(figures_of_run.planarity.max <= 1e-12, "{name}");
+    assert_eq!(figures_of_run.faces_not_simple, 0, "{name}");
+    assert_eq!(figures_of_run.degree3, 1.0, "{name}");
+    assert!(figures_of_run.clearance.min >= 0.05, "{name}");
+    assert_eq!(
+        figures(run.mesh.topology()),
+        figures(surface.topology()),
+        "{name}"
+    );
+    let ratio = figures_of_run.faces as f64 / asked as f64;
+    assert!((ratio - 1.0).abs() < 0.15, "{name}: {ratio}");
+    for to in [&run.target, surface] {
+        let off = deviation(&run.mesh, to);
+        assert!(off.deviation_max < 0.01, "{name}: {}", off.deviation_max);
+    }
+    assert_eq!(run.statistics.panels_asked, asked);
+}
+
+#[test]
+fn a_torus_is_meshed() {
+    check("torus", &shape("torus", 2000), 200);
+}
+
+#[test]
+fn a_wave_is_meshed() {
+    check("wave", &shape("wave", 2000), 150);
+}
+
+#[test]
+fn a_monkey_saddle_is_meshed() {
+    check("monkey saddle", &shape("monkey-saddle", 2000), 150);
+}
+
+#[test]
+fn a_roof_is_meshed() {
+    check("roof", &shape("roof", 2000), 150);
+}
+
+#[test]
+fn a_b_spline_is_meshed() {
+    check("b-spline", &shape("b-spline", 2000), 150);
+}
+
+#[test]
+fn a_plane_is_meshed() {
+    check("plane", &shape("plane", 500), 80);
+}
+
+fn relative(m: &MeshMeasures) -> [f64; 6] {
+    [
+        m.edge_length.min,
+        m.edge_length.max,
+        m.clearance.min,
+        m.angle.min,
+        m.dihedral.max,
+        m.mean_edge / m.diagonal,
+    ]
+}
+
+/// A model in other units is the same model: absolute tolerances anywhere are caught.
+#[test]
+fn units_do_not_matter() {
+    let surface = shape("monkey-saddle", 1500);
+    let reference = run(&surface, 80);
+    for scale in [1e-3, 1e4] {
+        let other = run(&mapped(&surface, |p| p * scale), 80);
+        assert_eq!(
+            reference.mesh.topology().face_lists(),
+            other.mesh.topology().face_lists()
+        );
+        let pairs = [&reference, &other].map(|r| relative(&measure(&r.mesh)));
+        for (a, b) in pairs[0].iter().zip(pairs[1]) {
+            assert!((a - b).abs() <= 1e-9 * a.abs(), "{a} {b} at {scale}");
+        }
+    }
+}
+
+fn topology_key(
+    run: &MeshRun,
+) -> (
+    usize,
+    (i64, usize),
+    std::collections::BTreeMap<usize, usize>,
+) {
+    let t = run.mesh.topology();
+    (t.n_faces(), figures(t), common::valences(&run.mesh))
+}
+
+/// A model turned in space, and moved, is the same model.
+#[test]
+fn turning_a_model_turns_its_panels() {
+    let surface = shape("torus", 1500);
+    let shift = Vec3::new(3.0, -1.0, 7.0);
+    let turned = mapped(&surface, |p| rotation() * p + shift);
+    let (a, b) = (run(&surface, 100), run(&turned, 100));
+    assert!(a.is_sound() && b.is_sound());
+    assert_eq!(topology_key(&a), topology_key(&b));
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let surface = shape("wave", 1500);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| run(&surface, 80))
+    };
+    let (one, two) = (with(1), with(2));
+    assert_eq!(bits(&one.mesh), bits(&two.mesh));
+    assert_eq!(one.target.positions(), two.target.positions());
+}
+
+/// Remembers the events, and cancels after some.
+struct Watch {
+    events: Mutex<Vec<Event>>,
+    questions: AtomicUsize,
+    patience: usize,
+}
+
+impl Watch {
+    fn new(patience: usize) -> Self {
+        Self {
+            events: Mutex::default(),
+            questions: AtomicUsize::new(0),
+            patience,
+        }
+    }
+}
+
+impl Progress for Watch {
+    fn report(&self, event: &Event) {
+        self.events.lock().unwrap().push(event.clone());
+    }
+    fn is_cancelled(&self) -> bool {
+        self.questions.fetch_add(1, Ordering::Relaxed) >= self.patience
+    }
+}
+
+/// Same options, same bytes; and every stage that starts ends, in the order of the flow.
+#[test]
+fn a_run_can_be_repeated_and_watched() {
+    let surface = shape("ellipsoid", 1000);
+    let watch = Watch::new(usize::MAX);
+    let first = mesh_surface(&surface, &panels(60), &watch).unwrap();
+    let second = run(&surface, 60);
+    assert_eq!(bits(&first.mesh), bits(&second.mesh));
+    let events = watch.events.into_inner().unwrap();
+    let mut open: Option<&str> = None;
+    let mut order: Vec<&str> = Vec::new();
+    for event in &events {
+        match event {
+            Event::StageStarted { stage } => {
+                assert_eq!(open.replace(stage), None);
+                if !order.contains(stage) {
+                    order.push(stage);
+                }
+            }
+            Event::StageFinished { stage } => assert_eq!(open.take(), Some(*stage)),
+            Event::Iteration {
+                stage,
+                iteration,
+                limit,
+                ..
+            } => assert!(open == Some(*stage) && (1..=*limit).contains(iteration)),
+            Event::Note { message } => assert!(!message.is_empty()),
+        }
+    }
+    let flow = [
+        "target",
+        "curvature",
+        "directions",
+        "layout",
+        "optimise",
+        "validate",
+    ];
+    assert_eq!(order, flow);
+    let timed: Vec<&str> = first.stages.iter().map(|s| s.stage).collect();
+    assert_eq!(timed, flow);
+}
+
+/// Whenever the user loses patience: an error that says so, or a mesh that does not claim more than it is.
+#[test]
+fn cancelling_is_safe_at_every_moment() {
+    let surface = shape("monkey-saddle", 1000);
+    let watch = Watch::new(usize::MAX);
+    mesh_surface(&surface, &panels(40), &watch).unwrap();
+    let questions = watch.questions.into_inner();
+    assert!(questions > 10);
+    let (mut refused, mut returned) = (0, 0);
+    for patience in (0..questions).step_by(questions.div_ceil(16)).chain(0..6) {
+        match mesh_surface(&surface, &panels(40), &Watch::new(patience)) {
+            Err(PipelineError::Cancelled) => refused += 1,
+            Err(e) => panic!("{e}"),
+            Ok(run) => {
+                returned += 1;
+                assert_eq!(figures(run.mesh.topology()), (1, 1));
+                assert!(measure(&run.mesh).planarity.max <= 1e-12 || !run.is_sound());
+            }
+        }
+    }
+    assert!(refused > 4 && returned > 0, "{refused} {returned}");
+}
+
+fn refusal(surface: &TriangleSurface, size: PanelSize) -> String {
+    let options = MeshOptions {
+        size,
+        ..Default::default()
+    };
+    let result = mesh_surface(surface, &options, &Silent);
+    result.err().expect("this can't be meshed").to_string()
+}
+
+#[test]
+fn sizes_without_meaning_are_refused() {
+    let surface = shape("plane", 200);
+    let cases = [
+        (PanelSize::Panels(0), "at least 1"),
+        (PanelSize::Panels(usize::MAX), "more than 2000000"),
+        (PanelSize::EdgeLength(0.0), "positive"),
+        (PanelSize::EdgeLength(-1.0), "positive"),
+        (PanelSize::EdgeLength(f64::NAN), "positive"),
+        (PanelSize::EdgeLength(f64::INFINITY), "positive"),
+        (PanelSize::EdgeLength(1e-6), "more than 2000000"),
+        (PanelSize::EdgeLength(1e3), "at least 1"),
+    ];
+    for (size, expected) in cases {
+        let message = refusal(&surface, size);
+        assert!(message.contains(expected), "{size:?}: {message}");
+    }
+}
+
+#[test]
+fn several_components_are_refused() {
+    let message = refusal(&two_components(), PanelSize::Panels(100));
+    assert!(message.contains("2 components"), "{message}");
+}
+
+/// Far too few panels for the surface: a mesh of its topology or a clear refusal, never a panic or a wrong claim.
+#[test]
+fn few_panels_give_a_mesh_or_a_reason() {
+    for (name, count) in [
+        ("torus", 1),
+        ("torus", 5),
+        ("sphere", 3),
+        ("plane", 1),
+        ("catenoid", 2),
+        ("wave", 4),
+    ] {
+        let surface = shape(name, 500);
+        match mesh_surface(&surface, &panels(count), &Silent) {
+            Ok(run) => {
+                assert_eq!(
+                    figures(run.mesh.topology()),
+                    figures(surface.topology()),
+                    "{name}"
+                );
+                assert!(measure(&run.mesh).planarity.max <= 1e-12 || !run.is_sound());
+            }
+            Err(e) => assert!(!e.to_string().is_empty(), "{name}"),
+        }
+    }
+}
+
+#[test]
+fn an_edge_length_is_met() {
+    for (name, edge) in [("torus", 0.2), ("wave", 0.35)] {
+        let options = MeshOptions {
+            size: PanelSize::EdgeLength(edge),
+            ..Default::default()
+        };
+        let run = mesh_surface(&shape(name, 1500), &options, &Silent).unwrap();
+        let ratio = run.mesh.mean_edge() / edge;
+        assert!((ratio - 1.0).abs() < 0.15, "{name}: {ratio}");
+    }
+}
