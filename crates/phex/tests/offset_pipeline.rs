@@ -73,7 +73,14 @@ fn check_solids(name: &str, mesh: &HexMesh, d: f64) {
 
 #[test]
 fn meshes_of_the_pipeline() {
-    for name in ["torus", "wave", "roof", "monkey-saddle", "ellipsoid", "catenoid"] {
+    for name in [
+        "torus",
+        "wave",
+        "roof",
+        "monkey-saddle",
+        "ellipsoid",
+        "catenoid",
+    ] {
         let mesh = panelled(name);
         let image = face_gauss_image(&mesh, PLANARITY).unwrap();
         let options = ValidateOptions::default();
@@ -89,7 +96,10 @@ fn meshes_of_the_pipeline() {
         if inward.is_finite() {
             assert!(layer(&mesh, &image, -0.999 * inward, &options).is_ok());
             let past = layer(&mesh, &image, -1.001 * inward, &options).unwrap_err();
-            assert!(matches!(past, OffsetError::NotValid { .. }), "{name}: {past}");
+            assert!(
+                matches!(past, OffsetError::NotValid { .. }),
+                "{name}: {past}"
+            );
         }
         check_solids(name, &mesh, step);
     }
@@ -101,7 +111,9 @@ fn a_distance_for_each_face() {
     let mesh = panelled("ellipsoid");
     let n = mesh.topology().n_faces();
     let step = 0.01 * mesh.mean_edge();
-    let wish = PerFace::from_fn(n, |f: phex_mesh::FaceId| step * (1.0 + (f.index() % 3) as f64));
+    let wish = PerFace::from_fn(n, |f: phex_mesh::FaceId| {
+        step * (1.0 + (f.index() % 3) as f64)
+    });
     let offset = face_offset(&mesh, &wish, PLANARITY).unwrap();
     let moved = offset.apply(&mesh);
     for f in mesh.topology().faces() {

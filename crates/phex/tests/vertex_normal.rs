@@ -89,7 +89,10 @@ fn every_way_has_its_vertices() {
     assert!(!has(&chosen("t", 1e-9), NormalMethod::ThreePlanes));
     let folded = chosen("folded", 1e-7);
     assert!(folded.iter().all(|&m| m == NormalMethod::ThreePlanes));
-    let all: Vec<_> = vertices().iter().map(|v| vertex_normal(&v.corner).method).collect();
+    let all: Vec<_> = vertices()
+        .iter()
+        .map(|v| vertex_normal(&v.corner).method)
+        .collect();
     assert!(has(&all, NormalMethod::TangentWeights) && has(&all, NormalMethod::MitrePlanes));
 }
 

@@ -4,6 +4,7 @@ mod check;
 mod convert;
 mod info;
 mod mesh;
+mod offset;
 mod planarize;
 mod shape;
 
@@ -19,6 +20,7 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
     match command {
         Command::Mesh(command) => mesh::run(&command),
         Command::Planarize(command) => planarize::run(&command),
+        Command::Offset(command) => offset::run(&command),
         Command::Check(command) => check::run(&command),
         Command::Info(command) => info::run(&command),
         Command::Convert(command) => convert::run(&command),

@@ -32,8 +32,8 @@ use nalgebra::Matrix3;
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::{HexMesh, PerVertex, Vec2, Vec3};
 use phex_numeric::{
-    Assembly, Cholesky, Constraints, DampedProblem, MinimumNorm, Outcome, ProjectionOptions, Record,
-    Status, SymmetricMatrix,
+    Assembly, Cholesky, Constraints, DampedProblem, MinimumNorm, Outcome, ProjectionOptions,
+    Record, Status, SymmetricMatrix,
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -299,7 +299,10 @@ impl<'a> AngleConstraints<'a> {
         let mut blocks = std::mem::take(&mut self.blocks);
         for v in 0..panels.n_vertices() {
             let corners = panels.corners_at(v).iter();
-            let rows: Vec<Vec3> = corners.flat_map(|&c| self.corner_rows(c).1).copied().collect();
+            let rows: Vec<Vec3> = corners
+                .flat_map(|&c| self.corner_rows(c).1)
+                .copied()
+                .collect();
             let w = metric(v);
             let mut entries = blocks[self.assembly.block(v)].iter_mut();
             for (a, row) in rows.iter().enumerate() {
@@ -334,7 +337,10 @@ impl Constraints for AngleConstraints<'_> {
         let panels = self.setting.panels;
         for f in 0..panels.n_faces() {
             let corners = self.linearised.face(panels, f);
-            for (a, value) in values[self.start[f]..self.start[f + 1]].iter_mut().enumerate() {
+            for (a, value) in values[self.start[f]..self.start[f + 1]]
+                .iter_mut()
+                .enumerate()
+            {
                 *value = if a < corners.len() - 3 {
                     let row = self.bases.row(f, a, corners.len()).iter();
                     row.zip(corners).map(|(q, c)| q * c.height).sum()
@@ -352,7 +358,11 @@ impl Constraints for AngleConstraints<'_> {
             let mut sum = Vec3::zeros();
             for &c in panels.corners_at(v) {
                 let (first, rows) = self.corner_rows(c);
-                sum += rows.iter().zip(&y[first..]).map(|(r, y)| r * *y).sum::<Vec3>();
+                sum += rows
+                    .iter()
+                    .zip(&y[first..])
+                    .map(|(r, y)| r * *y)
+                    .sum::<Vec3>();
             }
             d[3 * v..3 * v + 3].copy_from_slice(sum.as_slice());
         }

@@ -74,7 +74,10 @@ pub(super) fn energy_assembly(panels: &Panels) -> Assembly {
 }
 
 /// An analysed factorisation and a matrix on the pattern of an assembly.
-pub(super) fn system(assembly: &Assembly, block: usize) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
+pub(super) fn system(
+    assembly: &Assembly,
+    block: usize,
+) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
     let cholesky = Cholesky::analyse(assembly.pattern(), block)?;
     Ok((cholesky, SymmetricMatrix::zeros(assembly.pattern().clone())))
 }

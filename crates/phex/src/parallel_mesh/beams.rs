@@ -74,7 +74,10 @@ pub fn beam_axes(lower: &HexMesh, upper: &HexMesh) -> Result<Vec<BeamAxis>, Offs
             vertices,
             ends,
             plane_normal: mean.try_normalize(0.0).unwrap_or_else(Vec3::zeros),
-            torsion: across[0].cross(&across[1]).norm().atan2(across[0].dot(&across[1])),
+            torsion: across[0]
+                .cross(&across[1])
+                .norm()
+                .atan2(across[0].dot(&across[1])),
         }
     };
     Ok(topology.edges().map(beam).collect())

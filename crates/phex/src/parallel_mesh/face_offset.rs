@@ -2,9 +2,7 @@
 
 use super::OffsetError;
 use super::gauss_image::{GaussImage, OffsetKind};
-use super::vertex_normal::{
-    Displacement, TrivalentVertex, minimum_norm, three_face_displacement,
-};
+use super::vertex_normal::{Displacement, TrivalentVertex, minimum_norm, three_face_displacement};
 use phex_mesh::validate::planarity_floor;
 use phex_mesh::{FlatFace, HalfEdgeId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
 

@@ -121,12 +121,7 @@ pub fn panel_solids(
 }
 
 /// Corners of a face after its interior edges have moved inwards by half the gap.
-fn inset(
-    mesh: &HexMesh,
-    face: FaceId,
-    normal: &Vec3,
-    gap: f64,
-) -> Result<Vec<Vec3>, OffsetError> {
+fn inset(mesh: &HexMesh, face: FaceId, normal: &Vec3, gap: f64) -> Result<Vec<Vec3>, OffsetError> {
     if gap == 0.0 {
         return Ok(mesh.corners(face).collect());
     }

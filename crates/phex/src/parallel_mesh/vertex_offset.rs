@@ -144,7 +144,10 @@ pub fn spherical_mesh(mesh: &HexMesh) -> Result<SphericalMesh, OffsetError> {
     let (start, starts) = tree.best_start(mesh, &products, &normals);
     let positions = tree.reflected(mesh, start);
     let (edge, defect) = tree.largest_defect(mesh, &positions);
-    let cosines = positions.iter().zip(&normals).map(|(x, n)| x.dot(n) / n.norm());
+    let cosines = positions
+        .iter()
+        .zip(&normals)
+        .map(|(x, n)| x.dot(n) / n.norm());
     let facing = cosines.fold(f64::INFINITY, f64::min);
     let inside = |f: &FaceId| !topology.is_boundary_face(*f);
     Ok(SphericalMesh {
@@ -190,7 +193,12 @@ fn free_edges(mesh: &HexMesh) -> Vec<EdgeId> {
 fn vertex_directions(mesh: &HexMesh) -> Result<PerVertex<Vec3>, OffsetError> {
     let topology = mesh.topology();
     let normals = face_normals(mesh)?;
-    let sum = |v| topology.outgoing(v).map(|h| normals[topology.face(h)]).sum();
+    let sum = |v| {
+        topology
+            .outgoing(v)
+            .map(|h| normals[topology.face(h)])
+            .sum()
+    };
     Ok(PerVertex::from_fn(topology.n_vertices(), sum))
 }
 
@@ -295,7 +303,11 @@ fn closest_in_null_space(squares: Matrix3<f64>, wish: Vec3) -> (Vec3, usize) {
     let null: Vec<usize> = (0..3).filter(closes).collect();
     let projected: Vec3 = null.iter().map(|&k| axis(k) * axis(k).dot(&wish)).sum();
     let least = axis(values.imin());
-    let fallback = if least.dot(&wish) < 0.0 { -least } else { least };
+    let fallback = if least.dot(&wish) < 0.0 {
+        -least
+    } else {
+        least
+    };
     let start = projected.try_normalize(1e-12 * wish.norm());
     (start.unwrap_or(fallback), null.len())
 }

@@ -42,8 +42,14 @@ fn every_face_moves_by_the_distance_and_stays_planar() {
                     let error = ((q - p).dot(&normals[f]) - d).abs();
                     assert!(error <= 1e-12 * size, "{name}: {f} misses {d} by {error:e}");
                 }
-                assert!(faces[f].planarity_length <= 1e-12 * moved.mean_edge(), "{name}: {f}");
-                assert!((faces[f].normal() - normals[f]).norm() < 1e-12, "{name}: {f}");
+                assert!(
+                    faces[f].planarity_length <= 1e-12 * moved.mean_edge(),
+                    "{name}: {f}"
+                );
+                assert!(
+                    (faces[f].normal() - normals[f]).norm() < 1e-12,
+                    "{name}: {f}"
+                );
             }
         }
     }
@@ -288,7 +294,13 @@ fn wrong_input_is_refused_with_the_element() {
     let refused = face_gauss_image(&broken, PLANAR).unwrap_err();
     assert_eq!(refused, OffsetError::NotFinite { vertex });
 
-    let pyramid: [&[u32]; 5] = [&[3, 2, 1, 0], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
+    let pyramid: [&[u32]; 5] = [
+        &[3, 2, 1, 0],
+        &[0, 1, 4],
+        &[1, 2, 4],
+        &[2, 3, 4],
+        &[3, 0, 4],
+    ];
     let points = [
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],

@@ -44,7 +44,12 @@ pub fn l_prism() -> HexMesh {
 pub fn dodecahedron() -> HexMesh {
     let golden = 0.5 * (1.0 + 5.0f64.sqrt());
     let mut normals = Vec::new();
-    for (a, b) in [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)] {
+    for (a, b) in [
+        (1.0, golden),
+        (1.0, -golden),
+        (-1.0, golden),
+        (-1.0, -golden),
+    ] {
         normals.push(Vec3::new(0.0, a, b).normalize());
         normals.push(Vec3::new(a, b, 0.0).normalize());
         normals.push(Vec3::new(b, 0.0, a).normalize());
@@ -102,7 +107,12 @@ pub fn spread_points(n: usize) -> Vec<Vec3> {
 
 /// Hexagons in rows on a parametrised surface, over the unit square; `kink` lifts and lowers every other vertex by that
 /// part of a row.
-pub fn patch(columns: usize, rows: usize, kink: f64, surface: impl Fn(f64, f64) -> Vec3) -> HexMesh {
+pub fn patch(
+    columns: usize,
+    rows: usize,
+    kink: f64,
+    surface: impl Fn(f64, f64) -> Vec3,
+) -> HexMesh {
     let grid = (0..=rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
     let place = |(i, j): (usize, usize)| {
         let up = if (i + j) % 2 == 0 { kink } else { -kink };

@@ -18,9 +18,7 @@ fn between(from: f64, to: f64, t: f64) -> f64 {
 }
 
 fn torus_patch(v: [f64; 2], kink: f64) -> HexMesh {
-    patch(25, 9, kink, |s, t| {
-        torus(1.2 * s, between(v[0], v[1], t))
-    })
+    patch(25, 9, kink, |s, t| torus(1.2 * s, between(v[0], v[1], t)))
 }
 
 /// Open patches of hexagons of every curvature; the last one is exactly planar before.
@@ -59,7 +57,10 @@ fn check_offset(name: &str, mesh: &HexMesh, spherical: &SphericalMesh, d: f64) {
         assert!(error <= 1e-12, "{name}: a vertex misses {d} by {error:e}");
     }
     let (to_gauss, to_moved) = (parallelism(mesh, &gauss), parallelism(mesh, &moved));
-    assert!(to_gauss <= 1e-10 && to_moved <= 1e-10, "{name}: {to_gauss:e}");
+    assert!(
+        to_gauss <= 1e-10 && to_moved <= 1e-10,
+        "{name}: {to_gauss:e}"
+    );
     for face in FlatFace::all(&moved).iter() {
         assert!(face.planarity_length <= 1e-12 * moved.mean_edge(), "{name}");
     }
@@ -79,16 +80,27 @@ fn open_patches_of_every_curvature_have_vertex_offsets() {
         let unit = result.quality.mean_edge;
         assert!(result.is_converged(), "{name}: {:?}", result.outcome.status);
         assert!(result.angle_defect[1] <= 1e-13, "{name}");
-        assert!(result.deviation[1] <= 0.02 * unit, "{name}: {}", result.deviation[1] / unit);
+        assert!(
+            result.deviation[1] <= 0.02 * unit,
+            "{name}: {}",
+            result.deviation[1] / unit
+        );
         let options = ValidateOptions::default();
         assert_eq!(violations(&result.mesh, None, &options), [], "{name}");
         let spherical = vertex_gauss_image(&result.mesh, &VertexOffsetOptions::default()).unwrap();
         assert!(spherical.holonomy.defect < 1e-12, "{name}");
         assert!(spherical.facing > 0.9, "{name}: {}", spherical.facing);
-        assert_eq!((spherical.holonomy.loops, spherical.holonomy.starts), (0, 3), "{name}");
+        assert_eq!(
+            (spherical.holonomy.loops, spherical.holonomy.starts),
+            (0, 3),
+            "{name}"
+        );
         for d in [0.1 * unit, -0.1 * unit] {
             check_offset(name, &result.mesh, &spherical, d);
-            assert!(layer(&result.mesh, &spherical.image, d, &options).is_ok(), "{name}");
+            assert!(
+                layer(&result.mesh, &spherical.image, d, &options).is_ok(),
+                "{name}"
+            );
         }
     }
 }
@@ -176,7 +188,14 @@ fn the_condition_holds_for_what_is_parallel_to_inscribed_polygons() {
         }
     }
     // Centrally symmetric and concave: the paper's branch too.
-    let waist = [[2.0, -1.0], [1.0, 0.2], [2.0, 1.0], [-2.0, 1.0], [-1.0, -0.2], [-2.0, -1.0]];
+    let waist = [
+        [2.0, -1.0],
+        [1.0, 0.2],
+        [2.0, 1.0],
+        [-2.0, 1.0],
+        [-1.0, -0.2],
+        [-2.0, -1.0],
+    ];
     let condition = defect(&waist).unwrap();
     assert!(condition.defect.abs() < 1e-14 && condition.branch == 2);
     // Parallel to an inscribed hexagon that crosses itself: another branch.
@@ -184,7 +203,10 @@ fn the_condition_holds_for_what_is_parallel_to_inscribed_polygons() {
     bent[3] = [0.1, 0.3];
     let off = defect(&bent).unwrap();
     assert!(off.defect.abs() > 1e-2);
-    assert!(defect(&on_circle(&[0.0, 60.0, 130.0, 200.0, 290.0])).is_none(), "odd");
+    assert!(
+        defect(&on_circle(&[0.0, 60.0, 130.0, 200.0, 290.0])).is_none(),
+        "odd"
+    );
 }
 
 /// The condition on another branch than the paper's still gives an inscribed parallel polygon.
@@ -237,7 +259,12 @@ fn a_mesh_without_the_condition_is_refused_with_the_face() {
     let options = VertexOffsetOptions::default();
     assert!(vertex_gauss_image(&mesh, &options).is_ok());
     let refused = vertex_gauss_image(&bent, &options).unwrap_err();
-    let OffsetError::AngleCondition { face, defect, count } = refused else {
+    let OffsetError::AngleCondition {
+        face,
+        defect,
+        count,
+    } = refused
+    else {
         panic!("{refused}");
     };
     assert!(bent.topology().face_vertices(face).contains(&inner));
@@ -273,16 +300,31 @@ fn an_annulus_closes_from_one_start() {
 fn two_holes_have_a_holonomy() {
     let (name, whole) = patches().swap_remove(3);
     let faces = whole.topology().face_lists();
-    let kept = faces.into_iter().enumerate().filter(|(f, _)| ![40, 64].contains(f));
+    let kept = faces
+        .into_iter()
+        .enumerate()
+        .filter(|(f, _)| ![40, 64].contains(f));
     let faces: Vec<Vec<u32>> = kept.map(|(_, face)| face).collect();
     let holed = HexMesh::new(whole.positions.as_slice().to_vec(), &faces).unwrap();
     let result = optimised(&holed);
     assert!(result.is_converged(), "{name}: {:?}", result.outcome.status);
     let holonomy = spherical_mesh(&result.mesh).unwrap().holonomy;
-    assert_eq!((holonomy.loops, holonomy.starts, holonomy.odd_faces), (2, 0, 0));
-    assert!(holonomy.defect > 1e-6 && holonomy.defect < 0.5, "{holonomy:?}");
+    assert_eq!(
+        (holonomy.loops, holonomy.starts, holonomy.odd_faces),
+        (2, 0, 0)
+    );
+    assert!(
+        holonomy.defect > 1e-6 && holonomy.defect < 0.5,
+        "{holonomy:?}"
+    );
     let refused = vertex_gauss_image(&result.mesh, &VertexOffsetOptions::default()).unwrap_err();
-    let OffsetError::Holonomy { defect, loops: 2, odd_faces: 0, .. } = refused else {
+    let OffsetError::Holonomy {
+        defect,
+        loops: 2,
+        odd_faces: 0,
+        ..
+    } = refused
+    else {
         panic!("{refused}");
     };
     assert_eq!(defect, holonomy.defect);
@@ -303,7 +345,10 @@ fn annulus_faces(columns: usize, rows: usize) -> Vec<Vec<u32>> {
 fn a_dodecahedron_is_its_own_spherical_mesh() {
     let mesh = dodecahedron();
     let spherical = vertex_gauss_image(&mesh, &VertexOffsetOptions::default()).unwrap();
-    assert_eq!((spherical.holonomy.loops, spherical.holonomy.odd_faces), (0, 12));
+    assert_eq!(
+        (spherical.holonomy.loops, spherical.holonomy.odd_faces),
+        (0, 12)
+    );
     assert!(spherical.holonomy.starts < 3);
     let radius = mesh.position(VertexId::new(0)).norm();
     let same = mapped(&mesh, |p| p / radius);
@@ -312,7 +357,12 @@ fn a_dodecahedron_is_its_own_spherical_mesh() {
 
 #[test]
 fn two_components_are_refused() {
-    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let square = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
     let far = square.map(|[x, y, z]| [x + 3.0, y, z]);
     let mesh = mesh(&[square, far].concat(), &[&[0, 1, 2, 3], &[4, 5, 6, 7]]);
     let refused = spherical_mesh(&mesh).unwrap_err();
@@ -336,7 +386,10 @@ fn odd_faces_at_the_rim_leave_an_edge_free() {
     assert_eq!(spherical.free_edges.len(), 1);
     let moved = spherical.image.offset(&mesh, 0.1);
     let topology = mesh.topology();
-    for e in topology.edges().filter(|e| !spherical.free_edges.contains(e)) {
+    for e in topology
+        .edges()
+        .filter(|e| !spherical.free_edges.contains(e))
+    {
         let [a, b] = topology.edge_vertices(e);
         let (p, q) = (
             mesh.position(b) - mesh.position(a),
