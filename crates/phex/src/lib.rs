@@ -1,6 +1,6 @@
 //! From a surface to a planar hexagonal mesh.
 //!
-//! Data flows `target -> curvature -> directions -> layout -> optimise -> report`; a stage uses earlier stages only.
+//! Data flows `target -> curvature -> directions -> layout -> optimise -> parallel_mesh -> report`; a stage uses earlier stages only.
 //!
 //! | stage | what it computes |
 //! |---|---|

@@ -3,15 +3,13 @@
 use phex::parallel_mesh::face_offset::face_normals;
 use phex::parallel_mesh::solids::volume;
 use phex::parallel_mesh::{
-    OffsetError, PanelSolid, beam_axes, face_gauss_image, face_offset, layer, panel_solids,
-    safe_distances,
+    OffsetError, OffsetOptions, PanelSolid, beam_axes, face_gauss_image, face_offset, layer,
+    panel_solids, safe_distances,
 };
 use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
 use phex_mesh::measure::diagonal;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
-use phex_mesh::{FlatFace, HexMesh, PerFace, Topology, ValidateOptions};
-
-const PLANARITY: f64 = 1e-12;
+use phex_mesh::{FlatFace, HexMesh, PerFace, Topology};
 
 fn panelled(shape: &str) -> HexMesh {
     let shape = Shape::from_name(shape, &[]).unwrap();
@@ -31,9 +29,9 @@ fn panelled(shape: &str) -> HexMesh {
 
 /// The figures of the issue: faces at the distance, planar, to 1e-12.
 fn check_distance(name: &str, mesh: &HexMesh, d: f64) {
-    let image = face_gauss_image(mesh, PLANARITY).unwrap();
+    let image = face_gauss_image(mesh, &OffsetOptions::default()).unwrap();
     let normals = face_normals(mesh).unwrap();
-    let options = ValidateOptions::default();
+    let options = OffsetOptions::default();
     let moved = layer(mesh, &image, d, &options).unwrap();
     let (mut miss, mut bend) = (0.0f64, 0.0f64);
     for f in mesh.topology().faces() {
@@ -49,7 +47,7 @@ fn check_distance(name: &str, mesh: &HexMesh, d: f64) {
 }
 
 fn check_solids(name: &str, mesh: &HexMesh, d: f64) {
-    let image = face_gauss_image(mesh, PLANARITY).unwrap();
+    let image = face_gauss_image(mesh, &OffsetOptions::default()).unwrap();
     let upper = image.offset(mesh, d);
     let solids = panel_solids(mesh, &upper, 0.0).unwrap();
     for solid in &solids {
@@ -82,8 +80,8 @@ fn meshes_of_the_pipeline() {
         "catenoid",
     ] {
         let mesh = panelled(name);
-        let image = face_gauss_image(&mesh, PLANARITY).unwrap();
-        let options = ValidateOptions::default();
+        let image = face_gauss_image(&mesh, &OffsetOptions::default()).unwrap();
+        let options = OffsetOptions::default();
         let safe = safe_distances(&mesh, &image, &options);
         let [outward, inward] = [&safe.outward, &safe.inward].map(|s| s.distance);
         println!("{name}: safe to {outward:.4} outward, {inward:.4} inward");
@@ -114,7 +112,7 @@ fn a_distance_for_each_face() {
     let wish = PerFace::from_fn(n, |f: phex_mesh::FaceId| {
         step * (1.0 + (f.index() % 3) as f64)
     });
-    let offset = face_offset(&mesh, &wish, PLANARITY).unwrap();
+    let offset = face_offset(&mesh, &wish, &OffsetOptions::default()).unwrap();
     let moved = offset.apply(&mesh);
     for f in mesh.topology().faces() {
         for (p, q) in mesh.corners(f).zip(moved.corners(f)) {

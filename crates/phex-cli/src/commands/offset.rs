@@ -16,8 +16,8 @@ use phex::optimise::{
     AngleOptimised, AngleOptions, SurfaceTarget, Target, satisfy_angle_condition,
 };
 use phex::parallel_mesh::{
-    GaussImage, OffsetError, SafeDistance, SafeDistances, SphericalMesh, VertexOffsetOptions,
-    checked, face_gauss_image, face_offset, layer, safe_distances, vertex_gauss_image,
+    GaussImage, OffsetError, OffsetOptions, SafeDistance, SafeDistances, SphericalMesh, checked,
+    face_gauss_image, face_offset, layer, safe_distances, vertex_gauss_image,
 };
 use phex_mesh::measure::diagonal;
 use phex_mesh::{FlatFace, HexMesh, PerFace, ValidHexMesh, ValidateOptions};
@@ -61,7 +61,7 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
 /// What was typed, in model units.
 struct Job<'a> {
     command: &'a OffsetCommand,
-    validity: ValidateOptions,
+    options: OffsetOptions,
     distances: Vec<f64>,
     face_distances: Option<PerFace<f64>>,
     gap: f64,
@@ -99,9 +99,12 @@ impl<'a> Job<'a> {
         }
         Ok(Self {
             command,
-            validity: ValidateOptions {
-                planarity,
-                ..default
+            options: OffsetOptions {
+                validity: ValidateOptions {
+                    planarity,
+                    ..default
+                },
+                ..Default::default()
             },
             distances,
             face_distances: face_distances.transpose()?,
@@ -148,18 +151,14 @@ impl Base {
             .then(|| optimise(job, &given))
             .transpose()?;
         let mesh = optimised.as_ref().map_or(given, |o| o.mesh.clone());
-        let planarity = job.validity.planarity;
         let (image, spherical) = match job.command.kind {
             Kind::Face => (
-                face_gauss_image(&mesh, planarity).or_exit(Exit::InputUnusable)?,
+                face_gauss_image(&mesh, &job.options).or_exit(Exit::InputUnusable)?,
                 None,
             ),
             Kind::Vertex => {
-                let options = VertexOffsetOptions {
-                    planarity,
-                    ..Default::default()
-                };
-                let spherical = vertex_gauss_image(&mesh, &options).or_exit(Exit::InputUnusable)?;
+                let spherical =
+                    vertex_gauss_image(&mesh, &job.options).or_exit(Exit::InputUnusable)?;
                 (spherical.image.clone(), Some(spherical))
             }
         };
@@ -172,7 +171,7 @@ impl Base {
     }
 
     fn safe_distances(&self, job: &Job<'_>) -> SafeDistances {
-        safe_distances(&self.mesh, &self.image, &job.validity)
+        safe_distances(&self.mesh, &self.image, &job.options)
     }
 
     fn layers(&self, job: &Job<'_>) -> Result<Vec<Layer>, Failure> {
@@ -184,25 +183,25 @@ impl Base {
     }
 
     fn layer(&self, job: &Job<'_>, distance: f64) -> Result<Layer, Failure> {
-        let mesh = layer(&self.mesh, &self.image, distance, &job.validity)
+        let mesh = layer(&self.mesh, &self.image, distance, &job.options)
             .map_err(|e| self.refusal(job, distance, &e))?;
         Ok(Layer::new(mesh, distance))
     }
 
     fn own_distances(&self, job: &Job<'_>, distances: &PerFace<f64>) -> Result<Layer, Failure> {
-        let offset = face_offset(&self.mesh, distances, job.validity.planarity)
-            .or_exit(Exit::InputUnusable)?;
+        let offset =
+            face_offset(&self.mesh, distances, &job.options).or_exit(Exit::InputUnusable)?;
         let largest = distances
             .iter()
             .fold(0.0f64, |m, &d| if d.abs() > m.abs() { d } else { m });
-        let mesh = checked(&self.mesh, offset.apply(&self.mesh), largest, &job.validity)
+        let mesh = checked(&self.mesh, offset.apply(&self.mesh), largest, &job.options)
             .or_exit(Exit::NoValidResult)?;
         Ok(Layer::new(mesh, largest))
     }
 
     /// Why a distance does not work, and how far it might go.
     fn refusal(&self, job: &Job<'_>, distance: f64, error: &OffsetError) -> Failure {
-        let safe = safe_distances(&self.mesh, &self.image, &job.validity);
+        let safe = safe_distances(&self.mesh, &self.image, &job.options);
         let side = if distance < 0.0 { -1.0 } else { 1.0 };
         let most = if side < 0.0 {
             safe.inward
@@ -289,7 +288,7 @@ fn report(
         "input": command.input.display().to_string(),
         "unit": command.unit,
         "kind": base.image.kind,
-        "settings": { "validity": job.validity, "gap": job.gap },
+        "settings": { "offset": job.options, "gap": job.gap },
         "angle_condition": base.optimised.as_ref().map(|o| json!({
             "defect_before": o.angle_defect[0],
             "defect_after": o.angle_defect[1],

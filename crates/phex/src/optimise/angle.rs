@@ -171,7 +171,7 @@ fn n_constraints(valence: usize) -> usize {
 }
 
 fn has_angle(valence: usize) -> bool {
-    valence % 2 == 0
+    valence.is_multiple_of(2)
 }
 
 /// The assembly of `J J^T`: an element for each vertex.
@@ -203,7 +203,11 @@ fn angle_gradient(frame: &FaceFrame, corners: &[Corner], i: usize) -> Vec3 {
     let sum = (turn(i, (i + 1) % k) + turn((i + k - 1) % k, i)) * 2.0;
     let [a, b] = frame.plane.axes;
     let gradient = a * sum.x + b * sum.y;
-    if i % 2 == 0 { gradient } else { -gradient }
+    if i.is_multiple_of(2) {
+        gradient
+    } else {
+        -gradient
+    }
 }
 
 /// Unit of the angle constraint, over the mean edge: its gradient is then about as long as those of planarity.

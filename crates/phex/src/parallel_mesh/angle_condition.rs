@@ -26,7 +26,7 @@ impl AngleCondition {
     /// The condition of a planar face; `None` if the number of its corners is odd.
     pub fn of(mesh: &HexMesh, face: FaceId) -> Option<Self> {
         let n = mesh.topology().valence(face);
-        if n % 2 != 0 {
+        if !n.is_multiple_of(2) {
             return None;
         }
         let flat = FlatFace::of(mesh, face);

@@ -88,7 +88,7 @@ pub enum OffsetError {
     },
     /// Reflections along the edges do not close up.
     #[error(
-        "no spherical mesh is parallel to this one: at edge {edge} the reflections fail to close by {defect:.3e} (closing conditions: {loops}, odd faces inside: {odd_faces})"
+        "no spherical mesh is parallel to this one: at edge {edge} the reflections fail to close by {defect:.3e} (loops that are no faces: {loops}; odd faces inside: {odd_faces})"
     )]
     Holonomy {
         /// The edge where they fail most.

@@ -1,8 +1,8 @@
 //! Face-distance offset: every face moves along its normal, every vertex to where its moved faces meet.
 
-use super::OffsetError;
 use super::gauss_image::{GaussImage, OffsetKind};
 use super::vertex_normal::{Displacement, TrivalentVertex, minimum_norm, three_face_displacement};
+use super::{OffsetError, OffsetOptions};
 use phex_mesh::validate::planarity_floor;
 use phex_mesh::{FlatFace, HalfEdgeId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
 
@@ -49,15 +49,16 @@ impl FaceOffset {
 ///
 /// # Errors
 /// See [`face_offset`].
-pub fn face_gauss_image(mesh: &HexMesh, planarity: f64) -> Result<GaussImage, OffsetError> {
+pub fn face_gauss_image(
+    mesh: &HexMesh,
+    options: &OffsetOptions,
+) -> Result<GaussImage, OffsetError> {
     let ones = PerFace::filled(mesh.topology().n_faces(), 1.0);
-    Ok(face_offset(mesh, &ones, planarity)?.into_image())
+    Ok(face_offset(mesh, &ones, options)?.into_image())
 }
 
 /// Displacements that move every face by its own distance along its normal. On the boundary, where fewer than three
 /// faces meet, vertices move by the shortest such vector.
-///
-/// `planarity` is the largest distance of a vertex to the plane of its face that is allowed, in mean edges.
 ///
 /// # Errors
 /// If a face is not planar or a vertex has not three faces (at most three on the boundary), or faces that lie in one
@@ -65,20 +66,19 @@ pub fn face_gauss_image(mesh: &HexMesh, planarity: f64) -> Result<GaussImage, Of
 pub fn face_offset(
     mesh: &HexMesh,
     distances: &PerFace<f64>,
-    planarity: f64,
+    options: &OffsetOptions,
 ) -> Result<FaceOffset, OffsetError> {
-    check_planar_mesh(mesh, planarity)?;
+    check_planar_mesh(mesh, options.validity.planarity)?;
     check_distances(mesh, distances)?;
     let normals = face_normals(mesh)?;
     let largest = distances.iter().fold(0.0f64, |m, d| m.max(d.abs()));
     let at = |v| displacement(mesh, &normals, distances, v);
     let vertices: Vec<Displacement> = mesh.topology().vertices().map(at).collect();
-    let torn = |d: &&Displacement| !(d.residual <= COMMON_POINT * largest);
-    if let Some(d) = vertices.iter().find(torn) {
-        let index = vertices.iter().position(|other| other == d).unwrap_or(0);
+    let met = |d: &Displacement| d.residual <= COMMON_POINT * largest;
+    if let Some(index) = vertices.iter().position(|d| !met(d)) {
         return Err(OffsetError::Incompatible {
             vertex: VertexId::new(index as u32),
-            residual: d.residual,
+            residual: vertices[index].residual,
         });
     }
     Ok(FaceOffset {
@@ -150,8 +150,8 @@ pub(super) fn check_planar_mesh(mesh: &HexMesh, planarity: f64) -> Result<(), Of
     }
     let (unit, limit) = (mesh.mean_edge(), planarity.max(planarity_floor(mesh)));
     let faces = FlatFace::all(mesh);
-    let bent = |f: &FlatFace| !(f.planarity_length <= limit * unit);
-    match faces.enumerate().find(|(_, f)| bent(f)) {
+    let planar = |f: &FlatFace| f.planarity_length <= limit * unit;
+    match faces.enumerate().find(|(_, f)| !planar(f)) {
         Some((face, flat)) => Err(OffsetError::NotPlanar {
             face,
             planarity: flat.planarity_length / unit,

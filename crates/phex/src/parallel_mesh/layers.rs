@@ -1,10 +1,10 @@
 //! Layers: offsets that have been checked, and how far an offset may go.
 
-use super::OffsetError;
 use super::contact::first_contact;
 use super::gauss_image::GaussImage;
+use super::{OffsetError, OffsetOptions};
 use phex_mesh::measure::diagonal;
-use phex_mesh::{HexMesh, ValidHexMesh, ValidateOptions, Violation, violations};
+use phex_mesh::{HexMesh, ValidHexMesh, Violation, violations};
 
 /// Steps at which the way to the first contact is looked at, before the first invalid one is narrowed down.
 const LOOKS: usize = 24;
@@ -19,7 +19,8 @@ const GROWTH: f64 = 1.5;
 /// How far an offset may go to one side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SafeDistance {
-    /// Every distance up to this one gives a valid mesh; at least 0, infinite if nothing ends it.
+    /// The largest distance that gives a valid mesh without passing one that does not; at least 0, infinite if nothing
+    /// ends it. See [`safe_distances`] for how densely the way is looked at.
     pub distance: f64,
     /// What is wrong just beyond; `None` if the distance is infinite.
     pub limit: Option<Violation>,
@@ -42,7 +43,7 @@ pub fn layer(
     mesh: &HexMesh,
     image: &GaussImage,
     distance: f64,
-    options: &ValidateOptions,
+    options: &OffsetOptions,
 ) -> Result<ValidHexMesh, OffsetError> {
     if !distance.is_finite() {
         return Err(OffsetError::Distance { distance });
@@ -58,7 +59,7 @@ pub fn checked(
     mesh: &HexMesh,
     moved: HexMesh,
     distance: f64,
-    options: &ValidateOptions,
+    options: &OffsetOptions,
 ) -> Result<ValidHexMesh, OffsetError> {
     let refused = |count: usize, first: Violation| OffsetError::NotValid {
         distance,
@@ -69,14 +70,14 @@ pub fn checked(
     if let Some(first) = backward.first() {
         return Err(refused(backward.len(), first.clone()));
     }
-    phex_mesh::validate(moved, None, options).map_err(|invalid| {
+    phex_mesh::validate(moved, None, &options.validity).map_err(|invalid| {
         let count = invalid.violations.len();
         refused(count, invalid.violations[0].clone())
     })
 }
 
 /// Edges that have been flipped: they point against their direction in `mesh`.
-fn backward_edges(mesh: &HexMesh, moved: &HexMesh, options: &ValidateOptions) -> Vec<Violation> {
+fn backward_edges(mesh: &HexMesh, moved: &HexMesh, options: &OffsetOptions) -> Vec<Violation> {
     let topology = mesh.topology();
     let unit = moved.mean_edge();
     let along = |m: &HexMesh, [a, b]: [_; 2]| m.position(b) - m.position(a);
@@ -88,7 +89,7 @@ fn backward_edges(mesh: &HexMesh, moved: &HexMesh, options: &ValidateOptions) ->
             edge,
             vertices,
             length_rel: length / unit,
-            limit: options.edge_length_rel,
+            limit: options.validity.edge_length_rel,
         })
     });
     flipped.collect()
@@ -97,12 +98,12 @@ fn backward_edges(mesh: &HexMesh, moved: &HexMesh, options: &ValidateOptions) ->
 /// The largest distances to both sides for which the offset is valid.
 ///
 /// Contacts of a face with itself and vanishing edges are computed from the straight motion of the vertices. On the way to
-/// the first of them the mesh is validated at [`LOOKS`] places, since faces that are far apart along the mesh may
+/// the first of them the mesh is validated at 24 places, since faces that are far apart along the mesh may
 /// meet; the first place that fails is narrowed down.
 pub fn safe_distances(
     mesh: &HexMesh,
     image: &GaussImage,
-    options: &ValidateOptions,
+    options: &OffsetOptions,
 ) -> SafeDistances {
     SafeDistances {
         outward: safe_distance(mesh, image, 1.0, options),
@@ -114,7 +115,7 @@ fn safe_distance(
     mesh: &HexMesh,
     image: &GaussImage,
     side: f64,
-    options: &ValidateOptions,
+    options: &OffsetOptions,
 ) -> SafeDistance {
     let far = FAR * diagonal(mesh);
     let contact = first_contact(mesh, image, side).min(far);
@@ -171,12 +172,13 @@ fn first_fault(
     mesh: &HexMesh,
     image: &GaussImage,
     distance: f64,
-    options: &ValidateOptions,
+    options: &OffsetOptions,
 ) -> Option<Violation> {
     let moved = image.offset(mesh, distance);
     let backward = backward_edges(mesh, &moved, options);
-    backward
-        .into_iter()
-        .next()
-        .or_else(|| violations(&moved, None, options).into_iter().next())
+    backward.into_iter().next().or_else(|| {
+        violations(&moved, None, &options.validity)
+            .into_iter()
+            .next()
+    })
 }

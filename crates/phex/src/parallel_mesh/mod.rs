@@ -21,7 +21,18 @@
 //! | [`layers`] | offsets that have been checked, and how far one may go |
 //! | [`solids`] | closed panels between two layers, mitred, with joint gaps |
 //! | [`beams`] | beams and node axes between two layers |
+//! | [`options`] | limits |
 //! | [`error`] | why an offset can't be made |
+//!
+//! *Guaranteed*: a [`layer`] is a valid mesh, no edge of which points backwards; a distance up to the safe one gives such a
+//! layer at every place that was looked at ([`safe_distances`]). Error estimates of vertex normals cover rounding.
+//!
+//! *Fails*: for face offsets only where a vertex has not three faces, or faces that lie in one plane are asked to part.
+//! Vertex offsets need the angle condition (`optimise::satisfy_angle_condition` makes it hold near a mesh), and a start that
+//! closes, which many odd faces or several holes forbid.
+//!
+//! *Differences from the paper*: the vertex normal is the best of four formulas, since the paper's loses its digits at folded
+//! edges and where two faces lie in one plane; the angle condition is taken modulo pi; on an annulus it is sufficient, too.
 
 pub mod angle_condition;
 pub mod beams;
@@ -30,6 +41,7 @@ pub mod error;
 pub mod face_offset;
 pub mod gauss_image;
 pub mod layers;
+pub mod options;
 pub mod solids;
 pub mod vertex_normal;
 pub mod vertex_offset;
@@ -43,8 +55,9 @@ pub use error::OffsetError;
 pub use face_offset::{FaceOffset, face_gauss_image, face_offset};
 pub use gauss_image::{GaussImage, OffsetKind};
 pub use layers::{SafeDistance, SafeDistances, checked, layer, safe_distances};
+pub use options::OffsetOptions;
 pub use solids::{PanelSolid, joined, panel_solids};
 pub use vertex_normal::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};
 pub use vertex_offset::{
-    Holonomy, SphericalMesh, VertexOffsetOptions, check_angles, spherical_mesh, vertex_gauss_image,
+    Holonomy, SphericalMesh, check_angles, spherical_mesh, vertex_gauss_image,
 };

@@ -17,37 +17,14 @@
 //! An odd face on the boundary leaves one of its boundary edges free to turn in the plane of the face, since the closing
 //! of odd faces would pin the start. Odd faces inside can't be relieved so.
 
-use super::OffsetError;
 use super::angle_condition::{AngleCondition, angle_conditions};
 use super::face_offset::{check_planar_mesh, face_normals};
 use super::gauss_image::{GaussImage, OffsetKind};
+use super::{OffsetError, OffsetOptions};
 use nalgebra::{Matrix3, SymmetricEigen};
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerVertex, Topology, Vec3, VertexId};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::collections::VecDeque;
-
-/// Options of [`vertex_gauss_image`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct VertexOffsetOptions {
-    /// Largest distance of a vertex to the plane of its face, in mean edges. Default 1e-12, as for validity.
-    pub planarity: f64,
-    /// Largest defect of the angle condition, in radians. Default 1e-9: what then adds up over a thousand faces still
-    /// leaves edges parallel to 1e-6.
-    pub angle: f64,
-    /// Largest failure to close, on the unit sphere. Default 1e-7.
-    pub closing: f64,
-}
-
-impl Default for VertexOffsetOptions {
-    fn default() -> Self {
-        Self {
-            planarity: 1e-12,
-            angle: 1e-9,
-            closing: 1e-7,
-        }
-    }
-}
 
 /// What fails to close, and why it may.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -85,9 +62,9 @@ pub struct SphericalMesh {
 /// reflections do not close up.
 pub fn vertex_gauss_image(
     mesh: &HexMesh,
-    options: &VertexOffsetOptions,
+    options: &OffsetOptions,
 ) -> Result<SphericalMesh, OffsetError> {
-    check_planar_mesh(mesh, options.planarity)?;
+    check_planar_mesh(mesh, options.validity.planarity)?;
     check_angles(mesh, options.angle)?;
     let spherical = spherical_mesh(mesh)?;
     let holonomy = spherical.holonomy;
@@ -107,9 +84,10 @@ pub fn vertex_gauss_image(
 /// # Errors
 /// Names the face that is farthest from satisfying it, if that is more than `tolerance` (radians).
 pub fn check_angles(mesh: &HexMesh, tolerance: f64) -> Result<(), OffsetError> {
+    let holds = |c: &AngleCondition| c.defect.abs() <= tolerance;
     let failing: Vec<AngleCondition> = angle_conditions(mesh)
         .into_iter()
-        .filter(|c| !(c.defect.abs() <= tolerance))
+        .filter(|c| !holds(c))
         .collect();
     let farther = |a: &AngleCondition, b: &AngleCondition| {
         a.defect

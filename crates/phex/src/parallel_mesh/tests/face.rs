@@ -6,12 +6,10 @@ use crate::parallel_mesh::face_offset::face_normals;
 use crate::parallel_mesh::solids::volume;
 use crate::parallel_mesh::*;
 use phex_mesh::measure::diagonal;
-use phex_mesh::{FlatFace, HexMesh, PerFace, ValidateOptions, Vec3, VertexId, Violation};
-
-const PLANAR: f64 = 1e-12;
+use phex_mesh::{FlatFace, HexMesh, PerFace, Vec3, VertexId, Violation};
 
 fn image(mesh: &HexMesh) -> GaussImage {
-    face_gauss_image(mesh, PLANAR).unwrap()
+    face_gauss_image(mesh, &OffsetOptions::default()).unwrap()
 }
 
 /// Closed and open, convex and concave, flat vertices included.
@@ -194,7 +192,7 @@ fn areas_and_volumes_follow_steiner() {
 fn faces_may_have_distances_of_their_own() {
     let mesh = polar_dual(&spread_points(25));
     let d = PerFace::from_fn(25, |f: phex_mesh::FaceId| 0.01 * (f.index() as f64).sin());
-    let offset = face_offset(&mesh, &d, PLANAR).unwrap();
+    let offset = face_offset(&mesh, &d, &OffsetOptions::default()).unwrap();
     let moved = offset.apply(&mesh);
     for f in mesh.topology().faces() {
         for p in moved.corners(f) {
@@ -210,9 +208,9 @@ fn coplanar_faces_can_not_part() {
     let mesh = mapped(&planar_paraboloid(8, 4), |p| Vec3::new(p.x, p.y, 0.0));
     let n = mesh.topology().n_faces();
     let mut d = PerFace::filled(n, 0.1);
-    assert!(face_offset(&mesh, &d, PLANAR).is_ok());
+    assert!(face_offset(&mesh, &d, &OffsetOptions::default()).is_ok());
     d[phex_mesh::FaceId::new(3)] = 0.2;
-    let refused = face_offset(&mesh, &d, PLANAR).unwrap_err();
+    let refused = face_offset(&mesh, &d, &OffsetOptions::default()).unwrap_err();
     let OffsetError::Incompatible { vertex, residual } = refused else {
         panic!("{refused}");
     };
@@ -229,7 +227,7 @@ fn coplanar_faces_can_not_part() {
 #[test]
 fn the_safe_distance_of_a_cuboid() {
     let mesh = cuboid(1.0, 2.0, 3.0);
-    let options = ValidateOptions::default();
+    let options = OffsetOptions::default();
     let safe = safe_distances(&mesh, &image(&mesh), &options);
     // The edge 1 - 2d is at its limit, 0.05 of the mean edge 2 - 2d (and the clearance is the same).
     let expected = (1.0 - 0.05 * 2.0) / (2.0 - 0.05 * 2.0);
@@ -249,7 +247,7 @@ fn the_safe_distance_of_a_cuboid() {
 #[test]
 fn a_mesh_turned_inside_out_is_refused() {
     let mesh = cuboid(1.0, 2.0, 3.0);
-    let options = ValidateOptions::default();
+    let options = OffsetOptions::default();
     let refused = layer(&mesh, &image(&mesh), -4.0, &options).unwrap_err();
     let OffsetError::NotValid { first, count, .. } = refused else {
         panic!("{refused}");
@@ -273,7 +271,7 @@ fn sheets_that_meet_are_found() {
         [0.0, 3.0],
     ];
     let mesh = prism(&notched, 1.0);
-    let safe = safe_distances(&mesh, &image(&mesh), &ValidateOptions::default());
+    let safe = safe_distances(&mesh, &image(&mesh), &OffsetOptions::default());
     assert!(
         safe.outward.distance > 0.0 && safe.outward.distance < 0.1,
         "{safe:?}"
@@ -285,13 +283,13 @@ fn wrong_input_is_refused_with_the_element() {
     let mesh = cuboid(1.0, 2.0, 3.0);
     let mut bent = mesh.clone();
     bent.positions[VertexId::new(6)].x += 0.01;
-    let refused = face_gauss_image(&bent, PLANAR).unwrap_err();
+    let refused = face_gauss_image(&bent, &OffsetOptions::default()).unwrap_err();
     assert!(matches!(refused, OffsetError::NotPlanar { planarity, .. } if planarity > 1e-4));
 
     let mut broken = mesh.clone();
     broken.positions[VertexId::new(2)].y = f64::NAN;
     let vertex = VertexId::new(2);
-    let refused = face_gauss_image(&broken, PLANAR).unwrap_err();
+    let refused = face_gauss_image(&broken, &OffsetOptions::default()).unwrap_err();
     assert_eq!(refused, OffsetError::NotFinite { vertex });
 
     let pyramid: [&[u32]; 5] = [
@@ -309,16 +307,18 @@ fn wrong_input_is_refused_with_the_element() {
         [0.5, 0.5, 1.0],
     ];
     let (vertex, degree) = (VertexId::new(4), 4);
-    let refused = face_gauss_image(&self::mesh(&points, &pyramid), PLANAR).unwrap_err();
+    let refused =
+        face_gauss_image(&self::mesh(&points, &pyramid), &OffsetOptions::default()).unwrap_err();
     assert_eq!(refused, OffsetError::WrongDegree { vertex, degree });
     assert!(refused.to_string().contains("vertex 4"));
 
     let (found, expected) = (5, 6);
-    let refused = face_offset(&mesh, &PerFace::filled(5, 1.0), PLANAR).unwrap_err();
+    let refused =
+        face_offset(&mesh, &PerFace::filled(5, 1.0), &OffsetOptions::default()).unwrap_err();
     assert_eq!(refused, OffsetError::DistanceCount { found, expected });
     let infinite = PerFace::filled(6, f64::INFINITY);
     assert!(matches!(
-        face_offset(&mesh, &infinite, PLANAR),
+        face_offset(&mesh, &infinite, &OffsetOptions::default()),
         Err(OffsetError::Distance { .. })
     ));
 }

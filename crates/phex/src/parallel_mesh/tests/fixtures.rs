@@ -1,7 +1,7 @@
 //! Meshes with three faces at every inner vertex.
 
 use crate::optimise::tests::fixtures::{brick_faces, mesh as used};
-use phex_mesh::{FaceId, HexMesh, Vec3, VertexId};
+use phex_mesh::{HexMesh, Vec3, VertexId};
 
 /// A mesh from coordinates and faces.
 pub fn mesh(points: &[[f64; 3]], faces: &[&[u32]]) -> HexMesh {
@@ -138,12 +138,7 @@ pub fn distance(a: &HexMesh, b: &HexMesh) -> f64 {
     pairs.map(|(p, q)| (p - q).norm()).fold(0.0, f64::max)
 }
 
-/// Signed distance of the plane of a face of one mesh from that of another, along the normal `normal`.
-pub fn face_distance(from: &HexMesh, to: &HexMesh, face: FaceId, normal: &Vec3) -> f64 {
-    (to.centre(face) - from.centre(face)).dot(normal)
-}
-
-/// Largest angle between corresponding edges; `None` where one has no length.
+/// Largest angle between corresponding edges.
 pub fn parallelism(a: &HexMesh, b: &HexMesh) -> f64 {
     let vector = |m: &HexMesh, [v, w]: [VertexId; 2]| m.position(w) - m.position(v);
     let topology = a.topology();

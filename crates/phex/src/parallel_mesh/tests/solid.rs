@@ -7,7 +7,7 @@ use crate::parallel_mesh::*;
 use phex_mesh::{FlatFace, HexMesh, Topology};
 
 fn layers(mesh: &HexMesh, from: f64, to: f64) -> [HexMesh; 2] {
-    let image = face_gauss_image(mesh, 1e-12).unwrap();
+    let image = face_gauss_image(mesh, &OffsetOptions::default()).unwrap();
     [from, to].map(|d| image.offset(mesh, d))
 }
 
@@ -103,7 +103,7 @@ fn a_straight_corner_keeps_straight() {
     let polygon = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
     let mesh = prism(&polygon, 1.0);
     // The two faces over the straight side lie in one plane.
-    let image = face_gauss_image(&mesh, 1e-12).unwrap();
+    let image = face_gauss_image(&mesh, &OffsetOptions::default()).unwrap();
     let upper = image.offset(&mesh, 0.1);
     let solids = panel_solids(&mesh, &upper, 0.02).unwrap();
     let lid = &solids[1];

@@ -87,7 +87,7 @@ fn open_patches_of_every_curvature_have_vertex_offsets() {
         );
         let options = ValidateOptions::default();
         assert_eq!(violations(&result.mesh, None, &options), [], "{name}");
-        let spherical = vertex_gauss_image(&result.mesh, &VertexOffsetOptions::default()).unwrap();
+        let spherical = vertex_gauss_image(&result.mesh, &OffsetOptions::default()).unwrap();
         assert!(spherical.holonomy.defect < 1e-12, "{name}");
         assert!(spherical.facing > 0.9, "{name}: {}", spherical.facing);
         assert_eq!(
@@ -98,7 +98,7 @@ fn open_patches_of_every_curvature_have_vertex_offsets() {
         for d in [0.1 * unit, -0.1 * unit] {
             check_offset(name, &result.mesh, &spherical, d);
             assert!(
-                layer(&result.mesh, &spherical.image, d, &options).is_ok(),
+                layer(&result.mesh, &spherical.image, d, &OffsetOptions::default()).is_ok(),
                 "{name}"
             );
         }
@@ -127,7 +127,7 @@ fn the_same_input_gives_the_same_bytes() {
 #[test]
 fn the_vertex_offset_has_the_same_gauss_image() {
     let mesh = planar_paraboloid(16, 8);
-    let options = VertexOffsetOptions::default();
+    let options = OffsetOptions::default();
     let before = vertex_gauss_image(&mesh, &options).unwrap();
     let moved = before.image.offset(&mesh, 0.05);
     let after = vertex_gauss_image(&moved, &options).unwrap();
@@ -256,7 +256,7 @@ fn a_mesh_without_the_condition_is_refused_with_the_face() {
         .find(|&v| !bent.topology().is_boundary_vertex(v))
         .unwrap();
     bent.positions[inner].x += 0.02;
-    let options = VertexOffsetOptions::default();
+    let options = OffsetOptions::default();
     assert!(vertex_gauss_image(&mesh, &options).is_ok());
     let refused = vertex_gauss_image(&bent, &options).unwrap_err();
     let OffsetError::AngleCondition {
@@ -286,7 +286,7 @@ fn an_annulus_closes_from_one_start() {
     let points = (0..5 * columns).map(place).collect();
     let result = optimised(&HexMesh::new(points, &faces).unwrap());
     assert!(result.is_converged(), "{:?}", result.outcome.status);
-    let spherical = vertex_gauss_image(&result.mesh, &VertexOffsetOptions::default()).unwrap();
+    let spherical = vertex_gauss_image(&result.mesh, &OffsetOptions::default()).unwrap();
     let holonomy = spherical.holonomy;
     assert_eq!((holonomy.loops, holonomy.starts), (1, 1));
     assert!(holonomy.defect < 1e-12);
@@ -317,7 +317,7 @@ fn two_holes_have_a_holonomy() {
         holonomy.defect > 1e-6 && holonomy.defect < 0.5,
         "{holonomy:?}"
     );
-    let refused = vertex_gauss_image(&result.mesh, &VertexOffsetOptions::default()).unwrap_err();
+    let refused = vertex_gauss_image(&result.mesh, &OffsetOptions::default()).unwrap_err();
     let OffsetError::Holonomy {
         defect,
         loops: 2,
@@ -344,7 +344,7 @@ fn annulus_faces(columns: usize, rows: usize) -> Vec<Vec<u32>> {
 #[test]
 fn a_dodecahedron_is_its_own_spherical_mesh() {
     let mesh = dodecahedron();
-    let spherical = vertex_gauss_image(&mesh, &VertexOffsetOptions::default()).unwrap();
+    let spherical = vertex_gauss_image(&mesh, &OffsetOptions::default()).unwrap();
     assert_eq!(
         (spherical.holonomy.loops, spherical.holonomy.odd_faces),
         (0, 12)
