@@ -1,6 +1,7 @@
 //! The command line: what can be typed. What it means is said by the commands.
 
 use crate::exit::EXIT_CODES;
+use crate::offset_arguments::OffsetCommand;
 use crate::settings::MeshSettings;
 use crate::units::{Quantity, Unit};
 use clap::builder::PossibleValuesParser;
@@ -26,6 +27,8 @@ pub enum Command {
     Network(Box<NetworkCommand>),
     /// Make the faces of a polygon mesh planar (three faces at each interior vertex)
     Planarize(PlanarizeCommand),
+    /// Offset a planar mesh: layers, solid panels, beams, Gauss image
+    Offset(Box<OffsetCommand>),
     /// Judge any polygon mesh: planar, simple, sound, close to a surface; lists offenders by id
     Check(CheckCommand),
     /// Say what is in a surface or mesh file, and what is wrong with it
@@ -43,6 +46,7 @@ impl Command {
             Self::Mesh(c) => &c.talk,
             Self::Network(c) => &c.talk,
             Self::Planarize(c) => &c.talk,
+            Self::Offset(c) => &c.talk,
             Self::Check(c) => &c.talk,
             Self::Info(c) => &c.talk,
             Self::Convert(c) => &c.talk,

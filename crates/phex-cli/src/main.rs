@@ -5,6 +5,7 @@ mod commands;
 mod engine;
 mod exit;
 mod input;
+mod offset_arguments;
 mod output;
 mod panel_size;
 mod progress;

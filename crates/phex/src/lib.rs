@@ -1,6 +1,7 @@
 //! From a surface to a planar hexagonal mesh.
 //!
-//! Data flows `target -> curvature -> directions -> layout -> optimise -> trim -> report`; a stage uses earlier stages only.
+//! Data flows `target -> curvature -> directions -> layout -> optimise -> trim -> parallel_mesh -> report`; a stage uses
+//! earlier stages only.
 //!
 //! | stage | what it computes |
 //! |---|---|
@@ -10,6 +11,7 @@
 //! | [`layout`] | the panelling's connectivity and first positions |
 //! | [`optimise`] | planar, simple panels close to the surface |
 //! | [`trim`] | panels of an extended surface brought back to its boundary |
+//! | [`parallel_mesh`] | offsets, Gauss images, layers and solid panels |
 //! | [`report`] | what was reached: figures, checks, verdict, a picture |
 
 pub mod curvature;
@@ -17,6 +19,7 @@ pub mod directions;
 mod ground;
 pub mod layout;
 pub mod optimise;
+pub mod parallel_mesh;
 pub mod pipeline;
 pub mod progress;
 pub mod report;

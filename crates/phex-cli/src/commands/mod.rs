@@ -5,6 +5,7 @@ mod convert;
 mod info;
 mod mesh;
 mod network;
+mod offset;
 mod planarize;
 mod shape;
 
@@ -21,6 +22,7 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Mesh(command) => mesh::run(&command),
         Command::Network(command) => network::run(&command),
         Command::Planarize(command) => planarize::run(&command),
+        Command::Offset(command) => offset::run(&command),
         Command::Check(command) => check::run(&command),
         Command::Info(command) => info::run(&command),
         Command::Convert(command) => convert::run(&command),

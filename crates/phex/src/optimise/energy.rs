@@ -272,7 +272,7 @@ fn longest(step: &[f64]) -> f64 {
 }
 
 /// Fraction of a step that keeps clear of collisions within every face.
-fn collision_bound(
+pub(super) fn collision_bound(
     setting: &Setting<'_>,
     armed: &Armed,
     shape: &Shape,

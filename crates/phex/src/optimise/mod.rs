@@ -39,6 +39,7 @@
 //! higher penalties are then tried once). Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair
 //! loop may drop their seeds.
 
+mod angle;
 mod barrier;
 mod closeness;
 mod energy;
@@ -54,7 +55,7 @@ mod start;
 mod surface_target;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use crate::layout::{Layout, VertexKind};
 use crate::progress::Progress;
@@ -66,6 +67,7 @@ use phex_numeric::{Outcome, Status};
 use run::{Run, Solvers};
 use serde::Serialize;
 
+pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
 pub use options::{OptimiseError, OptimiseOptions, StartKind, Starts};
 pub use surface_target::SurfaceTarget;

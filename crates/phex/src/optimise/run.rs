@@ -39,18 +39,7 @@ pub(super) struct Solvers {
 
 impl Solvers {
     pub fn new(panels: &Panels) -> Result<Self, OptimiseError> {
-        let unknowns = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
-        let face = |f| {
-            panels
-                .vertices(f)
-                .iter()
-                .flat_map(|&v| unknowns(v))
-                .collect()
-        };
-        let faces = (0..panels.n_faces()).map(face);
-        let vertices = (0..panels.n_vertices() as u32).map(|v| unknowns(v).to_vec());
-        let elements: Vec<Vec<u32>> = faces.chain(vertices).collect();
-        let energy_assembly = Assembly::new(3 * panels.n_vertices(), &elements);
+        let energy_assembly = energy_assembly(panels);
         let (cholesky, matrix) = system(&energy_assembly, 3)?;
         let energy = DampedSolver::new(cholesky, matrix);
         let elements = PlanarityConstraints::elements(panels);
@@ -71,7 +60,24 @@ impl Solvers {
     }
 }
 
-fn system(assembly: &Assembly, block: usize) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
+/// The assembly of the energy's Hessian: a block for every face and then one for every vertex.
+pub(super) fn energy_assembly(panels: &Panels) -> Assembly {
+    let unknowns = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
+    let face = |f| {
+        let vertices = panels.vertices(f).iter();
+        vertices.flat_map(|&v| unknowns(v)).collect()
+    };
+    let faces = (0..panels.n_faces()).map(face);
+    let vertices = (0..panels.n_vertices() as u32).map(|v| unknowns(v).to_vec());
+    let elements: Vec<Vec<u32>> = faces.chain(vertices).collect();
+    Assembly::new(3 * panels.n_vertices(), &elements)
+}
+
+/// An analysed factorisation and a matrix on the pattern of an assembly.
+pub(super) fn system(
+    assembly: &Assembly,
+    block: usize,
+) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
     let cholesky = Cholesky::analyse(assembly.pattern(), block)?;
     Ok((cholesky, SymmetricMatrix::zeros(assembly.pattern().clone())))
 }
@@ -123,7 +129,8 @@ impl Reporter<'_> {
 }
 
 impl Stage<'_> {
-    fn setting(&self, x: &[f64]) -> Setting<'_> {
+    /// The stage at given positions.
+    pub fn setting(&self, x: &[f64]) -> Setting<'_> {
         Setting {
             panels: &self.panels,
             reference: &self.reference,
@@ -392,7 +399,8 @@ impl<'a> Path<'a> {
     }
 }
 
-fn panel_energy<'a>(
+/// The energy with the weights of the options; `start` is the anchor.
+pub(super) fn panel_energy<'a>(
     setting: &'a Setting<'a>,
     assembly: &'a Assembly,
     start: &[f64],

@@ -1,5 +1,5 @@
 //! Tests of the optimiser on analytic surfaces.
 
 mod derivatives;
-mod fixtures;
+pub(crate) mod fixtures;
 mod whole;

@@ -1,0 +1,86 @@
+//! What lies between two layers: solid panels, beams, nodes.
+
+use super::Layer;
+use crate::exit::{Exit, Failure, OrExit};
+use phex::parallel_mesh::{PanelSolid, beam_axes, joined, node_axes, panel_solids};
+use phex_mesh::{HexMesh, PolygonSoup, Vec3};
+use std::fmt::Write as _;
+
+/// Two layers, the second on the side of the normals.
+pub(super) struct Pair<'a> {
+    lower: &'a HexMesh,
+    upper: &'a HexMesh,
+}
+
+impl<'a> Pair<'a> {
+    /// Successive layers, in ascending order; a single layer makes a pair with the mesh.
+    pub fn successive(mesh: &'a HexMesh, layers: &'a [Layer]) -> Vec<Self> {
+        match layers {
+            [only] if only.distance < 0.0 => vec![Self {
+                lower: &only.mesh,
+                upper: mesh,
+            }],
+            [only] => vec![Self {
+                lower: mesh,
+                upper: &only.mesh,
+            }],
+            _ => {
+                let pair = |w: &'a [Layer]| Self {
+                    lower: &w[0].mesh,
+                    upper: &w[1].mesh,
+                };
+                layers.windows(2).map(pair).collect()
+            }
+        }
+    }
+}
+
+/// All solids of a pair, and the sum of their volumes.
+///
+/// # Errors
+/// If the gap is too wide, or a panel has no volume.
+pub(super) fn solids(pair: &Pair<'_>, gap: f64) -> Result<(PolygonSoup, f64), Failure> {
+    let solids = panel_solids(pair.lower, pair.upper, gap).or_exit(Exit::NoValidResult)?;
+    let volume = solids.iter().map(PanelSolid::volume).sum();
+    Ok((joined(&solids), volume))
+}
+
+/// The beams of a pair, one a line.
+pub(super) fn beam_table(pair: &Pair<'_>) -> Result<String, Failure> {
+    let mut text = "edge,from,to,x0,y0,z0,x1,y1,z1,length,nx,ny,nz,torsion_degrees\n".to_owned();
+    for beam in beam_axes(pair.lower, pair.upper).or_exit(Exit::Internal)? {
+        let [from, to] = beam.vertices.map(|v| v.index());
+        let [a, b] = beam.ends;
+        let _ = writeln!(
+            text,
+            "{},{from},{to},{},{},{},{},{:e}",
+            beam.edge.index(),
+            numbers(a),
+            numbers(b),
+            (b - a).norm(),
+            numbers(beam.plane_normal),
+            beam.torsion.to_degrees()
+        );
+    }
+    Ok(text)
+}
+
+/// The nodes of a pair, one a line.
+pub(super) fn node_table(pair: &Pair<'_>) -> Result<String, Failure> {
+    let mut text = "vertex,x,y,z,axis_x,axis_y,axis_z,length\n".to_owned();
+    for node in node_axes(pair.lower, pair.upper).or_exit(Exit::Internal)? {
+        let _ = writeln!(
+            text,
+            "{},{},{},{}",
+            node.vertex.index(),
+            numbers(node.base),
+            numbers(node.direction),
+            node.length
+        );
+    }
+    Ok(text)
+}
+
+fn numbers(p: Vec3) -> String {
+    format!("{},{},{}", p.x, p.y, p.z)
+}

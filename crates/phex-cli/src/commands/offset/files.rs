@@ -1,0 +1,173 @@
+//! The files of `phex offset`: their names, and what stands in them.
+
+use super::between::{Pair, beam_table, node_table, solids};
+use super::{Base, Job, Layer};
+use crate::exit::Failure;
+use crate::offset_arguments::OffsetCommand;
+use crate::output::{self, write_mesh, write_text};
+use phex_mesh::PolygonSoup;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Names of all files.
+pub(super) struct Files {
+    folder: Option<PathBuf>,
+    extension: &'static str,
+    report: Option<PathBuf>,
+    names: Vec<String>,
+    tables: Vec<String>,
+}
+
+/// One file with what it will hold.
+pub(super) struct Content {
+    path: PathBuf,
+    what: &'static str,
+    body: Body,
+    /// Volume of all solids in it.
+    volume: Option<f64>,
+}
+
+enum Body {
+    Mesh(PolygonSoup),
+    Text(String),
+}
+
+impl Content {
+    pub fn write(&self) -> Result<(), Failure> {
+        match &self.body {
+            Body::Mesh(soup) => write_mesh(&self.path, soup),
+            Body::Text(text) => write_text(&self.path, text),
+        }
+    }
+
+    pub fn record(&self) -> Value {
+        json!({ "content": self.what, "path": self.path.display().to_string(), "volume": self.volume })
+    }
+
+    pub fn line(&self) -> String {
+        let volume = self
+            .volume
+            .map_or(String::new(), |v| format!(", volume {v:.6}"));
+        format!("{:<16} {}{volume}", self.what, self.path.display())
+    }
+}
+
+impl Files {
+    /// The names that a command leads to.
+    ///
+    /// # Errors
+    /// If there are layers but no folder for them.
+    pub fn plan(command: &OffsetCommand, distances: &[f64]) -> Result<Self, Failure> {
+        let own = command.face_distances.is_some();
+        let layers = layer_tags(own, distances);
+        let any = !layers.is_empty() || command.gauss_image;
+        if any && command.output.is_none() {
+            return Err(Failure::new(
+                crate::exit::Exit::Usage,
+                "give a folder with -o to write layers",
+            ));
+        }
+        let mut names: Vec<String> = layers.iter().map(|t| format!("layer_{t}")).collect();
+        let pairs = pair_tags(&layers);
+        let mut tables = Vec::new();
+        if command.solids {
+            names.extend(pairs.iter().map(|t| format!("solids_{t}")));
+        }
+        if command.beams {
+            tables.extend(pairs.iter().map(|t| format!("beams_{t}")));
+            tables.extend(pairs.iter().map(|t| format!("nodes_{t}")));
+        }
+        names.extend(command.gauss_image.then(|| "gauss_image".to_owned()));
+        names.extend((command.optimise && any).then(|| "mesh".to_owned()));
+        Ok(Self {
+            folder: command.output.clone(),
+            extension: command.format.extension(),
+            report: command.report.clone(),
+            names,
+            tables,
+        })
+    }
+
+    /// All paths, for checking that they can be written.
+    pub fn outputs(&self) -> Vec<(PathBuf, output::Content)> {
+        let meshes = self.names.iter().map(|n| self.path(n, self.extension));
+        let tables = self.tables.iter().map(|n| self.path(n, "csv"));
+        let others = tables.chain(self.report.clone());
+        let mesh = meshes.map(|path| (path, output::Content::Mesh));
+        mesh.chain(others.map(|path| (path, output::Content::Other)))
+            .collect()
+    }
+
+    fn path(&self, name: &str, extension: &str) -> PathBuf {
+        let folder = self.folder.as_deref().unwrap_or(Path::new("."));
+        folder.join(format!("{name}.{extension}"))
+    }
+
+    /// What is to be written.
+    ///
+    /// # Errors
+    /// If a gap is too wide or layers do not enclose solids.
+    pub fn contents(
+        &self,
+        command: &OffsetCommand,
+        job: &Job<'_>,
+        base: &Base,
+        layers: &[Layer],
+    ) -> Result<Vec<Content>, Failure> {
+        let mut bodies: Vec<(&'static str, Body, Option<f64>)> = Vec::new();
+        for layer in layers {
+            bodies.push(("layer", Body::Mesh(layer.mesh.to_soup()), None));
+        }
+        let pairs = Pair::successive(&base.mesh, layers);
+        if command.solids {
+            for pair in &pairs {
+                let (soup, volume) = solids(pair, job.gap)?;
+                bodies.push(("solids", Body::Mesh(soup), Some(volume)));
+            }
+        }
+        if command.gauss_image {
+            let image = base.image.mesh(&base.mesh).to_soup();
+            bodies.push(("gauss image", Body::Mesh(image), None));
+        }
+        if base.optimised.is_some() && !self.names.is_empty() {
+            bodies.push(("mesh", Body::Mesh(base.mesh.to_soup()), None));
+        }
+        let meshes = self.names.iter().map(|n| self.path(n, self.extension));
+        let tables = self.tables.iter().map(|n| self.path(n, "csv"));
+        if command.beams {
+            for pair in &pairs {
+                bodies.push(("beams", Body::Text(beam_table(pair)?), None));
+            }
+            for pair in &pairs {
+                bodies.push(("nodes", Body::Text(node_table(pair)?), None));
+            }
+        }
+        let content =
+            |(path, (what, body, volume)): (PathBuf, (&'static str, Body, Option<f64>))| Content {
+                path,
+                what,
+                body,
+                volume,
+            };
+        Ok(meshes.chain(tables).zip(bodies).map(content).collect())
+    }
+}
+
+/// Parts of file names that tell the layers.
+fn layer_tags(own: bool, distances: &[f64]) -> Vec<String> {
+    if own {
+        return vec!["faces".to_owned()];
+    }
+    distances.iter().map(|d| format!("{d:+}")).collect()
+}
+
+/// Parts of file names that tell what lies between successive layers.
+fn pair_tags(layers: &[String]) -> Vec<String> {
+    match layers {
+        [only] => vec![format!("0_{only}")],
+        _ => layers
+            .windows(2)
+            .map(|w| format!("{}_{}", w[0], w[1]))
+            .collect(),
+    }
+}

@@ -1,0 +1,181 @@
+//! `phex offset`: layers, solids, and refusals that leave nothing behind.
+
+mod common;
+use common::Workshop;
+
+/// A cuboid of 1 x 2 x 3, normals pointing out.
+const CUBOID: &str = "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0 0 3\nv 1 0 3\nv 1 2 3\nv 0 2 3\n\
+    f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+fn with_cuboid() -> Workshop {
+    let shop = Workshop::new();
+    shop.write("m.obj", CUBOID);
+    shop
+}
+
+/// Runs and expects a refusal that leaves the folder as it was.
+fn refused(shop: &Workshop, arguments: &str, code: i32, texts: &[&str]) {
+    let before = shop.files();
+    let run = shop.phex(arguments);
+    run.refuses(code, texts);
+    assert_eq!(shop.files(), before, "no file comes or goes");
+}
+
+fn coordinates(shop: &Workshop, name: &str) -> Vec<f64> {
+    let text = String::from_utf8(shop.read(name)).unwrap();
+    let lines = text.lines().filter_map(|l| l.strip_prefix("v "));
+    lines
+        .flat_map(|l| l.split_whitespace())
+        .map(|x| x.parse().unwrap())
+        .collect()
+}
+
+#[test]
+fn layers_solids_beams_and_the_gauss_image() {
+    let shop = with_cuboid();
+    shop.succeed(
+        "offset m.obj --kind face --distance 0.2,5cm -o layers --solids --beams --gauss-image --report run.json",
+    );
+    let low = |name: &str| {
+        coordinates(&shop, name)
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
+    };
+    assert!((low("layers/layer_+0.05.obj") + 0.05).abs() < 1e-15);
+    assert!((low("layers/layer_+0.2.obj") + 0.2).abs() < 1e-15);
+    let gauss = coordinates(&shop, "layers/gauss_image.obj");
+    assert!(gauss.iter().all(|x| (x.abs() - 1.0).abs() < 1e-15));
+    let report = shop.json("run.json");
+    let outputs = report["outputs"].as_array().unwrap();
+    let solids = outputs.iter().find(|o| o["content"] == "solids").unwrap();
+    let shell = 1.4 * 2.4 * 3.4 - 1.1 * 2.1 * 3.1;
+    assert!((solids["volume"].as_f64().unwrap() - shell).abs() < 1e-12);
+    assert_eq!(solids["path"], "layers/solids_+0.05_+0.2.obj");
+    // Six panels of eight corners each.
+    assert_eq!(
+        coordinates(&shop, "layers/solids_+0.05_+0.2.obj").len(),
+        6 * 8 * 3
+    );
+    let beams = String::from_utf8(shop.read("layers/beams_+0.05_+0.2.csv")).unwrap();
+    assert_eq!(beams.lines().count(), 1 + 12);
+}
+
+#[test]
+fn a_distance_past_the_safe_one_writes_nothing() {
+    let shop = with_cuboid();
+    refused(
+        &shop,
+        "offset m.obj --distance=0.1,-0.6 -o layers",
+        5,
+        &["-0.6", "edge", "largest safe distance", "-0.47368"],
+    );
+    let run = shop.succeed("offset m.obj --max-distance");
+    assert!(
+        run.stdout.contains("safe outward     inf"),
+        "{}",
+        run.stdout
+    );
+    assert!(
+        run.stdout.contains("safe inward      0.47368"),
+        "{}",
+        run.stdout
+    );
+    shop.succeed("offset m.obj --distance=-0.47 -o layers");
+}
+
+#[test]
+fn a_distance_for_each_face() {
+    let shop = with_cuboid();
+    shop.write("d.txt", "0.1\n0\n0 0 0 0\n");
+    shop.succeed("offset m.obj --face-distances d.txt -o layers");
+    let moved = coordinates(&shop, "layers/layer_faces.obj");
+    let before = coordinates(&shop, "m.obj");
+    let changed = moved.iter().zip(&before).filter(|(a, b)| a != b).count();
+    assert_eq!(changed, 4, "four corners go down");
+    shop.write("few.txt", "0.1 0.2");
+    refused(
+        &shop,
+        "offset m.obj --face-distances few.txt -o other",
+        4,
+        &["2 distances", "6 faces"],
+    );
+    shop.write("word.txt", "0.1 zero");
+    refused(
+        &shop,
+        "offset m.obj --face-distances word.txt -o other",
+        4,
+        &["word.txt", "number 2", "zero"],
+    );
+}
+
+/// A cuboid is inscribed in a sphere, so its vertices can keep their distance too.
+#[test]
+fn vertices_at_a_distance() {
+    let shop = with_cuboid();
+    shop.succeed("offset m.obj --kind vertex --distance 0.1 -o layers");
+    let moved = coordinates(&shop, "layers/layer_+0.1.obj");
+    let before = coordinates(&shop, "m.obj");
+    for (a, b) in moved.chunks(3).zip(before.chunks(3)) {
+        let d: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+        assert!((d.sqrt() - 0.1).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn wrong_meshes_are_refused_with_the_element() {
+    let shop = Workshop::new();
+    shop.write("m.obj", CUBOID.replace("v 1 2 3", "v 1.1 2 3"));
+    refused(
+        &shop,
+        "offset m.obj --distance 0.1 -o layers",
+        4,
+        &["face 3", "not planar"],
+    );
+    let pyramid = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 1\n\
+        f 4 3 2 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    shop.write("m.obj", pyramid);
+    refused(
+        &shop,
+        "offset m.obj --distance 0.1 -o layers",
+        4,
+        &["4 faces meet at vertex 4"],
+    );
+    let kite = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 2 0\nf 1 2 3 4\n";
+    shop.write("m.obj", kite);
+    refused(
+        &shop,
+        "offset m.obj --kind vertex --distance 0.1 -o layers",
+        4,
+        &["face 0", "angle condition"],
+    );
+    shop.succeed("offset m.obj --kind vertex --optimise --distance 0.1 -o layers");
+}
+
+#[test]
+fn wrong_options_are_refused() {
+    let shop = with_cuboid();
+    let usage = |arguments: &str, texts: &[&str]| refused(&shop, arguments, 2, texts);
+    usage("offset m.obj -o layers", &["--distance"]);
+    usage("offset m.obj --distance 0.1", &["--output"]);
+    usage("offset m.obj --distance wide -o layers", &["wide"]);
+    usage(
+        "offset m.obj --distance 0.1 -o layers --optimise",
+        &["--kind vertex"],
+    );
+    usage(
+        "offset m.obj --distance 0.1 -o layers --gap 1mm",
+        &["--solids"],
+    );
+    refused(
+        &shop,
+        "offset m.obj --distance 0.1 -o layers --solids --gap 1.5",
+        5,
+        &["gap of 1.5", "face"],
+    );
+    refused(
+        &shop,
+        "offset m.obj --distance 0.1,0.1 -o layers",
+        4,
+        &["layer_+0.1.obj"],
+    );
+}

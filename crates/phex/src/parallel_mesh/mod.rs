@@ -1,0 +1,63 @@
+//! Parallel meshes: offsets at constant distance of faces or vertices, Gauss images, layers and solid panels.
+//!
+//! `M_d = M + d M'`, vertex by vertex, where the *Gauss image* `M'` is a mesh parallel to `M` whose faces, edges or
+//! vertices touch the unit sphere. Source: Wang and Liu, "A note on planar hexagonal meshes" (2010), section 4.
+//!
+//! | symbol | here | meaning |
+//! |---|---|---|
+//! | `d` | `distance` | signed; positive on the side of the face normals (winding), model units |
+//! | `N_i`, `t_i` | `normals`, `angles` | unit normals and interior angles of the faces at a vertex |
+//! | `N_v` | [`vertex_normal()`] | `N_v . N_i = 1`; the vertices of `M'` for the face-distance offset |
+//! | `M'` | [`GaussImage`] | parallel mesh that touches the unit sphere |
+//!
+//! | file | what it computes |
+//! |---|---|
+//! | [`vertex_normal`](mod@vertex_normal) | where three moved planes meet, by four ways with error estimates |
+//! | [`face_offset`](mod@face_offset) | face-distance offsets, one distance for all faces or one for each |
+//! | [`angle_condition`] | the condition (4.1) for vertex-distance offsets |
+//! | [`vertex_offset`] | spherical meshes by reflections along edges, and their holonomy |
+//! | [`gauss_image`] | `M'` and `M + d M'` |
+//! | `contact` | when a face first meets itself on its way |
+//! | [`layers`] | offsets that have been checked, and how far one may go |
+//! | [`solids`] | closed panels between two layers, mitred, with joint gaps |
+//! | [`beams`] | beams and node axes between two layers |
+//! | [`options`] | limits |
+//! | [`error`] | why an offset can't be made |
+//!
+//! *Guaranteed*: a [`layer`] is a valid mesh, no edge of which points backwards; a distance up to the safe one gives such a
+//! layer at every place that was looked at ([`safe_distances`]). Error estimates of vertex normals cover rounding.
+//!
+//! *Fails*: for face offsets only where a vertex has not three faces, or faces that lie in one plane are asked to part.
+//! Vertex offsets need the angle condition (`optimise::satisfy_angle_condition` makes it hold near a mesh), and a start that
+//! closes, which many odd faces or several holes forbid.
+//!
+//! *Differences from the paper*: the vertex normal is the best of four formulas, since the paper's loses its digits at folded
+//! edges and where two faces lie in one plane; the angle condition is taken modulo pi; on an annulus it is sufficient, too.
+
+pub mod angle_condition;
+pub mod beams;
+mod contact;
+pub mod error;
+pub mod face_offset;
+pub mod gauss_image;
+pub mod layers;
+pub mod options;
+pub mod solids;
+pub mod vertex_normal;
+pub mod vertex_offset;
+
+#[cfg(test)]
+mod tests;
+
+pub use angle_condition::{AngleCondition, angle_conditions};
+pub use beams::{BeamAxis, NodeAxis, beam_axes, node_axes};
+pub use error::OffsetError;
+pub use face_offset::{FaceOffset, face_gauss_image, face_offset};
+pub use gauss_image::{GaussImage, OffsetKind};
+pub use layers::{SafeDistance, SafeDistances, checked, layer, safe_distances};
+pub use options::OffsetOptions;
+pub use solids::{PanelSolid, joined, panel_solids};
+pub use vertex_normal::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};
+pub use vertex_offset::{
+    Holonomy, SphericalMesh, check_angles, spherical_mesh, vertex_gauss_image,
+};
