@@ -15,6 +15,7 @@ pub mod curvature;
 pub mod directions;
 pub mod layout;
 pub mod optimise;
+pub mod parallel_mesh;
 pub mod pipeline;
 pub mod progress;
 pub mod report;
