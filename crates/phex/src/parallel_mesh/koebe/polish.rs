@@ -15,8 +15,9 @@ use phex_mesh::{ElementId, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::assembly::packed;
 use phex_numeric::{Assembly, Cholesky, NumericError, Outcome, Record, Status, SymmetricMatrix};
 
-/// Shift of the normal equations over their diagonal, which is about 1: it decides the Moebius directions alone.
-const SHIFT: f64 = 1e-13;
+/// Shifts of the normal equations, whose diagonal is about 1, until they factorise. They decide the Moebius directions
+/// and, where circles are so small that rounding decides, the tangential ones.
+const SHIFTS: [f64; 3] = [1e-13, 1e-11, 1e-9];
 
 /// Residual at which nothing can be gained any more.
 const FLOOR: f64 = 3e-16;
@@ -54,8 +55,7 @@ pub(super) fn polish(
         let frames: Vec<Matrix3<f64>> = points.iter().map(scaled_frame).collect();
         let rows: Vec<Block> = equations.iter().map(|e| row(e, &points, &frames)).collect();
         assembly.assemble(&blocks(&rows), &mut matrix);
-        outcome.factorisations += 1;
-        if cholesky.refactor_shifted(&matrix, SHIFT).is_err() {
+        if !factorise(&mut cholesky, &matrix) {
             outcome.status = Status::NumericalBreakdown;
             break;
         }
@@ -71,6 +71,7 @@ pub(super) fn polish(
         outcome.history.push(record(reached, &points, &moved));
         (points, residual) = (moved, reached);
     }
+    outcome.factorisations = cholesky.factorisations();
     if residual <= 1e-14 {
         outcome.status = Status::Converged;
     }
@@ -78,6 +79,10 @@ pub(super) fn polish(
     poles.vertices = PerVertex::from_vec(points[..n].to_vec());
     poles.faces = PerFace::from_vec(points[n..].to_vec());
     Ok(outcome)
+}
+
+fn factorise(cholesky: &mut Cholesky, matrix: &SymmetricMatrix) -> bool {
+    SHIFTS.iter().any(|&shift| cholesky.refactor_shifted(matrix, shift).is_ok())
 }
 
 fn record(residual: f64, before: &[Vec3], after: &[Vec3]) -> Record {
@@ -88,7 +93,7 @@ fn record(residual: f64, before: &[Vec3], after: &[Vec3]) -> Record {
         residual,
         step: moves.fold(0.0, f64::max),
         fraction: 1.0,
-        damping: SHIFT,
+        damping: 0.0,
     }
 }
 
@@ -113,11 +118,24 @@ pub(super) fn tangent_length(x: &Vec3) -> f64 {
     (x.norm_squared() - 1.0).max(0.0).sqrt()
 }
 
+fn floored_length(x: &Vec3) -> f64 {
+    tangent_length(x).max(1e-9)
+}
+
+/// Weight with which the equation of tangency is about twice the distance of the edge to the sphere.
+fn weight(ta: f64, tb: f64) -> f64 {
+    4.0 * ta * tb / (ta + tb).powi(2)
+}
+
 fn value(e: &Equation, points: &[Vec3]) -> f64 {
     let [a, b] = e.ends.map(|p| points[p]);
     // `(a - b) . b + (|b|^2 - 1)` keeps the digits of short edges.
     let dot = (a - b).dot(&b) + (b.norm_squared() - 1.0);
-    if e.touches { dot + tangent_length(&a) * tangent_length(&b) } else { dot }
+    if !e.touches {
+        return dot;
+    }
+    let (ta, tb) = (floored_length(&a), floored_length(&b));
+    weight(ta, tb) * (dot + ta * tb)
 }
 
 fn largest_residual(equations: &[Equation], points: &[Vec3]) -> f64 {
@@ -132,16 +150,16 @@ fn largest_residual(equations: &[Equation], points: &[Vec3]) -> f64 {
 fn scaled_frame(x: &Vec3) -> Matrix3<f64> {
     let radial = x / x.norm();
     let radial = radial * radial.transpose();
-    radial + (Matrix3::identity() - radial) / tangent_length(x).clamp(1e-8, 1.0)
+    radial + (Matrix3::identity() - radial) / tangent_length(x).clamp(0.1, 1.0)
 }
 
 fn row(e: &Equation, points: &[Vec3], frames: &[Matrix3<f64>]) -> Block {
     let [a, b] = e.ends.map(|p| points[p]);
     let (mut by_a, mut by_b) = (b, a);
     if e.touches {
-        let (ta, tb) = (tangent_length(&a).max(1e-12), tangent_length(&b).max(1e-12));
-        by_a += a * (tb / ta);
-        by_b += b * (ta / tb);
+        let (ta, tb) = (floored_length(&a), floored_length(&b));
+        by_a = (by_a + a * (tb / ta)) * weight(ta, tb);
+        by_b = (by_b + b * (ta / tb)) * weight(ta, tb);
     }
     let (by_a, by_b) = (frames[e.ends[0]] * by_a, frames[e.ends[1]] * by_b);
     Block::new(by_a.x, by_a.y, by_a.z, by_b.x, by_b.y, by_b.z)

@@ -73,12 +73,13 @@ fn scratch() {
         let tri = random_triangulation(n, 1);
         let mesh = dual(&tri, n);
         let t0 = std::time::Instant::now();
-        let k = koebe(&mesh, &KoebeOptions::default());
+        for (tol, it) in [(1e-10, 0), (1e-13, 0), (1e-10, 6)] {
+        let k = koebe(&mesh, &KoebeOptions{angle_tolerance: tol, max_polish_iterations: it, ..Default::default()});
         let k = match k {
             Ok(k) => k,
             Err(e) => {
                 println!("{n}: {e}");
-                continue;
+                panic!();
             }
         };
         let m = measure(&k.mesh);
@@ -87,8 +88,7 @@ fn scratch() {
             mesh.topology().n_vertices(), k.outcome.status, k.outcome.factorisations, k.imbalance,
             tangency(&k.mesh), m.planarity_diagonals.max, m.edge_length.min * m.mean_edge, t0.elapsed(), m.face_sizes.keys().last(),
         );
-        for r in &k.outcome.history {
-            println!("   phase {} res {:.2e} step {:.2e} frac {}", r.phase, r.residual, r.step, r.fraction);
+        let h = m.planarity_length.max; println!("    height {h:.1e} not simple {} concave {} last {:?}", m.faces_not_simple, m.faces_concave, k.outcome.history.last());
         }
     }
 }
