@@ -11,7 +11,7 @@
 //! step is that of least squares, nearly of minimum norm. Unknowns are scaled by the size of their circle along the sphere.
 
 use nalgebra::{Matrix3, SVector};
-use phex_mesh::{ElementId, PerFace, PerVertex, Topology, Vec3};
+use phex_mesh::{PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::assembly::packed;
 use phex_numeric::{Assembly, Cholesky, NumericError, Outcome, Record, Status, SymmetricMatrix};
 
@@ -20,7 +20,13 @@ use phex_numeric::{Assembly, Cholesky, NumericError, Outcome, Record, Status, Sy
 const SHIFTS: [f64; 3] = [1e-13, 1e-11, 1e-9];
 
 /// Residual at which nothing can be gained any more.
-const FLOOR: f64 = 3e-16;
+const FLOOR: f64 = 1e-15;
+
+/// Residual that counts as converged.
+const GOAL: f64 = 1e-13;
+
+/// Inverse of the size of circles that begin to be held back.
+const HOLD: f64 = 1e4;
 
 type Block = SVector<f64, 6>;
 
@@ -42,6 +48,7 @@ pub(super) fn polish(
     topology: &Topology,
     poles: &mut Poles,
     max_iterations: usize,
+    report: &impl Fn(usize, &Record) -> bool,
 ) -> Result<Outcome, NumericError> {
     let equations = equations(topology);
     let unknowns: Vec<Vec<u32>> = equations.iter().map(|e| unknowns(e.ends)).collect();
@@ -68,11 +75,16 @@ pub(super) fn polish(
             outcome.status = Status::Stalled;
             break;
         }
-        outcome.history.push(record(reached, &points, &moved));
+        let record = record(reached, &points, &moved);
+        outcome.history.push(record);
         (points, residual) = (moved, reached);
+        if !report(outcome.iterations, &record) {
+            outcome.status = Status::Cancelled;
+            break;
+        }
     }
     outcome.factorisations = cholesky.factorisations();
-    if residual <= 1e-14 {
+    if residual <= GOAL && outcome.status != Status::Cancelled {
         outcome.status = Status::Converged;
     }
     let n = poles.vertices.len();
@@ -128,7 +140,10 @@ fn weight(ta: f64, tb: f64) -> f64 {
 }
 
 fn value(e: &Equation, points: &[Vec3]) -> f64 {
-    let [a, b] = e.ends.map(|p| points[p]);
+    let [mut a, mut b] = e.ends.map(|p| points[p]);
+    if b.norm_squared() > a.norm_squared() {
+        std::mem::swap(&mut a, &mut b);
+    }
     // `(a - b) . b + (|b|^2 - 1)` keeps the digits of short edges.
     let dot = (a - b).dot(&b) + (b.norm_squared() - 1.0);
     if !e.touches {
@@ -146,11 +161,14 @@ fn largest_residual(equations: &[Equation], points: &[Vec3]) -> f64 {
     equations.iter().fold(0.0, larger)
 }
 
-/// Axes along which a unit step changes the equations by about 1: the radius, and longer ones along the sphere.
+/// Axes along which a unit step changes the equations by about 1: the radius, and longer ones along the sphere. Circles so small that
+/// rounding of the positions moves them are held back.
 fn scaled_frame(x: &Vec3) -> Matrix3<f64> {
     let radial = x / x.norm();
     let radial = radial * radial.transpose();
-    radial + (Matrix3::identity() - radial) / tangent_length(x).clamp(0.1, 1.0)
+    let size = tangent_length(x);
+    let along = (1.0 / size.clamp(0.1, 1.0)).min(HOLD * floored_length(x));
+    radial + (Matrix3::identity() - radial) * along
 }
 
 fn row(e: &Equation, points: &[Vec3], frames: &[Matrix3<f64>]) -> Block {

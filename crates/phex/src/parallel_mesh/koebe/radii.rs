@@ -10,6 +10,9 @@ const LINE_SEARCH_STEPS: usize = 30;
 /// A step is accepted when the slope along it has fallen below this fraction of the slope at its start.
 const SLOPE_FRACTION: f64 = 0.5;
 
+/// Residual below which one that does not fall is at the floor of rounding.
+const STALL: f64 = 1e-9;
+
 /// Logarithms of the radii, and which of them are unknown.
 #[derive(Clone, Debug)]
 pub(super) struct Radii {
@@ -66,7 +69,12 @@ impl Radii {
     }
 
     /// Finds the radii that give every unknown node its angle sum.
-    pub fn solve(&mut self, circles: &Circles, options: &RadiiOptions) -> Result<Outcome, NumericError> {
+    pub fn solve(
+        &mut self,
+        circles: &Circles,
+        options: &RadiiOptions,
+        report: &impl Fn(usize, &Record) -> bool,
+    ) -> Result<Outcome, NumericError> {
         let mut outcome = Outcome::empty(Status::IterationLimit);
         let mut gradient = self.gradient(circles, &self.rho);
         let mut residual = largest(&gradient);
@@ -88,17 +96,15 @@ impl Radii {
             gradient = self.gradient(circles, &self.rho);
             let before = std::mem::replace(&mut residual, largest(&gradient));
             outcome.iterations += 1;
-            outcome.history.push(Record {
-                phase: 0.0,
-                energy: f64::NAN,
-                residual,
-                step: fraction * largest(&step),
-                fraction,
-                damping: 0.0,
-            });
-            if residual.is_nan() || (residual >= before && before < 1e-9) {
+            let record = record(residual, fraction * largest(&step), fraction);
+            outcome.history.push(record);
+            if residual.is_nan() || (residual >= before && before < STALL) {
                 outcome.status = Status::Stalled;
                 break;
+            }
+            if !report(outcome.iterations, &record) {
+                outcome.status = Status::Cancelled;
+                return Ok(outcome);
             }
         }
         if residual <= options.tolerance {
@@ -166,6 +172,10 @@ impl Radii {
         }
         t
     }
+}
+
+fn record(residual: f64, step: f64, fraction: f64) -> Record {
+    Record { phase: 0.0, energy: f64::NAN, residual, step, fraction, damping: 0.0 }
 }
 
 /// Log of the radius that suits a node amid regular ones.

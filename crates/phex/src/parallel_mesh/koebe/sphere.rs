@@ -5,7 +5,9 @@
 
 use super::layout::{PlaneCircle, PlaneLayout};
 use nalgebra::{Matrix3, Matrix4, Vector4};
-use phex_mesh::{PerEdge, Vec2, Vec3};
+use super::polish::Poles;
+use super::touching_points;
+use phex_mesh::{HexMesh, PerEdge, Vec2, Vec3};
 
 /// Newton steps of the normalisation at the most.
 const MAX_STEPS: usize = 100;
@@ -23,20 +25,23 @@ pub(super) struct SphereCircles {
 }
 
 impl SphereCircles {
-    /// Inverse stereographic projection of `scale * (z - origin)`, the origin to the north pole, angles keeping their sense as
-    /// seen from outside.
-    pub fn project(layout: &PlaneLayout, origin: Vec2, scale: f64) -> Self {
+    /// Inverse stereographic projection of `factor (z - origin)` (a product of complex numbers), the origin to the north
+    /// pole, angles keeping their sense as seen from outside.
+    pub fn project(layout: &PlaneLayout, origin: Vec2, factor: Vec2) -> Self {
+        let turn = |z: Vec2| Vec2::new(factor.x * z.x - factor.y * z.y, factor.x * z.y + factor.y * z.x);
+        let scale = factor.norm();
         let lift = |circle: &PlaneCircle| match *circle {
             PlaneCircle::Circle { centre, radius } => {
-                lift_circle((centre - origin) * scale, radius * scale)
+                lift_circle(turn(centre - origin), radius * scale)
             }
             PlaneCircle::HalfPlane { normal, offset } => {
                 let offset = (offset - normal.dot(&origin)) * scale;
+                let normal = turn(normal) / scale;
                 Vector4::new(normal.x, normal.y, -offset, offset)
             }
         };
         let point = |z: &Option<Vec2>| match z {
-            Some(z) => lift_point((z - origin) * scale),
+            Some(z) => lift_point(turn(z - origin)),
             None => Vector4::new(0.0, 0.0, -1.0, 1.0),
         };
         Self {
@@ -45,35 +50,47 @@ impl SphereCircles {
         }
     }
 
-    /// Applies the Moebius transformation that brings the mean of the touching points to the centre. Returns what is left of
-    /// the mean.
-    pub fn normalise(&mut self) -> f64 {
-        let mut transformation = Matrix4::identity();
-        let points = |t: &Matrix4<f64>| -> Vec<Vec3> {
-            self.touching.iter().map(|p| unit(&(t * p))).collect()
-        };
-        let mut current = points(&transformation);
-        for _ in 0..MAX_STEPS {
-            let Some(velocity) = balancing_step(&current) else { break };
-            let next = boost(velocity) * transformation;
-            let moved = points(&next);
-            if mean(&moved).norm() >= mean(&current).norm() && velocity.norm() < 1e-6 {
-                break;
-            }
-            (transformation, current) = (next, moved);
-        }
+    /// Applies the Moebius transformation that brings the mean of the touching points to the centre.
+    pub fn normalise(&mut self) {
+        let transformation = balancing(self.touching.as_slice());
         self.circles.iter_mut().for_each(|c| *c = transformation * *c);
-        for p in self.touching.iter_mut() {
-            *p = transformation * *p;
-            *p /= p.w;
-        }
-        mean(&current).norm()
     }
 
     /// Pole of a circle: the tip of the cone that touches the sphere along it.
     pub fn pole(&self, node: usize) -> Vec3 {
         self.circles[node].xyz() / self.circles[node].w
     }
+}
+
+/// Brings the mean of the touching points to the centre.
+pub(super) fn balance(poles: &mut Poles, input: &HexMesh) {
+    let mesh = input.with_positions(poles.vertices.clone());
+    let touching: Vec<Vector4<f64>> = touching_points(&mesh).iter().map(|p| homogeneous(&p.normalize())).collect();
+    let transformation = balancing(&touching);
+    let moved = |p: &Vec3| unit(&(transformation * homogeneous(p)));
+    poles.vertices = poles.vertices.map(moved);
+    poles.faces = poles.faces.map(moved);
+}
+
+fn homogeneous(p: &Vec3) -> Vector4<f64> {
+    p.push(1.0)
+}
+
+/// The Moebius transformation that brings the mean of points of the sphere to the centre.
+fn balancing(touching: &[Vector4<f64>]) -> Matrix4<f64> {
+    let mut transformation = Matrix4::identity();
+    let points = |t: &Matrix4<f64>| -> Vec<Vec3> { touching.iter().map(|p| unit(&(t * p))).collect() };
+    let mut current = points(&transformation);
+    for _ in 0..MAX_STEPS {
+        let Some(velocity) = balancing_step(&current) else { break };
+        let next = boost(velocity) * transformation;
+        let moved = points(&next);
+        if mean(&moved).norm() >= mean(&current).norm() && velocity.norm() < 1e-6 {
+            break;
+        }
+        (transformation, current) = (next, moved);
+    }
+    transformation
 }
 
 fn lift_circle(c: Vec2, r: f64) -> Vector4<f64> {
