@@ -20,7 +20,11 @@ use phex_mesh::{FaceId, FacePlane, HexMesh, PerEdge, PerFace, PerVertex, Vec3};
 /// # Panics
 /// If the numbers of vertices differ.
 pub fn edge_offset(mesh: &HexMesh, gauss_image: &HexMesh, distance: f64) -> HexMesh {
-    assert_eq!(mesh.positions.len(), gauss_image.positions.len(), "one connectivity");
+    assert_eq!(
+        mesh.positions.len(),
+        gauss_image.positions.len(),
+        "one connectivity"
+    );
     let moved = |v| mesh.position(v) + gauss_image.position(v) * distance;
     mesh.with_positions(PerVertex::from_fn(mesh.positions.len(), moved))
 }
@@ -52,14 +56,20 @@ pub struct FaceCurvature {
 /// # Panics
 /// If the connectivity differs.
 pub fn face_curvatures(mesh: &HexMesh, gauss_image: &HexMesh) -> PerFace<FaceCurvature> {
-    PerFace::from_fn(mesh.topology().n_faces(), |f| face_curvature(mesh, gauss_image, f))
+    PerFace::from_fn(mesh.topology().n_faces(), |f| {
+        face_curvature(mesh, gauss_image, f)
+    })
 }
 
 fn face_curvature(mesh: &HexMesh, gauss_image: &HexMesh, f: FaceId) -> FaceCurvature {
-    let (p, q): (Vec<Vec3>, Vec<Vec3>) = (mesh.corners(f).collect(), gauss_image.corners(f).collect());
+    let (p, q): (Vec<Vec3>, Vec<Vec3>) =
+        (mesh.corners(f).collect(), gauss_image.corners(f).collect());
     let normal = FacePlane::fit(&q).normal;
     let area = mixed_area(&p, &p, normal);
-    FaceCurvature { mean: -mixed_area(&p, &q, normal) / area, gauss: mixed_area(&q, &q, normal) / area }
+    FaceCurvature {
+        mean: -mixed_area(&p, &q, normal) / area,
+        gauss: mixed_area(&q, &q, normal) / area,
+    }
 }
 
 /// Mixed area of two parallel polygons of a plane; that of a polygon with itself is its area.
@@ -78,9 +88,16 @@ mod tests {
     use super::*;
 
     fn cube(size: Vec3) -> HexMesh {
-        let corner = |i: u32| Vec3::from_fn(|k, _| if i >> k & 1 == 1 { size[k] } else { -size[k] });
-        let faces: [[u32; 4]; 6] =
-            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let corner =
+            |i: u32| Vec3::from_fn(|k, _| if i >> k & 1 == 1 { size[k] } else { -size[k] });
+        let faces: [[u32; 4]; 6] = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
         HexMesh::new((0..8).map(corner).collect(), &faces).unwrap()
     }
 
@@ -90,8 +107,18 @@ mod tests {
         let koebe = cube(Vec3::repeat(std::f64::consts::FRAC_1_SQRT_2));
         let brick = cube(Vec3::new(1.0, 2.0, 3.0));
         let offset = edge_offset(&brick, &koebe, -0.25);
-        assert!(edge_distances(&brick, &offset).iter().all(|d| (d - 0.25).abs() < 1e-15));
-        let area = |m: &HexMesh, f| mixed_area(&m.corners(f).collect::<Vec<_>>(), &m.corners(f).collect::<Vec<_>>(), FacePlane::fit(&m.corners(f).collect::<Vec<_>>()).normal);
+        assert!(
+            edge_distances(&brick, &offset)
+                .iter()
+                .all(|d| (d - 0.25).abs() < 1e-15)
+        );
+        let area = |m: &HexMesh, f| {
+            mixed_area(
+                &m.corners(f).collect::<Vec<_>>(),
+                &m.corners(f).collect::<Vec<_>>(),
+                FacePlane::fit(&m.corners(f).collect::<Vec<_>>()).normal,
+            )
+        };
         for (f, c) in face_curvatures(&brick, &koebe).enumerate() {
             let expected = area(&brick, f) * (1.0 - 2.0 * -0.25 * c.mean + 0.0625 * c.gauss);
             assert!((area(&offset, f) - expected).abs() < 1e-13 && c.mean < 0.0);

@@ -29,7 +29,9 @@ use super::null_space::Rows;
 use super::space::{ParallelError, ParallelSpace};
 use crate::progress::{Event, Progress};
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT};
+use clarabel::solver::{
+    DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
+};
 use phex_mesh::{HexMesh, PerEdge, PerVertex, TriangleSurface, Vec3, VertexId};
 use phex_numeric::Status;
 use serde::{Deserialize, Serialize};
@@ -136,13 +138,21 @@ pub fn fit_parallel(
         FitStart::Positions => feet_by_positions(mesh, surface),
     };
     let program = Program::new(&space, &feet, options).ok_or_else(|| FitError::OneFootPoint {
-        vertex: surface.topology().face_vertices(surface.closest_point(feet.position[0]).triangle)[0],
+        vertex: surface
+            .topology()
+            .face_vertices(surface.closest_point(feet.position[0]).triangle)[0],
     })?;
     Ok(rounds(&space, surface, &program, feet, options, progress))
 }
 
 fn check(options: &FitOptions) -> Result<(), FitError> {
-    let fail = |option, value, range| Err(FitError::Option { option, value, range });
+    let fail = |option, value, range| {
+        Err(FitError::Option {
+            option,
+            value,
+            range,
+        })
+    };
     if !(options.tangential > 0.0 && options.tangential.is_finite()) {
         return fail("tangential", options.tangential, "positive");
     }
@@ -190,9 +200,14 @@ pub(super) fn vertex_normal(mesh: &HexMesh, v: VertexId) -> Vec3 {
     let area = |f| {
         let corners: Vec<Vec3> = mesh.corners(f).collect();
         let shifted = |i: usize| corners[i % corners.len()] - corners[0];
-        (1..corners.len()).map(|i| shifted(i).cross(&shifted(i + 1))).sum::<Vec3>()
+        (1..corners.len())
+            .map(|i| shifted(i).cross(&shifted(i + 1)))
+            .sum::<Vec3>()
     };
-    let sum: Vec3 = t.outgoing(v).map(|h| area(t.face(h)).try_normalize(0.0).unwrap_or_default()).sum();
+    let sum: Vec3 = t
+        .outgoing(v)
+        .map(|h| area(t.face(h)).try_normalize(0.0).unwrap_or_default())
+        .sum();
     sum.try_normalize(1e-12).unwrap_or_default()
 }
 
@@ -215,7 +230,11 @@ fn rounds(
             status = Status::NumericalBreakdown;
             break;
         };
-        let moves = mesh.positions.iter().zip(&next.positions).map(|(a, b)| (a - b).norm());
+        let moves = mesh
+            .positions
+            .iter()
+            .zip(&next.positions)
+            .map(|(a, b)| (a - b).norm());
         let movement = moves.fold(0.0, f64::max) / program.unit;
         mesh = next;
         feet = feet_by_positions(&mesh, surface);
@@ -243,8 +262,12 @@ fn assess(
     rounds: usize,
 ) -> Fitted {
     let feet = surface.closest_points(mesh.positions.as_slice());
-    let distances: Vec<f64> =
-        mesh.positions.iter().zip(&feet).map(|(x, f)| (x - f.position).norm()).collect();
+    let distances: Vec<f64> = mesh
+        .positions
+        .iter()
+        .zip(&feet)
+        .map(|(x, f)| (x - f.position).norm())
+        .collect();
     let mean_square = distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64;
     let lengths = space.lengths(&mesh);
     Fitted {
@@ -252,7 +275,10 @@ fn assess(
         rounds,
         max_distance: distances.iter().copied().fold(0.0, f64::max),
         rms_distance: mean_square.sqrt(),
-        edges_at_bound: lengths.iter().filter(|&&l| l < 1.01 * program.least).count(),
+        edges_at_bound: lengths
+            .iter()
+            .filter(|&&l| l < 1.01 * program.least)
+            .count(),
         mesh,
     }
 }
@@ -313,13 +339,30 @@ impl<'a> Program<'a> {
     /// Positions of the vertices for given foot points; `None` if the solver gives up.
     fn solve(&self, feet: &Feet) -> Option<PerVertex<Vec3>> {
         let (hessian, gradient) = self.objective(feet);
-        let cones = [ZeroConeT(self.n_equalities), NonnegativeConeT(self.bounds.len() - self.n_equalities)];
-        let settings = DefaultSettings { verbose: false, max_threads: 1, ..DefaultSettings::default() };
-        let mut solver =
-            DefaultSolver::new(&hessian, &gradient, &self.constraints, &self.bounds, &cones, settings).ok()?;
+        let cones = [
+            ZeroConeT(self.n_equalities),
+            NonnegativeConeT(self.bounds.len() - self.n_equalities),
+        ];
+        let settings = DefaultSettings {
+            verbose: false,
+            max_threads: 1,
+            ..DefaultSettings::default()
+        };
+        let mut solver = DefaultSolver::new(
+            &hessian,
+            &gradient,
+            &self.constraints,
+            &self.bounds,
+            &cones,
+            settings,
+        )
+        .ok()?;
         solver.solve();
         let x = &solver.solution.x;
-        let usable = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+        let usable = matches!(
+            solver.solution.status,
+            SolverStatus::Solved | SolverStatus::AlmostSolved
+        );
         let position = |v: VertexId| {
             let i = 3 * v.index();
             Vec3::new(x[i], x[i + 1], x[i + 2]) * self.unit + self.centre
@@ -334,7 +377,8 @@ impl<'a> Program<'a> {
         let (mut triplets, mut gradient) = (Vec::new(), vec![0.0; n]);
         for (v, (p, normal)) in feet.position.iter().zip(&feet.normal).enumerate() {
             let p = (p - self.centre) / self.unit;
-            let block = nalgebra::Matrix3::from_diagonal_element(self.options.tangential) + normal * normal.transpose();
+            let block = nalgebra::Matrix3::from_diagonal_element(self.options.tangential)
+                + normal * normal.transpose();
             let pull = block * p;
             for j in 0..3 {
                 gradient[3 * v + j] -= pull[j];
@@ -380,12 +424,20 @@ fn length_rows(space: &ParallelSpace) -> Rows {
 
 fn stacked(first: &Rows, second: &Rows) -> CscMatrix<f64> {
     let entries = |rows: &Rows, offset: usize| -> Vec<(usize, usize, f64)> {
-        let row = |i: usize| rows.row(i).iter().map(move |&(j, a)| (offset + i, j as usize, a));
+        let row = |i: usize| {
+            rows.row(i)
+                .iter()
+                .map(move |&(j, a)| (offset + i, j as usize, a))
+        };
         (0..rows.n_rows()).flat_map(row).collect()
     };
     let mut triplets = entries(first, 0);
     triplets.extend(entries(second, first.n_rows()));
-    csc(first.n_rows() + second.n_rows(), first.n_columns(), triplets)
+    csc(
+        first.n_rows() + second.n_rows(),
+        first.n_columns(),
+        triplets,
+    )
 }
 
 /// A matrix from triplets, those at one place added.

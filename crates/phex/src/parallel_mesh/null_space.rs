@@ -32,19 +32,27 @@ pub(super) struct Rows {
 
 impl Rows {
     pub fn new(n_columns: usize) -> Self {
-        Self { start: vec![0], entries: Vec::new(), n_columns }
+        Self {
+            start: vec![0],
+            entries: Vec::new(),
+            n_columns,
+        }
     }
 
     /// Appends a row; entries at one place are added.
     pub fn push(&mut self, row: impl IntoIterator<Item = (usize, f64)>) {
-        let mut row: Vec<(u32, f64)> = row.into_iter().map(|(column, a)| (column as u32, a)).collect();
+        let mut row: Vec<(u32, f64)> = row
+            .into_iter()
+            .map(|(column, a)| (column as u32, a))
+            .collect();
         row.sort_by_key(|entry| entry.0);
         row.dedup_by(|next, kept| {
             let same = next.0 == kept.0;
             kept.1 += if same { next.1 } else { 0.0 };
             same
         });
-        self.entries.extend(row.into_iter().filter(|entry| entry.1 != 0.0));
+        self.entries
+            .extend(row.into_iter().filter(|entry| entry.1 != 0.0));
         self.start.push(self.entries.len());
     }
 
@@ -121,18 +129,26 @@ pub(super) struct NullSpace {
 impl NullSpace {
     pub fn new(rows: Rows) -> Result<Self, NumericError> {
         if rows.n_rows() == 0 {
-            return Ok(Self { rows, cholesky: None });
+            return Ok(Self {
+                rows,
+                cholesky: None,
+            });
         }
         let gram = rows.gram()?;
         let mut cholesky = Cholesky::analyse(gram.pattern(), 1)?;
         let tried = cholesky.refactor_shifted(&gram, SHIFT);
         tried.or_else(|_| cholesky.refactor_shifted(&gram, 1e3 * SHIFT))?;
-        Ok(Self { rows, cholesky: Some(cholesky) })
+        Ok(Self {
+            rows,
+            cholesky: Some(cholesky),
+        })
     }
 
     /// Moves `x` to the closest point of the null space.
     pub fn project(&self, x: &mut [f64]) {
-        let Some(cholesky) = &self.cholesky else { return };
+        let Some(cholesky) = &self.cholesky else {
+            return;
+        };
         let mut defect = self.rows.mul(x);
         for _ in 0..MAX_PROJECTIONS {
             let before = largest(&defect);
@@ -155,12 +171,19 @@ impl NullSpace {
     /// Rank of the matrix; singular values up to `tolerance` count as zero.
     pub fn rank(&self, tolerance: f64) -> Rank {
         let n = self.rows.n_rows();
-        let mut rank = Rank { rank: n, largest_zero: 0.0, smallest_nonzero: f64::INFINITY };
-        let Some(cholesky) = &self.cholesky else { return rank };
+        let mut rank = Rank {
+            rank: n,
+            largest_zero: 0.0,
+            smallest_nonzero: f64::INFINITY,
+        };
+        let Some(cholesky) = &self.cholesky else {
+            return rank;
+        };
         let mut block = FIRST_BLOCK.min(n);
         loop {
             let values = self.smallest_singular_values(cholesky, block);
-            let (zeros, others): (Vec<f64>, Vec<f64>) = values.iter().partition(|&&v| v <= tolerance);
+            let (zeros, others): (Vec<f64>, Vec<f64>) =
+                values.iter().partition(|&&v| v <= tolerance);
             if others.is_empty() && block < n {
                 block = (4 * block).min(n);
                 continue;
@@ -177,15 +200,23 @@ impl NullSpace {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let mut vectors = DMatrix::from_fn(n, block, |_, _| rng.random_range(-1.0..1.0));
         for _ in 0..INVERSE_ITERATIONS {
-            let mut columns: Vec<Vec<f64>> =
-                vectors.column_iter().map(|c| c.iter().copied().collect()).collect();
+            let mut columns: Vec<Vec<f64>> = vectors
+                .column_iter()
+                .map(|c| c.iter().copied().collect())
+                .collect();
             cholesky.solve_many(&mut columns);
             vectors = DMatrix::from_fn(n, block, |i, j| columns[j][i]).qr().q();
         }
-        let images: Vec<Vec<f64>> =
-            vectors.column_iter().map(|c| self.rows.mul_transposed(c.into_owned().as_slice())).collect();
+        let images: Vec<Vec<f64>> = vectors
+            .column_iter()
+            .map(|c| self.rows.mul_transposed(c.into_owned().as_slice()))
+            .collect();
         let images = DMatrix::from_fn(self.rows.n_columns(), block, |i, j| images[j][i]);
-        let small = if images.nrows() > images.ncols() { images.qr().r() } else { images };
+        let small = if images.nrows() > images.ncols() {
+            images.qr().r()
+        } else {
+            images
+        };
         let mut values: Vec<f64> = small.singular_values().iter().copied().collect();
         // More rows than columns: the rest is zero.
         values.resize(block, 0.0);
@@ -194,7 +225,10 @@ impl NullSpace {
 }
 
 fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |m: f64, v| if v.is_nan() { *v } else { m.max(v.abs()) })
+    values.iter().fold(
+        0.0,
+        |m: f64, v| if v.is_nan() { *v } else { m.max(v.abs()) },
+    )
 }
 
 #[cfg(test)]
@@ -207,9 +241,20 @@ mod tests {
         let mut dense: Vec<Vec<f64>> = Vec::new();
         for i in 0..n {
             let row: Vec<f64> = if i + dependent < n {
-                (0..m).map(|j| if (i + j) % 3 == 0 { rng.random_range(-1.0..1.0) } else { 0.0 }).collect()
+                (0..m)
+                    .map(|j| {
+                        if (i + j) % 3 == 0 {
+                            rng.random_range(-1.0..1.0)
+                        } else {
+                            0.0
+                        }
+                    })
+                    .collect()
             } else {
-                let (a, b) = (&dense[i % (n - dependent)], &dense[(i + 1) % (n - dependent)]);
+                let (a, b) = (
+                    &dense[i % (n - dependent)],
+                    &dense[(i + 1) % (n - dependent)],
+                );
                 a.iter().zip(b).map(|(a, b)| a - 2.0 * b).collect()
             };
             rows.push(row.iter().copied().enumerate());
@@ -224,7 +269,10 @@ mod tests {
             let space = NullSpace::new(random_rows(60, 90, dependent)).unwrap();
             let rank = space.rank(1e-9);
             assert_eq!(rank.rank, 60 - dependent, "{rank:?}");
-            assert!(rank.largest_zero < 1e-14 && rank.smallest_nonzero > 1e-3, "{rank:?}");
+            assert!(
+                rank.largest_zero < 1e-14 && rank.smallest_nonzero > 1e-3,
+                "{rank:?}"
+            );
         }
     }
 

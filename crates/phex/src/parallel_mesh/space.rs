@@ -46,7 +46,9 @@ const LEAST_COSINE: f64 = 1e-6;
 #[non_exhaustive]
 pub enum ParallelError {
     /// A face is not planar.
-    #[error("face {face} is not planar: a vertex stands off its plane by {height:.1e} mean edges (at most {PLANARITY:.0e})")]
+    #[error(
+        "face {face} is not planar: a vertex stands off its plane by {height:.1e} mean edges (at most {PLANARITY:.0e})"
+    )]
     NotPlanar {
         /// The face.
         face: FaceId,
@@ -174,7 +176,8 @@ impl ParallelSpace {
             let i = 3 * v.index();
             Vec3::new(x[i], x[i + 1], x[i + 2])
         };
-        self.mesh.with_positions(PerVertex::from_fn(wish.len(), position))
+        self.mesh
+            .with_positions(PerVertex::from_fn(wish.len(), position))
     }
 
     /// Change of the edge lengths when the plane of a face moves by 1 along its normal and all others stay. `None` unless every
@@ -182,7 +185,8 @@ impl ParallelSpace {
     pub fn plane_shift(&self, f: FaceId) -> Option<Vec<(EdgeId, f64)>> {
         let t = self.mesh.topology();
         let corners: Vec<HalfEdgeId> = t.face_half_edges(f).collect();
-        let moves: Option<Vec<(EdgeId, f64, Vec3)>> = corners.iter().map(|&h| self.corner_shift(h)).collect();
+        let moves: Option<Vec<(EdgeId, f64, Vec3)>> =
+            corners.iter().map(|&h| self.corner_shift(h)).collect();
         let moves = moves?;
         let mut changes: Vec<(EdgeId, f64)> = moves.iter().map(|m| (m.0, m.1)).collect();
         for (i, &h) in corners.iter().enumerate() {
@@ -202,9 +206,16 @@ impl ParallelSpace {
             return None;
         }
         let in_face = [t.edge(h), t.edge(t.prev(h))];
-        let spoke = t.outgoing(v).map(|o| t.edge(o)).find(|e| !in_face.contains(e))?;
+        let spoke = t
+            .outgoing(v)
+            .map(|o| t.edge(o))
+            .find(|e| !in_face.contains(e))?;
         let forward = t.edge_vertices(spoke)[0] == v;
-        let away = if forward { self.directions[spoke] } else { -self.directions[spoke] };
+        let away = if forward {
+            self.directions[spoke]
+        } else {
+            -self.directions[spoke]
+        };
         let cosine = away.dot(&self.normals[t.face(h)]);
         (cosine.abs() > LEAST_COSINE).then(|| (spoke, -1.0 / cosine, away / cosine))
     }
@@ -215,9 +226,13 @@ fn directions(mesh: &HexMesh) -> Result<PerEdge<Vec3>, ParallelError> {
     let direction = |e| {
         let vertices = t.edge_vertices(e);
         let along = mesh.position(vertices[1]) - mesh.position(vertices[0]);
-        along.try_normalize(0.0).ok_or(ParallelError::NoDirection { edge: e, vertices })
+        along
+            .try_normalize(0.0)
+            .ok_or(ParallelError::NoDirection { edge: e, vertices })
     };
-    Ok(PerEdge::from_vec(t.edges().map(direction).collect::<Result<_, _>>()?))
+    Ok(PerEdge::from_vec(
+        t.edges().map(direction).collect::<Result<_, _>>()?,
+    ))
 }
 
 fn planes(mesh: &HexMesh) -> Result<PerFace<FacePlane>, ParallelError> {
@@ -225,13 +240,22 @@ fn planes(mesh: &HexMesh) -> Result<PerFace<FacePlane>, ParallelError> {
     let plane = |f| {
         let corners: Vec<Vec3> = mesh.corners(f).collect();
         let plane = FacePlane::fit(&corners);
-        let height = corners.iter().map(|&p| plane.height(p).abs()).fold(0.0, f64::max) / mean_edge;
+        let height = corners
+            .iter()
+            .map(|&p| plane.height(p).abs())
+            .fold(0.0, f64::max)
+            / mean_edge;
         if height > PLANARITY {
             return Err(ParallelError::NotPlanar { face: f, height });
         }
         Ok(plane)
     };
-    Ok(PerFace::from_vec(mesh.topology().faces().map(plane).collect::<Result<_, _>>()?))
+    Ok(PerFace::from_vec(
+        mesh.topology()
+            .faces()
+            .map(plane)
+            .collect::<Result<_, _>>()?,
+    ))
 }
 
 /// Breadth-first tour of every component.
@@ -266,14 +290,28 @@ fn edges_at(t: &Topology, v: VertexId) -> Vec<(EdgeId, VertexId)> {
 
 /// `+1` or `-1` as the half-edge runs along its edge.
 fn sign(t: &Topology, h: HalfEdgeId) -> f64 {
-    if t.edge_vertices(t.edge(h))[0] == t.origin(h) { 1.0 } else { -1.0 }
+    if t.edge_vertices(t.edge(h))[0] == t.origin(h) {
+        1.0
+    } else {
+        -1.0
+    }
 }
 
-fn closure_rows(t: &Topology, directions: &PerEdge<Vec3>, planes: &PerFace<FacePlane>, tour: &[TourStep]) -> Rows {
+fn closure_rows(
+    t: &Topology,
+    directions: &PerEdge<Vec3>,
+    planes: &PerFace<FacePlane>,
+    tour: &[TourStep],
+) -> Rows {
     let mut rows = Rows::new(t.n_edges());
     for f in t.faces() {
         for axis in planes[f].axes {
-            let entry = |h| (t.edge(h).index(), sign(t, h) * axis.dot(&directions[t.edge(h)]));
+            let entry = |h| {
+                (
+                    t.edge(h).index(),
+                    sign(t, h) * axis.dot(&directions[t.edge(h)]),
+                )
+            };
             rows.push(t.face_half_edges(f).map(entry));
         }
     }
@@ -281,7 +319,10 @@ fn closure_rows(t: &Topology, directions: &PerEdge<Vec3>, planes: &PerFace<FaceP
     for e in generators(t, tour) {
         let path = loop_through(t, &reached_by, e);
         for k in 0..3 {
-            rows.push(path.iter().map(|&(e, sign)| (e.index(), sign * directions[e][k])));
+            rows.push(
+                path.iter()
+                    .map(|&(e, sign)| (e.index(), sign * directions[e][k])),
+            );
         }
     }
     rows
@@ -326,9 +367,17 @@ fn generators(t: &Topology, tour: &[TourStep]) -> Vec<EdgeId> {
 }
 
 /// Crosses every free edge of `f` to a face that has not been seen.
-fn cross(t: &Topology, f: FaceId, used: &mut PerEdge<bool>, seen: &mut PerFace<bool>, queue: &mut VecDeque<FaceId>) {
+fn cross(
+    t: &Topology,
+    f: FaceId,
+    used: &mut PerEdge<bool>,
+    seen: &mut PerFace<bool>,
+    queue: &mut VecDeque<FaceId>,
+) {
     for h in t.face_half_edges(f) {
-        let Some(g) = t.twin(h).map(|twin| t.face(twin)) else { continue };
+        let Some(g) = t.twin(h).map(|twin| t.face(twin)) else {
+            continue;
+        };
         if !used[t.edge(h)] && !std::mem::replace(&mut seen[g], true) {
             used[t.edge(h)] = true;
             queue.push_back(g);
@@ -337,7 +386,11 @@ fn cross(t: &Topology, f: FaceId, used: &mut PerEdge<bool>, seen: &mut PerFace<b
 }
 
 /// The loop of an edge and the paths from the root of the forest to its ends, with signs.
-fn loop_through(t: &Topology, reached_by: &PerVertex<Option<TourStep>>, e: EdgeId) -> Vec<(EdgeId, f64)> {
+fn loop_through(
+    t: &Topology,
+    reached_by: &PerVertex<Option<TourStep>>,
+    e: EdgeId,
+) -> Vec<(EdgeId, f64)> {
     let [start, end] = t.edge_vertices(e);
     let mut path = vec![(e, 1.0)];
     for (tip, direction) in [(start, 1.0), (end, -1.0)] {

@@ -10,16 +10,28 @@ use std::f64::consts::PI;
 /// Triangles of an icosahedron with outward orientation.
 pub fn icosahedron() -> Vec<[u32; 3]> {
     let ring = |k: u32, i: u32| 1 + 5 * k + i % 5;
-    let caps = (0..5).flat_map(|i| [[0, ring(0, i), ring(0, i + 1)], [11, ring(1, i + 1), ring(1, i)]]);
+    let caps = (0..5).flat_map(|i| {
+        [
+            [0, ring(0, i), ring(0, i + 1)],
+            [11, ring(1, i + 1), ring(1, i)],
+        ]
+    });
     let belt = (0..5).flat_map(|i| {
-        [[ring(0, i), ring(1, i), ring(0, i + 1)], [ring(0, i + 1), ring(1, i), ring(1, i + 1)]]
+        [
+            [ring(0, i), ring(1, i), ring(0, i + 1)],
+            [ring(0, i + 1), ring(1, i), ring(1, i + 1)],
+        ]
     });
     caps.chain(belt).collect()
 }
 
 /// A mesh of given faces whose positions say nothing.
 pub fn graph<F: AsRef<[u32]>>(faces: &[F]) -> HexMesh {
-    let n = faces.iter().flat_map(|f| f.as_ref()).max().map_or(0, |&m| m as usize + 1);
+    let n = faces
+        .iter()
+        .flat_map(|f| f.as_ref())
+        .max()
+        .map_or(0, |&m| m as usize + 1);
     HexMesh::new(vec![Vec3::zeros(); n], faces).expect("a manifold")
 }
 
@@ -37,7 +49,10 @@ pub fn truncated(mesh: &HexMesh) -> HexMesh {
     let t = mesh.topology();
     let face = |f| {
         let two = |h| [h, t.twin(h).expect("a closed mesh")];
-        t.face_half_edges(f).flat_map(two).map(|h| h.index() as u32).collect()
+        t.face_half_edges(f)
+            .flat_map(two)
+            .map(|h| h.index() as u32)
+            .collect()
     };
     let cut = |v| t.outgoing(v).map(|h| h.index() as u32).collect();
     let faces: Vec<Vec<u32>> = t.faces().map(face).chain(t.vertices().map(cut)).collect();
@@ -95,7 +110,10 @@ fn flip(triangles: &mut [[u32; 3]], count: usize, rng: &mut ChaCha8Rng) {
         let (i, k) = (rng.random_range(0..triangles.len()), rng.random_range(0..3));
         let [a, b, c] = [0, 1, 2].map(|m| triangles[i][(k + m) % 3]);
         let j = left[&(b, a)];
-        let d = triangles[j].into_iter().find(|x| ![a, b].contains(x)).expect("a third corner");
+        let d = triangles[j]
+            .into_iter()
+            .find(|x| ![a, b].contains(x))
+            .expect("a third corner");
         if left.contains_key(&(c, d)) {
             continue;
         }
@@ -125,7 +143,10 @@ pub fn renumbered(mesh: &HexMesh, seed: u64) -> (HexMesh, Vec<u32>) {
         let shift = rng.random_range(0..face.len());
         face.rotate_left(shift);
     }
-    (HexMesh::new(positions, &faces).expect("still a manifold"), new)
+    (
+        HexMesh::new(positions, &faces).expect("still a manifold"),
+        new,
+    )
 }
 
 /// Regular hexagons of edge 1 in the plane, `rings` rings about one.
@@ -134,7 +155,11 @@ pub fn hexagon_patch(rings: i64) -> HexMesh {
     let mut faces = Vec::new();
     for q in -rings..=rings {
         for r in (-rings - q).max(-rings)..=(rings - q).min(rings) {
-            let centre = Vec3::new(1.5 * q as f64, 3f64.sqrt() * (r as f64 + 0.5 * q as f64), 0.0);
+            let centre = Vec3::new(
+                1.5 * q as f64,
+                3f64.sqrt() * (r as f64 + 0.5 * q as f64),
+                0.0,
+            );
             let corner = |k: usize| {
                 let angle = PI / 3.0 * k as f64;
                 centre + Vec3::new(angle.cos(), angle.sin(), 0.0)
@@ -169,14 +194,19 @@ pub fn prism(n: u32) -> HexMesh {
 /// Quadrilaterals round a torus whose faces are planar: a polygon of trapezia turned about the axis.
 pub fn quad_torus(around: u32, across: u32) -> HexMesh {
     let position = |i: u32, j: u32| {
-        let (u, v) = (2.0 * PI * f64::from(i) / f64::from(around), 2.0 * PI * f64::from(j) / f64::from(across));
+        let (u, v) = (
+            2.0 * PI * f64::from(i) / f64::from(around),
+            2.0 * PI * f64::from(j) / f64::from(across),
+        );
         let radius = 2.0 + 0.7 * v.cos();
         Vec3::new(radius * u.cos(), radius * u.sin(), 0.7 * v.sin())
     };
     let id = |i: u32, j: u32| (i % around) * across + j % across;
     let cells = (0..around).flat_map(|i| (0..across).map(move |j| (i, j)));
-    let faces: Vec<[u32; 4]> =
-        cells.clone().map(|(i, j)| [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)]).collect();
+    let faces: Vec<[u32; 4]> = cells
+        .clone()
+        .map(|(i, j)| [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)])
+        .collect();
     HexMesh::new(cells.map(|(i, j)| position(i, j)).collect(), &faces).expect("a torus")
 }
 
@@ -190,5 +220,8 @@ pub fn largest_turn(mesh: &HexMesh, other: &HexMesh) -> f64 {
     };
     let t = mesh.topology();
     let (a, b) = (direction(mesh, t), direction(other, t));
-    a.iter().zip(&b).map(|(a, b)| a.cross(b).norm()).fold(0.0, f64::max)
+    a.iter()
+        .zip(&b)
+        .map(|(a, b)| a.cross(b).norm())
+        .fold(0.0, f64::max)
 }

@@ -42,7 +42,10 @@ impl<'a> Circles<'a> {
 
     /// The two circles of a kite.
     pub fn ends(&self, h: HalfEdgeId) -> (NodeId, NodeId) {
-        (self.of_vertex(self.topology.origin(h)), self.of_face(self.topology.face(h)))
+        (
+            self.of_vertex(self.topology.origin(h)),
+            self.of_face(self.topology.face(h)),
+        )
     }
 
     /// The other circle of a kite.
@@ -71,7 +74,9 @@ impl<'a> Circles<'a> {
     pub fn degree(&self, node: NodeId) -> usize {
         match self.vertex(node) {
             Some(v) => self.topology.face_degree(v),
-            None => self.topology.valence(FaceId::from_index(node - self.topology.n_vertices())),
+            None => self
+                .topology
+                .valence(FaceId::from_index(node - self.topology.n_vertices())),
         }
     }
 }

@@ -70,7 +70,9 @@ fn share_edge(t: &Topology, faces: [FaceId; 2], vertices: [VertexId; 2]) -> bool
 
 fn edges_between(t: &Topology, [v, w]: [VertexId; 2]) -> impl Iterator<Item = EdgeId> + '_ {
     let from = |a: VertexId, b: VertexId| {
-        t.outgoing(a).filter(move |&h| t.target(h) == b).map(|h| t.edge(h))
+        t.outgoing(a)
+            .filter(move |&h| t.target(h) == b)
+            .map(|h| t.edge(h))
     };
     from(v, w).chain(from(w, v))
 }

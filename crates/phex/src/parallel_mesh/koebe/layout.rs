@@ -50,7 +50,9 @@ impl PartialOrd for Waiting {
 impl Ord for Waiting {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_radius = other.radius.total_cmp(&self.radius);
-        by_radius.then(other.node.cmp(&self.node)).then(other.via.cmp(&self.via))
+        by_radius
+            .then(other.node.cmp(&self.node))
+            .then(other.via.cmp(&self.via))
     }
 }
 
@@ -72,7 +74,9 @@ pub(super) fn lay_out(circles: &Circles, radii: &Radii) -> Option<PlaneLayout> {
         touching: PerEdge::filled(circles.topology.n_edges(), None),
         waiting: BinaryHeap::new(),
     };
-    let first = circles.nodes().min_by(|&a, &b| radii.rho[a].total_cmp(&radii.rho[b]))?;
+    let first = circles
+        .nodes()
+        .min_by(|&a, &b| radii.rho[a].total_cmp(&radii.rho[b]))?;
     let kite = *circles.kites(first).first()?;
     builder.place(first, Vec2::zeros(), kite, 0.0);
     while let Some(next) = builder.waiting.pop() {
@@ -95,7 +99,12 @@ impl Builder<'_> {
         let normal = direction(next.axis);
         if next.radius.is_finite() {
             let centre = centre + normal * radius.hypot(next.radius);
-            self.place(next.node, centre, next.via, next.axis + std::f64::consts::PI);
+            self.place(
+                next.node,
+                centre,
+                next.via,
+                next.axis + std::f64::consts::PI,
+            );
         } else {
             let offset = normal.dot(&centre);
             self.placed[next.node] = Some(PlaneCircle::HalfPlane { normal, offset });
@@ -113,7 +122,13 @@ impl Builder<'_> {
             }
             if self.placed[other].is_none() {
                 let radius = self.radii.radius(other);
-                self.waiting.push(Waiting { radius, node: other, from: node, via: kite, axis });
+                self.waiting.push(Waiting {
+                    radius,
+                    node: other,
+                    from: node,
+                    via: kite,
+                    axis,
+                });
             }
         }
     }
@@ -140,7 +155,11 @@ impl Builder<'_> {
     fn kite_edges(&self, node: NodeId, kite: HalfEdgeId) -> (EdgeId, EdgeId) {
         let t = self.circles.topology;
         let (own, previous) = (t.edge(kite), t.edge(t.prev(kite)));
-        if self.circles.vertex(node).is_some() { (own, previous) } else { (previous, own) }
+        if self.circles.vertex(node).is_some() {
+            (own, previous)
+        } else {
+            (previous, own)
+        }
     }
 }
 

@@ -47,7 +47,9 @@ use crate::progress::{Event, Progress};
 use circles::{Circles, NodeId};
 use layout::{PlaneLayout, lay_out};
 use nalgebra::Matrix3;
-use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerFace, PerVertex, Topology, Vec2, Vec3, VertexId};
+use phex_mesh::{
+    EdgeId, FaceId, HexMesh, PerEdge, PerFace, PerVertex, Topology, Vec2, Vec3, VertexId,
+};
 use phex_numeric::{NumericError, Outcome, Record, Status};
 use polish::Poles;
 use radii::{Radii, RadiiOptions};
@@ -88,7 +90,9 @@ pub enum KoebeError {
         genus: i64,
     },
     /// An inner vertex has too few edges.
-    #[error("the graph is not 3-connected: vertex {vertex} has {degree} edges, at least 3 are needed")]
+    #[error(
+        "the graph is not 3-connected: vertex {vertex} has {degree} edges, at least 3 are needed"
+    )]
     LowDegree {
         /// The vertex.
         vertex: VertexId,
@@ -203,7 +207,10 @@ impl KoebeDefects {
             a.dot(&b) > 0.0 && a.norm().min(b.norm()) > 3e-8
         };
         Self {
-            tangency: touching.iter().map(|p| (p.norm() - 1.0).abs()).fold(0.0, f64::max),
+            tangency: touching
+                .iter()
+                .map(|p| (p.norm() - 1.0).abs())
+                .fold(0.0, f64::max),
             planarity: t.half_edges().map(height).fold(0.0, f64::max),
             imbalance: touching.iter().sum::<Vec3>().norm() / touching.len() as f64,
             untouched_edges: t.edges().filter(untouched).count(),
@@ -217,7 +224,11 @@ pub fn touching_points(mesh: &HexMesh) -> PerEdge<Vec3> {
         let [a, b] = mesh.topology().edge_vertices(e).map(|v| mesh.position(v));
         let along = b - a;
         // From the end that is closer, so that rounding stays small beside the edge.
-        let (from, along) = if a.norm() <= b.norm() { (a, along) } else { (b, -along) };
+        let (from, along) = if a.norm() <= b.norm() {
+            (a, along)
+        } else {
+            (b, -along)
+        };
         from - along * (from.dot(&along) / along.norm_squared())
     })
 }
@@ -228,24 +239,48 @@ pub fn touching_points(mesh: &HexMesh) -> PerEdge<Vec3> {
 /// # Errors
 /// If an option is out of its range, the mesh is not drawn on a sphere, or its graph is not 3-connected (for a patch: with a
 /// vertex outside joined to all of its boundary).
-pub fn koebe(mesh: &HexMesh, options: &KoebeOptions, progress: &dyn Progress) -> Result<Koebe, KoebeError> {
+pub fn koebe(
+    mesh: &HexMesh,
+    options: &KoebeOptions,
+    progress: &dyn Progress,
+) -> Result<Koebe, KoebeError> {
     check(options)?;
     graph::check(mesh.topology())?;
     let circles = Circles::new(mesh.topology());
     let closed = mesh.topology().boundary_loops().is_empty();
-    let mut radii = if closed { closed_radii(&circles) } else { patch::radii(&circles, mesh, options)? };
-    let solve = RadiiOptions { max_iterations: options.max_iterations, tolerance: options.angle_tolerance };
-    let mut outcome = radii.solve(&circles, &solve, &reporter(options.max_iterations, progress))?;
+    let mut radii = if closed {
+        closed_radii(&circles)
+    } else {
+        patch::radii(&circles, mesh, options)?
+    };
+    let solve = RadiiOptions {
+        max_iterations: options.max_iterations,
+        tolerance: options.angle_tolerance,
+    };
+    let mut outcome = radii.solve(
+        &circles,
+        &solve,
+        &reporter(options.max_iterations, progress),
+    )?;
     // Every circle is reached: the mesh is connected and only one touching point is at infinity.
     let layout = lay_out(&circles, &radii).ok_or(NumericError::NotPositiveDefinite { pivot: 0 })?;
-    let mut sphere = if closed { project_closed(&layout) } else { patch::project(&circles, &layout, mesh, options) };
+    let mut sphere = if closed {
+        project_closed(&layout)
+    } else {
+        patch::project(&circles, &layout, mesh, options)
+    };
     if closed {
         sphere.normalise();
     }
     let mut poles = poles(&circles, &sphere);
     if outcome.status == Status::Converged {
         let report = reporter(options.max_polish_iterations, progress);
-        outcome.append(polish::polish(mesh.topology(), &mut poles, options.max_polish_iterations, &report)?);
+        outcome.append(polish::polish(
+            mesh.topology(),
+            &mut poles,
+            options.max_polish_iterations,
+            &report,
+        )?);
     }
     if closed {
         sphere::balance(&mut poles, mesh);
@@ -254,12 +289,22 @@ pub fn koebe(mesh: &HexMesh, options: &KoebeOptions, progress: &dyn Progress) ->
 }
 
 fn check(options: &KoebeOptions) -> Result<(), KoebeError> {
-    let fail = |option, value, range| Err(KoebeError::Option { option, value, range });
+    let fail = |option, value, range| {
+        Err(KoebeError::Option {
+            option,
+            value,
+            range,
+        })
+    };
     if !(options.opening > 0.0 && options.opening < 180.0) {
         return fail("opening", options.opening, "between 0 and 180 degrees");
     }
     if !(options.angle_tolerance > 0.0 && options.angle_tolerance < 1.0) {
-        return fail("angle_tolerance", options.angle_tolerance, "between 0 and 1");
+        return fail(
+            "angle_tolerance",
+            options.angle_tolerance,
+            "between 0 and 1",
+        );
     }
     Ok(())
 }
@@ -268,7 +313,12 @@ fn check(options: &KoebeOptions) -> Result<(), KoebeError> {
 fn reporter(limit: usize, progress: &dyn Progress) -> impl Fn(usize, &Record) -> bool + '_ {
     move |iteration, record| {
         let residual = record.residual;
-        progress.report(&Event::Iteration { stage: "koebe", iteration, limit, residual });
+        progress.report(&Event::Iteration {
+            stage: "koebe",
+            iteration,
+            limit,
+            residual,
+        });
         !progress.is_cancelled()
     }
 }
@@ -276,7 +326,9 @@ fn reporter(limit: usize, progress: &dyn Progress) -> impl Fn(usize, &Record) ->
 /// One touching point at infinity: the circles through it are lines, and the size of the rectangle is free.
 fn closed_radii(circles: &Circles) -> Radii {
     let infinite = circles_through(circles, EdgeId::new(0));
-    let mut radii = Radii::new(circles, |node| infinite.contains(&node).then_some(f64::INFINITY));
+    let mut radii = Radii::new(circles, |node| {
+        infinite.contains(&node).then_some(f64::INFINITY)
+    });
     radii.fix_scale();
     radii
 }
@@ -285,16 +337,28 @@ fn closed_radii(circles: &Circles) -> Radii {
 fn circles_through(circles: &Circles, e: EdgeId) -> Vec<NodeId> {
     let t = circles.topology;
     let h = t.edge_half_edge(e);
-    let sides = [Some(h), t.twin(h)].into_iter().flatten().map(|h| circles.of_face(t.face(h)));
-    sides.chain(t.edge_vertices(e).map(|v| circles.of_vertex(v))).collect()
+    let sides = [Some(h), t.twin(h)]
+        .into_iter()
+        .flatten()
+        .map(|h| circles.of_face(t.face(h)));
+    sides
+        .chain(t.edge_vertices(e).map(|v| circles.of_vertex(v)))
+        .collect()
 }
 
 /// Half of the touching points into each hemisphere, so that the Moebius transformation that is left is small.
 fn project_closed(layout: &PlaneLayout) -> SphereCircles {
     let points: Vec<Vec2> = layout.touching.iter().flatten().copied().collect();
-    let origin = Vec2::new(median(points.iter().map(|p| p.x)), median(points.iter().map(|p| p.y)));
+    let origin = Vec2::new(
+        median(points.iter().map(|p| p.x)),
+        median(points.iter().map(|p| p.y)),
+    );
     let size = median(points.iter().map(|p| (p - origin).norm()));
-    SphereCircles::project(layout, origin, Vec2::new(1.0 / size.max(f64::MIN_POSITIVE), 0.0))
+    SphereCircles::project(
+        layout,
+        origin,
+        Vec2::new(1.0 / size.max(f64::MIN_POSITIVE), 0.0),
+    )
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {
@@ -315,7 +379,12 @@ fn finished(input: &HexMesh, poles: Poles, outcome: Outcome) -> Koebe {
     let rotation = rotation_towards(input, &poles.vertices);
     let mesh = input.with_positions(poles.vertices.map(|x| rotation * x));
     let face_poles = poles.faces.map(|y| rotation * y);
-    Koebe { defects: KoebeDefects::of(&mesh, &face_poles), mesh, face_poles, outcome }
+    Koebe {
+        defects: KoebeDefects::of(&mesh, &face_poles),
+        mesh,
+        face_poles,
+        outcome,
+    }
 }
 
 /// The rotation that brings vertices closest to the normals (and, for flat meshes, the places) of the input's; the identity if the
@@ -323,7 +392,11 @@ fn finished(input: &HexMesh, poles: Poles, outcome: Outcome) -> Koebe {
 fn rotation_towards(input: &HexMesh, vertices: &PerVertex<Vec3>) -> Matrix3<f64> {
     let n = vertices.len() as f64;
     let centre = input.positions.iter().sum::<Vec3>() / n;
-    let radius = input.positions.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+    let radius = input
+        .positions
+        .iter()
+        .map(|p| (p - centre).norm())
+        .fold(0.0, f64::max);
     let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
     let mut correlation = Matrix3::zeros();
     for (v, x) in vertices.enumerate() {

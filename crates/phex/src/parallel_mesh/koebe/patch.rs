@@ -12,13 +12,25 @@ use phex_mesh::{EdgeId, FacePlane, HexMesh, PerVertex, Topology, Vec2, Vec3, Ver
 use std::f64::consts::{PI, TAU};
 
 /// Unknown radii with what is given at the boundary.
-pub(super) fn radii(circles: &Circles, mesh: &HexMesh, options: &KoebeOptions) -> Result<Radii, KoebeError> {
-    let on_boundary = |node| circles.vertex(node).filter(|&v| circles.topology.is_boundary_vertex(v));
+pub(super) fn radii(
+    circles: &Circles,
+    mesh: &HexMesh,
+    options: &KoebeOptions,
+) -> Result<Radii, KoebeError> {
+    let on_boundary = |node| {
+        circles
+            .vertex(node)
+            .filter(|&v| circles.topology.is_boundary_vertex(v))
+    };
     match options.boundary {
-        BoundaryCondition::EqualRadii => Ok(Radii::new(circles, |node| on_boundary(node).map(|_| 0.0))),
+        BoundaryCondition::EqualRadii => {
+            Ok(Radii::new(circles, |node| on_boundary(node).map(|_| 0.0)))
+        }
         BoundaryCondition::GaussImage => {
             let given = boundary_radii(mesh)?;
-            Ok(Radii::new(circles, |node| on_boundary(node).map(|v| given[v].ln())))
+            Ok(Radii::new(circles, |node| {
+                on_boundary(node).map(|v| given[v].ln())
+            }))
         }
         BoundaryCondition::Angles => {
             let mut radii = Radii::new(circles, |_| None);
@@ -57,7 +69,11 @@ fn centred(t: &Topology, layout: &PlaneLayout, opening: f64) -> (Vec2, Vec2) {
 
 /// Normals of the vertices in the plane: projected from the pole opposite to their mean.
 fn gauss_image(mesh: &HexMesh) -> PerVertex<Vec2> {
-    let normals: Vec<Vec3> = mesh.topology().vertices().map(|v| vertex_normal(mesh, v)).collect();
+    let normals: Vec<Vec3> = mesh
+        .topology()
+        .vertices()
+        .map(|v| vertex_normal(mesh, v))
+        .collect();
     let mean: Vec3 = normals.iter().sum();
     let turn = UnitQuaternion::rotation_between(&mean, &Vec3::z()).unwrap_or_default();
     let project = |n: &Vec3| {
@@ -78,7 +94,9 @@ fn boundary_radii(mesh: &HexMesh) -> Result<PerVertex<f64>, KoebeError> {
         for i in 0..n {
             let radius = 0.25 * (length(i) + length(i + n - 1));
             if radius.is_nan() || radius <= 1e-6 * mean || mean < 1e-9 {
-                return Err(KoebeError::NoGaussImage { vertex: boundary[i] });
+                return Err(KoebeError::NoGaussImage {
+                    vertex: boundary[i],
+                });
             }
             radii[boundary[i]] = radius;
         }
@@ -88,7 +106,11 @@ fn boundary_radii(mesh: &HexMesh) -> Result<PerVertex<f64>, KoebeError> {
 
 /// The similarity, orientation kept, that brings the circles of the vertices closest to the Gauss image: origin, and factor as a
 /// complex number.
-fn similarity_to_gauss_image(circles: &Circles, layout: &PlaneLayout, mesh: &HexMesh) -> (Vec2, Vec2) {
+fn similarity_to_gauss_image(
+    circles: &Circles,
+    layout: &PlaneLayout,
+    mesh: &HexMesh,
+) -> (Vec2, Vec2) {
     let image = gauss_image(mesh);
     let pairs: Vec<(Vec2, Vec2)> = image
         .enumerate()
@@ -129,5 +151,8 @@ fn boundary_angles(mesh: &HexMesh) -> Vec<(VertexId, f64)> {
     let due = PI * t.n_half_edges() as f64 - TAU * full;
     let sum: f64 = boundary.iter().map(|&v| angle[v]).sum();
     let share = (due - sum) / boundary.len() as f64;
-    boundary.into_iter().map(|v| (v, angle[v] + share)).collect()
+    boundary
+        .into_iter()
+        .map(|v| (v, angle[v] + share))
+        .collect()
 }

@@ -52,7 +52,12 @@ pub(super) fn polish(
 ) -> Result<Outcome, NumericError> {
     let equations = equations(topology);
     let unknowns: Vec<Vec<u32>> = equations.iter().map(|e| unknowns(e.ends)).collect();
-    let mut points: Vec<Vec3> = poles.vertices.iter().chain(poles.faces.iter()).copied().collect();
+    let mut points: Vec<Vec3> = poles
+        .vertices
+        .iter()
+        .chain(poles.faces.iter())
+        .copied()
+        .collect();
     let assembly = Assembly::new(3 * points.len(), &unknowns);
     let mut matrix = SymmetricMatrix::zeros(assembly.pattern().clone());
     let mut cholesky = Cholesky::analyse(assembly.pattern(), 3)?;
@@ -77,7 +82,11 @@ pub(super) fn polish(
         }
         let record = record(reached, &points, &moved);
         outcome.history.push(record);
+        let at_floor = reached <= GOAL && reached > 0.1 * residual;
         (points, residual) = (moved, reached);
+        if at_floor {
+            break;
+        }
         if !report(outcome.iterations, &record) {
             outcome.status = Status::Cancelled;
             break;
@@ -94,7 +103,9 @@ pub(super) fn polish(
 }
 
 fn factorise(cholesky: &mut Cholesky, matrix: &SymmetricMatrix) -> bool {
-    SHIFTS.iter().any(|&shift| cholesky.refactor_shifted(matrix, shift).is_ok())
+    SHIFTS
+        .iter()
+        .any(|&shift| cholesky.refactor_shifted(matrix, shift).is_ok())
 }
 
 fn record(residual: f64, before: &[Vec3], after: &[Vec3]) -> Record {
@@ -122,7 +133,9 @@ fn equations(t: &Topology) -> Vec<Equation> {
 }
 
 fn unknowns(ends: [usize; 2]) -> Vec<u32> {
-    ends.iter().flat_map(|&p| (0..3).map(move |k| (3 * p + k) as u32)).collect()
+    ends.iter()
+        .flat_map(|&p| (0..3).map(move |k| (3 * p + k) as u32))
+        .collect()
 }
 
 /// Length of the tangents from a point to the unit sphere.

@@ -42,8 +42,12 @@ impl Radii {
         };
         for node in circles.nodes() {
             let known = given(node);
-            radii.rho.push(known.unwrap_or_else(|| start(circles.degree(node))));
-            radii.unknown.push(known.is_none().then_some(radii.n_unknowns as u32));
+            radii
+                .rho
+                .push(known.unwrap_or_else(|| start(circles.degree(node))));
+            radii
+                .unknown
+                .push(known.is_none().then_some(radii.n_unknowns as u32));
             radii.n_unknowns += usize::from(known.is_none());
         }
         radii
@@ -115,7 +119,11 @@ impl Radii {
 
     fn moved(&self, step: &[f64], fraction: f64) -> Vec<f64> {
         let shift = |u: &Option<u32>| u.map_or(0.0, |i| fraction * step[i as usize]);
-        self.rho.iter().zip(&self.unknown).map(|(r, u)| r + shift(u)).collect()
+        self.rho
+            .iter()
+            .zip(&self.unknown)
+            .map(|(r, u)| r + shift(u))
+            .collect()
     }
 
     /// Derivative of the energy: target angle minus angle sum of each unknown node.
@@ -168,14 +176,25 @@ impl Radii {
             } else {
                 high = t;
             }
-            t = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * t };
+            t = if high.is_finite() {
+                0.5 * (low + high)
+            } else {
+                2.0 * t
+            };
         }
         t
     }
 }
 
 fn record(residual: f64, step: f64, fraction: f64) -> Record {
-    Record { phase: 0.0, energy: f64::NAN, residual, step, fraction, damping: 0.0 }
+    Record {
+        phase: 0.0,
+        energy: f64::NAN,
+        residual,
+        step,
+        fraction,
+        damping: 0.0,
+    }
 }
 
 /// Log of the radius that suits a node amid regular ones.
@@ -188,6 +207,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |m: f64, v| if v.is_nan() { *v } else { m.max(v.abs()) })
+    values.iter().fold(
+        0.0,
+        |m: f64, v| if v.is_nan() { *v } else { m.max(v.abs()) },
+    )
 }
-

@@ -4,9 +4,9 @@
 //! `N / d`. A point `X` of the sphere is `(X, 1)`. Moebius transformations are linear: they are the Lorentz transformations.
 
 use super::layout::{PlaneCircle, PlaneLayout};
-use nalgebra::{Matrix3, Matrix4, Vector4};
 use super::polish::Poles;
 use super::touching_points;
+use nalgebra::{Matrix3, Matrix4, Vector4};
 use phex_mesh::{HexMesh, PerEdge, Vec2, Vec3};
 
 /// Newton steps of the normalisation at the most.
@@ -28,7 +28,12 @@ impl SphereCircles {
     /// Inverse stereographic projection of `factor (z - origin)` (a product of complex numbers), the origin to the north
     /// pole, angles keeping their sense as seen from outside.
     pub fn project(layout: &PlaneLayout, origin: Vec2, factor: Vec2) -> Self {
-        let turn = |z: Vec2| Vec2::new(factor.x * z.x - factor.y * z.y, factor.x * z.y + factor.y * z.x);
+        let turn = |z: Vec2| {
+            Vec2::new(
+                factor.x * z.x - factor.y * z.y,
+                factor.x * z.y + factor.y * z.x,
+            )
+        };
         let scale = factor.norm();
         let lift = |circle: &PlaneCircle| match *circle {
             PlaneCircle::Circle { centre, radius } => {
@@ -53,7 +58,9 @@ impl SphereCircles {
     /// Applies the Moebius transformation that brings the mean of the touching points to the centre.
     pub fn normalise(&mut self) {
         let transformation = balancing(self.touching.as_slice());
-        self.circles.iter_mut().for_each(|c| *c = transformation * *c);
+        self.circles
+            .iter_mut()
+            .for_each(|c| *c = transformation * *c);
     }
 
     /// Pole of a circle: the tip of the cone that touches the sphere along it.
@@ -65,7 +72,10 @@ impl SphereCircles {
 /// Brings the mean of the touching points to the centre.
 pub(super) fn balance(poles: &mut Poles, input: &HexMesh) {
     let mesh = input.with_positions(poles.vertices.clone());
-    let touching: Vec<Vector4<f64>> = touching_points(&mesh).iter().map(|p| homogeneous(&p.normalize())).collect();
+    let touching: Vec<Vector4<f64>> = touching_points(&mesh)
+        .iter()
+        .map(|p| homogeneous(&p.normalize()))
+        .collect();
     let transformation = balancing(&touching);
     let moved = |p: &Vec3| unit(&(transformation * homogeneous(p)));
     poles.vertices = poles.vertices.map(moved);
@@ -79,10 +89,13 @@ fn homogeneous(p: &Vec3) -> Vector4<f64> {
 /// The Moebius transformation that brings the mean of points of the sphere to the centre.
 fn balancing(touching: &[Vector4<f64>]) -> Matrix4<f64> {
     let mut transformation = Matrix4::identity();
-    let points = |t: &Matrix4<f64>| -> Vec<Vec3> { touching.iter().map(|p| unit(&(t * p))).collect() };
+    let points =
+        |t: &Matrix4<f64>| -> Vec<Vec3> { touching.iter().map(|p| unit(&(t * p))).collect() };
     let mut current = points(&transformation);
     for _ in 0..MAX_STEPS {
-        let Some(velocity) = balancing_step(&current) else { break };
+        let Some(velocity) = balancing_step(&current) else {
+            break;
+        };
         let next = boost(velocity) * transformation;
         let moved = points(&next);
         if mean(&moved).norm() >= mean(&current).norm() && velocity.norm() < 1e-6 {
@@ -114,7 +127,10 @@ fn mean(points: &[Vec3]) -> Vec3 {
 /// no step lowers it.
 fn balancing_step(points: &[Vec3]) -> Option<Vec3> {
     let sum: Vec3 = points.iter().sum();
-    let hessian: Matrix3<f64> = points.iter().map(|p| Matrix3::identity() - p * p.transpose()).sum();
+    let hessian: Matrix3<f64> = points
+        .iter()
+        .map(|p| Matrix3::identity() - p * p.transpose())
+        .sum();
     let mut step = hessian.try_inverse()? * sum;
     if step.norm() > LARGEST_STEP {
         step *= LARGEST_STEP / step.norm();
@@ -141,8 +157,12 @@ fn boost(velocity: Vec3) -> Matrix4<f64> {
     let mut matrix = Matrix4::identity();
     let block = Matrix3::identity() + velocity * velocity.transpose() * stretch;
     matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&block);
-    matrix.fixed_view_mut::<3, 1>(0, 3).copy_from(&(-velocity * gamma));
-    matrix.fixed_view_mut::<1, 3>(3, 0).copy_from(&(-velocity.transpose() * gamma));
+    matrix
+        .fixed_view_mut::<3, 1>(0, 3)
+        .copy_from(&(-velocity * gamma));
+    matrix
+        .fixed_view_mut::<1, 3>(3, 0)
+        .copy_from(&(-velocity.transpose() * gamma));
     matrix[(3, 3)] = gamma;
     matrix
 }

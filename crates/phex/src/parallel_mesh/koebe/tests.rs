@@ -14,11 +14,29 @@ fn solve(mesh: &HexMesh) -> Koebe {
 }
 
 fn assert_sound(koebe: &Koebe) {
-    let KoebeDefects { tangency, planarity, untouched_edges, .. } = koebe.defects;
-    assert_eq!(koebe.outcome.status, Status::Converged, "{:?}", koebe.outcome);
-    assert!(tangency < PROMISED && planarity < PROMISED, "{:?}", koebe.defects);
+    let KoebeDefects {
+        tangency,
+        planarity,
+        untouched_edges,
+        ..
+    } = koebe.defects;
+    assert_eq!(
+        koebe.outcome.status,
+        Status::Converged,
+        "{:?}",
+        koebe.outcome
+    );
+    assert!(
+        tangency < PROMISED && planarity < PROMISED,
+        "{:?}",
+        koebe.defects
+    );
     assert_eq!(untouched_edges, 0);
-    assert!(koebe.outcome.factorisations <= 15, "{}", koebe.outcome.factorisations);
+    assert!(
+        koebe.outcome.factorisations <= 15,
+        "{}",
+        koebe.outcome.factorisations
+    );
 }
 
 fn assert_closed_and_convex(koebe: &Koebe) {
@@ -31,7 +49,12 @@ fn assert_closed_and_convex(koebe: &Koebe) {
     }
     let measures = measure(&koebe.mesh);
     assert_eq!((measures.faces_not_simple, measures.faces_concave), (0, 0));
-    let outwards = |f| phex_mesh::FacePlane::fit(&koebe.mesh.corners(f).collect::<Vec<_>>()).normal.dot(&koebe.face_poles[f]) > 0.0;
+    let outwards = |f| {
+        phex_mesh::FacePlane::fit(&koebe.mesh.corners(f).collect::<Vec<_>>())
+            .normal
+            .dot(&koebe.face_poles[f])
+            > 0.0
+    };
     assert!(t.faces().all(outwards), "orientation");
 }
 
@@ -49,7 +72,10 @@ fn platonic_solids_come_out_regular() {
     let golden = (1.0 + 5f64.sqrt()) / 2.0;
     let icosahedron = graph(&icosahedron());
     let solids = [
-        (graph(&[[0u32, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), 3f64.sqrt()),
+        (
+            graph(&[[0u32, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]),
+            3f64.sqrt(),
+        ),
         (prism(4), 1.5f64.sqrt()),
         (dual(&prism(4)), 2f64.sqrt()),
         (dual(&icosahedron), 3f64.sqrt() / golden),
@@ -58,7 +84,11 @@ fn platonic_solids_come_out_regular() {
     for (mesh, expected) in solids {
         let koebe = solve(&mesh);
         assert_closed_and_convex(&koebe);
-        assert!(all_near(&radii_of_vertices(&koebe), expected), "{expected}: {:?}", radii_of_vertices(&koebe));
+        assert!(
+            all_near(&radii_of_vertices(&koebe), expected),
+            "{expected}: {:?}",
+            radii_of_vertices(&koebe)
+        );
     }
 }
 
@@ -66,7 +96,12 @@ fn platonic_solids_come_out_regular() {
 fn truncated_icosahedron_is_the_archimedean_one() {
     let koebe = solve(&truncated(&graph(&icosahedron())));
     assert_closed_and_convex(&koebe);
-    let lengths: Vec<f64> = koebe.mesh.topology().edges().map(|e| koebe.mesh.edge_length(e)).collect();
+    let lengths: Vec<f64> = koebe
+        .mesh
+        .topology()
+        .edges()
+        .map(|e| koebe.mesh.edge_length(e))
+        .collect();
     // Midradius of the Archimedean solid of edge 1: 3 (1 + sqrt 5) / 4.
     assert!(all_near(&lengths, 4.0 / (3.0 * (1.0 + 5f64.sqrt()))));
 }
@@ -80,7 +115,11 @@ fn prisms_and_pyramids_have_their_known_shape() {
         // r / cos(pi / n) = 1.
         let r = (std::f64::consts::PI / f64::from(n)).cos();
         let circumradius = (1.0 + (1.0 - r * r)).sqrt();
-        assert!(radii_of_vertices(&koebe).iter().all(|x| (x - circumradius).abs() < 1e-13));
+        assert!(
+            radii_of_vertices(&koebe)
+                .iter()
+                .all(|x| (x - circumradius).abs() < 1e-13)
+        );
     }
     let n = 300;
     let mut pyramid: Vec<Vec<u32>> = (0..n).map(|i| vec![i, (i + 1) % n, n]).collect();
@@ -98,7 +137,10 @@ fn random_trivalent_graphs() {
 
 #[test]
 fn ten_thousand_vertices() {
-    for triangles in [flipped_icosphere(5000, 5000, 1), random_triangulation(5002, 2)] {
+    for triangles in [
+        flipped_icosphere(5000, 5000, 1),
+        random_triangulation(5002, 2),
+    ] {
         let mesh = dual(&graph(&triangles));
         assert!(mesh.topology().n_vertices() >= 10_000);
         assert_closed_and_convex(&solve(&mesh));
@@ -118,7 +160,8 @@ fn numbering_changes_nothing_but_the_rotation() {
             assert!((at(v).norm() - koebe.mesh.position(v).norm()).abs() < 1e-11);
             // Far vertices too: the Gram matrix with vertex 0.
             let w = VertexId::new(0);
-            let difference = at(v).dot(&at(w)) - koebe.mesh.position(v).dot(&koebe.mesh.position(w));
+            let difference =
+                at(v).dot(&at(w)) - koebe.mesh.position(v).dot(&koebe.mesh.position(w));
             assert!(difference.abs() < 1e-11);
         }
     }
@@ -128,7 +171,12 @@ fn numbering_changes_nothing_but_the_rotation() {
 fn result_is_turned_like_the_input() {
     let first = solve(&dual(&graph(&random_triangulation(40, 6))));
     let turn = nalgebra::Rotation3::from_euler_angles(0.3, -1.2, 2.0);
-    let input = first.mesh.with_positions(first.mesh.positions.map(|p| turn * p * 7.0 + Vec3::new(1.0, 2.0, 3.0)));
+    let input = first.mesh.with_positions(
+        first
+            .mesh
+            .positions
+            .map(|p| turn * p * 7.0 + Vec3::new(1.0, 2.0, 3.0)),
+    );
     let again = solve(&input);
     for (p, q) in first.mesh.positions.iter().zip(&again.mesh.positions) {
         assert!((turn * p - q).norm() < 0.05, "{} {}", turn * p, q);
@@ -139,8 +187,12 @@ fn result_is_turned_like_the_input() {
 #[test]
 fn mirror_image_of_the_graph_gives_the_mirror_image() {
     let mesh = dual(&graph(&random_triangulation(25, 8)));
-    let mirrored: Vec<Vec<u32>> =
-        mesh.topology().face_lists().into_iter().map(|f| f.into_iter().rev().collect()).collect();
+    let mirrored: Vec<Vec<u32>> = mesh
+        .topology()
+        .face_lists()
+        .into_iter()
+        .map(|f| f.into_iter().rev().collect())
+        .collect();
     let (a, b) = (solve(&mesh), solve(&graph(&mirrored)));
     let triple = |k: &Koebe| {
         let p = k.mesh.positions.as_slice();
@@ -155,17 +207,29 @@ fn flat_patch_of_hexagons_stays_regular() {
     let koebe = solve(&mesh);
     // Equal radii on the boundary of the lattice: all radii are equal, the middle face is regular and centred.
     let t = koebe.mesh.topology();
-    let middle = t.faces().min_by(|&f, &g| mesh.centre(f).norm().total_cmp(&mesh.centre(g).norm())).unwrap();
+    let middle = t
+        .faces()
+        .min_by(|&f, &g| mesh.centre(f).norm().total_cmp(&mesh.centre(g).norm()))
+        .unwrap();
     let heights: Vec<f64> = koebe.mesh.corners(middle).map(|p| p.z).collect();
-    assert!(all_near(&heights, heights[0]) && heights[0] > 0.9, "{heights:?}");
+    assert!(
+        all_near(&heights, heights[0]) && heights[0] > 0.9,
+        "{heights:?}"
+    );
     let boundary = touching_points(&koebe.mesh);
-    let angles: Vec<f64> =
-        t.edges().filter(|&e| t.is_boundary_edge(e)).map(|e| boundary[e].z.acos().to_degrees()).collect();
+    let angles: Vec<f64> = t
+        .edges()
+        .filter(|&e| t.is_boundary_edge(e))
+        .map(|e| boundary[e].z.acos().to_degrees())
+        .collect();
     let mean = angles.iter().sum::<f64>() / angles.len() as f64;
     assert!((mean - 60.0).abs() < 1.0, "opening {mean}");
     // In-plane turn like the flat input.
     for v in t.vertices().filter(|&v| mesh.position(v).norm() > 5.0) {
-        let (p, q) = (mesh.position(v).xy().normalize(), koebe.mesh.position(v).xy().normalize());
+        let (p, q) = (
+            mesh.position(v).xy().normalize(),
+            koebe.mesh.position(v).xy().normalize(),
+        );
         assert!((p - q).norm() < 1e-9);
     }
 }
@@ -173,14 +237,29 @@ fn flat_patch_of_hexagons_stays_regular() {
 #[test]
 fn patches_of_every_boundary_condition_and_opening() {
     let flat = hexagon_patch(6);
-    let bowl = flat.with_positions(flat.positions.map(|p| Vec3::new(p.x, p.y, -0.03 * p.x * p.x - 0.06 * p.y * p.y)));
-    for boundary in [BoundaryCondition::EqualRadii, BoundaryCondition::GaussImage, BoundaryCondition::Angles] {
+    let bowl = flat.with_positions(
+        flat.positions
+            .map(|p| Vec3::new(p.x, p.y, -0.03 * p.x * p.x - 0.06 * p.y * p.y)),
+    );
+    for boundary in [
+        BoundaryCondition::EqualRadii,
+        BoundaryCondition::GaussImage,
+        BoundaryCondition::Angles,
+    ] {
         for opening in [5.0, 60.0, 150.0] {
-            let options = KoebeOptions { boundary, opening, ..KoebeOptions::default() };
+            let options = KoebeOptions {
+                boundary,
+                opening,
+                ..KoebeOptions::default()
+            };
             let koebe = koebe(&bowl, &options, &Silent).unwrap();
             assert_sound(&koebe);
             let measures = measure(&koebe.mesh);
-            assert_eq!((measures.faces_not_simple, measures.faces_concave), (0, 0), "{boundary:?} {opening}");
+            assert_eq!(
+                (measures.faces_not_simple, measures.faces_concave),
+                (0, 0),
+                "{boundary:?} {opening}"
+            );
         }
     }
 }
@@ -188,37 +267,83 @@ fn patches_of_every_boundary_condition_and_opening() {
 #[test]
 fn gauss_image_is_met_at_the_boundary() {
     let flat = hexagon_patch(6);
-    let bowl = flat.with_positions(flat.positions.map(|p| Vec3::new(p.x, p.y, -0.03 * (p.x * p.x + p.y * p.y))));
-    let options = KoebeOptions { boundary: BoundaryCondition::GaussImage, ..KoebeOptions::default() };
+    let bowl = flat.with_positions(
+        flat.positions
+            .map(|p| Vec3::new(p.x, p.y, -0.03 * (p.x * p.x + p.y * p.y))),
+    );
+    let options = KoebeOptions {
+        boundary: BoundaryCondition::GaussImage,
+        ..KoebeOptions::default()
+    };
     let koebe = koebe(&bowl, &options, &Silent).unwrap();
     for v in bowl.topology().vertices() {
         let turn = koebe.mesh.position(v).angle(&vertex_normal(&bowl, v));
         assert!(turn < 0.1, "{turn}");
     }
     let refused = super::koebe(&flat, &options, &Silent).unwrap_err();
-    assert!(matches!(refused, KoebeError::NoGaussImage { .. }), "{refused}");
+    assert!(
+        matches!(refused, KoebeError::NoGaussImage { .. }),
+        "{refused}"
+    );
 }
 
 #[test]
 fn graphs_that_have_no_koebe_mesh_are_refused_by_name() {
     let refuse = |mesh: &HexMesh| koebe(mesh, &KoebeOptions::default(), &Silent).unwrap_err();
     // Two tetrahedra glued at a triangle, and that edge drawn double as two faces: 2-connected.
-    let faces: [Vec<u32>; 5] = [vec![0, 1, 2], vec![0, 2, 3], vec![0, 3, 4, 1], vec![1, 4, 3, 5], vec![1, 5, 3, 2]];
+    let faces: [Vec<u32>; 5] = [
+        vec![0, 1, 2],
+        vec![0, 2, 3],
+        vec![0, 3, 4, 1],
+        vec![1, 4, 3, 5],
+        vec![1, 5, 3, 2],
+    ];
     match refuse(&graph(&faces)) {
-        KoebeError::SeparatingPair { vertices, .. } => assert_eq!(vertices, [1, 3].map(VertexId::new)),
-        KoebeError::LowDegree { vertex, degree } => assert_eq!((vertex, degree), (VertexId::new(4), 2)),
+        KoebeError::SeparatingPair { vertices, .. } => {
+            assert_eq!(vertices, [1, 3].map(VertexId::new))
+        }
+        KoebeError::LowDegree { vertex, degree } => {
+            assert_eq!((vertex, degree), (VertexId::new(4), 2))
+        }
         other => panic!("{other}"),
     }
     let pillow = graph(&[[0u32, 1, 2], [0, 2, 1]]);
-    assert_eq!(refuse(&pillow), KoebeError::LowDegree { vertex: VertexId::new(0), degree: 2 });
+    assert_eq!(
+        refuse(&pillow),
+        KoebeError::LowDegree {
+            vertex: VertexId::new(0),
+            degree: 2
+        }
+    );
     assert_eq!(refuse(&quad_torus(6, 5)), KoebeError::Genus { genus: 1 });
-    let two = graph(&[[0u32, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3], [4, 6, 5], [4, 5, 7], [5, 6, 7], [6, 4, 7]]);
+    let two = graph(&[
+        [0u32, 2, 1],
+        [0, 1, 3],
+        [1, 2, 3],
+        [2, 0, 3],
+        [4, 6, 5],
+        [4, 5, 7],
+        [5, 6, 7],
+        [6, 4, 7],
+    ]);
     assert_eq!(refuse(&two), KoebeError::Components { components: 2 });
     let mut tube = prism(6).topology().face_lists();
     tube.truncate(6);
-    assert_eq!(refuse(&graph(&tube)), KoebeError::BoundaryLoops { boundary_loops: 2 });
-    let options = KoebeOptions { opening: f64::NAN, ..KoebeOptions::default() };
-    assert!(matches!(koebe(&pillow, &options, &Silent), Err(KoebeError::Option { option: "opening", .. })));
+    assert_eq!(
+        refuse(&graph(&tube)),
+        KoebeError::BoundaryLoops { boundary_loops: 2 }
+    );
+    let options = KoebeOptions {
+        opening: f64::NAN,
+        ..KoebeOptions::default()
+    };
+    assert!(matches!(
+        koebe(&pillow, &options, &Silent),
+        Err(KoebeError::Option {
+            option: "opening",
+            ..
+        })
+    ));
 }
 
 #[test]
@@ -229,9 +354,22 @@ fn separating_pair_is_one() {
     lists.push(vec![1, 8, 7, 6, 5, 4, 3, 2]);
     // Vertices 2, 4, 6, 8 have degree 2; the graph test names the first.
     let refused = koebe(&graph(&lists), &KoebeOptions::default(), &Silent).unwrap_err();
-    assert_eq!(refused, KoebeError::LowDegree { vertex: VertexId::new(2), degree: 2 });
+    assert_eq!(
+        refused,
+        KoebeError::LowDegree {
+            vertex: VertexId::new(2),
+            degree: 2
+        }
+    );
     // A ladder between two poles closed to a ring of two blocks: 0 and 1 separate {2, 3, 4} from {5, 6, 7}.
-    let block = |a: u32| -> Vec<Vec<u32>> { vec![vec![0, a, a + 1], vec![0, a + 1, a + 2], vec![a, 1, a + 1], vec![a + 1, 1, a + 2]] };
+    let block = |a: u32| -> Vec<Vec<u32>> {
+        vec![
+            vec![0, a, a + 1],
+            vec![0, a + 1, a + 2],
+            vec![a, 1, a + 1],
+            vec![a + 1, 1, a + 2],
+        ]
+    };
     let mut lists = block(2);
     lists.extend(block(5));
     lists.extend([vec![0, 4, 1, 5], vec![0, 7, 1, 2]]);
@@ -247,10 +385,25 @@ fn separating_pair_is_one() {
 #[test]
 fn defects_are_those_of_the_mesh() {
     let cube = solve(&prism(4));
-    let grown = Koebe { mesh: cube.mesh.with_positions(cube.mesh.positions.map(|p| p * 1.1)), ..cube.clone() };
+    let grown = Koebe {
+        mesh: cube
+            .mesh
+            .with_positions(cube.mesh.positions.map(|p| p * 1.1)),
+        ..cube.clone()
+    };
     let defects = KoebeDefects::of(&grown.mesh, &grown.face_poles);
-    assert!((defects.tangency - 0.1).abs() < 1e-14 && (defects.planarity - 0.1 * FRAC_1_SQRT_2).abs() < 1e-14);
+    assert!(
+        (defects.tangency - 0.1).abs() < 1e-14
+            && (defects.planarity - 0.1 * FRAC_1_SQRT_2).abs() < 1e-14
+    );
     // A unit cube moved up by 3: its edges' lines touch other spheres, and the upright ones do not hold their closest points.
-    let moved = cube.mesh.with_positions(cube.mesh.positions.map(|p| p + Vec3::z() * (3.0 * FRAC_1_SQRT_2)));
-    assert_eq!(KoebeDefects::of(&moved, &cube.face_poles).untouched_edges, 4);
+    let moved = cube.mesh.with_positions(
+        cube.mesh
+            .positions
+            .map(|p| p + Vec3::z() * (3.0 * FRAC_1_SQRT_2)),
+    );
+    assert_eq!(
+        KoebeDefects::of(&moved, &cube.face_poles).untouched_edges,
+        4
+    );
 }
