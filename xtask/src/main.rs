@@ -111,12 +111,7 @@ fn cargo_program() -> OsString {
 fn documentation(root: &Path) -> Result<(), String> {
     let mut command = Command::new(cargo_program());
     command.current_dir(root).env("RUSTDOCFLAGS", "-D warnings");
-    succeed(command.args([
-        "doc",
-        "--workspace",
-        "--no-deps",
-        "--document-private-items",
-    ]))
+    succeed(command.args(["doc", "--workspace", "--no-deps"]))
 }
 
 fn succeed(command: &mut Command) -> Result<(), String> {

@@ -1,2 +1,62 @@
-//! The program phex.
-fn main() {}
+//! The program `phex`: arguments to options, options to results, results to files and an exit code.
+
+mod args;
+mod commands;
+mod engine;
+mod exit;
+mod input;
+mod output;
+mod panel_size;
+mod progress;
+mod settings;
+mod summary;
+mod units;
+mod verdict;
+
+use args::{Arguments, ProgressMode, Talk};
+use clap::Parser;
+use exit::{Exit, Failure, OrExit};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
+    let talk = arguments.command.talk().clone();
+    match run(arguments) {
+        Ok(exit) => exit.into(),
+        Err(failure) => {
+            say(&failure, &talk);
+            failure.exit.into()
+        }
+    }
+}
+
+fn run(arguments: Arguments) -> Result<Exit, Failure> {
+    progress::install_interrupt_handler().or_exit(Exit::Internal)?;
+    commands::run(arguments.command)
+}
+
+/// Shows help, or what is wrong with the command line.
+fn usage(error: &clap::Error) -> ExitCode {
+    // A closed pipe must not turn help into a failure.
+    let _ = error.print();
+    if error.use_stderr() {
+        Exit::Usage.into()
+    } else {
+        Exit::Success.into()
+    }
+}
+
+fn say(failure: &Failure, talk: &Talk) {
+    if talk.progress == ProgressMode::Json {
+        let exit = failure.exit as u8;
+        eprintln!(
+            "{}",
+            serde_json::json!({ "event": "error", "exit_code": exit, "message": failure.to_string() })
+        );
+    } else {
+        eprintln!("error: {failure}");
+    }
+}

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 
 fn shape(name: &str) -> Shape {
-    Shape::from_name::<&str>(name, &[]).unwrap()
+    Shape::from_name(name, &[]).unwrap()
 }
 
 fn shapes() -> impl Iterator<Item = Shape> {
@@ -371,6 +371,28 @@ fn coarse_and_fine_triangulations_keep_the_topology() {
     }
 }
 
+/// Every parameter at a third and three times its default, and at the ends of its range: what is accepted is meshed, and no
+/// bigger than asked for.
+#[test]
+fn unusual_parameters_are_refused_or_meshed() {
+    for info in Shape::all() {
+        for parameter in info.parameters {
+            let factors = [1.0 / 3.0, 3.0].map(|f| f * parameter.default);
+            for value in factors.into_iter().chain([parameter.min, parameter.max]) {
+                let Ok(shape) = Shape::from_name(info.name, &[(parameter.name, value)]) else {
+                    continue;
+                };
+                let mesh = triangulate_with_parameters(&shape, &options(1000, 0.2, 1)).unwrap();
+                let finite = |p: &Vec3| p.iter().all(|x| x.is_finite());
+                assert!(mesh.positions.iter().all(finite), "{shape:?}");
+                assert!((400..=1300).contains(&mesh.triangles.len()), "{shape:?}");
+                let mesh = TriangleSurface::new(mesh.positions, &mesh.triangles).unwrap();
+                assert_topology(info.name, &mesh);
+            }
+        }
+    }
+}
+
 #[test]
 fn jitter_moves_vertices_but_not_the_boundary_curve() {
     for surface in shapes() {
@@ -444,7 +466,15 @@ fn areas_converge_to_the_surface() {
 /// Random points near and far: no sample of the surface may be closer than the answer.
 #[test]
 fn closest_point_is_no_further_than_any_sample() {
-    for surface in shapes() {
+    let hard = [
+        ("torus", "minor", 0.95),
+        ("enneper", "radius", 1.7),
+        ("ellipsoid", "a", 10.0),
+        ("helicoid", "turns", 3.0),
+    ];
+    let hard =
+        hard.map(|(name, parameter, value)| Shape::from_name(name, &[(parameter, value)]).unwrap());
+    for surface in shapes().chain(hard) {
         let name = surface.info().name;
         let dense = triangulate_with_parameters(&surface, &options(60_000, 0.4, 3)).unwrap();
         let projector = ShapeProjector::new(surface.clone()).unwrap();

@@ -11,8 +11,8 @@
 //! | `t` | [`DampedProblem::step_bound`] | collision-bounded fraction of the step |
 //!
 //! The rule, measured on collision-laden problems: below `t = 0.2` the step is thrown away and solved again
-//! with `5 mu` (at least 1e-3); below `0.5` it is taken, but `mu` triples; above `0.8` `mu` shrinks to
-//! `0.3 mu`. Without it, weakly determined unknowns propose long steps, one collision cuts the *whole* step,
+//! with `5 mu` (at least 1e-3); below `0.5` it is taken, but `mu` triples; above `0.8` `mu` is halved.
+//! Without it, weakly determined unknowns propose long steps, one collision cuts the *whole* step,
 //! and the iteration creeps.
 //!
 //! Guaranteed: every iterate is admissible if the first one is, and the energy never rises.
@@ -74,7 +74,7 @@ impl Damping {
 
     fn after_step(&mut self, fraction: f64) {
         if fraction > 0.8 {
-            self.0 = (0.3 * self.0).max(1e-8);
+            self.0 = (0.5 * self.0).max(1e-8);
         } else if fraction <= 0.5 {
             self.0 = (3.0 * self.0).max(1e-3);
         }
@@ -87,7 +87,7 @@ const HALVINGS: usize = 8;
 const ARMIJO: f64 = 1e-4;
 const SHORT: f64 = 0.2;
 
-/// Memory and factorisation of [`minimise`], kept between runs on the same pattern.
+/// Memory and factorisation of [`minimise`](Self::minimise), kept between runs on the same pattern.
 #[derive(Debug)]
 pub struct DampedSolver {
     cholesky: Cholesky,

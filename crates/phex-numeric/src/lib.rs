@@ -6,7 +6,7 @@
 //! | [`symmetric`] | sparse symmetric matrices, built from triplets |
 //! | [`cholesky`] | `A = L L^T` with the symbolic part reused, residual refined |
 //! | [`assembly`] | sums of dense element blocks on a fixed pattern |
-//! | [`conjugate_gradients`] | `A x = b` from products with `A` alone |
+//! | [`mod@conjugate_gradients`] | `A x = b` from products with `A` alone |
 //! | [`damped`] | descent whose damping follows the collision step |
 //! | [`projection`] | minimum-norm projection onto constraints, guarded |
 //! | [`outcome`] | how an iteration ended |

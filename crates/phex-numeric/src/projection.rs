@@ -10,8 +10,8 @@
 //! | `J J^T` | `normal`, assembled by [`Constraints::linearise`] |
 //! | `eps` | [`SHIFT`], times 100 for each failed factorisation |
 //!
-//! Guaranteed: every iterate is admissible in the sense of [`Constraints::admissible`] if the first one is, and the
-//! residual never rises above its first value. Fails (`Stalled`) where the guard forbids every fraction of a step.
+//! Guaranteed: every iterate is admissible in the sense of [`Constraints::admissible`] if the first one is, and what is
+//! returned has the least residual of all of them. Fails (`Stalled`) where the guard forbids every fraction of a step.
 
 use crate::conjugate_gradients::add_scaled;
 use crate::outcome::{Outcome, Record, Status};
@@ -91,18 +91,23 @@ impl MinimumNorm {
         let factorised = self.factorisations();
         let mut outcome = Outcome::empty(Status::IterationLimit);
         let (mut step, mut trial) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        let Some(mut residual) = problem.admissible(x) else {
+        let Some(residual) = problem.admissible(x) else {
             outcome.status = Status::Stalled;
             return outcome;
         };
-        while outcome.history.len() < options.max_iterations && residual > options.goal {
+        let mut watchdog = Watchdog::new(x, residual);
+        while outcome.history.len() < options.max_iterations && watchdog.best > options.goal {
             if !self.solve(problem, x, &mut step) {
                 outcome.status = Status::NumericalBreakdown;
                 break;
             }
             let bound = problem.step_bound(x, &step);
-            let Some((fraction, reached)) = guarded(problem, x, &step, bound, residual, &mut trial)
+            let limit = watchdog.limit();
+            let Some((fraction, reached)) = guarded(problem, x, &step, bound, limit, &mut trial)
             else {
+                if watchdog.go_back(x) {
+                    continue;
+                }
                 outcome.status = Status::Stalled;
                 break;
             };
@@ -116,13 +121,18 @@ impl MinimumNorm {
                 damping: 0.0,
             };
             outcome.history.push(record);
-            residual = reached;
             if observe(&record).is_break() {
                 outcome.status = Status::Cancelled;
+                watchdog.note(x, reached);
                 break;
             }
+            watchdog.note(x, reached);
+            if watchdog.has_waited() {
+                watchdog.go_back(x);
+            }
         }
-        if residual <= options.tolerance && outcome.status != Status::Cancelled {
+        x.copy_from_slice(&watchdog.place);
+        if watchdog.best <= options.tolerance && outcome.status != Status::Cancelled {
             outcome.status = Status::Converged;
         }
         outcome.iterations = outcome.history.len();
@@ -162,20 +172,75 @@ impl MinimumNorm {
     }
 }
 
-/// Largest tried fraction of the step that stays admissible and lowers the residual; `trial` holds the point.
+/// Lets the residual rise for a few iterations, and knows the best place to go back to.
+///
+/// Near dependent constraints a full step is long, and its second-order error disturbs well-determined constraints,
+/// which the next steps repair; to demand a falling residual there would mean to creep.
+struct Watchdog {
+    place: Vec<f64>,
+    best: f64,
+    waited: usize,
+    patience: usize,
+}
+
+impl Watchdog {
+    const PATIENCE: usize = 3;
+    const RISE: f64 = 100.0;
+
+    fn new(x: &[f64], residual: f64) -> Self {
+        Self {
+            place: x.to_vec(),
+            best: residual,
+            waited: 0,
+            patience: Self::PATIENCE,
+        }
+    }
+
+    /// Residual that the next place must stay below.
+    fn limit(&self) -> f64 {
+        if self.patience > 0 {
+            Self::RISE * self.best
+        } else {
+            self.best
+        }
+    }
+
+    fn note(&mut self, x: &[f64], residual: f64) {
+        if residual < self.best {
+            self.place.copy_from_slice(x);
+            self.best = residual;
+            self.waited = 0;
+        } else {
+            self.waited += 1;
+        }
+    }
+
+    fn has_waited(&self) -> bool {
+        self.patience > 0 && self.waited >= self.patience
+    }
+
+    /// Goes back to the best place, and demands a falling residual from then on; `false` if that was so already.
+    fn go_back(&mut self, x: &mut [f64]) -> bool {
+        x.copy_from_slice(&self.place);
+        self.waited = 0;
+        std::mem::take(&mut self.patience) > 0
+    }
+}
+
+/// Largest tried fraction of the step that stays admissible with a residual below `limit`; `trial` holds the point.
 fn guarded(
     problem: &mut impl Constraints,
     x: &[f64],
     step: &[f64],
     bound: f64,
-    residual: f64,
+    limit: f64,
     trial: &mut [f64],
 ) -> Option<(f64, f64)> {
     let mut fraction = bound;
     for _ in 0..HALVINGS {
         trial.copy_from_slice(x);
         add_scaled(trial, fraction, step);
-        if let Some(reached) = problem.admissible(trial).filter(|&r| r < residual) {
+        if let Some(reached) = problem.admissible(trial).filter(|&r| r < limit) {
             return Some((fraction, reached));
         }
         fraction *= 0.5;

@@ -5,15 +5,16 @@
 
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::size::{self, SizeOptions};
 use crate::directions::{self, DirectionOptions, Directions};
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics};
 use crate::optimise::{
-    self, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
+    self, Fault, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
 };
 use crate::progress::{Event, Progress};
-use crate::target::{self, Similarity, SmoothTarget, TargetOptions};
+use crate::target::{self, Similarity, SmoothTarget, TargetKind, TargetOptions};
 use nalgebra::Matrix3;
 use phex_mesh::{
     FaceId, HexMesh, PerVertex, TriangleSurface, ValidateOptions, VertexId, Violation,
@@ -40,6 +41,10 @@ pub enum PanelSize {
 pub struct MeshOptions {
     /// Size of the panels.
     pub size: PanelSize,
+    /// Where panels are smaller.
+    pub sizes: SizeOptions,
+    /// Relative size of panels at each vertex of the input (positive; only ratios matter).
+    pub size_field: Option<Vec<f64>>,
     /// Smooth target.
     pub target: TargetOptions,
     /// Curvature.
@@ -62,6 +67,8 @@ impl Default for MeshOptions {
     fn default() -> Self {
         Self {
             size: PanelSize::Panels(500),
+            sizes: SizeOptions::default(),
+            size_field: None,
             target: TargetOptions::default(),
             curvature: CurvatureOptions::default(),
             directions: DirectionOptions::default(),
@@ -74,8 +81,8 @@ impl Default for MeshOptions {
     }
 }
 
-/// Most panels that one run is asked for; more would not fit into the ids of the refined surface.
-pub const MAX_PANELS: usize = 2_000_000;
+/// Most panels that one run is asked for: the refined surface has 25 vertices and more for each, and memory ends.
+pub const MAX_PANELS: usize = 200_000;
 
 /// Why nothing was made.
 #[derive(Clone, Debug, Error)]
@@ -143,7 +150,7 @@ pub struct Statistics {
 pub struct MeshRun {
     /// The panelling in model coordinates.
     pub mesh: HexMesh,
-    /// The smooth target in model coordinates.
+    /// The surface that the panels were kept close to, in model coordinates.
     pub target: TriangleSurface,
     /// How the optimiser ended.
     pub outcome: Outcome,
@@ -180,8 +187,8 @@ pub fn mesh_surface(
     };
     let panels = panel_count(surface, options.size)?;
     let similarity = Similarity::normalising(surface);
+    let normalised = moved(surface, |p| similarity.normalise(p));
     let smooth = clock.stage("target", || {
-        let normalised = moved(surface, |p| similarity.normalise(p));
         let vertices = options.cell_density.max(options.field_density) * panels as f64;
         target::smooth_target(&normalised, vertices as usize, &options.target)
     })?;
@@ -189,20 +196,24 @@ pub fn mesh_surface(
     let fine = FineSurface::new(&smooth, &field);
     let mut seeds = field.seeds.clone();
     let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
-    let target = SurfaceTarget::new(&fine.surface);
+    let close_to = match options.target.kind {
+        TargetKind::Facets => &normalised,
+        _ => &fine.surface,
+    };
+    let target = SurfaceTarget::new(close_to);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
-    let mut best: Option<(usize, Optimised, Vec<Violation>)> = None;
+    let mut best: Option<((bool, usize), Optimised, Vec<Violation>)> = None;
     loop {
         let result = clock.stage("optimise", || {
             optimise::optimise(&layout, &target, &options.optimise, progress)
         })??;
         factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
-        let violations = clock.stage("validate", || between_panels(&result.mesh, &fine.surface))?;
+        let violations = clock.stage("validate", || between_panels(&result.mesh, close_to))?;
         let invalid = invalid_panels(&result, &violations);
-        let better = best.as_ref().is_none_or(|b| invalid.len() < b.0);
-        if better {
-            best = Some((invalid.len(), result, violations));
+        let badness = (!is_planar(&result), invalid.len());
+        if best.as_ref().is_none_or(|b| badness < b.0) {
+            best = Some((badness, result, violations));
         }
         if invalid.is_empty() || repairs.len() >= options.max_repairs || progress.is_cancelled() {
             break;
@@ -231,7 +242,7 @@ pub fn mesh_surface(
     let positions = result.mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
         mesh: result.mesh.with_positions(positions),
-        target: moved(&fine.surface, |p| similarity.restore(p)),
+        target: moved(close_to, |p| similarity.restore(p)),
         outcome: result.outcome,
         offenders: result.offenders,
         violations,
@@ -258,7 +269,7 @@ fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, Pipe
             )));
         }
     };
-    if !(count >= 1.0) {
+    if count < 1.0 || count.is_nan() {
         return Err(PipelineError::Size(format!(
             "{count:.3} panels were asked for, at least 1 is needed"
         )));
@@ -345,14 +356,16 @@ impl Field {
             .position(|l| l.positions().len() as f64 >= wanted);
         let level = level.unwrap_or(smooth.levels.len() - 1);
         let surface = &smooth.levels[level];
-        let mut length = panel_length(surface, panels);
+        let length = panel_length(surface, panels);
         let curvature = clock.stage("curvature", || {
             curvature::curvature(surface, length, &options.curvature)
         })?;
+        let mut length = panel_lengths(smooth, level, &curvature, length, panels, options)?;
+        let settings = direction_options(options);
         let mut best: Option<(f64, Self)> = None;
         for _ in 0..COUNT_TRIES {
             let directions = clock.stage("directions", || {
-                directions::directions(surface, &curvature, length, &options.directions)
+                directions::directions_sized(surface, &curvature, &length, &settings)
             })??;
             let (seeds, statistics) = clock.stage("layout", || {
                 layout::place_seeds(surface.topology(), &directions, &options.layout)
@@ -374,10 +387,81 @@ impl Field {
             if error < COUNT_TOLERANCE {
                 break;
             }
-            length *= ratio.sqrt();
+            length.iter_mut().for_each(|l| *l *= ratio.sqrt());
         }
         Ok(best.expect("at least one lattice is tried").1)
     }
+}
+
+/// Screening that keeps varying sizes against the conformal factor, which would even them out.
+const SIZED_SCREENING: f64 = 0.5;
+
+fn direction_options(options: &MeshOptions) -> DirectionOptions {
+    let mut settings = options.directions.clone();
+    if options.sizes.adaptive.is_some() || options.size_field.is_some() {
+        settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
+    }
+    settings
+}
+
+/// Panel length at each vertex of a level.
+fn panel_lengths(
+    smooth: &SmoothTarget,
+    level: usize,
+    curvature: &Curvature,
+    uniform: f64,
+    panels: usize,
+    options: &MeshOptions,
+) -> Result<PerVertex<f64>, PipelineError> {
+    let surface = &smooth.levels[level];
+    let field = match &options.size_field {
+        Some(values) => Some(refined_sizes(smooth, level, values)?),
+        None => None,
+    };
+    let principal = curvature.principal();
+    let mut base = uniform;
+    // The largest length depends on how much of the surface is finer, and that on the largest length.
+    for _ in 0..8 {
+        let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+        let Some(relative) = sizes else { break };
+        let next = size::base_length(surface, &relative, CELL, panels);
+        if (next / base).ln().abs() < 1e-3 {
+            return Ok(relative.map(|r| r * next));
+        }
+        base = next;
+    }
+    let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+    Ok(sizes.map_or_else(
+        || PerVertex::filled(surface.positions().len(), uniform),
+        |r| r.map(|r| r * base),
+    ))
+}
+
+fn refined_sizes(
+    smooth: &SmoothTarget,
+    level: usize,
+    values: &[f64],
+) -> Result<PerVertex<f64>, PipelineError> {
+    let expected = smooth.levels[0].positions().len();
+    if values.len() != expected {
+        let message = format!(
+            "the size field has {} values, the surface {expected} vertices",
+            values.len()
+        );
+        return Err(PipelineError::Size(message));
+    }
+    if let Some(i) = values.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
+        let message = format!(
+            "the size at vertex {i} is {}, it must be positive and finite",
+            values[i]
+        );
+        return Err(PipelineError::Size(message));
+    }
+    let start = PerVertex::from_vec(values.iter().map(|v| v.ln()).collect());
+    let steps = smooth.refinements[..level].iter();
+    Ok(steps
+        .fold(start, |field, step| step.apply(&field))
+        .map(|l| l.exp()))
 }
 
 /// Distance of neighbouring panel centres for a number of panels.
@@ -452,16 +536,53 @@ fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
     phex_mesh::violations(mesh, Some(surface), &ValidateOptions::default())
 }
 
-/// Panels whose seeds the next round drops.
+/// Panels whose seeds the next round drops: those with a wrong shape; if there are none, those farthest from planar,
+/// because one blocked panel keeps all others from their planes.
 fn invalid_panels(result: &Optimised, violations: &[Violation]) -> BTreeSet<FaceId> {
-    let mut invalid: BTreeSet<FaceId> = result.offenders.iter().map(|o| o.face).collect();
-    for violation in violations {
-        invalid.extend(violation.faces(result.mesh.topology()));
+    let topology = result.mesh.topology();
+    let shape = |v: &&Violation| !matches!(v, Violation::NotPlanar { .. });
+    let mut invalid: BTreeSet<FaceId> = result
+        .offenders
+        .iter()
+        .filter(|o| !matches!(o.fault, Fault::NotPlanar { .. }))
+        .map(|o| o.face)
+        .collect();
+    invalid.extend(
+        violations
+            .iter()
+            .filter(shape)
+            .flat_map(|v| v.faces(topology)),
+    );
+    if !invalid.is_empty() {
+        return invalid;
     }
-    invalid
+    let distance = |o: &Offender| match o.fault {
+        Fault::NotPlanar { distance } => distance,
+        _ => 0.0,
+    };
+    let worst = result.offenders.iter().map(distance).fold(0.0, f64::max);
+    let far = result
+        .offenders
+        .iter()
+        .filter(|o| distance(o) > 0.3 * worst);
+    far.map(|o| o.face).collect()
 }
 
+fn is_planar(result: &Optimised) -> bool {
+    let planar = |o: &Offender| !matches!(o.fault, Fault::NotPlanar { .. });
+    result.offenders.iter().all(planar)
+}
+
+/// Drops the seeds of invalid panels, never those of two neighbours in one round: one of them grows into the gap.
 fn drop_seeds(seeds: &mut Vec<Seed>, layout: &Layout, invalid: &BTreeSet<FaceId>) {
-    let dropped: HashSet<VertexId> = invalid.iter().map(|f| layout.face_seed[*f]).collect();
+    let topology = layout.mesh.topology();
+    let mut chosen: BTreeSet<FaceId> = BTreeSet::new();
+    for &f in invalid {
+        let twins = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
+        if !twins.map(|t| topology.face(t)).any(|g| chosen.contains(&g)) {
+            chosen.insert(f);
+        }
+    }
+    let dropped: HashSet<VertexId> = chosen.iter().map(|f| layout.face_seed[*f]).collect();
     seeds.retain(|s| !dropped.contains(&s.vertex));
 }

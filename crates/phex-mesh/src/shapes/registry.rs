@@ -72,10 +72,7 @@ impl Shape {
     /// # Errors
     /// An unknown name of a shape or parameter, a parameter given twice, or a value out of its range; the message lists what is
     /// allowed.
-    pub fn from_name<S: AsRef<str>>(
-        name: &str,
-        overrides: &[(S, f64)],
-    ) -> Result<Self, ShapeError> {
+    pub fn from_name(name: &str, overrides: &[(&str, f64)]) -> Result<Self, ShapeError> {
         let info = SHAPES
             .iter()
             .find(|info| info.name == name)
@@ -115,19 +112,19 @@ impl fmt::Debug for Shape {
 }
 
 impl ShapeInfo {
-    fn values<S: AsRef<str>>(&self, overrides: &[(S, f64)]) -> Result<Vec<f64>, ShapeError> {
+    fn values(&self, overrides: &[(&str, f64)]) -> Result<Vec<f64>, ShapeError> {
         let mut values: Vec<f64> = self.parameters.iter().map(|p| p.default).collect();
         let mut given = vec![false; values.len()];
-        for (name, value) in overrides {
-            let index = self.index_of(name.as_ref())?;
+        for &(name, value) in overrides {
+            let index = self.index_of(name)?;
             if std::mem::replace(&mut given[index], true) {
                 return Err(ShapeError::RepeatedParameter {
                     shape: self.name,
                     parameter: self.parameters[index].name,
                 });
             }
-            values[index] = *value;
-            self.check(index, *value)?;
+            self.check(index, value)?;
+            values[index] = value;
         }
         Ok(values)
     }
@@ -546,8 +543,6 @@ fn at_most(parameter: usize, value: f64, max: f64) -> Result<(), OutOfRange> {
 mod tests {
     use super::*;
 
-    const NONE: [(&str, f64); 0] = [];
-
     fn message(name: &str, overrides: &[(&str, f64)]) -> String {
         Shape::from_name(name, overrides).unwrap_err().to_string()
     }
@@ -566,7 +561,7 @@ mod tests {
                     .all(|other| other.name != info.name)
             );
             assert!(info.summary.ends_with('.'));
-            let shape = Shape::from_name(info.name, &NONE).unwrap();
+            let shape = Shape::from_name(info.name, &[]).unwrap();
             for (parameter, (name, value)) in info.parameters.iter().zip(shape.parameters()) {
                 assert_eq!((parameter.name, parameter.default), (name, value));
                 assert!((parameter.min..=parameter.max).contains(&value));

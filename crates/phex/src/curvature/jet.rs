@@ -89,7 +89,7 @@ pub fn fit(surface: &TriangleSurface, v: VertexId, members: &[VertexId], reach: 
         normal: n,
         tensor: Matrix3::zeros(),
     };
-    if !(reach > 0.0) {
+    if reach == 0.0 || reach.is_nan() {
         return flat;
     }
     match solve(&local, reach) {

@@ -15,15 +15,14 @@ pub fn metric(
     surface: &TriangleSurface,
     curvature: &Curvature,
     principal: &PerVertex<Principal>,
-    panel_length: f64,
+    panel_length: &PerVertex<f64>,
     options: &DirectionOptions,
 ) -> PerVertex<Matrix3<f64>> {
     let floor = options.curvature_floor * large_curvature(principal) + 1.0 / FLAT_RADIUS;
     let raw = principal.map(|p| shape(p, floor, options.anisotropy));
     let smooth = crate::curvature::smoothed(surface.topology(), &curvature.normal, raw, SMOOTHING);
-    let unit = 1.0 / (panel_length * panel_length);
     PerVertex::from_fn(smooth.len(), |v| {
-        smooth[v] * (unit / determinant_root(curvature.normal[v], &smooth[v]))
+        smooth[v] / (panel_length[v].powi(2) * determinant_root(curvature.normal[v], &smooth[v]))
     })
 }
 

@@ -25,6 +25,7 @@ pub mod conformal;
 pub mod intrinsic;
 pub mod metric;
 pub mod rosy;
+pub mod size;
 
 use crate::curvature::Curvature;
 use intrinsic::IntrinsicMesh;
@@ -80,14 +81,28 @@ pub struct Directions {
     pub cone: PerFace<i32>,
 }
 
-/// Metric and field for panels of length `panel_length`.
+/// Metric and field for panels of one length.
 ///
 /// # Errors
-/// If a linear system can't be solved, which only happens when the surface's triangles are numerically degenerate.
+/// As [`directions_sized`].
 pub fn directions(
     surface: &TriangleSurface,
     curvature: &Curvature,
     panel_length: f64,
+    options: &DirectionOptions,
+) -> Result<Directions, NumericError> {
+    let length = PerVertex::filled(surface.positions().len(), panel_length);
+    directions_sized(surface, curvature, &length, options)
+}
+
+/// Metric and field for panels of length `panel_length` at each vertex.
+///
+/// # Errors
+/// If a linear system can't be solved, which only happens when the surface's triangles are numerically degenerate.
+pub fn directions_sized(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    panel_length: &PerVertex<f64>,
     options: &DirectionOptions,
 ) -> Result<Directions, NumericError> {
     let principal = curvature.principal();

@@ -43,8 +43,11 @@ pub struct LayoutOptions {
     pub seed: u64,
     /// Sweeps of the Gauss-Seidel polish.
     pub sweeps: usize,
-    /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay).
-    pub annihilation_length: f64,
+    /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay; `None`: any).
+    pub annihilation_length: Option<f64>,
+    /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it only dislocations
+    /// that are near each other vanish.
+    pub max_distortion: f64,
 }
 
 impl Default for LayoutOptions {
@@ -52,7 +55,8 @@ impl Default for LayoutOptions {
         Self {
             seed: 0,
             sweeps: 60,
-            annihilation_length: f64::INFINITY,
+            annihilation_length: None,
+            max_distortion: 0.35,
         }
     }
 }
@@ -97,27 +101,48 @@ pub fn place_seeds(
     let charts = Charts::new(topology, directions);
     let mut position = waves::diffuse(topology, mesh, &charts, options.seed);
     polish::polish(topology, mesh, &charts, &mut position, options.sweeps);
-    let mut offsets = Offsets::rounded(topology, &charts, position);
-    let annihilation = seamless::annihilate(
-        topology,
-        mesh,
-        &charts,
-        &mut offsets.jump,
-        options.annihilation_length,
-    );
-    if annihilation.moved > 0 {
-        offsets.position =
-            seamless::solve_offsets(topology, mesh, &charts, &offsets.jump, &offsets.position)?;
-    }
-    let mut distortion = offsets.distortion(topology, mesh, &charts).into_vec();
-    distortion.sort_by(f64::total_cmp);
+    let rounded = Offsets::rounded(topology, &charts, position);
+    let (offsets, annihilation, distortion_p95) =
+        seamless_offsets(topology, mesh, &charts, rounded, options)?;
     let offsets = offsets.reduced(topology, &charts);
     let statistics = LayoutStatistics {
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
         annihilation,
-        distortion_p95: distortion[distortion.len() * 95 / 100],
+        distortion_p95,
     };
     Ok((seeds::seeds(topology, mesh, &offsets), statistics))
+}
+
+/// Shorter limits for the paths of dislocations, tried where all of them vanishing distorts too much.
+const SHORTER: [f64; 4] = [12.0, 6.0, 3.0, 0.0];
+
+/// The lattice with as few dislocations as the bound on distortion allows, and its distortion.
+fn seamless_offsets(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    rounded: Offsets,
+    options: &LayoutOptions,
+) -> Result<(Offsets, Annihilation, f64), LayoutError> {
+    let longest = options.annihilation_length.unwrap_or(f64::INFINITY);
+    let shorter = SHORTER.into_iter().filter(|l| *l < longest);
+    let mut last = None;
+    for limit in std::iter::once(longest).chain(shorter) {
+        let mut offsets = rounded.clone();
+        let annihilation = seamless::annihilate(topology, mesh, charts, &mut offsets.jump, limit);
+        if annihilation.moved > 0 {
+            offsets.position =
+                seamless::solve_offsets(topology, mesh, charts, &offsets.jump, &rounded.position)?;
+        }
+        let mut distortion = offsets.distortion(topology, mesh, charts).into_vec();
+        distortion.sort_by(f64::total_cmp);
+        let p95 = distortion[distortion.len() * 95 / 100];
+        last = Some((offsets, annihilation, p95));
+        if p95 <= options.max_distortion {
+            break;
+        }
+    }
+    Ok(last.expect("at least one limit is tried"))
 }
 
 /// The fine surface on which cells are drawn.

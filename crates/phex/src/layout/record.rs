@@ -11,7 +11,7 @@ pub enum VertexKind {
     Interior,
     /// On the boundary curve of the surface, between two panels (or, without a neighbour, on the rim of one).
     Boundary,
-    /// At a sharp corner of the boundary: one panel, two boundary edges. It stays where it is.
+    /// At a sharp corner of the boundary: one panel, two boundary edges. It is drawn to that corner.
     BoundaryCorner,
 }
 

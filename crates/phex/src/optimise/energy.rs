@@ -16,8 +16,8 @@ use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
 /// Fraction of the way to the first collision that a step may go.
 const COLLISION_FRACTION: f64 = 0.85;
 
-/// Weight of the diagonal that holds a fixed vertex.
-const HOLD: f64 = 1e6;
+/// Trials in a row that demands other than simplicity may block.
+const PATIENCE: usize = 3;
 
 /// Weights of the energy.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,8 @@ pub(super) struct Weights {
     pub closeness: ClosenessWeights,
     pub fairness: f64,
     pub anchor: f64,
+    /// Anchor of the corners of the boundary.
+    pub corner: f64,
 }
 
 /// What does not change while one start is optimised.
@@ -35,8 +37,8 @@ pub(super) struct Setting<'a> {
     pub guard: &'a Guard,
     /// Vertices that are drawn to the boundary curve.
     pub rim: &'a [u32],
-    /// Vertices that stay where they are.
-    pub fixed: &'a [bool],
+    /// Whether a vertex is a corner of the boundary.
+    pub corner: &'a [bool],
     pub mean_edge: f64,
 }
 
@@ -54,6 +56,8 @@ pub(super) struct PanelEnergy<'a> {
     linearised: Shape,
     feet: Feet,
     admissible: bool,
+    /// Trials in a row that were not admissible.
+    blocked: usize,
     face_energy: Vec<f64>,
     corner_gradient: Vec<Vec3>,
     corner_motion: Vec<Vec2>,
@@ -74,7 +78,10 @@ impl<'a> PanelEnergy<'a> {
         Self {
             weights,
             barriers,
-            armed: setting.guard.arm(panels, &shape, start),
+            armed: setting
+                .guard
+                .arm(panels, &shape, start)
+                .without_neighbours(),
             setting,
             assembly,
             anchor: start.to_vec(),
@@ -83,6 +90,7 @@ impl<'a> PanelEnergy<'a> {
             shape,
             feet: Feet::default(),
             admissible: false,
+            blocked: 0,
             face_energy: vec![0.0; panels.n_faces()],
             corner_gradient: vec![Vec3::zeros(); panels.n_corners()],
             corner_motion: vec![Vec2::zeros(); panels.n_corners()],
@@ -94,7 +102,11 @@ impl<'a> PanelEnergy<'a> {
     pub fn arm(&mut self, x: &[f64]) {
         let panels = self.setting.panels;
         let shape = Shape::at(panels, x);
-        self.armed = self.setting.guard.arm(panels, &shape, x);
+        self.armed = self
+            .setting
+            .guard
+            .arm(panels, &shape, x)
+            .without_neighbours();
         self.at.clear();
     }
 
@@ -110,6 +122,11 @@ impl<'a> PanelEnergy<'a> {
         self.admissible = setting
             .guard
             .holds(&self.armed, setting.panels, &self.shape, x);
+        self.blocked = if self.admissible { 0 } else { self.blocked + 1 };
+        if self.blocked >= PATIENCE {
+            setting.guard.give_up_sides(&mut self.armed, &self.shape);
+            self.blocked = 0;
+        }
         if self.admissible {
             self.feet
                 .update(setting.reference, &self.shape, x, setting.rim);
@@ -132,13 +149,22 @@ impl<'a> PanelEnergy<'a> {
         self.face_energy.iter().sum()
     }
 
+    /// Weight of the anchor of a vertex.
+    fn hold(&self, v: usize) -> f64 {
+        if self.setting.corner[v] {
+            self.weights.corner
+        } else {
+            self.weights.anchor
+        }
+    }
+
+    fn pull(&self, v: usize) -> Vec3 {
+        point(&self.at, v) - point(&self.anchor, v)
+    }
+
     fn anchor_energy(&self) -> f64 {
-        let squares = self
-            .at
-            .iter()
-            .zip(&self.anchor)
-            .map(|(x, a)| (x - a).powi(2));
-        0.5 * self.weights.anchor * squares.sum::<f64>()
+        let energy = |v| 0.5 * self.hold(v) * self.pull(v).norm_squared();
+        (0..self.setting.panels.n_vertices()).map(energy).sum()
     }
 
     /// Gradient at the corners and Hessian blocks of all faces.
@@ -183,19 +209,14 @@ impl<'a> PanelEnergy<'a> {
                 Some((k, _)) => self.feet.rim_vertex(k, v, closeness),
                 None => self.feet.vertex(v, closeness.vertex),
             };
-            let pull = point(&self.at, v) - point(&self.anchor, v);
             let corners = panels.corners_at(v).iter();
             let faces: Vec3 = corners.map(|&c| self.corner_gradient[c as usize]).sum();
-            let mut g = term.gradient + pull * self.weights.anchor + faces;
-            let mut stiffness = self.weights.anchor;
-            if setting.fixed[v] {
-                g = Vec3::zeros();
-                stiffness = HOLD;
-            }
+            let hold = self.hold(v);
+            let g = term.gradient + self.pull(v) * hold + faces;
+            let hessian = term.hessian + Matrix3::from_diagonal_element(hold);
             gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
             let block = &mut self.blocks[self.assembly.block(panels.n_faces() + v)];
             block.fill(0.0);
-            let hessian = term.hessian + Matrix3::from_diagonal_element(stiffness);
             add_block(block, 0, 0, &hessian);
         }
     }
@@ -336,10 +357,6 @@ impl<'a> PlanarityConstraints<'a> {
     fn add_vertex(&mut self, v: usize) {
         let panels = self.setting.panels;
         let range = self.assembly.block(v);
-        if self.setting.fixed[v] {
-            self.blocks[range].fill(0.0);
-            return;
-        }
         let corners = panels.corners_at(v);
         let mut at = range.start;
         for (m, &c) in corners.iter().enumerate() {
@@ -380,15 +397,13 @@ impl Constraints for PlanarityConstraints<'_> {
         let panels = self.setting.panels;
         for v in 0..panels.n_vertices() {
             let mut sum = Vec3::zeros();
-            if !self.setting.fixed[v] {
-                for &c in panels.corners_at(v) {
-                    let f = panels.face_of(c);
-                    let constraints = self.bases.of_face(f).enumerate();
-                    let along: f64 = constraints
-                        .map(|(a, i)| self.basis_entry(c, a) * y[i])
-                        .sum();
-                    sum += self.linearised.normal(f) * along;
-                }
+            for &c in panels.corners_at(v) {
+                let f = panels.face_of(c);
+                let constraints = self.bases.of_face(f).enumerate();
+                let along: f64 = constraints
+                    .map(|(a, i)| self.basis_entry(c, a) * y[i])
+                    .sum();
+                sum += self.linearised.normal(f) * along;
             }
             d[3 * v..3 * v + 3].copy_from_slice(sum.as_slice());
         }

@@ -42,8 +42,8 @@ pub(super) fn add(corners: &[Corner], weight: f64, gradient: &mut [Vec3], block:
     let m = corners.len() / 2;
     let mean = mean_sum(corners);
     let other = -weight / m as f64;
-    for i in 0..2 * m {
-        gradient[i] += defect(corners, mean, i % m) * weight;
+    for (i, force) in gradient.iter_mut().enumerate() {
+        *force += defect(corners, mean, i % m) * weight;
         for j in 0..=i {
             let value = if i % m == j % m {
                 weight + other

@@ -1,6 +1,8 @@
 //! What no step may break: simple faces, their side of the surface, vertex fans and edges that do not fold.
 //!
-//! A demand is armed where the first shape meets it; where it does not, it could only block every step.
+//! A demand is armed where the first shape meets it; where it does not, it could only block every step. While the penalty
+//! rises, faces are too bent for fans and folds to mean much, and one of them must not stop the whole panelling: then only
+//! simplicity and sides are demanded, and a side that blocks one step after another is given up for the rest of the phase.
 
 use super::barrier::clearance;
 use super::panels::{Panels, Shape, point};
@@ -111,20 +113,24 @@ impl Guard {
 
     /// Whether a shape meets every armed demand.
     pub fn holds(&self, armed: &Armed, panels: &Panels, shape: &Shape, x: &[f64]) -> bool {
-        let face = |f: usize| {
-            (!armed.simple[f] || is_simple(shape.face(panels, f)))
-                && (!armed.side[f] || self.on_its_side(shape, f))
-        };
+        let simple = |f: usize| !armed.simple[f] || is_simple(shape.face(panels, f));
         let clear = |least: &Vec<f64>| {
             let enough = |(f, least): (usize, &f64)| clearance(shape.face(panels, f)) >= *least;
             least.iter().enumerate().all(enough)
         };
-        let mut fans = self.fans.iter().zip(&armed.fan);
-        let mut hinges = self.hinges.iter().zip(&armed.hinge);
-        (0..panels.n_faces()).all(face)
-            && hinges.all(|(&h, &on)| !on || self.unfolded(shape, h))
-            && fans.all(|(fan, &on)| !on || self.fan_goes_round_once(fan, shape, x))
+        (0..panels.n_faces()).all(|f| simple(f) && (!armed.side[f] || self.on_its_side(shape, f)))
+            && (self.hinges.iter().zip(&armed.hinge))
+                .all(|(&h, &on)| !on || self.unfolded(shape, h))
+            && (self.fans.iter().zip(&armed.fan))
+                .all(|(fan, &on)| !on || self.fan_goes_round_once(fan, shape, x))
             && armed.clearance.as_ref().is_none_or(clear)
+    }
+
+    /// Gives up the demands on sides that a shape breaks.
+    pub fn give_up_sides(&self, armed: &mut Armed, shape: &Shape) {
+        for (f, on) in armed.side.iter_mut().enumerate() {
+            *on &= self.on_its_side(shape, f);
+        }
     }
 
     /// Everything that a shape breaks.
@@ -151,6 +157,13 @@ impl Armed {
     /// Whether a face was simple when the guard was armed.
     pub fn is_simple(&self, face: usize) -> bool {
         self.simple[face]
+    }
+
+    /// Without the demands on fans and folds.
+    pub fn without_neighbours(mut self) -> Self {
+        self.fan.fill(false);
+        self.hinge.fill(false);
+        self
     }
 
     /// Also demands a clearance of `least`, or half of what a face has now if that is less.

@@ -8,7 +8,7 @@
 //!   + w_c/2 sum |x - p(x)|^2             closeness of vertices, w_cf of face centres, w_bd of the rim to the boundary curve
 //!   + w_s/2 sum |x_a + x_(a+m) - M|^2    fairness: central symmetry of each panel
 //!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
-//!   + w_t/2 sum |x - x_0|^2              anchor
+//!   + w_t/2 sum |x - x_0|^2              anchor, w_k at the corners of the boundary
 //! ```
 //!
 //! by damped Gauss-Newton steps that end before the first collision within a face and never leave the region where every
@@ -22,19 +22,22 @@
 //! | `z = d / d_hat`, `w_b`, `tau` | `barrier`, [`OptimiseOptions::barrier`], [`OptimiseOptions::barrier_reach`] | distance over reach, weight, reach over the root of the area |
 //! | `w_p` | [`OptimiseOptions::penalties`] | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
-//! | `w_s`, `w_t` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`] | fairness, anchor |
+//! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3, with the plane eliminated; the
 //! feasible path and its barrier after Li et al., "Incremental potential contact" (2020), within each face's plane.
 //! Differences: no auxiliary planes or tetrahedra; central symmetry instead of neighbour averaging; exact projection at the
 //! end; face centres count; the damping follows the collision step (`phex_numeric::damped`).
 //!
-//! *Guaranteed*: with a start whose panels are all simple, every iterate, and so also a cancelled run, has simple panels; the
-//! same holds of panels on their side of the surface, fans that go round once and edges that do not fold, each where the start
-//! has it. The same input gives the same bytes for any number of threads.
+//! *Guaranteed*: a panel that is simple at the start of a phase is simple ever after, so with a certified start a cancelled run
+//! has simple panels too. The projection besides keeps panels on their side of the surface, fans that go round once,
+//! edges that do not fold, and a clearance, each where it finds them so. The same input gives the same bytes for any number of
+//! threads. A panel that starts out crossed is left without barrier until it comes right.
 //!
-//! *Fails*: where the layout gives no simple start, and in wrong local basins (a panel squeezed between its neighbours). Nothing is
-//! then claimed: [`Optimised::offenders`] names the panels, and the repair loop may drop their seeds.
+//! *Fails*: where the layout gives no simple start, where it folds (thin sheets, sharp creases: fans and folds are not prevented
+//! while the penalty rises), and in wrong local basins (a panel squeezed between its neighbours; a stronger barrier and
+//! higher penalties are then tried once). Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair
+//! loop may drop their seeds.
 
 mod barrier;
 mod closeness;
@@ -158,30 +161,20 @@ pub fn optimise(
     let (panels, guard) = (&stage.panels, &stage.guard);
     let cells = start::smoothed_cells(layout, target, panels, guard, options.smoothing, cancelled);
     let mut solvers = Solvers::new(panels)?;
-    let mut runs = Vec::new();
-    if options.starts != Starts::Circumcentres {
-        let run = stage.run(
-            &mut solvers,
-            StartKind::SmoothedCells,
-            &cells,
-            options,
-            progress,
-        );
-        runs.push(run);
+    let mut from = |kind: StartKind| {
+        let start = match kind {
+            StartKind::Circumcentres => &start::circumcentres(layout, panels, guard, &cells),
+            _ => &cells,
+        };
+        stage.run(&mut solvers, kind, start, options, progress)
+    };
+    if options.starts == Starts::Circumcentres {
+        return Ok(better(&layout.mesh, from(StartKind::Circumcentres), None));
     }
-    if wants_second(options, &runs, stage.diagonal) {
-        let mean_edge = panels.mean_edge(&cells.x);
-        let centres = start::circumcentres(layout, panels, guard, &cells, mean_edge);
-        let run = stage.run(
-            &mut solvers,
-            StartKind::Circumcentres,
-            &centres,
-            options,
-            progress,
-        );
-        runs.push(run);
-    }
-    Ok(better(&layout.mesh, runs))
+    let first = from(StartKind::SmoothedCells);
+    let again = wants_second(options, &first, stage.diagonal);
+    let second = again.then(|| from(StartKind::Circumcentres));
+    Ok(better(&layout.mesh, first, second))
 }
 
 /// Makes the faces of any polygon mesh planar and simple, close to `target` or, without one, to where they are.
@@ -207,7 +200,7 @@ pub fn planarize(
     let stage = Stage::new(mesh, reference, side, &kinds, options);
     let mut solvers = Solvers::new(&panels)?;
     let run = stage.run_as_given(&mut solvers, &x, options, progress);
-    Ok(better(mesh, vec![run]))
+    Ok(better(mesh, run, None))
 }
 
 /// What all runs on one mesh share.
@@ -216,7 +209,7 @@ struct Stage<'a> {
     guard: Guard,
     reference: Reference<'a>,
     rim: Vec<u32>,
-    fixed: Vec<bool>,
+    corner: Vec<bool>,
     diagonal: f64,
 }
 
@@ -236,7 +229,7 @@ impl<'a> Stage<'a> {
             guard: Guard::new(mesh.topology(), side, options.least_side),
             reference,
             rim: rim.map(|(v, _)| v.index() as u32).collect(),
-            fixed: kinds
+            corner: kinds
                 .iter()
                 .map(|k| *k == VertexKind::BoundaryCorner)
                 .collect(),
@@ -257,27 +250,23 @@ fn kinds_of(mesh: &HexMesh) -> PerVertex<VertexKind> {
     })
 }
 
-fn wants_second(options: &OptimiseOptions, runs: &[Run], diagonal: f64) -> bool {
-    match options.starts {
-        Starts::SmoothedCells => false,
-        Starts::Circumcentres => true,
-        Starts::Both => !runs.iter().any(Run::is_cancelled),
-        Starts::Auto => !runs
-            .iter()
-            .any(|r| r.is_cancelled() || r.is_good(options, diagonal)),
-    }
+fn wants_second(options: &OptimiseOptions, first: &Run, diagonal: f64) -> bool {
+    let wanted = match options.starts {
+        Starts::SmoothedCells | Starts::Circumcentres => false,
+        Starts::Both => true,
+        Starts::Auto => !first.is_good(options, diagonal),
+    };
+    wanted && !first.is_cancelled()
 }
 
-fn better(mesh: &HexMesh, runs: Vec<Run>) -> Optimised {
-    let summaries = runs.iter().map(|r| r.summary.clone()).collect();
-    let smaller = |a: Run, b: Run| {
-        if b.summary.score < a.summary.score {
-            b
-        } else {
-            a
-        }
+/// The run with the smaller score, as a mesh.
+fn better(mesh: &HexMesh, first: Run, second: Option<Run>) -> Optimised {
+    let runs = std::iter::once(&first).chain(&second);
+    let summaries = runs.map(|r| r.summary.clone()).collect();
+    let best = match second {
+        Some(second) if second.summary.score < first.summary.score => second,
+        _ => first,
     };
-    let best = runs.into_iter().reduce(smaller).expect("at least one run");
     Optimised {
         mesh: mesh.with_positions(PerVertex::from_vec(points(&best.x))),
         outcome: best.outcome,

@@ -46,6 +46,8 @@ pub struct OptimiseOptions {
     pub centre_closeness: f64,
     /// `w_bd`: closeness of boundary vertices to the boundary curve, >= 0.
     pub boundary_closeness: f64,
+    /// `w_k`: closeness of boundary corners to where they start, >= 0. Corners that can't move at all would bend their panels.
+    pub corner_closeness: f64,
     /// `w_s`: central symmetry of panels with an even number of corners, >= 0. From 1e-2 on clearances suffer, 0 costs
     /// three degrees in the sharpest corners.
     pub fairness: f64,
@@ -91,13 +93,14 @@ impl Default for OptimiseOptions {
             vertex_closeness: 1.0,
             centre_closeness: 3.0,
             boundary_closeness: 0.1,
+            corner_closeness: 0.1,
             fairness: 1e-3,
             anchor: 1e-4,
             barrier: 5e-2,
             barrier_reach: 0.3,
             penalties: vec![1.0, 30.0, 1e3, 1e4],
             max_iterations: 15,
-            energy_tolerance: 1e-2,
+            energy_tolerance: 3e-2,
             step_tolerance: 1e-3,
             projection_iterations: 12,
             planarity_tolerance: 1e-12,
@@ -124,6 +127,7 @@ impl OptimiseOptions {
         let not_negative = [
             ("centre_closeness", self.centre_closeness),
             ("boundary_closeness", self.boundary_closeness),
+            ("corner_closeness", self.corner_closeness),
             ("fairness", self.fairness),
             ("energy_tolerance", self.energy_tolerance),
             ("step_tolerance", self.step_tolerance),

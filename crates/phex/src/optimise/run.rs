@@ -22,6 +22,10 @@ const HEXAGON: f64 = 2.598_076_211_353_316;
 /// Factor of the barrier when a panel has come out with too little clearance.
 const STRONGER: f64 = 4.0;
 
+/// Fraction of the planarity that is demanded at which the projection stops. It converges quadratically, so the last step
+/// mostly ends at the floor of rounding.
+const GOAL: f64 = 0.05;
+
 /// Planarity up to which a mesh is projected without being optimised first.
 const NEARLY_PLANAR: f64 = 1e-3;
 
@@ -107,7 +111,7 @@ impl Reporter<'_> {
         self.progress.report(&Event::Iteration {
             stage: "optimise",
             iteration: self.iteration,
-            limit: self.limit,
+            limit: self.limit.max(self.iteration),
             residual: record.residual,
         });
         if self.progress.is_cancelled() {
@@ -125,7 +129,7 @@ impl Stage<'_> {
             reference: &self.reference,
             guard: &self.guard,
             rim: &self.rim,
-            fixed: &self.fixed,
+            corner: &self.corner,
             mean_edge: self.panels.mean_edge(x),
         }
     }
@@ -144,14 +148,15 @@ impl Stage<'_> {
         for &penalty in &options.penalties {
             path.descend(penalty);
         }
-        let mut best = path.project();
-        if let Some(&last) = options.penalties.last() {
-            if !path.is_over() && best.planarity > options.planarity_tolerance {
-                best = better(best, path.insist(last));
-            }
-            if !path.is_over() && best.clearance < options.clearance_margin {
-                best = better(best, path.strengthen(&options.penalties));
-            }
+        let mut best = path.project(options.clearance_margin);
+        if !path.is_over() && best.is_tight(options) {
+            best = better(best, path.strengthen());
+        }
+        if !path.is_over() && !best.is_planar(options) {
+            best = better(best, path.insist());
+        }
+        if !path.is_over() && !best.is_planar(options) {
+            best = better(best, path.project(options.least_clearance));
         }
         let deviation = path.energy.deviation(&best.x);
         let outcome = path.outcome;
@@ -171,7 +176,7 @@ impl Stage<'_> {
         let given = Reached::at(&setting, x.to_vec());
         let mut path = Path::new(&setting, solvers, x, options, progress);
         if given.planarity <= NEARLY_PLANAR {
-            let projected = path.project();
+            let projected = path.project(options.clearance_margin);
             let deviation = path.energy.deviation(&projected.x);
             let outcome = path.outcome;
             let run = self.conclude(kind, 0, projected, outcome, deviation, options);
@@ -243,9 +248,20 @@ impl Reached {
         let clearances = faces.map(|f| clearance(shape.face(setting.panels, f)));
         Self {
             planarity: shape.max_height() / setting.mean_edge,
-            clearance: clearances.fold(f64::INFINITY, f64::min) / setting.mean_edge,
+            clearance: clearances.fold(f64::INFINITY, f64::min) / setting.panels.mean_edge(&x),
             x,
         }
+    }
+
+    fn is_planar(&self, options: &OptimiseOptions) -> bool {
+        self.planarity <= options.planarity_tolerance
+    }
+
+    /// Whether a panel is squeezed so that a stronger barrier may do better.
+    fn is_tight(&self, options: &OptimiseOptions) -> bool {
+        const BLOCKED: f64 = 1.5;
+        let margin = options.clearance_margin;
+        self.clearance < margin || (!self.is_planar(options) && self.clearance < BLOCKED * margin)
     }
 }
 
@@ -332,18 +348,18 @@ impl<'a> Path<'a> {
     }
 
     /// Projects a copy of the positions onto the planarity constraints.
-    fn project(&mut self) -> Reached {
+    fn project(&mut self, margin: f64) -> Reached {
         let mut x = self.x.clone();
         if let (Some(projector), false) = (
             self.projector.as_mut(),
             self.outcome.status == Status::Cancelled,
         ) {
-            let least = self.options.clearance_margin * self.setting.mean_edge;
+            let least = margin * self.setting.panels.mean_edge(&x);
             let mut constraints =
                 PlanarityConstraints::new(self.setting, self.constraint_assembly, &x, least);
             let options = ProjectionOptions {
                 max_iterations: self.options.projection_iterations,
-                goal: 0.0,
+                goal: GOAL * self.options.planarity_tolerance,
                 tolerance: self.options.planarity_tolerance,
                 phase: f64::INFINITY,
             };
@@ -356,21 +372,23 @@ impl<'a> Path<'a> {
     }
 
     /// Goes on with higher penalties where the projection has not arrived.
-    fn insist(&mut self, last: f64) -> Reached {
+    fn insist(&mut self) -> Reached {
+        let last = self.options.penalties.iter().copied().fold(1.0, f64::max);
         self.descend(10.0 * last);
         self.descend(100.0 * last);
-        self.project()
+        self.project(self.options.clearance_margin)
     }
 
     /// Repeats the last two phases with a stronger barrier, where a panel has come out too tight.
-    fn strengthen(&mut self, penalties: &[f64]) -> Reached {
+    fn strengthen(&mut self) -> Reached {
         for barrier in &mut self.energy.barriers {
             barrier.weight *= STRONGER;
         }
+        let penalties = &self.options.penalties;
         for &penalty in &penalties[penalties.len().saturating_sub(2)..] {
             self.descend(penalty);
         }
-        self.project()
+        self.project(self.options.clearance_margin)
     }
 }
 
@@ -389,6 +407,7 @@ fn panel_energy<'a>(
         },
         fairness: options.fairness,
         anchor: options.anchor,
+        corner: options.corner_closeness,
     };
     let barriers = barriers(setting.panels, start, options);
     PanelEnergy::new(setting, assembly, weights, barriers, start)

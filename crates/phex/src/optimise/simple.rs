@@ -50,9 +50,9 @@ pub(super) fn collision(corners: &[Corner], motion: &[Vec2], limit: f64) -> f64 
                 if t > 0.0 && t < best {
                     let (e, g) = (along + along_motion * t, from + from_motion * t);
                     let foot = e.dot(&g) / e.norm_squared();
-                    // A little beyond the ends counts, or the vertex could slip past a moving end. An edge of
-                    // length zero counts as well.
-                    if !(foot < -1e-3 || foot > 1.0 + 1e-3) {
+                    // A little beyond the ends counts, or the vertex could slip past a moving end; so does
+                    // an edge of length zero.
+                    if foot.is_nan() || (-1e-3..=1.0 + 1e-3).contains(&foot) {
                         best = t;
                     }
                 }

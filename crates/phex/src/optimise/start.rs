@@ -114,8 +114,8 @@ pub(super) fn circumcentres(
     panels: &Panels,
     guard: &Guard,
     cells: &Start,
-    mean_edge: f64,
 ) -> Start {
+    let mean_edge = panels.mean_edge(&cells.x);
     let before = points(&cells.x);
     let steps = circumcentre_steps(layout, &before);
     let (bad_before, shape) = bad_faces(panels, guard, &cells.x);
@@ -146,39 +146,64 @@ pub(super) fn circumcentres(
     cells.clone()
 }
 
+/// Normal equations of the tangent planes of the three cells at a vertex.
+struct TangentPlanes {
+    /// `A^T A`.
+    matrix: Matrix3<f64>,
+    /// `A^T b`.
+    rhs: Vec3,
+    /// Middle singular value of `A`.
+    middle: f64,
+}
+
+impl TangentPlanes {
+    /// Of an interior vertex of degree 3 at `position`.
+    fn at(layout: &Layout, v: VertexId, position: Vec3) -> Option<Self> {
+        let topology = layout.mesh.topology();
+        if topology.is_boundary_vertex(v) || topology.face_degree(v) != 3 {
+            return None;
+        }
+        let (mut matrix, mut rhs) = (Matrix3::zeros(), Vec3::zeros());
+        for f in topology.outgoing(v).map(|h| topology.face(h)) {
+            let n = layout.face_normal[f];
+            matrix += n * n.transpose();
+            rhs += n * n.dot(&(layout.face_point[f] - position));
+        }
+        let mut squares = matrix.symmetric_eigenvalues();
+        squares.as_mut_slice().sort_by(f64::total_cmp);
+        let middle = squares[1].max(0.0).sqrt();
+        Some(Self {
+            matrix,
+            rhs,
+            middle,
+        })
+    }
+
+    /// Regularised way to where they meet.
+    fn step(&self, typical: f64) -> Vec3 {
+        let eps = (0.2 * self.middle.max(0.35 * typical)).powi(2) + 1e-12;
+        let regularised = self.matrix + Matrix3::from_diagonal_element(eps);
+        let solved = regularised.cholesky().map(|c| c.solve(&self.rhs));
+        solved.unwrap_or_else(Vec3::zeros)
+    }
+}
+
 /// Step of each vertex to its regularised circumcentre; zero on the boundary.
 fn circumcentre_steps(layout: &Layout, positions: &[Vec3]) -> Vec<Vec3> {
     let topology = layout.mesh.topology();
-    let normal_equations = |v: VertexId| {
-        let inner = !topology.is_boundary_vertex(v) && topology.face_degree(v) == 3;
-        inner.then(|| {
-            let (mut matrix, mut rhs) = (Matrix3::zeros(), Vec3::zeros());
-            for f in topology.outgoing(v).map(|h| topology.face(h)) {
-                let n = layout.face_normal[f];
-                matrix += n * n.transpose();
-                rhs += n * n.dot(&(layout.face_point[f] - positions[v.index()]));
-            }
-            let mut squares = matrix.symmetric_eigenvalues();
-            squares.as_mut_slice().sort_by(f64::total_cmp);
-            (matrix, rhs, squares[1].max(0.0).sqrt())
-        })
-    };
-    let systems: Vec<_> = topology.vertices().map(normal_equations).collect();
-    let mut middles: Vec<f64> = systems.iter().flatten().map(|s| s.2).collect();
+    let planes = |v: VertexId| TangentPlanes::at(layout, v, positions[v.index()]);
+    let systems: Vec<_> = topology.vertices().map(planes).collect();
+    let mut middles: Vec<f64> = systems.iter().flatten().map(|s| s.middle).collect();
     middles.sort_by(f64::total_cmp);
     let typical = middles.get(middles.len() / 2).copied().unwrap_or(0.0);
-    let step = |(v, system): (VertexId, &Option<(Matrix3<f64>, Vec3, f64)>)| {
-        let Some((matrix, rhs, middle)) = system else {
+    let step = |(v, system): (VertexId, &Option<TangentPlanes>)| {
+        let Some(system) = system else {
             return Vec3::zeros();
         };
-        let eps = (0.2 * middle.max(0.35 * typical)).powi(2) + 1e-12;
-        let regularised = matrix + Matrix3::from_diagonal_element(eps);
-        let step = regularised
-            .cholesky()
-            .map_or(Vec3::zeros(), |c| c.solve(rhs));
         let faces = topology.outgoing(v).map(|h| topology.face(h));
         let lengths: f64 = faces.map(|f| layout.face_length[f]).sum();
         let longest = 0.8 * lengths / 3.0;
+        let step = system.step(typical);
         step * (longest / step.norm().max(longest))
     };
     topology.vertices().zip(&systems).map(step).collect()

@@ -137,24 +137,65 @@ fn verdict(checks: &[Check]) -> Verdict {
     checks.iter().map(of).max().unwrap_or(Verdict::Pass)
 }
 
+/// Checks that count violations of a kind: name, kind, what the ids number, whether one offender is decisive.
+const COUNTED: [(&str, &str, ElementKind, bool); 8] = [
+    ("finite", "not_finite", ElementKind::Vertex, true),
+    ("faces_not_simple", "not_simple", ElementKind::Face, true),
+    ("folded_corners", "folded_corner", ElementKind::Face, true),
+    ("flipped_faces", "flipped_face", ElementKind::Face, true),
+    ("wrong_fans", "wrong_fan", ElementKind::Vertex, true),
+    ("wrong_degree", "wrong_degree", ElementKind::Vertex, true),
+    ("crossings", "crossing", ElementKind::Edge, true),
+    ("folds", "fold", ElementKind::Edge, false),
+];
+
 fn validity_checks(
     mesh: &HexMesh,
     measures: &MeshMeasures,
     violations: &[Violation],
     limits: &ValidateOptions,
 ) -> Vec<Check> {
-    let offenders = |kind: &str| -> Vec<usize> {
-        let mut ids: Vec<usize> = violations
-            .iter()
-            .filter(|v| v.kind() == kind)
-            .map(element)
-            .collect();
-        ids.sort_unstable();
-        ids.dedup();
-        ids
-    };
-    let figure = |name, limit, value, element, kind| {
-        let ids = offenders(kind);
+    let counted = COUNTED.map(|(name, kind, element, decisive)| {
+        let ids = offenders(violations, kind);
+        let value = ids.len() as f64;
+        Check {
+            name,
+            limit: 0.0,
+            value,
+            pass: ids.is_empty(),
+            decisive,
+            element,
+            ids,
+        }
+    });
+    let planarity = limits.planarity.max(planarity_floor(mesh));
+    let (clearance, edge) = (limits.clearance, limits.edge_length_rel);
+    use ElementKind::{Edge, Face};
+    let measured = [
+        (
+            "planarity",
+            "not_planar",
+            Face,
+            planarity,
+            measures.planarity.max,
+        ),
+        (
+            "clearance",
+            "small_clearance",
+            Face,
+            clearance,
+            measures.clearance.min,
+        ),
+        (
+            "edge_length",
+            "collapsed_edge",
+            Edge,
+            edge,
+            measures.edge_length.min,
+        ),
+    ];
+    let measured = measured.map(|(name, kind, element, limit, value)| {
+        let ids = offenders(violations, kind);
         Check {
             name,
             limit,
@@ -164,52 +205,17 @@ fn validity_checks(
             element,
             ids,
         }
-    };
-    let count = |name, element, kind, decisive| {
-        let ids = offenders(kind);
-        Check {
-            name,
-            limit: 0.0,
-            value: ids.len() as f64,
-            pass: ids.is_empty(),
-            decisive,
-            element,
-            ids,
-        }
-    };
-    use ElementKind::{Edge, Face, Vertex};
-    let planarity = limits.planarity.max(planarity_floor(mesh));
-    vec![
-        count("finite", Vertex, "not_finite", true),
-        figure(
-            "planarity",
-            planarity,
-            measures.planarity.max,
-            Face,
-            "not_planar",
-        ),
-        count("faces_not_simple", Face, "not_simple", true),
-        count("folded_corners", Face, "folded_corner", true),
-        count("flipped_faces", Face, "flipped_face", true),
-        count("wrong_fans", Vertex, "wrong_fan", true),
-        count("wrong_degree", Vertex, "wrong_degree", true),
-        count("crossings", Edge, "crossing", true),
-        count("folds", Edge, "fold", false),
-        figure(
-            "edge_length",
-            limits.edge_length_rel,
-            measures.edge_length.min,
-            Edge,
-            "collapsed_edge",
-        ),
-        figure(
-            "clearance",
-            limits.clearance,
-            measures.clearance.min,
-            Face,
-            "small_clearance",
-        ),
-    ]
+    });
+    measured.into_iter().chain(counted).collect()
+}
+
+/// Numbers of the elements with a violation of a kind, in order.
+fn offenders(violations: &[Violation], kind: &str) -> Vec<usize> {
+    let of_kind = violations.iter().filter(|v| v.kind() == kind);
+    let mut ids: Vec<usize> = of_kind.map(element).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    ids
 }
 
 /// Number of the element that a violation is listed under.

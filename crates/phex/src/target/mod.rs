@@ -21,10 +21,25 @@ use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 use subdivide::Refinement;
 
+/// Which surface the panels are kept close to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TargetKind {
+    /// The smooth surface through the input's vertices; on a coarse input it bulges over every facet.
+    #[default]
+    Smooth,
+    /// Between the smooth surface and the facets: half the correction towards the input's vertices.
+    HalfWay,
+    /// The input's facets themselves.
+    Facets,
+}
+
 /// How the smooth target is made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct TargetOptions {
+    /// Which surface the panels are kept close to.
+    pub kind: TargetKind,
     /// Corrections of the control points towards interpolation (0: plain Loop, which smooths noise; 6 interpolates to about 1e-4).
     pub corrections: usize,
     /// Share of the error that a correction removes (0 to 1).
@@ -36,6 +51,7 @@ pub struct TargetOptions {
 impl Default for TargetOptions {
     fn default() -> Self {
         Self {
+            kind: TargetKind::Smooth,
             corrections: 6,
             damping: 0.9,
             corner_angle: 40.0,
@@ -166,9 +182,13 @@ fn interpolating_control(
     if refinements.is_empty() {
         return best;
     }
-    for _ in 0..options.corrections {
+    let (corrections, damping) = match options.kind {
+        TargetKind::HalfWay => (1, 0.5),
+        _ => (options.corrections, options.damping),
+    };
+    for _ in 0..corrections {
         for (c, e) in control.iter_mut().zip(&errors) {
-            *c += options.damping * e;
+            *c += damping * e;
         }
         errors = error_of(&control);
         let worst = largest(&errors);
@@ -185,10 +205,10 @@ pub fn boundary_corners(surface: &TriangleSurface, angle: f64) -> Vec<VertexId> 
     for boundary in surface.topology().boundary_loops() {
         let n = boundary.len();
         let at = |i: usize| surface.positions()[boundary[i % n]];
-        for i in 0..n {
+        for (i, &corner) in boundary.iter().enumerate() {
             let turning = (at(i + n) - at(i + n - 1)).angle(&(at(i + 1) - at(i)));
             if turning > angle {
-                corners.push((turning, boundary[i]));
+                corners.push((turning, corner));
             }
         }
     }

@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn rim_is_divided_into_equal_lengths() {
-        let shape = crate::shapes::Shape::from_name::<&str>("roof", &[]).unwrap();
+        let shape = crate::shapes::Shape::from_name("roof", &[]).unwrap();
         let rim = RimScale::new(&shape, shape.domain().boundary_arcs()[0]);
         let point = |i: usize| {
             let p = rim.at(i as f64 / 600.0);

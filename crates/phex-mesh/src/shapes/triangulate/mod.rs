@@ -147,7 +147,7 @@ mod tests {
     use crate::shapes::Shape;
 
     fn refused(options: TriangulationOptions) -> bool {
-        let shape = Shape::from_name::<&str>("plane", &[]).unwrap();
+        let shape = Shape::from_name("plane", &[]).unwrap();
         triangulate(&shape, &options).is_err()
     }
 

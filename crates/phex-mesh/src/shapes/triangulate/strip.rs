@@ -60,16 +60,19 @@ impl Lattice {
     /// The division that comes closest to equilateral triangles and the number of them asked for.
     fn new(domain: &Domain, length_u: f64, length_v: f64, triangles: usize) -> Self {
         let edge = (2.0 * length_u * length_v / (ROW_HEIGHT * triangles as f64)).sqrt();
-        let columns = (length_u / edge).round() as usize;
+        // However long and thin the rectangle is, there are no more triangles than asked for.
+        let count = |wanted: f64, fewest: f64| wanted.round().clamp(fewest, triangles as f64 / 8.0);
+        let columns = count(length_u / edge, if domain.u.periodic { 3.0 } else { 2.0 });
         let rows = length_v / (edge * ROW_HEIGHT);
+        // Rows alternate, so a closed strip needs an even number of them.
+        let rows = if domain.v.periodic {
+            2.0 * count(0.5 * rows, 2.0)
+        } else {
+            count(rows, 2.0)
+        };
         Self {
-            columns: columns.max(if domain.u.periodic { 3 } else { 2 }),
-            // Rows alternate, so a closed strip needs an even number of them.
-            rows: if domain.v.periodic {
-                2 * (0.5 * rows).round().max(2.0) as usize
-            } else {
-                rows.round().max(2.0) as usize
-            },
+            columns: columns as usize,
+            rows: rows as usize,
             periodic_u: domain.u.periodic,
             periodic_v: domain.v.periodic,
         }

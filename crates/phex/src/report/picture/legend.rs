@@ -2,27 +2,51 @@
 
 use super::palette::{PanelKind, linear};
 use super::raster::Sheet;
-use super::strokes::segments;
+use super::strokes::{segments, text_width};
 use phex_mesh::{PerFace, Vec2};
 
 /// Distance of two lines of the legend over the picture's height.
 const LINE_REL: f64 = 0.027;
+/// Unit of the alphabet over the distance of two lines.
+const UNIT_REL: f64 = 0.07;
 
-/// Draws the legend at the lower left.
+/// Draws the legend in the corner where it hides least of the model, at best the lower left.
 pub fn draw(sheet: &mut Sheet, kinds: &PerFace<PanelKind>) {
-    let rows = rows(kinds);
+    let lines: Vec<(PanelKind, String)> = rows(kinds)
+        .into_iter()
+        .map(|(kind, count)| (kind, format!("{count} {}", kind.label())))
+        .collect();
     let step = LINE_REL * sheet.height as f64;
-    let mut centre = sheet.height as f64 - step * (rows.len() as f64 + 0.3);
-    for (kind, count) in rows {
-        hexagon(sheet, Vec2::new(1.6 * step, centre), 0.36 * step, kind);
+    let mut line = free_corner(sheet, &lines, step) + Vec2::new(0.5, 0.5) * step;
+    for (kind, label) in &lines {
+        hexagon(sheet, line, 0.36 * step, *kind);
         text(
             sheet,
-            Vec2::new(2.4 * step, centre + 0.21 * step),
-            0.07 * step,
-            &format!("{count} {}", kind.label()),
+            line + Vec2::new(0.8, 0.21) * step,
+            UNIT_REL * step,
+            label,
         );
-        centre += step;
+        line.y += step;
     }
+}
+
+/// Upper left end of the legend in the corner of the picture where least of it is covered by panels.
+fn free_corner(sheet: &Sheet, lines: &[(PanelKind, String)], step: f64) -> Vec2 {
+    let widest = lines
+        .iter()
+        .map(|(_, label)| text_width(label))
+        .fold(0.0, f64::max);
+    let size = Vec2::new(1.3 + UNIT_REL * widest, lines.len() as f64) * step;
+    let far = Vec2::new(sheet.width as f64, sheet.height as f64) - size - Vec2::repeat(step);
+    let corners = [(step, far.y), (far.x, far.y), (step, step), (far.x, step)];
+    let covered = |corner: &Vec2| {
+        let hidden = pixels_around([*corner, corner + size], 0.0);
+        hidden
+            .filter(|&(x, y)| sheet.panel_at(x as f64, y as f64).is_some())
+            .count()
+    };
+    let corners = corners.map(|(x, y)| Vec2::new(x, y));
+    corners.into_iter().min_by_key(covered).unwrap_or_default()
 }
 
 fn rows(kinds: &PerFace<PanelKind>) -> Vec<(PanelKind, usize)> {

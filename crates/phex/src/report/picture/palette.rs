@@ -41,7 +41,7 @@ impl PanelKind {
             Self::Pentagon => "pentagons",
             Self::Heptagon => "heptagons",
             Self::Smaller => "triangles, quads",
-            Self::Larger => "octagons and more",
+            Self::Larger => "octagons, larger",
             Self::Facet => "facets",
         }
     }

@@ -56,7 +56,7 @@ impl Line {
         let (along, offset) = (Vec2::new(b.x - a.x, b.y - a.y), Vec2::new(x - a.x, y - a.y));
         let t = (offset.dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
         let inside = (offset - along * t).norm_squared() <= self.radius * self.radius;
-        inside.then(|| (a.nearness + (b.nearness - a.nearness) * t) as f32)
+        inside.then_some((a.nearness + (b.nearness - a.nearness) * t) as f32)
     }
 }
 

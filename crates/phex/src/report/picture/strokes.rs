@@ -217,6 +217,11 @@ pub fn segments(text: &str) -> Vec<[Vec2; 2]> {
     out
 }
 
+/// Length of a text in its units.
+pub fn text_width(text: &str) -> f64 {
+    text.chars().map(|c| glyph(c).1).sum()
+}
+
 fn polyline(stroke: Stroke) -> Vec<[Vec2; 2]> {
     match stroke {
         Line(x0, y0, x1, y1) => vec![[Vec2::new(x0, y0), Vec2::new(x1, y1)]],

@@ -1,0 +1,284 @@
+//! The command line: what can be typed. What it means is said by the commands.
+
+use crate::exit::EXIT_CODES;
+use crate::settings::MeshSettings;
+use crate::units::{Quantity, Unit};
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use phex_mesh::shapes::Shape;
+use std::path::PathBuf;
+
+/// Planar hexagonal meshes of free-form surfaces
+#[derive(Debug, Parser)]
+#[command(name = "phex", version, after_help = EXIT_CODES, max_term_width = 110)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Cover a surface with planar hexagonal panels
+    Mesh(Box<MeshCommand>),
+    /// Make the faces of a polygon mesh planar (three faces at each interior vertex)
+    Planarize(PlanarizeCommand),
+    /// Judge any polygon mesh: planar, simple, sound, close to a surface; lists offenders by id
+    Check(CheckCommand),
+    /// Say what is in a surface or mesh file, and what is wrong with it
+    Info(InfoCommand),
+    /// Convert between OBJ, PLY, OFF and STL
+    Convert(ConvertCommand),
+    /// Write a built-in surface
+    Shape(ShapeCommand),
+}
+
+impl Command {
+    /// How the command talks.
+    pub fn talk(&self) -> &Talk {
+        match self {
+            Self::Mesh(c) => &c.talk,
+            Self::Planarize(c) => &c.talk,
+            Self::Check(c) => &c.talk,
+            Self::Info(c) => &c.talk,
+            Self::Convert(c) => &c.talk,
+            Self::Shape(c) => &c.talk,
+        }
+    }
+}
+
+/// How progress is shown, on standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ProgressMode {
+    /// A bar on a terminal, else nothing.
+    #[default]
+    Auto,
+    /// Nothing.
+    None,
+    /// One JSON object a line.
+    Json,
+}
+
+/// How the program talks.
+#[derive(Clone, Debug, Default, Args)]
+pub struct Talk {
+    /// Progress on standard error: a bar on a terminal, nothing, or a JSON object a line
+    #[arg(
+        long,
+        value_enum,
+        default_value_t,
+        value_name = "MODE",
+        help_heading = "Messages"
+    )]
+    pub progress: ProgressMode,
+    /// Say nothing but errors
+    #[arg(short, long, conflicts_with = "verbose", help_heading = "Messages")]
+    pub quiet: bool,
+    /// Say more: each stage, what was repaired in the input, every check
+    #[arg(short, long, help_heading = "Messages")]
+    pub verbose: bool,
+}
+
+/// Files written besides the mesh.
+#[derive(Clone, Debug, Default, Args)]
+pub struct Extras {
+    /// Write the run report (JSON): settings, times, figures, checks with the ids of the offenders
+    #[arg(long, value_name = "RUN.JSON", help_heading = "Files")]
+    pub report: Option<PathBuf>,
+    /// Draw a shaded picture with the panel edges
+    #[arg(long, value_name = "PICTURE.PNG", help_heading = "Files")]
+    pub png: Option<PathBuf>,
+}
+
+/// Arguments of `phex mesh`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct MeshCommand {
+    /// Surface: OBJ, PLY, STL or OFF, triangles or polygons
+    #[arg(value_name = "SURFACE")]
+    pub input: PathBuf,
+    /// Mesh to write: OBJ, PLY or OFF keep the panels, STL holds triangles
+    #[arg(short, long, value_name = "MESH")]
+    pub output: PathBuf,
+    /// What is wanted.
+    #[command(flatten)]
+    pub settings: MeshSettings,
+    /// Read settings from a TOML file (the names of these options); the command line comes first
+    #[arg(long, value_name = "JOB.TOML")]
+    pub config: Option<PathBuf>,
+    /// Write the smooth surface through the input's vertices that the panels were fitted to
+    #[arg(long, value_name = "SURFACE", help_heading = "Files")]
+    pub write_target: Option<PathBuf>,
+    /// Write the mesh even if it is not valid (the exit code is still 5)
+    #[arg(long, help_heading = "Files")]
+    pub keep_invalid: bool,
+    /// Report and picture.
+    #[command(flatten)]
+    pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Arguments of `phex planarize`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct PlanarizeCommand {
+    /// Polygon mesh: OBJ, PLY or OFF
+    #[arg(value_name = "MESH")]
+    pub input: PathBuf,
+    /// Mesh to write
+    #[arg(short, long, value_name = "MESH")]
+    pub output: PathBuf,
+    /// Surface to stay close to; without it, the mesh's own faces cut into triangles
+    #[arg(long, value_name = "SURFACE")]
+    pub surface: Option<PathBuf>,
+    /// Limits.
+    #[command(flatten)]
+    pub limits: Limits,
+    /// Number of threads; the result does not depend on it
+    #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Write the mesh even if it is not valid (the exit code is still 5)
+    #[arg(long, help_heading = "Files")]
+    pub keep_invalid: bool,
+    /// Report and picture.
+    #[command(flatten)]
+    pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Tolerances, and the unit that lengths refer to.
+#[derive(Clone, Debug, Default, Args)]
+pub struct Limits {
+    /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length [default: 1e-12, or rounding]
+    #[arg(long, value_name = "X", help_heading = "Tolerances")]
+    pub planarity: Option<Quantity>,
+    /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default: 0.5%]
+    #[arg(long, value_name = "LENGTH", help_heading = "Tolerances")]
+    pub max_deviation: Option<Quantity>,
+    /// Unit of the model's coordinates
+    #[arg(long, value_enum, default_value_t)]
+    pub unit: Unit,
+}
+
+/// Arguments of `phex check`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct CheckCommand {
+    /// Polygon mesh: OBJ, PLY, STL or OFF
+    #[arg(value_name = "MESH")]
+    pub input: PathBuf,
+    /// Surface that the mesh stands for
+    #[arg(long, value_name = "SURFACE")]
+    pub surface: Option<PathBuf>,
+    /// Limits.
+    #[command(flatten)]
+    pub limits: Limits,
+    /// Print the report (JSON) instead of the table
+    #[arg(long)]
+    pub json: bool,
+    /// Report and picture.
+    #[command(flatten)]
+    pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Arguments of `phex info`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct InfoCommand {
+    /// Surface or polygon mesh: OBJ, PLY, STL or OFF
+    #[arg(value_name = "FILE")]
+    pub input: PathBuf,
+    /// Print JSON instead of the table
+    #[arg(long)]
+    pub json: bool,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Arguments of `phex convert`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct ConvertCommand {
+    /// File to read: OBJ, PLY, STL or OFF
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// File to write; the extension decides the format
+    #[arg(value_name = "OUT")]
+    pub output: PathBuf,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Arguments of `phex shape`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct ShapeCommand {
+    /// Name of the surface
+    #[arg(
+        required_unless_present = "list",
+        hide_possible_values = true,
+        value_parser = PossibleValuesParser::new(Shape::all().iter().map(|shape| shape.name))
+    )]
+    pub name: Option<String>,
+    /// Surface to write: OBJ, PLY, STL or OFF
+    #[arg(short, long, value_name = "SURFACE", required_unless_present = "list")]
+    pub output: Option<PathBuf>,
+    /// List the surfaces and their parameters
+    #[arg(long)]
+    pub list: bool,
+    /// Number of triangles, about
+    #[arg(long, default_value_t = 8000)]
+    pub triangles: usize,
+    /// Move vertices at random by up to this share of an edge (0 to 0.4)
+    #[arg(long, default_value_t = 0.0)]
+    pub jitter: f64,
+    /// Seed of the random moves
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Set a parameter of the surface, e.g. `--set minor=0.3`; may be repeated
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parameter)]
+    pub parameters: Vec<(String, f64)>,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+fn parameter(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write NAME=VALUE")?;
+    let value = value
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{value}` is not a number"))?;
+    Ok((name.trim().to_owned(), value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_s_help_lists_the_exit_codes() {
+        for command in Arguments::command().get_subcommands() {
+            assert_eq!(
+                command.get_after_help().map(ToString::to_string).as_deref(),
+                Some(EXIT_CODES)
+            );
+        }
+    }
+}

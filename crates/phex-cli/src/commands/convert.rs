@@ -1,0 +1,26 @@
+//! `phex convert`: one mesh format to another; faces stay as they are.
+
+use super::tell;
+use crate::args::ConvertCommand;
+use crate::exit::{Exit, Failure};
+use crate::input::MeshFile;
+use crate::output::{Content, check_writable, write_mesh};
+
+/// Runs the command.
+///
+/// # Errors
+/// If the input can't be used or the output can't be written.
+pub fn run(command: &ConvertCommand) -> Result<Exit, Failure> {
+    check_writable(&[(&command.output, Content::Mesh)], &[&command.input])?;
+    let file = MeshFile::read(&command.input)?;
+    write_mesh(&command.output, &file.soup)?;
+    let (vertices, faces) = (file.record.vertices, file.record.faces);
+    tell(
+        command.talk.quiet,
+        &format!(
+            "{}: {vertices} vertices, {faces} faces\n",
+            command.output.display()
+        ),
+    )?;
+    Ok(Exit::Success)
+}

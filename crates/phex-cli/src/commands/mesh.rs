@@ -1,0 +1,230 @@
+//! `phex mesh`: from a surface to planar hexagonal panels.
+
+use super::{tell, use_threads};
+use crate::args::MeshCommand;
+use crate::engine::{self, Reached};
+use crate::exit::{Exit, Failure};
+use crate::input::{MeshFile, joined, sentences, whole};
+use crate::output::{Content, check_writable, write_mesh};
+use crate::panel_size::{self, shares};
+use crate::progress::{Reporter, is_interrupted};
+use crate::settings::MeshSettings;
+use crate::summary;
+use crate::verdict::{TypedLimits, exit_of, written};
+use anyhow::Context;
+use phex::report::{References, RunReport, StageTime, Verdict};
+use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, TriangleSurface};
+use serde_json::Value;
+use std::path::Path;
+
+/// Runs the command.
+///
+/// # Errors
+/// If an input can't be used, there is no result, or an output can't be written.
+pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
+    let settings = settings(command)?;
+    check_writable(&outputs(command), &inputs(command))?;
+    let threads = use_threads(settings.threads)?;
+    let reporter = Reporter::new(&command.talk);
+    let file = MeshFile::read(&command.input)?;
+    let parts = file.surfaces()?;
+    check_components(&parts.components, &settings)?;
+    let facets = whole(&parts.components)?;
+    let notes = sentences(parts.notes);
+    notes.iter().for_each(|note| reporter.note(note));
+
+    let unit = settings.unit.unwrap_or_default();
+    let panels = panel_size::panels(settings.size(), &facets, unit)?;
+    let settings = settings.complete(panels);
+    let runs = mesh_each(&parts.components, panels, &settings, &reporter)?;
+    reporter.finish();
+    let mesh = joined_mesh(&runs)?;
+    let smooth = joined_target(&runs)?;
+
+    let limits = TypedLimits::from(&settings);
+    let references = References {
+        smooth: smooth.as_ref(),
+        facets: Some(&facets),
+    };
+    let assessment = limits.judge(&mesh, references);
+    let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
+    let mut report = RunReport::new("mesh", assessment);
+    report.inputs = vec![file.record];
+    report.threads = threads;
+    report.notes = notes;
+    describe(&mut report, &settings, runs)?;
+    write(command, &mesh, smooth.as_ref(), &mut report)?;
+    tell(command.talk.quiet, &(table + &summary::of_outputs(&report)))?;
+    Ok(exit_of(report.verdict))
+}
+
+fn settings(command: &MeshCommand) -> Result<MeshSettings, Failure> {
+    let file = command
+        .config
+        .as_deref()
+        .map(MeshSettings::from_file)
+        .transpose()?;
+    Ok(command.settings.clone().over(file.unwrap_or_default()))
+}
+
+fn inputs(command: &MeshCommand) -> Vec<&Path> {
+    std::iter::once(command.input.as_path())
+        .chain(command.config.as_deref())
+        .collect()
+}
+
+fn outputs(command: &MeshCommand) -> Vec<(&Path, Content)> {
+    let target = command
+        .write_target
+        .as_deref()
+        .map(|path| (path, Content::Mesh));
+    std::iter::once((command.output.as_path(), Content::Mesh))
+        .chain(target)
+        .chain(command.extras.outputs())
+        .collect()
+}
+
+fn check_components(
+    components: &[SurfaceComponent],
+    settings: &MeshSettings,
+) -> Result<(), Failure> {
+    if components.len() == 1 || settings.all_components {
+        return Ok(());
+    }
+    let sizes: Vec<String> = components
+        .iter()
+        .take(10)
+        .map(|c| c.surface.topology().n_faces().to_string())
+        .collect();
+    let more = if components.len() > sizes.len() {
+        ", ..."
+    } else {
+        ""
+    };
+    Err(Failure::input(format!(
+        "the surface has {} connected parts ({}{more} triangles): mesh every one with --all-components, or remove \
+         those that are not wanted",
+        components.len(),
+        sizes.join(", ")
+    )))
+}
+
+fn mesh_each(
+    components: &[SurfaceComponent],
+    panels: u64,
+    settings: &MeshSettings,
+    reporter: &Reporter,
+) -> Result<Vec<Reached>, Failure> {
+    let areas: Vec<f64> = components.iter().map(|c| c.surface.area()).collect();
+    let counts = shares(panels, &areas);
+    let mesh = |(part, &count): (&SurfaceComponent, &u64)| {
+        let reached = engine::mesh(&part.surface, &settings.options(count), reporter)?;
+        if is_interrupted() {
+            Err(Failure::interrupted())
+        } else {
+            Ok(reached)
+        }
+    };
+    components.iter().zip(&counts).map(mesh).collect()
+}
+
+fn joined_mesh(runs: &[Reached]) -> Result<HexMesh, Failure> {
+    let mut soup = PolygonSoup::default();
+    for run in runs {
+        let part = run.mesh.to_soup();
+        let first = u32::try_from(soup.positions.len()).context("too many vertices")?;
+        soup.positions.extend(part.positions);
+        soup.faces.extend(
+            part.faces
+                .into_iter()
+                .map(|face| face.into_iter().map(|v| v + first).collect()),
+        );
+    }
+    HexMesh::new(soup.positions, &soup.faces)
+        .context("joining the parts of a mesh")
+        .map_err(Failure::from)
+}
+
+fn joined_target(runs: &[Reached]) -> Result<Option<TriangleSurface>, Failure> {
+    let targets: Option<Vec<&TriangleSurface>> =
+        runs.iter().map(|run| run.smooth.as_ref()).collect();
+    targets.map(joined).transpose()
+}
+
+/// Fills in how the mesh came about.
+fn describe(
+    report: &mut RunReport,
+    settings: &MeshSettings,
+    runs: Vec<Reached>,
+) -> Result<(), Failure> {
+    report.unit = settings.unit.unwrap_or_default().to_string();
+    report.settings = serde_json::to_value(settings).context("the settings")?;
+    report.seed = settings.stages.layout.seed;
+    report.stages = summed(runs.iter().flat_map(|run| &run.stages));
+    let (outcomes, statistics): (Vec<Value>, Vec<Value>) = runs
+        .into_iter()
+        .map(|run| (run.outcome, run.statistics))
+        .unzip();
+    report.outcome = outcomes.into();
+    report.statistics = statistics.into();
+    Ok(())
+}
+
+/// Times by stage, in the order of their first calls.
+fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
+    let mut sums: Vec<StageTime> = Vec::new();
+    for time in times {
+        match sums.iter_mut().find(|sum| sum.stage == time.stage) {
+            Some(sum) => sum.seconds += time.seconds,
+            None => sums.push(time.clone()),
+        }
+    }
+    sums
+}
+
+fn write(
+    command: &MeshCommand,
+    mesh: &HexMesh,
+    smooth: Option<&TriangleSurface>,
+    report: &mut RunReport,
+) -> Result<(), Failure> {
+    if report.verdict != Verdict::Invalid || command.keep_invalid {
+        write_mesh(&command.output, &mesh.to_soup())?;
+        report.outputs.push(written("mesh", &command.output));
+    }
+    if let (Some(path), Some(smooth)) = (&command.write_target, smooth) {
+        write_mesh(path, &to_soup(smooth))?;
+        report.outputs.push(written("smooth_target", path));
+    }
+    command.extras.write_picture(mesh, &mut report.outputs)?;
+    command.extras.write_report(report)
+}
+
+fn to_soup(surface: &TriangleSurface) -> PolygonSoup {
+    PolygonSoup {
+        positions: surface.positions().as_slice().to_vec(),
+        faces: surface.topology().face_lists(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_summed_by_stage() {
+        let time = |stage: &str, seconds| StageTime {
+            stage: stage.to_owned(),
+            seconds,
+        };
+        let times = [
+            time("layout", 1.0),
+            time("optimise", 2.0),
+            time("layout", 0.5),
+        ];
+        assert_eq!(
+            summed(times.iter()),
+            [time("layout", 1.5), time("optimise", 2.0)]
+        );
+    }
+}

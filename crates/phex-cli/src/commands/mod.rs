@@ -1,0 +1,40 @@
+//! One file per command.
+
+mod check;
+mod convert;
+mod info;
+mod mesh;
+mod planarize;
+mod shape;
+
+use crate::args::Command;
+use crate::exit::{Exit, Failure};
+use crate::output;
+
+/// Runs a command.
+///
+/// # Errors
+/// Whatever ends it early, with its exit code.
+pub fn run(command: Command) -> Result<Exit, Failure> {
+    match command {
+        Command::Mesh(command) => mesh::run(&command),
+        Command::Planarize(command) => planarize::run(&command),
+        Command::Check(command) => check::run(&command),
+        Command::Info(command) => info::run(&command),
+        Command::Convert(command) => convert::run(&command),
+        Command::Shape(command) => shape::run(&command),
+    }
+}
+
+/// Prints a result, unless the user wants silence.
+fn tell(quiet: bool, text: &str) -> Result<(), Failure> {
+    if quiet { Ok(()) } else { output::print(text) }
+}
+
+/// Sets the number of threads; called once, before anything is computed.
+fn use_threads(threads: Option<u16>) -> Result<usize, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from));
+    pool.build_global()
+        .map_err(|e| Failure::new(Exit::Internal, e))?;
+    Ok(rayon::current_num_threads())
+}

@@ -1,0 +1,133 @@
+//! `phex planarize`: makes the faces of a polygon mesh planar.
+
+use super::{tell, use_threads};
+use crate::args::PlanarizeCommand;
+use crate::engine::{self, Reached};
+use crate::exit::{Exit, Failure};
+use crate::input::{MeshFile, whole};
+use crate::output::{Content, check_writable, write_mesh};
+use crate::progress::{Reporter, is_interrupted};
+use crate::summary;
+use crate::verdict::{TypedLimits, exit_of, written};
+use phex::optimise::OptimiseOptions;
+use phex::report::{Assessment, InputFile, References, RunReport, Verdict};
+use phex_mesh::{HexMesh, TriangleSurface};
+use serde_json::json;
+use std::path::Path;
+
+/// Runs the command.
+///
+/// # Errors
+/// If an input can't be used, there is no result, or the output can't be written.
+pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
+    check_writable(&outputs(command), &inputs(command))?;
+    let threads = use_threads(command.threads)?;
+    let reporter = Reporter::new(&command.talk);
+    let files = Files::read(command)?;
+    let (start, dropped) = files.mesh.polygon_mesh()?;
+    let surface = files.surface()?;
+    let options = OptimiseOptions::default();
+    let reached = engine::planarize(&start, surface.as_ref(), &options, &reporter)?;
+    reporter.finish();
+    if is_interrupted() {
+        return Err(Failure::interrupted());
+    }
+    let limits = TypedLimits::from(&command.limits);
+    let facets = surface.or_else(|| files.own_surface());
+    let references = References {
+        smooth: None,
+        facets: facets.as_ref(),
+    };
+    let assessment = limits.judge(&reached.mesh, references);
+    let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
+    let mut report = report(assessment, &limits, &options, &reached);
+    report.threads = threads;
+    report.inputs = files.records();
+    if dropped > 0 {
+        report.notes.push(format!(
+            "{dropped} vertices belong to no face and were left out"
+        ));
+    }
+    report.notes.iter().for_each(|note| reporter.note(note));
+    write(command, &reached.mesh, &mut report)?;
+    tell(command.talk.quiet, &(table + &summary::of_outputs(&report)))?;
+    Ok(exit_of(report.verdict))
+}
+
+/// The files that are read.
+struct Files {
+    mesh: MeshFile,
+    surface: Option<MeshFile>,
+}
+
+impl Files {
+    fn read(command: &PlanarizeCommand) -> Result<Self, Failure> {
+        let mesh = MeshFile::read(&command.input)?;
+        let surface = command.surface.as_deref().map(MeshFile::read).transpose()?;
+        Ok(Self { mesh, surface })
+    }
+
+    /// The surface to stay close to, where one is given.
+    fn surface(&self) -> Result<Option<TriangleSurface>, Failure> {
+        let surface = self
+            .surface
+            .as_ref()
+            .map(|file| whole(&file.surfaces()?.components));
+        surface.transpose()
+    }
+
+    /// The faces as they are, to measure how far they move; nothing if they are too bad to be a surface.
+    fn own_surface(&self) -> Option<TriangleSurface> {
+        whole(&self.mesh.surfaces().ok()?.components).ok()
+    }
+
+    fn records(self) -> Vec<InputFile> {
+        let surface = self.surface.map(|file| file.record);
+        std::iter::once(self.mesh.record).chain(surface).collect()
+    }
+}
+
+fn report(
+    assessment: Assessment,
+    limits: &TypedLimits,
+    options: &OptimiseOptions,
+    reached: &Reached,
+) -> RunReport {
+    let mut report = RunReport::new("planarize", assessment);
+    report.unit = limits.unit.to_string();
+    report.settings = json!({
+        "planarity": limits.planarity,
+        "max-deviation": limits.max_deviation,
+        "unit": limits.unit,
+        "optimise": options,
+    });
+    report.outcome = reached.outcome.clone();
+    report.statistics = reached.statistics.clone();
+    report.stages = reached.stages.clone();
+    report
+}
+
+fn inputs(command: &PlanarizeCommand) -> Vec<&Path> {
+    std::iter::once(command.input.as_path())
+        .chain(command.surface.as_deref())
+        .collect()
+}
+
+fn outputs(command: &PlanarizeCommand) -> Vec<(&Path, Content)> {
+    std::iter::once((command.output.as_path(), Content::Mesh))
+        .chain(command.extras.outputs())
+        .collect()
+}
+
+fn write(
+    command: &PlanarizeCommand,
+    mesh: &HexMesh,
+    report: &mut RunReport,
+) -> Result<(), Failure> {
+    if report.verdict != Verdict::Invalid || command.keep_invalid {
+        write_mesh(&command.output, &mesh.to_soup())?;
+        report.outputs.push(written("mesh", &command.output));
+    }
+    command.extras.write_picture(mesh, &mut report.outputs)?;
+    command.extras.write_report(report)
+}

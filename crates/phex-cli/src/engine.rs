@@ -1,0 +1,130 @@
+//! The library's computations as the commands use them: their errors get exit codes, their results one form.
+
+use crate::exit::{Exit, Failure, OrExit};
+use anyhow::Context;
+use phex::layout::LayoutError;
+use phex::optimise::{self, OptimiseOptions, SurfaceTarget, Target};
+use phex::report::StageTime;
+use phex::{MeshOptions, PipelineError, Progress, mesh_surface};
+use phex_mesh::{HexMesh, TriangleSurface};
+use phex_numeric::{Outcome, Status};
+use serde::Serialize;
+use serde_json::Value;
+use std::time::Instant;
+
+/// What a computation reached.
+pub struct Reached {
+    /// The mesh, in model coordinates; valid or not.
+    pub mesh: HexMesh,
+    /// The smooth surface that it was fitted to, in model coordinates.
+    pub smooth: Option<TriangleSurface>,
+    /// How the computation ended.
+    pub outcome: Value,
+    /// Time of each stage.
+    pub stages: Vec<StageTime>,
+    /// What the stages counted.
+    pub statistics: Value,
+}
+
+/// Covers a connected surface with panels.
+///
+/// # Errors
+/// If the surface can't be used, no panelling exists, or the user interrupts.
+pub fn mesh(
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Reached, Failure> {
+    let run = mesh_surface(surface, options, progress).map_err(pipeline_failure)?;
+    let times = run.stages.iter().map(|s| StageTime {
+        stage: s.stage.to_owned(),
+        seconds: s.seconds,
+    });
+    Ok(Reached {
+        outcome: ended(&run.outcome)?,
+        stages: times.collect(),
+        statistics: value(&run.statistics)?,
+        mesh: run.mesh,
+        smooth: Some(run.target),
+    })
+}
+
+/// Makes the faces of a mesh planar, close to a surface or to where they are.
+///
+/// # Errors
+/// If the mesh can't be used, or the user interrupts.
+pub fn planarize(
+    mesh: &HexMesh,
+    surface: Option<&TriangleSurface>,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Reached, Failure> {
+    let start = Instant::now();
+    let target = surface.map(SurfaceTarget::new);
+    let target = target.as_ref().map(|t| t as &dyn Target);
+    let run = optimise::planarize(mesh, target, options, progress).or_exit(Exit::InputUnusable)?;
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(Reached {
+        outcome: ended(&run.outcome)?,
+        stages: vec![StageTime {
+            stage: "optimise".to_owned(),
+            seconds,
+        }],
+        statistics: value(&run.runs)?,
+        mesh: run.mesh,
+        smooth: None,
+    })
+}
+
+/// The outcome for the report.
+fn ended(outcome: &Outcome) -> Result<Value, Failure> {
+    if outcome.status == Status::Cancelled {
+        Err(Failure::interrupted())
+    } else {
+        value(outcome)
+    }
+}
+
+fn value(of: &impl Serialize) -> Result<Value, Failure> {
+    serde_json::to_value(of)
+        .context("the run report")
+        .map_err(Failure::from)
+}
+
+fn pipeline_failure(error: PipelineError) -> Failure {
+    let exit = match error {
+        PipelineError::Cancelled => return Failure::interrupted(),
+        PipelineError::Size(_) | PipelineError::Components(_) => Exit::InputUnusable,
+        PipelineError::Layout(LayoutError::Topology { .. }) => Exit::NoValidResult,
+        _ => Exit::Internal,
+    };
+    Failure {
+        exit,
+        cause: error.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_the_pipeline_keep_apart_whose_fault_it_is() {
+        let exit = |error| pipeline_failure(error).exit;
+        assert_eq!(exit(PipelineError::Components(2)), Exit::InputUnusable);
+        let layout = LayoutError::Topology {
+            reason: String::new(),
+        };
+        assert_eq!(exit(layout.into()), Exit::NoValidResult);
+        assert_eq!(exit(PipelineError::Cancelled), Exit::Interrupted);
+    }
+
+    #[test]
+    fn a_cancelled_run_is_no_result() {
+        assert_eq!(
+            ended(&Outcome::empty(Status::Cancelled)).unwrap_err().exit,
+            Exit::Interrupted
+        );
+        assert!(ended(&Outcome::empty(Status::Stalled)).is_ok());
+    }
+}

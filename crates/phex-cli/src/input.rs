@@ -1,0 +1,188 @@
+//! Files that are read.
+
+use crate::exit::{Exit, Failure, OrExit};
+use anyhow::Context;
+use phex::report::InputFile;
+use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup};
+use phex_mesh::{
+    HexMesh, PolygonSoup, SurfaceComponent, SurfaceNotes, SurfaceParts, TriangleSurface,
+};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// A mesh file: its elements, and what the report says about it.
+pub struct MeshFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Vertices and faces as they stand in it.
+    pub soup: PolygonSoup,
+    /// Path, hash and counts.
+    pub record: InputFile,
+}
+
+impl MeshFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If the extension is unknown, the file can't be read or holds no mesh.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let (soup, sha256) = parse(path)
+            .map_err(|e| e.in_file(path))
+            .or_exit(Exit::InputUnusable)?;
+        let record = InputFile {
+            path: path.display().to_string(),
+            sha256,
+            vertices: soup.positions.len(),
+            faces: soup.faces.len(),
+        };
+        Ok(Self {
+            path: path.to_path_buf(),
+            soup,
+            record,
+        })
+    }
+
+    /// The connected surfaces in the file.
+    ///
+    /// # Errors
+    /// If the faces are no surface; the message names element and cause.
+    pub fn surfaces(&self) -> Result<SurfaceParts, Failure> {
+        TriangleSurface::from_soup(&self.soup)
+            .with_context(|| self.path.display().to_string())
+            .or_exit(Exit::InputUnusable)
+    }
+
+    /// The file's faces as a polygon mesh, and the number of vertices that no face uses and that were left out.
+    ///
+    /// # Errors
+    /// If the faces are no oriented manifold; the message names element and cause.
+    pub fn polygon_mesh(&self) -> Result<(HexMesh, usize), Failure> {
+        let used = without_unused_vertices(&self.soup);
+        let dropped = self.soup.positions.len() - used.positions.len();
+        let mesh = HexMesh::from_soup(&used)
+            .with_context(|| self.path.display().to_string())
+            .or_exit(Exit::InputUnusable)?;
+        Ok((mesh, dropped))
+    }
+}
+
+fn parse(path: &Path) -> Result<(PolygonSoup, String), ReadError> {
+    let format = Format::from_path(path).map_err(ReadCause::from)?;
+    let bytes = std::fs::read(path).map_err(ReadCause::from)?;
+    let digest = Sha256::digest(&bytes);
+    let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok((parse_soup(&bytes, format)?, sha256))
+}
+
+/// The same faces without vertices that none of them names; indices that do not exist are left for others to find.
+fn without_unused_vertices(soup: &PolygonSoup) -> PolygonSoup {
+    let mut is_used = vec![false; soup.positions.len()];
+    for &v in soup.faces.iter().flatten() {
+        match is_used.get_mut(v as usize) {
+            Some(used) => *used = true,
+            None => return soup.clone(),
+        }
+    }
+    let count = |kept: &mut u32, &used: &bool| {
+        let number = *kept;
+        *kept += u32::from(used);
+        Some(number)
+    };
+    let number: Vec<u32> = is_used.iter().scan(0, count).collect();
+    let positions = soup
+        .positions
+        .iter()
+        .zip(&is_used)
+        .filter(|(_, used)| **used)
+        .map(|(p, _)| *p)
+        .collect();
+    let renumber = |face: &Vec<u32>| face.iter().map(|&v| number[v as usize]).collect();
+    PolygonSoup {
+        positions,
+        faces: soup.faces.iter().map(renumber).collect(),
+    }
+}
+
+/// What was repaired in a surface, as sentences.
+pub fn sentences(notes: SurfaceNotes) -> Vec<String> {
+    let SurfaceNotes {
+        unused_vertices,
+        turned_faces,
+        cut_polygons,
+    } = notes;
+    [
+        (
+            unused_vertices,
+            "vertices belong to no face and were left out",
+        ),
+        (
+            turned_faces,
+            "faces were turned round to agree with their neighbours",
+        ),
+        (cut_polygons, "polygons were cut into triangles"),
+    ]
+    .into_iter()
+    .filter(|&(count, _)| count > 0)
+    .map(|(count, what)| format!("{count} {what}"))
+    .collect()
+}
+
+/// One surface of several parts.
+///
+/// # Errors
+/// If the parts together have more elements than can be addressed.
+pub fn joined<'a>(
+    parts: impl IntoIterator<Item = &'a TriangleSurface>,
+) -> Result<TriangleSurface, Failure> {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for part in parts {
+        let first = u32::try_from(positions.len()).context("too many vertices")?;
+        positions.extend_from_slice(part.positions().as_slice());
+        let topology = part.topology();
+        triangles.extend(topology.faces().map(|f| {
+            let corners = topology.face_vertices(f);
+            [corners[0], corners[1], corners[2]].map(|v| v.index() as u32 + first)
+        }));
+    }
+    TriangleSurface::new(positions, &triangles)
+        .context("joining the parts of a surface")
+        .map_err(Failure::from)
+}
+
+/// All connected surfaces of a file as one.
+///
+/// # Errors
+/// As [`joined`].
+pub fn whole(components: &[SurfaceComponent]) -> Result<TriangleSurface, Failure> {
+    joined(components.iter().map(|c| &c.surface))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phex_mesh::Vec3;
+
+    #[test]
+    fn unused_vertices_are_left_out_and_faces_renumbered() {
+        let positions: Vec<Vec3> = (0..5).map(|i| Vec3::repeat(f64::from(i))).collect();
+        let soup = PolygonSoup {
+            positions,
+            faces: vec![vec![4, 1, 3]],
+        };
+        let used = without_unused_vertices(&soup);
+        assert_eq!(used.faces, [[2, 0, 1]]);
+        assert_eq!(used.positions, [1.0, 3.0, 4.0].map(Vec3::repeat));
+    }
+
+    #[test]
+    fn joined_parts_keep_their_topology() {
+        let triangle = |x: f64| {
+            TriangleSurface::new(vec![Vec3::x() * x, Vec3::y(), Vec3::z()], &[[0, 1, 2]]).unwrap()
+        };
+        let both = joined([&triangle(1.0), &triangle(2.0)]).unwrap();
+        assert_eq!(
+            (both.topology().n_faces(), both.topology().components().1),
+            (2, 2)
+        );
+    }
+}

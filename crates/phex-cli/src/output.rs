@@ -1,0 +1,155 @@
+//! Files that are written: checked before the long computation, written whole or not at all.
+
+use crate::exit::{Exit, Failure, OrExit};
+use crate::progress::{is_interrupted, while_writing};
+use anyhow::Context;
+use phex::report::picture::Picture;
+use phex_mesh::PolygonSoup;
+use phex_mesh::io::{Format, WriteCause, WriteError, atomic_write, write_soup};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// What a file is to hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// A mesh, in the format of its extension.
+    Mesh,
+    /// JSON or a picture.
+    Other,
+}
+
+/// Checks that files can be written where they are asked for, that no two are the same, and that none is an input.
+///
+/// # Errors
+/// If the extension of a mesh is unknown, or a path can't be written.
+pub fn check_writable(outputs: &[(&Path, Content)], inputs: &[&Path]) -> Result<(), Failure> {
+    let mut taken: Vec<PathBuf> = inputs.iter().map(|p| whole(p)).collect();
+    for &(path, content) in outputs {
+        if content == Content::Mesh {
+            Format::from_path(path)
+                .with_context(|| path.display().to_string())
+                .or_exit(Exit::InputUnusable)?;
+        }
+        let whole = whole(path);
+        if taken.contains(&whole) {
+            let message = format!(
+                "{}: is also read or written under another name of this command",
+                path.display()
+            );
+            return Err(Failure::input(message));
+        }
+        taken.push(whole);
+        check_place(path)
+            .with_context(|| format!("{} can't be written", path.display()))
+            .or_exit(Exit::InputUnusable)?;
+    }
+    Ok(())
+}
+
+/// The path without links, as far as it exists.
+fn whole(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let folder = absolute.parent().and_then(|p| p.canonicalize().ok());
+    absolute
+        .canonicalize()
+        .ok()
+        .or_else(|| Some(folder?.join(absolute.file_name()?)))
+        .unwrap_or(absolute)
+}
+
+fn check_place(path: &Path) -> anyhow::Result<()> {
+    anyhow::ensure!(path.file_name().is_some(), "it names no file");
+    anyhow::ensure!(!path.is_dir(), "it is a folder");
+    let folder = nearest_folder(path);
+    anyhow::ensure!(folder.is_dir(), "{} is not a folder", folder.display());
+    // A file without a name: nothing is left behind.
+    tempfile::tempfile_in(&folder)
+        .with_context(|| format!("the folder {} refuses files", folder.display()))?;
+    Ok(())
+}
+
+/// The nearest ancestor of a path that exists; missing folders are made when the file is written.
+fn nearest_folder(path: &Path) -> PathBuf {
+    let here = Path::new(".");
+    let named = path
+        .ancestors()
+        .skip(1)
+        .map(|p| if p.as_os_str().is_empty() { here } else { p });
+    named
+        .into_iter()
+        .find(|p| p.exists())
+        .unwrap_or(here)
+        .to_path_buf()
+}
+
+/// Writes a mesh.
+///
+/// # Errors
+/// If the user interrupted, the mesh has no place in the format, or writing fails.
+pub fn write_mesh(path: &Path, soup: &PolygonSoup) -> Result<(), Failure> {
+    write_with(|| write_soup(path, soup))
+}
+
+/// Writes a text.
+///
+/// # Errors
+/// If the user interrupted, or writing fails.
+pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes a picture as PNG.
+///
+/// # Errors
+/// If the user interrupted, or writing fails.
+pub fn write_picture(path: &Path, picture: &Picture) -> Result<(), Failure> {
+    let bytes = encode_png(picture).with_context(|| path.display().to_string())?;
+    write_bytes(path, &bytes)
+}
+
+fn encode_png(picture: &Picture) -> anyhow::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(
+        &mut bytes,
+        u32::try_from(picture.width)?,
+        u32::try_from(picture.height)?,
+    );
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.write_header()?.write_image_data(&picture.rgba)?;
+    Ok(bytes)
+}
+
+fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_with(|| atomic_write(path, |out| out.write_all(bytes)).map_err(|e| e.in_file(path)))
+}
+
+fn write_with(write: impl FnOnce() -> Result<(), WriteError>) -> Result<(), Failure> {
+    if is_interrupted() {
+        return Err(Failure::interrupted());
+    }
+    while_writing(write).map_err(|error| {
+        let exit = match error.cause {
+            WriteCause::Io(_) => Exit::Internal,
+            _ => Exit::InputUnusable,
+        };
+        Failure {
+            exit,
+            cause: error.into(),
+        }
+    })
+}
+
+/// Prints a result on standard output; a closed pipe is no error.
+///
+/// # Errors
+/// If standard output can't be written.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(error).context("standard output").map_err(Failure::from)
+        }
+        _ => Ok(()),
+    }
+}

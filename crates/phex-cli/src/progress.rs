@@ -1,0 +1,158 @@
+//! Progress on standard error, and interruption.
+
+use crate::args::{ProgressMode, Talk};
+use indicatif::{ProgressBar, ProgressStyle};
+use phex::{Event, Progress};
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// Held while a file is written, so that an interruption never leaves a part of one.
+static WRITING: Mutex<()> = Mutex::new(());
+/// How long a computation may take to end by itself after an interruption.
+const GRACE: Duration = Duration::from_millis(500);
+
+/// Whether the user has interrupted the program.
+pub fn is_interrupted() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
+
+/// Runs `write` such that an interruption waits for its end.
+pub fn while_writing<T>(write: impl FnOnce() -> T) -> T {
+    let _guard = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+    write()
+}
+
+/// Lets Ctrl-C cancel the computation, and end the program if that takes too long.
+///
+/// # Errors
+/// If the system refuses the handler.
+pub fn install_interrupt_handler() -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(|| {
+        INTERRUPTED.store(true, Ordering::Relaxed);
+        std::thread::sleep(GRACE);
+        while_writing(|| {
+            eprintln!("interrupted");
+            std::process::exit(crate::exit::Exit::Interrupted as i32)
+        })
+    })
+}
+
+/// Shows the events of a computation the way the user wants them.
+pub struct Reporter {
+    bar: Option<ProgressBar>,
+    json: bool,
+    verbose: bool,
+    quiet: bool,
+}
+
+impl Reporter {
+    /// A reporter for these wishes.
+    pub fn new(talk: &Talk) -> Self {
+        let json = talk.progress == ProgressMode::Json;
+        let wants_bar =
+            talk.progress == ProgressMode::Auto && !talk.quiet && std::io::stderr().is_terminal();
+        Self {
+            bar: wants_bar.then(bar),
+            json,
+            verbose: talk.verbose,
+            quiet: talk.quiet,
+        }
+    }
+
+    /// Says something that the user should know.
+    pub fn note(&self, message: impl Into<String>) {
+        self.report(&Event::Note {
+            message: message.into(),
+        });
+    }
+
+    /// Takes the bar off the terminal.
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn line(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| eprintln!("{text}")),
+            None => eprintln!("{text}"),
+        }
+    }
+}
+
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    // The template is constant; a test draws it.
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4} {msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(120));
+    bar
+}
+
+impl Progress for Reporter {
+    fn report(&self, event: &Event) {
+        if self.json {
+            if let Ok(line) = serde_json::to_string(event) {
+                eprintln!("{line}");
+            }
+            return;
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_message(sentence(event));
+        }
+        match event {
+            Event::Note { message } if !self.quiet => self.line(&format!("note: {message}")),
+            Event::StageFinished { .. } if self.verbose => self.line(&sentence(event)),
+            _ => {}
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        is_interrupted()
+    }
+}
+
+fn sentence(event: &Event) -> String {
+    match event {
+        Event::StageStarted { stage } => (*stage).to_owned(),
+        Event::StageFinished { stage } => format!("{stage}: done"),
+        Event::Iteration {
+            stage,
+            iteration,
+            limit,
+            residual,
+        } => {
+            format!("{stage}: {iteration} of at most {limit}, residual {residual:.1e}")
+        }
+        Event::Note { message } => message.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bar_s_template_is_valid() {
+        assert!(ProgressStyle::with_template("{spinner} {elapsed:>4} {msg}").is_ok());
+    }
+
+    #[test]
+    fn iterations_are_said_with_their_residual() {
+        let event = Event::Iteration {
+            stage: "optimise",
+            iteration: 3,
+            limit: 60,
+            residual: 1.24e-6,
+        };
+        assert_eq!(
+            sentence(&event),
+            "optimise: 3 of at most 60, residual 1.2e-6"
+        );
+    }
+}

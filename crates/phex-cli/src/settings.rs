@@ -1,0 +1,238 @@
+//! What is wanted of a mesh: one list of settings for the command line and the job file.
+
+use crate::exit::Failure;
+use crate::units::{Quantity, Unit};
+use clap::Args;
+use phex::MeshOptions;
+use phex::target::TargetKind;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Panels where neither a number nor a size is asked for.
+const DEFAULT_PANELS: u64 = 500;
+/// Largest deviation where nothing else is asked for.
+const DEFAULT_DEVIATION: Quantity = Quantity::percent(0.5);
+
+/// Settings of `phex mesh`; the names in a job file are those of the options.
+#[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize)]
+#[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
+pub struct MeshSettings {
+    /// Number of panels, about [default: 500]
+    #[arg(short = 'n', long, value_name = "N", conflicts_with = "edge_length")]
+    pub panels: Option<u64>,
+    /// Length of the panels' edges, about: `1.2`, `1.2m`, or `2%` of the bounding-box diagonal
+    #[arg(long, value_name = "LENGTH")]
+    pub edge_length: Option<Quantity>,
+    /// Turn the pattern by an angle in degrees from the one that curvature suggests
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    pub rotate: Option<f64>,
+    /// Smaller panels where the surface is strongly curved: panel length times curvature stays below this (0.4 without a number)
+    #[arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive)]
+    pub adaptive: Option<f64>,
+    /// Surface that the panels are kept close to [default: smooth]
+    #[arg(long, value_enum, value_name = "KIND")]
+    pub target: Option<CloseTo>,
+    /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default: 0.5%]
+    #[arg(long, value_name = "LENGTH", help_heading = "Tolerances")]
+    pub max_deviation: Option<Quantity>,
+    /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length [default: 1e-12, or rounding]
+    #[arg(long, value_name = "X", help_heading = "Tolerances")]
+    pub planarity: Option<Quantity>,
+    /// Unit of the model's coordinates [default: m]
+    #[arg(long, value_enum)]
+    pub unit: Option<Unit>,
+    /// Mesh every connected part of a surface that has several
+    #[arg(long)]
+    pub all_components: bool,
+    /// Seed of every random choice [default: 0]
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Number of threads; the result does not depend on it [default: all cores]
+    #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of them.
+    #[arg(skip)]
+    pub stages: MeshOptions,
+}
+
+/// Which surface the panels are kept close to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CloseTo {
+    /// The smooth surface through the input's vertices
+    Smooth,
+    /// Between the smooth surface and the facets
+    HalfWay,
+    /// The input's facets
+    Facets,
+}
+
+impl From<CloseTo> for TargetKind {
+    fn from(kind: CloseTo) -> Self {
+        match kind {
+            CloseTo::Smooth => Self::Smooth,
+            CloseTo::HalfWay => Self::HalfWay,
+            CloseTo::Facets => Self::Facets,
+        }
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(c) if c > 0.0 && c.is_finite() => Ok(c),
+        _ => Err(format!("`{text}` is not a positive number")),
+    }
+}
+
+/// How fine the panelling is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PanelSize {
+    /// Number of panels.
+    Panels(u64),
+    /// Length of their edges.
+    EdgeLength(Quantity),
+}
+
+impl MeshSettings {
+    /// Settings of a job file.
+    ///
+    /// # Errors
+    /// If the file can't be read, is no TOML, or sets something unknown.
+    pub fn from_file(path: &Path) -> Result<Self, Failure> {
+        let unusable =
+            |e: &dyn std::fmt::Display| Failure::input(format!("{}: {e}", path.display()));
+        let text = std::fs::read_to_string(path).map_err(|e| unusable(&e))?;
+        let settings: Self = toml::from_str(&text).map_err(|e| unusable(&e))?;
+        if settings.panels.is_some() && settings.edge_length.is_some() {
+            return Err(unusable(&"`panels` and `edge-length` exclude each other"));
+        }
+        Ok(settings)
+    }
+
+    /// These settings, and those of `file` where these say nothing.
+    pub fn over(self, file: Self) -> Self {
+        let sized = self.panels.is_some() || self.edge_length.is_some();
+        Self {
+            panels: if sized { self.panels } else { file.panels },
+            edge_length: if sized {
+                self.edge_length
+            } else {
+                file.edge_length
+            },
+            rotate: self.rotate.or(file.rotate),
+            adaptive: self.adaptive.or(file.adaptive),
+            target: self.target.or(file.target),
+            max_deviation: self.max_deviation.or(file.max_deviation),
+            planarity: self.planarity.or(file.planarity),
+            unit: self.unit.or(file.unit),
+            all_components: self.all_components || file.all_components,
+            seed: self.seed.or(file.seed),
+            threads: self.threads.or(file.threads),
+            stages: file.stages,
+        }
+    }
+
+    /// How fine the panelling is to be.
+    pub fn size(&self) -> PanelSize {
+        match self.edge_length {
+            Some(length) => PanelSize::EdgeLength(length),
+            None => PanelSize::Panels(self.panels.unwrap_or(DEFAULT_PANELS)),
+        }
+    }
+
+    /// The largest deviation.
+    pub fn max_deviation(&self) -> Quantity {
+        self.max_deviation.unwrap_or(DEFAULT_DEVIATION)
+    }
+
+    /// The options of the stages for a number of panels.
+    pub fn options(&self, panels: u64) -> MeshOptions {
+        let mut options = self.stages.clone();
+        options.size = phex::PanelSize::Panels(usize::try_from(panels).unwrap_or(usize::MAX));
+        if let Some(degrees) = self.rotate {
+            options.directions.rotate = degrees.to_radians();
+        }
+        if self.adaptive.is_some() {
+            options.sizes.adaptive = self.adaptive;
+        }
+        if let Some(kind) = self.target {
+            options.target.kind = kind.into();
+        }
+        if let Some(seed) = self.seed {
+            options.layout.seed = seed;
+        }
+        options
+    }
+
+    /// The settings with every default filled in, for the report; `panels` is the number that the size means.
+    pub fn complete(&self, panels: u64) -> Self {
+        let stages = self.options(panels);
+        Self {
+            panels: Some(panels),
+            rotate: Some(stages.directions.rotate.to_degrees()),
+            max_deviation: Some(self.max_deviation()),
+            unit: Some(self.unit.unwrap_or_default()),
+            seed: Some(stages.layout.seed),
+            stages,
+            ..self.clone()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_comes_before_the_file() {
+        let file: MeshSettings = toml::from_str(
+            "edge-length = '80cm'\nseed = 7\nrotate = 15\nmax-deviation = 0.02\nunit = 'mm'",
+        )
+        .unwrap();
+        let typed = MeshSettings {
+            panels: Some(300),
+            seed: Some(1),
+            ..Default::default()
+        };
+        let both = typed.over(file.clone());
+        assert_eq!(
+            both.size(),
+            PanelSize::Panels(300),
+            "a size on the command line replaces either kind in the file"
+        );
+        assert_eq!(
+            (both.seed, both.rotate, both.unit),
+            (Some(1), Some(15.0), Some(Unit::Mm))
+        );
+        let size = MeshSettings::default().over(file).size();
+        assert_eq!(size, PanelSize::EdgeLength("80cm".parse().unwrap()));
+    }
+
+    #[test]
+    fn options_of_a_stage_come_from_the_file_and_give_way_to_the_command_line() {
+        let file: MeshSettings = toml::from_str("[stages.layout]\nseed = 4\nsweeps = 3").unwrap();
+        let options = MeshSettings {
+            rotate: Some(90.0),
+            ..Default::default()
+        }
+        .over(file.clone())
+        .options(77);
+        assert_eq!((options.layout.seed, options.layout.sweeps), (4, 3));
+        assert_eq!(options.size, phex::PanelSize::Panels(77));
+        assert!((options.directions.rotate - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        let typed = MeshSettings {
+            seed: Some(9),
+            ..Default::default()
+        }
+        .over(file);
+        assert_eq!(
+            (typed.options(1).layout.seed, typed.complete(1).seed),
+            (9, Some(9))
+        );
+    }
+
+    #[test]
+    fn unknown_names_in_a_file_are_refused() {
+        assert!(toml::from_str::<MeshSettings>("pannels = 3").is_err());
+    }
+}

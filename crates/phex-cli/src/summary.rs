@@ -1,0 +1,223 @@
+//! The short table on standard output.
+
+use crate::units::Unit;
+use phex::report::{Assessment, Check, ElementKind, RunReport, Verdict};
+use phex_mesh::measure::{Deviation, MeshMeasures};
+use std::fmt::Write;
+
+/// How many offenders of a check are listed; the report holds all of them.
+const LISTED: usize = 10;
+
+/// Lines of a label and a text each.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    text: String,
+}
+
+impl Table {
+    /// Adds a line.
+    pub fn row(&mut self, label: &str, text: impl std::fmt::Display) {
+        // Writing to a string does not fail.
+        let _ = writeln!(self.text, "{label:<12} {text}");
+    }
+
+    /// The table.
+    pub fn into_text(self) -> String {
+        self.text
+    }
+}
+
+/// Figures, deviation and verdict of a mesh; with `every_check` also the checks that pass.
+pub fn of_assessment(assessment: &Assessment, unit: Unit, every_check: bool) -> String {
+    let mut table = Table::default();
+    let measures = &assessment.measures;
+    table.row("panels", panels(measures));
+    table.row("planarity", planarity(measures, unit));
+    table.row("simple", simple(measures));
+    table.row(
+        "clearance",
+        format!("least {:.3} mean edges", measures.clearance.min),
+    );
+    table.row("edges", edges(measures, unit));
+    if let Some(deviation) = &assessment.deviation_smooth {
+        table.row(
+            "deviation",
+            format!("{} from the smooth surface", distance(deviation, unit)),
+        );
+    }
+    if let Some(deviation) = &assessment.deviation_facets {
+        table.row(
+            "deviation",
+            format!("{} from the given facets", distance(deviation, unit)),
+        );
+    }
+    for check in assessment.checks.iter().filter(|c| every_check || !c.pass) {
+        table.row(if check.pass { "ok" } else { "FAILED" }, said(check));
+    }
+    table.row("verdict", verdict(assessment.verdict));
+    table.into_text()
+}
+
+/// The files that were written, or why the mesh was not.
+pub fn of_outputs(report: &RunReport) -> String {
+    let mut table = Table::default();
+    for output in &report.outputs {
+        table.row("written", &output.path);
+    }
+    if !report.outputs.iter().any(|output| output.content == "mesh") {
+        table.row(
+            "NOT WRITTEN",
+            "the mesh, since it is not valid (--keep-invalid writes it)",
+        );
+    }
+    table.into_text()
+}
+
+fn panels(measures: &MeshMeasures) -> String {
+    let name = |corners: usize| match corners {
+        3 => "triangles".to_owned(),
+        4 => "quads".to_owned(),
+        5 => "pentagons".to_owned(),
+        6 => "hexagons".to_owned(),
+        7 => "heptagons".to_owned(),
+        8 => "octagons".to_owned(),
+        n => format!("{n}-gons"),
+    };
+    let mut sizes: Vec<_> = measures.face_sizes.iter().collect();
+    sizes.sort_by(|a, b| b.1.cmp(a.1).then(a.0.cmp(b.0)));
+    let list: Vec<String> = sizes
+        .iter()
+        .map(|&(&corners, count)| format!("{count} {}", name(corners)))
+        .collect();
+    format!(
+        "{} ({}; {} concave)",
+        measures.faces,
+        list.join(", "),
+        measures.faces_concave
+    )
+}
+
+fn planarity(measures: &MeshMeasures, unit: Unit) -> String {
+    let (relative, length) = (&measures.planarity, &measures.planarity_length);
+    format!(
+        "max {:.1e}, mean {:.1e} mean edges; max {:.1e} {unit}",
+        relative.max, relative.mean, length.max
+    )
+}
+
+fn simple(measures: &MeshMeasures) -> String {
+    match measures.faces_not_simple {
+        0 => "every face".to_owned(),
+        n => format!("{n} faces are NOT simple"),
+    }
+}
+
+fn edges(measures: &MeshMeasures, unit: Unit) -> String {
+    let MeshMeasures {
+        edge_length,
+        mean_edge,
+        ..
+    } = measures;
+    format!(
+        "mean {mean_edge:.4} {unit}, from {:.2} to {:.2} of it",
+        edge_length.min, edge_length.max
+    )
+}
+
+fn distance(deviation: &Deviation, unit: Unit) -> String {
+    let length = deviation.deviation_max * deviation.diagonal;
+    format!(
+        "max {}, rms {} of the diagonal; max {length:.4} {unit}",
+        percent(deviation.deviation_max),
+        percent(deviation.deviation_rms)
+    )
+}
+
+fn percent(fraction: f64) -> String {
+    format!("{:.3} %", 100.0 * fraction)
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Pass => "PASS",
+        Verdict::OutsideTolerance => "OUTSIDE TOLERANCE",
+        Verdict::Invalid => "INVALID",
+    }
+}
+
+/// One check: name, figure, limit, first offenders.
+fn said(check: &Check) -> String {
+    let mut text = format!(
+        "{}: {}, limit {}",
+        check.name,
+        figure(check.value),
+        figure(check.limit)
+    );
+    if check.ids.is_empty() {
+        return text;
+    }
+    let kind = match check.element {
+        ElementKind::Vertex => "vertices",
+        ElementKind::Edge => "edges",
+        ElementKind::Face => "faces",
+        ElementKind::Mesh => "elements",
+    };
+    let first: Vec<String> = check
+        .ids
+        .iter()
+        .take(LISTED)
+        .map(ToString::to_string)
+        .collect();
+    let _ = write!(text, "; {kind} {}", first.join(" "));
+    if check.ids.len() > LISTED {
+        let _ = write!(text, " and {} more", check.ids.len() - LISTED);
+    }
+    text
+}
+
+fn figure(value: f64) -> String {
+    let plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
+    if plain && value.fract() == 0.0 {
+        format!("{value:.0}")
+    } else if plain {
+        format!("{value:.4}")
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_short_at_every_size() {
+        let cases = [
+            (0.0, "0"),
+            (3.0, "3"),
+            (0.05, "0.0500"),
+            (4.2e-15, "4.2e-15"),
+            (f64::NAN, "NaN"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(figure(value), text);
+        }
+    }
+
+    #[test]
+    fn long_lists_of_offenders_are_cut() {
+        let check = Check {
+            name: "faces_not_simple",
+            limit: 0.0,
+            value: 12.0,
+            pass: false,
+            decisive: true,
+            element: ElementKind::Face,
+            ids: (0..12).collect(),
+        };
+        assert_eq!(
+            said(&check),
+            "faces_not_simple: 12, limit 0; faces 0 1 2 3 4 5 6 7 8 9 and 2 more"
+        );
+    }
+}

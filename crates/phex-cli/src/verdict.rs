@@ -1,0 +1,128 @@
+//! Judging a mesh: limits as they were typed to tolerances, verdicts to exit codes, reports and pictures to files.
+
+use crate::args::{Extras, Limits};
+use crate::exit::{Exit, Failure};
+use crate::output::{self, Content};
+use crate::settings::MeshSettings;
+use crate::units::{Quantity, Unit};
+use anyhow::Context;
+use phex::report::picture::{PictureOptions, draw};
+use phex::report::{Assessment, OutputFile, References, RunReport, Tolerances, Verdict};
+use phex_mesh::validate::ValidateOptions;
+use phex_mesh::{HexMesh, TriangleSurface};
+use std::path::Path;
+
+/// Limits as they were typed.
+#[derive(Clone, Copy, Debug)]
+pub struct TypedLimits {
+    /// Of planarity.
+    pub planarity: Option<Quantity>,
+    /// Of the distance to the surface.
+    pub max_deviation: Quantity,
+    /// The model's unit.
+    pub unit: Unit,
+}
+
+impl From<&Limits> for TypedLimits {
+    fn from(limits: &Limits) -> Self {
+        let settings = MeshSettings {
+            max_deviation: limits.max_deviation,
+            ..Default::default()
+        };
+        Self {
+            planarity: limits.planarity,
+            max_deviation: settings.max_deviation(),
+            unit: limits.unit,
+        }
+    }
+}
+
+impl From<&MeshSettings> for TypedLimits {
+    fn from(settings: &MeshSettings) -> Self {
+        Self {
+            planarity: settings.planarity,
+            max_deviation: settings.max_deviation(),
+            unit: settings.unit.unwrap_or_default(),
+        }
+    }
+}
+
+impl TypedLimits {
+    fn tolerances(&self, mesh: &HexMesh, surface: Option<&TriangleSurface>) -> Tolerances {
+        let default = ValidateOptions::default();
+        let planarity = self.planarity.map_or(default.planarity, |q| {
+            q.fraction(self.unit, mesh.mean_edge())
+        });
+        let relative = |surface: &TriangleSurface| {
+            let diagonal = surface.diagonal();
+            self.max_deviation.length(self.unit, diagonal) / diagonal
+        };
+        Tolerances {
+            validity: ValidateOptions {
+                planarity,
+                ..default
+            },
+            deviation_rel: surface.map(relative),
+        }
+    }
+
+    /// Judges a mesh by these limits.
+    pub fn judge(&self, mesh: &HexMesh, references: References<'_>) -> Assessment {
+        let tolerances = self.tolerances(mesh, references.smooth.or(references.facets));
+        Assessment::new(mesh, references, &tolerances)
+    }
+}
+
+/// The exit code of a run that made a mesh.
+pub fn exit_of(verdict: Verdict) -> Exit {
+    match verdict {
+        Verdict::Pass => Exit::Success,
+        Verdict::OutsideTolerance => Exit::OutsideTolerance,
+        Verdict::Invalid => Exit::NoValidResult,
+    }
+}
+
+impl Extras {
+    /// The files that these options ask for.
+    pub fn outputs(&self) -> impl Iterator<Item = (&Path, Content)> {
+        [&self.report, &self.png]
+            .into_iter()
+            .flatten()
+            .map(|path| (path.as_path(), Content::Other))
+    }
+
+    /// Draws the picture, if one is wanted.
+    ///
+    /// # Errors
+    /// If it can't be written.
+    pub fn write_picture(
+        &self,
+        mesh: &HexMesh,
+        outputs: &mut Vec<OutputFile>,
+    ) -> Result<(), Failure> {
+        let Some(path) = &self.png else { return Ok(()) };
+        output::write_picture(path, &draw(mesh, &PictureOptions::default()))?;
+        outputs.push(written("picture", path));
+        Ok(())
+    }
+
+    /// Writes the report, if one is wanted.
+    ///
+    /// # Errors
+    /// If it can't be written.
+    pub fn write_report(&self, report: &RunReport) -> Result<(), Failure> {
+        let Some(path) = &self.report else {
+            return Ok(());
+        };
+        let json = report.to_json().context("the run report")?;
+        output::write_text(path, &json)
+    }
+}
+
+/// An entry of the report's list of outputs.
+pub fn written(content: &'static str, path: &Path) -> OutputFile {
+    OutputFile {
+        content,
+        path: path.display().to_string(),
+    }
+}

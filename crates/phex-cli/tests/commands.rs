@@ -1,0 +1,222 @@
+//! The commands on good input.
+
+mod common;
+use common::{Workshop, honeycomb};
+
+#[test]
+fn help_of_every_command_lists_the_exit_codes() {
+    let shop = Workshop::new();
+    for command in ["", "mesh", "planarize", "check", "info", "convert", "shape"] {
+        let help = shop.succeed(&format!("{command} --help")).stdout;
+        for code in ["0 ", "1 ", "2 ", "3 ", "4 ", "5 ", "130 "] {
+            assert!(
+                help.lines().any(|line| line.trim_start().starts_with(code)),
+                "{command}: {code}"
+            );
+        }
+    }
+    assert!(shop.succeed("--version").stdout.starts_with("phex "));
+}
+
+#[test]
+fn check_passes_a_flat_honeycomb_and_names_a_lifted_corner() {
+    let shop = Workshop::new();
+    shop.write("flat.obj", honeycomb(4, 5, |_, p| p));
+    let run = shop.succeed("check flat.obj --report flat.json");
+    assert!(
+        run.stdout.contains("PASS") && run.stdout.contains("20 hexagons"),
+        "{}",
+        run.stdout
+    );
+    assert_eq!(shop.json("flat.json")["verdict"], "pass");
+
+    shop.write(
+        "bent.obj",
+        honeycomb(4, 5, |i, [x, y, z]| {
+            [x, y, if i == 0 { z + 0.1 } else { z }]
+        }),
+    );
+    let run = shop.phex("check bent.obj --report bent.json --png bent.png");
+    assert_eq!(run.code, Some(3));
+    assert!(
+        run.stdout.contains("FAILED       planarity") && run.stdout.contains("faces 0\n"),
+        "{}",
+        run.stdout
+    );
+    let report = shop.json("bent.json");
+    let checks = report["checks"].as_array().unwrap();
+    let planarity = checks.iter().find(|c| c["name"] == "planarity").unwrap();
+    assert_eq!(
+        (&planarity["pass"], &planarity["ids"]),
+        (&false.into(), &serde_json::json!([0]))
+    );
+    assert_eq!(&shop.read("bent.png")[..8], b"\x89PNG\r\n\x1a\n");
+
+    assert_eq!(
+        shop.phex("check bent.obj --planarity 0.1").code,
+        Some(0),
+        "in mean edges"
+    );
+    assert_eq!(
+        shop.phex("check bent.obj --planarity 10%").code,
+        Some(0),
+        "of the mean edge"
+    );
+    assert_eq!(
+        shop.phex("check bent.obj --planarity 1mm --unit m").code,
+        Some(3)
+    );
+    assert_eq!(
+        shop.phex("check bent.obj --planarity 1mm --unit mm").code,
+        Some(0)
+    );
+}
+
+#[test]
+fn check_tells_a_self_intersecting_face_from_a_concave_one() {
+    let shop = Workshop::new();
+    // The corner that only the first panel holds.
+    let moved = |d: f64| {
+        honeycomb(4, 5, move |i, [x, y, z]| {
+            [x, if i == 0 { y + d } else { y }, z]
+        })
+    };
+    shop.write("concave.obj", moved(0.8));
+    let run = shop.succeed("check concave.obj");
+    assert!(run.stdout.contains("1 concave"), "{}", run.stdout);
+    shop.write("crossed.obj", moved(2.5));
+    let run = shop.phex("check crossed.obj --json");
+    assert_eq!(run.code, Some(3));
+    let report: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(report["verdict"], "invalid");
+    let violations = report["violations"].as_array().unwrap();
+    assert!(
+        violations
+            .iter()
+            .any(|v| v["kind"] == "not_simple" && v["face"] == 0),
+        "{violations:?}"
+    );
+}
+
+#[test]
+fn check_measures_the_distance_to_a_surface() {
+    let shop = Workshop::new();
+    shop.write("mesh.obj", honeycomb(4, 5, |_, p| p));
+    shop.write(
+        "plane.obj",
+        "v -9 -9 0.1\nv 19 -9 0.1\nv 19 19 0.1\nv -9 19 0.1\nf 1 2 3 4\n",
+    );
+    assert_eq!(
+        shop.phex("check mesh.obj --surface plane.obj --max-deviation 9cm")
+            .code,
+        Some(3)
+    );
+    let run = shop.phex("check mesh.obj --surface plane.obj --max-deviation 11cm --json");
+    let report: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let check = report["checks"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|c| c["name"] == "deviation")
+        .unwrap();
+    assert_eq!(check["pass"], true);
+    assert_eq!(report["inputs"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn check_leaves_out_unused_vertices_and_says_so() {
+    let shop = Workshop::new();
+    shop.write("mesh.obj", honeycomb(2, 2, |_, p| p) + "v 9 9 9\n");
+    let run = shop.succeed("check mesh.obj");
+    assert!(
+        run.stderr.contains("1 vertices belong to no face"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(shop.succeed("check mesh.obj --quiet").stderr, "");
+}
+
+#[test]
+fn check_refuses_faces_that_are_no_manifold() {
+    let shop = Workshop::new();
+    shop.write(
+        "a.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n",
+    );
+    shop.phex("check a.obj")
+        .refuses(4, &["a.obj", "0 and 1", "more than two faces"]);
+}
+
+#[test]
+fn shape_is_written_described_and_converted_back_and_forth() {
+    let shop = Workshop::new();
+    assert!(shop.succeed("shape --list").stdout.contains("torus"));
+    shop.succeed("shape torus -o torus.obj --triangles 2000 --set minor=0.3 --jitter 0.2 --seed 5");
+    let info = shop.succeed("info torus.obj");
+    assert!(info.stdout.contains("closed, genus 1"), "{}", info.stdout);
+    let json: serde_json::Value =
+        serde_json::from_str(&shop.succeed("info torus.obj --json").stdout).unwrap();
+    assert_eq!(json["components"][0]["euler_characteristic"], 0);
+    let area = 4.0 * std::f64::consts::PI.powi(2) * 0.3;
+    assert!((json["area"].as_f64().unwrap() / area - 1.0).abs() < 0.03);
+
+    shop.succeed("convert torus.obj a.ply");
+    shop.succeed("convert a.ply b.off");
+    shop.succeed("convert b.off c.obj");
+    assert_eq!(
+        shop.read("c.obj"),
+        shop.read("torus.obj"),
+        "nothing is lost on the way"
+    );
+}
+
+#[test]
+fn shape_is_the_same_for_the_same_seed() {
+    let shop = Workshop::new();
+    for (name, seed) in [("a.obj", 1), ("b.obj", 1), ("c.obj", 2)] {
+        shop.succeed(&format!(
+            "shape wave -o {name} --triangles 500 --jitter 0.3 --seed {seed}"
+        ));
+    }
+    assert_eq!(shop.read("a.obj"), shop.read("b.obj"));
+    assert_ne!(shop.read("a.obj"), shop.read("c.obj"));
+    shop.phex("shape torus -o t.obj --set minor=7")
+        .refuses(4, &["minor", "torus"]);
+    shop.phex("shape torus -o t.obj --set colour=7")
+        .refuses(4, &["colour", "major"]);
+    shop.phex("shape torus -o t.obj --triangles 1")
+        .refuses(4, &["1"]);
+    assert!(!shop.files().contains(&"t.obj".to_owned()));
+}
+
+#[test]
+fn info_says_what_is_wrong() {
+    let shop = Workshop::new();
+    shop.write(
+        "two.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nv 7 7 7\nf 1 2 3\nf 4 5 6\n",
+    );
+    let run = shop.succeed("info two.obj");
+    assert!(
+        run.stdout.contains("components   2")
+            && run.stdout.contains("1 vertices belong to no face")
+    );
+    shop.write(
+        "bad.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n",
+    );
+    let run = shop.phex("info bad.obj");
+    assert_eq!(run.code, Some(4));
+    assert!(
+        run.stdout.contains("PROBLEM") && run.stdout.contains("more than two faces"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn output_goes_into_folders_that_do_not_exist_yet() {
+    let shop = Workshop::new();
+    shop.succeed("shape plane -o new/folder/plane.obj --triangles 200");
+    assert!(common::exists(&shop.path("new/folder/plane.obj")));
+}

@@ -1,0 +1,162 @@
+//! `phex mesh` and `phex planarize` from file to file.
+
+mod common;
+use common::{Workshop, honeycomb};
+
+/// A shallow dome of 200 panels at the most, in an own folder.
+fn dome() -> Workshop {
+    let shop = Workshop::new();
+    shop.succeed("shape elliptic-paraboloid -o dome.obj --triangles 1500");
+    shop
+}
+
+#[test]
+fn surface_becomes_a_mesh_that_check_passes() {
+    let shop = dome();
+    let run = shop.succeed(
+        "mesh dome.obj -o out/dome.obj -n 80 --report run.json --png dome.png --write-target smooth.ply --progress json",
+    );
+    assert!(run.stdout.contains("PASS"), "{}", run.stdout);
+    let events: Vec<serde_json::Value> = run
+        .stderr
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("a JSON object a line"))
+        .collect();
+    assert!(
+        events
+            .iter()
+            .any(|e| e["event"] == "stage_finished" && e["stage"] == "optimise")
+    );
+
+    let report = shop.json("run.json");
+    assert_eq!(report["verdict"], "pass");
+    assert_eq!(report["inputs"][0]["sha256"].as_str().unwrap().len(), 64);
+    assert_eq!(report["settings"]["panels"], 80);
+    assert_eq!(report["outputs"].as_array().unwrap().len(), 3);
+    assert!(report["measures"]["planarity"]["max"].as_f64().unwrap() <= 1e-12);
+    assert!(
+        report["deviation_smooth"]["deviation_max"]
+            .as_f64()
+            .unwrap()
+            <= 0.005
+    );
+    let panels = report["measures"]["faces"].as_f64().unwrap();
+    assert!((panels / 80.0 - 1.0).abs() <= 0.15, "{panels} panels");
+
+    shop.succeed("check out/dome.obj --surface smooth.ply");
+    shop.succeed("check out/dome.obj --surface dome.obj --max-deviation 1%");
+}
+
+#[test]
+fn bytes_do_not_depend_on_the_number_of_threads() {
+    let shop = dome();
+    shop.succeed("mesh dome.obj -o one.obj -n 60 -t 1");
+    shop.succeed("mesh dome.obj -o two.obj -n 60 -t 2");
+    assert_eq!(shop.read("one.obj"), shop.read("two.obj"));
+}
+
+#[test]
+fn job_file_and_command_line_give_the_same_mesh() {
+    let shop = dome();
+    shop.write(
+        "job.toml",
+        "panels = 60\nrotate = 30\nmax-deviation = '2%'\n[stages.optimise]\nfairness = 0.002\n",
+    );
+    shop.succeed("mesh dome.obj -o file.obj --config job.toml --report file.json");
+    let settings = &shop.json("file.json")["settings"];
+    assert_eq!(settings["max-deviation"], "2%");
+    assert_eq!(settings["stages"]["optimise"]["fairness"], 0.002);
+    shop.write(
+        "stages.toml",
+        "panels = 9\n[stages.optimise]\nfairness = 0.002\n",
+    );
+    shop.succeed(
+        "mesh dome.obj -o line.obj --config stages.toml -n 60 --rotate 30 --max-deviation 2%",
+    );
+    assert_eq!(shop.read("file.obj"), shop.read("line.obj"));
+}
+
+#[test]
+fn unreachable_tolerance_is_written_with_exit_code_3_and_offenders() {
+    let shop = dome();
+    let run = shop.phex("mesh dome.obj -o out.obj -n 60 --max-deviation 0.0001% --report run.json");
+    assert_eq!(run.code, Some(3), "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("FAILED       deviation"),
+        "{}",
+        run.stdout
+    );
+    let report = shop.json("run.json");
+    let check = report["checks"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|c| c["name"] == "deviation")
+        .unwrap();
+    assert!(!check["ids"].as_array().unwrap().is_empty());
+    assert!(shop.files().contains(&"out.obj".to_owned()));
+}
+
+#[test]
+fn invalid_mesh_is_reported_and_written_only_on_request() {
+    let shop = Workshop::new();
+    shop.succeed("shape torus -o torus.obj --triangles 1000");
+    let run = shop.phex("mesh torus.obj -o out.obj -n 4 --report run.json");
+    assert_eq!(run.code, Some(5), "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("INVALID") && run.stdout.contains("NOT WRITTEN"),
+        "{}",
+        run.stdout
+    );
+    assert!(!shop.files().contains(&"out.obj".to_owned()));
+    let report = shop.json("run.json");
+    assert_eq!(report["verdict"], "invalid");
+    assert!(!report["violations"].as_array().unwrap().is_empty());
+    assert_eq!(
+        shop.phex("mesh torus.obj -o out.obj -n 4 --keep-invalid")
+            .code,
+        Some(5)
+    );
+    assert!(shop.files().contains(&"out.obj".to_owned()));
+}
+
+#[test]
+fn components_are_meshed_together_on_request() {
+    let shop = dome();
+    let text = String::from_utf8(shop.read("dome.obj")).unwrap();
+    let vertices = text.lines().filter(|l| l.starts_with("v ")).count();
+    let mut twice = text.clone();
+    for line in text.lines() {
+        let numbers: Vec<&str> = line.split_whitespace().skip(1).collect();
+        if line.starts_with("v ") {
+            let x: f64 = numbers[0].parse().unwrap();
+            twice += &format!("v {} {} {}\n", x + 9.0, numbers[1], numbers[2]);
+        } else if line.starts_with("f ") {
+            let shifted = numbers
+                .iter()
+                .map(|n| format!(" {}", n.parse::<usize>().unwrap() + vertices));
+            twice += &format!("f{}\n", shifted.collect::<String>());
+        }
+    }
+    shop.write("two.obj", twice);
+    shop.phex("mesh two.obj -o out.obj -n 120")
+        .refuses(4, &["2 connected parts"]);
+    shop.succeed("mesh two.obj -o out.obj -n 120 --all-components --report run.json");
+    let report = shop.json("run.json");
+    assert_eq!(report["measures"]["components"], 2);
+    let panels = report["measures"]["faces"].as_f64().unwrap();
+    assert!((panels / 120.0 - 1.0).abs() <= 0.15, "{panels} panels");
+}
+
+#[test]
+fn planarize_flattens_a_bent_honeycomb() {
+    let shop = Workshop::new();
+    shop.write(
+        "bent.obj",
+        honeycomb(6, 6, |_, [x, y, _]| [x, y, 0.02 * (x * x + 0.7 * y * y)]),
+    );
+    assert_eq!(shop.phex("check bent.obj").code, Some(3));
+    shop.succeed("planarize bent.obj -o flat.obj --max-deviation 1% --report run.json");
+    assert_eq!(shop.json("run.json")["verdict"], "pass");
+    shop.succeed("check flat.obj --surface bent.obj --max-deviation 1%");
+}

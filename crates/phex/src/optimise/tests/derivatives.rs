@@ -1,0 +1,284 @@
+//! Gradients and Hessians against finite differences, and the constraints against their own Jacobian.
+
+use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, turn_edge};
+use crate::optimise::barrier::Barrier;
+use crate::optimise::closeness::{ClosenessWeights, Reference};
+use crate::optimise::energy::{PanelEnergy, PlanarityConstraints, Setting, Weights};
+use crate::optimise::guard::Guard;
+use crate::optimise::panels::{Panels, unknowns};
+use phex_mesh::{HexMesh, Vec3};
+use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
+
+const NOTHING: Weights = Weights {
+    planarity: 0.0,
+    closeness: ClosenessWeights {
+        vertex: 0.0,
+        centre: 0.0,
+        rim: 0.0,
+    },
+    fairness: 0.0,
+    anchor: 0.0,
+    corner: 0.0,
+};
+
+const NO_BARRIER: Barrier = Barrier {
+    weight: 0.0,
+    reach: 0.01,
+};
+
+/// Calls `test` with the energy of a mesh that has only the given terms.
+fn with_energy(
+    mesh: &HexMesh,
+    target: Shape,
+    weights: Weights,
+    barrier: Barrier,
+    test: impl FnOnce(&mut PanelEnergy<'_>, &[f64], &mut SymmetricMatrix),
+) {
+    let panels = Panels::new(mesh.topology());
+    let x = unknowns(mesh);
+    let (reference, guard) = (
+        Reference::Surface(&target),
+        Guard::new(mesh.topology(), None, 0.1),
+    );
+    let boundary = mesh.topology().vertices();
+    let boundary = boundary.filter(|&v| mesh.topology().is_boundary_vertex(v));
+    let rim: Vec<u32> = boundary.map(|v| v.index() as u32).collect();
+    let corner: Vec<bool> = (0..panels.n_vertices()).map(|v| v % 5 == 0).collect();
+    let setting = Setting {
+        panels: &panels,
+        reference: &reference,
+        guard: &guard,
+        rim: &rim,
+        corner: &corner,
+        mean_edge: panels.mean_edge(&x),
+    };
+    let dofs = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
+    let faces =
+        (0..panels.n_faces()).map(|f| panels.vertices(f).iter().flat_map(|&v| dofs(v)).collect());
+    let vertices = (0..panels.n_vertices() as u32).map(|v| dofs(v).to_vec());
+    let elements: Vec<Vec<u32>> = faces.chain(vertices).collect();
+    let assembly = Assembly::new(x.len(), &elements);
+    let barriers = vec![barrier; panels.n_faces()];
+    let mut energy = PanelEnergy::new(&setting, &assembly, weights, barriers, &x);
+    let mut hessian = SymmetricMatrix::zeros(assembly.pattern().clone());
+    test(&mut energy, &x, &mut hessian);
+}
+
+fn gradient(energy: &mut PanelEnergy<'_>, x: &[f64], hessian: &mut SymmetricMatrix) -> Vec<f64> {
+    let mut g = vec![0.0; x.len()];
+    energy.energy(x);
+    energy.linearise(x, &mut g, hessian);
+    g
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m, v| v.abs().max(m))
+}
+
+/// The gradient agrees with central differences of the energy.
+fn gradient_is_right(weights: Weights, barrier: Barrier, target: Shape, mesh: &HexMesh) {
+    with_energy(mesh, target, weights, barrier, |energy, x, hessian| {
+        let g = gradient(energy, x, hessian);
+        assert!(largest(&g) > 0.0);
+        let step = 1e-6 * mesh.mean_edge();
+        let mut x = x.to_vec();
+        for k in 0..x.len() {
+            let at = x[k];
+            let mut difference = 0.0;
+            for sign in [1.0, -1.0] {
+                x[k] = at + sign * step;
+                difference += sign * energy.energy(&x) / (2.0 * step);
+            }
+            x[k] = at;
+            let error = (difference - g[k]).abs() / largest(&g);
+            assert!(
+                error < 2e-7,
+                "unknown {k}: {difference:e} against {:e}",
+                g[k]
+            );
+        }
+    });
+}
+
+/// The Hessian agrees with central differences of the gradient.
+fn hessian_is_right(weights: Weights, target: Shape, mesh: &HexMesh) {
+    with_energy(mesh, target, weights, NO_BARRIER, |energy, x, hessian| {
+        gradient(energy, x, hessian);
+        let exact = hessian.clone();
+        let step = 1e-6 * mesh.mean_edge();
+        let mut x = x.to_vec();
+        for k in 0..x.len() {
+            let at = x[k];
+            let mut column = vec![0.0; x.len()];
+            for sign in [1.0, -1.0] {
+                x[k] = at + sign * step;
+                let g = gradient(energy, &x, hessian);
+                column
+                    .iter_mut()
+                    .zip(g)
+                    .for_each(|(c, g)| *c += sign * g / (2.0 * step));
+            }
+            x[k] = at;
+            let (mut unit, mut expected) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+            unit[k] = 1.0;
+            exact.mul(&unit, &mut expected);
+            let size = largest(exact.values());
+            let error = column
+                .iter()
+                .zip(&expected)
+                .map(|(c, e)| (c - e).abs())
+                .fold(0.0, f64::max);
+            assert!(error < 1e-6 * size, "column {k}: {error:e} of {size:e}");
+        }
+    });
+}
+
+/// A rough little mesh with a pentagon and a heptagon.
+fn rough(shape: Shape) -> HexMesh {
+    let wall = brick_wall(shape, 7, 4);
+    let topology = wall.topology();
+    let inner = |e: &phex_mesh::EdgeId| {
+        let ends = topology.edge_vertices(*e);
+        ends.iter().all(|&v| !topology.is_boundary_vertex(v))
+    };
+    let edge = topology.edges().find(inner).unwrap();
+    let [a, b] = topology.edge_vertices(edge).map(|v| v.index() as u32);
+    jittered(&turn_edge(&wall, a, b), 0.05, 7)
+}
+
+#[test]
+fn gradient_of_planarity() {
+    let weights = Weights {
+        planarity: 3.0,
+        ..NOTHING
+    };
+    gradient_is_right(weights, NO_BARRIER, Shape::Wave, &rough(Shape::Wave));
+}
+
+#[test]
+fn gradient_of_closeness() {
+    for target in [Shape::Wave, Shape::MonkeySaddle, Shape::Square] {
+        let closeness = ClosenessWeights {
+            vertex: 1.0,
+            centre: 3.0,
+            rim: 0.1,
+        };
+        let weights = Weights {
+            closeness,
+            ..NOTHING
+        };
+        gradient_is_right(weights, NO_BARRIER, target, &rough(target));
+    }
+}
+
+#[test]
+fn gradient_of_fairness_and_anchor() {
+    let weights = Weights {
+        fairness: 0.7,
+        ..NOTHING
+    };
+    gradient_is_right(weights, NO_BARRIER, Shape::Wave, &rough(Shape::Wave));
+    // The anchor has no force at the start, so it is tested together.
+    let weights = Weights {
+        anchor: 0.5,
+        corner: 0.2,
+        ..weights
+    };
+    gradient_is_right(weights, NO_BARRIER, Shape::Wave, &rough(Shape::Wave));
+}
+
+#[test]
+fn gradient_of_the_barrier_in_planes_that_turn() {
+    let mesh = rough(Shape::MonkeySaddle);
+    let barrier = Barrier {
+        weight: 1e-3,
+        reach: 1.2 * mesh.mean_edge(),
+    };
+    gradient_is_right(NOTHING, barrier, Shape::MonkeySaddle, &mesh);
+}
+
+#[test]
+fn hessian_of_quadratic_terms_is_exact() {
+    let weights = Weights {
+        fairness: 0.7,
+        anchor: 0.5,
+        corner: 0.2,
+        ..NOTHING
+    };
+    hessian_is_right(weights, Shape::Wave, &rough(Shape::Wave));
+}
+
+#[test]
+fn hessian_of_planarity_is_exact_where_faces_are_planar() {
+    let weights = Weights {
+        planarity: 2.0,
+        ..NOTHING
+    };
+    hessian_is_right(weights, Shape::Wave, &planar_paraboloid(7, 3));
+}
+
+#[test]
+fn hessian_of_closeness_is_exact_at_a_plane_and_beyond_its_rim() {
+    let closeness = ClosenessWeights {
+        vertex: 1.0,
+        centre: 3.0,
+        rim: 0.1,
+    };
+    let weights = Weights {
+        closeness,
+        ..NOTHING
+    };
+    // Reaches beyond the square on two sides.
+    let mesh = brick_wall(Shape::Square, 7, 4);
+    let wide = Vec3::new(1.3, 0.9, 1.0);
+    let large = mesh.with_positions(mesh.positions.map(|p| p.component_mul(&wide)));
+    let shifted = jittered(&large, 0.01, 3);
+    assert!(shifted.positions.iter().any(|p| p.x > 1.0));
+    hessian_is_right(weights, Shape::Square, &shifted);
+}
+
+#[test]
+fn normal_matrix_is_the_product_of_the_jacobian() {
+    let mesh = rough(Shape::Wave);
+    let panels = Panels::new(mesh.topology());
+    let x = unknowns(&mesh);
+    let (target, guard) = (Shape::Wave, Guard::new(mesh.topology(), None, 0.1));
+    let reference = Reference::Surface(&target);
+    let corner = vec![false; panels.n_vertices()];
+    let setting = Setting {
+        panels: &panels,
+        reference: &reference,
+        guard: &guard,
+        rim: &[],
+        corner: &corner,
+        mean_edge: panels.mean_edge(&x),
+    };
+    let count = PlanarityConstraints::count(&panels);
+    let assembly = Assembly::new(count, &PlanarityConstraints::elements(&panels));
+    let mut constraints = PlanarityConstraints::new(&setting, &assembly, &x, 0.0);
+    let mut normal = SymmetricMatrix::zeros(assembly.pattern().clone());
+    let mut values = vec![0.0; count];
+    constraints.linearise(&x, &mut values, &mut normal);
+    let rows: Vec<Vec<f64>> = (0..count)
+        .map(|i| {
+            let (mut y, mut row) = (vec![0.0; count], vec![0.0; x.len()]);
+            y[i] = 1.0;
+            constraints.transposed(&y, &mut row);
+            row
+        })
+        .collect();
+    for i in 0..count {
+        let (mut unit, mut column) = (vec![0.0; count], vec![0.0; count]);
+        unit[i] = 1.0;
+        normal.mul(&unit, &mut column);
+        for j in 0..count {
+            let product: f64 = rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum();
+            assert!((product - column[j]).abs() < 1e-14, "{i} {j}");
+        }
+    }
+    // The sum of squared constraints is the sum of squared heights.
+    let shape = crate::optimise::panels::Shape::at(&panels, &x);
+    let heights: f64 = shape.corners.iter().map(|c| c.height * c.height).sum();
+    let squares: f64 = values.iter().map(|c| c * c).sum();
+    assert!((heights - squares).abs() < 1e-12 * heights);
+}

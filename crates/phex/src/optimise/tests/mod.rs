@@ -1,0 +1,5 @@
+//! Tests of the optimiser on analytic surfaces.
+
+mod derivatives;
+mod fixtures;
+mod whole;
