@@ -6,7 +6,17 @@ use common::{Workshop, honeycomb};
 #[test]
 fn help_of_every_command_lists_the_exit_codes() {
     let shop = Workshop::new();
-    for command in ["", "mesh", "planarize", "check", "info", "convert", "shape"] {
+    for command in [
+        "",
+        "mesh",
+        "planarize",
+        "check",
+        "info",
+        "convert",
+        "shape",
+        "koebe",
+        "parallel",
+    ] {
         let help = shop.succeed(&format!("{command} --help")).stdout;
         for code in ["0 ", "1 ", "2 ", "3 ", "4 ", "5 ", "130 "] {
             assert!(

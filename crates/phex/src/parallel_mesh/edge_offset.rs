@@ -62,14 +62,47 @@ pub fn face_curvatures(mesh: &HexMesh, gauss_image: &HexMesh) -> PerFace<FaceCur
 }
 
 fn face_curvature(mesh: &HexMesh, gauss_image: &HexMesh, f: FaceId) -> FaceCurvature {
+    let [own, mixed, image] = face_areas(mesh, gauss_image, f);
+    FaceCurvature {
+        mean: -mixed / own,
+        gauss: image / own,
+    }
+}
+
+/// Mean curvature of the whole mesh, `-sum A(M, K) / sum A(M)`, and the root mean square (by area) of the faces' deviation from it, over
+/// its size.
+pub fn mean_curvature(mesh: &HexMesh, gauss_image: &HexMesh) -> (f64, f64) {
+    let faces = || {
+        mesh.topology()
+            .faces()
+            .map(|f| face_areas(mesh, gauss_image, f))
+    };
+    let (area, mixed) = faces().fold((0.0, 0.0), |sum, [own, mixed, _]| {
+        (sum.0 + own, sum.1 + mixed)
+    });
+    let mean = -mixed / area;
+    let square: f64 = faces()
+        .map(|[own, mixed, _]| own * (-mixed / own - mean).powi(2))
+        .sum();
+    (mean, (square / area).sqrt() / mean.abs())
+}
+
+/// `A(M)`, `A(M, K)` and `A(K)` of a face.
+pub(super) fn face_areas(mesh: &HexMesh, gauss_image: &HexMesh, f: FaceId) -> [f64; 3] {
     let (p, q): (Vec<Vec3>, Vec<Vec3>) =
         (mesh.corners(f).collect(), gauss_image.corners(f).collect());
     let normal = FacePlane::fit(&q).normal;
-    let area = mixed_area(&p, &p, normal);
-    FaceCurvature {
-        mean: -mixed_area(&p, &q, normal) / area,
-        gauss: mixed_area(&q, &q, normal) / area,
-    }
+    [
+        mixed_area(&p, &p, normal),
+        mixed_area(&p, &q, normal),
+        mixed_area(&q, &q, normal),
+    ]
+}
+
+/// Derivative of `A(x, Q)` by the corners `x` of a face of a plane with the given normal.
+pub(super) fn mixed_area_gradient(q: &[Vec3], normal: Vec3) -> impl Iterator<Item = Vec3> + '_ {
+    let n = q.len();
+    (0..n).map(move |i| 0.25 * (q[(i + 1) % n] - q[(i + n - 1) % n]).cross(&normal))
 }
 
 /// Mixed area of two parallel polygons of a plane; that of a polygon with itself is its area.

@@ -3,19 +3,21 @@
 //! Foot points `p_v` with normals `n_v` of the surface are held while the convex quadratic program
 //!
 //! ```text
-//! minimise    sum_v (n_v . (x_v - p_v))^2 + w_t |x_v - p_v|^2  +  w_f sum_e (l_e - s l0_e)^2
+//! minimise    sum_v (n_v . (x_v - p_v))^2 + w_t |x_v - p_v|^2  +  w_f sum_e (l_e - s l0_e)^2  +  w_h sum_f (A(x, K) + H A(x))^2
 //! subject to  x_b - x_a parallel to d_e,   l_e = d_e . (x_b - x_a) >= l_min
 //! ```
 //!
 //! is solved by interior points; then new foot points are found, until the mesh rests. The mesh itself, scaled, is always
-//! admissible, so that the program always has a solution. The result is projected onto the space of parallel meshes, which takes
+//! admissible, so that the program always has a solution. The last term, off by default, asks for one mean curvature `H` (that of the last
+//! round) with the input as Gauss image `K`; areas are linearised at the last round. The result is projected onto the space of parallel meshes, which takes
 //! parallelism to rounding.
 //!
 //! | symbol | here |
 //! |---|---|
 //! | `d_e`, `l0_e` | direction and length of the edges of the given mesh |
 //! | `s` | mean distance of neighbouring foot points over the mean `l0_e` |
-//! | `w_t`, `w_f` | [`FitOptions::tangential`], [`FitOptions::fairness`] |
+//! | `w_t`, `w_f`, `w_h` | [`FitOptions::tangential`], [`FitOptions::fairness`], [`FitOptions::constant_mean_curvature`] |
+//! | `A(., .)`, `K`, `H` | mixed area, the input, mean curvature: see [`edge_offset`](super::edge_offset) |
 //! | `l_min` | [`FitOptions::least_edge`] times the mean distance of neighbouring foot points |
 //!
 //! Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer freeform structures for architecture" (2007), section 3.
@@ -25,6 +27,7 @@
 //! in another way than the input: a mesh parallel to a convex one is convex wherever its faces are, and where the ratio of the principal curvatures
 //! differs much (by 3, for regular hexagons) edges run into `l_min`. The report says how far off it is.
 
+use super::edge_offset::{face_areas, mean_curvature, mixed_area_gradient};
 use super::null_space::Rows;
 use super::space::{ParallelError, ParallelSpace};
 use crate::progress::{Event, Progress};
@@ -58,11 +61,13 @@ pub struct FitOptions {
     pub tangential: f64,
     /// `w_f`: weight of edge lengths in proportion to the input's, >= 0. It decides where the surface does not, as at the rim.
     pub fairness: f64,
+    /// `w_h`: weight of one mean curvature for all faces, >= 0; lengths in mean edges. From 1 to 100 for surfaces that nearly have one.
+    pub constant_mean_curvature: f64,
     /// `l_min` over the mean distance of neighbouring foot points, in (0, 1).
     pub least_edge: f64,
     /// Rounds of foot points at the most.
     pub max_rounds: usize,
-    /// Movement of the farthest vertex, in mean edges, at which the mesh rests.
+    /// Root mean square of the vertices' movement along the surface's normals, in mean edges, at which the mesh rests.
     pub tolerance: f64,
 }
 
@@ -72,6 +77,7 @@ impl Default for FitOptions {
             start: FitStart::Normals,
             tangential: 1e-2,
             fairness: 1e-3,
+            constant_mean_curvature: 0.0,
             least_edge: 0.05,
             max_rounds: 20,
             tolerance: 1e-3,
@@ -119,6 +125,10 @@ pub struct Fitted {
     pub rms_distance: f64,
     /// Edges as short as is allowed: there the surface would rather have another mesh.
     pub edges_at_bound: usize,
+    /// Mean curvature with the input as Gauss image, over model units.
+    pub mean_curvature: f64,
+    /// Root mean square deviation of the faces from it, over its size.
+    pub mean_curvature_spread: f64,
 }
 
 /// Fits a mesh parallel to `mesh` to `surface`.
@@ -158,6 +168,10 @@ fn check(options: &FitOptions) -> Result<(), FitError> {
     }
     if !(options.fairness >= 0.0 && options.fairness.is_finite()) {
         return fail("fairness", options.fairness, "0 or positive");
+    }
+    let curvature = options.constant_mean_curvature;
+    if !(curvature >= 0.0 && curvature.is_finite()) {
+        return fail("constant_mean_curvature", curvature, "0 or positive");
     }
     if !(options.least_edge > 0.0 && options.least_edge < 1.0) {
         return fail("least_edge", options.least_edge, "between 0 and 1");
@@ -226,16 +240,11 @@ fn rounds(
             status = Status::Cancelled;
             break;
         }
-        let Some(next) = program.solve(&feet).map(|x| space.closest(&x)) else {
+        let Some(next) = program.solve(&feet, &mesh).map(|x| space.closest(&x)) else {
             status = Status::NumericalBreakdown;
             break;
         };
-        let moves = mesh
-            .positions
-            .iter()
-            .zip(&next.positions)
-            .map(|(a, b)| (a - b).norm());
-        let movement = moves.fold(0.0, f64::max) / program.unit;
+        let movement = normal_movement(&mesh, &next, &feet) / program.unit;
         mesh = next;
         feet = feet_by_positions(&mesh, surface);
         done += 1;
@@ -251,6 +260,15 @@ fn rounds(
         }
     }
     assess(space, program, surface, mesh, status, done)
+}
+
+/// Root mean square of the vertices' movement along the normals of their foot points.
+fn normal_movement(before: &HexMesh, after: &HexMesh, feet: &Feet) -> f64 {
+    let pairs = before.positions.iter().zip(&after.positions);
+    let squares = pairs
+        .zip(&feet.normal)
+        .map(|((a, b), n)| (b - a).dot(n).powi(2));
+    (squares.sum::<f64>() / feet.normal.len() as f64).sqrt()
 }
 
 fn assess(
@@ -270,7 +288,10 @@ fn assess(
         .collect();
     let mean_square = distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64;
     let lengths = space.lengths(&mesh);
+    let (mean_curvature, mean_curvature_spread) = mean_curvature(&mesh, space.mesh());
     Fitted {
+        mean_curvature,
+        mean_curvature_spread,
         status,
         rounds,
         max_distance: distances.iter().copied().fold(0.0, f64::max),
@@ -337,8 +358,8 @@ impl<'a> Program<'a> {
     }
 
     /// Positions of the vertices for given foot points; `None` if the solver gives up.
-    fn solve(&self, feet: &Feet) -> Option<PerVertex<Vec3>> {
-        let (hessian, gradient) = self.objective(feet);
+    fn solve(&self, feet: &Feet, current: &HexMesh) -> Option<PerVertex<Vec3>> {
+        let (hessian, gradient) = self.objective(feet, current);
         let cones = [
             ZeroConeT(self.n_equalities),
             NonnegativeConeT(self.bounds.len() - self.n_equalities),
@@ -372,7 +393,7 @@ impl<'a> Program<'a> {
     }
 
     /// Upper triangle of the Hessian, and the gradient at the origin.
-    fn objective(&self, feet: &Feet) -> (CscMatrix<f64>, Vec<f64>) {
+    fn objective(&self, feet: &Feet, current: &HexMesh) -> (CscMatrix<f64>, Vec<f64>) {
         let n = 3 * feet.position.len();
         let (mut triplets, mut gradient) = (Vec::new(), vec![0.0; n]);
         for (v, (p, normal)) in feet.position.iter().zip(&feet.normal).enumerate() {
@@ -388,19 +409,65 @@ impl<'a> Program<'a> {
         if self.options.fairness > 0.0 {
             self.add_fairness(&mut triplets, &mut gradient);
         }
+        if self.options.constant_mean_curvature > 0.0 {
+            self.add_curvature(current, &mut triplets, &mut gradient);
+        }
         (csc(n, n, triplets), gradient)
     }
 
-    fn add_fairness(&self, triplets: &mut Vec<(usize, usize, f64)>, gradient: &mut [f64]) {
+    fn add_fairness(&self, triplets: &mut Vec<Triplet>, gradient: &mut [f64]) {
         let t = self.space.mesh().topology();
         for e in t.edges() {
             let row = length_row(t.edge_vertices(e), self.space.direction(e));
-            for &(j, b) in &row {
-                gradient[j] -= self.options.fairness * b * self.natural[e];
-                let upper = row.iter().filter(|&&(i, _)| i <= j);
-                triplets.extend(upper.map(|&(i, a)| (i, j, self.options.fairness * a * b)));
-            }
+            add_square(
+                &row,
+                -self.natural[e],
+                self.options.fairness,
+                triplets,
+                gradient,
+            );
         }
+    }
+
+    /// Squares of `A(x, K) - c A(x)`, linearised at the current mesh; `c` is its mean.
+    fn add_curvature(&self, current: &HexMesh, triplets: &mut Vec<Triplet>, gradient: &mut [f64]) {
+        let image = self.space.mesh();
+        let image = image.with_positions(image.positions.map(|k| k / image.mean_edge()));
+        let current =
+            current.with_positions(current.positions.map(|x| (x - self.centre) / self.unit));
+        let c = -mean_curvature(&current, &image).0;
+        for f in image.topology().faces() {
+            // A(x) = A(x0, 2 x - x0) + ..., so the row is the gradient of A(x, K - 2 c x0).
+            let at = |v| image.position(v) - 2.0 * c * current.position(v);
+            let vertices = image.topology().face_vertices(f);
+            let q: Vec<Vec3> = vertices.iter().map(|&v| at(v)).collect();
+            let by_corner = vertices
+                .iter()
+                .zip(mixed_area_gradient(&q, self.space.normal(f)));
+            let row: Vec<(usize, f64)> = by_corner
+                .flat_map(|(v, g)| (0..3).map(move |k| (3 * v.index() + k, g[k])))
+                .collect();
+            let constant = c * face_areas(&current, &image, f)[0];
+            let weight = self.options.constant_mean_curvature;
+            add_square(&row, constant, weight, triplets, gradient);
+        }
+    }
+}
+
+type Triplet = (usize, usize, f64);
+
+/// Adds `weight (row . x + constant)^2 / 2` to an objective.
+fn add_square(
+    row: &[(usize, f64)],
+    constant: f64,
+    weight: f64,
+    triplets: &mut Vec<Triplet>,
+    gradient: &mut [f64],
+) {
+    for &(j, b) in row {
+        gradient[j] += weight * b * constant;
+        let upper = row.iter().filter(|&&(i, _)| i <= j);
+        triplets.extend(upper.map(|&(i, a)| (i, j, weight * a * b)));
     }
 }
 

@@ -120,6 +120,11 @@ impl ParallelSpace {
         self.directions[e]
     }
 
+    /// Unit normal of a face of the given mesh.
+    pub fn normal(&self, f: FaceId) -> Vec3 {
+        self.normals[f]
+    }
+
     /// Two rows per edge: the components of `x_b - x_a` perpendicular to it, in the coordinates of the vertices.
     pub(super) fn parallelism_rows(&self) -> &Rows {
         &self.parallelism.rows

@@ -47,9 +47,7 @@ use crate::progress::{Event, Progress};
 use circles::{Circles, NodeId};
 use layout::{PlaneLayout, lay_out};
 use nalgebra::Matrix3;
-use phex_mesh::{
-    EdgeId, FaceId, HexMesh, PerEdge, PerFace, PerVertex, Topology, Vec2, Vec3, VertexId,
-};
+use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerFace, PerVertex, Vec2, Vec3, VertexId};
 use phex_numeric::{NumericError, Outcome, Record, Status};
 use polish::Poles;
 use radii::{Radii, RadiiOptions};
@@ -174,6 +172,13 @@ pub struct Koebe {
     pub outcome: Outcome,
     /// How far it is from what it should be.
     pub defects: KoebeDefects,
+}
+
+impl Koebe {
+    /// Whether the mesh is what it should be, to rounding.
+    pub fn is_converged(&self) -> bool {
+        self.outcome.status == Status::Converged
+    }
 }
 
 /// How far a mesh is from a Koebe mesh.
