@@ -31,7 +31,7 @@
 //!
 //! *Guaranteed*: a refused graph is refused with the element that is wrong. If the outcome is `Converged`, edges touch the
 //! sphere and faces are planar to 1e-13 of its radius, and the mesh has the orientation of the input.
-//! *Fails*: for angles prescribed at a boundary that no pattern has (`NumericalBreakdown`, `IterationLimit`). Graphs
+//! *Fails*: for angles prescribed at a boundary that no pattern has ([`KoebeError::NoPattern`], or an outcome that is not `Converged`). Graphs
 //! whose circles differ in size by more than 1e7 keep the guarantee, but the smallest faces are then as small as its error.
 
 mod circles;
@@ -113,6 +113,14 @@ pub enum KoebeError {
     NoGaussImage {
         /// A boundary vertex where the Gauss image collapses or folds.
         vertex: VertexId,
+    },
+    /// The radii grow without bound.
+    #[error(
+        "no circles have the angles that are asked for at the boundary (error {residual:.1e} radians)"
+    )]
+    NoPattern {
+        /// Largest error of an angle sum, radians.
+        residual: f64,
     },
     /// The equations could not be solved.
     #[error("the equations of the circles could not be solved: {0}")]
@@ -267,8 +275,8 @@ pub fn koebe(
         &solve,
         &reporter(options.max_iterations, progress),
     )?;
-    // Every circle is reached: the mesh is connected and only one touching point is at infinity.
-    let layout = lay_out(&circles, &radii).ok_or(NumericError::NotPositiveDefinite { pivot: 0 })?;
+    let residual = outcome.history.last().map_or(0.0, |record| record.residual);
+    let layout = lay_out(&circles, &radii).ok_or(KoebeError::NoPattern { residual })?;
     let mut sphere = if closed {
         project_closed(&layout)
     } else {
