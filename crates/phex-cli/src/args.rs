@@ -37,6 +37,10 @@ pub enum Command {
     Convert(ConvertCommand),
     /// Write a built-in surface
     Shape(ShapeCommand),
+    /// Make the convex mesh with a given graph whose edges all touch the unit sphere
+    Koebe(KoebeCommand),
+    /// Make the mesh that has the edge directions of a given one and is closest to a surface
+    Parallel(ParallelCommand),
 }
 
 impl Command {
@@ -51,6 +55,8 @@ impl Command {
             Self::Info(c) => &c.talk,
             Self::Convert(c) => &c.talk,
             Self::Shape(c) => &c.talk,
+            Self::Koebe(c) => &c.talk,
+            Self::Parallel(c) => &c.talk,
         }
     }
 }
@@ -288,6 +294,104 @@ fn axis(text: &str) -> Result<[f64; 3], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
     let numbers = numbers.map_err(|e| e.to_string())?;
     numbers.try_into().map_err(|_| "write X,Y,Z".to_owned())
+}
+
+/// What is given at the boundary of a Koebe patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum KoebeBoundary {
+    /// Circles of one size at all boundary vertices
+    #[default]
+    EqualRadii,
+    /// Circles as large as the input's normals turn
+    GaussImage,
+    /// Angles as the input has them
+    Angles,
+}
+
+/// Arguments of `phex koebe`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct KoebeCommand {
+    /// Polygon mesh, closed or with one boundary; its connectivity counts, its shape only turns the result
+    #[arg(value_name = "GRAPH")]
+    pub input: PathBuf,
+    /// Mesh to write: OBJ, PLY or OFF
+    #[arg(short, long, value_name = "MESH")]
+    pub output: PathBuf,
+    /// What is given at the boundary, if there is one
+    #[arg(long, value_enum, default_value_t)]
+    pub boundary: KoebeBoundary,
+    /// Angle in degrees between the middle of an open mesh and its boundary, seen from the centre (0 to 180)
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0)]
+    pub opening: f64,
+    /// Report and picture.
+    #[command(flatten)]
+    pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Where the fit of a parallel mesh begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ParallelStart {
+    /// Where the surface has the mesh's normals
+    #[default]
+    Normals,
+    /// Where the surface is closest to the mesh
+    Positions,
+}
+
+/// Arguments of `phex parallel`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct ParallelCommand {
+    /// Mesh with planar faces: OBJ, PLY or OFF
+    #[arg(value_name = "MESH")]
+    pub input: PathBuf,
+    /// Surface to come close to
+    #[arg(long, value_name = "SURFACE")]
+    pub surface: PathBuf,
+    /// Mesh to write
+    #[arg(short, long, value_name = "MESH")]
+    pub output: PathBuf,
+    /// Where the fit begins
+    #[arg(long, value_enum, default_value_t)]
+    pub start: ParallelStart,
+    /// Shortest edge allowed, over the mean edge (0 to 1)
+    #[arg(long, value_name = "X", default_value_t = 0.05)]
+    pub least_edge: f64,
+    /// Weight of edge lengths in proportion to the input's, over that of closeness
+    #[arg(long, value_name = "X", default_value_t = 1e-3)]
+    pub fairness: f64,
+    /// Weight of one mean curvature for all faces, over that of closeness
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    pub constant_mean_curvature: f64,
+    /// Also write the offset at this constant edge distance; the input must be a Koebe mesh
+    #[arg(
+        long,
+        value_name = "D",
+        requires = "write_offset",
+        allow_negative_numbers = true
+    )]
+    pub edge_offset: Option<f64>,
+    /// Where to write the offset
+    #[arg(
+        long,
+        value_name = "MESH",
+        requires = "edge_offset",
+        help_heading = "Files"
+    )]
+    pub write_offset: Option<PathBuf>,
+    /// Limits.
+    #[command(flatten)]
+    pub limits: Limits,
+    /// Report and picture.
+    #[command(flatten)]
+    pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
 }
 
 fn parameter(text: &str) -> Result<(String, f64), String> {

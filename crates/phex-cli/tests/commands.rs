@@ -15,6 +15,8 @@ fn help_of_every_command_lists_the_exit_codes() {
         "info",
         "convert",
         "shape",
+        "koebe",
+        "parallel",
     ] {
         let help = shop.succeed(&format!("{command} --help")).stdout;
         for code in ["0 ", "1 ", "2 ", "3 ", "4 ", "5 ", "130 "] {

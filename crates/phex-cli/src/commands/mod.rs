@@ -3,9 +3,11 @@
 mod check;
 mod convert;
 mod info;
+mod koebe;
 mod mesh;
 mod network;
 mod offset;
+mod parallel;
 mod planarize;
 mod shape;
 
@@ -27,6 +29,8 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Info(command) => info::run(&command),
         Command::Convert(command) => convert::run(&command),
         Command::Shape(command) => shape::run(&command),
+        Command::Koebe(command) => koebe::run(&command),
+        Command::Parallel(command) => parallel::run(&command),
     }
 }
 

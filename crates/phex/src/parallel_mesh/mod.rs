@@ -18,6 +18,9 @@
 //! | [`vertex_offset`] | spherical meshes by reflections along edges, and their holonomy |
 //! | [`gauss_image`] | `M'` and `M + d M'` |
 //! | `contact` | when a face first meets itself on its way |
+//! | [`koebe`] | polyhedra and patches whose edges touch the unit sphere |
+//! | [`edge_offset`] | offsets at constant edge distance, of meshes parallel to a Koebe mesh |
+//! | [`space`], [`fit`] | the linear space of parallel meshes, and those in it close to a surface |
 //! | [`layers`] | offsets that have been checked, and how far one may go |
 //! | [`solids`] | closed panels between two layers, mitred, with joint gaps |
 //! | [`beams`] | beams and node axes between two layers |
@@ -37,15 +40,22 @@
 pub mod angle_condition;
 pub mod beams;
 mod contact;
+pub mod edge_offset;
 pub mod error;
 pub mod face_offset;
+pub mod fit;
 pub mod gauss_image;
+pub mod koebe;
 pub mod layers;
+mod null_space;
 pub mod options;
 pub mod solids;
+pub mod space;
 pub mod vertex_normal;
 pub mod vertex_offset;
 
+#[cfg(test)]
+mod test_meshes;
 #[cfg(test)]
 mod tests;
 
@@ -55,6 +65,7 @@ pub use error::OffsetError;
 pub use face_offset::{FaceOffset, face_gauss_image, face_offset};
 pub use gauss_image::{GaussImage, OffsetKind};
 pub use layers::{SafeDistance, SafeDistances, checked, layer, safe_distances};
+pub use null_space::Rank;
 pub use options::OffsetOptions;
 pub use solids::{PanelSolid, joined, panel_solids};
 pub use vertex_normal::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};

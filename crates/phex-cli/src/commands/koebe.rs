@@ -1,0 +1,120 @@
+//! `phex koebe`: the mesh of a given graph whose edges touch the unit sphere.
+
+use super::tell;
+use crate::args::{KoebeBoundary, KoebeCommand, Limits};
+use crate::exit::{Exit, Failure, OrExit};
+use crate::input::MeshFile;
+use crate::output::{Content, check_writable, write_mesh};
+use crate::progress::{Reporter, is_interrupted};
+use crate::summary::{self, Table};
+use crate::verdict::{TypedLimits, exit_of, written};
+use anyhow::Context;
+use phex::parallel_mesh::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
+use phex::report::{References, RunReport, Verdict};
+use phex_mesh::HexMesh;
+use serde_json::json;
+use std::path::Path;
+
+/// Runs the command.
+///
+/// # Errors
+/// If the graph has no Koebe mesh, there is no result, or the output can't be written.
+pub fn run(command: &KoebeCommand) -> Result<Exit, Failure> {
+    check_writable(&outputs(command), &[&command.input])?;
+    let reporter = Reporter::new(&command.talk);
+    let file = MeshFile::read(&command.input)?;
+    let (mesh, _) = file.polygon_mesh()?;
+    let options = options(command);
+    let made = koebe(&mesh, &options, &reporter)
+        .with_context(|| command.input.display().to_string())
+        .or_exit(Exit::InputUnusable)?;
+    reporter.finish();
+    if is_interrupted() {
+        return Err(Failure::interrupted());
+    }
+    if !made.is_converged() {
+        let message = format!("the circles were not found: {:?}", made.outcome.status);
+        return Err(Failure::new(Exit::NoValidResult, message));
+    }
+    let mut report = report(&made, &options, command);
+    report.inputs = vec![file.record];
+    write(command, &made.mesh, &mut report)?;
+    tell(command.talk.quiet, &table(&made, &report))?;
+    Ok(exit_of(report.verdict))
+}
+
+fn options(command: &KoebeCommand) -> KoebeOptions {
+    let boundary = match command.boundary {
+        KoebeBoundary::EqualRadii => BoundaryCondition::EqualRadii,
+        KoebeBoundary::GaussImage => BoundaryCondition::GaussImage,
+        KoebeBoundary::Angles => BoundaryCondition::Angles,
+    };
+    KoebeOptions {
+        boundary,
+        opening: command.opening,
+        ..KoebeOptions::default()
+    }
+}
+
+fn outputs(command: &KoebeCommand) -> Vec<(&Path, Content)> {
+    std::iter::once((command.output.as_path(), Content::Mesh))
+        .chain(command.extras.outputs())
+        .collect()
+}
+
+fn report(made: &Koebe, options: &KoebeOptions, command: &KoebeCommand) -> RunReport {
+    let limits = TypedLimits::from(&Limits::default());
+    let none = References {
+        smooth: None,
+        facets: None,
+    };
+    let mut report = RunReport::new("koebe", limits.judge(&made.mesh, none));
+    report.settings =
+        json!({ "koebe": options, "unit": "sphere of radius 1", "verbose": command.talk.verbose });
+    report.outcome = json!(made.outcome);
+    report.statistics = json!({ "defects": made.defects });
+    report
+}
+
+fn write(command: &KoebeCommand, mesh: &HexMesh, report: &mut RunReport) -> Result<(), Failure> {
+    write_mesh(&command.output, &mesh.to_soup())?;
+    report.outputs.push(written("mesh", &command.output));
+    command.extras.write_picture(mesh, &mut report.outputs)?;
+    command.extras.write_report(report)
+}
+
+fn table(made: &Koebe, report: &RunReport) -> String {
+    let mut table = Table::default();
+    let t = made.mesh.topology();
+    let defects = &made.defects;
+    table.row(
+        "mesh",
+        format!("{} vertices, {} faces", t.n_vertices(), t.n_faces()),
+    );
+    table.row(
+        "tangency",
+        format!("edges touch the unit sphere to {:.1e}", defects.tangency),
+    );
+    table.row(
+        "planarity",
+        format!(
+            "vertices off their planes by at most {:.1e}",
+            defects.planarity
+        ),
+    );
+    table.row(
+        "balance",
+        format!(
+            "mean of the touching points {:.1e} from the centre",
+            defects.imbalance
+        ),
+    );
+    table.row(
+        "solved",
+        format!("with {} factorisations", made.outcome.factorisations),
+    );
+    if report.verdict != Verdict::Pass {
+        table.row("NOTE", "some checks fail; see --report, or `phex check`");
+    }
+    table.into_text() + &summary::of_outputs(report)
+}
