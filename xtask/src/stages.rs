@@ -3,12 +3,13 @@
 use std::path::Path;
 
 /// The stages in the order of the data flow.
-const ORDER: [&str; 7] = [
+const ORDER: [&str; 8] = [
     "target",
     "curvature",
     "directions",
     "layout",
     "optimise",
+    "trim",
     "parallel_mesh",
     "report",
 ];

@@ -1,6 +1,6 @@
 //! From a surface to a planar hexagonal mesh.
 //!
-//! Data flows `target -> curvature -> directions -> layout -> optimise -> report`; a stage uses earlier stages only.
+//! Data flows `target -> curvature -> directions -> layout -> optimise -> trim -> report`; a stage uses earlier stages only.
 //!
 //! | stage | what it computes |
 //! |---|---|
@@ -9,16 +9,20 @@
 //! | [`directions`] | the metric in which panels are regular, and their lattice directions |
 //! | [`layout`] | the panelling's connectivity and first positions |
 //! | [`optimise`] | planar, simple panels close to the surface |
+//! | [`trim`] | panels of an extended surface brought back to its boundary |
 //! | [`report`] | what was reached: figures, checks, verdict, a picture |
 
 pub mod curvature;
 pub mod directions;
+mod ground;
 pub mod layout;
 pub mod optimise;
 pub mod pipeline;
 pub mod progress;
 pub mod report;
 pub mod target;
+pub mod trim;
 
 pub use pipeline::{MeshOptions, MeshRun, PanelSize, PipelineError, mesh_surface};
 pub use progress::{Event, Progress, Silent};
+pub use trim::Boundary;

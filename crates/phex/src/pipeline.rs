@@ -1,7 +1,7 @@
 //! The whole flow, and its one loop.
 //!
-//! surface -> target -> curvature -> directions -> layout -> optimise; panels that stay invalid go back to the layout as
-//! seeds to drop, and layout and optimiser run again.
+//! surface -> target -> curvature -> directions -> layout -> optimise -> trim; panels that stay invalid go back to the
+//! layout as seeds to drop, and layout and optimiser run again.
 
 mod brick_wall;
 
@@ -11,6 +11,7 @@ use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::size::{self, SizeOptions};
 use crate::directions::{self, DirectionOptions, Directions};
+use crate::ground::Ground;
 use crate::layout::brick_wall::{BrickWallOptions, BrickWallStatistics};
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
@@ -19,7 +20,8 @@ use crate::optimise::{
     self, Fault, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
 };
 use crate::progress::{Event, Progress};
-use crate::target::{self, Similarity, SmoothTarget, TargetKind, TargetOptions};
+use crate::target::{Similarity, SmoothTarget, TargetOptions};
+use crate::trim::{self, Boundary, TrimError, Trimmed};
 use nalgebra::Matrix3;
 use phex_mesh::{
     FaceId, HexMesh, PerVertex, TriangleSurface, ValidateOptions, VertexId, Violation,
@@ -36,7 +38,7 @@ use thiserror::Error;
 pub enum PanelSize {
     /// Number of panels, at least 1.
     Panels(usize),
-    /// Mean edge length, model units.
+    /// Mean edge length, model units; met by a second run where the first is off.
     EdgeLength(f64),
 }
 
@@ -61,6 +63,8 @@ pub struct MeshOptions {
     pub sizes: SizeOptions,
     /// Relative size of panels at each vertex of the input (positive; only ratios matter).
     pub size_field: Option<Vec<f64>>,
+    /// What happens at the boundary.
+    pub boundary: Boundary,
     /// Smooth target.
     pub target: TargetOptions,
     /// Curvature.
@@ -89,6 +93,7 @@ impl Default for MeshOptions {
             size: PanelSize::Panels(500),
             sizes: SizeOptions::default(),
             size_field: None,
+            boundary: Boundary::default(),
             target: TargetOptions::default(),
             curvature: CurvatureOptions::default(),
             directions: DirectionOptions::default(),
@@ -125,6 +130,9 @@ pub enum PipelineError {
     /// The optimiser refused its input.
     #[error(transparent)]
     Optimise(#[from] OptimiseError),
+    /// Nothing is left within the boundary.
+    #[error(transparent)]
+    Trim(#[from] TrimError),
     /// The caller cancelled before there was a mesh.
     #[error("cancelled")]
     Cancelled,
@@ -208,36 +216,63 @@ pub fn mesh_surface(
     if options.method == Method::BrickWall {
         return brick_wall::mesh_surface(surface, options, progress);
     }
-    let mut clock = Clock::new(progress);
     let panels = panel_count(surface, options.size)?;
+    let first = mesh_with_panels(surface, panels, options, progress)?;
+    let PanelSize::EdgeLength(wanted) = options.size else {
+        return Ok(first);
+    };
+    // Panels that are long or re-entrant have longer edges than regular ones of their area: how much is known afterwards.
+    let error = |run: &MeshRun| (run.mesh.mean_edge() / wanted).ln();
+    let count = (panels as f64 * (2.0 * error(&first)).exp()).round();
+    if error(&first).abs() < EDGE_TOLERANCE || !(1.0..=MAX_PANELS as f64).contains(&count) {
+        return Ok(first);
+    }
+    match mesh_with_panels(surface, count as usize, options, progress) {
+        Ok(second) if error(&second).abs() < error(&first).abs() => Ok(second),
+        _ => Ok(first),
+    }
+}
+
+/// Relative error of the mean edge that is corrected by another run.
+const EDGE_TOLERANCE: f64 = 0.08;
+
+fn mesh_with_panels(
+    surface: &TriangleSurface,
+    panels: usize,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<MeshRun, PipelineError> {
+    let mut clock = Clock::new(progress);
     let similarity = Similarity::normalising(surface);
     let normalised = moved(surface, |p| similarity.normalise(p));
-    let smooth = clock.stage("target", || {
-        let vertices = options.cell_density.max(options.field_density) * panels as f64;
-        target::smooth_target(&normalised, vertices as usize, &options.target)
-    })?;
-    let field = Field::new(&smooth, panels, options, &mut clock)?;
-    let fine = FineSurface::new(&smooth, &field);
+    let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
+    let options = &ground.options;
+    let field = Field::new(&ground.smooth, ground.panels, options, &mut clock)?;
+    let fine = FineSurface::new(&ground, &field);
     let mut seeds = field.seeds.clone();
     let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
-    let close_to = match options.target.kind {
-        TargetKind::Facets => &normalised,
-        _ => &fine.surface,
-    };
-    let target = SurfaceTarget::new(close_to);
+    let target = SurfaceTarget::new(ground.close_to(&fine.surface));
+    let reported = ground.reported(&fine.surface);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
-    let mut best: Option<((bool, usize), Optimised, Vec<Violation>)> = None;
+    let mut best: Option<((bool, usize), Optimised, Left)> = None;
     loop {
         let result = clock.timed("optimise", || {
             optimise::optimise(&layout, &target, &options.optimise, progress)
         })?;
         factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
-        let violations = clock.timed("validate", || between_panels(&result.mesh, close_to));
-        let invalid = invalid_panels(&result, &violations);
-        let badness = (!is_planar(&result), invalid.len());
+        let trimmed = clock.timed("trim", || ground.trimmed(&result.mesh, &fine.surface))?;
+        let violations = clock.timed("validate", || between_panels(&trimmed.mesh, reported));
+        let offenders = offenders_left(&result.offenders, &trimmed);
+        let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
+        let badness = (!is_planar(&offenders), invalid.len());
         if best.as_ref().is_none_or(|b| badness < b.0) {
-            best = Some((badness, result, violations));
+            let left = Left {
+                trimmed,
+                offenders,
+                violations,
+            };
+            best = Some((badness, result, left));
         }
         if invalid.is_empty() || repairs.len() >= options.max_repairs || progress.is_cancelled() {
             break;
@@ -253,27 +288,36 @@ pub fn mesh_surface(
             Err(_) => break,
         }
     }
-    let (_, result, violations) = best.expect("the loop runs at least once");
+    let (_, result, left) = best.expect("the loop runs at least once");
+    let levels = ground.smooth.levels.iter();
     let statistics = Statistics {
         panels_asked: panels,
-        target_vertices: smooth.levels.iter().map(|l| l.positions().len()).collect(),
-        interpolation_error: smooth.interpolation_error,
+        target_vertices: levels.map(|l| l.positions().len()).collect(),
+        interpolation_error: ground.smooth.interpolation_error,
         layout: field.statistics,
         brick_wall: None,
         runs: result.runs.clone(),
         factorisations,
         repairs,
     };
-    let positions = result.mesh.positions.map(|p| similarity.restore(*p));
+    let mesh = left.trimmed.mesh;
+    let positions = mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
-        mesh: result.mesh.with_positions(positions),
-        target: moved(close_to, |p| similarity.restore(p)),
+        mesh: mesh.with_positions(positions),
+        target: moved(reported, |p| similarity.restore(p)),
         outcome: result.outcome,
-        offenders: result.offenders,
-        violations,
+        offenders: left.offenders,
+        violations: left.violations,
         statistics,
         stages: clock.stages,
     })
+}
+
+/// What a round of the repair loop leaves.
+struct Left {
+    trimmed: Trimmed,
+    offenders: Vec<Offender>,
+    violations: Vec<Violation>,
 }
 
 /// Panels that a size means for a surface.
@@ -517,10 +561,12 @@ struct FineSurface {
     metric: PerVertex<Matrix3<f64>>,
     mesh: IntrinsicMesh,
     corners: HashSet<VertexId>,
+    kept: Option<PerVertex<bool>>,
 }
 
 impl FineSurface {
-    fn new(smooth: &SmoothTarget, field: &Field) -> Self {
+    fn new(ground: &Ground, field: &Field) -> Self {
+        let smooth = &ground.smooth;
         let mut curvature = field.curvature.clone();
         let mut metric = field.directions.metric.clone();
         for step in &smooth.refinements[field.level..] {
@@ -535,6 +581,7 @@ impl FineSurface {
             metric,
             mesh,
             corners,
+            kept: ground.kept(),
         }
     }
 
@@ -544,6 +591,7 @@ impl FineSurface {
             metric: &self.metric,
             mesh: &self.mesh,
             corners: &self.corners,
+            kept: self.kept.as_ref(),
         }
     }
 }
@@ -571,39 +619,50 @@ fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
 
 /// Panels whose seeds the next round drops: those with a wrong shape; if there are none, those farthest from planar,
 /// because one blocked panel keeps all others from their planes.
-fn invalid_panels(result: &Optimised, violations: &[Violation]) -> BTreeSet<FaceId> {
-    let topology = result.mesh.topology();
+fn invalid_panels(
+    offenders: &[Offender],
+    trimmed: &Trimmed,
+    violations: &[Violation],
+    boundary: Boundary,
+) -> BTreeSet<FaceId> {
+    let topology = trimmed.mesh.topology();
+    let crooked = |o: &&Offender| !matches!(o.fault, Fault::NotPlanar { .. });
     let shape = |v: &&Violation| !matches!(v, Violation::NotPlanar { .. });
-    let mut invalid: BTreeSet<FaceId> = result
-        .offenders
-        .iter()
-        .filter(|o| !matches!(o.fault, Fault::NotPlanar { .. }))
-        .map(|o| o.face)
-        .collect();
-    invalid.extend(
-        violations
-            .iter()
-            .filter(shape)
-            .flat_map(|v| v.faces(topology)),
-    );
-    if !invalid.is_empty() {
-        return invalid;
+    let located = violations.iter().filter(shape);
+    let mut invalid: BTreeSet<FaceId> = offenders.iter().filter(crooked).map(|o| o.face).collect();
+    invalid.extend(located.flat_map(|v| v.faces(topology)));
+    if boundary != Boundary::Whole {
+        invalid.extend(trim::small_rim_panels(&trimmed.mesh));
     }
+    if invalid.is_empty() {
+        invalid.extend(farthest_from_planar(offenders));
+    }
+    invalid.iter().map(|f| trimmed.parent[*f]).collect()
+}
+
+fn farthest_from_planar(offenders: &[Offender]) -> impl Iterator<Item = FaceId> {
     let distance = |o: &Offender| match o.fault {
         Fault::NotPlanar { distance } => distance,
         _ => 0.0,
     };
-    let worst = result.offenders.iter().map(distance).fold(0.0, f64::max);
-    let far = result
-        .offenders
-        .iter()
-        .filter(|o| distance(o) > 0.3 * worst);
-    far.map(|o| o.face).collect()
+    let worst = offenders.iter().map(distance).fold(0.0, f64::max);
+    let far = offenders.iter().filter(move |o| distance(o) > 0.3 * worst);
+    far.map(|o| o.face)
 }
 
-fn is_planar(result: &Optimised) -> bool {
+/// Offenders of which something is left, with the numbers of their parts.
+fn offenders_left(offenders: &[Offender], trimmed: &Trimmed) -> Vec<Offender> {
+    let parts = |o: &Offender| {
+        let (face, fault) = (o.face, o.fault);
+        let own = trimmed.parent.enumerate().filter(move |(_, p)| **p == face);
+        own.map(move |(face, _)| Offender { face, fault })
+    };
+    offenders.iter().flat_map(parts).collect()
+}
+
+fn is_planar(offenders: &[Offender]) -> bool {
     let planar = |o: &Offender| !matches!(o.fault, Fault::NotPlanar { .. });
-    result.offenders.iter().all(planar)
+    offenders.iter().all(planar)
 }
 
 /// Drops the seeds of invalid panels, never those of two neighbours in one round: one of them grows into the gap.

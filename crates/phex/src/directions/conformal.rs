@@ -1,6 +1,7 @@
 //! Screened conformal rescaling: absorbs intrinsic curvature that the cones of the field do not explain.
 
 use super::DirectionOptions;
+use super::boundary::{self, BoundaryFrame};
 use super::intrinsic::{IntrinsicMesh, row};
 use phex_mesh::{PerFace, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
@@ -19,9 +20,9 @@ pub fn log_factor(
             rhs[v] += f64::from(cone[f]) * FRAC_PI_3 / 3.0;
         }
     }
-    for v in topology.vertices() {
-        if topology.is_boundary_vertex(v) {
-            rhs[v] = 0.0;
+    for (v, frame) in boundary::frames(topology, mesh).enumerate() {
+        if let Some(frame) = frame {
+            rhs[v] = boundary_turning(frame, options);
         }
     }
     let mut own: Vec<f64> = mesh
@@ -52,6 +53,16 @@ pub fn log_factor(
         mesh,
         options.conformal_limit,
     )))
+}
+
+/// What the factor has to take from the boundary's turning so that a lattice row can follow it; a turn by a multiple of a
+/// sixth needs nothing, and between two of them nothing helps.
+fn boundary_turning(frame: &BoundaryFrame, options: &DirectionOptions) -> f64 {
+    if options.boundary_alignment == 0.0 {
+        return 0.0;
+    }
+    let rest = frame.turning - FRAC_PI_3 * (frame.turning / FRAC_PI_3).round();
+    -rest * (1.0 - (rest / (FRAC_PI_3 / 2.0)).powi(2)).max(0.0)
 }
 
 fn limited(s: &[f64], mesh: &IntrinsicMesh, limit: f64) -> Vec<f64> {

@@ -21,6 +21,7 @@
 //! Guaranteed: defined everywhere (a plane gets the isotropic metric and a constant direction); unit lattice spacing is
 //! one intrinsic length. Fails: never; where the metric violates triangle inequalities it is blended towards them.
 
+pub mod boundary;
 pub mod conformal;
 pub mod intrinsic;
 pub mod metric;
@@ -53,6 +54,8 @@ pub struct DirectionOptions {
     pub conformal_limit: f64,
     /// Rotation of the preferred direction, radians.
     pub rotate: f64,
+    /// Weight of the alignment of a lattice row with the boundary, per panel length of it (0: the boundary is ignored).
+    pub boundary_alignment: f64,
 }
 
 impl Default for DirectionOptions {
@@ -65,6 +68,7 @@ impl Default for DirectionOptions {
             conformal_screening: 0.1,
             conformal_limit: 0.6,
             rotate: 0.0,
+            boundary_alignment: 0.5,
         }
     }
 }
@@ -110,14 +114,7 @@ pub fn directions_sized(
     let mut tensor = metric::metric(surface, curvature, &principal, panel_length, options);
     let weight = metric::alignment_weight(&principal, curvature, options);
     let mut intrinsic = IntrinsicMesh::new(surface, &tensor);
-    let mut angle = rosy::field(
-        surface,
-        &intrinsic,
-        &tensor,
-        &principal,
-        &weight,
-        options.rotate,
-    )?;
+    let mut angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options)?;
     if options.conformal_limit > 0.0 {
         let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
         let scale = conformal::log_factor(surface.topology(), &intrinsic, &cone, options)?;
@@ -125,14 +122,7 @@ pub fn directions_sized(
             *m *= (2.0 * s).exp();
         }
         intrinsic = IntrinsicMesh::new(surface, &tensor);
-        angle = rosy::field(
-            surface,
-            &intrinsic,
-            &tensor,
-            &principal,
-            &weight,
-            options.rotate,
-        )?;
+        angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options)?;
     }
     let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
     Ok(Directions {

@@ -1,6 +1,7 @@
 //! The smoothest aligned six-fold direction field (Knoeppel, Crane, Pinkall, Schroeder 2013, with a diffusion-projection polish).
 
 use super::intrinsic::{IntrinsicMesh, row};
+use super::{DirectionOptions, boundary};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
 use phex_mesh::{EdgeId, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -22,32 +23,41 @@ pub fn field(
     metric: &PerVertex<Matrix3<f64>>,
     principal: &PerVertex<Principal>,
     weight: &PerVertex<f64>,
-    rotate: f64,
+    options: &DirectionOptions,
 ) -> Result<PerVertex<f64>, NumericError> {
     let topology = surface.topology();
     let wish = |v: VertexId, along: Vec3, across: Vec3| {
         Complex::from_polar(
             1.0,
-            N * (polar_of(surface, mesh, metric, v, along, across) + rotate),
+            N * (polar_of(surface, mesh, metric, v, along, across) + options.rotate),
         )
     };
+    let rim = boundary::frames(topology, mesh);
+    let rim_weight = |v: VertexId| {
+        rim[v].map_or(0.0, |r| {
+            options.boundary_alignment * r.length * r.alignment.norm()
+        })
+    };
+    // Weights and wishes are integrated: over the area of a vertex, over its length of the boundary.
     let source: Vec<Complex<f64>> = topology
         .vertices()
         .map(|v| {
             let p = &principal[v];
             let [along, across] = global_frame(surface.normals()[v]);
-            wish(v, p.small_direction, p.large_direction) * weight[v]
-                + wish(v, along, across) * TIE_BREAK
+            let inner = wish(v, p.small_direction, p.large_direction) * weight[v]
+                + wish(v, along, across) * TIE_BREAK;
+            let rim = rim[v].map_or(Complex::default(), |r| r.alignment * r.length);
+            inner * mesh.mass[v] + rim * options.boundary_alignment
         })
         .collect();
-    let total = |v: VertexId| weight[v] + TIE_BREAK;
+    let total = |v: VertexId| mesh.mass[v] * (weight[v] + TIE_BREAK) + rim_weight(v);
     let stiffness = |t: f64, inertia: f64| {
-        let diagonal = |v: VertexId| mesh.mass[v] * (inertia + t * total(v));
+        let diagonal = |v: VertexId| mesh.mass[v] * inertia + t * total(v);
         connection_matrix(topology, mesh, t, diagonal)
     };
     let mut u = solve(
         &Cholesky::new(&stiffness(1.0, 0.0)?)?,
-        |i| source[i] * mesh.mass.as_slice()[i],
+        |i| source[i],
         source.len(),
     );
     let polish = Cholesky::new(&stiffness(POLISH_TIME, 1.0)?)?;
@@ -55,11 +65,18 @@ pub fn field(
         let unit: Vec<Complex<f64>> = u.iter().map(|z| z / (z.norm() + 1e-12)).collect();
         u = solve(
             &polish,
-            |i| (unit[i] + source[i] * POLISH_TIME) * mesh.mass.as_slice()[i],
+            |i| unit[i] * mesh.mass.as_slice()[i] + source[i] * POLISH_TIME,
             unit.len(),
         );
     }
-    Ok(PerVertex::from_vec(u.iter().map(|z| z.arg() / N).collect()))
+    Ok(PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()))
+}
+
+/// The angle of a direction, one of six: the cut between them lies where no symmetry puts a field exactly, so that
+/// rounding does not choose.
+fn angle(z: Complex<f64>) -> f64 {
+    const CUT: f64 = 0.7;
+    ((z * Complex::from_polar(1.0, -CUT)).arg() + CUT) / N
 }
 
 /// A tangent pair that varies smoothly over most of space: the x axis projected to the tangent plane.

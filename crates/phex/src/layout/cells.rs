@@ -21,6 +21,8 @@ pub enum Node {
     Triangle(FaceId),
     /// Sharp corner of the boundary.
     Corner(VertexId),
+    /// Vertex of the boundary that one panel has in addition, to follow a curved boundary.
+    Rim(VertexId),
 }
 
 /// The outline of a cell: its vertices, in order, of each loop that could be closed.

@@ -11,11 +11,14 @@
 //! degree 3, sharp boundary corners are kept as corners of one panel. Fails, with an error that says so: where panels are
 //! so large that cells can't be made discs.
 
+pub mod boundary;
+pub mod boundary_nodes;
 pub mod brick_wall;
 pub mod cells;
 pub mod lattice;
 pub mod polish;
 pub mod record;
+pub mod rim;
 pub mod seamless;
 pub mod seeds;
 pub mod voronoi;
@@ -26,8 +29,9 @@ pub use record::{Layout, VertexKind};
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
+use boundary::Pin;
 use cells::{CellComplex, Node};
-use lattice::Charts;
+use lattice::{Charts, Plane};
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;
@@ -50,6 +54,8 @@ pub struct LayoutOptions {
     /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it only dislocations
     /// that are near each other vanish.
     pub max_distortion: f64,
+    /// Weight that draws rows along the boundary to half a row's distance from it, per panel length (0: not at all).
+    pub boundary_phase: f64,
 }
 
 impl Default for LayoutOptions {
@@ -59,6 +65,7 @@ impl Default for LayoutOptions {
             sweeps: 60,
             annihilation_length: None,
             max_distortion: 0.35,
+            boundary_phase: 3.0,
         }
     }
 }
@@ -104,11 +111,19 @@ pub fn place_seeds(
 ) -> Result<(Vec<Seed>, LayoutStatistics), LayoutError> {
     let mesh = &directions.intrinsic;
     let charts = Charts::new(topology, directions);
-    let mut position = waves::diffuse(topology, mesh, &charts, options.seed);
-    polish::polish(topology, mesh, &charts, &mut position, options.sweeps);
+    let pins = boundary::pins(topology, directions, options.boundary_phase);
+    let mut position = waves::diffuse(topology, mesh, &charts, &pins, options.seed);
+    polish::polish(
+        topology,
+        mesh,
+        &charts,
+        &pins,
+        &mut position,
+        options.sweeps,
+    );
     let rounded = Offsets::rounded(topology, &charts, position);
     let (offsets, annihilation, distortion_p95) =
-        seamless_offsets(topology, mesh, &charts, rounded, options)?;
+        seamless_offsets(topology, mesh, &charts, &pins, rounded, options)?;
     let offsets = offsets.reduced(topology, &charts);
     let statistics = LayoutStatistics {
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
@@ -126,6 +141,7 @@ fn seamless_offsets(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,
+    pins: &PerVertex<Option<Pin>>,
     rounded: Offsets,
     options: &LayoutOptions,
 ) -> Result<(Offsets, Annihilation, f64), LayoutError> {
@@ -136,8 +152,7 @@ fn seamless_offsets(
         let mut offsets = rounded.clone();
         let annihilation = seamless::annihilate(topology, mesh, charts, &mut offsets.jump, limit);
         if annihilation.moved > 0 {
-            offsets.position =
-                seamless::solve_offsets(topology, mesh, charts, &offsets.jump, &rounded.position)?;
+            offsets.position = solve_pinned(topology, mesh, charts, pins, &offsets)?;
         }
         let mut distortion = offsets.distortion(topology, mesh, charts).into_vec();
         distortion.sort_by(f64::total_cmp);
@@ -150,6 +165,25 @@ fn seamless_offsets(
     Ok(last.expect("at least one limit is tried"))
 }
 
+/// Offsets solved first without pins, to see where the boundary's rows come to lie, and then with those.
+fn solve_pinned(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    pins: &PerVertex<Option<Pin>>,
+    offsets: &Offsets,
+) -> Result<PerVertex<Plane>, NumericError> {
+    let free = PerVertex::filled(topology.n_vertices(), None);
+    let solve =
+        |pins, near: &_| seamless::solve_offsets(topology, mesh, charts, &offsets.jump, pins, near);
+    let position = solve(&free, &offsets.position)?;
+    if pins.iter().all(Option::is_none) {
+        return Ok(position);
+    }
+    let position = solve(pins, &position)?;
+    solve(pins, &position)
+}
+
 /// The fine surface on which cells are drawn.
 pub struct CellSurface<'a> {
     /// The surface.
@@ -160,6 +194,8 @@ pub struct CellSurface<'a> {
     pub mesh: &'a IntrinsicMesh,
     /// Sharp corners of the boundary.
     pub corners: &'a HashSet<VertexId>,
+    /// Whether each vertex lies on the part that is kept, where panels will be clipped.
+    pub kept: Option<&'a PerVertex<bool>>,
 }
 
 /// The panelling whose cells grow from `seeds`.
@@ -173,10 +209,11 @@ pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, Layou
         });
     }
     let topology = fine.surface.topology();
-    let grown = voronoi::grow(topology, fine.mesh, seeds, |_| true);
+    let (seeds, grown) = rim::even_rim(fine, seeds);
     let vertices = seeds.iter().map(|s| s.vertex).collect();
-    let complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
+    let mut complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
+    boundary_nodes::follow_boundary(fine.surface, &mut complex);
     record(fine, &complex, |node| place(fine.surface, node))
 }
 
@@ -252,7 +289,7 @@ fn local_length(fine: &CellSurface<'_>, v: VertexId) -> f64 {
 fn kind(node: Node) -> VertexKind {
     match node {
         Node::Triangle(_) => VertexKind::Interior,
-        Node::Edge(_) => VertexKind::Boundary,
+        Node::Edge(_) | Node::Rim(_) => VertexKind::Boundary,
         Node::Corner(_) => VertexKind::BoundaryCorner,
     }
 }
@@ -264,7 +301,7 @@ fn place(surface: &TriangleSurface, node: Node) -> Vec3 {
             let [a, b] = surface.topology().edge_vertices(e);
             (surface.positions()[a] + surface.positions()[b]) * 0.5
         }
-        Node::Corner(v) => surface.positions()[v],
+        Node::Corner(v) | Node::Rim(v) => surface.positions()[v],
     }
 }
 

@@ -1,5 +1,6 @@
 //! Gauss-Seidel polish of lattice offsets: every vertex moves to the mean of what its neighbours see, modulo the lattice.
 
+use super::boundary::Pin;
 use super::lattice::{Charts, Eisenstein, Plane};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology};
@@ -12,6 +13,7 @@ pub fn polish(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,
+    pins: &PerVertex<Option<Pin>>,
     position: &mut PerVertex<Plane>,
     sweeps: usize,
 ) {
@@ -36,6 +38,9 @@ pub fn polish(
                         .apply(position[topology.origin(before)]);
                     add(seen, mesh.weight[topology.edge(before)]);
                 }
+            }
+            if let Some(pin) = &pins[v] {
+                add(here + pin.correction(here), pin.weight);
             }
             position[v] = here + (sum / total - here) * RELAXATION;
         }

@@ -6,7 +6,8 @@
 //! or the boundary that absorbs it: `1 - w` is a unit of `Z[w]`, so a cone of one sixth absorbs *any* translation, and no
 //! integer programming is needed. With jumps free of dislocations, `min sum w |z_i - R z_j - d + n|^2` is one linear solve.
 
-use super::lattice::{Charts, Eisenstein, Plane, rotate};
+use super::boundary::Pin;
+use super::lattice::{Charts, Eisenstein, Plane, dot, rotate};
 use super::waves::{self, Projector};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::rosy::{push_block, solve};
@@ -300,7 +301,7 @@ fn joined_path(
     path
 }
 
-/// Lattice offsets that fit the edges best with given jumps, and are nearest to `near` where that leaves them free.
+/// Lattice offsets that fit the edges best with given jumps, and the pins; nearest to `near` where that leaves them free.
 ///
 /// # Errors
 /// If the linear system can't be solved.
@@ -309,6 +310,7 @@ pub fn solve_offsets(
     mesh: &IntrinsicMesh,
     charts: &Charts,
     jump: &PerEdge<Eisenstein>,
+    pins: &PerVertex<Option<Pin>>,
     near: &PerVertex<Plane>,
 ) -> Result<PerVertex<Plane>, NumericError> {
     const ANCHOR: f64 = 1e-8;
@@ -337,6 +339,17 @@ pub fn solve_offsets(
     for (v, d) in own.iter().enumerate() {
         entries.push((2 * v as u32, 2 * v as u32, *d));
         entries.push((2 * v as u32 + 1, 2 * v as u32 + 1, *d));
+    }
+    for (v, pin) in pins.enumerate() {
+        if let Some(pin) = pin {
+            push_pin(
+                &mut entries,
+                &mut rhs[v.index()],
+                v.index() as u32,
+                pin,
+                near[v],
+            );
+        }
     }
     let factor = Cholesky::new(&SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?)?;
     let mut position = PerVertex::from_vec(solve(&factor, |i| rhs[i], n));
@@ -396,4 +409,13 @@ fn translate(
     for (v, &t) in turn.enumerate() {
         position[v] += rotate(shift, (6 - t) % 6);
     }
+}
+
+/// Adds `w <n, z - z0>^2` with the pinned offset `z0` nearest to `near`.
+fn push_pin(entries: &mut Vec<(u32, u32, f64)>, rhs: &mut Plane, v: u32, pin: &Pin, near: Plane) {
+    let (n, w) = (pin.normal, pin.weight);
+    entries.push((2 * v, 2 * v, w * n.re * n.re));
+    entries.push((2 * v + 1, 2 * v, w * n.re * n.im));
+    entries.push((2 * v + 1, 2 * v + 1, w * n.im * n.im));
+    *rhs += n * (w * dot(n, near + pin.correction(near)));
 }

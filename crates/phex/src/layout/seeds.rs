@@ -14,7 +14,7 @@ const MIN_BOUNDARY_AREA: f64 = 0.25;
 const SPLIT_AREA: f64 = 1.75;
 
 /// Vertices nearer to a lattice point than this start in its cell, at the distance that the lattice says.
-const CORE: f64 = 0.45;
+pub(super) const CORE: f64 = 0.45;
 
 /// Where a cell begins to grow.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,6 +5,7 @@
 //! the nearest lattice phase" with falling `t` finds a position field whose dislocations sit only where size demands
 //! (a diffusion-projection scheme in the manner of Merriman, Bence and Osher).
 
+use super::boundary::Pin;
 use super::lattice::{Charts, Plane, dot, reciprocal};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology};
@@ -29,6 +30,7 @@ pub fn diffuse(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,
+    pins: &PerVertex<Option<Pin>>,
     seed: u64,
 ) -> PerVertex<Plane> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -38,7 +40,7 @@ pub fn diffuse(
         .map(|_| Plane::new(cell(), cell()))
         .collect();
     let projector = Projector::new();
-    let operator = WaveOperator::new(topology, mesh, charts);
+    let operator = WaveOperator::new(topology, mesh, charts, pins);
     for (time, steps) in SCHEDULE {
         let diagonal = operator.diagonal(time);
         for _ in 0..steps {
@@ -46,11 +48,7 @@ pub fn diffuse(
                 .par_iter()
                 .flat_map_iter(|z| interleaved(waves(*z)))
                 .collect();
-            let rhs: Vec<f64> = x
-                .iter()
-                .enumerate()
-                .map(|(i, a)| a * operator.mass[i / 6])
-                .collect();
+            let rhs = operator.right_side(time, &x);
             conjugate_gradients(
                 |a, y| operator.apply(time, a, y),
                 &diagonal,
@@ -92,10 +90,17 @@ struct WaveOperator<'a> {
     /// Neighbours of each vertex with the links of their three waves, vertex after vertex.
     start: Vec<u32>,
     links: Vec<(u32, [Link; 3])>,
+    /// Weight with which each wave of each vertex is drawn to -1.
+    pin: Vec<[f64; 3]>,
 }
 
 impl<'a> WaveOperator<'a> {
-    fn new(topology: &Topology, mesh: &'a IntrinsicMesh, charts: &Charts) -> Self {
+    fn new(
+        topology: &Topology,
+        mesh: &'a IntrinsicMesh,
+        charts: &Charts,
+        pins: &PerVertex<Option<Pin>>,
+    ) -> Self {
         let (mut degree, mut start, mut links) = (Vec::new(), vec![0], Vec::new());
         for v in topology.vertices() {
             let mut total = 0.0;
@@ -125,16 +130,25 @@ impl<'a> WaveOperator<'a> {
             degree,
             start,
             links,
+            pin: pins.iter().map(pin_weights).collect(),
         }
     }
 
+    /// `mass * x` and what the boundary draws to.
+    fn right_side(&self, time: f64, x: &[f64]) -> Vec<f64> {
+        let wish = |i: usize| match i % 2 {
+            0 => time * self.pin[i / 6][i % 6 / 2],
+            _ => 0.0,
+        };
+        let terms = x.iter().enumerate();
+        terms.map(|(i, a)| a * self.mass[i / 6] - wish(i)).collect()
+    }
+
     fn diagonal(&self, time: f64) -> Vec<f64> {
-        let own = self
-            .mass
-            .iter()
-            .zip(&self.degree)
-            .map(|(m, d)| m + time * d);
-        own.flat_map(|d| [d; 6]).collect()
+        let own = |i: usize| self.degree[i / 6] + self.pin[i / 6][i % 6 / 2];
+        (0..6 * self.mass.len())
+            .map(|i| self.mass[i / 6] + time * own(i))
+            .collect()
     }
 
     fn apply(&self, time: f64, a: &[f64], y: &mut [f64]) {
@@ -144,7 +158,7 @@ impl<'a> WaveOperator<'a> {
             .for_each(|(v, y)| {
                 let own = self.mass[v] + time * self.degree[v];
                 for k in 0..6 {
-                    y[k] = own * a[6 * v + k];
+                    y[k] = (own + time * self.pin[v][k / 2]) * a[6 * v + k];
                 }
                 for (w, links) in &self.links[self.start[v] as usize..self.start[v + 1] as usize] {
                     for (m, link) in links.iter().enumerate() {
@@ -160,6 +174,14 @@ impl<'a> WaveOperator<'a> {
                 }
             });
     }
+}
+
+fn pin_weights(pin: &Option<Pin>) -> [f64; 3] {
+    let mut weights = [0.0; 3];
+    if let Some(pin) = pin {
+        weights[pin.wave] = pin.weight;
+    }
+    weights
 }
 
 /// Wave `m` here is wave `m - turn` of the neighbour times the phase of its offset.

@@ -61,6 +61,17 @@ impl<'a> Reference<'a> {
     }
 }
 
+/// Share of the extent of the mesh within which a point lies on the boundary curve.
+const ON_CURVE: f64 = 1e-10;
+
+/// Diagonal of the bounding box.
+fn extent(points: &[Vec3]) -> f64 {
+    let first = points.first().copied().unwrap_or_default();
+    let box_of = |(low, high): (Vec3, Vec3), p: &Vec3| (low.inf(p), high.sup(p));
+    let (low, high) = points.iter().fold((first, first), box_of);
+    (high - low).norm()
+}
+
 /// Foot points at some positions; asked for once and used for energy, gradient and Hessian.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Feet {
@@ -68,6 +79,8 @@ pub(super) struct Feet {
     feet: Vec<TargetPoint>,
     rim_points: Vec<Vec3>,
     rim: Vec<CurvePoint>,
+    /// Distance to the boundary curve up to which a point lies on it: rounding decides nothing.
+    on_curve: f64,
 }
 
 /// Weights of closeness.
@@ -99,6 +112,7 @@ impl Feet {
         self.rim_points.clear();
         let rim = rim_vertices.iter().map(|&v| self.points[v as usize]);
         self.rim_points.extend(rim);
+        self.on_curve = ON_CURVE * extent(&self.points);
         let centres = shape.frames.iter().map(|frame| frame.plane.centre);
         self.points.extend(centres);
         self.feet = reference.feet(&self.points);
@@ -147,7 +161,8 @@ impl Feet {
         };
         let across = Matrix3::identity() - q.tangent * q.tangent.transpose();
         let offset = self.points[v] - q.position;
-        let beyond = (q.position - self.feet[v].position).norm() <= 1e-9 * offset.norm();
+        let apart = (q.position - self.feet[v].position).norm();
+        let beyond = offset.norm() > self.on_curve && apart <= 1e-9 * offset.norm();
         if beyond {
             term.hessian = across * weights.vertex;
         }

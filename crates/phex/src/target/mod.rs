@@ -15,6 +15,7 @@
 //! sharp boundary corners stay where they are. Fails: never; where the corrections do not converge (very irregular
 //! triangles) the control points that came closest to the input are used.
 
+pub mod extend;
 pub mod subdivide;
 
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};

@@ -203,6 +203,7 @@ impl<'a> Wall<'a> {
             metric: &self.metric,
             mesh: &self.mesh,
             corners: self.on.corners,
+            kept: None,
         };
         record(&fine, &self.complex, |node| self.place(node, max_kink))
     }
@@ -218,7 +219,7 @@ impl<'a> Wall<'a> {
                 let t = self.grid.crossing(surface.topology(), &self.bricks, e);
                 surface.positions()[a] * (1.0 - t) + surface.positions()[b] * t
             }
-            Node::Corner(_) => place(surface, node),
+            Node::Corner(_) | Node::Rim(_) => place(surface, node),
         }
     }
 

@@ -1,0 +1,43 @@
+//! The smooth surface that a coarse triangulation samples.
+//!
+//! A sphere of 320 triangles is refined until it has 5000 vertices: the target passes through the input's vertices, and lies
+//! far closer to the sphere than the triangles did.
+
+use phex::target::{Similarity, TargetOptions, smooth_target};
+use phex_mesh::TriangleSurface;
+use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let options = TriangulationOptions {
+        triangles: 320,
+        ..Default::default()
+    };
+    let sphere = triangulate(&Shape::from_name("sphere", &[])?, &options)?;
+    // Stages work on a model of diagonal 1.
+    let similarity = Similarity::normalising(&sphere);
+    let target = smooth_target(
+        &normalised(&sphere, &similarity)?,
+        5000,
+        &TargetOptions::default(),
+    );
+    println!("interpolation error: {:.1e}", target.interpolation_error);
+    for level in &target.levels {
+        let radii = level.positions().iter();
+        let worst = radii
+            .map(|p| (similarity.restore(*p).norm() - 1.0).abs())
+            .fold(0.0, f64::max);
+        let vertices = level.positions().len();
+        println!("{vertices:6} vertices, off the sphere by {worst:.1e}");
+    }
+    Ok(())
+}
+
+fn normalised(
+    surface: &TriangleSurface,
+    similarity: &Similarity,
+) -> Result<TriangleSurface, phex_mesh::TopologyError> {
+    let positions = surface.positions().map(|p| similarity.normalise(*p));
+    let lists = surface.topology().face_lists();
+    let triangles: Vec<[u32; 3]> = lists.iter().map(|f| [f[0], f[1], f[2]]).collect();
+    TriangleSurface::new(positions.into_vec(), &triangles)
+}

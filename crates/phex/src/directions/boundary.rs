@@ -1,0 +1,52 @@
+//! The boundary as a direction: where a lattice row could run along it.
+
+use super::intrinsic::IntrinsicMesh;
+use nalgebra::Complex;
+use phex_mesh::{HalfEdgeId, PerVertex, Topology, VertexId};
+use std::f64::consts::PI;
+
+/// The boundary at one of its vertices, in the vertex's polar coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundaryFrame {
+    /// Polar angle of the direction that points inwards, half-way between the two boundary edges.
+    pub inward: f64,
+    /// Angle by which the boundary turns here (positive to the left, where the surface lies).
+    pub turning: f64,
+    /// Half the length of the two boundary edges, lattice spacings.
+    pub length: f64,
+    /// Mean of `exp(6 i t)` over the directions `t` of the two edges: of length 1 where a lattice can follow both.
+    pub alignment: Complex<f64>,
+}
+
+/// Frames of the vertices on the boundary; `None` inside.
+pub fn frames(topology: &Topology, mesh: &IntrinsicMesh) -> PerVertex<Option<BoundaryFrame>> {
+    PerVertex::from_fn(topology.n_vertices(), |v: VertexId| {
+        topology
+            .is_boundary_vertex(v)
+            .then(|| frame(topology, mesh, v))
+    })
+}
+
+fn frame(topology: &Topology, mesh: &IntrinsicMesh, v: VertexId) -> BoundaryFrame {
+    let angle = mesh.angle_sum[v];
+    let side = |h: HalfEdgeId| mesh.length[topology.edge(h)];
+    let [out, back] = boundary_half_edges(topology, v);
+    let (ahead, behind) = (side(out), side(back));
+    // The first edge lies at angle 0, the last at `angle`; both count by their length.
+    let mean =
+        (Complex::new(ahead, 0.0) + Complex::from_polar(behind, 6.0 * angle)) / (ahead + behind);
+    BoundaryFrame {
+        inward: 0.5 * angle,
+        turning: PI - angle,
+        length: 0.5 * (ahead + behind),
+        alignment: mean,
+    }
+}
+
+/// The half-edge along the boundary that leaves a boundary vertex, and the one that enters it.
+pub fn boundary_half_edges(topology: &Topology, v: VertexId) -> [HalfEdgeId; 2] {
+    let mut outgoing = topology.outgoing(v);
+    let first = outgoing.next().expect("a vertex has an outgoing half-edge");
+    let last = outgoing.last().unwrap_or(first);
+    [first, topology.prev(last)]
+}

@@ -1,0 +1,132 @@
+//! What panels are laid out on, and how they come back to the boundary.
+
+use crate::layout::lattice::CELL;
+use crate::pipeline::MeshOptions;
+use crate::target::extend::{self, Extension};
+use crate::target::{self, SmoothTarget, TargetKind};
+use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
+use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface};
+
+/// Width of the strip beyond the boundary, in panel lengths.
+const EXTENSION: f64 = 1.5;
+
+/// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a strip beyond it.
+pub(crate) struct Ground {
+    /// Its smooth levels.
+    pub smooth: SmoothTarget,
+    /// The surface as it was given, normalised and perhaps extended.
+    facets: TriangleSurface,
+    trimming: Option<Trimming>,
+    /// Panels on all of it.
+    pub panels: usize,
+    /// Options as they apply to it.
+    pub options: MeshOptions,
+}
+
+/// What panels are trimmed to.
+struct Trimming {
+    extension: Extension,
+    smooth: SmoothTarget,
+    facets: TriangleSurface,
+}
+
+impl Ground {
+    pub fn new(facets: &TriangleSurface, panels: usize, options: &MeshOptions) -> Self {
+        let density = options.cell_density.max(options.field_density);
+        let smooth = |surface: &TriangleSurface, panels: usize| {
+            target::smooth_target(surface, (density * panels as f64) as usize, &options.target)
+        };
+        let width = EXTENSION * (facets.area() / (CELL * panels as f64)).sqrt();
+        let extension = match options.boundary {
+            Boundary::Snap => None,
+            Boundary::Whole | Boundary::Clip => extend::extend(facets, width),
+        };
+        let Some(extension) = extension else {
+            return Self {
+                smooth: smooth(facets, panels),
+                facets: facets.clone(),
+                trimming: None,
+                panels,
+                options: options.clone(),
+            };
+        };
+        let share = extension.surface.area() / facets.area();
+        let panels_in_all = (share * panels as f64).round() as usize;
+        Self {
+            smooth: smooth(&extension.surface, panels_in_all),
+            facets: extension.surface.clone(),
+            panels: panels_in_all,
+            options: extended_options(options, &extension),
+            trimming: Some(Trimming {
+                smooth: smooth(facets, panels),
+                facets: facets.clone(),
+                extension,
+            }),
+        }
+    }
+
+    /// The surface that panels are kept close to.
+    pub fn close_to<'a>(&'a self, fine: &'a TriangleSurface) -> &'a TriangleSurface {
+        match self.options.target.kind {
+            TargetKind::Facets => &self.facets,
+            _ => fine,
+        }
+    }
+
+    /// The same without the strip.
+    pub fn reported<'a>(&'a self, fine: &'a TriangleSurface) -> &'a TriangleSurface {
+        match (&self.trimming, self.options.target.kind) {
+            (None, _) => self.close_to(fine),
+            (Some(trimming), TargetKind::Facets) => &trimming.facets,
+            (Some(trimming), _) => trimming.smooth.finest(),
+        }
+    }
+
+    /// Panels brought back to the boundary.
+    pub fn trimmed(&self, mesh: &HexMesh, fine: &TriangleSurface) -> Result<Trimmed, TrimError> {
+        let Some(trimming) = &self.trimming else {
+            return Ok(Trimmed {
+                mesh: mesh.clone(),
+                parent: PerFace::from_vec(mesh.topology().faces().collect()),
+            });
+        };
+        let domain = Domain {
+            extended: fine,
+            extension: &trimming.extension,
+            levels: self.smooth.refinements.len(),
+            original: trimming.smooth.finest(),
+            corner_angle: self.options.target.corner_angle.to_radians(),
+        };
+        trim::trim(mesh, &domain, self.options.boundary)
+    }
+
+    /// Whether each vertex of the finest level lies on the part that clipped panels are trimmed to.
+    pub fn kept(&self) -> Option<PerVertex<bool>> {
+        let trimming = self.trimming.as_ref()?;
+        let (topology, levels) = (
+            self.smooth.finest().topology(),
+            self.smooth.refinements.len(),
+        );
+        let original = |h| trimming.extension.is_original(topology.face(h), levels);
+        (self.options.boundary == Boundary::Clip).then(|| {
+            PerVertex::from_fn(topology.n_vertices(), |v| {
+                topology.outgoing(v).any(original)
+            })
+        })
+    }
+}
+
+/// Options for the extended surface: its outer boundary means nothing, and its sizes go on from the boundary.
+fn extended_options(options: &MeshOptions, extension: &Extension) -> MeshOptions {
+    let mut options = options.clone();
+    options.directions.boundary_alignment = 0.0;
+    options.layout.boundary_phase = 0.0;
+    if let Some(values) = &mut options.size_field {
+        let beyond = extension.origin.iter().skip(values.len());
+        let beyond: Vec<f64> = beyond
+            .filter_map(|v| values.get(v.index()).copied())
+            .collect();
+        values.extend(beyond);
+    }
+    options
+}

@@ -1,0 +1,99 @@
+//! Vertices that panels have along a curved boundary, so that their straight edges stay close to it.
+
+use super::cells::{CellComplex, Node};
+use super::place;
+use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+
+/// Largest distance between the boundary and the panels' edges, bounding-box diagonals.
+const TOLERANCE: f64 = 0.002;
+
+/// Adds nodes to the outlines wherever the boundary stands off from the straight edge between two nodes: the farthest
+/// vertex of the boundary first, as in the line simplification of Douglas and Peucker.
+pub fn follow_boundary(surface: &TriangleSurface, complex: &mut CellComplex) {
+    let next = next_on_boundary(surface.topology());
+    for (label, outline) in &mut complex.panels {
+        let mut refined = Vec::with_capacity(outline.len());
+        for (i, &from) in outline.iter().enumerate() {
+            let to = outline[(i + 1) % outline.len()];
+            refined.push(from);
+            let path = path(surface.topology(), &next, &complex.label, *label, from, to);
+            split(
+                surface,
+                &path,
+                place(surface, from),
+                place(surface, to),
+                &mut refined,
+            );
+        }
+        *outline = refined;
+    }
+}
+
+/// The next vertex along the boundary.
+fn next_on_boundary(topology: &Topology) -> PerVertex<Option<VertexId>> {
+    PerVertex::from_fn(topology.n_vertices(), |v| {
+        let along = topology.outgoing(v).next()?;
+        topology
+            .twin(along)
+            .is_none()
+            .then(|| topology.target(along))
+    })
+}
+
+/// Vertices of the boundary between two nodes of a cell's outline; none if they are not joined along the boundary.
+fn path(
+    topology: &Topology,
+    next: &PerVertex<Option<VertexId>>,
+    label: &PerVertex<u32>,
+    cell: u32,
+    from: Node,
+    to: Node,
+) -> Vec<VertexId> {
+    let entry = |node: Node| match node {
+        Node::Edge(e) if topology.is_boundary_edge(e) => Some(topology.edge_vertices(e)),
+        Node::Corner(v) => Some([v, next[v]?]),
+        _ => None,
+    };
+    let end = |node: Node| match node {
+        Node::Edge(e) if topology.is_boundary_edge(e) => Some(topology.edge_vertices(e)[1]),
+        Node::Corner(v) => Some(v),
+        _ => None,
+    };
+    let (Some([_, mut at]), Some(last)) = (entry(from), end(to)) else {
+        return Vec::new();
+    };
+    let mut path = Vec::new();
+    while at != last {
+        let Some(following) = next[at].filter(|_| label[at] == cell) else {
+            return Vec::new();
+        };
+        path.push(at);
+        at = following;
+    }
+    path
+}
+
+fn split(
+    surface: &TriangleSurface,
+    path: &[VertexId],
+    from: Vec3,
+    to: Vec3,
+    outline: &mut Vec<Node>,
+) {
+    let distance = |v: &VertexId| distance_to_segment(surface.positions()[*v], from, to);
+    let farthest =
+        (0..path.len()).max_by(|&i, &k| distance(&path[i]).total_cmp(&distance(&path[k])));
+    let Some(i) = farthest.filter(|&i| distance(&path[i]) > TOLERANCE) else {
+        return;
+    };
+    let middle = surface.positions()[path[i]];
+    split(surface, &path[..i], from, middle, outline);
+    outline.push(Node::Rim(path[i]));
+    split(surface, &path[i + 1..], middle, to, outline);
+}
+
+fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
+    let (d, q) = (b - a, p - a);
+    let t = (q.dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (q - d * t).norm()
+}

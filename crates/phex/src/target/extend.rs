@@ -1,0 +1,350 @@
+//! The surface continued beyond its boundary.
+//!
+//! From every vertex of the boundary a circular arc goes on in the direction of the outward conormal, through two points of
+//! the surface further in (its tangent and normal curvature at the boundary, at the scale of the arc). Directions and
+//! curvatures are averaged along the boundary; at corners the arcs are longer by `1 / cos(turning / 2)`, a mitre. Where
+//! the boundary is concave, as round a hole, arcs end before they could meet: no longer than [`CLEAR`] of the largest circle that
+//! touches the boundary there and holds no other point of it.
+//!
+//! Guaranteed: the input's vertices and triangles come first and are unchanged, the topology is the same. Fails where the
+//! input is not an embedded surface; the strip may then cross itself, as the input does.
+
+use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId};
+
+/// Share of the radius of the largest empty circle that an arc may have as its length.
+const CLEAR: f64 = 0.7;
+/// Longest mitre, in widths.
+const MITRE: f64 = 1.6;
+/// Passes of averaging along the boundary.
+const SMOOTHING: usize = 6;
+/// Largest angle of an arc, radians.
+const MAX_ARC: f64 = 1.2;
+/// Rows of triangles in the strip at the most.
+const MAX_ROWS: usize = 6;
+
+/// A surface with a strip beyond its boundary.
+#[derive(Clone)]
+pub struct Extension {
+    /// The extended surface; its first vertices and triangles are those of the input.
+    pub surface: TriangleSurface,
+    /// Triangles of the input.
+    pub n_original: usize,
+    /// The input's vertex that each vertex is, or goes on from.
+    pub origin: Vec<VertexId>,
+}
+
+impl Extension {
+    /// Whether a triangle lies on the input's part of the surface, after `levels` subdivisions into four.
+    pub fn is_original(&self, triangle: FaceId, levels: usize) -> bool {
+        triangle.index() >> (2 * levels) < self.n_original
+    }
+}
+
+/// Continues a surface by a strip of the given width; `None` for a closed surface.
+pub fn extend(surface: &TriangleSurface, width: f64) -> Option<Extension> {
+    let loops = surface.boundary_loops();
+    if loops.is_empty() || !(width > 0.0) {
+        return None;
+    }
+    let arcs: Vec<Vec<Arc>> = loops.iter().map(|l| arcs(surface, l, width)).collect();
+    let rim: Vec<Vec3> = loops
+        .iter()
+        .flatten()
+        .map(|&v| surface.positions()[v])
+        .collect();
+    let mut strip = Strip::new(surface);
+    for (boundary, mut arcs) in loops.iter().zip(arcs) {
+        shorten(&mut arcs, &rim, width);
+        strip.add(boundary, &arcs, width);
+    }
+    let surface = TriangleSurface::new(strip.positions, &strip.triangles).ok()?;
+    Some(Extension {
+        surface,
+        n_original: strip.n_original,
+        origin: strip.origin,
+    })
+}
+
+/// A circular arc that leaves a vertex of the boundary.
+#[derive(Clone, Copy)]
+struct Arc {
+    start: Vec3,
+    /// Unit tangent at the start, outwards.
+    direction: Vec3,
+    /// Curvature vector at the start.
+    curvature: Vec3,
+    length: f64,
+    corner: bool,
+}
+
+impl Arc {
+    fn at(&self, s: f64) -> Vec3 {
+        let bend = self.curvature - self.direction * self.direction.dot(&self.curvature);
+        let k = bend
+            .norm()
+            .min(MAX_ARC / self.length.max(f64::MIN_POSITIVE));
+        if k * s < 1e-9 {
+            return self.start + self.direction * s;
+        }
+        let (sin, cos) = (k * s).sin_cos();
+        self.start + self.direction * (sin / k) + bend.normalize() * ((1.0 - cos) / k)
+    }
+}
+
+fn arcs(surface: &TriangleSurface, boundary: &[VertexId], width: f64) -> Vec<Arc> {
+    let n = boundary.len();
+    let at = |i: usize| surface.positions()[boundary[i % n]];
+    let raw = (0..n).map(|i| {
+        let (before, here, after) = (at(i + n - 1), at(i), at(i + 1));
+        let normal = surface.normals()[boundary[i]];
+        let (a, b) = ((here - before).normalize(), (after - here).normalize());
+        let conormal = (a + b).cross(&normal).try_normalize(1e-9);
+        let outward = conormal.unwrap_or_else(|| (after - here).cross(&normal).normalize());
+        let half = 0.5 * a.angle(&b);
+        let mut arc = continued(surface, here, outward, 0.5 * width);
+        let convex = a.cross(&b).dot(&normal) > 0.0;
+        arc.length = width
+            * if convex {
+                (1.0 / half.cos()).min(MITRE)
+            } else {
+                1.0
+            };
+        arc.corner = half > 0.3;
+        arc
+    });
+    let mut arcs: Vec<Arc> = raw.collect();
+    for _ in 0..SMOOTHING {
+        arcs = smoothed(&arcs);
+    }
+    arcs
+}
+
+/// The arc through two points of the surface at distances `step` and `2 step` inwards.
+fn continued(surface: &TriangleSurface, here: Vec3, outward: Vec3, step: f64) -> Arc {
+    let mut arc = Arc {
+        start: here,
+        direction: outward,
+        curvature: Vec3::zeros(),
+        length: 0.0,
+        corner: false,
+    };
+    let first = surface.closest_point(here - outward * step).position;
+    let ahead = (first - here).try_normalize(0.0).unwrap_or(-outward);
+    let second = surface.closest_point(first + ahead * step).position;
+    let (d1, d2) = (first - here, second - here);
+    let (s1, s2) = (d1.norm(), d1.norm() + (second - first).norm());
+    // Near another boundary the points are too close to tell anything.
+    if s1 < 0.5 * step || s2 < 1.5 * step || d1.dot(&outward) > -0.7 * s1 {
+        return arc;
+    }
+    // The parabola through the three points, by arc length inwards: here + u s + c s^2 / 2.
+    let (q1, q2) = (d1 / s1, d2 / s2);
+    let curvature = (q2 - q1) * (2.0 / (s2 - s1));
+    let inwards = q1 - curvature * (0.5 * s1);
+    if let Some(direction) = (-inwards).try_normalize(1e-9) {
+        arc.direction = direction;
+        arc.curvature = curvature;
+    }
+    arc
+}
+
+/// Directions and curvatures averaged with those of the neighbours; corners keep their own.
+fn smoothed(arcs: &[Arc]) -> Vec<Arc> {
+    let n = arcs.len();
+    let average = |i: usize| {
+        let (before, here, after) = (&arcs[(i + n - 1) % n], arcs[i], &arcs[(i + 1) % n]);
+        if here.corner {
+            return here;
+        }
+        let own = |a: &Arc| if a.corner { here } else { *a };
+        let (before, after) = (own(before), own(after));
+        let direction = here.direction * 2.0 + before.direction + after.direction;
+        Arc {
+            direction: direction.try_normalize(0.0).unwrap_or(here.direction),
+            curvature: (here.curvature * 2.0 + before.curvature + after.curvature) / 4.0,
+            ..here
+        }
+    };
+    (0..n).map(average).collect()
+}
+
+/// Ends arcs before they could meet the continuation of another part of the boundary.
+fn shorten(arcs: &mut [Arc], rim: &[Vec3], width: f64) {
+    for arc in arcs.iter_mut() {
+        for p in rim {
+            let d = p - arc.start;
+            let (distance2, ahead) = (d.norm_squared(), d.dot(&arc.direction));
+            if ahead > 1e-3 * distance2.sqrt() && distance2 < 16.0 * width * width {
+                arc.length = arc.length.min(CLEAR * 0.5 * distance2 / ahead);
+            }
+        }
+    }
+    // Neighbours' lengths differ by no more than half their distance, and no arc vanishes.
+    let n = arcs.len();
+    for k in 0..4 * n {
+        let i = if k < 2 * n {
+            k % n
+        } else {
+            (4 * n - 1 - k) % n
+        };
+        let j = if k < 2 * n {
+            (i + 1) % n
+        } else {
+            (i + n - 1) % n
+        };
+        let distance = (arcs[i].start - arcs[j].start).norm();
+        let least = 0.1 * distance.min(width);
+        arcs[i].length = arcs[i].length.max(least);
+        arcs[j].length = arcs[j]
+            .length
+            .min(arcs[i].length + 0.7 * distance)
+            .max(least);
+    }
+}
+
+/// The triangles that are added.
+struct Strip {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    origin: Vec<VertexId>,
+    n_original: usize,
+}
+
+impl Strip {
+    fn new(surface: &TriangleSurface) -> Self {
+        let topology = surface.topology();
+        let corner = |f: FaceId, k: usize| topology.face_vertices(f)[k].index() as u32;
+        let triangles: Vec<[u32; 3]> = topology
+            .faces()
+            .map(|f| std::array::from_fn(|k| corner(f, k)))
+            .collect();
+        Self {
+            positions: surface.positions().as_slice().to_vec(),
+            origin: topology.vertices().collect(),
+            n_original: triangles.len(),
+            triangles,
+        }
+    }
+
+    /// Rows of quads, split by their shorter diagonals.
+    fn add(&mut self, boundary: &[VertexId], arcs: &[Arc], width: f64) {
+        let n = boundary.len();
+        let length = |i: usize| (arcs[i].start - arcs[(i + 1) % n].start).norm();
+        let mean = (0..n).map(length).sum::<f64>() / n as f64;
+        let rows = ((width / mean.max(f64::MIN_POSITIVE)).round() as usize).clamp(1, MAX_ROWS);
+        let mut inner: Vec<u32> = boundary.iter().map(|v| v.index() as u32).collect();
+        for row in 1..=rows {
+            let first = self.positions.len() as u32;
+            let share = row as f64 / rows as f64;
+            self.positions
+                .extend(arcs.iter().map(|a| a.at(a.length * share)));
+            self.origin.extend(boundary);
+            let outer: Vec<u32> = (first..first + n as u32).collect();
+            for i in 0..n {
+                let k = (i + 1) % n;
+                self.add_quad([inner[i], outer[i], outer[k], inner[k]]);
+            }
+            inner = outer;
+        }
+    }
+
+    fn add_quad(&mut self, [a, b, c, d]: [u32; 4]) {
+        let distance =
+            |p: u32, q: u32| (self.positions[p as usize] - self.positions[q as usize]).norm();
+        let pair = if distance(a, c) <= distance(b, d) {
+            [[a, b, c], [a, c, d]]
+        } else {
+            [[a, b, d], [b, c, d]]
+        };
+        self.triangles.extend(pair);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cap of the unit sphere down to the height `cos(angle)`, wound with normals outwards.
+    fn cap(angle: f64, rings: usize, n: usize) -> TriangleSurface {
+        let mut positions = vec![Vec3::z()];
+        for r in 1..=rings {
+            let t = angle * r as f64 / rings as f64;
+            positions.extend((0..n).map(|k| {
+                let f = std::f64::consts::TAU * k as f64 / n as f64;
+                Vec3::new(t.sin() * f.cos(), t.sin() * f.sin(), t.cos())
+            }));
+        }
+        let id = |r: usize, k: usize| (1 + (r - 1) * n + k % n) as u32;
+        let mut triangles: Vec<[u32; 3]> = (0..n).map(|k| [0, id(1, k), id(1, k + 1)]).collect();
+        for r in 1..rings {
+            for k in 0..n {
+                triangles.push([id(r, k), id(r + 1, k), id(r + 1, k + 1)]);
+                triangles.push([id(r, k), id(r + 1, k + 1), id(r, k + 1)]);
+            }
+        }
+        TriangleSurface::new(positions, &triangles).unwrap()
+    }
+
+    #[test]
+    fn a_cap_goes_on_as_a_sphere() {
+        let surface = cap(0.8, 24, 60);
+        let extended = extend(&surface, 0.2).unwrap();
+        assert_eq!(extended.n_original, surface.topology().n_faces());
+        let outer = extended.surface.positions().as_slice();
+        let beyond = &outer[surface.positions().len()..];
+        assert!(beyond.iter().all(|p| (p.norm() - 1.0).abs() < 4e-3));
+        let lowest = beyond.iter().map(|p| p.z).fold(1.0, f64::min);
+        assert!((lowest - 1.0f64.cos()).abs() < 0.01, "{lowest}");
+        let (before, after) = (surface.topology(), extended.surface.topology());
+        assert_eq!(before.euler_characteristic(), after.euler_characteristic());
+        assert_eq!(before.boundary_loops().len(), after.boundary_loops().len());
+    }
+
+    #[test]
+    fn a_hole_is_not_overrun() {
+        // A flat annulus of radii 0.1 and 1; its normals point up.
+        let (n, rings) = (40, 12);
+        let radius = |r: usize| 0.1 + 0.9 * r as f64 / rings as f64;
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+        let point = |r: usize, k: usize| Vec3::new(angle(k).cos(), angle(k).sin(), 0.0) * radius(r);
+        let positions = (0..=rings)
+            .flat_map(|r| (0..n).map(move |k| point(r, k)))
+            .collect();
+        let id = |r: usize, k: usize| (r * n + k % n) as u32;
+        let cells = (0..rings).flat_map(|r| (0..n).map(move |k| (r, k)));
+        let triangles: Vec<[u32; 3]> = cells
+            .flat_map(|(r, k)| {
+                let [a, b, c, d] = [id(r, k), id(r + 1, k), id(r + 1, k + 1), id(r, k + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let surface = TriangleSurface::new(positions, &triangles).unwrap();
+        let extended = extend(&surface, 0.3).unwrap().surface;
+        assert!(
+            extended
+                .topology()
+                .faces()
+                .all(|f| extended.area_vector(f).z > 0.0)
+        );
+        let inner = extended
+            .positions()
+            .iter()
+            .map(|p| p.norm())
+            .fold(1.0, f64::min);
+        assert!(inner > 0.01 && inner < 0.08, "{inner}");
+        let outer = extended
+            .positions()
+            .iter()
+            .map(|p| p.norm())
+            .fold(0.0, f64::max);
+        assert!((outer - 1.3).abs() < 0.01, "{outer}");
+    }
+
+    #[test]
+    fn a_closed_surface_has_nothing_to_extend() {
+        let corners = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let closed = TriangleSurface::new(corners, &faces).unwrap();
+        assert!(extend(&closed, 0.1).is_none());
+    }
+}

@@ -1,0 +1,134 @@
+//! The boundary loops as polylines with places on them.
+
+use phex_mesh::{TriangleSurface, Vec3};
+
+/// Largest distance between the curve and the vertices that stand for it, diagonals.
+const TOLERANCE: f64 = 1e-3;
+/// Vertices nearer than this to the ends of a stretch are left out, diagonals.
+const SPACING: f64 = 2e-3;
+
+/// A place on the boundary: a loop, a segment of it, and how far along that (0 to 1).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    of: usize,
+    segment: usize,
+    along: f64,
+}
+
+/// The boundary loops, each with the surface on its left.
+pub(super) struct Curve {
+    loops: Vec<Vec<Vec3>>,
+    corners: Vec<Vec<bool>>,
+    diagonal: f64,
+}
+
+impl Curve {
+    /// The boundary of a surface; vertices where it turns by more than `corner_angle` are always kept.
+    pub fn of(surface: &TriangleSurface, corner_angle: f64, diagonal: f64) -> Self {
+        let points = |l: &Vec<_>| l.iter().map(|&v| surface.positions()[v]).collect();
+        let loops: Vec<Vec<Vec3>> = surface.boundary_loops().iter().map(points).collect();
+        let is_corner = |l: &[Vec3], i: usize| {
+            let n = l.len();
+            let (a, b) = (l[i] - l[(i + n - 1) % n], l[(i + 1) % n] - l[i]);
+            a.angle(&b) > corner_angle
+        };
+        let corners = loops
+            .iter()
+            .map(|l| (0..l.len()).map(|i| is_corner(l, i)).collect());
+        Self {
+            corners: corners.collect(),
+            loops,
+            diagonal,
+        }
+    }
+
+    /// The place closest to a point.
+    pub fn closest(&self, p: Vec3) -> Place {
+        let mut best = (
+            f64::INFINITY,
+            Place {
+                of: 0,
+                segment: 0,
+                along: 0.0,
+            },
+        );
+        for (of, points) in self.loops.iter().enumerate() {
+            for (segment, a) in points.iter().enumerate() {
+                let d = points[(segment + 1) % points.len()] - a;
+                let along =
+                    ((p - a).dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+                let distance = (a + d * along - p).norm_squared();
+                if distance < best.0 {
+                    best = (distance, Place { of, segment, along });
+                }
+            }
+        }
+        best.1
+    }
+
+    /// The point of a place.
+    pub fn at(&self, place: Place) -> Vec3 {
+        let points = &self.loops[place.of];
+        let (a, b) = (
+            points[place.segment],
+            points[(place.segment + 1) % points.len()],
+        );
+        a + (b - a) * place.along
+    }
+
+    /// Segments from one place forward to another; infinite on different loops.
+    pub fn ahead(&self, from: Place, to: Place) -> f64 {
+        if from.of != to.of {
+            return f64::INFINITY;
+        }
+        let n = self.loops[from.of].len() as f64;
+        let position = |p: Place| p.segment as f64 + p.along;
+        (position(to) - position(from)).rem_euclid(n)
+    }
+
+    /// Vertices that stand for the curve between two places, without the places; none if the way is a long detour.
+    pub fn between(&self, from: Place, to: Place, begin: Vec3, end: Vec3) -> Vec<Vec3> {
+        let ahead = self.ahead(from, to);
+        let points = &self.loops[from.of];
+        // Rounding may put the end a little before the beginning: that is no way round the whole loop.
+        if !ahead.is_finite() || ahead > 0.9 * points.len() as f64 {
+            return Vec::new();
+        }
+        let count = (from.along + ahead).floor() as usize;
+        let path: Vec<usize> = (1..=count)
+            .map(|k| (from.segment + k) % points.len())
+            .collect();
+        let far = |i: &usize| {
+            let p = points[*i];
+            let least = SPACING * self.diagonal;
+            (p - begin).norm() > least && (p - end).norm() > least
+        };
+        let path: Vec<usize> = path.into_iter().filter(far).collect();
+        let mut kept = Vec::new();
+        self.simplify(from.of, &path, begin, end, &mut kept);
+        kept
+    }
+
+    /// Douglas and Peucker's simplification that keeps corners.
+    fn simplify(&self, of: usize, path: &[usize], begin: Vec3, end: Vec3, kept: &mut Vec<Vec3>) {
+        let points = &self.loops[of];
+        let distance = |i: usize| {
+            let bonus = f64::from(u8::from(self.corners[of][path[i]])) * self.diagonal;
+            distance_to_segment(points[path[i]], begin, end) + bonus
+        };
+        let farthest = (0..path.len()).max_by(|&i, &k| distance(i).total_cmp(&distance(k)));
+        let Some(i) = farthest.filter(|&i| distance(i) > TOLERANCE * self.diagonal) else {
+            return;
+        };
+        let middle = points[path[i]];
+        self.simplify(of, &path[..i], begin, middle, kept);
+        kept.push(middle);
+        self.simplify(of, &path[i + 1..], middle, end, kept);
+    }
+}
+
+fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
+    let (d, q) = (b - a, p - a);
+    let t = (q.dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (q - d * t).norm()
+}

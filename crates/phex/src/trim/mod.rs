@@ -1,0 +1,166 @@
+//! Trim: panels of the extended surface brought back to the boundary of the surface itself.
+//!
+//! With [`Boundary::Whole`] and [`Boundary::Clip`] panels are laid out and made planar on a surface that goes on beyond its boundary
+//! ([`crate::target::extend`]), so that nothing at the boundary disturbs them. Then
+//!
+//! * [`whole`] keeps the panels of which at least half lies inside, and more where the coverage asks for it;
+//! * [`clip`] cuts each panel in its own plane along the boundary curve projected to that plane. A cut through a shared
+//!   edge is computed once, on the edge, so it lies in both planes; between two cuts a panel gets vertices of its own
+//!   along the curve. Clipped panels are planar exactly, because they are parts of planar panels.
+//!
+//! A point is inside if its foot point on the extended surface lies on a triangle of the input's part.
+//!
+//! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one connected manifold. Fails, with
+//! an error, where nothing is left. Clipping can leave panels that are too small: [`Trimmed::small`] lists them, and the
+//! repair loop drops their seeds.
+
+mod clip;
+mod curve;
+mod whole;
+
+use crate::target::extend::Extension;
+use phex_mesh::{
+    BoundaryCurve, FaceId, FlatFace, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3,
+};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// What happens at the boundary of the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Boundary {
+    /// Whole panels only; they end near the boundary, within about half a panel.
+    Whole,
+    /// Panels cut by the boundary curve.
+    Clip,
+    /// A row of panels along the boundary, their vertices on it.
+    #[default]
+    Snap,
+}
+
+/// Least area of a panel at the boundary, in mean areas.
+pub const LEAST_RIM_AREA: f64 = 0.25;
+
+/// Why nothing was trimmed.
+#[derive(Clone, Debug, Error)]
+#[non_exhaustive]
+pub enum TrimError {
+    /// Every panel lies outside.
+    #[error("no panel lies within the boundary; ask for smaller panels")]
+    NothingLeft,
+    /// The panels that are left are not a manifold.
+    #[error("the trimmed panels are not a manifold: {0}; ask for smaller panels")]
+    Topology(#[from] TopologyError),
+}
+
+/// A mesh brought back to the boundary.
+#[derive(Clone, Debug)]
+pub struct Trimmed {
+    /// The panels that are left.
+    pub mesh: HexMesh,
+    /// The panel of the untrimmed mesh that each is, or is part of.
+    pub parent: PerFace<FaceId>,
+}
+
+/// The part of an extended surface that panels are trimmed to.
+pub struct Domain<'a> {
+    /// The extended surface, refined.
+    pub extended: &'a TriangleSurface,
+    /// Which triangles of it are the input's.
+    pub extension: &'a Extension,
+    /// Subdivisions from the extension's triangles to those of `extended`.
+    pub levels: usize,
+    /// The surface that ends at the boundary.
+    pub original: &'a TriangleSurface,
+    /// Turning angle, radians, above which a vertex of the boundary is a corner.
+    pub corner_angle: f64,
+}
+
+impl Domain<'_> {
+    /// Whether a point belongs to the input's part.
+    pub fn contains(&self, p: Vec3) -> bool {
+        let foot = self.extended.closest_point(p);
+        self.extension.is_original(foot.triangle, self.levels)
+    }
+}
+
+/// Trims a planar mesh; [`Boundary::Snap`] needs none and must not be given.
+///
+/// # Errors
+/// If nothing or no manifold is left.
+pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<Trimmed, TrimError> {
+    let trimmed = match boundary {
+        Boundary::Clip => clip::clipped(mesh, domain)?,
+        Boundary::Whole | Boundary::Snap => whole::whole_panels(mesh, domain)?,
+    };
+    largest_part(trimmed)
+}
+
+/// Panels at the boundary with less than [`LEAST_RIM_AREA`] of the mean area.
+pub fn small_rim_panels(mesh: &HexMesh) -> Vec<FaceId> {
+    let topology = mesh.topology();
+    let area: Vec<f64> = FlatFace::all(mesh).iter().map(FlatFace::area).collect();
+    let least = LEAST_RIM_AREA * area.iter().sum::<f64>() / area.len() as f64;
+    let small = |f: &FaceId| area[f.index()] < least && topology.is_boundary_face(*f);
+    topology.faces().filter(small).collect()
+}
+
+/// Faces and the positions they use, renumbered in the order of use.
+fn compact(positions: &[Vec3], faces: &[Vec<u32>]) -> Result<HexMesh, TrimError> {
+    if faces.is_empty() {
+        return Err(TrimError::NothingLeft);
+    }
+    let mut number = vec![u32::MAX; positions.len()];
+    let mut used = Vec::new();
+    let mut renumbered = Vec::with_capacity(faces.len());
+    for face in faces {
+        let corner = |&v: &u32| {
+            if number[v as usize] == u32::MAX {
+                number[v as usize] = used.len() as u32;
+                used.push(positions[v as usize]);
+            }
+            number[v as usize]
+        };
+        renumbered.push(face.iter().map(corner).collect::<Vec<u32>>());
+    }
+    Ok(HexMesh::new(used, &renumbered)?)
+}
+
+/// The connected part with the most panels.
+fn largest_part(trimmed: Trimmed) -> Result<Trimmed, TrimError> {
+    let (component, count) = trimmed.mesh.topology().components();
+    if count == 1 {
+        return Ok(trimmed);
+    }
+    let mut size = vec![0; count];
+    component.iter().for_each(|&c| size[c as usize] += 1);
+    let largest = (0..count).rev().max_by_key(|&c| size[c]).unwrap_or(0) as u32;
+    let soup = trimmed.mesh.to_soup();
+    let kept: Vec<FaceId> = trimmed
+        .mesh
+        .topology()
+        .faces()
+        .filter(|&f| component[f] == largest)
+        .collect();
+    let faces: Vec<Vec<u32>> = kept.iter().map(|f| soup.faces[f.index()].clone()).collect();
+    Ok(Trimmed {
+        mesh: compact(&soup.positions, &faces)?,
+        parent: PerFace::from_vec(kept.iter().map(|&f| trimmed.parent[f]).collect()),
+    })
+}
+
+/// Whether each panel comes near the boundary: nearer to its centre than twice its farthest corner.
+fn near_boundary(mesh: &HexMesh, original: &TriangleSurface) -> Vec<bool> {
+    let Some(curve) = BoundaryCurve::of(original) else {
+        return vec![false; mesh.topology().n_faces()];
+    };
+    let faces: Vec<FaceId> = mesh.topology().faces().collect();
+    let near = |f: &FaceId| {
+        let centre = mesh.centre(*f);
+        let reach = mesh.corners(*f).map(|p| (p - centre).norm());
+        let reach = 2.0 * reach.fold(0.0, f64::max);
+        (curve.closest_point(centre).position - centre).norm() < reach
+    };
+    faces.par_iter().map(near).collect()
+}
