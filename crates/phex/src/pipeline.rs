@@ -218,9 +218,6 @@ pub fn mesh_surface(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    if options.method == Method::BrickWall {
-        return brick_wall::mesh_surface(surface, options, progress);
-    }
     let panels = panel_count(surface, options.size)?;
     let first = mesh_with_panels(surface, panels, options, progress)?;
     let PanelSize::EdgeLength(wanted) = options.size else {
@@ -247,6 +244,9 @@ fn mesh_with_panels(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
+    if options.method == Method::BrickWall {
+        return brick_wall::mesh_with_panels(surface, panels, options, progress);
+    }
     let mut clock = Clock::new(progress);
     let similarity = Similarity::normalising(surface);
     let normalised = moved(surface, |p| similarity.normalise(p));

@@ -108,13 +108,13 @@ fn in_model(error: NetworkError, similarity: &Similarity) -> PipelineError {
 }
 
 /// Makes a brick wall of a surface planar.
-pub(super) fn mesh_surface(
+pub(super) fn mesh_with_panels(
     input: &TriangleSurface,
+    panels: usize,
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
     let mut clock = Clock::new(progress);
-    let panels = panel_count(input, options.size)?;
     let ground = Ground::new(input, panels, options, &mut clock)?;
     let similarity = ground.similarity;
     let (layout, wall) = clock

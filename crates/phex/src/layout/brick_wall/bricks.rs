@@ -131,7 +131,7 @@ fn shorten(vectors: &mut [[f64; 2]]) -> Vec<(usize, usize, i64)> {
     while steps.len() < MAX_STEPS {
         let n = vectors.len();
         let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let signed = pairs.flat_map(|(i, j)| [(i, j, 1), (i, j, -1)]);
+        let mut signed = pairs.flat_map(|(i, j)| [(i, j, 1), (i, j, -1)]);
         let sum = |i: usize, j: usize, sign: i64| {
             let s = sign as f64;
             [
@@ -139,11 +139,9 @@ fn shorten(vectors: &mut [[f64; 2]]) -> Vec<(usize, usize, i64)> {
                 vectors[i][1] + s * vectors[j][1],
             ]
         };
-        let better = signed
-            .filter(|&(i, j, sign)| {
-                i != j && square(sum(i, j, sign)) < (1.0 - 1e-6) * square(vectors[i])
-            })
-            .next();
+        let better = signed.find(|&(i, j, sign)| {
+            i != j && square(sum(i, j, sign)) < (1.0 - 1e-6) * square(vectors[i])
+        });
         let Some((i, j, sign)) = better else { break };
         vectors[i] = sum(i, j, sign);
         steps.push((i, j, sign));
