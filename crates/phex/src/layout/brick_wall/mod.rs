@@ -203,7 +203,6 @@ impl<'a> Wall<'a> {
             metric: &self.metric,
             mesh: &self.mesh,
             corners: self.on.corners,
-            kept: None,
         };
         record(&fine, &self.complex, |node| self.place(node, max_kink))
     }
