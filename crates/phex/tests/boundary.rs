@@ -1,0 +1,182 @@
+//! What the three kinds of boundary promise, on surfaces with one and two loops, with and without corners.
+
+use phex::trim::small_rim_panels;
+use phex::{Boundary, MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
+use phex_mesh::{
+    BoundaryCurve, FlatFace, HexMesh, TriangleSurface, Vec3, ear_clip, io, validate::ValidateOptions,
+};
+use std::f64::consts::{PI, TAU};
+
+const PANELS: usize = 220;
+
+/// A grid of `m` by `n` quads, split; the second direction is closed if `closed`.
+fn grid(m: usize, n: usize, closed: bool, point: impl Fn(f64, f64) -> Vec3) -> TriangleSurface {
+    let columns = if closed { n } else { n + 1 };
+    let share = |i: usize, n: usize| i as f64 / n as f64;
+    let positions = (0..=m)
+        .flat_map(|i| (0..columns).map(move |k| (i, k)))
+        .map(|(i, k)| point(share(i, m), share(k, n)));
+    let id = |i: usize, k: usize| (i * columns + k % columns) as u32;
+    let cells = (0..m).flat_map(|i| (0..n).map(move |k| (i, k)));
+    let triangles: Vec<[u32; 3]> = cells
+        .flat_map(|(i, k)| {
+            let [a, b, c, d] = [id(i, k), id(i + 1, k), id(i + 1, k + 1), id(i, k + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    TriangleSurface::new(positions.collect(), &triangles).unwrap()
+}
+
+fn wave() -> TriangleSurface {
+    grid(24, 24, false, |u, v| {
+        Vec3::new(TAU * u, TAU * v, 0.4 * (TAU * u).sin() * (TAU * v).cos())
+    })
+}
+
+fn half_torus() -> TriangleSurface {
+    grid(24, 24, true, |u, v| {
+        let (s, c) = (PI * u).sin_cos();
+        let (t, d) = (TAU * v).sin_cos();
+        Vec3::new((3.0 + d) * c, (3.0 + d) * s, t)
+    })
+}
+
+fn plane_with_hole() -> TriangleSurface {
+    grid(10, 48, true, |u, v| {
+        let (t, d) = (TAU * v).sin_cos();
+        Vec3::new(d, t, 0.0) * (0.35 + 0.65 * u)
+    })
+}
+
+fn roof() -> TriangleSurface {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/roof.obj");
+    let soup = io::read_soup(path.as_ref()).unwrap();
+    let parts = TriangleSurface::from_soup(&soup).unwrap();
+    parts.components.into_iter().next().unwrap().surface
+}
+
+fn surfaces() -> [(&'static str, TriangleSurface); 4] {
+    [
+        ("wave", wave()),
+        ("half torus", half_torus()),
+        ("plane with hole", plane_with_hole()),
+        ("roof", roof()),
+    ]
+}
+
+fn meshed(surface: &TriangleSurface, boundary: Boundary) -> MeshRun {
+    let options = MeshOptions {
+        size: PanelSize::Panels(PANELS),
+        boundary,
+        ..Default::default()
+    };
+    mesh_surface(surface, &options, &Silent).unwrap()
+}
+
+/// The faces of a mesh, ear-clipped.
+fn clipped(mesh: &HexMesh) -> TriangleSurface {
+    let lists = mesh.topology().face_lists();
+    let flat = FlatFace::all(mesh);
+    let triangles: Vec<[u32; 3]> = lists
+        .iter()
+        .zip(flat.iter())
+        .flat_map(|(face, flat)| {
+            let triangles = ear_clip(&flat.polygon).unwrap();
+            triangles.into_iter().map(|t| t.map(|k| face[k]))
+        })
+        .collect();
+    TriangleSurface::new(mesh.positions.as_slice().to_vec(), &triangles).unwrap()
+}
+
+/// Largest distance of points on the boundary of one surface to that of another.
+fn boundary_distance(from: &TriangleSurface, to: &TriangleSurface) -> f64 {
+    let curve = BoundaryCurve::of(to).unwrap();
+    let mut largest: f64 = 0.0;
+    for rim in from.boundary_loops() {
+        for (i, v) in rim.iter().enumerate() {
+            let (a, b) = (from.positions()[*v], from.positions()[rim[(i + 1) % rim.len()]]);
+            for k in 0..8 {
+                let p = a + (b - a) * (f64::from(k) / 8.0);
+                largest = largest.max((curve.closest_point(p).position - p).norm());
+            }
+        }
+    }
+    largest
+}
+
+/// Largest distance of a sharp corner of the boundary to a vertex on the mesh's boundary.
+fn corner_distance(surface: &TriangleSurface, mesh: &HexMesh) -> f64 {
+    let corners = phex::target::boundary_corners(surface, 0.7);
+    let topology = mesh.topology();
+    let rim = topology.vertices().filter(|v| topology.is_boundary_vertex(*v));
+    let rim: Vec<Vec3> = rim.map(|v| mesh.position(v)).collect();
+    let nearest = |p: Vec3| rim.iter().map(|q| (q - p).norm()).fold(f64::INFINITY, f64::min);
+    corners.iter().map(|v| nearest(surface.positions()[*v])).fold(0.0, f64::max)
+}
+
+fn is_sound(name: &str, surface: &TriangleSurface, run: &MeshRun) {
+    assert!(run.is_sound(), "{name}: {:?} {:?}", run.offenders, run.violations);
+    let again = phex_mesh::violations(&run.mesh, Some(&run.target), &ValidateOptions::default());
+    assert!(again.is_empty(), "{name}: {again:?}");
+    let figures = |t: &phex_mesh::Topology| (t.euler_characteristic(), t.boundary_loops().len());
+    let (want, got) = (figures(surface.topology()), figures(run.mesh.topology()));
+    assert_eq!(want, got, "{name}");
+}
+
+fn follows_the_boundary(name: &str, surface: &TriangleSurface, run: &MeshRun) {
+    let mesh = clipped(&run.mesh);
+    let limit = 5e-3 * surface.diagonal();
+    let distances = [
+        boundary_distance(&mesh, &run.target),
+        boundary_distance(&run.target, &mesh),
+        corner_distance(surface, &run.mesh),
+    ];
+    assert!(distances.iter().all(|d| *d < limit), "{name}: {distances:?} of {limit}");
+}
+
+#[test]
+fn snapped_panels_follow_the_boundary_and_are_not_small() {
+    for (name, surface) in surfaces() {
+        let run = meshed(&surface, Boundary::Snap);
+        is_sound(name, &surface, &run);
+        follows_the_boundary(name, &surface, &run);
+        assert_eq!(small_rim_panels(&run.mesh), [], "{name}");
+    }
+}
+
+#[test]
+fn clipped_panels_follow_the_boundary_and_stay_planar() {
+    for (name, surface) in surfaces() {
+        let run = meshed(&surface, Boundary::Clip);
+        is_sound(name, &surface, &run);
+        follows_the_boundary(name, &surface, &run);
+        let flat = FlatFace::all(&run.mesh);
+        let worst = flat.iter().map(|f| f.planarity_length).fold(0.0, f64::max);
+        assert!(worst <= 1e-12 * run.mesh.mean_edge(), "{name}: {worst}");
+    }
+}
+
+#[test]
+fn whole_panels_cover_the_surface_and_are_hexagons_at_the_rim() {
+    for (name, surface) in surfaces() {
+        let run = meshed(&surface, Boundary::Whole);
+        is_sound(name, &surface, &run);
+        let mesh = clipped(&run.mesh);
+        let near = 5e-3 * surface.diagonal();
+        let (mut covered, mut total) = (0.0, 0.0);
+        for f in run.target.topology().faces() {
+            let p = run.target.corners(f).iter().sum::<Vec3>() / 3.0;
+            let area = run.target.area_vector(f).norm();
+            total += area;
+            if (mesh.closest_point(p).position - p).norm() < near {
+                covered += area;
+            }
+        }
+        assert!(covered >= 0.97 * total, "{name}: {}", covered / total);
+        let topology = run.mesh.topology();
+        let rim = topology.faces().filter(|f| topology.is_boundary_face(*f));
+        let valences: Vec<usize> = rim.map(|f| topology.valence(f)).collect();
+        let hexagons = valences.iter().filter(|v| **v == 6).count();
+        assert!(2 * hexagons > valences.len(), "{name}: {valences:?}");
+    }
+}
