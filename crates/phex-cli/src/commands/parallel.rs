@@ -7,12 +7,12 @@ use crate::input::{MeshFile, whole};
 use crate::output::{Content, check_writable, write_mesh};
 use crate::progress::{Reporter, is_interrupted};
 use crate::summary::{self, Table};
-use crate::verdict::{TypedLimits, exit_of, written};
+use crate::verdict::{TypedLimits, written};
 use anyhow::Context;
 use phex::parallel_mesh::edge_offset::{edge_distances, edge_offset};
 use phex::parallel_mesh::fit::{FitOptions, FitStart, Fitted, fit_parallel};
 use phex::parallel_mesh::koebe::touching_points;
-use phex::report::{References, RunReport};
+use phex::report::{References, RunReport, Verdict};
 use phex_mesh::HexMesh;
 use serde_json::json;
 use std::path::Path;
@@ -67,7 +67,11 @@ pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
     let offset = write(command, &mesh, &fitted.mesh, &mut report)?;
     let text = summary + &table(&fitted, offset) + &summary::of_outputs(&report);
     tell(command.talk.quiet, &text)?;
-    Ok(exit_of(report.verdict))
+    // The file is written in any case: a coarse mesh may have folds that panels must not have.
+    Ok(match report.verdict {
+        Verdict::Pass => Exit::Success,
+        Verdict::OutsideTolerance | Verdict::Invalid => Exit::OutsideTolerance,
+    })
 }
 
 fn options(command: &ParallelCommand) -> FitOptions {
