@@ -42,6 +42,11 @@ impl FlatLattice {
         Plane::new(p.x, p.y)
     }
 
+    /// No vertex is pinned to a row along a boundary.
+    fn free(&self) -> PerVertex<Option<phex::layout::boundary::Pin>> {
+        PerVertex::filled(self.topology().n_vertices(), None)
+    }
+
     /// Offsets of the lattice that has a point at `origin`.
     fn exact(&self, origin: Plane) -> PerVertex<Plane> {
         PerVertex::from_fn(self.topology().n_vertices(), |v| {
@@ -114,7 +119,14 @@ fn polishing_keeps_an_exact_lattice() {
     let exact = flat.exact(Plane::new(0.17, 0.31));
     let mut polished = exact.clone();
     let mesh = &flat.stages.directions.intrinsic;
-    polish::polish(flat.topology(), mesh, &flat.charts, &mut polished, 50);
+    polish::polish(
+        flat.topology(),
+        mesh,
+        &flat.charts,
+        &flat.free(),
+        &mut polished,
+        50,
+    );
     for v in flat.topology().vertices() {
         assert!(apart(exact[v], polished[v]) < 2e-3, "{v}");
     }
@@ -135,7 +147,14 @@ fn polishing_mends_a_disturbed_lattice() {
         all.iter().sum::<f64>() / all.len() as f64
     };
     let before = distortion(&position);
-    polish::polish(flat.topology(), mesh, &flat.charts, &mut position, 200);
+    polish::polish(
+        flat.topology(),
+        mesh,
+        &flat.charts,
+        &flat.free(),
+        &mut position,
+        200,
+    );
     let after = distortion(&position);
     assert!(after < 0.05 * before, "{before} {after}");
 }
@@ -145,7 +164,7 @@ fn polishing_mends_a_disturbed_lattice() {
 fn waves_find_the_lattice_of_a_flat_square() {
     let flat = flat();
     let mesh = &flat.stages.directions.intrinsic;
-    let position = waves::diffuse(flat.topology(), mesh, &flat.charts, 4);
+    let position = waves::diffuse(flat.topology(), mesh, &flat.charts, &flat.free(), 4);
     let offsets = Offsets::rounded(flat.topology(), &flat.charts, position);
     let mut distortion = offsets
         .distortion(flat.topology(), mesh, &flat.charts)
@@ -269,7 +288,7 @@ fn the_solve_finds_the_lattice_of_exact_jumps() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut shift = || random.random_range(-0.3..0.3);
     let start = exact.map(|z| z + Plane::new(shift(), shift()));
-    let solved = solve_offsets(topology, mesh, &flat.charts, &jump, &start).unwrap();
+    let solved = solve_offsets(topology, mesh, &flat.charts, &jump, &flat.free(), &start).unwrap();
     let translation = solved[VertexId::new(0)] - exact[VertexId::new(0)];
     for v in topology.vertices() {
         assert!((solved[v] - exact[v] - translation).norm() < 5e-3);

@@ -265,12 +265,16 @@ mod tests {
         (surface, directions.intrinsic, charts)
     }
 
+    fn free(surface: &phex_mesh::TriangleSurface) -> PerVertex<Option<Pin>> {
+        PerVertex::filled(surface.positions().len(), None)
+    }
+
     /// Conjugate gradients need it; a wave that is seen wrongly from one side of an edge breaks it.
     #[test]
     fn the_operator_is_symmetric_and_positive_definite() {
         for name in ["torus", "sphere", "wave"] {
             let (surface, mesh, charts) = charts_of(name);
-            let operator = WaveOperator::new(surface.topology(), &mesh, &charts);
+            let operator = WaveOperator::new(surface.topology(), &mesh, &charts, &free(&surface));
             let n = 6 * surface.positions().len();
             let mut random = ChaCha8Rng::seed_from_u64(9);
             let mut vector =
@@ -303,7 +307,7 @@ mod tests {
     fn links_carry_waves_across_an_edge() {
         let (surface, mesh, charts) = charts_of("torus");
         let topology = surface.topology();
-        let operator = WaveOperator::new(topology, &mesh, &charts);
+        let operator = WaveOperator::new(topology, &mesh, &charts, &free(&surface));
         for v in topology.vertices().take(40) {
             let first = operator.start[phex_mesh::ElementId::index(v)] as usize;
             for (k, h) in topology.outgoing(v).enumerate() {

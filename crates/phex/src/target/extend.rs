@@ -43,7 +43,7 @@ impl Extension {
 /// Continues a surface by a strip of the given width; `None` for a closed surface.
 pub fn extend(surface: &TriangleSurface, width: f64) -> Option<Extension> {
     let loops = surface.boundary_loops();
-    if loops.is_empty() || !(width > 0.0) {
+    if loops.is_empty() || width <= 0.0 || width.is_nan() {
         return None;
     }
     let arcs: Vec<Vec<Arc>> = loops.iter().map(|l| arcs(surface, l, width)).collect();
