@@ -3,6 +3,7 @@
 use crate::exit::Failure;
 use crate::units::{Quantity, Unit};
 use clap::Args;
+use phex::Boundary;
 use phex::MeshOptions;
 use phex::pipeline::Method;
 use phex::target::TargetKind;
@@ -33,6 +34,9 @@ pub struct MeshSettings {
     /// Smaller panels where the surface is strongly curved: panel length times curvature stays below this (0.4 without a number)
     #[arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive)]
     pub adaptive: Option<f64>,
+    /// What happens at the boundary [default: snap]
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub boundary: Option<AtBoundary>,
     /// Surface that the panels are kept close to [default: smooth]
     #[arg(long, value_enum, value_name = "KIND")]
     pub target: Option<CloseTo>,
@@ -83,6 +87,28 @@ impl From<Method> for Layout {
         match method {
             Method::Lattice => Self::Lattice,
             Method::BrickWall => Self::BrickWall,
+        }
+    }
+}
+
+/// What happens at the boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AtBoundary {
+    /// Whole panels of a lattice that goes on beyond the boundary
+    Whole,
+    /// Such panels, clipped by the boundary curve
+    Clip,
+    /// A row of panels along the boundary, with vertices on it
+    Snap,
+}
+
+impl From<AtBoundary> for Boundary {
+    fn from(how: AtBoundary) -> Self {
+        match how {
+            AtBoundary::Whole => Self::Whole,
+            AtBoundary::Clip => Self::Clip,
+            AtBoundary::Snap => Self::Snap,
         }
     }
 }
@@ -154,6 +180,7 @@ impl MeshSettings {
             method: self.method.or(file.method),
             rotate: self.rotate.or(file.rotate),
             adaptive: self.adaptive.or(file.adaptive),
+            boundary: self.boundary.or(file.boundary),
             target: self.target.or(file.target),
             max_deviation: self.max_deviation.or(file.max_deviation),
             planarity: self.planarity.or(file.planarity),
@@ -190,6 +217,9 @@ impl MeshSettings {
         }
         if self.adaptive.is_some() {
             options.sizes.adaptive = self.adaptive;
+        }
+        if let Some(how) = self.boundary {
+            options.boundary = how.into();
         }
         if let Some(kind) = self.target {
             options.target.kind = kind.into();

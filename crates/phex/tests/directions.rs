@@ -227,6 +227,7 @@ fn the_rotate_option_turns_the_field() {
     for (name, axis) in [("plane", Vec3::x()), ("cylinder", Vec3::z())] {
         let options = DirectionOptions {
             rotate: 0.2,
+            boundary_alignment: 0.0,
             ..Default::default()
         };
         let stages = Stages::with(&shape(name, 1000), 80, &options);

@@ -1,6 +1,6 @@
 //! Cells at the boundary made even: what the boundary cuts small is dropped, and the others move to their middles.
 //!
-//! Seeds whose cells hold less than [`MIN_CELL`] of a lattice cell (or of the mean panel of space) are dropped, smallest
+//! Seeds whose cells hold less than `MIN_CELL` of a lattice cell (or of the mean panel of space) are dropped, smallest
 //! first and never two neighbours in one round; then every cell at the boundary grows again from its centroid (Lloyd's
 //! step, for that row alone). Inside, the lattice stays as it is.
 

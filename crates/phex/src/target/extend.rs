@@ -3,7 +3,7 @@
 //! From every vertex of the boundary a circular arc goes on in the direction of the outward conormal, through two points of
 //! the surface further in (its tangent and normal curvature at the boundary, at the scale of the arc). Directions and
 //! curvatures are averaged along the boundary; at corners the arcs are longer by `1 / cos(turning / 2)`, a mitre. Where
-//! the boundary is concave, as round a hole, arcs end before they could meet: no longer than [`CLEAR`] of the largest circle that
+//! the boundary is concave, as round a hole, arcs end before they could meet: no longer than `CLEAR` of the largest circle that
 //! touches the boundary there and holds no other point of it.
 //!
 //! Guaranteed: the input's vertices and triangles come first and are unchanged, the topology is the same. Fails where the

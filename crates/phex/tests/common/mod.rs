@@ -188,9 +188,13 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// The stages before the layout, all on one surface with 25 vertices a panel.
+    /// The stages before the layout, all on one surface with 25 vertices a panel; rows do not follow the boundary.
     pub fn new(surface: &TriangleSurface, panels: usize) -> Self {
-        Self::with(surface, panels, &DirectionOptions::default())
+        let options = DirectionOptions {
+            boundary_alignment: 0.0,
+            ..Default::default()
+        };
+        Self::with(surface, panels, &options)
     }
 
     pub fn with(surface: &TriangleSurface, panels: usize, options: &DirectionOptions) -> Self {
