@@ -174,7 +174,7 @@ fn waves_find_the_lattice_of_a_flat_square() {
     assert!(median < 0.15, "{median}");
 }
 
-/// The exact lattice gives the exact panelling: hexagons only, where the boundary does not cut.
+/// The exact lattice gives the exact panelling: hexagons only, from the second row on (rim cells are evened out).
 #[test]
 fn an_exact_lattice_gives_regular_hexagons() {
     let flat = flat();
@@ -188,14 +188,20 @@ fn an_exact_lattice_gives_regular_hexagons() {
         .unwrap();
     let topology = layout.mesh.topology();
     let mut interior = 0;
-    for f in topology.faces().filter(|&f| !topology.is_boundary_face(f)) {
+    let at_rim = |f: FaceId| {
+        let twins = topology.face_half_edges(f).map(|h| topology.twin(h));
+        twins
+            .map(|t| t.map(|t| topology.face(t)))
+            .any(|g| g.is_none_or(|g| topology.is_boundary_face(g)))
+    };
+    for f in topology.faces().filter(|&f| !at_rim(f)) {
         interior += 1;
         assert_eq!(topology.valence(f), 6);
         let centre = layout.face_point[f] / flat.stages.length;
         assert!(apart(Plane::new(centre.x, centre.y), Plane::new(0.0, 0.0)) < 0.1);
     }
     let cells = SPACINGS * SPACINGS / phex::layout::lattice::CELL;
-    assert!(f64::from(interior) > 0.6 * cells, "{interior} of {cells}");
+    assert!(f64::from(interior) > 0.35 * cells, "{interior} of {cells}");
 }
 
 /// Random jumps make pairs of opposite dislocations; all of them must find an opposite or the boundary.
