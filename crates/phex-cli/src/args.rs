@@ -33,7 +33,7 @@ pub enum Command {
     Check(CheckCommand),
     /// Say what is in a surface or mesh file, and what is wrong with it
     Info(InfoCommand),
-    /// Convert between OBJ, PLY, OFF and STL
+    /// Convert between OBJ, PLY, OFF and STL, or write COMPAS JSON, glTF (.glb), DXF and 3MF
     Convert(ConvertCommand),
     /// Write a built-in surface
     Shape(ShapeCommand),
@@ -111,7 +111,7 @@ pub struct MeshCommand {
     /// Surface: OBJ, PLY, STL or OFF, triangles or polygons
     #[arg(value_name = "SURFACE")]
     pub input: PathBuf,
-    /// Mesh to write: OBJ, PLY or OFF keep the panels, STL holds triangles
+    /// Mesh to write: OBJ, PLY, OFF, COMPAS JSON and DXF keep the panels; GLB, STL and 3MF hold triangles
     #[arg(short, long, value_name = "MESH")]
     pub output: PathBuf,
     /// What is wanted.

@@ -10,7 +10,7 @@
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
 //! | [`polygon`], [`ear_clip`](mod@ear_clip), [`flat_face`] | planar polygons: exact predicates, triangulation, a face in its plane |
 //! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
-//! | [`io`] | OBJ, PLY, STL and OFF files |
+//! | [`io`] | OBJ, PLY, STL and OFF files; COMPAS JSON, glTF, DXF and 3MF for writing |
 //! | [`measure`](mod@measure) | planarity, lengths, angles, clearance, deviation from a surface |
 //! | [`validate`](mod@validate) | located violations, and the type that has none |
 //! | [`shapes`] | analytic surfaces with closed-form curvature, and their triangulations |

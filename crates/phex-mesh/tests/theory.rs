@@ -147,7 +147,7 @@ fn simple_face_is_convex_where_k_is_positive_and_has_two_opposite_reflex_corners
         }
         let reflex = reflex_corners(&face);
         if form.k1 > 0.0 {
-            assert_eq!(reflex, []);
+            assert!(reflex.is_empty(), "{reflex:?}");
             assert!(interior_angles(&face).all(|angle| angle < PI + 1e-9));
         } else {
             assert_eq!(reflex.len(), 2, "{form:?} {a:?} {b:?}");

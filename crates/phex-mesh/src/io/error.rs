@@ -65,6 +65,12 @@ pub enum ReadCause {
     /// A variant of the format that is not read.
     #[error("{0} is not supported")]
     Unsupported(String),
+    /// A format that is written, but not read.
+    #[error("`.{extension}` files are written, not read (read are .obj, .ply, .stl and .off)")]
+    WrittenOnly {
+        /// The format's extension.
+        extension: &'static str,
+    },
     /// A header line that can't be understood.
     #[error("{0}")]
     Malformed(String),
@@ -130,7 +136,9 @@ pub enum ReadCause {
 
 /// A path whose extension stands for no mesh format.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("unknown extension `{extension}` (supported are .obj, .ply, .stl and .off)")]
+#[error(
+    "unknown extension `{extension}` (supported are .obj, .ply, .stl and .off, for writing also .json, .glb, .dxf and .3mf)"
+)]
 pub struct UnknownExtension {
     /// The extension, empty where there is none.
     pub extension: String,

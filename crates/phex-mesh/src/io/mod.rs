@@ -1,4 +1,4 @@
-//! Polygon mesh files: OBJ, PLY, STL and OFF, one file per format.
+//! Polygon mesh files, one file per format.
 //!
 //! Reading returns a [`PolygonSoup`]: faces of any valence, vertex numbers checked, coordinates finite, nothing else
 //! promised. Every file is input from outside: a wrong one gives a [`ReadError`] that names the line or element, and
@@ -10,20 +10,31 @@
 //! | PLY | ascii, binary of both byte orders, any numeric type | n-gons, binary little endian, 64 bit |
 //! | STL | ascii, binary; corners welded (see `stl`) | binary, ear-clipped triangles, 32 bit |
 //! | OFF | `OFF` with or without normals and colours | n-gons, 64-bit text |
+//! | COMPAS JSON | | n-gons with attributes, 64-bit text |
+//! | glTF (`.glb`) | | ear-clipped triangles, real edges as lines, colours; 32 bit |
+//! | DXF | | a closed 3D polyline a face, 64-bit text |
+//! | 3MF | | ear-clipped triangles, 64-bit text |
 //!
 //! OBJ, PLY and OFF return every coordinate bit by bit.
 
 mod atomic;
+mod compas;
+mod dxf;
 mod error;
+mod glb;
 mod hex_mesh;
 mod obj;
 mod off;
 mod ply;
 mod stl;
 mod text;
+mod three_mf;
+mod triangles;
 mod weld;
 
 pub use atomic::atomic_write;
+pub use compas::{FaceAttributes, compas_json};
+pub use dxf::DxfDrawing;
 pub use error::{Place, ReadCause, ReadError, UnknownExtension, WriteCause, WriteError};
 pub use hex_mesh::{HexMeshError, HexMeshReadError};
 
@@ -42,11 +53,21 @@ pub enum Format {
     Stl,
     /// Geomview OFF.
     Off,
+    /// COMPAS JSON; only written.
+    Compas,
+    /// Binary glTF: triangles and lines, single precision; only written.
+    Glb,
+    /// DXF R12: 3D polylines; only written.
+    Dxf,
+    /// 3MF: triangles only; only written.
+    ThreeMf,
 }
 
 impl Format {
-    /// All formats.
-    pub const ALL: [Self; 4] = [Self::Obj, Self::Ply, Self::Stl, Self::Off];
+    /// The formats that are read, all of which are written too.
+    pub const READ: [Self; 4] = [Self::Obj, Self::Ply, Self::Stl, Self::Off];
+    /// The formats that are only written.
+    pub const WRITTEN_ONLY: [Self; 4] = [Self::Compas, Self::Glb, Self::Dxf, Self::ThreeMf];
 
     /// The format's file extension, without the dot.
     pub const fn extension(self) -> &'static str {
@@ -55,6 +76,10 @@ impl Format {
             Self::Ply => "ply",
             Self::Stl => "stl",
             Self::Off => "off",
+            Self::Compas => "json",
+            Self::Glb => "glb",
+            Self::Dxf => "dxf",
+            Self::ThreeMf => "3mf",
         }
     }
 
@@ -64,8 +89,9 @@ impl Format {
     /// If there is no extension or an unknown one.
     pub fn from_path(path: &Path) -> Result<Self, UnknownExtension> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
-        Self::ALL
+        Self::READ
             .into_iter()
+            .chain(Self::WRITTEN_ONLY)
             .find(|format| format.extension().eq_ignore_ascii_case(&extension))
             .ok_or_else(|| UnknownExtension {
                 extension: extension.into_owned(),
@@ -99,6 +125,12 @@ pub fn parse_soup(bytes: &[u8], format: Format) -> Result<PolygonSoup, ReadError
         Format::Ply => ply::parse(bytes),
         Format::Stl => stl::parse(bytes),
         Format::Off => off::parse(bytes),
+        Format::Compas | Format::Glb | Format::Dxf | Format::ThreeMf => {
+            Err(ReadCause::WrittenOnly {
+                extension: format.extension(),
+            }
+            .into())
+        }
     }?;
     if soup.positions.is_empty() {
         return Err(ReadCause::NoVertices.into());
@@ -126,9 +158,9 @@ pub fn write_soup(path: &Path, soup: &PolygonSoup) -> Result<(), WriteError> {
 /// Writes a mesh in a given format.
 ///
 /// # Errors
-/// If a coordinate is not finite (for STL: not finite in single precision), a face has fewer than three corners or
-/// names a missing vertex, STL is asked for a face that is not simple, or `out` fails. Nothing is written but in the
-/// last case.
+/// If a coordinate is not finite (for STL and glTF: not finite in single precision), a face has fewer than three corners
+/// or names a missing vertex, triangles are asked for of a face that is not simple, or `out` fails. Nothing is written but in
+/// the last case.
 pub fn write_soup_to(
     out: &mut impl Write,
     soup: &PolygonSoup,
@@ -146,6 +178,10 @@ fn encode(soup: &PolygonSoup, format: Format) -> Result<Vec<u8>, WriteCause> {
         Format::Ply => Ok(ply::encode(soup)),
         Format::Stl => stl::encode(soup),
         Format::Off => Ok(off::encode(soup)),
+        Format::Compas => Ok(compas::encode(soup)),
+        Format::Glb => glb::encode(soup),
+        Format::Dxf => Ok(dxf::encode(soup)),
+        Format::ThreeMf => three_mf::encode(soup),
     }
 }
 

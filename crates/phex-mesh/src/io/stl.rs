@@ -13,8 +13,8 @@
 
 use super::error::{Place, ReadCause, ReadError, WriteCause};
 use super::text::{decode, numbered_lines, point, shown};
+use super::triangles::{of_face, single};
 use super::weld::weld;
-use crate::ear_clip::ear_clip_corners;
 use crate::{PolygonSoup, Vec3};
 use std::io::Cursor;
 use stl_io::{Triangle, Vector};
@@ -163,24 +163,15 @@ fn tolerance(corners: &[Vec3]) -> f64 {
 /// The file of a mesh: binary, faces cut into triangles.
 pub(super) fn encode(soup: &PolygonSoup) -> Result<Vec<u8>, WriteCause> {
     let mut triangles = Vec::with_capacity(soup.faces.len());
-    for (face, corners) in soup.faces.iter().enumerate() {
-        let points: Vec<Vec3> = corners
-            .iter()
-            .map(|&v| soup.positions[v as usize])
-            .collect();
-        for ear in ear_clip_corners(&points).map_err(|_| WriteCause::NotSimple { face })? {
-            let points = ear.map(|i| points[i as usize]);
-            let single = points.map(|p| Vector::new([p.x as f32, p.y as f32, p.z as f32]));
-            if let Some(i) = single
-                .iter()
-                .position(|p| !p.0.iter().all(|x| x.is_finite()))
-            {
-                let vertex = corners[ear[i] as usize] as usize;
-                return Err(WriteCause::TooLarge { vertex });
+    for face in 0..soup.faces.len() {
+        for triangle in of_face(soup, face)? {
+            let mut vertices = [Vector::new([0.0; 3]); 3];
+            for (slot, &v) in vertices.iter_mut().zip(&triangle) {
+                *slot = Vector::new(single(soup, v, Vec3::zeros())?);
             }
             triangles.push(Triangle {
-                normal: normal(points),
-                vertices: single,
+                normal: normal(triangle.map(|v| soup.positions[v as usize])),
+                vertices,
             });
         }
     }

@@ -1,0 +1,89 @@
+//! 3MF: triangles with shared vertices in double precision, one object; for closed solids that go to a printer.
+//!
+//! The format wants a unit. A plain mesh has none, and metres are written, the program's own default.
+
+use super::error::WriteCause;
+use super::triangles::of_face;
+use crate::PolygonSoup;
+use std::io::{self, Cursor};
+use threemf::model::{
+    Build, Item, Mesh, Model, Object, Resources, Triangle, Triangles, Unit, Vertex, Vertices,
+};
+
+/// The file of a mesh.
+pub(super) fn encode(soup: &PolygonSoup) -> Result<Vec<u8>, WriteCause> {
+    let mut triangle = Vec::new();
+    for face in 0..soup.faces.len() {
+        for corners in of_face(soup, face)? {
+            let [v1, v2, v3] = corners.map(|v| v as usize);
+            triangle.push(Triangle { v1, v2, v3 });
+        }
+    }
+    let vertex = soup.positions.iter().map(|p| Vertex {
+        x: p.x,
+        y: p.y,
+        z: p.z,
+    });
+    let mesh = Mesh {
+        vertices: Vertices {
+            vertex: vertex.collect(),
+        },
+        triangles: Triangles { triangle },
+    };
+    let mut out = Cursor::new(Vec::new());
+    threemf::write(&mut out, model(mesh)).map_err(|e| WriteCause::Io(io::Error::other(e)))?;
+    Ok(out.into_inner())
+}
+
+fn model(mesh: Mesh) -> Model {
+    let object = Object {
+        id: 1,
+        mesh: Some(mesh),
+        ..Object::default()
+    };
+    let item = Item {
+        objectid: 1,
+        transform: None,
+        partnumber: None,
+    };
+    Model {
+        resources: Resources {
+            object: vec![object],
+            basematerials: None,
+        },
+        build: Build { item: vec![item] },
+        unit: Unit::Meter,
+        ..Model::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Vec3;
+
+    #[test]
+    fn it_reads_back_bit_by_bit_and_is_the_same_every_time() {
+        let soup = PolygonSoup {
+            positions: vec![
+                Vec3::zeros(),
+                Vec3::x() * 0.1,
+                Vec3::new(1.0 / 3.0, 1.0, 1e-9),
+                Vec3::y(),
+            ],
+            faces: vec![vec![0, 1, 2, 3]],
+        };
+        let bytes = encode(&soup).unwrap();
+        assert_eq!(bytes, encode(&soup).unwrap());
+        let models = threemf::read(Cursor::new(bytes)).unwrap();
+        let mesh = models[0].resources.object[0].mesh.as_ref().unwrap();
+        assert_eq!(mesh.triangles.triangle.len(), 2);
+        let back: Vec<Vec3> = mesh
+            .vertices
+            .vertex
+            .iter()
+            .map(|v| Vec3::new(v.x, v.y, v.z))
+            .collect();
+        assert_eq!(back, soup.positions);
+    }
+}
