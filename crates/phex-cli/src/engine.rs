@@ -110,6 +110,8 @@ fn pipeline_failure(error: PipelineError) -> Failure {
         PipelineError::Cancelled => return Failure::interrupted(),
         PipelineError::Size(_) | PipelineError::Components(_) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => Exit::InputUnusable,
+        PipelineError::Layout(LayoutError::Domain(_)) => Exit::InputUnusable,
+        PipelineError::Layout(LayoutError::Duality(_)) => Exit::NoValidResult,
         PipelineError::Layout(LayoutError::Topology { .. } | LayoutError::Network(_)) => {
             Exit::NoValidResult
         }

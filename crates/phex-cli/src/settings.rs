@@ -28,6 +28,12 @@ pub struct MeshSettings {
     /// How panels are laid out [default: lattice]
     #[arg(long, value_enum)]
     pub method: Option<Layout>,
+    /// Use the method where it is not made for the surface, to see what becomes of it
+    #[arg(long)]
+    pub any_domain: bool,
+    /// Hold back vertices where tangent planes meet badly (0.05 to 0.5), and leave planarity to the optimiser; for `tangent-planes`
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub regularise: Option<f64>,
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub rotate: Option<f64>,
@@ -71,6 +77,12 @@ pub enum Layout {
     Lattice,
     /// A brick wall on the lines of curvature, where the surface has a network of them without singular points
     BrickWall,
+    /// A regular triangulation of the dual surface, mapped back; for Gauss curvature of one sign
+    ProjectiveDual,
+    /// Tangent planes over a regular triangulation of the Gauss sphere; for Gauss curvature of one sign
+    SupportFunction,
+    /// Tangent planes of the lattice's panels, intersected
+    TangentPlanes,
 }
 
 impl From<Layout> for Method {
@@ -78,6 +90,9 @@ impl From<Layout> for Method {
         match layout {
             Layout::Lattice => Self::Lattice,
             Layout::BrickWall => Self::BrickWall,
+            Layout::ProjectiveDual => Self::ProjectiveDual,
+            Layout::SupportFunction => Self::SupportFunction,
+            Layout::TangentPlanes => Self::TangentPlanes,
         }
     }
 }
@@ -87,6 +102,9 @@ impl From<Method> for Layout {
         match method {
             Method::Lattice => Self::Lattice,
             Method::BrickWall => Self::BrickWall,
+            Method::ProjectiveDual => Self::ProjectiveDual,
+            Method::SupportFunction => Self::SupportFunction,
+            Method::TangentPlanes => Self::TangentPlanes,
         }
     }
 }
@@ -178,6 +196,8 @@ impl MeshSettings {
                 file.edge_length
             },
             method: self.method.or(file.method),
+            any_domain: self.any_domain || file.any_domain,
+            regularise: self.regularise.or(file.regularise),
             rotate: self.rotate.or(file.rotate),
             adaptive: self.adaptive.or(file.adaptive),
             boundary: self.boundary.or(file.boundary),
@@ -211,6 +231,10 @@ impl MeshSettings {
         options.size = phex::PanelSize::Panels(usize::try_from(panels).unwrap_or(usize::MAX));
         if let Some(method) = self.method {
             options.method = method.into();
+        }
+        options.dual.any_domain |= self.any_domain;
+        if let Some(x) = self.regularise {
+            options.dual.regularisation = x;
         }
         if let Some(degrees) = self.rotate {
             options.directions.rotate = degrees.to_radians();

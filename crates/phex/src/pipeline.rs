@@ -4,8 +4,10 @@
 //! layout as seeds to drop, and layout and optimiser run again.
 
 mod brick_wall;
+mod classical;
 
 pub use brick_wall::{NetworkCurves, network_curves};
+pub use classical::ClassicalStatistics;
 
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
@@ -13,6 +15,7 @@ use crate::directions::size::{self, SizeOptions};
 use crate::directions::{self, DirectionOptions, Directions};
 use crate::ground::Ground;
 use crate::layout::brick_wall::{BrickWallOptions, BrickWallStatistics};
+use crate::layout::duality::DualOptions;
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics};
@@ -51,6 +54,12 @@ pub enum Method {
     Lattice,
     /// A brick wall on a conjugate curve network, where the surface has one.
     BrickWall,
+    /// A regular triangulation of the dual surface, mapped back.
+    ProjectiveDual,
+    /// A regular triangulation of the Gauss sphere, and tangent planes with its normals.
+    SupportFunction,
+    /// Tangent planes of the lattice's panels, intersected.
+    TangentPlanes,
 }
 
 /// Options of [`mesh_surface`]: one struct per stage, and what concerns the whole flow.
@@ -79,6 +88,8 @@ pub struct MeshOptions {
     pub layout: LayoutOptions,
     /// Layout as a brick wall.
     pub brick_wall: BrickWallOptions,
+    /// The methods that work by planes and their poles.
+    pub dual: DualOptions,
     /// Optimiser.
     pub optimise: OptimiseOptions,
     /// Vertices per panel, at least, of the mesh on which directions and lattice are computed.
@@ -103,6 +114,7 @@ impl Default for MeshOptions {
             portfolio: vec![1.5, 1.0],
             layout: LayoutOptions::default(),
             brick_wall: BrickWallOptions::default(),
+            dual: DualOptions::default(),
             optimise: OptimiseOptions::default(),
             field_density: 8.0,
             cell_density: 25.0,
@@ -172,6 +184,8 @@ pub struct Statistics {
     pub layout: LayoutStatistics,
     /// The brick wall, if that was the method.
     pub brick_wall: Option<BrickWallStatistics>,
+    /// The method by planes and poles, if that was one.
+    pub classical: Option<ClassicalStatistics>,
     /// The optimiser's runs of the last round.
     pub runs: Vec<RunSummary>,
     /// Factorisations of the optimiser in all rounds.
@@ -244,8 +258,12 @@ fn mesh_with_panels(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    if options.method == Method::BrickWall {
-        return brick_wall::mesh_with_panels(surface, panels, options, progress);
+    match options.method {
+        Method::Lattice => {}
+        Method::BrickWall => {
+            return brick_wall::mesh_with_panels(surface, panels, options, progress);
+        }
+        _ => return classical::mesh_with_panels(surface, panels, options, progress),
     }
     let mut clock = Clock::new(progress);
     let similarity = Similarity::normalising(surface);
@@ -278,6 +296,7 @@ fn mesh_with_panels(
         interpolation_error: ground.smooth.interpolation_error,
         layout: best.layout,
         brick_wall: None,
+        classical: None,
         runs: best.result.runs.clone(),
         factorisations: best.factorisations,
         repairs: best.repairs,

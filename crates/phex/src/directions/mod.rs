@@ -29,7 +29,7 @@ pub mod network;
 pub mod rosy;
 pub mod size;
 
-use crate::curvature::Curvature;
+use crate::curvature::{Curvature, Principal};
 use intrinsic::IntrinsicMesh;
 use nalgebra::Matrix3;
 use phex_mesh::{PerFace, PerVertex, TriangleSurface};
@@ -111,10 +111,25 @@ pub fn directions_sized(
     options: &DirectionOptions,
 ) -> Result<Directions, NumericError> {
     let principal = curvature.principal();
-    let mut tensor = metric::metric(surface, curvature, &principal, panel_length, options);
+    let tensor = metric::metric(surface, curvature, &principal, panel_length, options);
     let weight = metric::alignment_weight(&principal, curvature, options);
+    in_metric(surface, tensor, &principal, &weight, options)
+}
+
+/// Directions for a given metric, which the conformal factor may change: the field follows the smaller curvature of `principal` as
+/// strongly as `weight` says.
+///
+/// # Errors
+/// As [`directions_sized`].
+pub fn in_metric(
+    surface: &TriangleSurface,
+    mut tensor: PerVertex<Matrix3<f64>>,
+    principal: &PerVertex<Principal>,
+    weight: &PerVertex<f64>,
+    options: &DirectionOptions,
+) -> Result<Directions, NumericError> {
     let mut intrinsic = IntrinsicMesh::new(surface, &tensor);
-    let mut angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options)?;
+    let mut angle = rosy::field(surface, &intrinsic, &tensor, principal, weight, options)?;
     if options.conformal_limit > 0.0 {
         let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
         let scale = conformal::log_factor(surface.topology(), &intrinsic, &cone, options)?;
@@ -122,7 +137,7 @@ pub fn directions_sized(
             *m *= (2.0 * s).exp();
         }
         intrinsic = IntrinsicMesh::new(surface, &tensor);
-        angle = rosy::field(surface, &intrinsic, &tensor, &principal, &weight, options)?;
+        angle = rosy::field(surface, &intrinsic, &tensor, principal, weight, options)?;
     }
     let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
     Ok(Directions {

@@ -15,12 +15,17 @@ pub mod boundary;
 pub mod boundary_nodes;
 pub mod brick_wall;
 pub mod cells;
+pub mod domain;
+pub mod duality;
 pub mod lattice;
 pub mod polish;
+pub mod projective_dual;
 pub mod record;
 pub mod rim;
 pub mod seamless;
 pub mod seeds;
+pub mod support_function;
+pub mod tangent_planes;
 pub mod voronoi;
 pub mod waves;
 
@@ -31,6 +36,8 @@ use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
 use boundary::Pin;
 use cells::{CellComplex, Node};
+use domain::DomainError;
+use duality::DualityError;
 use lattice::{Charts, Plane};
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -79,6 +86,12 @@ pub enum LayoutError {
     /// There is no conjugate network for a brick wall.
     #[error(transparent)]
     Network(#[from] NetworkError),
+    /// The surface is none that the method is made for.
+    #[error(transparent)]
+    Domain(#[from] DomainError),
+    /// Planes that do not meet.
+    #[error(transparent)]
+    Duality(#[from] DualityError),
     /// Cells are not discs.
     #[error(
         "no panelling with the topology of the surface was found: {reason}; ask for smaller panels"

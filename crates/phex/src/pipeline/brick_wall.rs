@@ -139,6 +139,7 @@ pub(super) fn mesh_with_panels(
         interpolation_error: ground.smooth.interpolation_error,
         layout: LayoutStatistics::default(),
         brick_wall: Some(wall),
+        classical: None,
         factorisations: result.runs.iter().map(|r| r.factorisations).sum(),
         runs: result.runs.clone(),
         repairs: Vec::new(),
@@ -157,7 +158,7 @@ pub(super) fn mesh_with_panels(
 }
 
 /// Options that do not smooth a start which is simple: smoothing would undo the kinks.
-fn kinked(options: &OptimiseOptions) -> OptimiseOptions {
+pub(super) fn kinked(options: &OptimiseOptions) -> OptimiseOptions {
     OptimiseOptions {
         smoothing: [0, options.smoothing[1]],
         ..options.clone()

@@ -1,0 +1,294 @@
+//! Projective dual: a regular triangulation of the dual surface, mapped back.
+//!
+//! The dual `S'` of a surface `S` consists of the poles of its tangent planes, for the unit sphere about a centre `c`
+//! `p' = n / h` with `h = n . (p - c)`. A regular triangulation of `S'` is the dual of a P-Hex mesh whose panels touch `S` where
+//! the triangulation has its vertices. It is made as the lattice of `S` that is regular in the metric that `S'` induces:
+//!
+//! `G = J^T J`, `J = (h II - n (II p)^T) / h^2` (affine, where no tangent plane passes through `c`), or
+//! `J` of `(n, h) / |(n, h)|` (projective, bounded everywhere)
+//!
+//! with `II` as a tangential tensor. Working on `S` with the metric of `S'` keeps the way back one to one where `S'` covers itself.
+//!
+//! Source: W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2, with its three problems: distortion, points of `S'`
+//! that belong to several points of `S`, and triangulations whose dual panels cross themselves. [`inspect`] finds the
+//! first two: *singular points*, the images of parabolic curves, where `S'` has cusps (`det J ~ K`), and *duplicates*, far points
+//! of `S` with one tangent plane. The third is what validation counts.
+//!
+//! Guaranteed: planar panels. Valid where the triangles of touching points are as `super::duality` says: on elliptic and hyperbolic
+//! surfaces whose dual is not too anisotropic (ratio of the curvatures of `S` in the metric of `S'` below 3). Refused where
+//! tangent planes pass through every centre, and where `K` changes its sign, unless asked to go on.
+
+use super::domain::{DomainError, Place, SignedPlaces};
+use super::duality::{Plane, clear_centre};
+use crate::curvature::Curvature;
+use nalgebra::{Matrix3, SMatrix};
+use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
+use serde::Serialize;
+use std::collections::HashMap;
+
+/// Name in messages.
+const METHOD: &str = "projective-dual";
+/// Least distance of the centre to the tangent planes, over the largest, with which the affine dual is used.
+const CLEAR: f64 = 0.02;
+/// Poles nearer than this share of the dual's mean edge, of points farther apart than [`FAR`] mean edges, are duplicates.
+const SAME: f64 = 0.25;
+/// See [`SAME`].
+const FAR: f64 = 4.0;
+
+/// The dual of a surface.
+#[derive(Clone, Debug)]
+pub struct SurfaceDual {
+    /// The centre `c`.
+    pub centre: Vec3,
+    /// Least distance of the centre to a tangent plane over the largest; 0 or less where tangent planes pass on both sides of it.
+    pub clearness: f64,
+    /// `h` at each vertex.
+    pub height: PerVertex<f64>,
+}
+
+/// What is wrong with a dual surface.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct DualDefects {
+    /// Edges of the surface's triangles between vertices with Gauss curvature of opposite sign: the dual has a cusp there.
+    pub singular_edges: usize,
+    /// Pairs of far vertices with the same tangent plane, about.
+    pub duplicate_pairs: usize,
+    /// Edges across which the dual runs through infinity.
+    pub edges_through_infinity: usize,
+}
+
+impl SurfaceDual {
+    /// The dual about a centre that is chosen away from the tangent planes.
+    pub fn of(surface: &TriangleSurface, normals: &PerVertex<Vec3>) -> Self {
+        let positions = surface.positions();
+        let planes: Vec<Plane> = positions
+            .iter()
+            .zip(normals)
+            .map(|(p, n)| Plane::through(*p, *n))
+            .collect();
+        let (centre, clearness) = clear_centre(&planes, positions.as_slice());
+        let height = PerVertex::from_vec(planes.iter().map(|p| -p.height(centre)).collect());
+        Self {
+            centre,
+            clearness,
+            height,
+        }
+    }
+
+    /// Whether all of the dual is finite and on one side.
+    pub fn is_affine(&self) -> bool {
+        self.clearness >= CLEAR
+    }
+
+    /// The vertex whose tangent plane passes nearest to the centre.
+    fn nearest(&self, surface: &TriangleSurface) -> Place {
+        let distance = |v: &VertexId| self.height[*v].abs();
+        let all = surface.topology().vertices();
+        let vertex = all.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let vertex = vertex.unwrap_or(VertexId::new(0));
+        Place {
+            vertex,
+            position: surface.positions()[vertex],
+        }
+    }
+
+    /// The metric of the dual, pulled back to the surface; a floor keeps it positive where the dual has cusps.
+    pub fn metric(
+        &self,
+        surface: &TriangleSurface,
+        curvature: &Curvature,
+    ) -> PerVertex<Matrix3<f64>> {
+        let raw = PerVertex::from_fn(self.height.len(), |v| {
+            let p = surface.positions()[v] - self.centre;
+            let (n, s) = (curvature.normal[v], curvature.tensor[v]);
+            if self.is_affine() {
+                affine_metric(p, n, &s, self.height[v])
+            } else {
+                projective_metric(p, n, &s, self.height[v])
+            }
+        });
+        with_floor(raw, &curvature.normal)
+    }
+}
+
+/// `J^T J` of `n / h`.
+fn affine_metric(p: Vec3, n: Vec3, s: &Matrix3<f64>, h: f64) -> Matrix3<f64> {
+    let j = (s * h - n * (s * p).transpose()) / (h * h);
+    j.transpose() * j
+}
+
+/// `J^T J` of `(n, h) / |(n, h)|`.
+fn projective_metric(p: Vec3, n: Vec3, s: &Matrix3<f64>, h: f64) -> Matrix3<f64> {
+    let length = (1.0 + h * h).sqrt();
+    let x = n.push(h) / length;
+    let mut j = SMatrix::<f64, 4, 3>::zeros();
+    j.fixed_view_mut::<3, 3>(0, 0).copy_from(s);
+    j.fixed_view_mut::<1, 3>(3, 0)
+        .copy_from(&(s * p).transpose());
+    let tangential = (j - x * (x.transpose() * j)) / length;
+    tangential.transpose() * tangential
+}
+
+/// Share of the mean trace that is added in every tangent direction.
+const METRIC_FLOOR: f64 = 0.02;
+
+/// The tensors with a small isotropic part, so that no direction has length 0.
+pub(super) fn with_floor(
+    raw: PerVertex<Matrix3<f64>>,
+    normal: &PerVertex<Vec3>,
+) -> PerVertex<Matrix3<f64>> {
+    let mean = raw.iter().map(|m| m.trace()).sum::<f64>() / raw.len() as f64;
+    let floor = METRIC_FLOOR * mean.max(f64::MIN_POSITIVE);
+    PerVertex::from_fn(raw.len(), |v| {
+        let n = normal[v];
+        let tangential = Matrix3::identity() - n * n.transpose();
+        raw[v] + tangential * floor
+    })
+}
+
+/// Whether the method applies.
+///
+/// # Errors
+/// Where tangent planes pass through every centre, or `K` changes its sign.
+pub fn check(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    dual: &SurfaceDual,
+) -> Result<(), DomainError> {
+    SignedPlaces::find(surface, curvature).one_sign(METHOD, "the dual surface has a cusp")?;
+    if dual.is_affine() {
+        return Ok(());
+    }
+    let place = dual.nearest(surface);
+    Err(DomainError::NoCentre {
+        method: METHOD,
+        place,
+    })
+}
+
+/// Counts singular points and duplicates of the dual.
+pub fn inspect(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    dual: &SurfaceDual,
+) -> DualDefects {
+    let topology = surface.topology();
+    let gauss = curvature.principal().map(|p| p.small * p.large);
+    let count = |test: &dyn Fn(VertexId, VertexId) -> bool| {
+        let ends = topology.edges().map(|e| topology.edge_vertices(e));
+        ends.filter(|[a, b]| test(*a, *b)).count()
+    };
+    DualDefects {
+        singular_edges: count(&|a, b| gauss[a] * gauss[b] < 0.0),
+        edges_through_infinity: count(&|a, b| dual.height[a] * dual.height[b] < 0.0),
+        duplicate_pairs: duplicates(surface, &curvature.normal, dual).len(),
+    }
+}
+
+/// Pairs of vertices that are far apart on the surface and have one tangent plane, as points of projective space, about.
+pub fn duplicates(
+    surface: &TriangleSurface,
+    normals: &PerVertex<Vec3>,
+    dual: &SurfaceDual,
+) -> Vec<[VertexId; 2]> {
+    let topology = surface.topology();
+    let pole = |v: VertexId| {
+        let x = normals[v].push(dual.height[v]).normalize();
+        // A plane and its reverse are one point.
+        if dual.height[v] < 0.0 { -x } else { x }
+    };
+    let edges = || topology.edges().map(|e| topology.edge_vertices(e));
+    let mean = |length: &dyn Fn(VertexId, VertexId) -> f64| {
+        edges().map(|[a, b]| length(a, b)).sum::<f64>() / topology.n_edges() as f64
+    };
+    let same = SAME * mean(&|a, b| (pole(a) - pole(b)).norm());
+    let far = FAR * mean(&|a, b| (surface.positions()[a] - surface.positions()[b]).norm());
+    let cell = |v: VertexId| pole(v).map(|x| (x / same.max(f64::MIN_POSITIVE)).floor() as i64);
+    let mut cells: HashMap<[i64; 4], Vec<VertexId>> = HashMap::new();
+    let mut pairs = Vec::new();
+    for v in topology.vertices() {
+        let members = cells.entry(cell(v).into()).or_default();
+        let twin = members.iter().find(|&&w| {
+            (surface.positions()[v] - surface.positions()[w]).norm() > far
+                && (pole(v) - pole(w)).norm() < same
+        });
+        pairs.extend(twin.map(|&w| [w, v]));
+        members.push(v);
+    }
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curvature::{CurvatureOptions, curvature};
+    use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+
+    fn dual_of(name: &str) -> (TriangleSurface, Curvature, SurfaceDual) {
+        let options = TriangulationOptions {
+            triangles: 3000,
+            ..Default::default()
+        };
+        let surface = triangulate(&Shape::from_name(name, &[]).unwrap(), &options).unwrap();
+        let curvature = curvature(
+            &surface,
+            0.05 * surface.diagonal(),
+            &CurvatureOptions::default(),
+        );
+        let dual = SurfaceDual::of(&surface, &curvature.normal);
+        (surface, curvature, dual)
+    }
+
+    #[test]
+    fn metrics_are_those_of_the_poles() {
+        let (surface, curvature, mut dual) = dual_of("ellipsoid");
+        dual.centre = Vec3::new(0.2, 0.1, -0.05);
+        let positions = surface.positions();
+        dual.height = PerVertex::from_fn(positions.len(), |v| {
+            curvature.normal[v].dot(&(positions[v] - dual.centre))
+        });
+        let metric = dual.metric(&surface, &curvature);
+        let (mut error, mut count) = (0.0, 0.0);
+        for e in surface.topology().edges() {
+            let [a, b] = surface.topology().edge_vertices(e);
+            let pole = |v: VertexId| curvature.normal[v] / dual.height[v];
+            let d = positions[b] - positions[a];
+            let induced = (0.5 * d.dot(&((metric[a] + metric[b]) * d))).sqrt();
+            error += (induced / (pole(a) - pole(b)).norm() - 1.0).abs();
+            count += 1.0;
+        }
+        assert!(error / count < 0.1, "mean relative error {}", error / count);
+    }
+
+    #[test]
+    fn domains() {
+        let verdict = |name| {
+            let (surface, curvature, dual) = dual_of(name);
+            check(&surface, &curvature, &dual)
+        };
+        assert_eq!(verdict("ellipsoid"), Ok(()));
+        assert_eq!(verdict("hyperbolic-paraboloid"), Ok(()));
+        let mixed = verdict("wave").unwrap_err().to_string();
+        assert!(
+            mixed.contains("positive at vertex") && mixed.contains("cusp"),
+            "{mixed}"
+        );
+        let catenoid = verdict("catenoid").unwrap_err();
+        assert!(
+            matches!(catenoid, DomainError::NoCentre { .. }),
+            "{catenoid}"
+        );
+    }
+
+    #[test]
+    fn torus_has_cusps_and_two_planes_that_touch_it_along_circles() {
+        let (surface, curvature, dual) = dual_of("torus");
+        let defects = inspect(&surface, &curvature, &dual);
+        assert!(defects.singular_edges > 50, "{defects:?}");
+        assert!(defects.duplicate_pairs > 20, "{defects:?}");
+        assert!(defects.edges_through_infinity > 20, "{defects:?}");
+        let (surface, curvature, dual) = dual_of("sphere");
+        let none = DualDefects::default();
+        assert_eq!(inspect(&surface, &curvature, &dual), none);
+    }
+}

@@ -1,0 +1,322 @@
+//! The flow for the methods that work by planes and their poles: a lattice that is regular in the method's own metric, its tangent
+//! planes, and the points where they meet. Nothing is optimised or repaired: the comparison is with the methods as they are.
+
+use super::brick_wall::kinked;
+use super::{
+    COUNT_TOLERANCE, COUNT_TRIES, Clock, Field, FineSurface, MeshOptions, MeshRun, Method,
+    PipelineError, Statistics, between_panels, direction_options, moved, panel_length,
+};
+use crate::curvature::{self, Curvature};
+use crate::directions;
+use crate::directions::intrinsic::IntrinsicMesh;
+use crate::ground::Ground;
+use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces};
+use crate::layout::duality::envelope;
+use crate::layout::lattice::CELL;
+use crate::layout::projective_dual::{self, DualDefects, SurfaceDual};
+use crate::layout::tangent_planes::{regularised, tangent_planes as tangent_planes_of};
+use crate::layout::{self, Layout, LayoutError, LayoutStatistics, support_function};
+use crate::optimise::{self, Optimised, SurfaceTarget};
+use crate::progress::Progress;
+use crate::target::Similarity;
+use nalgebra::Matrix3;
+use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3};
+use phex_numeric::{Outcome, Status};
+use serde::Serialize;
+
+/// What a method by planes and poles met with.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClassicalStatistics {
+    /// The method.
+    pub method: Method,
+    /// Signs of the Gauss curvature on the surface.
+    pub curvature: CurvatureSign,
+    /// The assumption of the method that does not hold, if the run went on regardless.
+    pub outside_domain: Option<String>,
+    /// Centre of the polarity, model coordinates.
+    pub centre: Option<[f64; 3]>,
+    /// Least distance of the centre to a tangent plane over the largest.
+    pub clearness: Option<f64>,
+    /// Singular points and duplicates of the dual surface.
+    pub defects: Option<DualDefects>,
+    /// Flips that made the panels those of a convex hull.
+    pub flips: Option<usize>,
+}
+
+/// Panels by one of the methods.
+pub(super) fn mesh_with_panels(
+    input: &TriangleSurface,
+    panels: usize,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<MeshRun, PipelineError> {
+    let mut clock = Clock::new(progress);
+    let similarity = Similarity::normalising(input);
+    let normalised = moved(input, |p| similarity.normalise(p));
+    let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
+    let made = make(&ground, &mut clock).map_err(|e| in_model(e, &similarity))?;
+    let reported = ground.reported(&made.fine.surface);
+    let trimmed = clock.timed("trim", || ground.trimmed(&made.mesh, &made.fine.surface))?;
+    let violations = clock.timed("validate", || between_panels(&trimmed.mesh, reported));
+    let mut classical = made.classical;
+    classical.centre = classical
+        .centre
+        .map(|c| similarity.restore(c.into()).into());
+    let statistics = Statistics {
+        panels_asked: panels,
+        target_vertices: ground
+            .smooth
+            .levels
+            .iter()
+            .map(|l| l.positions().len())
+            .collect(),
+        interpolation_error: ground.smooth.interpolation_error,
+        layout: made.layout,
+        brick_wall: None,
+        classical: Some(classical),
+        runs: made
+            .optimised
+            .as_ref()
+            .map_or_else(Vec::new, |o| o.runs.clone()),
+        factorisations: made
+            .optimised
+            .iter()
+            .flat_map(|o| &o.runs)
+            .map(|r| r.factorisations)
+            .sum(),
+        repairs: Vec::new(),
+        tried: Vec::new(),
+    };
+    let positions = trimmed.mesh.positions.map(|p| similarity.restore(*p));
+    let optimised = made.optimised;
+    Ok(MeshRun {
+        mesh: trimmed.mesh.with_positions(positions),
+        target: moved(reported, |p| similarity.restore(p)),
+        outcome: optimised
+            .as_ref()
+            .map_or_else(|| Outcome::empty(Status::Converged), |o| o.outcome.clone()),
+        offenders: optimised.map_or_else(Vec::new, |o| o.offenders),
+        violations,
+        statistics,
+        stages: clock.stages,
+    })
+}
+
+/// What a method made, in normalised coordinates.
+struct Made {
+    mesh: HexMesh,
+    fine: FineSurface,
+    layout: LayoutStatistics,
+    optimised: Option<Optimised>,
+    classical: ClassicalStatistics,
+}
+
+fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
+    match ground.options.method {
+        Method::ProjectiveDual => projective_dual(ground, clock),
+        Method::SupportFunction => support_function(ground, clock),
+        _ => tangent_planes(ground, clock),
+    }
+}
+
+/// The surface of the field's level with its curvature.
+struct Start<'a> {
+    level: usize,
+    surface: &'a TriangleSurface,
+    curvature: Curvature,
+}
+
+impl<'a> Start<'a> {
+    fn new(ground: &'a Ground, clock: &mut Clock<'_>) -> Result<Self, PipelineError> {
+        let level = ground
+            .smooth
+            .level_with(ground.options.field_density * ground.panels as f64);
+        let surface = &ground.smooth.levels[level];
+        let length = panel_length(surface, ground.panels);
+        let curvature = clock.stage("curvature", || {
+            curvature::curvature(surface, length, &ground.options.curvature)
+        })?;
+        Ok(Self {
+            level,
+            surface,
+            curvature,
+        })
+    }
+
+    fn statistics(&self, method: Method) -> ClassicalStatistics {
+        ClassicalStatistics {
+            method,
+            curvature: SignedPlaces::find(self.surface, &self.curvature).sign(),
+            outside_domain: None,
+            centre: None,
+            clearness: None,
+            defects: None,
+            flips: None,
+        }
+    }
+
+    /// The lattice that is regular in a metric.
+    fn field(
+        self,
+        ground: &Ground,
+        mut metric: PerVertex<Matrix3<f64>>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Field, PipelineError> {
+        let options = &ground.options;
+        let settings = direction_options(options, 1.0);
+        let principal = self.curvature.principal();
+        let weight = PerVertex::filled(principal.len(), 0.0);
+        let area: f64 = IntrinsicMesh::new(self.surface, &metric).area.iter().sum();
+        scale(&mut metric, CELL * ground.panels as f64 / area);
+        let mut best: Option<(f64, Field)> = None;
+        for _ in 0..COUNT_TRIES {
+            let directions = clock.stage("directions", || {
+                directions::in_metric(self.surface, metric.clone(), &principal, &weight, &settings)
+            })??;
+            let (seeds, statistics) = clock.stage("layout", || {
+                layout::place_seeds(self.surface.topology(), &directions, &options.layout)
+            })??;
+            let ratio = seeds.len().max(1) as f64 / ground.panels as f64;
+            if best.as_ref().is_none_or(|b| ratio.ln().abs() < b.0) {
+                let (level, curvature) = (self.level, self.curvature.clone());
+                let field = Field {
+                    level,
+                    curvature,
+                    directions,
+                    seeds,
+                    statistics,
+                };
+                best = Some((ratio.ln().abs(), field));
+            }
+            if ratio.ln().abs() < COUNT_TOLERANCE {
+                break;
+            }
+            scale(&mut metric, 1.0 / ratio);
+        }
+        Ok(best.expect("at least one lattice is tried").1)
+    }
+}
+
+/// Scales all areas of a metric.
+fn scale(metric: &mut PerVertex<Matrix3<f64>>, factor: f64) {
+    metric.iter_mut().for_each(|m| *m *= factor);
+}
+
+/// What a refusal becomes: the error, or where any domain will do its words.
+fn refusal<T>(
+    checked: Result<T, DomainError>,
+    ground: &Ground,
+) -> Result<Option<String>, LayoutError> {
+    match checked {
+        Ok(_) => Ok(None),
+        Err(e) if ground.options.dual.any_domain => Ok(Some(e.to_string())),
+        Err(e) => Err(e.into()),
+    }
+}
+
+fn projective_dual(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
+    let start = Start::new(ground, clock)?;
+    let (surface, curvature) = (start.surface, &start.curvature);
+    let dual = SurfaceDual::of(surface, &curvature.normal);
+    let mut classical = start.statistics(Method::ProjectiveDual);
+    classical.outside_domain = refusal(projective_dual::check(surface, curvature, &dual), ground)?;
+    classical.centre = Some(dual.centre.into());
+    classical.clearness = Some(dual.clearness);
+    classical.defects = Some(projective_dual::inspect(surface, curvature, &dual));
+    let metric = dual.metric(surface, curvature);
+    let field = start.field(ground, metric, clock)?;
+    let (fine, layout) = cells(ground, &field, clock)?;
+    let mesh = envelope(&layout.mesh, &tangent_planes_of(&layout)).map_err(LayoutError::from)?;
+    Ok(Made {
+        mesh,
+        fine,
+        layout: field.statistics,
+        optimised: None,
+        classical,
+    })
+}
+
+fn support_function(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
+    let start = Start::new(ground, clock)?;
+    let mut classical = start.statistics(Method::SupportFunction);
+    let checked = support_function::check(start.surface, &start.curvature);
+    classical.outside_domain = refusal(checked, ground)?;
+    let metric = support_function::metric(&start.curvature);
+    let field = start.field(ground, metric, clock)?;
+    let (fine, layout) = cells(ground, &field, clock)?;
+    let planes = tangent_planes_of(&layout);
+    let mut panels = layout.mesh.clone();
+    if classical.curvature == CurvatureSign::Elliptic {
+        let (convex, flips) = support_function::convex_panels(&panels, &planes, &layout.face_point)
+            .map_err(LayoutError::from)?;
+        panels = convex;
+        classical.flips = Some(flips);
+    }
+    let mesh = envelope(&panels, &planes).map_err(LayoutError::from)?;
+    Ok(Made {
+        mesh,
+        fine,
+        layout: field.statistics,
+        optimised: None,
+        classical,
+    })
+}
+
+fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
+    let options = &ground.options;
+    let settings = direction_options(options, options.directions.anisotropy);
+    let field = Field::new(&ground.smooth, ground.panels, options, &settings, clock)?;
+    let surface = &ground.smooth.levels[field.level];
+    let start = Start {
+        level: field.level,
+        surface,
+        curvature: field.curvature.clone(),
+    };
+    let classical = start.statistics(Method::TangentPlanes);
+    let (fine, mut layout) = cells(ground, &field, clock)?;
+    if options.dual.regularisation > 0.0 {
+        layout.mesh = regularised(&layout, options.dual.regularisation);
+        let target = SurfaceTarget::new(ground.close_to(&fine.surface));
+        let progress = clock.progress;
+        let optimised = clock.timed("optimise", || {
+            optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
+        })?;
+        let (mesh, statistics) = (optimised.mesh.clone(), field.statistics);
+        return Ok(Made {
+            mesh,
+            fine,
+            layout: statistics,
+            optimised: Some(optimised),
+            classical,
+        });
+    }
+    let mesh = envelope(&layout.mesh, &tangent_planes_of(&layout)).map_err(LayoutError::from)?;
+    Ok(Made {
+        mesh,
+        fine,
+        layout: field.statistics,
+        optimised: None,
+        classical,
+    })
+}
+
+/// The panels of a lattice.
+fn cells(
+    ground: &Ground,
+    field: &Field,
+    clock: &mut Clock<'_>,
+) -> Result<(FineSurface, Layout), PipelineError> {
+    let fine = FineSurface::new(ground, field);
+    let layout = clock.stage("layout", || layout::panelling(&fine.cells(), &field.seeds))??;
+    Ok((fine, layout))
+}
+
+/// An error with its places in model coordinates.
+fn in_model(error: PipelineError, similarity: &Similarity) -> PipelineError {
+    let map = |p: Vec3| similarity.restore(p);
+    match error {
+        PipelineError::Layout(LayoutError::Domain(e)) => LayoutError::from(e.mapped(map)).into(),
+        PipelineError::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(map)).into(),
+        other => other,
+    }
+}

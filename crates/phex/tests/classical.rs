@@ -1,0 +1,153 @@
+//! The methods by planes and poles, on the surfaces that they are made for and on others.
+
+mod common;
+
+use phex::layout::LayoutError;
+use phex::layout::domain::DomainError;
+use phex::pipeline::Method;
+use phex::{MeshOptions, MeshRun, PanelSize, PipelineError, Silent, mesh_surface};
+use phex_mesh::{Violation, measure};
+
+fn options(method: Method) -> MeshOptions {
+    MeshOptions {
+        size: PanelSize::Panels(120),
+        method,
+        ..Default::default()
+    }
+}
+
+fn run(
+    shape: &str,
+    parameters: &[(&str, f64)],
+    options: &MeshOptions,
+) -> Result<MeshRun, PipelineError> {
+    mesh_surface(
+        &common::shape_with(shape, parameters, 3000),
+        options,
+        &Silent,
+    )
+}
+
+fn domain_error(shape: &str, method: Method) -> DomainError {
+    match run(shape, &[], &options(method)) {
+        Err(PipelineError::Layout(LayoutError::Domain(e))) => e,
+        Err(other) => panic!("{shape}: {other}"),
+        Ok(_) => panic!("{shape} is outside the domain of {method:?}"),
+    }
+}
+
+const METHODS: [Method; 3] = [
+    Method::TangentPlanes,
+    Method::ProjectiveDual,
+    Method::SupportFunction,
+];
+
+#[test]
+fn planar_and_simple_on_their_domain() {
+    // Ratios of curvatures in the dual stay where a regular lattice is valid at every rotation.
+    let domain: [(&str, &[(&str, f64)]); 4] = [
+        ("sphere", &[]),
+        ("ellipsoid", &[("a", 1.15), ("b", 1.0), ("c", 0.9)]),
+        ("elliptic-paraboloid", &[]),
+        ("hyperbolic-paraboloid", &[]),
+    ];
+    for method in METHODS {
+        for (shape, parameters) in domain {
+            let run = run(shape, parameters, &options(method)).unwrap();
+            let measures = measure(&run.mesh);
+            let planarity = measures.planarity.max;
+            assert!(planarity < 1e-12, "{method:?} on {shape}: {planarity}");
+            assert_eq!(measures.faces_not_simple, 0, "{method:?} on {shape}");
+            assert_eq!(measures.degree3, 1.0);
+            assert!(
+                (80..=160).contains(&measures.faces),
+                "{method:?} on {shape}: {}",
+                measures.faces
+            );
+            let flipped = |v: &Violation| {
+                matches!(
+                    v,
+                    Violation::FlippedFace { .. } | Violation::WrongFan { .. }
+                )
+            };
+            assert!(!run.violations.iter().any(flipped), "{method:?} on {shape}");
+        }
+    }
+}
+
+#[test]
+fn hull_of_the_support_function_has_convex_panels() {
+    // Here the regular triangulation of the dual is not the hull: some panels of it cross themselves.
+    let parameters: [(&str, f64); 3] = [("a", 1.6), ("b", 1.0), ("c", 0.6)];
+    let crossed = |method| {
+        let run = run("ellipsoid", &parameters, &options(method)).unwrap();
+        let measures = measure(&run.mesh);
+        let flips = run.statistics.classical.unwrap().flips;
+        (measures.faces_not_simple, measures.faces_concave, flips)
+    };
+    let (not_simple, concave, flips) = crossed(Method::SupportFunction);
+    assert_eq!((not_simple, concave), (0, 0));
+    assert!(flips.unwrap() > 0);
+    assert!(
+        crossed(Method::ProjectiveDual).0 > 0,
+        "the rule of theory is sharp"
+    );
+}
+
+#[test]
+fn other_surfaces_are_refused_and_the_place_is_named() {
+    for method in [Method::ProjectiveDual, Method::SupportFunction] {
+        for shape in ["torus", "wave"] {
+            let error = domain_error(shape, method);
+            let DomainError::MixedCurvature {
+                positive, negative, ..
+            } = &error
+            else {
+                panic!("{shape}: {error}");
+            };
+            if shape == "torus" {
+                let from_axis = |p: phex_mesh::Vec3| p.x.hypot(p.y);
+                assert!(from_axis(positive.position) > 1.0 && from_axis(negative.position) < 1.0);
+            }
+            assert!(error.to_string().contains("at vertex"), "{error}");
+        }
+    }
+    let monkey = domain_error("monkey-saddle", Method::SupportFunction);
+    let DomainError::ManyToOne { first, second, .. } = &monkey else {
+        panic!("{monkey}");
+    };
+    // The normals of x^3 - 3 x y^2 are even.
+    let sum = first.position.xy() + second.position.xy();
+    assert!(sum.norm() < 0.2, "{monkey}");
+}
+
+#[test]
+fn asked_to_go_on_they_show_what_fails() {
+    let mut options = options(Method::ProjectiveDual);
+    options.dual.any_domain = true;
+    let run = run("wave", &[], &options).unwrap();
+    assert!(measure(&run.mesh).faces_not_simple > 0);
+    assert!(!run.is_sound());
+    let told = run.statistics.classical.unwrap();
+    assert!(told.outside_domain.unwrap().contains("one sign"));
+    assert!(told.defects.unwrap().singular_edges > 0);
+}
+
+#[test]
+fn regularised_tangent_planes_leave_planarity_to_the_optimiser() {
+    let raw = run("wave", &[], &options(Method::TangentPlanes)).unwrap();
+    let mut options = options(Method::TangentPlanes);
+    options.dual.regularisation = 0.2;
+    let regularised = run("wave", &[], &options).unwrap();
+    let invalid = |run: &MeshRun| measure(&run.mesh).faces_not_simple;
+    assert!(invalid(&raw) > 5, "{}", invalid(&raw));
+    assert_eq!(invalid(&regularised), 0);
+    assert!(measure(&regularised.mesh).planarity.max < 1e-12);
+}
+
+#[test]
+fn a_plane_has_no_meets() {
+    let flat = run("plane", &[], &options(Method::TangentPlanes));
+    let message = flat.map(|_| ()).unwrap_err().to_string();
+    assert!(message.contains("do not meet"), "{message}");
+}
