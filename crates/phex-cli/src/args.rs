@@ -2,6 +2,7 @@
 
 use crate::exit::EXIT_CODES;
 use crate::offset_arguments::OffsetCommand;
+use crate::picture_arguments::RenderCommand;
 use crate::settings::MeshSettings;
 use crate::units::{Quantity, Unit};
 use clap::builder::PossibleValuesParser;
@@ -31,6 +32,8 @@ pub enum Command {
     Offset(Box<OffsetCommand>),
     /// Judge any polygon mesh: planar, simple, sound, close to a surface; lists offenders by id
     Check(CheckCommand),
+    /// Draw a mesh in the colours of a map, as PNG or SVG
+    Render(RenderCommand),
     /// Say what is in a surface or mesh file, and what is wrong with it
     Info(InfoCommand),
     /// Convert between OBJ, PLY, OFF and STL, or write COMPAS JSON, glTF (.glb), DXF and 3MF
@@ -52,6 +55,7 @@ impl Command {
             Self::Planarize(c) => &c.talk,
             Self::Offset(c) => &c.talk,
             Self::Check(c) => &c.talk,
+            Self::Render(c) => &c.talk,
             Self::Info(c) => &c.talk,
             Self::Convert(c) => &c.talk,
             Self::Shape(c) => &c.talk,

@@ -8,6 +8,7 @@ mod input;
 mod offset_arguments;
 mod output;
 mod panel_size;
+mod picture_arguments;
 mod progress;
 mod settings;
 mod summary;

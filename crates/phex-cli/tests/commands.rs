@@ -15,6 +15,7 @@ fn help_of_every_command_lists_the_exit_codes() {
         "info",
         "convert",
         "shape",
+        "render",
         "koebe",
         "parallel",
     ] {
@@ -230,4 +231,31 @@ fn output_goes_into_folders_that_do_not_exist_yet() {
     let shop = Workshop::new();
     shop.succeed("shape plane -o new/folder/plane.obj --triangles 200");
     assert!(common::exists(&shop.path("new/folder/plane.obj")));
+}
+
+#[test]
+fn render_draws_pixels_and_vectors() {
+    let shop = Workshop::new();
+    shop.succeed("shape torus -o torus.obj --triangles 600");
+    shop.succeed("render torus.obj -o a.png --color edge-length --view top --size 200x150");
+    assert_eq!(&shop.read("a.png")[..8], b"\x89PNG\r\n\x1a\n");
+    shop.succeed("render torus.obj -o a.svg --color curvature --surface torus.obj --size 200x150");
+    let svg = String::from_utf8(shop.read("a.svg")).unwrap();
+    assert!(svg.contains("<path id=\"p") && svg.contains("gauss curvature"));
+    shop.succeed("render torus.obj -o b.svg --color curvature --surface torus.obj --size 200x150");
+    assert_eq!(shop.read("a.svg"), shop.read("b.svg"));
+}
+
+#[test]
+fn render_refuses_what_it_can_not_draw() {
+    let shop = Workshop::new();
+    shop.succeed("shape torus -o torus.obj --triangles 600");
+    for (arguments, said) in [
+        ("torus.obj -o a.png --color deviation", "--surface"),
+        ("torus.obj -o a.gif", ".png or .svg"),
+    ] {
+        shop.phex(&format!("render {arguments}"))
+            .refuses(4, &[said]);
+    }
+    assert_eq!(shop.files(), ["torus.obj"]);
 }

@@ -9,6 +9,7 @@ mod network;
 mod offset;
 mod parallel;
 mod planarize;
+mod render;
 mod shape;
 
 use crate::args::Command;
@@ -26,6 +27,7 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Planarize(command) => planarize::run(&command),
         Command::Offset(command) => offset::run(&command),
         Command::Check(command) => check::run(&command),
+        Command::Render(command) => render::run(&command),
         Command::Info(command) => info::run(&command),
         Command::Convert(command) => convert::run(&command),
         Command::Shape(command) => shape::run(&command),

@@ -3,7 +3,7 @@
 //! [`Assessment`] measures a mesh, compares it with the surfaces that it stands for and says what holds: each
 //! [`Check`] is a figure, a limit and the elements that exceed it, and all of them together give the [`Verdict`].
 //! [`RunReport`] is the JSON file of a run around it: inputs with their hashes, settings, times, outputs.
-//! [`picture`] draws the mesh.
+//! [`maps`] says which colour each panel and edge has, [`picture`] draws the mesh in them.
 //!
 //! | verdict | when |
 //! |---|---|
@@ -15,6 +15,7 @@
 //! original facets are always kept apart, since on coarse inputs the facets' own error is the larger of the two.
 
 mod assessment;
+pub mod maps;
 pub mod picture;
 mod run_report;
 

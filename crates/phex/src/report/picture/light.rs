@@ -1,7 +1,8 @@
 //! Light: panel colours, background with contact shadow, and ambient occlusion.
 
 use super::camera::{Camera, panel_plane};
-use super::palette::{PanelKind, linear, panel_colour};
+use super::paint::Paint;
+use super::palette::linear;
 use super::raster::{Sheet, scan_polygon};
 use phex_mesh::{FaceId, HexMesh, PerFace, Vec2, Vec3};
 use rayon::prelude::*;
@@ -28,12 +29,13 @@ pub struct Shading {
     pub panels: PerFace<Vec3>,
     /// Unit normal of each panel, towards the eye.
     normals: PerFace<Vec3>,
-    background: Background,
+    /// `None` is plain white.
+    background: Option<Background>,
 }
 
 impl Shading {
     /// Lights the panels of a mesh.
-    pub fn new(mesh: &HexMesh, camera: &Camera, kinds: &PerFace<PanelKind>) -> Self {
+    pub fn new(mesh: &HexMesh, camera: &Camera, paint: &Paint, ground: bool) -> Self {
         let faces = mesh.topology().n_faces();
         let planes: PerFace<_> = PerFace::from_fn(faces, |f| panel_plane(mesh, camera, f));
         let towards_eye = |f: FaceId| {
@@ -42,17 +44,19 @@ impl Shading {
             if outside { plane.normal } else { -plane.normal }
         };
         let normals = PerFace::from_fn(faces, towards_eye);
-        let lit = |f: FaceId| panel_colour(mesh, f, kinds[f]) * diffuse(normals[f], camera);
+        let shade = |f: FaceId| 1.0 + paint.relief * (diffuse(normals[f], camera) - 1.0);
+        let lit = |f: FaceId| paint.panels[f] * shade(f);
         Self {
             panels: PerFace::from_fn(faces, lit),
-            background: Background::new(mesh, camera),
+            background: ground.then(|| Background::new(mesh, camera)),
             normals,
         }
     }
 
     /// Light of the background at a pixel of a picture `height` pixels high.
     pub fn background(&self, x: f64, y: f64, height: usize) -> Vec3 {
-        self.background.light(x, y, height)
+        let background = self.background.as_ref();
+        background.map_or(Vec3::repeat(1.0), |b| b.light(x, y, height))
     }
 
     /// Share of light that each pixel keeps where panels stand close to one another (1 where nothing is near).

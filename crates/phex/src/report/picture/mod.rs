@@ -8,13 +8,18 @@
 
 mod camera;
 mod legend;
+mod legend_layout;
 mod light;
-mod palette;
+mod paint;
+pub(super) mod palette;
 mod raster;
 mod strokes;
+mod vector;
 
+use crate::report::maps::ColourMap;
 use crate::report::picture::camera::Camera;
 use crate::report::picture::light::Shading;
+use crate::report::picture::paint::Paint;
 use crate::report::picture::raster::{PanelRaster, Sheet};
 use phex_mesh::HexMesh;
 use serde::{Deserialize, Serialize};
@@ -31,10 +36,12 @@ pub struct PictureOptions {
     pub supersampling: usize,
     /// Direction from which the model is seen, degrees counter-clockwise from +x; `None` chooses the view that shows most.
     pub azimuth: Option<f64>,
-    /// Height of the eye above the horizon, degrees (-89 to 89); 35 is the isometric view's.
+    /// Height of the eye above the horizon, degrees (-90 to 90); 35 is the isometric view's, 90 looks straight down.
     pub elevation: f64,
-    /// Whether the colours and counts of the panel kinds are shown.
+    /// Whether it is said what the colours mean.
     pub legend: bool,
+    /// Whether the model stands on a ground with its shadow, or before plain white.
+    pub ground: bool,
 }
 
 impl Default for PictureOptions {
@@ -46,6 +53,7 @@ impl Default for PictureOptions {
             azimuth: None,
             elevation: 35.0,
             legend: true,
+            ground: true,
         }
     }
 }
@@ -57,7 +65,7 @@ impl PictureOptions {
             width: self.width.clamp(16, 16384),
             height: self.height.clamp(16, 16384),
             supersampling: self.supersampling.clamp(1, 8),
-            elevation: self.elevation.clamp(-89.0, 89.0),
+            elevation: self.elevation.clamp(-90.0, 90.0),
             ..self.clone()
         }
     }
@@ -74,19 +82,39 @@ pub struct Picture {
     pub rgba: Vec<u8>,
 }
 
-/// Draws a mesh; options outside their ranges are moved to the nearest end.
+/// Draws a mesh in the colours of its panels' kinds; options outside their ranges are moved to the nearest end.
 pub fn draw(mesh: &HexMesh, options: &PictureOptions) -> Picture {
+    draw_paint(mesh, &Paint::kinds(mesh), options)
+}
+
+/// Draws a mesh in the colours of a map of it, with the map's histogram in the legend.
+///
+/// # Panics
+/// If the map is of another mesh.
+pub fn draw_map(mesh: &HexMesh, map: &ColourMap, options: &PictureOptions) -> Picture {
+    draw_paint(mesh, &Paint::map(mesh, map), options)
+}
+
+/// As [`draw_map`], as vectors: an SVG drawing with one path per visible panel. Hidden panels are left out, and what is
+/// nearer is drawn later, so that the drawing needs no clipping.
+///
+/// # Panics
+/// If the map is of another mesh.
+pub fn draw_svg(mesh: &HexMesh, map: &ColourMap, options: &PictureOptions) -> String {
+    vector::draw(mesh, &Paint::map(mesh, map), &options.clamped())
+}
+
+fn draw_paint(mesh: &HexMesh, paint: &Paint, options: &PictureOptions) -> Picture {
     let options = options.clamped();
     let camera = Camera::facing(mesh, &options);
-    let kinds = palette::kinds(mesh);
-    let shading = Shading::new(mesh, &camera, &kinds);
-    let panels = PanelRaster::new(mesh, &camera, options.supersampling);
+    let shading = Shading::new(mesh, &camera, paint, options.ground);
+    let panels = PanelRaster::new(mesh, &camera, paint, options.supersampling);
     let mut sheet = Sheet::draw(&panels, &shading, &options);
     sheet.darken(&shading.occlusion(&sheet, &camera));
     if options.legend {
-        legend::draw(&mut sheet, &kinds);
+        legend::draw(&mut sheet, &paint.legend);
     }
-    sheet.into_picture()
+    sheet.into_picture(options.ground)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Colours of the panel kinds.
 
+use crate::report::maps::{Class, Rgb};
 use phex_mesh::{FaceId, FacePlane, HexMesh, PerFace, Vec2, Vec3};
 
 /// What a panel is, for its colour.
@@ -46,17 +47,34 @@ impl PanelKind {
         }
     }
 
-    /// Colour of the panel (linear light).
-    pub fn colour(self) -> Vec3 {
-        linear(match self {
-            Self::ConvexHexagon | Self::Facet => [0.94, 0.915, 0.88],
-            Self::ConcaveHexagon => [0.74, 0.87, 0.75],
-            Self::Pentagon => [0.36, 0.61, 0.90],
-            Self::Heptagon => [0.95, 0.65, 0.35],
-            Self::Smaller => [0.55, 0.40, 0.75],
-            Self::Larger => [0.85, 0.35, 0.30],
-        })
+    /// Colour of the panel (sRGB).
+    pub fn colour(self) -> Rgb {
+        match self {
+            Self::ConvexHexagon | Self::Facet => [0xF0, 0xE9, 0xE0],
+            Self::ConcaveHexagon => [0xBD, 0xDE, 0xBF],
+            Self::Pentagon => [0x5C, 0x9C, 0xE6],
+            Self::Heptagon => [0xF2, 0xA6, 0x59],
+            Self::Smaller => [0x8C, 0x66, 0xBF],
+            Self::Larger => [0xD9, 0x59, 0x4D],
+        }
     }
+}
+
+/// The kinds as classes of a colour map, in the order of [`PanelKind::ALL`].
+pub fn classes() -> Vec<Class> {
+    let class = |kind: PanelKind| Class {
+        label: kind.label(),
+        colour: kind.colour(),
+    };
+    PanelKind::ALL.map(class).to_vec()
+}
+
+/// Number of each panel's class in [`classes`].
+pub fn class_numbers(mesh: &HexMesh) -> Vec<f64> {
+    let number = |kind: &PanelKind| PanelKind::ALL.iter().position(|k| k == kind);
+    let kinds = kinds(mesh);
+    let numbers = kinds.iter().map(|kind| number(kind).unwrap_or(0));
+    numbers.map(|n| n as f64).collect()
 }
 
 /// Kind of each panel.
@@ -68,15 +86,15 @@ pub fn kinds(mesh: &HexMesh) -> PerFace<PanelKind> {
     PerFace::from_fn(topology.n_faces(), |f| kind(mesh, f))
 }
 
-/// Colour of a panel; at the boundary, where panels are cut and not chosen, it is paler.
+/// Colour of a panel (linear light); at the boundary, where panels are cut and not chosen, it is paler.
 pub fn panel_colour(mesh: &HexMesh, f: FaceId, kind: PanelKind) -> Vec3 {
-    let plain = PanelKind::ConvexHexagon.colour();
+    let [plain, own] = [PanelKind::ConvexHexagon, kind].map(|k| linear_bytes(k.colour()));
     let strength = if mesh.topology().is_boundary_face(f) {
         0.45
     } else {
         1.0
     };
-    plain + (kind.colour() - plain) * strength
+    plain + (own - plain) * strength
 }
 
 fn kind(mesh: &HexMesh, f: FaceId) -> PanelKind {
@@ -114,6 +132,11 @@ pub fn linear(srgb: [f64; 3]) -> Vec3 {
             ((c + 0.055) / 1.055).powf(2.4)
         }
     })
+}
+
+/// Linear light of an sRGB colour in bytes.
+pub fn linear_bytes(srgb: Rgb) -> Vec3 {
+    linear(srgb.map(|c| f64::from(c) / 255.0))
 }
 
 /// sRGB byte of linear light; `round_up` (0 to 1, 0.5 for the nearest byte) tells from which fraction on it is rounded up.

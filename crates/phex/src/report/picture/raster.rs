@@ -2,13 +2,16 @@
 
 use super::camera::{Camera, Seen, panel_plane};
 use super::light::Shading;
-use super::palette::{linear, srgb_byte};
+use super::paint::Paint;
+use super::palette::srgb_byte;
 use super::{Picture, PictureOptions};
 use phex_mesh::{EdgeId, ElementId, FaceId, HexMesh, Vec2, Vec3};
 use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 const NO_PANEL: u32 = u32::MAX;
+const NO_LINE: u32 = u32::MAX;
 /// Rows of pixels that are drawn together.
 const BAND: usize = 32;
 /// Width of a line over the mean length of an edge in the picture.
@@ -17,6 +20,8 @@ const LINE_REL: f64 = 0.055;
 const LINE_WIDTH: (f64, f64) = (0.30, 1.7);
 /// How much wider the boundary is drawn.
 const BOUNDARY_WIDTH: f64 = 1.7;
+/// How much wider lines are drawn that carry colours.
+const COLOURED_WIDTH: f64 = 3.0;
 /// How opaque a line is.
 const LINE_OPACITY: f64 = 0.85;
 
@@ -42,6 +47,8 @@ struct Line {
     ends: [Seen; 2],
     radius: f64,
     panels: [u32; 2],
+    /// Colour, linear light.
+    ink: Vec3,
 }
 
 impl Line {
@@ -70,7 +77,7 @@ pub struct PanelRaster {
 
 impl PanelRaster {
     /// Projects the panels and edges of a mesh.
-    pub fn new(mesh: &HexMesh, camera: &Camera, samples: usize) -> Self {
+    pub fn new(mesh: &HexMesh, camera: &Camera, paint: &Paint, samples: usize) -> Self {
         let see = |p: Vec3| scaled(camera.see(camera.normalised(p)), samples as f64);
         let panels = mesh
             .topology()
@@ -80,13 +87,18 @@ impl PanelRaster {
         let mut lines: Vec<Line> = mesh
             .topology()
             .edges()
-            .map(|e| line(mesh, e, &see))
+            .map(|e| line(mesh, e, paint, &see))
             .collect();
         let mean = lines.iter().map(pixels_long).sum::<f64>() / lines.len() as f64 / samples as f64;
         let unit = camera.focal / camera.eye().norm() / 400.0;
-        let width = (LINE_REL * mean).clamp(LINE_WIDTH.0 * unit, LINE_WIDTH.1 * unit);
+        let bold = if paint.edges.is_some() {
+            COLOURED_WIDTH
+        } else {
+            1.0
+        };
+        let width = bold * (LINE_REL * mean).clamp(LINE_WIDTH.0 * unit, LINE_WIDTH.1 * unit);
         for line in &mut lines {
-            let wider = if line.panels[1] == NO_PANEL {
+            let wider = if line.panels[1] == NO_PANEL && paint.edges.is_none() {
                 BOUNDARY_WIDTH
             } else {
                 1.0
@@ -114,7 +126,7 @@ fn pixels_long(line: &Line) -> f64 {
     (a.x - b.x).hypot(a.y - b.y)
 }
 
-fn line(mesh: &HexMesh, e: EdgeId, see: &impl Fn(Vec3) -> Seen) -> Line {
+fn line(mesh: &HexMesh, e: EdgeId, paint: &Paint, see: &impl Fn(Vec3) -> Seen) -> Line {
     let topology = mesh.topology();
     let half_edge = topology.edge_half_edge(e);
     let number = |f: FaceId| f.index() as u32;
@@ -123,6 +135,7 @@ fn line(mesh: &HexMesh, e: EdgeId, see: &impl Fn(Vec3) -> Seen) -> Line {
         ends: topology.edge_vertices(e).map(|v| see(mesh.position(v))),
         radius: 0.0,
         panels: [number(topology.face(half_edge)), other.unwrap_or(NO_PANEL)],
+        ink: paint.ink(e),
     }
 }
 
@@ -204,7 +217,8 @@ struct Band {
     width: usize,
     panel: Vec<u32>,
     nearness: Vec<f32>,
-    line: Vec<bool>,
+    /// Number of the line that is drawn on a sample.
+    line: Vec<u32>,
 }
 
 impl Band {
@@ -215,13 +229,13 @@ impl Band {
             width,
             panel: vec![NO_PANEL; count],
             nearness: vec![0.0; count],
-            line: vec![false; count],
+            line: vec![NO_LINE; count],
         };
         for (number, panel) in raster.panels.iter().enumerate() {
             band.draw_panel(number as u32, panel);
         }
-        for line in &raster.lines {
-            band.draw_line(line);
+        for (number, line) in raster.lines.iter().enumerate() {
+            band.draw_line(number as u32, line);
         }
         band
     }
@@ -240,7 +254,7 @@ impl Band {
         });
     }
 
-    fn draw_line(&mut self, line: &Line) {
+    fn draw_line(&mut self, number: u32, line: &Line) {
         let (top, bottom) = line.rows();
         let [a, b] = &line.ends;
         let left = column(a.x.min(b.x) - line.radius, self.width);
@@ -251,11 +265,108 @@ impl Band {
                     continue;
                 };
                 let at = (row - self.rows.start) * self.width + x;
-                self.line[at] |=
-                    line.panels.contains(&self.panel[at]) || nearness > self.nearness[at];
+                if line.panels.contains(&self.panel[at]) || nearness > self.nearness[at] {
+                    self.line[at] = number;
+                }
             }
         }
     }
+}
+
+/// Which panels cover each sample, at one sample a pixel.
+#[derive(Clone, Debug)]
+pub struct Covering {
+    width: usize,
+    /// The nearest panel of each sample.
+    top: Vec<u32>,
+    /// Pairs of panels of which the second hides a part of the first.
+    pairs: Vec<(FaceId, FaceId)>,
+}
+
+/// Relative difference of nearness below which two panels count as touching: neighbours do along their edge.
+const TOUCHING: f32 = 1e-5;
+
+impl Covering {
+    /// Scans all panels.
+    pub fn new(raster: &PanelRaster, options: &PictureOptions) -> Self {
+        let (width, height) = (options.width, options.height);
+        let bands: Vec<(Vec<u32>, BTreeMap<(u32, u32), u32>)> = (0..height.div_ceil(BAND))
+            .into_par_iter()
+            .map(|b| b * BAND..((b + 1) * BAND).min(height))
+            .map(|rows| covered_band(raster, rows, width))
+            .collect();
+        let mut counts: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+        for (pair, n) in bands.iter().flat_map(|band| &band.1) {
+            *counts.entry(*pair).or_default() += n;
+        }
+        let more = |&(a, b): &(u32, u32), n: u32| n > *counts.get(&(b, a)).unwrap_or(&0);
+        let kept = counts.iter().filter(|(pair, n)| more(pair, **n));
+        Self {
+            width,
+            pairs: kept
+                .map(|((a, b), _)| (FaceId::new(*a), FaceId::new(*b)))
+                .collect(),
+            top: bands.into_iter().flat_map(|band| band.0).collect(),
+        }
+    }
+
+    /// Pairs of panels of which the second hides a part of the first.
+    pub fn pairs(&self) -> &[(FaceId, FaceId)] {
+        &self.pairs
+    }
+
+    /// The panels that are nearest on some sample, in order.
+    pub fn seen(&self) -> impl Iterator<Item = FaceId> + use<> {
+        let seen: BTreeSet<u32> = self.top.iter().copied().collect();
+        seen.into_iter().filter(|&p| p != NO_PANEL).map(FaceId::new)
+    }
+
+    /// Number of samples within a box that panels cover.
+    pub fn seen_within(&self, low: Vec2, high: Vec2) -> usize {
+        let height = self.top.len() / self.width.max(1);
+        let rows = column(low.y, height)..column(high.y, height);
+        let columns = column(low.x, self.width)..column(high.x, self.width);
+        let row = |y: usize| &self.top[y * self.width..][columns.clone()];
+        rows.flat_map(row).filter(|p| **p != NO_PANEL).count()
+    }
+
+    /// Number of the nearest panel of each sample.
+    #[cfg(test)]
+    pub fn top(&self) -> &[u32] {
+        &self.top
+    }
+}
+
+/// Nearest panels of some rows, and how often each panel lies right behind another.
+fn covered_band(
+    raster: &PanelRaster,
+    rows: Range<usize>,
+    width: usize,
+) -> (Vec<u32>, BTreeMap<(u32, u32), u32>) {
+    let mut layers: Vec<(u32, f32, u32)> = Vec::new();
+    for (number, panel) in raster.panels.iter().enumerate() {
+        scan_polygon(&panel.outline, rows.clone(), width, |row, columns| {
+            for x in columns {
+                let at = ((row - rows.start) * width + x) as u32;
+                let nearness = panel.nearness_at(x as f64 + 0.5, row as f64 + 0.5);
+                layers.push((at, nearness, number as u32));
+            }
+        });
+    }
+    // Of panels at the same distance the first is on top, as in the picture of pixels.
+    layers.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(b.2.cmp(&a.2)));
+    let mut top = vec![NO_PANEL; rows.len() * width];
+    let mut pairs = BTreeMap::new();
+    for &(at, _, panel) in &layers {
+        top[at as usize] = panel;
+    }
+    for two in layers.windows(2) {
+        let ((at, back, far), (next, front, near)) = (two[0], two[1]);
+        if at == next && front - back > TOUCHING * front {
+            *pairs.entry((far, near)).or_default() += 1;
+        }
+    }
+    (top, pairs)
 }
 
 /// The picture in linear light, with the panel that lies at the middle of each pixel.
@@ -288,7 +399,7 @@ impl Sheet {
             let rows = b * BAND..((b + 1) * BAND).min(height);
             let band = Band::draw(raster, rows.start * s..rows.end * s, width * s);
             rows.flat_map(|y| (0..width).map(move |x| (x, y)))
-                .map(|(x, y)| resolve(&band, x, y, s, shading, height))
+                .map(|(x, y)| resolve(raster, &band, [x, y], shading, height))
                 .collect::<Vec<Pixel>>()
         };
         let bands: Vec<Vec<Pixel>> = (0..height.div_ceil(BAND))
@@ -336,10 +447,14 @@ impl Sheet {
         }
     }
 
-    /// The picture in bytes.
-    pub fn into_picture(self) -> Picture {
+    /// The picture in bytes; slow gradients need a dither, plain ones pack better without.
+    pub fn into_picture(self, dithered: bool) -> Picture {
         let bytes = |(at, light): (usize, &Vec3)| {
-            let threshold = dither(at % self.width, at / self.width);
+            let threshold = if dithered {
+                dither(at % self.width, at / self.width)
+            } else {
+                0.5
+            };
             [
                 srgb_byte(light.x, threshold),
                 srgb_byte(light.y, threshold),
@@ -368,14 +483,13 @@ fn dither(x: usize, y: usize) -> f64 {
 
 /// Mean of a pixel's samples.
 fn resolve(
+    raster: &PanelRaster,
     band: &Band,
-    x: usize,
-    y: usize,
-    samples: usize,
+    [x, y]: [usize; 2],
     shading: &Shading,
     height: usize,
 ) -> Pixel {
-    let ink = linear([0.10, 0.10, 0.12]);
+    let samples = raster.samples;
     let background = shading.background(x as f64 + 0.5, y as f64 + 0.5, height);
     let (mut light, mut covered) = (Vec3::zeros(), 0);
     let first_row = y * samples - band.rows.start;
@@ -387,10 +501,9 @@ fn resolve(
         } else {
             shading.panels[FaceId::new(panel)]
         };
-        light += if band.line[at] {
-            plain + (ink - plain) * LINE_OPACITY
-        } else {
-            plain
+        light += match raster.lines.get(band.line[at] as usize) {
+            Some(line) => plain + (line.ink - plain) * LINE_OPACITY,
+            None => plain,
         };
         covered += usize::from(panel != NO_PANEL);
     }

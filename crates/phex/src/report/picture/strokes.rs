@@ -26,6 +26,15 @@ pub fn glyph(c: char) -> (&'static [Stroke], f64) {
         ',' => (&[Line(0.3, 0.3, -0.3, -1.2)], 1.6),
         '.' => (&[Line(0.0, 0.0, 0.0, 0.2)], 1.6),
         '-' => (&[Line(0.0, 2.0, 2.4, 2.0)], 4.0),
+        '/' => (&[Line(0.0, -0.6, 2.6, 6.2)], 4.0),
+        '%' => (
+            &[
+                Line(0.4, 0.0, 4.8, 6.0),
+                Arc(1.1, 4.7, 1.1, 1.2, 0.0, 360.0),
+                Arc(4.1, 1.3, 1.1, 1.2, 0.0, 360.0),
+            ],
+            6.8,
+        ),
         _ => (&[], 3.0),
     }
 }
@@ -244,12 +253,12 @@ mod tests {
 
     #[test]
     fn every_letter_of_the_legend_has_a_form_within_its_width() {
-        for c in "abcdefghijklmnopqrstuvwxyz0123456789".chars() {
+        for c in "abcdefghijklmnopqrstuvwxyz0123456789/%".chars() {
             let (strokes, advance) = glyph(c);
             assert!(!strokes.is_empty(), "{c}");
             for p in segments(&c.to_string()).as_flattened() {
                 assert!(
-                    (-0.1..advance).contains(&p.x) && (-2.1..=6.1).contains(&p.y),
+                    (-0.1..advance).contains(&p.x) && (-2.1..=6.2).contains(&p.y),
                     "{c}: {p}"
                 );
             }

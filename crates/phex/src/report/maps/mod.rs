@@ -1,0 +1,170 @@
+//! What colours say: one value per panel or edge, a fixed range, and the colours and histogram that belong to it.
+//!
+//! The ranges are fixed, so that two pictures can be laid side by side; values outside take the colour of the nearest end.
+//! All colours keep apart under the common colour deficiencies: sequential maps by lightness, diverging ones blue to orange.
+//!
+//! | map | element | value | range |
+//! |---|---|---|---|
+//! | [`Map::Planarity`] | face | largest distance of a corner to the plane, mean edges | 1e-12 to 0.1, logarithmic |
+//! | [`Map::Deviation`] | face | largest distance of a corner or the centre to the surface, % of its diagonal | 0 to 0.5 |
+//! | [`Map::EdgeLength`] | edge | over the mean edge | 1/4 to 4, logarithmic |
+//! | [`Map::Dihedral`] | edge | angle between the panels, degrees; less than 180 is convex | 150 to 210 |
+//! | [`Map::Curvature`] | face | `k1 / k2` with `abs(k1) <= abs(k2)`: has the sign of `K`, 0 is parabolic | -1 to 1 |
+//! | [`Map::Valence`] | face | number of corners, hexagons convex or concave | classes |
+//! | [`Map::Validity`] | face | what holds of the panel | classes |
+
+mod ramps;
+mod scale;
+mod values;
+
+pub use scale::{Class, Continuous, Histogram, Rgb, Scale};
+pub use values::Subject;
+
+use super::picture::palette;
+use serde::{Deserialize, Serialize};
+
+/// What a picture's colours show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Map {
+    /// How far corners are from their panel's plane.
+    Planarity,
+    /// How far panels are from the surface.
+    Deviation,
+    /// Lengths of edges.
+    EdgeLength,
+    /// Angles between neighbouring panels.
+    Dihedral,
+    /// Sign of the Gauss curvature, with the band where it is nearly 0.
+    Curvature,
+    /// Numbers of corners.
+    #[default]
+    Valence,
+    /// Which panels hold all checks.
+    Validity,
+}
+
+impl Map {
+    /// All maps, in the order in which they are offered.
+    pub const ALL: [Self; 7] = [
+        Self::Valence,
+        Self::Validity,
+        Self::Planarity,
+        Self::Deviation,
+        Self::EdgeLength,
+        Self::Dihedral,
+        Self::Curvature,
+    ];
+
+    /// Name as it is typed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Planarity => "planarity",
+            Self::Deviation => "deviation",
+            Self::EdgeLength => "edge-length",
+            Self::Dihedral => "dihedral",
+            Self::Curvature => "curvature",
+            Self::Valence => "valence",
+            Self::Validity => "validity",
+        }
+    }
+
+    /// What the values are, with their unit, in small letters.
+    pub fn caption(self) -> &'static str {
+        match self {
+            Self::Planarity => "planarity, mean edges",
+            Self::Deviation => "distance to the surface, % of its diagonal",
+            Self::EdgeLength => "edge length, mean edges",
+            Self::Dihedral => "dihedral angle, degrees",
+            Self::Curvature => "k1 / k2, sign of gauss curvature",
+            Self::Valence => "number of corners",
+            Self::Validity => "pass or fail",
+        }
+    }
+}
+
+/// The kind of element that a map has values of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Coloured {
+    /// A value per face.
+    Face,
+    /// A value per edge.
+    Edge,
+}
+
+/// Values with the colours that show them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColourMap {
+    /// What is shown.
+    pub map: Map,
+    /// What has a value each.
+    pub element: Coloured,
+    /// The values by element id; NaN where an element has none (an edge of the boundary has no dihedral angle).
+    pub values: Vec<f64>,
+    /// How values become colours.
+    pub scale: Scale,
+}
+
+impl ColourMap {
+    /// The map of a mesh; `None` if it needs a surface and there is none.
+    pub fn new(map: Map, subject: &Subject<'_>) -> Option<Self> {
+        let (element, values) = values::values(map, subject)?;
+        Some(Self {
+            map,
+            element,
+            values,
+            scale: scale(map, subject),
+        })
+    }
+
+    /// Colour (sRGB) of an element; elements without a value are grey.
+    pub fn colour(&self, element: usize) -> Rgb {
+        self.scale.colour(self.values[element])
+    }
+
+    /// Number of elements by value.
+    pub fn histogram(&self) -> Histogram {
+        self.scale.histogram(&self.values)
+    }
+}
+
+fn scale(map: Map, subject: &Subject<'_>) -> Scale {
+    let limit = |name: &str, factor: f64| {
+        let checks = &subject.assessment.checks;
+        let check = checks.iter().find(|c| c.name == name);
+        check.map(|c| c.limit * factor)
+    };
+    let continuous = |low, high, logarithmic, ramp| Continuous {
+        low,
+        high,
+        logarithmic,
+        ramp,
+        limit: None,
+        band: None,
+    };
+    match map {
+        Map::Planarity => Scale::Continuous(Continuous {
+            limit: limit("planarity", 1.0),
+            ..continuous(1e-12, 0.1, true, ramps::SEQUENTIAL)
+        }),
+        Map::Deviation => Scale::Continuous(Continuous {
+            limit: limit("deviation", 100.0),
+            ..continuous(0.0, 0.5, false, ramps::SEQUENTIAL)
+        }),
+        Map::EdgeLength => Scale::Continuous(continuous(0.25, 4.0, true, ramps::DIVERGING_LINES)),
+        Map::Dihedral => Scale::Continuous(continuous(150.0, 210.0, false, ramps::DIVERGING_LINES)),
+        Map::Curvature => Scale::Continuous(Continuous {
+            band: Some((PARABOLIC, ramps::PARABOLIC)),
+            ..continuous(-1.0, 1.0, false, ramps::DIVERGING)
+        }),
+        Map::Valence => Scale::Classes(palette::classes()),
+        Map::Validity => Scale::Classes(values::VALIDITY.to_vec()),
+    }
+}
+
+/// Half the width of the parabolic band, as a ratio of principal curvatures.
+const PARABOLIC: f64 = 0.1;
+
+#[cfg(test)]
+pub(super) mod tests;

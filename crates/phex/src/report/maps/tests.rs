@@ -1,0 +1,135 @@
+use super::*;
+use crate::report::{Assessment, References, Tolerances};
+use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+use phex_mesh::{HexMesh, TriangleSurface, Vec3};
+
+/// A map of a mesh without a surface.
+pub fn map(mesh: &HexMesh, map: Map) -> ColourMap {
+    let assessment = Assessment::new(mesh, References::default(), &Tolerances::default());
+    let subject = Subject {
+        mesh,
+        assessment: &assessment,
+        surface: None,
+    };
+    ColourMap::new(map, &subject).unwrap()
+}
+
+/// Three unit squares round a corner of a cube; a corner of the first is at (x, y) in its plane.
+fn corner([x, y]: [f64; 2]) -> HexMesh {
+    let points = [
+        (0.0, 0.0, 0.0),
+        (1.0, 0.0, 0.0),
+        (x, y, 0.0),
+        (0.0, 1.0, 0.0),
+        (0.0, 1.0, 1.0),
+        (0.0, 0.0, 1.0),
+        (1.0, 0.0, 1.0),
+    ];
+    let positions: Vec<Vec3> = points.iter().map(|&(x, y, z)| Vec3::new(x, y, z)).collect();
+    HexMesh::new(positions, &[[0, 1, 2, 3], [0, 3, 4, 5], [0, 5, 6, 1]]).unwrap()
+}
+
+#[test]
+fn dihedral_angles_of_a_cube_are_right_angles_and_the_boundary_has_none() {
+    let dihedral = map(&corner([1.0; 2]), Map::Dihedral);
+    let inner = dihedral.values.iter().filter(|v| !v.is_nan());
+    let inner: Vec<f64> = inner.copied().collect();
+    assert_eq!(inner.len(), 3);
+    assert!(
+        inner
+            .iter()
+            .all(|v| (v - 270.0).abs() < 1e-9 || (v - 90.0).abs() < 1e-9)
+    );
+    let histogram = dihedral.histogram();
+    assert_eq!(histogram.counts.iter().sum::<usize>(), 3);
+    assert_eq!(histogram.below + histogram.above, 3);
+}
+
+#[test]
+fn edges_of_mean_length_are_in_the_middle_of_the_scale() {
+    let lengths = map(&corner([1.0; 2]), Map::EdgeLength);
+    assert!(lengths.values.iter().all(|v| (v - 1.0).abs() < 1e-12));
+    let Scale::Continuous(scale) = &lengths.scale else {
+        panic!("lengths have a range");
+    };
+    assert!((scale.place(1.0) - 0.5).abs() < 1e-12);
+    assert!((scale.at(scale.place(0.7)) - 0.7).abs() < 1e-12);
+}
+
+#[test]
+fn a_panel_that_crosses_itself_is_told_from_a_concave_one() {
+    let class = |x, y| map(&corner([x, y]), Map::Validity).values[0] as usize;
+    assert_eq!(values::VALIDITY[class(1.0, 1.0)].label, "convex, valid");
+    assert_eq!(values::VALIDITY[class(0.3, 0.3)].label, "concave, valid");
+    assert_eq!(
+        values::VALIDITY[class(0.5, -0.5)].label,
+        "self-intersecting"
+    );
+}
+
+#[test]
+fn curvature_has_the_sign_of_the_surface() {
+    let ratio = |name: &str, parameters: &[(&str, f64)]| {
+        let options = TriangulationOptions {
+            triangles: 3000,
+            ..Default::default()
+        };
+        let surface: TriangleSurface =
+            triangulate(&Shape::from_name(name, parameters).unwrap(), &options).unwrap();
+        // A patch of the surface's own triangles stands for panels.
+        let mesh = HexMesh::new(
+            surface.positions().as_slice().to_vec(),
+            &surface.topology().face_lists(),
+        )
+        .unwrap();
+        let references = References {
+            facets: Some(&surface),
+            smooth: None,
+        };
+        let assessment = Assessment::new(&mesh, references, &Tolerances::default());
+        let subject = Subject {
+            mesh: &mesh,
+            assessment: &assessment,
+            surface: Some(&surface),
+        };
+        let mut values = ColourMap::new(Map::Curvature, &subject).unwrap().values;
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    assert!(ratio("sphere", &[]) > 0.8);
+    assert!(ratio("catenoid", &[]) < -0.8);
+    assert!(ratio("cylinder", &[]).abs() < 0.1);
+}
+
+#[test]
+fn without_a_surface_there_is_no_deviation() {
+    let mesh = corner([1.0; 2]);
+    let assessment = Assessment::new(&mesh, References::default(), &Tolerances::default());
+    let subject = Subject {
+        mesh: &mesh,
+        assessment: &assessment,
+        surface: None,
+    };
+    assert!(ColourMap::new(Map::Deviation, &subject).is_none());
+}
+
+#[test]
+fn values_outside_of_the_range_keep_the_colours_of_its_ends() {
+    let mesh = corner([1.0; 2]);
+    let planarity = map(&mesh, Map::Planarity);
+    let colour = |v: f64| planarity.scale.colour(v);
+    assert_eq!(colour(0.0), colour(1e-12));
+    assert_eq!(colour(7.0), colour(0.1));
+    assert_ne!(colour(0.1), colour(1e-12));
+    assert_eq!(scale::label(1e-12), "1e-12");
+    assert_eq!(scale::label(0.25), "0.25");
+    assert_eq!(scale::label(-1.0), "-1");
+}
+
+#[test]
+fn histogram_counts_every_value_once() {
+    let valence = map(&corner([1.0; 2]), Map::Valence).histogram();
+    assert_eq!(valence.counts.iter().sum::<usize>(), 3);
+    let planarity = map(&corner([1.0; 2]), Map::Planarity).histogram();
+    assert_eq!((planarity.counts[0], planarity.below), (3, 3));
+}
