@@ -7,6 +7,7 @@
 //! The picture is computed in bands of rows, in parallel; its bytes do not depend on the number of threads.
 
 mod camera;
+mod covering;
 mod legend;
 mod legend_layout;
 mod light;

@@ -7,13 +7,12 @@ use super::palette::srgb_byte;
 use super::{Picture, PictureOptions};
 use phex_mesh::{EdgeId, ElementId, FaceId, HexMesh, Vec2, Vec3};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-const NO_PANEL: u32 = u32::MAX;
+pub(super) const NO_PANEL: u32 = u32::MAX;
 const NO_LINE: u32 = u32::MAX;
 /// Rows of pixels that are drawn together.
-const BAND: usize = 32;
+pub(super) const BAND: usize = 32;
 /// Width of a line over the mean length of an edge in the picture.
 const LINE_REL: f64 = 0.055;
 /// Thinnest and widest line, pixels at a picture height of 1200.
@@ -27,15 +26,15 @@ const LINE_OPACITY: f64 = 0.85;
 
 /// A panel as it is drawn; lengths in samples.
 #[derive(Clone, Debug)]
-struct Panel {
-    outline: Vec<Vec2>,
+pub(super) struct Panel {
+    pub(super) outline: Vec<Vec2>,
     /// Nearness as `[0] x + [1] y + [2]`, within the range of the corners.
     nearness: [f64; 3],
     range: (f64, f64),
 }
 
 impl Panel {
-    fn nearness_at(&self, x: f64, y: f64) -> f32 {
+    pub(super) fn nearness_at(&self, x: f64, y: f64) -> f32 {
         let plane = self.nearness[0] * x + self.nearness[1] * y + self.nearness[2];
         plane.max(self.range.0).min(self.range.1) as f32
     }
@@ -70,7 +69,7 @@ impl Line {
 /// Everything that is drawn, projected, at the resolution of the samples.
 #[derive(Clone, Debug)]
 pub struct PanelRaster {
-    panels: Vec<Panel>,
+    pub(super) panels: Vec<Panel>,
     lines: Vec<Line>,
     samples: usize,
 }
@@ -207,7 +206,7 @@ fn row_crossings(outline: &[Vec2], y: f64, crossings: &mut Vec<f64>) {
 }
 
 /// First sample whose centre lies at or beyond a coordinate, at most `limit`.
-fn column(x: f64, limit: usize) -> usize {
+pub(super) fn column(x: f64, limit: usize) -> usize {
     (x - 0.5).ceil().clamp(0.0, limit as f64) as usize
 }
 
@@ -271,102 +270,6 @@ impl Band {
             }
         }
     }
-}
-
-/// Which panels cover each sample, at one sample a pixel.
-#[derive(Clone, Debug)]
-pub struct Covering {
-    width: usize,
-    /// The nearest panel of each sample.
-    top: Vec<u32>,
-    /// Pairs of panels of which the second hides a part of the first.
-    pairs: Vec<(FaceId, FaceId)>,
-}
-
-/// Relative difference of nearness below which two panels count as touching: neighbours do along their edge.
-const TOUCHING: f32 = 1e-5;
-
-impl Covering {
-    /// Scans all panels.
-    pub fn new(raster: &PanelRaster, options: &PictureOptions) -> Self {
-        let (width, height) = (options.width, options.height);
-        let bands: Vec<(Vec<u32>, BTreeMap<(u32, u32), u32>)> = (0..height.div_ceil(BAND))
-            .into_par_iter()
-            .map(|b| b * BAND..((b + 1) * BAND).min(height))
-            .map(|rows| covered_band(raster, rows, width))
-            .collect();
-        let mut counts: BTreeMap<(u32, u32), u32> = BTreeMap::new();
-        for (pair, n) in bands.iter().flat_map(|band| &band.1) {
-            *counts.entry(*pair).or_default() += n;
-        }
-        let more = |&(a, b): &(u32, u32), n: u32| n > *counts.get(&(b, a)).unwrap_or(&0);
-        let kept = counts.iter().filter(|(pair, n)| more(pair, **n));
-        Self {
-            width,
-            pairs: kept
-                .map(|((a, b), _)| (FaceId::new(*a), FaceId::new(*b)))
-                .collect(),
-            top: bands.into_iter().flat_map(|band| band.0).collect(),
-        }
-    }
-
-    /// Pairs of panels of which the second hides a part of the first.
-    pub fn pairs(&self) -> &[(FaceId, FaceId)] {
-        &self.pairs
-    }
-
-    /// The panels that are nearest on some sample, in order.
-    pub fn seen(&self) -> impl Iterator<Item = FaceId> + use<> {
-        let seen: BTreeSet<u32> = self.top.iter().copied().collect();
-        seen.into_iter().filter(|&p| p != NO_PANEL).map(FaceId::new)
-    }
-
-    /// Number of samples within a box that panels cover.
-    pub fn seen_within(&self, low: Vec2, high: Vec2) -> usize {
-        let height = self.top.len() / self.width.max(1);
-        let rows = column(low.y, height)..column(high.y, height);
-        let columns = column(low.x, self.width)..column(high.x, self.width);
-        let row = |y: usize| &self.top[y * self.width..][columns.clone()];
-        rows.flat_map(row).filter(|p| **p != NO_PANEL).count()
-    }
-
-    /// Number of the nearest panel of each sample.
-    #[cfg(test)]
-    pub fn top(&self) -> &[u32] {
-        &self.top
-    }
-}
-
-/// Nearest panels of some rows, and how often each panel lies right behind another.
-fn covered_band(
-    raster: &PanelRaster,
-    rows: Range<usize>,
-    width: usize,
-) -> (Vec<u32>, BTreeMap<(u32, u32), u32>) {
-    let mut layers: Vec<(u32, f32, u32)> = Vec::new();
-    for (number, panel) in raster.panels.iter().enumerate() {
-        scan_polygon(&panel.outline, rows.clone(), width, |row, columns| {
-            for x in columns {
-                let at = ((row - rows.start) * width + x) as u32;
-                let nearness = panel.nearness_at(x as f64 + 0.5, row as f64 + 0.5);
-                layers.push((at, nearness, number as u32));
-            }
-        });
-    }
-    // Of panels at the same distance the first is on top, as in the picture of pixels.
-    layers.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(b.2.cmp(&a.2)));
-    let mut top = vec![NO_PANEL; rows.len() * width];
-    let mut pairs = BTreeMap::new();
-    for &(at, _, panel) in &layers {
-        top[at as usize] = panel;
-    }
-    for two in layers.windows(2) {
-        let ((at, back, far), (next, front, near)) = (two[0], two[1]);
-        if at == next && front - back > TOUCHING * front {
-            *pairs.entry((far, near)).or_default() += 1;
-        }
-    }
-    (top, pairs)
 }
 
 /// The picture in linear light, with the panel that lies at the middle of each pixel.

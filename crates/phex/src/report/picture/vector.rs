@@ -6,11 +6,12 @@
 
 use super::PictureOptions;
 use super::camera::{Camera, Seen, panel_plane};
+use super::covering::Covering;
 use super::legend_layout::{Item, LegendLayout};
 use super::light::Shading;
 use super::paint::Paint;
 use super::palette::srgb_byte;
-use super::raster::{Covering, PanelRaster};
+use super::raster::PanelRaster;
 use crate::report::maps::Rgb;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerFace, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
