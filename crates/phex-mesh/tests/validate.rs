@@ -214,6 +214,25 @@ fn folded_edge_is_located() {
     );
 }
 
+/// A cube has right angles, however it is turned.
+#[test]
+fn cubes_do_not_fold() {
+    let faces = [
+        [0u32, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    for k in 0..50 {
+        let turn = nalgebra::Rotation3::from_euler_angles(0.1 * k as f64, 0.7, 0.3 * k as f64);
+        let corner = |i: u32| turn * Vec3::from_fn(|axis, _| f64::from(i >> axis & 1) - 0.3);
+        let cube = HexMesh::new((0..8).map(corner).collect(), &faces).unwrap();
+        assert_eq!(check(&cube), [], "turn {k}");
+    }
+}
+
 /// Three faces round the origin, each with a corner of `corner` degrees there, in the plane z = 0.
 fn fan(corner: f64) -> HexMesh {
     let at = |degrees: f64, radius: f64| {

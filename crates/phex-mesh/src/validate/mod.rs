@@ -49,6 +49,9 @@ impl Default for ValidateOptions {
     }
 }
 
+/// Cosines this close to 0 belong to a right angle: rounding must not make a cube fold.
+const RIGHT_ANGLE: f64 = 1e-9;
+
 /// The planarity, in mean edges, that rounding of the coordinates allows at best: 4 machine epsilons times the diagonal
 /// of the bounding box (or the largest coordinate, for a mesh far from the origin) over the mean edge.
 pub fn planarity_floor(mesh: &HexMesh) -> f64 {
@@ -316,7 +319,7 @@ impl<'a> Inspection<'a> {
             .face_half_edges(face)
             .filter_map(|h| topology.twin(h));
         let sum: Vec3 = twins.map(|t| self.faces[topology.face(t)].normal()).sum();
-        self.faces[face].normal().dot(&sum) < 0.0
+        self.faces[face].normal().dot(&sum) < -RIGHT_ANGLE
     }
 
     /// Whether each normal points against the triangle below the face's centre. A mesh that is wound the other way as
@@ -346,7 +349,7 @@ impl<'a> Inspection<'a> {
         let faces = [topology.face(h), topology.face(topology.twin(h)?)];
         let [a, b] = faces.map(|f| self.faces[f].normal());
         let angle = a.cross(&b).norm().atan2(a.dot(&b));
-        (a.dot(&b) < 0.0).then_some(Violation::Fold { edge, faces, angle })
+        (a.dot(&b) < -RIGHT_ANGLE).then_some(Violation::Fold { edge, faces, angle })
     }
 }
 
