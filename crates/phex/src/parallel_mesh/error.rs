@@ -74,6 +74,14 @@ pub enum OffsetError {
         /// Number of violations.
         count: usize,
     },
+    /// The mesh itself is not valid.
+    #[error("the mesh itself is not valid: {first}{}", more(.count))]
+    MeshNotValid {
+        /// The first violation.
+        first: Box<Violation>,
+        /// Number of violations.
+        count: usize,
+    },
     /// A face with an even number of corners does not satisfy the angle condition (4.1).
     #[error(
         "face {face} does not satisfy the angle condition: the sum of every other angle misses a multiple of 180 degrees by {} degrees ({count} faces in all)", .defect.to_degrees()
@@ -99,6 +107,18 @@ pub enum OffsetError {
         loops: usize,
         /// Faces with an odd number of corners that lie inside; each allows only a circle of starts.
         odd_faces: usize,
+    },
+    /// No Koebe mesh is parallel to the mesh.
+    #[error(
+        "no mesh with all edges touching the unit sphere is parallel to this one: edge {edge} between vertices {} and {} would touch it in two points {defect:.3e} apart", vertices[0], vertices[1]
+    )]
+    NotParallelToKoebe {
+        /// The edge where it fails most.
+        edge: EdgeId,
+        /// Its vertices.
+        vertices: [VertexId; 2],
+        /// Distance of the touching points that its two ends lead to, on the unit sphere.
+        defect: f64,
     },
     /// The mesh has several components.
     #[error("the mesh has {components} components, one is needed")]

@@ -2,9 +2,10 @@
 
 use super::contact::first_contact;
 use super::gauss_image::GaussImage;
+use super::inheritance::Inheritance;
 use super::{OffsetError, OffsetOptions};
 use phex_mesh::measure::diagonal;
-use phex_mesh::{HexMesh, ValidHexMesh, Violation, violations};
+use phex_mesh::{HexMesh, Violation};
 
 /// Steps at which the way to the first contact is looked at, before the first invalid one is narrowed down.
 const LOOKS: usize = 24;
@@ -35,49 +36,44 @@ pub struct SafeDistances {
     pub inward: SafeDistance,
 }
 
-/// The offset by `distance`, checked.
+impl SafeDistances {
+    /// Those of a mesh that is not valid itself.
+    fn none(error: OffsetError) -> Self {
+        let limit = match error {
+            OffsetError::MeshNotValid { first, .. } => Some(*first),
+            _ => None,
+        };
+        let side = SafeDistance {
+            distance: 0.0,
+            limit,
+        };
+        Self {
+            outward: side.clone(),
+            inward: side,
+        }
+    }
+}
+
+/// The offset by `distance`, checked; what is wrong with it is wrong with the mesh already ([`Inheritance`]).
 ///
 /// # Errors
-/// If it is not a valid mesh; the first violation is named.
+/// If there is a new violation; the first one is named.
 pub fn layer(
     mesh: &HexMesh,
     image: &GaussImage,
     distance: f64,
     options: &OffsetOptions,
-) -> Result<ValidHexMesh, OffsetError> {
+) -> Result<HexMesh, OffsetError> {
     if !distance.is_finite() {
         return Err(OffsetError::Distance { distance });
     }
-    checked(mesh, image.offset(mesh, distance), distance, options)
-}
-
-/// Checks a mesh that has been displaced by (at most) `distance`: it must be valid, and no edge may point backwards.
-///
-/// # Errors
-/// If it is not; the first violation is named.
-pub fn checked(
-    mesh: &HexMesh,
-    moved: HexMesh,
-    distance: f64,
-    options: &OffsetOptions,
-) -> Result<ValidHexMesh, OffsetError> {
-    let refused = |count: usize, first: Violation| OffsetError::NotValid {
-        distance,
-        first: Box::new(first),
-        count,
-    };
-    let backward = backward_edges(mesh, &moved, options);
-    if let Some(first) = backward.first() {
-        return Err(refused(backward.len(), first.clone()));
-    }
-    phex_mesh::validate(moved, None, &options.validity).map_err(|invalid| {
-        let count = invalid.violations.len();
-        refused(count, invalid.violations[0].clone())
-    })
+    let inheritance = Inheritance::of(mesh, options)?;
+    let moved = image.offset(mesh, distance);
+    inheritance.checked(mesh, moved, distance)
 }
 
 /// Edges that have been flipped: they point against their direction in `mesh`.
-fn backward_edges(mesh: &HexMesh, moved: &HexMesh, options: &OffsetOptions) -> Vec<Violation> {
+pub(super) fn backward_edges(mesh: &HexMesh, moved: &HexMesh, limit: f64) -> Vec<Violation> {
     let topology = mesh.topology();
     let unit = moved.mean_edge();
     let along = |m: &HexMesh, [a, b]: [_; 2]| m.position(b) - m.position(a);
@@ -89,7 +85,7 @@ fn backward_edges(mesh: &HexMesh, moved: &HexMesh, options: &OffsetOptions) -> V
             edge,
             vertices,
             length_rel: length / unit,
-            limit: options.validity.edge_length_rel,
+            limit,
         })
     });
     flipped.collect()
@@ -105,9 +101,14 @@ pub fn safe_distances(
     image: &GaussImage,
     options: &OffsetOptions,
 ) -> SafeDistances {
+    let inheritance = match Inheritance::of(mesh, options) {
+        Ok(inheritance) => inheritance,
+        Err(error) => return SafeDistances::none(error),
+    };
+    let side = |side: f64| safe_distance(mesh, image, side, &inheritance);
     SafeDistances {
-        outward: safe_distance(mesh, image, 1.0, options),
-        inward: safe_distance(mesh, image, -1.0, options),
+        outward: side(1.0),
+        inward: side(-1.0),
     }
 }
 
@@ -115,37 +116,33 @@ fn safe_distance(
     mesh: &HexMesh,
     image: &GaussImage,
     side: f64,
-    options: &OffsetOptions,
+    inheritance: &Inheritance,
 ) -> SafeDistance {
     let far = FAR * diagonal(mesh);
     let contact = first_contact(mesh, image, side).min(far);
-    let fault = |d: f64| first_fault(mesh, image, side * d, options);
+    let fault = |d: f64| inheritance.first_fault(mesh, &image.offset(mesh, side * d));
     let place = |k: usize| {
         let fraction = if contact < far {
             k as f64 / LOOKS as f64
         } else {
             GROWTH.powi(k as i32 - LOOKS as i32)
         };
-        if k == 0 { 0.0 } else { contact * fraction }
+        contact * fraction
     };
-    let failed = (0..=LOOKS).find_map(|k| fault(place(k)).map(|f| (k, f)));
+    let failed = (1..=LOOKS).find_map(|k| fault(place(k)).map(|f| (k, f)));
     let Some((k, limit)) = failed else {
+        let end = if contact < far {
+            contact
+        } else {
+            f64::INFINITY
+        };
         return SafeDistance {
-            distance: if contact < far {
-                contact
-            } else {
-                f64::INFINITY
-            },
+            distance: end,
             limit: None,
         };
     };
-    if k == 0 {
-        return SafeDistance {
-            distance: 0.0,
-            limit: Some(limit),
-        };
-    }
-    narrowed(place(k - 1), place(k), limit, fault)
+    let valid = if k == 1 { 0.0 } else { place(k - 1) };
+    narrowed(valid, place(k), limit, fault)
 }
 
 /// Bisection between a valid distance and one that is not.
@@ -166,19 +163,4 @@ fn narrowed(
         distance: valid,
         limit: Some(limit),
     }
-}
-
-fn first_fault(
-    mesh: &HexMesh,
-    image: &GaussImage,
-    distance: f64,
-    options: &OffsetOptions,
-) -> Option<Violation> {
-    let moved = image.offset(mesh, distance);
-    let backward = backward_edges(mesh, &moved, options);
-    backward.into_iter().next().or_else(|| {
-        violations(&moved, None, &options.validity)
-            .into_iter()
-            .next()
-    })
 }

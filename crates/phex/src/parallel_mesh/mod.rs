@@ -1,4 +1,4 @@
-//! Parallel meshes: offsets at constant distance of faces or vertices, Gauss images, layers and solid panels.
+//! Parallel meshes: offsets at constant distance of faces, edges or vertices, Gauss images, layers and solid panels.
 //!
 //! `M_d = M + d M'`, vertex by vertex, where the *Gauss image* `M'` is a mesh parallel to `M` whose faces, edges or
 //! vertices touch the unit sphere. Source: Wang and Liu, "A note on planar hexagonal meshes" (2010), section 4.
@@ -19,15 +19,18 @@
 //! | [`gauss_image`] | `M'` and `M + d M'` |
 //! | `contact` | when a face first meets itself on its way |
 //! | [`koebe`] | polyhedra and patches whose edges touch the unit sphere |
+//! | [`edge_gauss_image`](mod@edge_gauss_image) | the Koebe mesh that a given mesh is parallel to, if there is one |
 //! | [`edge_offset`] | offsets at constant edge distance, of meshes parallel to a Koebe mesh |
 //! | [`space`], [`fit`] | the linear space of parallel meshes, and those in it close to a surface |
+//! | [`inheritance`] | what an offset takes over from its mesh, and what is new and therefore wrong |
 //! | [`layers`] | offsets that have been checked, and how far one may go |
+//! | [`accuracy`] | how far the distances of a finished offset are from what was asked for |
 //! | [`solids`] | closed panels between two layers, mitred, with joint gaps |
 //! | [`beams`] | beams and node axes between two layers |
 //! | [`options`] | limits |
 //! | [`error`] | why an offset can't be made |
 //!
-//! *Guaranteed*: a [`layer`] is a valid mesh, no edge of which points backwards; a distance up to the safe one gives such a
+//! *Guaranteed*: a [`layer`] has no violation that its mesh has not, and no edge that points backwards; a distance up to the safe one gives such a
 //! layer at every place that was looked at ([`safe_distances`]). Error estimates of vertex normals cover rounding.
 //!
 //! *Fails*: for face offsets only where a vertex has not three faces, or faces that lie in one plane are asked to part.
@@ -37,14 +40,17 @@
 //! *Differences from the paper*: the vertex normal is the best of four formulas, since the paper's loses its digits at folded
 //! edges and where two faces lie in one plane; the angle condition is taken modulo pi; on an annulus it is sufficient, too.
 
+pub mod accuracy;
 pub mod angle_condition;
 pub mod beams;
 mod contact;
+pub mod edge_gauss_image;
 pub mod edge_offset;
 pub mod error;
 pub mod face_offset;
 pub mod fit;
 pub mod gauss_image;
+pub mod inheritance;
 pub mod koebe;
 pub mod layers;
 mod null_space;
@@ -59,12 +65,15 @@ mod test_meshes;
 #[cfg(test)]
 mod tests;
 
+pub use accuracy::{distance_error, face_distance_error};
 pub use angle_condition::{AngleCondition, angle_conditions};
 pub use beams::{BeamAxis, NodeAxis, beam_axes, node_axes};
+pub use edge_gauss_image::{EdgeGaussImage, edge_gauss_image};
 pub use error::OffsetError;
 pub use face_offset::{FaceOffset, face_gauss_image, face_offset};
 pub use gauss_image::{GaussImage, OffsetKind};
-pub use layers::{SafeDistance, SafeDistances, checked, layer, safe_distances};
+pub use inheritance::Inheritance;
+pub use layers::{SafeDistance, SafeDistances, layer, safe_distances};
 pub use null_space::Rank;
 pub use options::OffsetOptions;
 pub use solids::{PanelSolid, joined, panel_solids};

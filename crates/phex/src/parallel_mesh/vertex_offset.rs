@@ -110,11 +110,8 @@ pub fn check_angles(mesh: &HexMesh, tolerance: f64) -> Result<(), OffsetError> {
 /// # Errors
 /// If the mesh has several components or a face without area.
 pub fn spherical_mesh(mesh: &HexMesh) -> Result<SphericalMesh, OffsetError> {
+    check_connected(mesh)?;
     let topology = mesh.topology();
-    let (_, components) = topology.components();
-    if components != 1 {
-        return Err(OffsetError::Components { components });
-    }
     let normals = vertex_directions(mesh)?;
     let free_edges = free_edges(mesh);
     let tree = SpanningTree::new(mesh, &free_edges);
@@ -145,6 +142,14 @@ pub fn spherical_mesh(mesh: &HexMesh) -> Result<SphericalMesh, OffsetError> {
     })
 }
 
+/// Checks that the mesh is one piece.
+pub(super) fn check_connected(mesh: &HexMesh) -> Result<(), OffsetError> {
+    match mesh.topology().components().1 {
+        1 => Ok(()),
+        components => Err(OffsetError::Components { components }),
+    }
+}
+
 /// First Betti number of a connected mesh.
 fn n_loops(topology: &Topology) -> usize {
     let closed = i64::from(topology.boundary_loops().is_empty());
@@ -168,7 +173,7 @@ fn free_edges(mesh: &HexMesh) -> Vec<EdgeId> {
 }
 
 /// Sums of the unit normals of the faces at each vertex.
-fn vertex_directions(mesh: &HexMesh) -> Result<PerVertex<Vec3>, OffsetError> {
+pub(super) fn vertex_directions(mesh: &HexMesh) -> Result<PerVertex<Vec3>, OffsetError> {
     let topology = mesh.topology();
     let normals = face_normals(mesh)?;
     let sum = |v| {
@@ -298,7 +303,7 @@ fn reflection(mesh: &HexMesh, edge: EdgeId) -> Matrix3<f64> {
 }
 
 /// Edges at a vertex with their other ends, counter-clockwise.
-fn edges_at(topology: &Topology, v: VertexId) -> Vec<(EdgeId, VertexId)> {
+pub(super) fn edges_at(topology: &Topology, v: VertexId) -> Vec<(EdgeId, VertexId)> {
     let mut edges = Vec::with_capacity(3);
     for h in topology.outgoing(v) {
         edges.push((topology.edge(h), topology.target(h)));

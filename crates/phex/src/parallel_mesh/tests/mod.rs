@@ -1,6 +1,8 @@
 //! Tests of offsets on polyhedra, on exactly planar patches and on optimised ones.
 
+mod edge;
 mod face;
 mod fixtures;
+mod inheritance;
 mod solid;
 mod vertex;

@@ -1,0 +1,71 @@
+//! How far the distances of a finished offset are from what was asked for, measured on its coordinates.
+
+use super::OffsetError;
+use super::face_offset::face_normals;
+use super::gauss_image::OffsetKind;
+use phex_mesh::{HexMesh, PerFace, Vec3};
+
+/// Largest error of the distances of faces, edges or vertices (whichever `kind` says) of `moved` from those of `mesh`, in model
+/// units.
+///
+/// # Errors
+/// If a face of `mesh` has no area.
+///
+/// # Panics
+/// If the connectivity differs.
+pub fn distance_error(
+    mesh: &HexMesh,
+    moved: &HexMesh,
+    kind: OffsetKind,
+    distance: f64,
+) -> Result<f64, OffsetError> {
+    let wish = distance.abs();
+    let topology = mesh.topology();
+    Ok(match kind {
+        OffsetKind::Face => {
+            let distances = PerFace::filled(topology.n_faces(), distance);
+            face_distance_error(mesh, moved, &distances)?
+        }
+        OffsetKind::Edge => largest(topology.edges().flat_map(|e| {
+            let [a, b] = topology.edge_vertices(e);
+            let along = (mesh.position(b) - mesh.position(a)).normalize();
+            [a, b].map(|v| (moved.position(v) - mesh.position(v)).cross(&along).norm() - wish)
+        })),
+        OffsetKind::Vertex => largest(
+            topology
+                .vertices()
+                .map(|v| (moved.position(v) - mesh.position(v)).norm() - wish),
+        ),
+    })
+}
+
+/// Largest error of the distances of the faces from those that were asked for, in model units.
+///
+/// # Errors
+/// If a face of `mesh` has no area.
+///
+/// # Panics
+/// If the connectivity differs.
+pub fn face_distance_error(
+    mesh: &HexMesh,
+    moved: &HexMesh,
+    distances: &PerFace<f64>,
+) -> Result<f64, OffsetError> {
+    let normals = face_normals(mesh)?;
+    let along = |f, (p, q): (Vec3, Vec3)| (q - p).dot(&normals[f]) - distances[f];
+    let corners = |f| mesh.corners(f).zip(moved.corners(f));
+    let faces = mesh.topology().faces();
+    Ok(largest(
+        faces.flat_map(|f| corners(f).map(move |pair| along(f, pair))),
+    ))
+}
+
+fn largest(errors: impl Iterator<Item = f64>) -> f64 {
+    errors.fold(0.0, |m, e| {
+        if e.abs() > m || e.is_nan() {
+            e.abs()
+        } else {
+            m
+        }
+    })
+}
