@@ -371,22 +371,6 @@ pub struct ParallelCommand {
     /// Weight of one mean curvature for all faces, over that of closeness
     #[arg(long, value_name = "X", default_value_t = 0.0)]
     pub constant_mean_curvature: f64,
-    /// Also write the offset at this constant edge distance; the input must be a Koebe mesh
-    #[arg(
-        long,
-        value_name = "D",
-        requires = "write_offset",
-        allow_negative_numbers = true
-    )]
-    pub edge_offset: Option<f64>,
-    /// Where to write the offset
-    #[arg(
-        long,
-        value_name = "MESH",
-        requires = "edge_offset",
-        help_heading = "Files"
-    )]
-    pub write_offset: Option<PathBuf>,
     /// Limits.
     #[command(flatten)]
     pub limits: Limits,

@@ -90,6 +90,8 @@ pub enum Kind {
     /// Planes of faces: every mesh has it.
     #[default]
     Face,
+    /// Edges: the mesh must be parallel to one whose edges touch a sphere (see `phex koebe`, `phex parallel`).
+    Edge,
     /// Vertices: faces must satisfy an angle condition (see `--optimise`).
     Vertex,
 }
@@ -98,6 +100,7 @@ impl From<Kind> for OffsetKind {
     fn from(kind: Kind) -> Self {
         match kind {
             Kind::Face => Self::Face,
+            Kind::Edge => Self::Edge,
             Kind::Vertex => Self::Vertex,
         }
     }

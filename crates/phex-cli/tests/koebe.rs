@@ -17,16 +17,18 @@ fn koebe_cube_fits_a_sphere_and_carries_edge_offsets() {
     assert_eq!(report["command"], "koebe");
 
     shop.succeed("shape sphere -o sphere.obj --triangles 2000");
-    let run = shop.phex(
-        "parallel koebe.obj --surface sphere.obj -o fitted.obj --edge-offset 0.1 --write-offset layer.obj",
+    let fit = "parallel koebe.obj --surface sphere.obj -o fitted.obj";
+    let run = shop.phex(fit);
+    assert!(run.stdout.contains("Converged"), "{}", run.stderr);
+    let run = shop.succeed(
+        "offset fitted.obj --kind edge --distance 0.1,-0.05 -o layers --solids --gauss-image --report offset.json",
     );
-    assert!(
-        run.stdout.contains("edge distances constant to"),
-        "{}{}",
-        run.stdout,
-        run.stderr
-    );
-    assert!(shop.files().contains(&"layer.obj".to_owned()));
+    assert!(run.stdout.contains("edges keep their distance"));
+    let report = shop.json("offset.json");
+    assert_eq!(report["kind"], "edge");
+    for layer in report["layers"].as_array().unwrap() {
+        assert!(layer["distance_error"].as_f64().unwrap() < 1e-12);
+    }
 }
 
 #[test]
@@ -53,22 +55,15 @@ fn what_has_no_koebe_mesh_is_refused_and_nothing_written() {
 #[test]
 fn edge_offsets_of_other_meshes_are_refused_by_edge() {
     let shop = Workshop::new();
+    // A cube with one corner cut off: the three edges there leave the sphere.
+    let chipped = "OFF\n10 7 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 .7\n1 .8 1\n.6 1 1\n\
+        4 0 3 2 1\n5 4 5 8 9 6\n4 0 1 5 4\n5 1 2 7 8 5\n5 2 3 6 9 7\n4 3 0 4 6\n3 7 9 8\n";
+    shop.write("chipped.off", chipped);
+    let run = shop.phex("offset chipped.off --kind edge --distance 0.1 -o layers");
+    run.refuses(4, &["edge", "between vertices", "touching the unit sphere"]);
+    assert_eq!(shop.files(), ["chipped.off"]);
     shop.write("cube.off", CUBE);
     shop.succeed("shape sphere -o sphere.obj --triangles 2000");
-    let run = shop.phex(
-        "parallel cube.off --surface sphere.obj -o out.obj --edge-offset 0.1 --write-offset layer.obj",
-    );
-    assert_eq!(run.code, Some(4));
-    assert!(
-        run.stderr.contains("misses the unit sphere"),
-        "{}",
-        run.stderr
-    );
-    assert_eq!(
-        shop.phex("parallel cube.off --surface sphere.obj -o out.obj --edge-offset 1")
-            .code,
-        Some(2)
-    );
     let run = shop.phex("parallel cube.off --surface sphere.obj -o out.obj --least-edge 2");
     assert_eq!(run.code, Some(4));
     assert!(run.stderr.contains("least_edge"), "{}", run.stderr);

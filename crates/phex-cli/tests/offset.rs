@@ -71,12 +71,12 @@ fn a_distance_past_the_safe_one_writes_nothing() {
     );
     let run = shop.succeed("offset m.obj --max-distance");
     assert!(
-        run.stdout.contains("safe outward     inf"),
+        run.stdout.contains("any distance outward"),
         "{}",
         run.stdout
     );
     assert!(
-        run.stdout.contains("safe inward      0.47368"),
+        run.stdout.contains("up to 0.47368 m inward"),
         "{}",
         run.stdout
     );
@@ -106,6 +106,22 @@ fn a_distance_for_each_face() {
         4,
         &["word.txt", "number 2", "zero"],
     );
+}
+
+/// The edges of a tetrahedron fold, and so do those of its offsets: they are written, and the exit code says so.
+#[test]
+fn what_the_mesh_has_its_layers_keep() {
+    let shop = Workshop::new();
+    let tetrahedron =
+        "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    shop.write("m.obj", tetrahedron);
+    let run = shop.phex("offset m.obj --distance 0.1 -o layers --report run.json");
+    assert_eq!(run.code, Some(3), "{}", run.stderr);
+    assert!(run.stdout.contains("INHERITED"), "{}", run.stdout);
+    let report = shop.json("run.json");
+    assert_eq!(report["inherited"].as_array().unwrap().len(), 10);
+    assert!(report["layers"][0]["distance_error"].as_f64().unwrap() < 1e-15);
+    assert!(report["gauss_image"]["error_estimate"].as_f64().unwrap() < 1e-13);
 }
 
 /// A cuboid is inscribed in a sphere, so its vertices can keep their distance too.

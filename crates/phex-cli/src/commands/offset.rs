@@ -2,28 +2,24 @@
 //!
 //! Everything is computed and checked before anything is written, so that a distance that goes too far leaves no file.
 
+mod base;
 mod between;
 mod files;
+mod told;
 
 use super::{tell, use_threads};
-use crate::exit::{Exit, Failure, OrExit};
-use crate::input::{MeshFile, whole};
+use crate::exit::{Exit, Failure};
+use crate::input::MeshFile;
 use crate::offset_arguments::{Kind, OffsetCommand};
 use crate::output::{check_writable, write_text};
-use crate::progress::{Reporter, is_interrupted};
+use crate::progress::is_interrupted;
+use base::{Base, Layer};
 use files::Files;
-use phex::optimise::{
-    AngleOptimised, AngleOptions, SurfaceTarget, Target, satisfy_angle_condition,
-};
-use phex::parallel_mesh::{
-    GaussImage, OffsetError, OffsetOptions, SafeDistance, SafeDistances, SphericalMesh, checked,
-    face_gauss_image, face_offset, layer, safe_distances, vertex_gauss_image,
-};
+use phex::parallel_mesh::OffsetOptions;
 use phex_mesh::measure::diagonal;
-use phex_mesh::{FlatFace, HexMesh, PerFace, ValidHexMesh, ValidateOptions};
-use serde_json::{Value, json};
-use std::fmt::Write as _;
+use phex_mesh::{HexMesh, PerFace, ValidateOptions};
 use std::path::Path;
+use told::Told;
 
 /// Runs the command.
 ///
@@ -49,13 +45,22 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
     }
     let contents = files.contents(command, &job, &base, &layers)?;
     contents.iter().try_for_each(files::Content::write)?;
-    let report = report(&job, &base, safe.as_ref(), &layers, &contents);
+    let told = Told {
+        job: &job,
+        base: &base,
+        safe: safe.as_ref(),
+        layers: &layers,
+        contents: &contents,
+    };
     if let Some(path) = &command.report {
-        write_text(path, &format!("{report:#}\n"))?;
+        write_text(path, &format!("{:#}\n", told.report()))?;
     }
-    let text = summary(&base, safe.as_ref(), &layers, &contents);
-    tell(command.talk.quiet, &text)?;
-    Ok(Exit::Success)
+    tell(command.talk.quiet, &told.summary())?;
+    Ok(if base.inheritance.violations.is_empty() {
+        Exit::Success
+    } else {
+        Exit::OutsideTolerance
+    })
 }
 
 /// What was typed, in model units.
@@ -132,217 +137,4 @@ fn read_distances(path: &Path) -> Result<PerFace<f64>, Failure> {
     let numbers: Result<Vec<f64>, Failure> =
         text.split_whitespace().enumerate().map(number).collect();
     numbers.map(PerFace::from_vec)
-}
-
-/// The mesh that layers are offsets of, and how its vertices move.
-struct Base {
-    mesh: HexMesh,
-    image: GaussImage,
-    /// Of a vertex offset.
-    spherical: Option<SphericalMesh>,
-    optimised: Option<AngleOptimised>,
-}
-
-impl Base {
-    fn new(job: &Job<'_>, given: HexMesh) -> Result<Self, Failure> {
-        let optimised = job
-            .command
-            .optimise
-            .then(|| optimise(job, &given))
-            .transpose()?;
-        let mesh = optimised.as_ref().map_or(given, |o| o.mesh.clone());
-        let (image, spherical) = match job.command.kind {
-            Kind::Face => (
-                face_gauss_image(&mesh, &job.options).or_exit(Exit::InputUnusable)?,
-                None,
-            ),
-            Kind::Vertex => {
-                let spherical =
-                    vertex_gauss_image(&mesh, &job.options).or_exit(Exit::InputUnusable)?;
-                (spherical.image.clone(), Some(spherical))
-            }
-        };
-        Ok(Self {
-            mesh,
-            image,
-            spherical,
-            optimised,
-        })
-    }
-
-    fn safe_distances(&self, job: &Job<'_>) -> SafeDistances {
-        safe_distances(&self.mesh, &self.image, &job.options)
-    }
-
-    fn layers(&self, job: &Job<'_>) -> Result<Vec<Layer>, Failure> {
-        if let Some(distances) = &job.face_distances {
-            return Ok(vec![self.own_distances(job, distances)?]);
-        }
-        let distances = job.distances.iter();
-        distances.map(|&d| self.layer(job, d)).collect()
-    }
-
-    fn layer(&self, job: &Job<'_>, distance: f64) -> Result<Layer, Failure> {
-        let mesh = layer(&self.mesh, &self.image, distance, &job.options)
-            .map_err(|e| self.refusal(job, distance, &e))?;
-        Ok(Layer::new(mesh, distance))
-    }
-
-    fn own_distances(&self, job: &Job<'_>, distances: &PerFace<f64>) -> Result<Layer, Failure> {
-        let offset =
-            face_offset(&self.mesh, distances, &job.options).or_exit(Exit::InputUnusable)?;
-        let largest = distances
-            .iter()
-            .fold(0.0f64, |m, &d| if d.abs() > m.abs() { d } else { m });
-        let mesh = checked(&self.mesh, offset.apply(&self.mesh), largest, &job.options)
-            .or_exit(Exit::NoValidResult)?;
-        Ok(Layer::new(mesh, largest))
-    }
-
-    /// Why a distance does not work, and how far it might go.
-    fn refusal(&self, job: &Job<'_>, distance: f64, error: &OffsetError) -> Failure {
-        let safe = safe_distances(&self.mesh, &self.image, &job.options);
-        let side = if distance < 0.0 { -1.0 } else { 1.0 };
-        let most = if side < 0.0 {
-            safe.inward
-        } else {
-            safe.outward
-        };
-        let message = format!(
-            "{error}; the largest safe distance on that side is {}",
-            side * most.distance
-        );
-        Failure::new(Exit::NoValidResult, message)
-    }
-}
-
-fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<AngleOptimised, Failure> {
-    let reporter = Reporter::new(&job.command.talk);
-    let file = job
-        .command
-        .surface
-        .as_deref()
-        .map(MeshFile::read)
-        .transpose()?;
-    let surface = file
-        .map(|file| whole(&file.surfaces()?.components))
-        .transpose()?;
-    let target = surface.as_ref().map(SurfaceTarget::new);
-    let target = target.as_ref().map(|t| t as &dyn Target);
-    let result = satisfy_angle_condition(mesh, target, &AngleOptions::default(), &reporter)
-        .or_exit(Exit::InputUnusable)?;
-    reporter.finish();
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
-    if result.is_converged() && result.offenders.is_empty() {
-        return Ok(result);
-    }
-    let message = format!(
-        "the angle condition could not be reached: {:.3e} radians are left, {} panels are not as they should be",
-        result.angle_defect[1],
-        result.offenders.len()
-    );
-    Err(Failure::new(Exit::NoValidResult, message))
-}
-
-/// One offset, with what was measured of it.
-struct Layer {
-    distance: f64,
-    mesh: ValidHexMesh,
-    /// Largest distance of a vertex to the plane of its face, in mean edges.
-    planarity: f64,
-}
-
-impl Layer {
-    fn new(mesh: ValidHexMesh, distance: f64) -> Self {
-        let faces = FlatFace::all(&mesh);
-        let bent = faces.iter().map(|f| f.planarity_length).fold(0.0, f64::max);
-        Self {
-            distance,
-            planarity: bent / mesh.mean_edge(),
-            mesh,
-        }
-    }
-}
-
-fn side(safe: &SafeDistance) -> Value {
-    json!({
-        "distance": if safe.distance.is_finite() { json!(safe.distance) } else { Value::Null },
-        "limit": safe.limit,
-    })
-}
-
-fn report(
-    job: &Job<'_>,
-    base: &Base,
-    safe: Option<&SafeDistances>,
-    layers: &[Layer],
-    contents: &[files::Content],
-) -> Value {
-    let command = job.command;
-    json!({
-        "schema_version": phex::report::SCHEMA_VERSION,
-        "tool": phex::report::Tool::default(),
-        "command": "offset",
-        "input": command.input.display().to_string(),
-        "unit": command.unit,
-        "kind": base.image.kind,
-        "settings": { "offset": job.options, "gap": job.gap },
-        "angle_condition": base.optimised.as_ref().map(|o| json!({
-            "defect_before": o.angle_defect[0],
-            "defect_after": o.angle_defect[1],
-            "deviation": o.deviation[1],
-        })),
-        "holonomy": base.spherical.as_ref().map(|s| s.holonomy),
-        "facing": base.spherical.as_ref().map(|s| s.facing),
-        "free_edges": base.spherical.as_ref().map(|s| s.free_edges.clone()),
-        "safe_distances": safe.map(|s| json!({ "outward": side(&s.outward), "inward": side(&s.inward) })),
-        "layers": layers.iter().map(|l| json!({ "distance": l.distance, "planarity": l.planarity })).collect::<Vec<_>>(),
-        "outputs": contents.iter().map(files::Content::record).collect::<Vec<_>>(),
-    })
-}
-
-fn summary(
-    base: &Base,
-    safe: Option<&SafeDistances>,
-    layers: &[Layer],
-    contents: &[files::Content],
-) -> String {
-    let mut text = String::new();
-    if let Some(o) = &base.optimised {
-        let [before, after] = o.angle_defect;
-        let _ = writeln!(
-            text,
-            "angle condition  {before:.2e} -> {after:.2e} rad, moved by up to {:.3e}",
-            o.deviation[1]
-        );
-    }
-    if let Some(s) = &base.spherical {
-        let _ = writeln!(
-            text,
-            "spherical mesh   closes to {:.1e}, faces the normals by {:.3} at least",
-            s.holonomy.defect, s.facing
-        );
-    }
-    if let Some(safe) = safe {
-        for (name, side) in [("outward", &safe.outward), ("inward", &safe.inward)] {
-            let limit = side
-                .limit
-                .as_ref()
-                .map_or(String::new(), |v| format!("  ({v})"));
-            let _ = writeln!(text, "safe {name:<12}{}{limit}", side.distance);
-        }
-    }
-    for layer in layers {
-        let _ = writeln!(
-            text,
-            "layer {:<11}planar to {:.1e} mean edges",
-            layer.distance, layer.planarity
-        );
-    }
-    for content in contents {
-        let _ = writeln!(text, "{}", content.line());
-    }
-    text
 }

@@ -37,7 +37,7 @@ impl FaceOffset {
     }
 
     /// The displacements as a Gauss image; meant for distances that are all 1.
-    fn into_image(self) -> GaussImage {
+    pub fn into_image(self) -> GaussImage {
         GaussImage {
             kind: OffsetKind::Face,
             positions: self.vertices.map(|d| d.vector),

@@ -23,7 +23,6 @@ pub(super) struct Content {
     path: PathBuf,
     what: &'static str,
     body: Body,
-    /// Volume of all solids in it.
     volume: Option<f64>,
 }
 
@@ -44,11 +43,13 @@ impl Content {
         json!({ "content": self.what, "path": self.path.display().to_string(), "volume": self.volume })
     }
 
-    pub fn line(&self) -> String {
-        let volume = self
-            .volume
-            .map_or(String::new(), |v| format!(", volume {v:.6}"));
-        format!("{:<16} {}{volume}", self.what, self.path.display())
+    /// Volume of all solids in it.
+    pub fn volume(&self) -> Option<f64> {
+        self.volume
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 }
 
@@ -126,7 +127,7 @@ impl Files {
             }
         }
         if command.gauss_image {
-            let image = base.image.mesh(&base.mesh).to_soup();
+            let image = base.motion.image().mesh(&base.mesh).to_soup();
             bodies.push(("gauss image", Body::Mesh(image), None));
         }
         if base.optimised.is_some() && !self.names.is_empty() {

@@ -1,0 +1,196 @@
+//! What `phex offset` says: the short table, and the report.
+
+use super::Job;
+use super::base::{Base, Layer, Motion};
+use super::files::Content;
+use crate::summary::Table;
+use phex::parallel_mesh::{OffsetKind, SafeDistance, SafeDistances};
+use phex_mesh::Violation;
+use serde_json::{Value, json};
+
+/// Everything that there is to tell.
+pub(super) struct Told<'a> {
+    pub job: &'a Job<'a>,
+    pub base: &'a Base,
+    pub safe: Option<&'a SafeDistances>,
+    pub layers: &'a [Layer],
+    pub contents: &'a [Content],
+}
+
+impl Told<'_> {
+    /// The report, as JSON.
+    pub fn report(&self) -> Value {
+        let (job, base) = (self.job, self.base);
+        let sides =
+            |s: &SafeDistances| json!({ "outward": side(&s.outward), "inward": side(&s.inward) });
+        let layers = self.layers.iter().map(|l| {
+            json!({
+                "distance": l.distance,
+                "distance_error": l.distance_error,
+                "planarity": l.planarity,
+                "mean_edge": l.mean_edge,
+            })
+        });
+        json!({
+            "schema_version": phex::report::SCHEMA_VERSION,
+            "tool": phex::report::Tool::default(),
+            "command": "offset",
+            "input": job.command.input.display().to_string(),
+            "unit": job.command.unit,
+            "kind": base.motion.image().kind,
+            "settings": { "offset": job.options, "gap": job.gap },
+            "angle_condition": base.optimised.as_ref().map(|o| json!({
+                "defect_before": o.angle_defect[0],
+                "defect_after": o.angle_defect[1],
+                "deviation": o.deviation[1],
+            })),
+            "gauss_image": gauss_image(&base.motion),
+            "inherited": base.inheritance.violations,
+            "safe_distances": self.safe.map(sides),
+            "layers": layers.collect::<Vec<_>>(),
+            "outputs": self.contents.iter().map(Content::record).collect::<Vec<_>>(),
+        })
+    }
+
+    /// The short table.
+    pub fn summary(&self) -> String {
+        let mut table = Table::default();
+        let (base, unit) = (self.base, self.job.command.unit);
+        let panels = base.mesh.topology().n_faces();
+        let edge = base.mesh.mean_edge();
+        let keeps = match base.motion.image().kind {
+            OffsetKind::Face => "faces",
+            OffsetKind::Edge => "edges",
+            OffsetKind::Vertex => "vertices",
+        };
+        table.row(
+            "mesh",
+            format!("{panels} panels, mean edge {edge:.4} {unit}; {keeps} keep their distance"),
+        );
+        if let Some(o) = &base.optimised {
+            let [before, after] = o.angle_defect;
+            let text = format!(
+                "condition {before:.1e} -> {after:.1e} rad; vertices moved by up to {:.3e} {unit}",
+                o.deviation[1]
+            );
+            table.row("angles", text);
+        }
+        table.row("gauss image", certainty(&base.motion));
+        self.add_safe(&mut table);
+        for layer in self.layers {
+            let text = format!(
+                "{:+} {unit}: distances to {:.1e} {unit}, planar to {:.1e} mean edges, mean edge {:.4} {unit}",
+                layer.distance, layer.distance_error, layer.planarity, layer.mean_edge
+            );
+            table.row("layer", text);
+        }
+        for volume in self.contents.iter().filter_map(Content::volume) {
+            table.row(
+                "solids",
+                format!("{panels} closed panels, volume {volume:.6} {unit}3"),
+            );
+        }
+        if let Some(text) = inherited(&base.inheritance.violations) {
+            table.row("INHERITED", text);
+        }
+        for content in self.contents {
+            table.row("written", content.path().display());
+        }
+        table.into_text()
+    }
+
+    fn add_safe(&self, table: &mut Table) {
+        let unit = self.job.command.unit;
+        let Some(safe) = self.safe else { return };
+        for (name, side) in [("outward", &safe.outward), ("inward", &safe.inward)] {
+            let limit = side.limit.as_ref();
+            let then = limit.map_or(String::new(), |v| format!("; then {v}"));
+            let text = if side.distance.is_finite() {
+                format!("up to {} {unit} {name}{then}", rounded_down(side.distance))
+            } else {
+                format!("any distance {name}")
+            };
+            table.row("safe", text);
+        }
+    }
+}
+
+fn side(safe: &SafeDistance) -> Value {
+    json!({
+        "distance": if safe.distance.is_finite() { json!(safe.distance) } else { Value::Null },
+        "limit": safe.limit,
+    })
+}
+
+fn gauss_image(motion: &Motion) -> Value {
+    match motion {
+        Motion::Face(_, (vertex, error)) => {
+            json!({ "error_estimate": error, "worst_vertex": vertex })
+        }
+        Motion::Edge(found) => json!({
+            "closing_defect": found.defect,
+            "worst_edge": found.edge,
+            "facing": found.facing,
+        }),
+        Motion::Vertex(found) => json!({
+            "holonomy": found.holonomy,
+            "facing": found.facing,
+            "free_edges": found.free_edges,
+        }),
+    }
+}
+
+fn certainty(motion: &Motion) -> String {
+    match motion {
+        Motion::Face(_, (vertex, error)) => {
+            format!("node normals certain to {error:.1e}, least so at vertex {vertex}")
+        }
+        Motion::Edge(found) => format!(
+            "edges touch the sphere, from both ends to {:.1e}; cosine to the normals at least {:.3}",
+            found.defect, found.facing
+        ),
+        Motion::Vertex(found) => format!(
+            "closes to {:.1e} (loops {}, odd faces inside {}); cosine to the normals at least {:.3}",
+            found.holonomy.defect, found.holonomy.loops, found.holonomy.odd_faces, found.facing
+        ),
+    }
+}
+
+/// What the layers have from the mesh.
+fn inherited(violations: &[Violation]) -> Option<String> {
+    let first = violations.first()?;
+    let more = match violations.len() - 1 {
+        0 => String::new(),
+        n => format!(" (and {n} more)"),
+    };
+    Some(format!(
+        "the mesh is not valid itself, and its layers are not: {first}{more}"
+    ))
+}
+
+/// A positive length with five digits, never more than it is.
+pub(super) fn rounded_down(length: f64) -> f64 {
+    if length <= 0.0 || !length.is_finite() {
+        return length;
+    }
+    let digits = 4 - length.log10().floor() as i32;
+    let scale = 10f64.powi(digits.abs());
+    if digits >= 0 {
+        (length * scale).floor() / scale
+    } else {
+        (length / scale).floor() * scale
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded_down;
+
+    #[test]
+    fn five_digits_and_never_more() {
+        assert_eq!(rounded_down(0.473_689_9), 0.47368);
+        assert_eq!(rounded_down(1_234_567.0), 1_234_500.0);
+        assert_eq!(rounded_down(0.001_299_999), 0.0012999);
+        assert_eq!(rounded_down(f64::INFINITY), f64::INFINITY);
+    }
+}
