@@ -66,7 +66,7 @@ impl Base {
             .transpose()?;
         let mesh = optimised.as_ref().map_or(given, |o| o.mesh.clone());
         Ok(Self {
-            motion: Motion::of(&mesh, job).or_exit(Exit::InputUnusable)?,
+            motion: Motion::of(&mesh, job).map_err(advised)?,
             inheritance: Inheritance::of(&mesh, &job.options).or_exit(Exit::InputUnusable)?,
             mesh,
             optimised,
@@ -118,6 +118,21 @@ impl Base {
             format!("{error}; the largest safe distance on that side is {most} (model units)");
         Failure::new(Exit::NoValidResult, message)
     }
+}
+
+/// Where there is no such offset, what to do about it.
+fn advised(error: OffsetError) -> Failure {
+    let advice = match &error {
+        OffsetError::Holonomy { odd_faces, .. } if *odd_faces > 2 => {
+            "; `phex mesh --method brick-wall` lays panels without odd ones inside"
+        }
+        OffsetError::AngleCondition { .. } => "; `--optimise` moves the vertices so that they do",
+        OffsetError::NotParallelToKoebe { .. } => {
+            "; `phex koebe` and `phex parallel` make meshes that are"
+        }
+        _ => "",
+    };
+    Failure::input(format!("{error}{advice}"))
 }
 
 fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<AngleOptimised, Failure> {

@@ -150,9 +150,21 @@ fn certainty(motion: &Motion) -> String {
             found.defect, found.facing
         ),
         Motion::Vertex(found) => format!(
-            "closes to {:.1e} (loops {}, odd faces inside {}); cosine to the normals at least {:.3}",
-            found.holonomy.defect, found.holonomy.loops, found.holonomy.odd_faces, found.facing
+            "closes to {:.1e} (loops {}, odd faces inside {}); cosine to the normals at least {:.3}{}",
+            found.holonomy.defect,
+            found.holonomy.loops,
+            found.holonomy.odd_faces,
+            found.facing,
+            turned(found.free_edges.len())
         ),
+    }
+}
+
+/// Edges that are not parallel in a vertex offset.
+fn turned(free_edges: usize) -> String {
+    match free_edges {
+        0 => String::new(),
+        n => format!("; {n} boundary edges turn in the planes of their odd panels"),
     }
 }
 
