@@ -3,15 +3,17 @@
 mod arrows;
 mod paths;
 mod stages;
+mod viewer;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo xtask check
+const USAGE: &str = "usage: cargo xtask check | viewer
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
-        stops at the first step that fails";
+        stops at the first step that fails
+viewer  builds the interactive part of the HTML report (needs npm)";
 
 /// One step of the check: its name, and what it runs.
 struct Step {
@@ -19,7 +21,7 @@ struct Step {
     run: fn(&Path) -> Result<(), String>,
 }
 
-const CHECK: [Step; 8] = [
+const CHECK: [Step; 10] = [
     Step {
         name: "formatting",
         run: |root| cargo(root, &["fmt", "--all", "--check"]),
@@ -35,6 +37,10 @@ const CHECK: [Step; 8] = [
     Step {
         name: "no machine paths",
         run: paths::check,
+    },
+    Step {
+        name: "the report's viewer is built",
+        run: viewer::build,
     },
     Step {
         name: "clippy without warnings",
@@ -61,6 +67,10 @@ const CHECK: [Step; 8] = [
         run: |root| cargo(root, &["test", "--workspace"]),
     },
     Step {
+        name: "the report in a browser",
+        run: viewer::browse,
+    },
+    Step {
         name: "examples build",
         run: |root| cargo(root, &["build", "--workspace", "--examples"]),
     },
@@ -70,9 +80,20 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["check"] => check(&root()),
+        ["viewer"] => exit(viewer::build(&root())),
         _ => {
             eprintln!("{USAGE}");
             ExitCode::from(2)
+        }
+    }
+}
+
+fn exit(result: Result<(), String>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(cause) => {
+            eprintln!("{cause}");
+            ExitCode::FAILURE
         }
     }
 }
@@ -127,7 +148,7 @@ fn succeed(command: &mut Command) -> Result<(), String> {
 
 /// All files below a folder, without version control, build products and results; in order.
 fn files_below(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    const SKIPPED: [&str; 4] = [".git", "target", "out", "node_modules"];
+    const SKIPPED: [&str; 5] = [".git", "target", "out", "node_modules", "bundle"];
     let fail = |e| format!("{}: {e}", folder.display());
     let mut entries: Vec<PathBuf> = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(fail)? {

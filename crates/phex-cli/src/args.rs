@@ -2,7 +2,7 @@
 
 use crate::exit::EXIT_CODES;
 use crate::offset_arguments::OffsetCommand;
-use crate::picture_arguments::RenderCommand;
+use crate::picture_arguments::{RenderCommand, ReportCommand};
 use crate::settings::MeshSettings;
 use crate::units::{Quantity, Unit};
 use clap::builder::PossibleValuesParser;
@@ -32,6 +32,8 @@ pub enum Command {
     Offset(Box<OffsetCommand>),
     /// Judge any polygon mesh: planar, simple, sound, close to a surface; lists offenders by id
     Check(CheckCommand),
+    /// Write the report of a mesh as one HTML file: interactive view, colour maps, checks
+    Report(ReportCommand),
     /// Draw a mesh in the colours of a map, as PNG or SVG
     Render(RenderCommand),
     /// Say what is in a surface or mesh file, and what is wrong with it
@@ -55,6 +57,7 @@ impl Command {
             Self::Planarize(c) => &c.talk,
             Self::Offset(c) => &c.talk,
             Self::Check(c) => &c.talk,
+            Self::Report(c) => &c.talk,
             Self::Render(c) => &c.talk,
             Self::Info(c) => &c.talk,
             Self::Convert(c) => &c.talk,
@@ -106,6 +109,9 @@ pub struct Extras {
     /// Draw a shaded picture with the panel edges
     #[arg(long, value_name = "PICTURE.PNG", help_heading = "Files")]
     pub png: Option<PathBuf>,
+    /// Write the report as one HTML file: interactive view, colour maps, checks; needs no network
+    #[arg(long, value_name = "RUN.HTML", help_heading = "Files")]
+    pub html: Option<PathBuf>,
 }
 
 /// Arguments of `phex mesh`.

@@ -8,7 +8,7 @@ use phex::optimise::{self, OptimiseOptions, SurfaceTarget, Target};
 use phex::pipeline::{NetworkCurves, network_curves};
 use phex::report::StageTime;
 use phex::{MeshOptions, PipelineError, Progress, mesh_surface};
-use phex_mesh::{HexMesh, TriangleSurface};
+use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
 use serde_json::Value;
@@ -18,6 +18,8 @@ use std::time::Instant;
 pub struct Reached {
     /// The mesh, in model coordinates; valid or not.
     pub mesh: HexMesh,
+    /// The panels before the optimiser, where there were any, in model coordinates.
+    pub start: Option<PolygonSoup>,
     /// The smooth surface that it was fitted to, in model coordinates.
     pub smooth: Option<TriangleSurface>,
     /// How the computation ended.
@@ -47,6 +49,7 @@ pub fn mesh(
         stages: times.collect(),
         statistics: value(&run.statistics)?,
         mesh: run.mesh,
+        start: run.start,
         smooth: Some(run.target),
     })
 }
@@ -85,6 +88,7 @@ pub fn planarize(
             seconds,
         }],
         statistics: value(&run.runs)?,
+        start: Some(mesh.to_soup()),
         mesh: run.mesh,
         smooth: None,
     })

@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod engine;
 mod exit;
+mod html;
 mod input;
 mod offset_arguments;
 mod output;

@@ -103,21 +103,8 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
 /// # Errors
 /// If the user interrupted, or writing fails.
 pub fn write_picture(path: &Path, picture: &Picture) -> Result<(), Failure> {
-    let bytes = encode_png(picture).with_context(|| path.display().to_string())?;
+    let bytes = phex_html::encode_png(picture).with_context(|| path.display().to_string())?;
     write_bytes(path, &bytes)
-}
-
-fn encode_png(picture: &Picture) -> anyhow::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(
-        &mut bytes,
-        u32::try_from(picture.width)?,
-        u32::try_from(picture.height)?,
-    );
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.write_header()?.write_image_data(&picture.rgba)?;
-    Ok(bytes)
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {

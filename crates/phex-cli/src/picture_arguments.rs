@@ -41,6 +41,30 @@ pub struct RenderCommand {
     pub talk: Talk,
 }
 
+/// Arguments of `phex report`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct ReportCommand {
+    /// Polygon mesh: OBJ, PLY, STL or OFF
+    #[arg(value_name = "MESH")]
+    pub input: PathBuf,
+    /// HTML file to write
+    #[arg(long, value_name = "REPORT.HTML")]
+    pub html: PathBuf,
+    /// Surface that the mesh stands for
+    #[arg(long, value_name = "SURFACE")]
+    pub surface: Option<PathBuf>,
+    /// Mesh to compare with, as it was before
+    #[arg(long, value_name = "MESH")]
+    pub before: Option<PathBuf>,
+    /// Limits.
+    #[command(flatten)]
+    pub limits: Limits,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
 /// Directions from which a model is seen; z is up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum View {

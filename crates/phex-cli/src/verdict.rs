@@ -2,6 +2,7 @@
 
 use crate::args::{Extras, Limits};
 use crate::exit::{Exit, Failure};
+use crate::html::{self, Shown};
 use crate::output::{self, Content};
 use crate::settings::MeshSettings;
 use crate::units::{Quantity, Unit};
@@ -85,32 +86,29 @@ pub fn exit_of(verdict: Verdict) -> Exit {
 impl Extras {
     /// The files that these options ask for.
     pub fn outputs(&self) -> impl Iterator<Item = (&Path, Content)> {
-        [&self.report, &self.png]
+        [&self.report, &self.png, &self.html]
             .into_iter()
             .flatten()
             .map(|path| (path.as_path(), Content::Other))
     }
 
-    /// Draws the picture, if one is wanted.
+    /// Writes the picture and the reports that are wanted.
     ///
     /// # Errors
-    /// If it can't be written.
-    pub fn write_picture(
-        &self,
-        mesh: &HexMesh,
-        outputs: &mut Vec<OutputFile>,
-    ) -> Result<(), Failure> {
-        let Some(path) = &self.png else { return Ok(()) };
-        output::write_picture(path, &draw(mesh, &PictureOptions::default()))?;
-        outputs.push(written("picture", path));
-        Ok(())
+    /// If one can't be written.
+    pub fn write(&self, shown: &Shown<'_>, report: &mut RunReport) -> Result<(), Failure> {
+        if let Some(path) = &self.png {
+            output::write_picture(path, &draw(shown.mesh, &PictureOptions::default()))?;
+            report.outputs.push(written("picture", path));
+        }
+        if let Some(path) = &self.html {
+            report.outputs.push(written("report", path));
+            html::write(path, shown, report)?;
+        }
+        self.write_json(report)
     }
 
-    /// Writes the report, if one is wanted.
-    ///
-    /// # Errors
-    /// If it can't be written.
-    pub fn write_report(&self, report: &RunReport) -> Result<(), Failure> {
+    fn write_json(&self, report: &RunReport) -> Result<(), Failure> {
         let Some(path) = &self.report else {
             return Ok(());
         };

@@ -15,6 +15,7 @@ fn help_of_every_command_lists_the_exit_codes() {
         "info",
         "convert",
         "shape",
+        "report",
         "render",
         "koebe",
         "parallel",
@@ -258,4 +259,25 @@ fn render_refuses_what_it_can_not_draw() {
             .refuses(4, &[said]);
     }
     assert_eq!(shop.files(), ["torus.obj"]);
+}
+
+#[test]
+fn report_is_one_file_that_names_the_command() {
+    let shop = Workshop::new();
+    shop.write("flat.obj", honeycomb(4, 4, |_, p| p));
+    let bent = |i: usize, [x, y, _]: [f64; 3]| [x, y, 0.1 * (i % 2) as f64];
+    shop.write("bent.obj", honeycomb(4, 4, bent));
+    let command = "report flat.obj --html flat.html --before bent.obj --unit mm";
+    shop.succeed(command);
+    let html = String::from_utf8(shop.read("flat.html")).unwrap();
+    assert!(html.starts_with("<!doctype html>") && html.ends_with("</html>\n"));
+    assert!(html.contains(&format!("<code>phex {command}</code>")));
+    shop.phex("report flat.obj --html flat.obj")
+        .refuses(4, &["flat.obj"]);
+    shop.phex("report bent.obj --html bent.html")
+        .refuses(3, &[]);
+    assert_eq!(
+        shop.files(),
+        ["bent.html", "bent.obj", "flat.html", "flat.obj"]
+    );
 }

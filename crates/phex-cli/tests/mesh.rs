@@ -14,7 +14,7 @@ fn dome() -> Workshop {
 fn surface_becomes_a_mesh_that_check_passes() {
     let shop = dome();
     let run = shop.succeed(
-        "mesh dome.obj -o out/dome.obj -n 80 --report run.json --png dome.png --write-target smooth.ply --progress json",
+        "mesh dome.obj -o out/dome.obj -n 80 --report run.json --png dome.png --html dome.html --write-target smooth.ply --progress json",
     );
     assert!(run.stdout.contains("PASS"), "{}", run.stdout);
     let events: Vec<serde_json::Value> = run
@@ -32,7 +32,7 @@ fn surface_becomes_a_mesh_that_check_passes() {
     assert_eq!(report["verdict"], "pass");
     assert_eq!(report["inputs"][0]["sha256"].as_str().unwrap().len(), 64);
     assert_eq!(report["settings"]["panels"], 80);
-    assert_eq!(report["outputs"].as_array().unwrap().len(), 3);
+    assert_eq!(report["outputs"].as_array().unwrap().len(), 4);
     assert!(report["measures"]["planarity"]["max"].as_f64().unwrap() <= 1e-12);
     assert!(
         report["deviation_smooth"]["deviation_max"]

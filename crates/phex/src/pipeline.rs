@@ -27,7 +27,7 @@ use crate::target::{Similarity, SmoothTarget, TargetOptions};
 use crate::trim::{self, Boundary, TrimError, Trimmed};
 use nalgebra::Matrix3;
 use phex_mesh::{
-    FaceId, HexMesh, PerVertex, TriangleSurface, ValidateOptions, VertexId, Violation,
+    FaceId, HexMesh, PerVertex, PolygonSoup, TriangleSurface, ValidateOptions, VertexId, Violation,
 };
 use phex_numeric::{NumericError, Outcome};
 use serde::{Deserialize, Serialize};
@@ -201,6 +201,8 @@ pub struct Statistics {
 pub struct MeshRun {
     /// The panelling in model coordinates.
     pub mesh: HexMesh,
+    /// The panels as they were laid out, before the optimiser, in model coordinates; those that trimming removed are left out.
+    pub start: Option<PolygonSoup>,
     /// The surface that the panels were kept close to, in model coordinates.
     pub target: TriangleSurface,
     /// How the optimiser ended.
@@ -305,6 +307,7 @@ fn mesh_with_panels(
     let mesh = best.left.trimmed.mesh;
     let positions = mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
+        start: Some(restored(best.left.start, &similarity)),
         mesh: mesh.with_positions(positions),
         target: moved(&best.reported, |p| similarity.restore(p)),
         outcome: best.result.outcome,
@@ -404,6 +407,7 @@ fn attempt(
         let badness = (!is_planar(&offenders), invalid.len());
         if best.as_ref().is_none_or(|b| badness < b.0) {
             let left = Left {
+                start: laid_out(&layout, &trimmed),
                 trimmed,
                 offenders,
                 violations,
@@ -459,9 +463,28 @@ fn summarise(
 
 /// What a round of the repair loop leaves.
 struct Left {
+    start: PolygonSoup,
     trimmed: Trimmed,
     offenders: Vec<Offender>,
     violations: Vec<Violation>,
+}
+
+/// The panels of a layout of which something is left.
+fn laid_out(layout: &Layout, trimmed: &Trimmed) -> PolygonSoup {
+    let kept: BTreeSet<FaceId> = trimmed.parent.iter().copied().collect();
+    let mut soup = layout.mesh.to_soup();
+    let mut numbers = layout.mesh.topology().faces();
+    soup.faces
+        .retain(|_| numbers.next().is_some_and(|f| kept.contains(&f)));
+    soup
+}
+
+/// The same polygons in model coordinates.
+fn restored(mut soup: PolygonSoup, similarity: &Similarity) -> PolygonSoup {
+    for p in &mut soup.positions {
+        *p = similarity.restore(*p);
+    }
+    soup
 }
 
 /// Panels that a size means for a surface.

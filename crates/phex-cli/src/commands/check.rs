@@ -1,15 +1,16 @@
 //! `phex check`: judges any polygon mesh.
 
 use super::tell;
-use crate::args::CheckCommand;
+use crate::args::{CheckCommand, Limits};
 use crate::exit::{Exit, Failure};
+use crate::html::Shown;
 use crate::input::{MeshFile, whole};
 use crate::output::{self, check_writable};
 use crate::progress::Reporter;
 use crate::summary;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use phex::report::{References, RunReport, Verdict};
+use phex::report::{Assessment, References, RunReport, Verdict};
 use phex_mesh::{HexMesh, TriangleSurface};
 use serde_json::json;
 
@@ -34,7 +35,10 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         .as_ref()
         .map(|s| whole(&s.surfaces()?.components))
         .transpose()?;
-    let mut report = judged(command, &mesh, facets.as_ref())?;
+    let assessed = judged(&command.limits, &mesh, facets.as_ref(), "check");
+    let table = summary::of_assessment(&assessed.0, command.limits.unit, command.talk.verbose);
+    tell(command.talk.quiet || command.json, &table)?;
+    let mut report = assessed.1;
     if dropped > 0 {
         let note = format!("{dropped} vertices belong to no face; vertex ids count the others");
         Reporter::new(&command.talk).note(&note);
@@ -43,8 +47,11 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     report.inputs = std::iter::once(file.record)
         .chain(surface.map(|s| s.record))
         .collect();
-    command.extras.write_picture(&mesh, &mut report.outputs)?;
-    command.extras.write_report(&report)?;
+    let shown = Shown {
+        surface: facets.as_ref(),
+        ..Shown::of(&mesh)
+    };
+    command.extras.write(&shown, &mut report)?;
     if command.json {
         output::print(&report.to_json().context("the report")?)?;
     }
@@ -55,28 +62,25 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     })
 }
 
-/// The report of the mesh, whose table is also printed.
-fn judged(
-    command: &CheckCommand,
+/// The assessment of a mesh, and a report around it.
+pub(super) fn judged(
+    limits: &Limits,
     mesh: &HexMesh,
     facets: Option<&TriangleSurface>,
-) -> Result<RunReport, Failure> {
-    let limits = TypedLimits::from(&command.limits);
-    let assessment = limits.judge(
-        mesh,
-        References {
-            smooth: None,
-            facets,
-        },
-    );
-    let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
-    tell(command.talk.quiet || command.json, &table)?;
-    let mut report = RunReport::new("check", assessment);
+    command: &'static str,
+) -> (Assessment, RunReport) {
+    let limits = TypedLimits::from(limits);
+    let references = References {
+        smooth: None,
+        facets,
+    };
+    let assessment = limits.judge(mesh, references);
+    let mut report = RunReport::new(command, assessment.clone());
     report.unit = limits.unit.to_string();
     report.settings = json!({
         "planarity": limits.planarity,
         "max-deviation": limits.max_deviation,
         "unit": limits.unit,
     });
-    Ok(report)
+    (assessment, report)
 }

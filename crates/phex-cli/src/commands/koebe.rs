@@ -3,6 +3,7 @@
 use super::tell;
 use crate::args::{KoebeBoundary, KoebeCommand, Limits};
 use crate::exit::{Exit, Failure, OrExit};
+use crate::html::Shown;
 use crate::input::MeshFile;
 use crate::output::{Content, check_writable, write_mesh};
 use crate::progress::{Reporter, is_interrupted};
@@ -80,8 +81,7 @@ fn report(made: &Koebe, options: &KoebeOptions, command: &KoebeCommand) -> RunRe
 fn write(command: &KoebeCommand, mesh: &HexMesh, report: &mut RunReport) -> Result<(), Failure> {
     write_mesh(&command.output, &mesh.to_soup())?;
     report.outputs.push(written("mesh", &command.output));
-    command.extras.write_picture(mesh, &mut report.outputs)?;
-    command.extras.write_report(report)
+    command.extras.write(&Shown::of(mesh), report)
 }
 
 fn table(made: &Koebe, report: &RunReport) -> String {

@@ -4,6 +4,7 @@ use super::{tell, use_threads};
 use crate::args::MeshCommand;
 use crate::engine::{self, Reached};
 use crate::exit::{Exit, Failure};
+use crate::html::Shown;
 use crate::input::{MeshFile, joined, sentences, whole};
 use crate::output::{Content, check_writable, write_mesh};
 use crate::panel_size::{self, shares};
@@ -52,8 +53,15 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     report.inputs = vec![file.record];
     report.threads = threads;
     report.notes = notes;
+    let start = joined_start(&runs);
     describe(&mut report, &settings, runs)?;
-    write(command, &mesh, smooth.as_ref(), &mut report)?;
+    let shown = Shown {
+        surface: smooth.as_ref().or(Some(&facets)),
+        start: start.as_ref(),
+        given: Some(&facets),
+        mesh: &mesh,
+    };
+    write(command, &shown, smooth.as_ref(), &mut report)?;
     tell(command.talk.quiet, &(table + &summary::of_outputs(&report)))?;
     Ok(exit_of(report.verdict))
 }
@@ -129,9 +137,21 @@ fn mesh_each(
 }
 
 fn joined_mesh(runs: &[Reached]) -> Result<HexMesh, Failure> {
+    let soup = joined_polygons(runs.iter().map(|run| run.mesh.to_soup()))?;
+    HexMesh::new(soup.positions, &soup.faces)
+        .context("joining the parts of a mesh")
+        .map_err(Failure::from)
+}
+
+/// The layouts that the optimiser started from; nothing if one has none.
+fn joined_start(runs: &[Reached]) -> Option<PolygonSoup> {
+    let starts: Option<Vec<PolygonSoup>> = runs.iter().map(|run| run.start.clone()).collect();
+    joined_polygons(starts?.into_iter()).ok()
+}
+
+fn joined_polygons(parts: impl Iterator<Item = PolygonSoup>) -> Result<PolygonSoup, Failure> {
     let mut soup = PolygonSoup::default();
-    for run in runs {
-        let part = run.mesh.to_soup();
+    for part in parts {
         let first = u32::try_from(soup.positions.len()).context("too many vertices")?;
         soup.positions.extend(part.positions);
         soup.faces.extend(
@@ -140,9 +160,7 @@ fn joined_mesh(runs: &[Reached]) -> Result<HexMesh, Failure> {
                 .map(|face| face.into_iter().map(|v| v + first).collect()),
         );
     }
-    HexMesh::new(soup.positions, &soup.faces)
-        .context("joining the parts of a mesh")
-        .map_err(Failure::from)
+    Ok(soup)
 }
 
 fn joined_target(runs: &[Reached]) -> Result<Option<TriangleSurface>, Failure> {
@@ -184,20 +202,19 @@ fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
 
 fn write(
     command: &MeshCommand,
-    mesh: &HexMesh,
+    shown: &Shown<'_>,
     smooth: Option<&TriangleSurface>,
     report: &mut RunReport,
 ) -> Result<(), Failure> {
     if report.verdict != Verdict::Invalid || command.keep_invalid {
-        write_mesh(&command.output, &mesh.to_soup())?;
+        write_mesh(&command.output, &shown.mesh.to_soup())?;
         report.outputs.push(written("mesh", &command.output));
     }
     if let (Some(path), Some(smooth)) = (&command.write_target, smooth) {
         write_mesh(path, &to_soup(smooth))?;
         report.outputs.push(written("smooth_target", path));
     }
-    command.extras.write_picture(mesh, &mut report.outputs)?;
-    command.extras.write_report(report)
+    command.extras.write(shown, report)
 }
 
 fn to_soup(surface: &TriangleSurface) -> PolygonSoup {

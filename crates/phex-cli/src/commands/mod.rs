@@ -10,6 +10,7 @@ mod offset;
 mod parallel;
 mod planarize;
 mod render;
+mod report;
 mod shape;
 
 use crate::args::Command;
@@ -27,6 +28,7 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Planarize(command) => planarize::run(&command),
         Command::Offset(command) => offset::run(&command),
         Command::Check(command) => check::run(&command),
+        Command::Report(command) => report::run(&command),
         Command::Render(command) => render::run(&command),
         Command::Info(command) => info::run(&command),
         Command::Convert(command) => convert::run(&command),

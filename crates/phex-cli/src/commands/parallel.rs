@@ -3,6 +3,7 @@
 use super::tell;
 use crate::args::{ParallelCommand, ParallelStart};
 use crate::exit::{Exit, Failure, OrExit};
+use crate::html::Shown;
 use crate::input::{MeshFile, whole};
 use crate::output::{Content, check_writable, write_mesh};
 use crate::progress::{Reporter, is_interrupted};
@@ -86,8 +87,7 @@ fn outputs(command: &ParallelCommand) -> Vec<(&Path, Content)> {
 fn write(command: &ParallelCommand, mesh: &HexMesh, report: &mut RunReport) -> Result<(), Failure> {
     write_mesh(&command.output, &mesh.to_soup())?;
     report.outputs.push(written("mesh", &command.output));
-    command.extras.write_picture(mesh, &mut report.outputs)?;
-    command.extras.write_report(report)
+    command.extras.write(&Shown::of(mesh), report)
 }
 
 fn table(fitted: &Fitted) -> String {

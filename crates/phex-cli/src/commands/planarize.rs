@@ -4,6 +4,7 @@ use super::{tell, use_threads};
 use crate::args::PlanarizeCommand;
 use crate::engine::{self, Reached};
 use crate::exit::{Exit, Failure};
+use crate::html::Shown;
 use crate::input::{MeshFile, whole};
 use crate::output::{Content, check_writable, write_mesh};
 use crate::progress::{Reporter, is_interrupted};
@@ -11,7 +12,7 @@ use crate::summary;
 use crate::verdict::{TypedLimits, exit_of, written};
 use phex::optimise::OptimiseOptions;
 use phex::report::{Assessment, InputFile, References, RunReport, Verdict};
-use phex_mesh::{HexMesh, TriangleSurface};
+use phex_mesh::TriangleSurface;
 use serde_json::json;
 use std::path::Path;
 
@@ -49,7 +50,12 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         ));
     }
     report.notes.iter().for_each(|note| reporter.note(note));
-    write(command, &reached.mesh, &mut report)?;
+    let shown = Shown {
+        surface: facets.as_ref(),
+        start: reached.start.as_ref(),
+        ..Shown::of(&reached.mesh)
+    };
+    write(command, &shown, &mut report)?;
     tell(command.talk.quiet, &(table + &summary::of_outputs(&report)))?;
     Ok(exit_of(report.verdict))
 }
@@ -121,13 +127,12 @@ fn outputs(command: &PlanarizeCommand) -> Vec<(&Path, Content)> {
 
 fn write(
     command: &PlanarizeCommand,
-    mesh: &HexMesh,
+    shown: &Shown<'_>,
     report: &mut RunReport,
 ) -> Result<(), Failure> {
     if report.verdict != Verdict::Invalid || command.keep_invalid {
-        write_mesh(&command.output, &mesh.to_soup())?;
+        write_mesh(&command.output, &shown.mesh.to_soup())?;
         report.outputs.push(written("mesh", &command.output));
     }
-    command.extras.write_picture(mesh, &mut report.outputs)?;
-    command.extras.write_report(report)
+    command.extras.write(shown, report)
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, panel_count,
-    panel_length,
+    panel_length, restored,
 };
 use crate::curvature::{self, Curvature};
 use crate::directions::network::{
@@ -147,6 +147,7 @@ pub(super) fn mesh_with_panels(
     };
     let positions = result.mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
+        start: Some(restored(layout.mesh.to_soup(), &similarity)),
         mesh: result.mesh.with_positions(positions),
         target: moved(close_to, |p| similarity.restore(p)),
         outcome: result.outcome,

@@ -90,6 +90,7 @@ pub(super) fn mesh_with_panels(
     let positions = trimmed.mesh.positions.map(|p| similarity.restore(*p));
     let optimised = made.optimised;
     Ok(MeshRun {
+        start: None,
         mesh: trimmed.mesh.with_positions(positions),
         target: moved(reported, |p| similarity.restore(p)),
         outcome: optimised

@@ -127,6 +127,18 @@ impl RunReport {
         }
     }
 
+    /// The assessment that the report was made around.
+    pub fn assessment(&self) -> Assessment {
+        Assessment {
+            verdict: self.verdict,
+            checks: self.checks.clone(),
+            measures: self.measures.clone(),
+            deviation_smooth: self.deviation_smooth.clone(),
+            deviation_facets: self.deviation_facets.clone(),
+            violations: self.violations.clone(),
+        }
+    }
+
     /// The report as indented JSON with a final line break. Figures that do not exist (of no element) are `null`.
     ///
     /// # Errors

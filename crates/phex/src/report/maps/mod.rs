@@ -69,6 +69,19 @@ impl Map {
         }
     }
 
+    /// Name as it is read.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Planarity => "Planarity",
+            Self::Deviation => "Deviation",
+            Self::EdgeLength => "Edge length",
+            Self::Dihedral => "Dihedral angle",
+            Self::Curvature => "Sign of curvature",
+            Self::Valence => "Valence",
+            Self::Validity => "Pass or fail",
+        }
+    }
+
     /// What the values are, with their unit, in small letters.
     pub fn caption(self) -> &'static str {
         match self {

@@ -1,0 +1,54 @@
+//! `phex report`: the report of a mesh as one HTML file.
+
+use super::check::judged;
+use super::tell;
+use crate::exit::{Exit, Failure};
+use crate::html::{self, Shown};
+use crate::input::{MeshFile, whole};
+use crate::output::{Content, check_writable};
+use crate::picture_arguments::ReportCommand;
+use crate::summary;
+use crate::verdict::written;
+use phex::report::Verdict;
+
+/// Runs the command.
+///
+/// # Errors
+/// If an input can't be used or the report can't be written.
+pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
+    let inputs = std::iter::once(&command.input)
+        .chain(&command.surface)
+        .chain(&command.before);
+    let inputs: Vec<_> = inputs.map(|p| p.as_path()).collect();
+    check_writable(&[(&command.html, Content::Other)], &inputs)?;
+    let file = MeshFile::read(&command.input)?;
+    let surface = command.surface.as_deref().map(MeshFile::read).transpose()?;
+    let before = command.before.as_deref().map(MeshFile::read).transpose()?;
+    if let Some(before) = &before {
+        before.polygon_mesh()?;
+    }
+    let (mesh, _) = file.polygon_mesh()?;
+    let facets = surface
+        .as_ref()
+        .map(|s| whole(&s.surfaces()?.components))
+        .transpose()?;
+    let (assessment, mut report) = judged(&command.limits, &mesh, facets.as_ref(), "report");
+    let start = before.as_ref().map(|file| file.soup.clone());
+    let files = std::iter::once(file).chain(surface).chain(before);
+    report.inputs = files.map(|file| file.record).collect();
+    report.outputs.push(written("report", &command.html));
+    let shown = Shown {
+        surface: facets.as_ref(),
+        start: start.as_ref(),
+        ..Shown::of(&mesh)
+    };
+    html::write(&command.html, &shown, &report)?;
+    let table = summary::of_assessment(&assessment, command.limits.unit, command.talk.verbose);
+    let line = format!("written      {}\n", command.html.display());
+    tell(command.talk.quiet, &(table + &line))?;
+    Ok(if report.verdict == Verdict::Pass {
+        Exit::Success
+    } else {
+        Exit::OutsideTolerance
+    })
+}

@@ -1,0 +1,142 @@
+//! The HTML report of a run.
+
+use crate::engine;
+use crate::exit::Failure;
+use crate::output::write_text;
+use crate::progress::is_interrupted;
+use anyhow::Context;
+use phex::directions::network::Curve;
+use phex::report::RunReport;
+use phex::{Event, MeshOptions, PanelSize, Progress};
+use phex_html::{CurveFamily, Report, Viewer, page};
+use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
+use std::path::Path;
+
+/// Number of panels that a brick wall on the drawn conjugate curves would have: more curves are hard to tell apart.
+const CURVES: usize = 300;
+
+/// What is shown of a run; all in model coordinates.
+#[derive(Clone, Copy)]
+pub struct Shown<'a> {
+    /// The panels.
+    pub mesh: &'a HexMesh,
+    /// The surface that they stand for.
+    pub surface: Option<&'a TriangleSurface>,
+    /// The surface as it was given, where that is another one; conjugate curves are computed on it.
+    pub given: Option<&'a TriangleSurface>,
+    /// The panels before the last step.
+    pub start: Option<&'a PolygonSoup>,
+}
+
+impl<'a> Shown<'a> {
+    /// A mesh alone.
+    pub fn of(mesh: &'a HexMesh) -> Self {
+        Self {
+            mesh,
+            surface: None,
+            given: None,
+            start: None,
+        }
+    }
+}
+
+/// Writes the report.
+///
+/// # Errors
+/// If the user interrupts, or writing fails.
+pub fn write(path: &Path, shown: &Shown<'_>, report: &RunReport) -> Result<(), Failure> {
+    let (curves, no_curves) = match curves(shown) {
+        Ok(curves) => (curves, None),
+        Err(reason) => (Vec::new(), Some(reason)),
+    };
+    if is_interrupted() {
+        return Err(Failure::interrupted());
+    }
+    let mesh = report
+        .outputs
+        .iter()
+        .find(|output| output.content == "mesh");
+    let named = mesh.map(|output| output.path.as_str());
+    let named = named.or(report.inputs.first().map(|input| input.path.as_str()));
+    let title = Path::new(named.unwrap_or("mesh")).file_name();
+    let title = title.map_or_else(|| "mesh".into(), |name| name.to_string_lossy());
+    let content = Report {
+        title: &title,
+        command: &typed_command(),
+        run: report,
+        mesh: shown.mesh,
+        surface: shown.surface,
+        start: shown.start,
+        curves: &curves,
+        no_curves: no_curves.as_deref(),
+    };
+    let html = page(&content, Viewer::embedded()).context("the HTML report")?;
+    write_text(path, &html)
+}
+
+/// The conjugate curves of the surface, or why there are none.
+fn curves(shown: &Shown<'_>) -> Result<Vec<CurveFamily>, String> {
+    let surface = shown.given.or(shown.surface);
+    let surface = surface.ok_or("no surface was given")?;
+    let options = MeshOptions {
+        size: PanelSize::Panels(CURVES),
+        ..Default::default()
+    };
+    let network = engine::network(surface, &options, &Silently).map_err(|e| e.to_string())?;
+    let family = |name: &str, curves: &[Curve]| CurveFamily {
+        name: name.to_owned(),
+        curves: curves.iter().map(closed_polyline).collect(),
+    };
+    Ok(vec![
+        family("Conjugate curves: rows", &network.rows),
+        family("columns", &network.columns),
+    ])
+}
+
+fn closed_polyline(curve: &Curve) -> Vec<phex_mesh::Vec3> {
+    let first = curve.points.first().filter(|_| curve.closed);
+    curve.points.iter().chain(first).copied().collect()
+}
+
+/// Says nothing, and ends when the user interrupts.
+struct Silently;
+
+impl Progress for Silently {
+    fn report(&self, _: &Event) {}
+
+    fn is_cancelled(&self) -> bool {
+        is_interrupted()
+    }
+}
+
+/// The command line as it can be typed again.
+fn typed_command() -> String {
+    let words = std::env::args().skip(1).map(|word| quoted(&word));
+    std::iter::once("phex".to_owned())
+        .chain(words)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,%+:@".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_that_a_shell_would_split_are_quoted() {
+        assert_eq!(quoted("--rotate=30"), "--rotate=30");
+        assert_eq!(quoted("my roof.obj"), "'my roof.obj'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+}

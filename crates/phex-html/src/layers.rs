@@ -1,0 +1,99 @@
+//! What is shown besides the panels.
+
+use crate::mesh_data::{MeshData, numbers, points};
+use crate::thin::thinned;
+use crate::{CurveFamily, Report};
+use phex::parallel_mesh::{OffsetOptions, face_gauss_image, safe_distances};
+use phex_mesh::{FlatFace, PolygonSoup, TriangleSurface, Vec3};
+use serde::Serialize;
+
+/// The Gauss image, which is also the direction of offsets, with the distances that offsets may have.
+#[derive(Debug, Serialize)]
+pub struct Gauss {
+    directions: String,
+    inward: f64,
+    outward: f64,
+}
+
+impl Gauss {
+    /// The Gauss image of a planar mesh, or why there is none.
+    pub fn new(report: &Report<'_>) -> Result<Self, String> {
+        let mut options = OffsetOptions::default();
+        let planarity = report.run.checks.iter().find(|c| c.name == "planarity");
+        if let Some(check) = planarity {
+            options.validity.planarity = check.limit;
+        }
+        let image = face_gauss_image(report.mesh, &options).map_err(|e| e.to_string())?;
+        let safe = safe_distances(report.mesh, &image, &options);
+        // A flat mesh may be offset without end; a mean edge is plenty to look at.
+        let most = report.mesh.mean_edge();
+        Ok(Self {
+            directions: points(&image.positions, Vec3::zeros()),
+            inward: safe.inward.distance.min(most),
+            outward: safe.outward.distance.min(most),
+        })
+    }
+}
+
+/// The surface, thinned out where it is very fine.
+#[derive(Debug, Serialize)]
+pub struct Surface {
+    positions: String,
+    triangles: String,
+}
+
+impl Surface {
+    /// Packs a surface.
+    pub fn new(surface: &TriangleSurface, origin: Vec3) -> Self {
+        let soup = thinned(surface);
+        Self {
+            positions: points(&soup.positions, origin),
+            triangles: numbers(soup.faces.into_iter().flatten()),
+        }
+    }
+}
+
+/// Curves of one family, one after the other.
+#[derive(Debug, Serialize)]
+pub struct Curves<'a> {
+    name: &'a str,
+    points: String,
+    /// Number of the first point of each curve, and the number of all points.
+    starts: String,
+}
+
+impl<'a> Curves<'a> {
+    /// Packs a family.
+    pub fn new(family: &'a CurveFamily, origin: Vec3) -> Self {
+        let mut starts = vec![0];
+        for curve in &family.curves {
+            starts.push(starts[starts.len() - 1] + curve.len() as u32);
+        }
+        Self {
+            name: &family.name,
+            points: points(family.curves.iter().flatten(), origin),
+            starts: numbers(starts),
+        }
+    }
+}
+
+/// The mesh before the last step.
+#[derive(Debug, Serialize)]
+pub struct Start {
+    mesh: MeshData,
+    planarity: String,
+}
+
+impl Start {
+    /// Packs polygons with their planarity over the result's mean edge.
+    pub fn new(soup: &PolygonSoup, mean_edge: f64, origin: Vec3) -> Self {
+        let planarity = soup.faces.iter().map(|face| {
+            let corners: Vec<Vec3> = face.iter().map(|&v| soup.positions[v as usize]).collect();
+            FlatFace::new(&corners).planarity_length / mean_edge
+        });
+        Self {
+            planarity: crate::mesh_data::floats(planarity),
+            mesh: MeshData::new(soup, origin),
+        }
+    }
+}

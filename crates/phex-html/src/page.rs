@@ -1,0 +1,186 @@
+//! The page: head, view, tables, data, script.
+
+use crate::Report;
+use crate::bundle::Viewer;
+use crate::escape::{escaped, json_in_script};
+use crate::pictures::data_address;
+use crate::tables::{self, figure};
+use crate::viewer_data::{MOST_OFFENDERS, ViewerData, offenders};
+use phex::report::Verdict;
+use phex::report::maps::{ColourMap, Map, Subject};
+
+const STYLE: &str = include_str!("report.css");
+/// What the page may load: its own scripts, styles and pictures, and nothing from anywhere else.
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+
+/// The report as one HTML file; without a viewer it has pictures and tables, and says so.
+///
+/// # Errors
+/// If the viewer's data can't be written as JSON.
+pub fn page(report: &Report<'_>, viewer: Option<Viewer>) -> serde_json::Result<String> {
+    let maps = maps(report);
+    let mut html = String::new();
+    html.push_str(&head(report));
+    html.push_str("<body>\n");
+    html.push_str(&header(report));
+    let stage = if viewer.is_some() {
+        "<div id=\"phex-viewer\"></div>\n"
+    } else {
+        ""
+    };
+    html.push_str(stage);
+    html.push_str("<main>\n");
+    html.push_str(&pictures(report, &maps, viewer.is_some()));
+    html.push_str(&sections(report));
+    html.push_str("</main>\n");
+    if let Some(viewer) = viewer {
+        let json = serde_json::to_string(&ViewerData::new(report, &maps))?;
+        html.push_str(&format!(
+            "<script type=\"application/json\" id=\"phex-data\">{}</script>\n<script>{}</script>\n",
+            json_in_script(&json),
+            viewer.inline_script()
+        ));
+    }
+    html.push_str("</body>\n</html>\n");
+    Ok(html)
+}
+
+fn maps(report: &Report<'_>) -> Vec<ColourMap> {
+    let assessment = report.run.assessment();
+    let subject = Subject {
+        mesh: report.mesh,
+        assessment: &assessment,
+        surface: report.surface,
+    };
+    Map::ALL
+        .into_iter()
+        .filter_map(|map| ColourMap::new(map, &subject))
+        .collect()
+}
+
+fn head(report: &Report<'_>) -> String {
+    let title = escaped(report.title);
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n<title>{title} – phex report</title>\n<style>\n{STYLE}</style>\n</head>\n"
+    )
+}
+
+fn header(report: &Report<'_>) -> String {
+    let (class, word) = match report.run.verdict {
+        Verdict::Pass => ("pass", "Pass"),
+        Verdict::OutsideTolerance => ("outside", "Outside tolerance"),
+        Verdict::Invalid => ("invalid", "Invalid"),
+    };
+    let facts: String = facts(report)
+        .into_iter()
+        .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>"))
+        .collect();
+    format!(
+        "<header>\n<div class=\"title\"><span class=\"brand\">phex</span><h1>{}</h1>\
+         <span class=\"verdict {class}\">{word}</span></div>\n<dl class=\"facts\">{facts}</dl>\n</header>\n",
+        escaped(report.title)
+    )
+}
+
+/// The figures that are looked for first.
+fn facts(report: &Report<'_>) -> Vec<(&'static str, String)> {
+    let run = report.run;
+    let m = &run.measures;
+    let unit = escaped(&run.unit);
+    let mut facts = vec![
+        ("Panels", m.faces.to_string()),
+        (
+            "Hexagons inside",
+            m.hex
+                .map_or("–".to_owned(), |h| format!("{:.1} %", 100.0 * h)),
+        ),
+        ("Concave", m.faces_concave.to_string()),
+        (
+            "Planarity",
+            format!("{} {unit}", figure(m.planarity_length.max)),
+        ),
+        ("Mean edge", format!("{} {unit}", figure(m.mean_edge))),
+    ];
+    let deviation = run
+        .deviation_smooth
+        .as_ref()
+        .or(run.deviation_facets.as_ref());
+    if let Some(d) = deviation {
+        let length = d.deviation_max * d.diagonal;
+        let percent = 100.0 * d.deviation_max;
+        facts.push((
+            "Deviation",
+            format!("{} {unit} <small>{percent:.3} %</small>", figure(length)),
+        ));
+    }
+    let held = run.checks.iter().filter(|c| c.pass).count();
+    facts.push(("Checks", format!("{held} of {}", run.checks.len())));
+    facts
+}
+
+fn pictures(report: &Report<'_>, maps: &[ColourMap], interactive: bool) -> String {
+    let figures: String = maps
+        .iter()
+        .filter_map(|map| Some((map.map, data_address(report.mesh, map)?)))
+        .map(|(map, address)| {
+            let title = map.title();
+            format!("<figure><img alt=\"{title} of the panels\" src=\"{address}\"><figcaption>{title}</figcaption></figure>\n")
+        })
+        .collect();
+    let (open, said) = if interactive {
+        (
+            "",
+            "<p class=\"note needs-3d\">This browser can’t draw in three dimensions here, so the pictures below stand for the interactive view.</p>\n\
+             <noscript><p class=\"note\">The interactive view needs scripts; the pictures below stand for it.</p></noscript>\n",
+        )
+    } else {
+        (
+            " open",
+            "<p class=\"note\">This report has pictures instead of the interactive view: the program was built without npm, which builds the viewer (<code>cargo xtask viewer</code>).</p>\n",
+        )
+    };
+    format!(
+        "{said}<details id=\"pictures\"{open}><summary>Pictures</summary>\n<div class=\"gallery\">\n{figures}</div></details>\n"
+    )
+}
+
+fn sections(report: &Report<'_>) -> String {
+    format!(
+        "<section><h2>Checks</h2>\n{}</section>\n{}<section><h2>Figures</h2>\n{}</section>\n\
+         <section><h2>Repeat</h2>\n<pre class=\"command\"><code>{}</code></pre>\n{}</section>\n\
+         <details><summary>All settings</summary>\n{}</details>\n",
+        tables::checks(report),
+        offender_list(report),
+        tables::figures(report),
+        escaped(report.command),
+        tables::run(report),
+        tables::settings(&report.run.settings),
+    )
+}
+
+/// The offenders as text, for readers without the interactive view.
+fn offender_list(report: &Report<'_>) -> String {
+    let list = offenders(report);
+    if list.is_empty() {
+        return String::new();
+    }
+    let items: String = list
+        .iter()
+        .map(|o| {
+            let class = if o.loud { "loud" } else { "warn" };
+            format!("<li class=\"{class}\">{}</li>\n", escaped(&o.text))
+        })
+        .collect();
+    let more = if list.len() == MOST_OFFENDERS {
+        "<p class=\"note\">The first ones; the JSON report lists all.</p>\n"
+    } else {
+        ""
+    };
+    format!(
+        "<details class=\"offender-list\"><summary>Offenders ({})</summary>\n<ol>\n{items}</ol>\n{more}</details>\n",
+        list.len()
+    )
+}

@@ -1,0 +1,176 @@
+//! The data of the interactive view.
+
+use crate::Report;
+use crate::layers::{Curves, Gauss, Start, Surface};
+use crate::mesh_data::{MeshData, floats, numbers};
+use phex::report::maps::{ColourMap, Coloured, Scale};
+use phex::report::{Check, ElementKind};
+use phex_mesh::{FaceId, HexMesh, Vec3, Violation};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Most offenders that are listed one by one; the JSON report has all of them.
+pub const MOST_OFFENDERS: usize = 500;
+
+/// Everything that the viewer draws.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct ViewerData<'a> {
+    unit: &'a str,
+    mean_edge: f64,
+    mesh: MeshData,
+    area: String,
+    planarity: String,
+    angles: String,
+    concave: String,
+    maps: Vec<MapData>,
+    offenders: Vec<Offender>,
+    gauss: Option<Gauss>,
+    surface: Option<Surface>,
+    curves: Vec<Curves<'a>>,
+    start: Option<Start>,
+    missing: BTreeMap<&'static str, String>,
+}
+
+impl<'a> ViewerData<'a> {
+    /// Collects the data of a report.
+    pub fn new(report: &Report<'a>, maps: &[ColourMap]) -> Self {
+        let mesh = report.mesh;
+        let elements = &report.run.measures.per_element;
+        let origin = centre(mesh);
+        let topology = mesh.topology();
+        let angles = topology
+            .faces()
+            .flat_map(|f| topology.face_half_edges(f))
+            .map(|h| elements.corner_angle[h].to_degrees());
+        let mut missing = BTreeMap::new();
+        let gauss = Gauss::new(report).map_err(|reason| {
+            missing.insert("gauss", reason.clone());
+            missing.insert("offset", reason);
+        });
+        if report.surface.is_none() {
+            missing.insert("surface", "no surface was given".to_owned());
+        }
+        if let Some(reason) = report.no_curves {
+            missing.insert("curves", reason.to_owned());
+        }
+        let mean_edge = report.run.measures.mean_edge;
+        Self {
+            unit: &report.run.unit,
+            mean_edge,
+            mesh: MeshData::of_topology(mesh.positions.as_slice(), topology, origin),
+            area: floats(elements.area.iter().copied()),
+            planarity: floats(elements.planarity_length.iter().copied()),
+            angles: floats(angles),
+            concave: numbers(elements.concave.iter().map(|&c| u32::from(c))),
+            maps: maps.iter().map(MapData::new).collect(),
+            offenders: offenders(report),
+            gauss: gauss.ok(),
+            surface: report.surface.map(|s| Surface::new(s, origin)),
+            curves: report
+                .curves
+                .iter()
+                .map(|c| Curves::new(c, origin))
+                .collect(),
+            start: report.start.map(|s| Start::new(s, mean_edge, origin)),
+            missing,
+        }
+    }
+}
+
+/// Middle of the bounding box.
+fn centre(mesh: &HexMesh) -> Vec3 {
+    let first = mesh.positions.as_slice()[0];
+    let (low, high) = mesh
+        .positions
+        .iter()
+        .fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p)));
+    low / 2.0 + high / 2.0
+}
+
+/// A colour map with its legend.
+#[derive(Debug, Serialize)]
+struct MapData {
+    name: &'static str,
+    title: &'static str,
+    caption: &'static str,
+    element: Coloured,
+    values: String,
+    scale: Scale,
+    counts: Vec<usize>,
+    below: usize,
+    above: usize,
+    ticks: Vec<(f64, String)>,
+}
+
+impl MapData {
+    fn new(map: &ColourMap) -> Self {
+        let histogram = map.histogram();
+        Self {
+            name: map.map.name(),
+            title: map.map.title(),
+            caption: map.map.caption(),
+            element: map.element,
+            values: floats(map.values.iter().copied()),
+            counts: histogram.counts,
+            below: histogram.below,
+            above: histogram.above,
+            ticks: match &map.scale {
+                Scale::Continuous(scale) => scale.ticks(),
+                Scale::Classes(_) => Vec::new(),
+            },
+            scale: map.scale.clone(),
+        }
+    }
+}
+
+/// Something that is wrong with panels.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Offender {
+    kind: &'static str,
+    /// Whether it makes the mesh no panelling at all.
+    pub loud: bool,
+    /// The panels that take part, the named one first.
+    pub faces: Vec<usize>,
+    /// What is wrong.
+    pub text: String,
+}
+
+/// What is wrong with panels, the worst kinds first.
+pub fn offenders(report: &Report<'_>) -> Vec<Offender> {
+    let violations = report.run.violations.iter();
+    let mut list: Vec<Offender> = violations.map(|v| violation(report, v)).collect();
+    let far = report.run.checks.iter().find(|c| c.name == "deviation");
+    list.extend(far.into_iter().flat_map(too_far));
+    list.retain(|o| !o.faces.is_empty());
+    list.sort_by_key(|o| (!o.loud, o.kind != "not_simple"));
+    list.truncate(MOST_OFFENDERS);
+    list
+}
+
+fn violation(report: &Report<'_>, violation: &Violation) -> Offender {
+    let kind = violation.kind();
+    let faces = violation.faces(report.mesh.topology());
+    let quiet = ["not_planar", "collapsed_edge", "small_clearance", "fold"];
+    Offender {
+        kind,
+        loud: !quiet.contains(&kind),
+        faces: faces.into_iter().map(FaceId::index).collect(),
+        text: violation.to_string(),
+    }
+}
+
+fn too_far(check: &Check) -> impl Iterator<Item = Offender> {
+    let limit = 100.0 * check.limit;
+    let faces = if check.element == ElementKind::Face {
+        check.ids.as_slice()
+    } else {
+        &[]
+    };
+    faces.iter().map(move |&face| Offender {
+        kind: "deviation",
+        loud: false,
+        faces: vec![face],
+        text: format!("farther from the surface than {limit:.3} % of its diagonal"),
+    })
+}

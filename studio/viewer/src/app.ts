@@ -1,0 +1,406 @@
+/** The interactive view: panels, maps, layers, selection and offenders. */
+
+import { Box3, BufferAttribute, type Object3D, Sphere, Vector3 } from "three";
+import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
+import { colour } from "./colours";
+import { faceCorners, faceCount, floats, mesh, numbers, type Packed, type PackedMap } from "./data";
+import { button, figure, h } from "./dom";
+import { curvesLayer, GaussImage, Offset, Start, surfaceLayer } from "./layers";
+import { legend } from "./legend";
+import { Picker } from "./picker";
+import { faceCentre, faceNormal, faceRadius, lines, Polygons } from "./polygons";
+import { card, neighbours, shown, type Facts } from "./selection";
+import { Stage, VIEWS } from "./stage";
+import { Tags } from "./tags";
+
+const SELECTED = 0x0050ff;
+const LOUD = 0xd4006a;
+/** A press that moves farther than this is a turn of the view, in pixels. */
+const CLICK = 5;
+/** A panel that is zoomed to fills this share of the view. */
+const CLOSE_UP = 7;
+
+export class App {
+  private readonly stage: Stage;
+  private readonly facts: Facts;
+  private readonly polygons: Polygons;
+  private readonly picker: Picker;
+  private readonly tags: Tags;
+  private readonly centres: Vector3[];
+  private readonly radii: number[];
+  private readonly model: Sphere;
+  private readonly selection: LineSegments2;
+  private readonly loud: LineSegments2;
+  private readonly start: Start | null;
+  private offset: Offset | null = null;
+  private gauss: GaussImage | null = null;
+  private current: Facts["maps"][number];
+  private shownMesh = "after";
+
+  constructor(
+    private readonly packed: Packed,
+    private readonly root: HTMLElement,
+  ) {
+    this.facts = unpack(packed);
+    const { mesh: base } = this.facts;
+    const faces = Array.from({ length: faceCount(base) }, (_, face) => face);
+    this.centres = faces.map((face) => faceCentre(base, face));
+    this.radii = faces.map((face) => faceRadius(base, face));
+    this.buildFrame();
+    this.stage = new Stage(this.part("canvas"));
+    this.polygons = new Polygons(base);
+    this.picker = new Picker(this.stage.renderer, this.stage.camera, this.polygons.faces.geometry);
+    this.tags = new Tags(this.stage.camera, this.centres, this.radii);
+    this.part("canvas").append(this.tags.canvas);
+    const box = new Box3().setFromBufferAttribute(new BufferAttribute(base.positions, 3));
+    this.model = boundingSphere(box, base.positions);
+    this.selection = overlay(3.6, SELECTED);
+    this.loud = overlay(3, LOUD);
+    this.outline(this.loud, [...new Set(packed.offenders.filter((o) => o.loud).flatMap((o) => o.faces))]);
+    this.start = packed.start ? new Start(packed.start) : null;
+    this.stage.scene.add(this.polygons.group, this.loud, this.selection);
+    this.stage.setExtent(box);
+    this.current = this.facts.maps[0];
+    this.buildMaps();
+    this.buildLayers();
+    this.buildTools();
+    this.buildOffenders();
+    this.select(null);
+    this.listen();
+    this.show(this.current.map.name);
+    this.stage.look(this.model, new Vector3(...VIEWS.Iso), false);
+  }
+
+  /** Place of a panel's centre in the page, for scripts and tests. */
+  locate(face: number): { x: number; y: number } {
+    const p = this.centres[face].clone().project(this.stage.camera);
+    const box = this.stage.renderer.domElement.getBoundingClientRect();
+    return { x: box.x + ((p.x + 1) / 2) * box.width, y: box.y + ((1 - p.y) / 2) * box.height };
+  }
+
+  private part(name: string): HTMLElement {
+    const found = this.root.querySelector<HTMLElement>(`[data-part="${name}"]`);
+    if (!found) throw new Error(`the page has no part ${name}`);
+    return found;
+  }
+
+  private buildFrame(): void {
+    const part = (name: string, tag = "div") => h(tag, { "data-part": name, class: name });
+    const section = (title: string, name: string) => h("section", {}, h("h2", {}, title), part(name));
+    const overlays = [part("views"), part("compare"), part("legend"), part("tip")];
+    this.root.replaceChildren(
+      h("div", { class: "view" }, part("canvas"), ...overlays),
+      h(
+        "aside",
+        {},
+        section("Colours", "maps"),
+        section("Layers", "layers"),
+        section("Panel", "selection"),
+        section("Offenders", "offenders"),
+      ),
+    );
+  }
+
+  private buildMaps(): void {
+    const box = this.part("maps");
+    for (const { map } of this.facts.maps) {
+      const choose = button(map.title, map.caption, () => this.show(map.name));
+      choose.dataset.map = map.name;
+      box.append(choose);
+    }
+  }
+
+  /** Colours the panels by a map. */
+  private show(name: string): void {
+    this.current = this.facts.maps.find(({ map }) => map.name === name) ?? this.current;
+    const { map, values } = this.current;
+    const plain = map.element === "edge";
+    const paint = (face: number) => (plain ? ([238, 236, 232] as [number, number, number]) : colour(map.scale, values[face]));
+    this.polygons.colourFaces(paint);
+    this.polygons.colourEdges(plain ? (edge) => colour(map.scale, values[edge]) : null);
+    this.gauss?.polygons.colourFaces(paint);
+    this.start?.colour(map.name === "planarity" ? (v) => colour(map.scale, v) : null);
+    this.part("legend").replaceChildren(legend(map));
+    for (const choose of this.part("maps").querySelectorAll<HTMLElement>("[data-map]")) {
+      choose.setAttribute("aria-pressed", String(choose.dataset.map === name));
+    }
+    this.stage.draw();
+  }
+
+  private buildLayers(): void {
+    const { packed } = this;
+    const { faces, edges } = this.polygons;
+    this.layer("panels", "Panels", true, (on) => void (faces.visible = on));
+    this.layer("edges", "Edges", true, (on) => void (edges.visible = on));
+    this.layer("ids", "Panel ids", false, (on) => void (this.tags.visible = on));
+    this.lazy("surface", "Surface", packed.surface, surfaceLayer);
+    this.lazy("offset", "Offset", packed.gauss, (gauss) => this.makeOffset(gauss));
+    this.lazy("gauss", "Gauss image", packed.gauss, (gauss) => this.makeGauss(gauss), () => this.fit(true));
+    const families = packed.curves.length > 0 ? packed.curves : null;
+    this.lazy("curves", families?.map((c) => c.name).join(", ") ?? "Conjugate curves", families, curvesLayer);
+  }
+
+  /** A layer that is made when it is first switched on. */
+  private lazy<T>(name: string, label: string, data: T | null, make: (data: T) => Object3D, after?: () => void): void {
+    let object: Object3D | null = null;
+    const reason = data === null ? (this.packed.missing[name] ?? "not in this report") : null;
+    const act = (on: boolean): void => {
+      if (data !== null && object === null) {
+        object = make(data);
+        this.stage.scene.add(object);
+        this.resize();
+      }
+      if (object) object.visible = on;
+      this.root.querySelector(`[data-more="${name}"]`)?.toggleAttribute("hidden", !on);
+      after?.();
+    };
+    this.layer(name, label, false, act, reason);
+    if (name === "offset" && this.packed.gauss) this.part("layers").append(this.offsetSlider(this.packed.gauss));
+  }
+
+  private layer(name: string, label: string, on: boolean, act: (on: boolean) => void, reason: string | null = null): void {
+    const box = h("input", { type: "checkbox", "data-layer": name }) as HTMLInputElement;
+    box.checked = on;
+    box.disabled = reason !== null;
+    box.addEventListener("change", () => {
+      act(box.checked);
+      this.stage.draw();
+    });
+    const line = h("label", reason ? { class: "off", title: reason } : {}, box, h("span", {}, label));
+    if (reason) line.append(h("small", {}, reason));
+    this.part("layers").append(line);
+  }
+
+  private makeOffset(gauss: NonNullable<Packed["gauss"]>): Object3D {
+    this.offset = new Offset(this.facts.mesh, gauss);
+    this.root.querySelector<HTMLInputElement>("[data-offset]")?.dispatchEvent(new Event("input"));
+    return this.offset.polygons.group;
+  }
+
+  private makeGauss(gauss: NonNullable<Packed["gauss"]>): Object3D {
+    this.gauss = new GaussImage(this.facts.mesh, gauss, this.model);
+    this.show(this.current.map.name);
+    return this.gauss.group;
+  }
+
+  private offsetSlider(gauss: NonNullable<Packed["gauss"]>): HTMLElement {
+    const attributes = {
+      type: "range",
+      min: String(-gauss.inward),
+      max: String(gauss.outward),
+      step: "any",
+      value: String(0.5 * gauss.outward),
+      "data-offset": "",
+      "aria-label": "Distance of the offset",
+    };
+    const slider = h("input", attributes) as HTMLInputElement;
+    const said = h("output", {});
+    slider.addEventListener("input", () => {
+      const distance = Number(slider.value);
+      said.textContent = `${figure(distance)} ${this.packed.unit}`;
+      this.offset?.setDistance(distance);
+      this.stage.draw();
+    });
+    return h("div", { class: "more", "data-more": "offset", hidden: "" }, slider, said);
+  }
+
+  private buildTools(): void {
+    const views = this.part("views");
+    for (const [name, direction] of Object.entries(VIEWS)) {
+      views.append(button(name, `${name} view`, () => this.stage.look(this.extent(), new Vector3(...direction), true)));
+    }
+    views.append(button("Fit", "Fit everything into the view", () => this.fit(true)));
+    if (!this.start) return;
+    const modes: [string, string][] = [
+      ["before", "Before"],
+      ["after", "After"],
+      ["both", "Both"],
+    ];
+    for (const [mode, label] of modes) {
+      const choose = button(label, COMPARE[mode], () => this.compare(mode));
+      choose.dataset.compare = mode;
+      this.part("compare").append(choose);
+    }
+    this.stage.scene.add(this.start.polygons.group, this.start.wires);
+    this.compare("after");
+  }
+
+  /** Shows the layout's start, the result, or the result with the start as lines. */
+  private compare(mode: string): void {
+    const { start } = this;
+    if (!start) return;
+    this.shownMesh = mode;
+    start.polygons.group.visible = mode === "before";
+    start.wires.visible = mode === "both";
+    this.polygons.group.visible = mode !== "before";
+    this.loud.visible = mode !== "before";
+    this.selection.visible = mode !== "before";
+    for (const choose of this.part("compare").querySelectorAll<HTMLElement>("[data-compare]")) {
+      choose.setAttribute("aria-pressed", String(choose.dataset.compare === mode));
+    }
+    this.stage.draw();
+  }
+
+  private buildOffenders(): void {
+    const { offenders } = this.packed;
+    const box = this.part("offenders");
+    if (offenders.length === 0) {
+      box.append(h("p", { class: "none" }, "None: every check holds."));
+      return;
+    }
+    const entries = offenders.map((offender) => {
+      const open = button("", "Show the panel", () => this.zoom(offender.faces[0]));
+      open.className = offender.loud ? "loud" : "warn";
+      open.append(h("b", {}, `Panel ${offender.faces[0]}`), h("span", {}, offender.text));
+      return h("li", {}, open);
+    });
+    box.append(h("ol", {}, ...entries));
+  }
+
+  private select(face: number | null): void {
+    const box = this.part("selection");
+    box.replaceChildren(
+      face === null
+        ? h("p", { class: "none" }, "Click a panel to see its size, angles and neighbours.")
+        : card(this.facts, face, (other) => this.zoom(other)),
+    );
+    this.outline(this.selection, face === null ? [] : [face]);
+    this.stage.draw();
+  }
+
+  /** Selects a panel and brings it to the middle of the view. */
+  private zoom(face: number): void {
+    this.select(face);
+    const normal = faceNormal(this.facts.mesh, this.facts.mesh.positions, face);
+    const eye = this.stage.direction().normalize();
+    if (normal.dot(eye) < 0) normal.negate();
+    const direction = eye.multiplyScalar(0.35).add(normal);
+    const around = new Sphere(this.centres[face], CLOSE_UP * this.radii[face]);
+    this.stage.look(around, direction, true);
+  }
+
+  private outline(object: LineSegments2, faces: number[]): void {
+    const { mesh: base } = this.facts;
+    const points: number[] = [];
+    for (const face of faces) {
+      const corners = faceCorners(base, face);
+      corners.forEach((v, k) => {
+        for (const end of [v, corners[(k + 1) % corners.length]]) {
+          points.push(...base.positions.subarray(3 * end, 3 * end + 3));
+        }
+      });
+    }
+    object.geometry.dispose();
+    object.geometry = lines(points, 1, 0).geometry;
+    object.visible = points.length > 0;
+  }
+
+  private fit(animated: boolean): void {
+    this.stage.look(this.extent(), this.stage.direction(), animated);
+  }
+
+  private extent(): Sphere {
+    if (!this.gauss?.group.visible) return this.model;
+    const box = new Box3().setFromObject(this.gauss.group).union(this.model.getBoundingBox(new Box3()));
+    return box.getBoundingSphere(new Sphere());
+  }
+
+  private listen(): void {
+    const canvas = this.stage.renderer.domElement;
+    let down = { x: 0, y: 0 };
+    canvas.addEventListener("pointerdown", (event) => void (down = { x: event.clientX, y: event.clientY }));
+    canvas.addEventListener("click", (event) => {
+      if (Math.hypot(event.clientX - down.x, event.clientY - down.y) <= CLICK) this.select(this.pick(event));
+    });
+    canvas.addEventListener("dblclick", (event) => {
+      const face = this.pick(event);
+      if (face !== null) this.zoom(face);
+    });
+    canvas.addEventListener("pointermove", (event) => this.hover(event));
+    canvas.addEventListener("pointerleave", () => this.tip(null, 0, 0));
+    window.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") this.select(null);
+    });
+    this.stage.onResize.push(() => this.resize());
+    this.stage.onDraw.push(() => {
+      const { x, y } = this.stage.size;
+      this.tags.draw(this.stage.size, () => this.picker.map(x, y));
+    });
+    this.resize();
+  }
+
+  private pick(event: MouseEvent): number | null {
+    if (this.shownMesh === "before") return null;
+    const box = this.stage.renderer.domElement.getBoundingClientRect();
+    return this.picker.at(event.clientX - box.x, event.clientY - box.y, box.width, box.height);
+  }
+
+  private hovering = false;
+
+  private hover(event: PointerEvent): void {
+    if (this.hovering || event.buttons !== 0) return;
+    this.hovering = true;
+    requestAnimationFrame(() => {
+      this.hovering = false;
+      const box = this.part("canvas").getBoundingClientRect();
+      this.tip(this.pick(event), event.clientX - box.x, event.clientY - box.y);
+    });
+  }
+
+  private tip(face: number | null, x: number, y: number): void {
+    const tip = this.part("tip");
+    tip.hidden = face === null;
+    if (face === null) return;
+    const { map, values } = this.current;
+    const value = map.element === "face" ? ` · ${shown(map, values[face])}` : "";
+    tip.textContent = `Panel ${face}${value}`;
+    tip.style.transform = `translate(${x + 14}px, ${y + 14}px)`;
+  }
+
+  private resize(): void {
+    this.stage.scene.traverse((object) => {
+      if (object instanceof LineSegments2) object.material.resolution.copy(this.stage.size);
+    });
+  }
+}
+
+const COMPARE: Record<string, string> = {
+  before: "The layout that the optimiser started from",
+  after: "The result",
+  both: "The result, with the edges of the layout it started from",
+};
+
+/** The smallest sphere round the middle of a box that holds all points. */
+function boundingSphere(box: Box3, positions: Float32Array): Sphere {
+  const centre = box.getCenter(new Vector3());
+  let radius = 0;
+  for (let i = 0; i < positions.length; i += 3) {
+    radius = Math.max(radius, new Vector3().fromArray(positions, i).distanceTo(centre));
+  }
+  return new Sphere(centre, radius);
+}
+
+/** Lines that are seen through everything. */
+function overlay(width: number, colour: number): LineSegments2 {
+  const object = lines([], width, colour);
+  object.material.depthTest = false;
+  object.material.transparent = true;
+  object.renderOrder = 10;
+  object.visible = false;
+  return object;
+}
+
+function unpack(packed: Packed): Facts {
+  const base = mesh(packed.mesh);
+  const maps = packed.maps.map((map: PackedMap) => ({ map, values: floats(map.values) }));
+  return {
+    packed,
+    mesh: base,
+    area: floats(packed.area),
+    planarity: floats(packed.planarity),
+    angles: floats(packed.angles),
+    concave: numbers(packed.concave),
+    maps,
+    neighbours: neighbours(base, faceCount(base)),
+  };
+}

@@ -1,0 +1,119 @@
+/** The report's data as the page carries them: small things as JSON, large ones as base64 of little-endian arrays. */
+
+export interface PackedMesh {
+  positions: string;
+  faceStart: string;
+  corners: string;
+  triangles: string;
+  triangleFace: string;
+  edges: string;
+  edgeFaces: string;
+}
+
+export interface Continuous {
+  low: number;
+  high: number;
+  logarithmic: boolean;
+  ramp: [number, number, number][];
+  limit: number | null;
+  band: [number, [number, number, number]] | null;
+}
+
+export interface MapClass {
+  label: string;
+  colour: [number, number, number];
+}
+
+export type Scale = { continuous: Continuous } | { classes: MapClass[] };
+
+export interface PackedMap {
+  name: string;
+  title: string;
+  caption: string;
+  element: "face" | "edge";
+  values: string;
+  scale: Scale;
+  counts: number[];
+  below: number;
+  above: number;
+  ticks: [number, string][];
+}
+
+export interface Offender {
+  kind: string;
+  loud: boolean;
+  faces: number[];
+  text: string;
+}
+
+export interface PackedCurves {
+  name: string;
+  points: string;
+  starts: string;
+}
+
+export interface Packed {
+  unit: string;
+  meanEdge: number;
+  mesh: PackedMesh;
+  area: string;
+  planarity: string;
+  angles: string;
+  concave: string;
+  maps: PackedMap[];
+  offenders: Offender[];
+  gauss: { directions: string; inward: number; outward: number } | null;
+  surface: { positions: string; triangles: string } | null;
+  curves: PackedCurves[];
+  start: { mesh: PackedMesh; planarity: string } | null;
+  /** Layers that the report has not, with the reason. */
+  missing: Record<string, string>;
+}
+
+/** A polygon mesh in flat arrays. */
+export interface Mesh {
+  positions: Float32Array;
+  faceStart: Uint32Array;
+  corners: Uint32Array;
+  triangles: Uint32Array;
+  triangleFace: Uint32Array;
+  edges: Uint32Array;
+  edgeFaces: Uint32Array;
+}
+
+/** The face number of the free side of a boundary edge. */
+export const NO_FACE = 0xffffffff;
+
+function bytes(text: string): ArrayBuffer {
+  const raw = atob(text);
+  const out = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; i++) out[i] = raw.charCodeAt(i);
+  return out.buffer;
+}
+
+export const floats = (text: string): Float32Array => new Float32Array(bytes(text));
+export const numbers = (text: string): Uint32Array => new Uint32Array(bytes(text));
+
+export function mesh(packed: PackedMesh): Mesh {
+  return {
+    positions: floats(packed.positions),
+    faceStart: numbers(packed.faceStart),
+    corners: numbers(packed.corners),
+    triangles: numbers(packed.triangles),
+    triangleFace: numbers(packed.triangleFace),
+    edges: numbers(packed.edges),
+    edgeFaces: numbers(packed.edgeFaces),
+  };
+}
+
+export const faceCount = (mesh: Mesh): number => mesh.faceStart.length - 1;
+
+/** Vertex numbers of a face. */
+export const faceCorners = (mesh: Mesh, face: number): Uint32Array =>
+  mesh.corners.subarray(mesh.faceStart[face], mesh.faceStart[face + 1]);
+
+/** The data in the page, or nothing if there are none. */
+export function readPage(): Packed | null {
+  const element = document.getElementById("phex-data");
+  return element?.textContent ? (JSON.parse(element.textContent) as Packed) : null;
+}

@@ -1,0 +1,29 @@
+/** Turns the static report into an interactive one, where the browser can draw in three dimensions. */
+
+import { App } from "./app";
+import { readPage } from "./data";
+
+declare global {
+  interface Window {
+    /** For scripts in the browser's console, and for tests. */
+    phexReport?: App;
+  }
+}
+
+function start(): void {
+  const root = document.getElementById("phex-viewer");
+  const packed = readPage();
+  if (!root || !packed) return;
+  try {
+    window.phexReport = new App(packed, root);
+    document.documentElement.dataset.viewer = "ready";
+  } catch (error) {
+    // No WebGL, say: the page's pictures and tables stand for the view.
+    console.warn("no interactive view:", error);
+    root.replaceChildren();
+    document.getElementById("pictures")?.setAttribute("open", "");
+    document.documentElement.dataset.viewer = "failed";
+  }
+}
+
+start();

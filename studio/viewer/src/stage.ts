@@ -1,0 +1,118 @@
+/** Camera, light and drawing: draws only when something changed. */
+
+import {
+  AmbientLight,
+  Box3,
+  Color,
+  DirectionalLight,
+  HemisphereLight,
+  PerspectiveCamera,
+  Scene,
+  Sphere,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+/** Directions to the eye. */
+export const VIEWS: Record<string, [number, number, number]> = {
+  Iso: [1, -1.7, 1.4],
+  Top: [0, -1e-4, 1],
+  Front: [0, -1, 0],
+  Right: [1, 0, 0],
+};
+
+const FLIGHT_MS = 320;
+
+export class Stage {
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(26, 1, 0.01, 100);
+  readonly renderer: WebGLRenderer;
+  readonly controls: OrbitControls;
+  readonly size = new Vector2(1, 1);
+  /** Called after the camera has moved and each frame has been drawn. */
+  onDraw: (() => void)[] = [];
+  onResize: (() => void)[] = [];
+  private waiting = false;
+
+  constructor(private readonly host: HTMLElement) {
+    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    host.append(this.renderer.domElement);
+    this.scene.background = new Color(0xf5f6f8);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.addEventListener("change", () => this.draw());
+    this.light();
+    new ResizeObserver(() => this.resize()).observe(host);
+  }
+
+  /** Draws at the next frame. */
+  draw(): void {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.renderer.render(this.scene, this.camera);
+      for (const act of this.onDraw) act();
+    });
+  }
+
+  /** Fits a sphere into the view, seen from a direction or from where the eye is. */
+  look(sphere: Sphere, direction: Vector3, animated: boolean): void {
+    const vertical = (this.camera.fov * Math.PI) / 360;
+    const half = Math.min(vertical, Math.atan(Math.tan(vertical) * this.camera.aspect));
+    const distance = (1.02 * sphere.radius) / Math.sin(half);
+    const eye = direction.clone().normalize().multiplyScalar(distance).add(sphere.center);
+    this.fly(eye, sphere.center, animated);
+  }
+
+  /** Direction from the looked-at point to the eye. */
+  direction(): Vector3 {
+    return this.camera.position.clone().sub(this.controls.target);
+  }
+
+  /** Range of depth that holds everything. */
+  setExtent(box: Box3): void {
+    const radius = box.getBoundingSphere(new Sphere()).radius;
+    this.camera.near = radius / 200;
+    this.camera.far = radius * 60;
+    this.controls.minDistance = radius / 60;
+    this.controls.maxDistance = radius * 20;
+    this.camera.updateProjectionMatrix();
+  }
+
+  private fly(eye: Vector3, target: Vector3, animated: boolean): void {
+    const from = { eye: this.camera.position.clone(), target: this.controls.target.clone() };
+    const start = performance.now();
+    const step = (): void => {
+      const t = animated ? Math.min(1, (performance.now() - start) / FLIGHT_MS) : 1;
+      const ease = t * t * (3 - 2 * t);
+      this.camera.position.lerpVectors(from.eye, eye, ease);
+      this.controls.target.lerpVectors(from.target, target, ease);
+      this.controls.update();
+      this.draw();
+      if (t < 1) requestAnimationFrame(step);
+    };
+    step();
+  }
+
+  private light(): void {
+    const sun = new DirectionalLight(0xffffff, 1.5);
+    sun.position.set(-0.5, 0.9, 1);
+    this.camera.add(sun);
+    this.scene.add(this.camera, new HemisphereLight(0xffffff, 0xd9dbe2, 1.35), new AmbientLight(0xffffff, 0.75));
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.host;
+    if (width === 0 || height === 0) return;
+    this.size.set(width, height);
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    for (const act of this.onResize) act();
+    this.draw();
+  }
+}
