@@ -17,8 +17,8 @@ const SELECTED = 0x0050ff;
 const LOUD = 0xd4006a;
 /** A press that moves farther than this is a turn of the view, in pixels. */
 const CLICK = 5;
-/** A panel that is zoomed to fills this share of the view. */
-const CLOSE_UP = 7;
+/** How far round a panel is seen that is zoomed to, in its radii. */
+const CLOSE_UP = 5;
 
 export class App {
   private readonly stage: Stage;
@@ -50,10 +50,11 @@ export class App {
     this.stage = new Stage(this.part("canvas"));
     this.polygons = new Polygons(base);
     this.picker = new Picker(this.stage.renderer, this.stage.camera, this.polygons.faces.geometry);
-    this.tags = new Tags(this.stage.camera, this.centres, this.radii);
+    const normals = faces.map((face) => faceNormal(base, base.positions, face));
+    this.tags = new Tags(this.stage.camera, this.centres, this.radii, normals);
     this.part("canvas").append(this.tags.canvas);
     const box = new Box3().setFromBufferAttribute(new BufferAttribute(base.positions, 3));
-    this.model = boundingSphere(box, base.positions);
+    this.model = box.getBoundingSphere(new Sphere());
     this.selection = overlay(3.6, SELECTED);
     this.loud = overlay(3, LOUD);
     this.outline(this.loud, [...new Set(packed.offenders.filter((o) => o.loud).flatMap((o) => o.faces))]);
@@ -68,7 +69,7 @@ export class App {
     this.select(null);
     this.listen();
     this.show(this.current.map.name);
-    this.stage.look(this.model, new Vector3(...VIEWS.Iso), false);
+    this.stage.look(this.points(), new Vector3(...VIEWS.Iso), false);
   }
 
   /** Place of a panel's centre in the page, for scripts and tests. */
@@ -207,7 +208,7 @@ export class App {
   private buildTools(): void {
     const views = this.part("views");
     for (const [name, direction] of Object.entries(VIEWS)) {
-      views.append(button(name, `${name} view`, () => this.stage.look(this.extent(), new Vector3(...direction), true)));
+      views.append(button(name, `${name} view`, () => this.stage.look(this.points(), new Vector3(...direction), true)));
     }
     views.append(button("Fit", "Fit everything into the view", () => this.fit(true)));
     if (!this.start) return;
@@ -275,8 +276,9 @@ export class App {
     const eye = this.stage.direction().normalize();
     if (normal.dot(eye) < 0) normal.negate();
     const direction = eye.multiplyScalar(0.35).add(normal);
-    const around = new Sphere(this.centres[face], CLOSE_UP * this.radii[face]);
-    this.stage.look(around, direction, true);
+    const reach = CLOSE_UP * this.radii[face];
+    const ends = [-reach, reach].flatMap((d) => [0, 1, 2].flatMap((axis) => beside(this.centres[face], axis, d)));
+    this.stage.look([new Float32Array(ends)], direction, true);
   }
 
   private outline(object: LineSegments2, faces: number[]): void {
@@ -296,13 +298,13 @@ export class App {
   }
 
   private fit(animated: boolean): void {
-    this.stage.look(this.extent(), this.stage.direction(), animated);
+    this.stage.look(this.points(), this.stage.direction(), animated);
   }
 
-  private extent(): Sphere {
-    if (!this.gauss?.group.visible) return this.model;
-    const box = new Box3().setFromObject(this.gauss.group).union(this.model.getBoundingBox(new Box3()));
-    return box.getBoundingSphere(new Sphere());
+  /** Everything that has to be seen. */
+  private points(): Float32Array[] {
+    const panels = this.facts.mesh.positions;
+    return this.gauss?.group.visible ? [panels, this.gauss.polygons.mesh.positions] : [panels];
   }
 
   private listen(): void {
@@ -370,14 +372,9 @@ const COMPARE: Record<string, string> = {
   both: "The result, with the edges of the layout it started from",
 };
 
-/** The smallest sphere round the middle of a box that holds all points. */
-function boundingSphere(box: Box3, positions: Float32Array): Sphere {
-  const centre = box.getCenter(new Vector3());
-  let radius = 0;
-  for (let i = 0; i < positions.length; i += 3) {
-    radius = Math.max(radius, new Vector3().fromArray(positions, i).distanceTo(centre));
-  }
-  return new Sphere(centre, radius);
+/** A point at a distance from another along an axis. */
+function beside(point: Vector3, axis: number, distance: number): number[] {
+  return point.clone().setComponent(axis, point.getComponent(axis) + distance).toArray();
 }
 
 /** Lines that are seen through everything. */

@@ -84,6 +84,7 @@ export class GaussImage {
       n.multiplyScalar(radius).add(centre).toArray(positions, i);
     }
     this.polygons = new Polygons({ ...base, positions });
+    this.polygons.edges.material.linewidth = 0.7;
     const material = new MeshStandardMaterial({ color: 0xffffff, transparent: true, opacity: 0.25, depthWrite: false });
     const sphere = new Surface(new SphereGeometry(0.985 * radius, 64, 40), material);
     sphere.position.copy(centre);

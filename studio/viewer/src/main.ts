@@ -14,9 +14,10 @@ function start(): void {
   const root = document.getElementById("phex-viewer");
   const packed = readPage();
   if (!root || !packed) return;
+  // The view must have its size while it is made.
+  document.documentElement.dataset.viewer = "ready";
   try {
     window.phexReport = new App(packed, root);
-    document.documentElement.dataset.viewer = "ready";
   } catch (error) {
     // No WebGL, say: the page's pictures and tables stand for the view.
     console.warn("no interactive view:", error);

@@ -24,6 +24,8 @@ export const VIEWS: Record<string, [number, number, number]> = {
 };
 
 const FLIGHT_MS = 320;
+/** Share of the view's height and width that is filled at most. */
+const FILLED = 0.84;
 
 export class Stage {
   readonly scene = new Scene();
@@ -45,6 +47,7 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener("change", () => this.draw());
     this.light();
+    this.resize();
     new ResizeObserver(() => this.resize()).observe(host);
   }
 
@@ -59,13 +62,23 @@ export class Stage {
     });
   }
 
-  /** Fits a sphere into the view, seen from a direction or from where the eye is. */
-  look(sphere: Sphere, direction: Vector3, animated: boolean): void {
-    const vertical = (this.camera.fov * Math.PI) / 360;
-    const half = Math.min(vertical, Math.atan(Math.tan(vertical) * this.camera.aspect));
-    const distance = (1.02 * sphere.radius) / Math.sin(half);
-    const eye = direction.clone().normalize().multiplyScalar(distance).add(sphere.center);
-    this.fly(eye, sphere.center, animated);
+  /** Fits points into the view, seen from a direction. */
+  look(points: Float32Array[], direction: Vector3, animated: boolean): void {
+    const back = direction.clone().normalize();
+    const right = new Vector3().crossVectors(this.camera.up, back).normalize();
+    const up = new Vector3().crossVectors(back, right);
+    const box = new Box3();
+    each(points, (p) => box.expandByPoint(p.set(p.dot(right), p.dot(up), p.dot(back))));
+    const middle = box.getCenter(new Vector3());
+    const tall = Math.tan((this.camera.fov * Math.PI) / 360) * FILLED;
+    const wide = tall * this.camera.aspect;
+    let distance = 0;
+    each(points, (p) => {
+      const [x, y, z] = [p.dot(right) - middle.x, p.dot(up) - middle.y, p.dot(back) - middle.z];
+      distance = Math.max(distance, z + Math.abs(x) / wide, z + Math.abs(y) / tall);
+    });
+    const target = right.multiplyScalar(middle.x).addScaledVector(up, middle.y).addScaledVector(back, middle.z);
+    this.fly(back.clone().multiplyScalar(distance).add(target), target, animated);
   }
 
   /** Direction from the looked-at point to the eye. */
@@ -114,5 +127,13 @@ export class Stage {
     this.camera.updateProjectionMatrix();
     for (const act of this.onResize) act();
     this.draw();
+  }
+}
+
+/** Calls `act` with each point in turn; the vector is the same one every time. */
+function each(points: Float32Array[], act: (p: Vector3) => void): void {
+  const p = new Vector3();
+  for (const list of points) {
+    for (let i = 0; i < list.length; i += 3) act(p.fromArray(list, i));
   }
 }

@@ -3,8 +3,10 @@
 import type { PerspectiveCamera, Vector2, Vector3 } from "three";
 
 /** Smallest size of a panel on the screen that has room for its number, in pixels. */
-const ROOM = 26;
-const MOST = 1500;
+const ROOM = 22;
+/** Height of a line of text in pixels. */
+const LINE = 12;
+const MOST = 1200;
 
 export class Tags {
   readonly canvas = document.createElement("canvas");
@@ -14,6 +16,7 @@ export class Tags {
     private readonly camera: PerspectiveCamera,
     private readonly centres: Vector3[],
     private readonly radii: number[],
+    private readonly normals: Vector3[],
   ) {
     this.canvas.className = "tags";
   }
@@ -35,8 +38,12 @@ export class Tags {
     const near = this.large(size);
     if (near.length === 0) return;
     const at = seen();
+    const taken: { x: number; y: number; half: number }[] = [];
     for (const { face, x, y } of near) {
-      if (at(x / size.x, y / size.y) !== face) continue;
+      const half = pen.measureText(String(face)).width / 2 + 2;
+      const clear = taken.every((t) => Math.abs(t.x - x) > t.half + half || Math.abs(t.y - y) > LINE);
+      if (!clear || at(x / size.x, y / size.y) !== face) continue;
+      taken.push({ x, y, half });
       pen.strokeText(String(face), x, y);
       pen.fillText(String(face), x, y);
     }
@@ -45,7 +52,10 @@ export class Tags {
   private large(size: Vector2): { face: number; x: number; y: number }[] {
     const zoom = size.y / Math.tan((this.camera.fov * Math.PI) / 360) / 2;
     const found = this.centres.map((centre, face) => {
-      const pixels = (2 * this.radii[face] * zoom) / centre.distanceTo(this.camera.position);
+      const sight = this.camera.position.clone().sub(centre);
+      // A panel that is seen from its edge is narrow.
+      const facing = Math.abs(this.normals[face].dot(sight)) / sight.length();
+      const pixels = (2 * this.radii[face] * zoom * facing) / sight.length();
       const p = centre.clone().project(this.camera);
       return { face, pixels, x: ((p.x + 1) / 2) * size.x, y: ((1 - p.y) / 2) * size.y, z: p.z };
     });
