@@ -1,7 +1,7 @@
 //! Planar panels that also satisfy the angle condition (4.1), so that the mesh has a vertex-distance offset.
 //!
-//! Two steps: a projection of minimum norm onto planarity *and* angles, `4 F` equations in all; then a descent of
-//! closeness, fairness and barrier within them,
+//! Two steps: a projection of minimum norm onto planarity *and* angles, `4 F` equations in all (where tight panels stop it, in
+//! the metric `W` below until it is near); then a descent of closeness, fairness and barrier within them,
 //!
 //! ```text
 //! d = -W (g + J^T y),   J W J^T y = -J W g,   W = (H + mu I)^-1, block by block,
@@ -395,6 +395,10 @@ impl Constraints for AngleConstraints<'_> {
 
 /// Damping of the descent at the start, over the weight of closeness, and its limits.
 const DAMPING: [f64; 3] = [1e-1, 1e-4, 1e3];
+/// Residual (radians, mean edges) below which steps of minimum norm converge fast.
+const NEAR: f64 = 1e-2;
+/// Straight projections at the most, with the parting of panels between them.
+const PROJECTIONS: usize = 4;
 /// Halvings of a step of the descent.
 const HALVINGS: usize = 5;
 /// Relative decrease of the energy that ends the descent.
@@ -440,8 +444,18 @@ impl<'a> AnglePath<'a> {
         residual.is_some_and(|r| r <= self.options.tolerance)
     }
 
-    /// Projects `x` onto the constraints.
+    /// Projects `x` onto the constraints. Where panels that must not come closer stop that, they are parted first.
     fn project(&mut self, x: &mut [f64]) {
+        for _ in 0..PROJECTIONS {
+            self.project_straight(x);
+            if self.outcome.status != Status::Stalled || !self.project_apart(x) {
+                return;
+            }
+        }
+    }
+
+    /// Newton steps of minimum norm.
+    fn project_straight(&mut self, x: &mut [f64]) {
         let options = self.projection(self.options.newton_iterations);
         let progress = self.progress;
         let mut iteration = 0;
@@ -452,6 +466,50 @@ impl<'a> AnglePath<'a> {
                 observe(progress, iteration, options.max_iterations, record)
             });
         self.outcome.append(outcome);
+    }
+
+    /// Newton steps in the metric of the energy, whose barrier makes tight corners stiff, along its gradient, which opens
+    /// them; ends near the constraints, where straight steps do better. False if it does not get there.
+    fn project_apart(&mut self, x: &mut [f64]) -> bool {
+        let mut values = vec![0.0; self.tangent.multiplier.len()];
+        let mut residual = self.constraints.admissible(x).unwrap_or(f64::INFINITY);
+        for _ in 0..self.options.newton_iterations {
+            if residual <= NEAR || self.progress.is_cancelled() {
+                break;
+            }
+            self.energy.arm(x);
+            let tangent = &mut self.tangent;
+            self.energy
+                .linearise(x, &mut tangent.gradient, &mut tangent.hessian);
+            self.constraints
+                .linearise(x, &mut values, &mut tangent.normal);
+            if !tangent.solve(&mut self.constraints, Some(&values)) {
+                break;
+            }
+            self.outcome.iterations += 1;
+            self.outcome.factorisations += 1;
+            match self.lower_residual(x, residual) {
+                Some(reached) => residual = reached,
+                None => break,
+            }
+        }
+        residual <= NEAR
+    }
+
+    /// Moves `x` by the first fraction of the step that lowers the residual, which it returns.
+    fn lower_residual(&mut self, x: &mut [f64], residual: f64) -> Option<f64> {
+        let mut fraction = self.constraints.step_bound(x, &self.tangent.step);
+        for _ in 0..HALVINGS {
+            let step = self.tangent.step.iter();
+            let trial: Vec<f64> = x.iter().zip(step).map(|(x, d)| x + fraction * d).collect();
+            let reached = self.constraints.admissible(&trial);
+            if let Some(reached) = reached.filter(|&r| r < residual) {
+                x.copy_from_slice(&trial);
+                return Some(reached);
+            }
+            fraction *= 0.5;
+        }
+        None
     }
 
     fn projection(&self, max_iterations: usize) -> ProjectionOptions {
@@ -495,7 +553,7 @@ impl<'a> AnglePath<'a> {
         self.energy
             .linearise(x, &mut tangent.gradient, &mut tangent.hessian);
         self.constraints.update_rows(x);
-        if !tangent.solve(&mut self.constraints) {
+        if !tangent.solve(&mut self.constraints, None) {
             return None;
         }
         let mut fraction = self.constraints.step_bound(x, &self.tangent.step);
@@ -589,8 +647,9 @@ impl Tangent {
         (0..self.gradient.len() / 3).map(block).collect()
     }
 
-    /// The step of steepest descent in the metric `W` that keeps the linearised constraints; false if there is none.
-    fn solve(&mut self, constraints: &mut AngleConstraints<'_>) -> bool {
+    /// The step of steepest descent in the metric `W` that keeps the linearised constraints or, with their values, meets them;
+    /// false if there is none.
+    fn solve(&mut self, constraints: &mut AngleConstraints<'_>, values: Option<&[f64]>) -> bool {
         let metric = self.metric();
         let weighted = |d: &mut [f64]| {
             for (v, w) in metric.iter().enumerate() {
@@ -601,6 +660,10 @@ impl Tangent {
         let mut free = self.gradient.clone();
         weighted(&mut free);
         constraints.applied(&free, &mut self.multiplier);
+        // J step = -values.
+        for (b, value) in self.multiplier.iter_mut().zip(values.unwrap_or_default()) {
+            *b -= value;
+        }
         constraints.assemble(|v| metric[v], &mut self.normal);
         let shift = 1e-12 * self.normal.diagonal().fold(0.0, f64::max);
         if self.cholesky.refactor_shifted(&self.normal, shift).is_err() {
