@@ -33,6 +33,11 @@ impl Gauss {
             outward: safe.outward.distance.min(most),
         })
     }
+
+    /// Whether there is a distance at which an offset is sound.
+    pub fn has_offset(&self) -> bool {
+        self.inward + self.outward > 0.0
+    }
 }
 
 /// The surface, thinned out where it is very fine.

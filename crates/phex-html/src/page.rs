@@ -1,13 +1,15 @@
 //! The page: head, view, tables, data, script.
 
-use crate::Report;
 use crate::bundle::Viewer;
 use crate::escape::{escaped, json_in_script};
 use crate::pictures::data_address;
 use crate::tables::{self, figure};
 use crate::viewer_data::{MOST_OFFENDERS, ViewerData, offenders};
-use phex::report::Verdict;
-use phex::report::maps::{ColourMap, Map, Subject};
+use crate::{CurveFamily, Report};
+use phex::curvature::Principal;
+use phex::report::maps::{ColourMap, Map, Subject, principal_at_panels};
+use phex::report::{Assessment, Verdict};
+use phex_mesh::{FaceId, Vec3};
 
 const STYLE: &str = include_str!("report.css");
 /// What the page may load: its own scripts, styles and pictures, and nothing from anywhere else.
@@ -34,6 +36,14 @@ pub fn page(report: &Report<'_>, viewer: Option<Viewer>) -> serde_json::Result<S
     html.push_str(&sections(report));
     html.push_str("</main>\n");
     if let Some(viewer) = viewer {
+        let crosses = crosses(report);
+        let report = match &crosses {
+            Some(families) => &Report {
+                curves: families,
+                ..*report
+            },
+            None => report,
+        };
         let json = serde_json::to_string(&ViewerData::new(report, &maps))?;
         html.push_str(&format!(
             "<script type=\"application/json\" id=\"phex-data\">{}</script>\n<script>{}</script>\n",
@@ -45,13 +55,47 @@ pub fn page(report: &Report<'_>, viewer: Option<Viewer>) -> serde_json::Result<S
     Ok(html)
 }
 
+/// Half the length of a cross over the square root of its panel's area.
+const CROSS: f64 = 0.36;
+
+/// Where no curves are given, the principal directions, which are conjugate, as a cross on each panel.
+fn crosses(report: &Report<'_>) -> Option<[CurveFamily; 2]> {
+    if !report.curves.is_empty() {
+        return None;
+    }
+    let assessment = report.run.assessment();
+    let principal = principal_at_panels(&subject(report, &assessment))?;
+    let family = |name: &str, direction: fn(&Principal) -> Vec3| {
+        let faces = report.mesh.topology().faces().zip(&principal);
+        let line = |(f, p): (FaceId, &Principal)| {
+            let reach = CROSS * report.run.measures.per_element.area[f].sqrt();
+            let (centre, along) = (report.mesh.centre(f), direction(p) * reach);
+            vec![centre - along, centre + along]
+        };
+        CurveFamily {
+            name: name.to_owned(),
+            curves: faces.map(line).collect(),
+        }
+    };
+    Some([
+        family("Principal directions (conjugate): least", |p| {
+            p.small_direction
+        }),
+        family("largest curvature", |p| p.large_direction),
+    ])
+}
+
+fn subject<'a>(report: &Report<'a>, assessment: &'a Assessment) -> Subject<'a> {
+    Subject {
+        mesh: report.mesh,
+        assessment,
+        surface: report.surface,
+    }
+}
+
 fn maps(report: &Report<'_>) -> Vec<ColourMap> {
     let assessment = report.run.assessment();
-    let subject = Subject {
-        mesh: report.mesh,
-        assessment: &assessment,
-        surface: report.surface,
-    };
+    let subject = subject(report, &assessment);
     Map::ALL
         .into_iter()
         .filter_map(|map| ColourMap::new(map, &subject))

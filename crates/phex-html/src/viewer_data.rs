@@ -48,6 +48,9 @@ impl<'a> ViewerData<'a> {
             missing.insert("gauss", reason.clone());
             missing.insert("offset", reason);
         });
+        if gauss.as_ref().is_ok_and(|g| !g.has_offset()) {
+            missing.insert("offset", "no distance gives a sound offset".to_owned());
+        }
         if report.surface.is_none() {
             missing.insert("surface", "no surface was given".to_owned());
         }

@@ -135,7 +135,8 @@ export class App {
     this.layer("edges", "Edges", true, (on) => void (edges.visible = on));
     this.layer("ids", "Panel ids", false, (on) => void (this.tags.visible = on));
     this.lazy("surface", "Surface", packed.surface, surfaceLayer);
-    this.lazy("offset", "Offset", packed.gauss, (gauss) => this.makeOffset(gauss));
+    const sound = packed.missing.offset ? null : packed.gauss;
+    this.lazy("offset", "Offset", sound, (gauss) => this.makeOffset(gauss));
     this.lazy("gauss", "Gauss image", packed.gauss, (gauss) => this.makeGauss(gauss), () => this.fit(true));
     const families = packed.curves.length > 0 ? packed.curves : null;
     this.lazy("curves", families?.map((c) => c.name).join(", ") ?? "Conjugate curves", families, curvesLayer);
@@ -144,7 +145,7 @@ export class App {
   /** A layer that is made when it is first switched on. */
   private lazy<T>(name: string, label: string, data: T | null, make: (data: T) => Object3D, after?: () => void): void {
     let object: Object3D | null = null;
-    const reason = data === null ? (this.packed.missing[name] ?? "not in this report") : null;
+    const reason = this.packed.missing[name] ?? (data === null ? "not in this report" : null);
     const act = (on: boolean): void => {
       if (data !== null && object === null) {
         object = make(data);
@@ -155,19 +156,26 @@ export class App {
       this.root.querySelector(`[data-more="${name}"]`)?.toggleAttribute("hidden", !on);
       after?.();
     };
-    this.layer(name, label, false, act, reason);
-    if (name === "offset" && this.packed.gauss) this.part("layers").append(this.offsetSlider(this.packed.gauss));
+    this.layer(name, label, false, act, data === null, reason);
+    if (name === "offset" && data !== null && this.packed.gauss) this.part("layers").append(this.offsetSlider(this.packed.gauss));
   }
 
-  private layer(name: string, label: string, on: boolean, act: (on: boolean) => void, reason: string | null = null): void {
+  private layer(
+    name: string,
+    label: string,
+    on: boolean,
+    act: (on: boolean) => void,
+    missing = false,
+    reason: string | null = null,
+  ): void {
     const box = h("input", { type: "checkbox", "data-layer": name }) as HTMLInputElement;
     box.checked = on;
-    box.disabled = reason !== null;
+    box.disabled = missing;
     box.addEventListener("change", () => {
       act(box.checked);
       this.stage.draw();
     });
-    const line = h("label", reason ? { class: "off", title: reason } : {}, box, h("span", {}, label));
+    const line = h("label", missing ? { class: "off" } : {}, box, h("span", {}, label));
     if (reason) line.append(h("small", {}, reason));
     this.part("layers").append(line);
   }
@@ -304,7 +312,7 @@ export class App {
   /** Everything that has to be seen. */
   private points(): Float32Array[] {
     const panels = this.facts.mesh.positions;
-    return this.gauss?.group.visible ? [panels, this.gauss.polygons.mesh.positions] : [panels];
+    return this.gauss?.group.visible ? [panels, this.gauss.polygons.mesh.positions, this.gauss.extent] : [panels];
   }
 
   private listen(): void {

@@ -69,10 +69,15 @@ export class Offset {
 /** Farthest that a vertex of the Gauss image is drawn from the centre; flat places have none that is near. */
 const REACH = 2.5;
 
+/** Half the side of a cube whose corners are a little outside of the unit sphere. */
+const BOX = 0.62;
+
 /** The Gauss image beside the model, with the unit sphere. */
 export class GaussImage {
   readonly group = new Group();
   readonly polygons: Polygons;
+  /** Corners of a box round the unit sphere. */
+  readonly extent: Float32Array;
 
   constructor(base: Mesh, gauss: NonNullable<Packed["gauss"]>, model: Sphere) {
     const radius = 0.55 * model.radius;
@@ -85,6 +90,8 @@ export class GaussImage {
     }
     this.polygons = new Polygons({ ...base, positions });
     this.polygons.edges.material.linewidth = 0.7;
+    const corner = (k: number) => [1, 2, 4].map((bit, axis) => centre.getComponent(axis) + (k & bit ? 1 : -1) * BOX * radius);
+    this.extent = new Float32Array(Array.from({ length: 8 }, (_, k) => corner(k)).flat());
     const material = new MeshStandardMaterial({ color: 0xffffff, transparent: true, opacity: 0.25, depthWrite: false });
     const sphere = new Surface(new SphereGeometry(0.985 * radius, 64, 40), material);
     sphere.position.copy(centre);

@@ -14,6 +14,9 @@ export interface Facts {
   neighbours: number[][];
 }
 
+/** Most faults that are told of one panel. */
+const NOTES = 3;
+
 /** The faces across each face's edges, by face. */
 export function neighbours(mesh: Mesh, faces: number): number[][] {
   const out: number[][] = Array.from({ length: faces }, () => []);
@@ -46,7 +49,8 @@ export function card(facts: Facts, face: number, go: (face: number) => void): HT
   }
   row("Neighbours", "neighbours", ...links(facts.neighbours[face], go));
   const said = packed.offenders.filter((o) => o.faces.includes(face));
-  const notes = said.map((o) => h("p", { class: o.loud ? "loud" : "warn" }, o.text));
+  const notes = said.slice(0, NOTES).map((o) => h("p", { class: o.loud ? "loud" : "warn" }, o.text));
+  if (said.length > NOTES) notes.push(h("p", { class: "none" }, `and ${said.length - NOTES} more, see the offenders`));
   return h("div", {}, h("h3", {}, "Panel ", h("span", { "data-field": "id" }, String(face))), ...notes, list);
 }
 

@@ -8,7 +8,7 @@
 //! | [`Map::Planarity`] | face | largest distance of a corner to the plane, mean edges | 1e-12 to 0.1, logarithmic |
 //! | [`Map::Deviation`] | face | largest distance of a corner or the centre to the surface, % of its diagonal | 0 to 0.5 |
 //! | [`Map::EdgeLength`] | edge | over the mean edge | 1/4 to 4, logarithmic |
-//! | [`Map::Dihedral`] | edge | angle between the panels, degrees; less than 180 is convex | 150 to 210 |
+//! | [`Map::Dihedral`] | edge | angle between the panels, degrees; less than 180 is convex | 160 to 200 |
 //! | [`Map::Curvature`] | face | `k1 / k2` with `abs(k1) <= abs(k2)`: has the sign of `K`, 0 is parabolic | -1 to 1 |
 //! | [`Map::Valence`] | face | number of corners, hexagons convex or concave | classes |
 //! | [`Map::Validity`] | face | what holds of the panel | classes |
@@ -18,7 +18,7 @@ mod scale;
 mod values;
 
 pub use scale::{Class, Continuous, Histogram, Rgb, Scale};
-pub use values::Subject;
+pub use values::{Subject, principal_at_panels};
 
 use super::picture::palette;
 use serde::{Deserialize, Serialize};
@@ -91,7 +91,7 @@ impl Map {
             Self::Dihedral => "dihedral angle, degrees",
             Self::Curvature => "k1 / k2, sign of gauss curvature",
             Self::Valence => "number of corners",
-            Self::Validity => "pass or fail",
+            Self::Validity => "what the checks say of each panel",
         }
     }
 }
@@ -166,7 +166,7 @@ fn scale(map: Map, subject: &Subject<'_>) -> Scale {
             ..continuous(0.0, 0.5, false, ramps::SEQUENTIAL)
         }),
         Map::EdgeLength => Scale::Continuous(continuous(0.25, 4.0, true, ramps::DIVERGING_LINES)),
-        Map::Dihedral => Scale::Continuous(continuous(150.0, 210.0, false, ramps::DIVERGING_LINES)),
+        Map::Dihedral => Scale::Continuous(continuous(160.0, 200.0, false, ramps::DIVERGING_LINES)),
         Map::Curvature => Scale::Continuous(Continuous {
             band: Some((PARABOLIC, ramps::PARABOLIC)),
             ..continuous(-1.0, 1.0, false, ramps::DIVERGING)

@@ -1,7 +1,7 @@
 //! The values that maps show.
 
 use super::{Class, Coloured, Map};
-use crate::curvature::{self, Curvature, CurvatureOptions};
+use crate::curvature::{self, Curvature, CurvatureOptions, Principal};
 use crate::report::{Assessment, picture::palette};
 use phex_mesh::{ElementId, FaceId, HexMesh, PerFace, TriangleSurface};
 use std::collections::BTreeSet;
@@ -100,9 +100,28 @@ const FLAT: f64 = 1e-3;
 
 /// Smaller over larger principal curvature at the centre of each panel.
 fn curvature_ratios(subject: &Subject<'_>) -> Option<Vec<f64>> {
-    let mesh = subject.mesh;
+    let flat = FLAT / panel_length(subject);
+    let ratio = |p: &Principal| {
+        if p.large.abs() <= flat {
+            0.0
+        } else {
+            p.small / p.large
+        }
+    };
+    Some(principal_at_panels(subject)?.iter().map(ratio).collect())
+}
+
+/// Length of a panel, in model units.
+fn panel_length(subject: &Subject<'_>) -> f64 {
     let measures = &subject.assessment.measures;
-    let length = PANEL_LENGTH * (measures.area / measures.faces as f64).sqrt();
+    PANEL_LENGTH * (measures.area / measures.faces as f64).sqrt()
+}
+
+/// Principal curvatures and directions at the centre of each panel, at the scale of a panel: of the surface, or without
+/// one of the mesh's own faces; `None` if these are no surface.
+pub fn principal_at_panels(subject: &Subject<'_>) -> Option<Vec<Principal>> {
+    let mesh = subject.mesh;
+    let length = panel_length(subject);
     let own;
     let (surface, radius) = match subject.surface {
         Some(surface) => (surface, length),
@@ -114,8 +133,8 @@ fn curvature_ratios(subject: &Subject<'_>) -> Option<Vec<f64>> {
     let curvature = curvature::curvature(surface, radius, &CurvatureOptions::default());
     let centres: Vec<_> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
     let points = surface.closest_points(&centres);
-    let ratio = |p: &phex_mesh::SurfacePoint| ratio(surface, &curvature, p, FLAT / length);
-    Some(points.iter().map(ratio).collect())
+    let at = |p: &phex_mesh::SurfacePoint| principal_at(surface, &curvature, p);
+    Some(points.iter().map(at).collect())
 }
 
 /// How much farther curvature looks on a mesh's own faces, which are as large as panels.
@@ -134,19 +153,13 @@ fn own_surface(mesh: &HexMesh) -> Option<TriangleSurface> {
     TriangleSurface::new(positions, &triangles).ok()
 }
 
-fn ratio(
+fn principal_at(
     surface: &TriangleSurface,
     curvature: &Curvature,
     point: &phex_mesh::SurfacePoint,
-    flat: f64,
-) -> f64 {
+) -> Principal {
     let corners = surface.topology().face_vertices(point.triangle);
     let tensors = corners.iter().zip(point.barycentric);
     let tensor = tensors.map(|(&v, b)| curvature.tensor[v] * b).sum();
-    let principal = curvature::principal(point.normal, &tensor);
-    if principal.large.abs() <= flat {
-        0.0
-    } else {
-        principal.small / principal.large
-    }
+    curvature::principal(point.normal, &tensor)
 }

@@ -41,7 +41,7 @@ pub struct PictureOptions {
     pub elevation: f64,
     /// Whether it is said what the colours mean.
     pub legend: bool,
-    /// Whether the model stands on a ground with its shadow, or before plain white.
+    /// Whether the model stands on a ground, with shadows where panels are close, or evenly lit before plain white.
     pub ground: bool,
 }
 
@@ -111,7 +111,9 @@ fn draw_paint(mesh: &HexMesh, paint: &Paint, options: &PictureOptions) -> Pictur
     let shading = Shading::new(mesh, &camera, paint, options.ground);
     let panels = PanelRaster::new(mesh, &camera, paint, options.supersampling);
     let mut sheet = Sheet::draw(&panels, &shading, &options);
-    sheet.darken(&shading.occlusion(&sheet, &camera));
+    if options.ground {
+        sheet.darken(&shading.occlusion(&sheet, &camera));
+    }
     if options.legend {
         legend::draw(&mut sheet, &paint.legend);
     }
