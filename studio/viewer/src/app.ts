@@ -6,7 +6,7 @@ import { colour } from "./colours";
 import { faceCorners, faceCount, floats, mesh, numbers, type Packed, type PackedMap } from "./data";
 import { button, figure, h } from "./dom";
 import { curvesLayer, GaussImage, Offset, Start, surfaceLayer } from "./layers";
-import { legend } from "./legend";
+import { counted, legend } from "./legend";
 import { Picker } from "./picker";
 import { faceCentre, faceNormal, faceRadius, lines, Polygons } from "./polygons";
 import { card, neighbours, shown, type Facts } from "./selection";
@@ -121,11 +121,21 @@ export class App {
     this.polygons.colourEdges(plain ? (edge) => colour(map.scale, values[edge]) : null);
     this.gauss?.polygons.colourFaces(paint);
     this.start?.colour(map.name === "planarity" ? (v) => colour(map.scale, v) : null);
-    this.part("legend").replaceChildren(legend(map));
+    this.explain();
     for (const choose of this.part("maps").querySelectorAll<HTMLElement>("[data-map]")) {
       choose.setAttribute("aria-pressed", String(choose.dataset.map === name));
     }
     this.stage.draw();
+  }
+
+  /** Shows the legend of the map, with the histogram of the mesh that is seen. */
+  private explain(): void {
+    const { map } = this.current;
+    const start = this.shownMesh === "before" ? this.start : null;
+    const own = start !== null && map.name === "planarity";
+    const plain = start !== null && !own;
+    const note = plain ? "The layout before is drawn plain; the figures are the result’s." : null;
+    this.part("legend").replaceChildren(legend(own ? counted(map, start.planarity) : map, note));
   }
 
   private buildLayers(): void {
@@ -239,6 +249,7 @@ export class App {
     const { start } = this;
     if (!start) return;
     this.shownMesh = mode;
+    this.explain();
     start.polygons.group.visible = mode === "before";
     start.wires.visible = mode === "both";
     this.polygons.group.visible = mode !== "before";

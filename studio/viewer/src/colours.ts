@@ -20,6 +20,15 @@ export function valueAt(scale: Continuous, t: number): number {
   return scale.logarithmic ? low * (high / low) ** t : low + (high - low) * t;
 }
 
+/** Number of values along a range, in bins of equal width; the first and last hold what is outside. */
+export function histogram(scale: Continuous, values: Float32Array, bins: number): number[] {
+  const counts = new Array<number>(bins).fill(0);
+  for (const value of values) {
+    if (!Number.isNaN(value)) counts[Math.min(bins - 1, Math.floor(place(scale, value) * bins))] += 1;
+  }
+  return counts;
+}
+
 function along(ramp: Rgb[], t: number): Rgb {
   const x = t * (ramp.length - 1);
   const first = Math.min(Math.floor(x), ramp.length - 2);

@@ -1,6 +1,6 @@
 /** The legend: what the colours mean, with the number of elements at each value. */
 
-import { colour, css, place, valueAt } from "./colours";
+import { colour, css, histogram, place, valueAt } from "./colours";
 import type { Continuous, PackedMap } from "./data";
 import { figure, h, svg } from "./dom";
 
@@ -8,9 +8,19 @@ const WIDTH = 292;
 const HISTOGRAM = 58;
 const STRIP = 12;
 
-export function legend(map: PackedMap): HTMLElement {
+export function legend(map: PackedMap, note: string | null): HTMLElement {
   const body = "classes" in map.scale ? classes(map) : strip(map, map.scale.continuous);
-  return h("div", { class: "legend-body" }, h("h3", {}, map.title), h("p", {}, map.caption), body);
+  const notes = note === null ? [] : [h("p", { class: "aside" }, note)];
+  return h("div", { class: "legend-body" }, h("h3", {}, map.title), h("p", {}, map.caption), body, ...notes);
+}
+
+/** A map with the histogram of other values. */
+export function counted(map: PackedMap, values: Float32Array): PackedMap {
+  if ("classes" in map.scale) return map;
+  const scale = map.scale.continuous;
+  const counts = histogram(scale, values, map.counts.length);
+  const outside = (is: (v: number) => boolean) => values.filter(is).length;
+  return { ...map, counts, below: outside((v) => v < scale.low), above: outside((v) => v > scale.high) };
 }
 
 function classes(map: PackedMap): HTMLElement {

@@ -109,7 +109,11 @@ async function aGoodMesh() {
     for (const layer of ["ids", "surface", "gauss", "offset"]) await page.check(`[data-layer="${layer}"]`);
     await page.locator("[data-offset]").fill("0.1");
     assert.match(await text(page, ".more output"), /^0\.1 m$/);
-    for (const mode of ["before", "both", "after"]) await page.click(`[data-compare="${mode}"]`);
+    await page.click('[data-map="planarity"]');
+    await page.click('[data-compare="before"]');
+    assert.equal((await histogram(page))[0], 0, "before, no panel is planar");
+    for (const mode of ["both", "after"]) await page.click(`[data-compare="${mode}"]`);
+    assert.equal((await histogram(page))[0], mesh.faces.length);
     await page.keyboard.press("Escape");
     assert.equal(await page.locator(".selection dl").count(), 0);
     assert.match(await text(page, ".command"), /^phex report good\.obj/);

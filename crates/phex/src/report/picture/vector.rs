@@ -20,7 +20,7 @@ use std::fmt::Write;
 /// Width of lines over that of the picture's height.
 const LINE_REL: f64 = 0.9 / 1200.0;
 /// How much wider lines are that carry colours.
-const COLOURED_WIDTH: f64 = 2.6;
+const COLOURED_WIDTH: f64 = 4.0;
 /// Height of small letters of the font over the unit of the single-line alphabet.
 const FONT: f64 = 9.0;
 
@@ -249,29 +249,41 @@ mod tests {
     use super::*;
     use crate::report::picture::raster::scan_polygon;
 
-    /// A ring of quads round the z axis, which hides itself.
-    fn torus(around: usize, across: usize) -> HexMesh {
-        let at = |i: usize, j: usize| {
+    /// Quads between `around` meridians, on a profile of `rows` points given by radius and height; closed along the profile
+    /// or open.
+    fn revolved(around: usize, profile: &[[f64; 2]], closed: bool) -> HexMesh {
+        let rows = profile.len();
+        let point = |i: usize, [r, z]: [f64; 2]| {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / around as f64).sin_cos();
-            let (up, out) = (std::f64::consts::TAU * j as f64 / across as f64).sin_cos();
-            let r = 2.0 + out;
-            Vec3::new(r * cos, r * sin, up)
+            Vec3::new(r * cos, r * sin, z)
         };
-        let mut positions = Vec::new();
-        let mut faces = Vec::new();
-        let number = |i: usize, j: usize| ((i % around) * across + j % across) as u32;
-        for i in 0..around {
-            for j in 0..across {
-                positions.push(at(i, j));
-                faces.push([
-                    number(i, j),
-                    number(i + 1, j),
-                    number(i + 1, j + 1),
-                    number(i, j + 1),
-                ]);
-            }
-        }
-        HexMesh::new(positions, &faces).unwrap()
+        let ring = |i: usize| profile.iter().map(move |&p| point(i, p));
+        let number = |i: usize, j: usize| ((i % around) * rows + j % rows) as u32;
+        let strips = if closed { rows } else { rows - 1 };
+        let cells = (0..around).flat_map(|i| (0..strips).map(move |j| (i, j)));
+        let faces: Vec<[u32; 4]> = cells
+            .map(|(i, j)| {
+                [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| number(i, j))
+            })
+            .collect();
+        HexMesh::new((0..around).flat_map(ring).collect(), &faces).unwrap()
+    }
+
+    fn torus(around: usize, across: usize) -> HexMesh {
+        let at = |j: usize| {
+            let (sin, cos) = (std::f64::consts::TAU * j as f64 / across as f64).sin_cos();
+            [2.0 + cos, sin]
+        };
+        revolved(around, &(0..across).map(at).collect::<Vec<_>>(), true)
+    }
+
+    /// A hemisphere with a hole at its top.
+    fn dome(around: usize, rows: usize) -> HexMesh {
+        let at = |j: usize| {
+            let (sin, cos) = (1.4 * j as f64 / rows as f64).sin_cos();
+            [cos, sin]
+        };
+        revolved(around, &(0..=rows).map(at).collect::<Vec<_>>(), false)
     }
 
     /// The panel on top of each sample when panels are painted in the drawing's order.
@@ -298,8 +310,9 @@ mod tests {
 
     #[test]
     fn painting_in_order_shows_what_is_nearest_on_every_sample() {
-        let mesh = torus(40, 24);
-        for (elevation, azimuth) in [(35.0, -60.0), (8.0, 10.0), (-50.0, 200.0)] {
+        let views = [(35.0, -60.0), (8.0, 10.0), (-50.0, 200.0)];
+        let meshes = [torus(40, 24), dome(36, 14)];
+        for (mesh, (elevation, azimuth)) in meshes.iter().flat_map(|m| views.map(|v| (m, v))) {
             let options = PictureOptions {
                 width: 320,
                 height: 240,
@@ -307,7 +320,7 @@ mod tests {
                 azimuth: Some(azimuth),
                 ..Default::default()
             };
-            let (painted, nearest) = painted(&mesh, &options);
+            let (painted, nearest) = painted(mesh, &options);
             let wrong = painted.iter().zip(&nearest).filter(|(a, b)| a != b);
             assert_eq!(wrong.count(), 0, "elevation {elevation}");
         }
