@@ -134,6 +134,23 @@ impl TriangleSurface {
         self.at(FaceId::new(triangle), barycentric)
     }
 
+    /// The point of the surface that is closest to `p`, sought no farther away than the point `near` of the surface is: that
+    /// spares most of the search where `near` is nearly closest. The result is that of [`Self::closest_point`].
+    pub fn closest_point_near(&self, p: Vec3, near: Vec3) -> SurfacePoint {
+        // Rounding must not exclude `near` itself.
+        let bound = (p - near).norm() * (1.0 + 1e-6);
+        let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
+        let found = self
+            .hierarchy
+            .project_local_point_and_get_location_with_max_dist(query, false, bound);
+        match found {
+            Some((_, (triangle, location))) => {
+                self.at(FaceId::new(triangle), barycentric(location))
+            }
+            None => self.closest_point(p),
+        }
+    }
+
     /// Closest points of many, in their order; the same for any number of threads.
     pub fn closest_points(&self, points: &[Vec3]) -> Vec<SurfacePoint> {
         points.par_iter().map(|&p| self.closest_point(p)).collect()

@@ -27,7 +27,8 @@ use crate::target::{Similarity, SmoothTarget, TargetOptions};
 use crate::trim::{self, Boundary, TrimError, Trimmed};
 use nalgebra::Matrix3;
 use phex_mesh::{
-    FaceId, HexMesh, PerVertex, PolygonSoup, TriangleSurface, ValidateOptions, VertexId, Violation,
+    FaceId, FlatFace, HexMesh, PerVertex, PolygonSoup, TriangleSurface, ValidateOptions, VertexId,
+    Violation,
 };
 use phex_numeric::{NumericError, Outcome};
 use serde::{Deserialize, Serialize};
@@ -98,6 +99,8 @@ pub struct MeshOptions {
     pub cell_density: f64,
     /// Rounds of the repair loop at the most.
     pub max_repairs: usize,
+    /// Clearance, in mean edges, below which a valid panel is given more room in the repair loop.
+    pub good_clearance: f64,
 }
 
 impl Default for MeshOptions {
@@ -119,6 +122,7 @@ impl Default for MeshOptions {
             field_density: 8.0,
             cell_density: 25.0,
             max_repairs: 6,
+            good_clearance: 0.15,
         }
     }
 }
@@ -167,7 +171,7 @@ pub struct StageSeconds {
 pub struct RepairRound {
     /// Panels before the round.
     pub panels: usize,
-    /// Panels that were invalid and lost their seeds.
+    /// Panels that were invalid, or if there were none, tight, and lost their seeds.
     pub dropped: usize,
 }
 
@@ -360,9 +364,7 @@ impl Attempt {
     /// Whether nothing else needs to be tried.
     fn is_good(&self, options: &MeshOptions) -> bool {
         let s = &self.summary;
-        s.invalid == 0
-            && s.deviation <= GOOD_DEVIATION
-            && s.clearance >= options.optimise.good_clearance
+        s.invalid == 0 && s.deviation <= GOOD_DEVIATION && s.clearance >= options.good_clearance
     }
 
     /// What attempts are compared by, smaller is better: valid first, then close, clear and regular.
@@ -377,6 +379,17 @@ impl Attempt {
 
 /// Deviation, over the diagonal, with which no other anisotropy is tried: a little below the usual tolerance of 0.5 %.
 const GOOD_DEVIATION: f64 = 4.5e-3;
+
+/// What rounds of the repair loop are compared by, the first difference counts.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Badness {
+    not_planar: bool,
+    invalid: usize,
+    tight: usize,
+}
+
+/// Rounds of the repair loop at the most that only give tight panels more room.
+const MAX_POLISHES: usize = 2;
 
 /// Layout, optimiser and the repair loop for one anisotropy.
 fn attempt(
@@ -394,7 +407,8 @@ fn attempt(
     let reported = ground.reported(&fine.surface);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
-    let mut best: Option<((bool, usize), Optimised, Left)> = None;
+    let mut best: Option<(Badness, Optimised, Left)> = None;
+    let mut polished = 0;
     loop {
         let result = clock.timed("optimise", || {
             optimise::optimise(&layout, &target, &options.optimise, progress)
@@ -404,7 +418,12 @@ fn attempt(
         let violations = clock.timed("validate", || between_panels(&trimmed.mesh, reported));
         let offenders = offenders_left(&result.offenders, &trimmed);
         let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
-        let badness = (!is_planar(&offenders), invalid.len());
+        let tight = tight_panels(&trimmed, options);
+        let badness = Badness {
+            not_planar: !is_planar(&offenders),
+            invalid: invalid.len(),
+            tight: tight.len(),
+        };
         if best.as_ref().is_none_or(|b| badness < b.0) {
             let left = Left {
                 start: laid_out(&layout, &trimmed),
@@ -414,11 +433,14 @@ fn attempt(
             };
             best = Some((badness, result, left));
         }
-        if invalid.is_empty() || repairs.len() >= options.max_repairs || progress.is_cancelled() {
+        let dropped = if invalid.is_empty() { tight } else { invalid };
+        polished += usize::from(badness.invalid == 0);
+        let over = polished > MAX_POLISHES || repairs.len() >= options.max_repairs;
+        if dropped.is_empty() || over || progress.is_cancelled() {
             break;
         }
         let before = seeds.len();
-        drop_seeds(&mut seeds, &layout, &invalid);
+        drop_seeds(&mut seeds, &layout, &dropped);
         repairs.push(RepairRound {
             panels: layout.mesh.topology().n_faces(),
             dropped: before - seeds.len(),
@@ -428,13 +450,13 @@ fn attempt(
             Err(_) => break,
         }
     }
-    let ((not_planar, invalid), result, left) = best.expect("the loop runs at least once");
+    let (badness, result, left) = best.expect("the loop runs at least once");
     let summary = clock.timed("validate", || {
-        summarise(&left.trimmed.mesh, reported, anisotropy, invalid)
+        summarise(&left.trimmed.mesh, reported, anisotropy, badness.invalid)
     });
     Ok(Attempt {
         summary,
-        planar: !not_planar,
+        planar: !badness.not_planar,
         layout: field.statistics,
         result,
         left,
@@ -803,6 +825,19 @@ fn invalid_panels(
         invalid.extend(farthest_from_planar(offenders));
     }
     invalid.iter().map(|f| trimmed.parent[*f]).collect()
+}
+
+/// Panels with less than a good clearance: mostly one that is much smaller than its neighbours.
+fn tight_panels(trimmed: &Trimmed, options: &MeshOptions) -> BTreeSet<FaceId> {
+    let mesh = &trimmed.mesh;
+    let limit = options.good_clearance * mesh.mean_edge();
+    let faces = FlatFace::all(mesh);
+    let tight = faces.enumerate().filter(|(f, face)| {
+        // A cut says nothing of the panel.
+        let cut = options.boundary != Boundary::Whole && mesh.topology().is_boundary_face(*f);
+        !cut && face.clearance().distance < limit
+    });
+    tight.map(|(f, _)| trimmed.parent[f]).collect()
 }
 
 fn farthest_from_planar(offenders: &[Offender]) -> impl Iterator<Item = FaceId> {

@@ -8,7 +8,10 @@ use phex_mesh::{PerVertex, Topology};
 /// Share of the way to the neighbours' mean that a vertex moves.
 const RELAXATION: f64 = 0.9;
 
-/// Runs `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the lattice cell round 0.
+/// Mean move of a sweep, in lattice spacings, after which nothing more is to be gained.
+const SETTLED: f64 = 2e-4;
+
+/// Runs up to `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the lattice cell round 0.
 pub fn polish(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -18,6 +21,7 @@ pub fn polish(
     sweeps: usize,
 ) {
     for _ in 0..sweeps {
+        let mut moved = 0.0;
         for v in topology.vertices() {
             let (mut sum, mut total) = (Plane::new(0.0, 0.0), 0.0);
             let here = position[v];
@@ -42,7 +46,12 @@ pub fn polish(
             if let Some(pin) = &pins[v] {
                 add(here + pin.correction(here), pin.weight);
             }
-            position[v] = here + (sum / total - here) * RELAXATION;
+            let step = (sum / total - here) * RELAXATION;
+            moved += step.norm();
+            position[v] = here + step;
+        }
+        if moved < SETTLED * position.len() as f64 {
+            break;
         }
     }
     for z in position.iter_mut() {

@@ -6,7 +6,7 @@
 //! (a diffusion-projection scheme in the manner of Merriman, Bence and Osher).
 
 use super::boundary::Pin;
-use super::lattice::{Charts, Plane, dot, reciprocal};
+use super::lattice::{Charts, Eisenstein, Plane, dot, reciprocal};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology};
 use phex_numeric::{ConjugateGradientOptions, conjugate_gradients};
@@ -17,8 +17,12 @@ use std::f64::consts::TAU;
 
 /// Diffusion times in squared lattice spacings, and steps at each.
 const SCHEDULE: [(f64, usize); 4] = [(1.5, 15), (0.5, 12), (0.15, 10), (0.05, 8)];
+/// Mean move of a step, in lattice spacings, below which the diffusion time has done its work.
+const SETTLED: f64 = 0.003;
 /// Positions tried in each direction of the lattice cell when a phase is projected.
 const GRID: usize = 6;
+/// Newton steps from the best of those; each halves the error and more.
+const ASCENTS: usize = 4;
 /// A step starts from the last one and is projected anyway, so it needs no accuracy.
 const DIFFUSION: ConjugateGradientOptions = ConjugateGradientOptions {
     tolerance: 1e-2,
@@ -56,13 +60,27 @@ pub fn diffuse(
                 &mut x,
                 &DIFFUSION,
             );
-            position = x
+            let next: Vec<Plane> = x
                 .par_chunks_exact(6)
                 .map(|a| projector.project(a))
                 .collect();
+            let moved = mean_move(&position, &next);
+            position = next;
+            if moved < SETTLED {
+                break;
+            }
         }
     }
     PerVertex::from_vec(position)
+}
+
+/// Mean distance of two position fields, modulo the lattice.
+fn mean_move(a: &[Plane], b: &[Plane]) -> f64 {
+    let apart = |(a, b): (&Plane, &Plane)| {
+        let d = b - a;
+        (d - Eisenstein::nearest(d).to_plane()).norm()
+    };
+    a.iter().zip(b).map(apart).sum::<f64>() / a.len() as f64
 }
 
 pub(super) fn interleaved(a: [Plane; 3]) -> [f64; 6] {
@@ -229,14 +247,18 @@ impl Projector {
                 best = (s, *z);
             }
         }
-        (0..8).fold(best.1, |z, _| self.ascend(z, &value))
+        (0..ASCENTS).fold(best.1, |z, _| self.ascend(z, &value))
     }
 
     /// One damped Newton step towards the maximum of `sum Re(conj(a_m) wave_m(z))`.
     fn ascend(&self, z: Plane, value: &[Plane; 3]) -> Plane {
         let (mut gradient, mut bound) = (Plane::new(0.0, 0.0), 1e-9);
-        for (g, a) in self.reciprocal.iter().zip(value) {
-            let turned = a.conj() * Plane::from_polar(1.0, TAU * dot(*g, z));
+        let [first, second] =
+            [0, 1].map(|m| Plane::from_polar(1.0, TAU * dot(self.reciprocal[m], z)));
+        // The reciprocal vectors are a sixth of a turn apart, so that the third is the second less the first.
+        let here = [first, second, second * first.conj()];
+        for ((g, a), wave) in self.reciprocal.iter().zip(value).zip(here) {
+            let turned = a.conj() * wave;
             gradient -= g * (TAU * turned.im);
             bound += a.norm() * TAU * TAU * g.norm_sqr() * 0.5;
         }

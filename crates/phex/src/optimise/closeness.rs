@@ -40,9 +40,9 @@ impl<'a> Reference<'a> {
     }
 
     /// Foot points of vertices and then of face centres.
-    fn feet(&self, points: &[Vec3]) -> Vec<TargetPoint> {
+    fn feet(&self, points: &[Vec3], last: &[TargetPoint]) -> Vec<TargetPoint> {
         match self {
-            Self::Surface(target) => target.closest_points(points),
+            Self::Surface(target) => target.closest_points(points, last),
             Self::Start { planes } => {
                 let foot = |(plane, p): (&TargetPoint, &Vec3)| TargetPoint {
                     position: p - plane.normal * plane.normal.dot(&(p - plane.position)),
@@ -115,7 +115,7 @@ impl Feet {
         self.on_curve = ON_CURVE * extent(&self.points);
         let centres = shape.frames.iter().map(|frame| frame.plane.centre);
         self.points.extend(centres);
-        self.feet = reference.feet(&self.points);
+        self.feet = reference.feet(&self.points, &self.feet);
         self.rim = reference.on_boundary(&self.rim_points).unwrap_or_default();
     }
 

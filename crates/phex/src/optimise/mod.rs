@@ -92,8 +92,9 @@ pub struct CurvePoint {
 
 /// The surface that panels are kept close to: a smooth triangulation, the original facets, or an analytic shape.
 pub trait Target: Sync {
-    /// Closest points, in the order of `points`.
-    fn closest_points(&self, points: &[Vec3]) -> Vec<TargetPoint>;
+    /// Closest points, in the order of `points`. `near` is empty, or holds a point of the target for each that is probably
+    /// near it (the foot points found last); it may speed up the search and never changes the result.
+    fn closest_points(&self, points: &[Vec3], near: &[TargetPoint]) -> Vec<TargetPoint>;
     /// Closest points on the boundary curves, or `None` for a closed surface.
     fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>>;
 }

@@ -79,10 +79,8 @@ pub struct OptimiseOptions {
     pub least_side: f64,
     /// Smoothing steps of the start: at least the first, at most the second number.
     pub smoothing: [usize; 2],
-    /// Clearance, in mean edges, and deviation, over the diagonal, that make a first result good enough for
-    /// [`Starts::Auto`] not to try the second start.
-    pub good_clearance: f64,
-    /// See [`good_clearance`](Self::good_clearance).
+    /// Deviation, over the diagonal, up to which a first result with clearance is good enough for [`Starts::Auto`] not to
+    /// try the second start.
     pub good_deviation: f64,
 }
 
@@ -108,7 +106,6 @@ impl Default for OptimiseOptions {
             least_clearance: 0.05,
             least_side: 0.1,
             smoothing: [3, 40],
-            good_clearance: 0.15,
             good_deviation: 2.5e-3,
         }
     }

@@ -19,7 +19,7 @@ use std::ops::ControlFlow;
 /// Area of a regular hexagon over the square of its edge.
 const HEXAGON: f64 = 2.598_076_211_353_316;
 
-/// Factor of the barrier when a panel has come out with too little clearance.
+/// Factor of the barriers of panels that have come out with too little clearance.
 const STRONGER: f64 = 4.0;
 
 /// Fraction of the planarity that is demanded at which the projection stops. It converges quadratically, so the last step
@@ -99,7 +99,7 @@ impl Run {
     pub fn is_good(&self, options: &OptimiseOptions, diagonal: f64) -> bool {
         let quality = &self.summary.quality;
         self.offenders.is_empty()
-            && quality.clearance >= options.good_clearance
+            && quality.clearance >= options.clearance_margin
             && quality.deviation_max <= options.good_deviation * diagonal
     }
 }
@@ -386,10 +386,16 @@ impl<'a> Path<'a> {
         self.project(self.options.clearance_margin)
     }
 
-    /// Repeats the last two phases with a stronger barrier, where a panel has come out too tight.
+    /// Repeats the last two phases with stronger barriers of the panels that have come out tight.
     fn strengthen(&mut self) -> Reached {
-        for barrier in &mut self.energy.barriers {
-            barrier.weight *= STRONGER;
+        const TIGHT: f64 = 1.5;
+        let panels = self.setting.panels;
+        let shape = Shape::at(panels, &self.x);
+        let limit = TIGHT * self.options.clearance_margin * panels.mean_edge(&self.x);
+        for (f, barrier) in self.energy.barriers.iter_mut().enumerate() {
+            if clearance(shape.face(panels, f)) < limit {
+                barrier.weight *= STRONGER;
+            }
         }
         let penalties = &self.options.penalties;
         for &penalty in &penalties[penalties.len().saturating_sub(2)..] {

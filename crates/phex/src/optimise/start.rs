@@ -91,7 +91,7 @@ fn smooth(positions: &mut [Vec3], stencils: &[Vec<u32>], layout: &Layout, target
         positions[v] * 0.5 + sum * (0.5 / ring.len() as f64)
     };
     let moved: Vec<Vec3> = (0..positions.len()).map(halfway).collect();
-    let feet = target.closest_points(&moved);
+    let feet = target.closest_points(&moved, &[]);
     let rim: Vec<usize> = (0..positions.len())
         .filter(|&v| layout.vertex_kind[VertexId::new(v as u32)] == VertexKind::Boundary)
         .collect();

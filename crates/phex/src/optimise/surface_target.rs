@@ -21,15 +21,19 @@ impl<'a> SurfaceTarget<'a> {
 }
 
 impl Target for SurfaceTarget<'_> {
-    fn closest_points(&self, points: &[Vec3]) -> Vec<TargetPoint> {
-        let foot = |p: &Vec3| {
-            let foot = self.surface.closest_point(*p);
+    fn closest_points(&self, points: &[Vec3], near: &[TargetPoint]) -> Vec<TargetPoint> {
+        let foot = |(k, p): (usize, &Vec3)| {
+            let foot = match near.get(k) {
+                Some(last) => self.surface.closest_point_near(*p, last.position),
+                None => self.surface.closest_point(*p),
+            };
             TargetPoint {
                 position: foot.position,
                 normal: foot.normal,
             }
         };
-        points.par_iter().with_min_len(64).map(foot).collect()
+        let points = points.par_iter().with_min_len(64);
+        points.enumerate().map(foot).collect()
     }
 
     fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>> {

@@ -118,7 +118,7 @@ fn ellipsoid_foot(axes: Vec3, p: Vec3) -> TargetPoint {
 }
 
 impl Target for Shape {
-    fn closest_points(&self, points: &[Vec3]) -> Vec<TargetPoint> {
+    fn closest_points(&self, points: &[Vec3], _near: &[TargetPoint]) -> Vec<TargetPoint> {
         points.iter().map(|&p| self.foot(p)).collect()
     }
 
@@ -214,7 +214,7 @@ pub fn brick_wall(shape: Shape, columns: usize, rows: usize) -> HexMesh {
 pub fn layout(mesh: HexMesh, target: &dyn Target) -> Layout {
     let topology = mesh.topology();
     let centres: Vec<Vec3> = topology.faces().map(|f| mesh.centre(f)).collect();
-    let feet = target.closest_points(&centres);
+    let feet = target.closest_points(&centres, &[]);
     let kind = |v| {
         if topology.is_boundary_vertex(v) {
             VertexKind::Boundary

@@ -149,7 +149,7 @@ fn dual_icosphere(levels: usize, target: &dyn Target) -> HexMesh {
         .collect();
     let centres: Vec<Vec3> = topology.faces().map(|f| sphere.centre(f)).collect();
     let feet: Vec<Vec3> = target
-        .closest_points(&centres)
+        .closest_points(&centres, &[])
         .iter()
         .map(|q| q.position)
         .collect();
@@ -202,7 +202,7 @@ impl Moved<'_> {
 }
 
 impl Target for Moved<'_> {
-    fn closest_points(&self, points: &[Vec3]) -> Vec<TargetPoint> {
+    fn closest_points(&self, points: &[Vec3], _near: &[TargetPoint]) -> Vec<TargetPoint> {
         let back = |p: &Vec3| self.rotation.inverse() * (p - self.shift) / self.scale;
         let inner: Vec<Vec3> = points.iter().map(back).collect();
         let forth = |q: TargetPoint| TargetPoint {
@@ -210,7 +210,7 @@ impl Target for Moved<'_> {
             normal: self.rotation * q.normal,
         };
         self.target
-            .closest_points(&inner)
+            .closest_points(&inner, &[])
             .into_iter()
             .map(forth)
             .collect()
