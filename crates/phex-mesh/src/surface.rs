@@ -305,6 +305,20 @@ mod tests {
     }
 
     #[test]
+    fn a_near_point_changes_nothing() {
+        let surface = bumps(20, 1.0, 0.0);
+        let points = random_points(&surface, 600, 0.2);
+        let others = random_points(&surface, 600, 0.2);
+        for (&p, &q) in points.iter().zip(&others) {
+            let expected = surface.closest_point(p);
+            for near in [surface.closest_point(q).position, expected.position] {
+                let found = surface.closest_point_near(p, near);
+                assert!((found.position - expected.position).norm() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
     fn scaling_changes_neither_triangle_nor_barycentric_coordinates() {
         let unit = bumps(20, 1.0, 0.0);
         let points = random_points(&unit, 500, 0.2);

@@ -518,6 +518,33 @@ fn closest_point_of_a_point_on_the_normal_is_its_foot() {
 }
 
 /// Beyond the rim the answer lies on the rim: at the foot of a perpendicular, or in a corner.
+/// The nearest of many boundary points is no nearer, and the way there is square to the tangent.
+#[test]
+fn closest_point_on_the_boundary() {
+    for name in ["wave", "monkey-saddle", "hyperboloid", "helicoid"] {
+        let shape = Shape::from_name(name, &[]).unwrap();
+        let projector = ShapeProjector::new(shape.clone()).unwrap();
+        let arcs = shape.domain().boundary_arcs();
+        for p in [[0.3, -0.2, 0.4], [2.0, 1.0, -1.0], [-0.7, 0.9, 0.1]].map(Vec3::from) {
+            let found = projector.closest_on_boundary(p).unwrap();
+            let distance = (found.position - p).norm();
+            let samples = arcs
+                .iter()
+                .flat_map(|arc| (0..2000).map(move |k| arc.at(f64::from(k) / 2000.0)));
+            let least = samples
+                .map(|[u, v]| (shape.point(u, v) - p).norm())
+                .fold(f64::INFINITY, f64::min);
+            assert!(
+                distance <= least + 1e-12 && distance > least - 0.02,
+                "{name} {distance} {least}"
+            );
+            assert!((found.tangent.norm() - 1.0).abs() < 1e-12);
+        }
+    }
+    let sphere = ShapeProjector::new(Shape::from_name("sphere", &[]).unwrap()).unwrap();
+    assert!(sphere.closest_on_boundary(Vec3::x()).is_none());
+}
+
 #[test]
 fn closest_point_beyond_the_boundary_is_on_it() {
     let closest = |name: &str, p: [f64; 3]| {

@@ -14,7 +14,7 @@ use super::domain::{BoundaryArc, Domain};
 use super::parametric::ParametricSurface;
 use super::triangulate::{Triangulation, TriangulationOptions, triangulate_with_parameters};
 use super::{Shape, ShapeError};
-use crate::{Vec2, Vec3};
+use crate::{BoundaryPoint, Vec2, Vec3};
 use nalgebra::Matrix2;
 use rayon::prelude::*;
 
@@ -103,6 +103,29 @@ impl<S: ParametricSurface> ShapeProjector<S> {
         points.par_iter().map(|&p| self.closest_point(p)).collect()
     }
 
+    /// The point of the boundary that is closest to `p` (finite), and the unit tangent there (either way); `None` for a
+    /// closed surface.
+    pub fn closest_on_boundary(&self, p: Vec3) -> Option<BoundaryPoint> {
+        let arcs = self.arcs.iter();
+        let feet = arcs.flat_map(|(arc, points)| {
+            let nearest = self
+                .lowest_on_arc(arc, points, p, f64::INFINITY)
+                .into_iter();
+            nearest.map(|t| self.on_arc(arc, t))
+        });
+        let distance = |q: &BoundaryPoint| (q.position - p).norm_squared();
+        feet.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    fn on_arc(&self, arc: &BoundaryArc, t: f64) -> BoundaryPoint {
+        let ([u, v], [du, dv]) = (arc.at(t), arc.derivative(t));
+        let jet = self.surface.jet(u, v);
+        BoundaryPoint {
+            position: jet.point,
+            tangent: (jet.du * du + jet.dv * dv).normalize(),
+        }
+    }
+
     fn search(&self, p: Vec3) -> [f64; 2] {
         let starts = self.samples.starts(p);
         let rims = self
@@ -153,6 +176,12 @@ impl<S: ParametricSurface> ShapeProjector<S> {
 
     /// The nearest points along a boundary arc, one for each sample that is nearer than its neighbours and than `bound`.
     fn along_arc(&self, arc: &BoundaryArc, points: &[Vec3], p: Vec3, bound: f64) -> Vec<[f64; 2]> {
+        let lowest = self.lowest_on_arc(arc, points, p, bound);
+        lowest.into_iter().map(|t| arc.at(t)).collect()
+    }
+
+    /// Values of `t` where the distance along an arc has a minimum below `bound`, each found from the lowest of its samples.
+    fn lowest_on_arc(&self, arc: &BoundaryArc, points: &[Vec3], p: Vec3, bound: f64) -> Vec<f64> {
         let distances: Vec<f64> = points.iter().map(|x| (x - p).norm()).collect();
         let last = distances.len() - 1;
         let before = |i: usize| match (i, arc.is_closed()) {
@@ -185,7 +214,6 @@ impl<S: ParametricSurface> ShapeProjector<S> {
         (0..=last)
             .filter(lowest)
             .map(|i| wrap_arc(arc, self.bisect(arc, p, [low(i), high(i)])))
-            .map(|t| arc.at(t))
             .collect()
     }
 

@@ -50,6 +50,7 @@ mod options;
 mod panels;
 mod planarity;
 mod run;
+mod shape_target;
 mod simple;
 mod start;
 mod surface_target;
@@ -70,6 +71,7 @@ use serde::Serialize;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
 pub use options::{OptimiseError, OptimiseOptions, StartKind, Starts};
+pub use shape_target::ShapeTarget;
 pub use surface_target::SurfaceTarget;
 
 /// Foot point on a target surface.

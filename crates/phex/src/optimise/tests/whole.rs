@@ -7,8 +7,8 @@ use crate::layout::{Layout, VertexKind};
 use crate::optimise::panels::{Panels, Shape as Faces, unknowns};
 use crate::optimise::simple::is_simple;
 use crate::optimise::{
-    Fault, OptimiseError, OptimiseOptions, Optimised, StartKind, Starts, Target, TargetPoint,
-    optimise, planarize,
+    Fault, OptimiseError, OptimiseOptions, Optimised, ShapeTarget, StartKind, Starts, Target,
+    TargetPoint, optimise, planarize,
 };
 use crate::progress::{Event, Progress, Silent};
 use nalgebra::Rotation3;
@@ -49,6 +49,27 @@ fn brick_walls_become_planar_and_stay_simple() {
         assert!(result.quality.deviation_max < 0.02, "{:?}", result.quality);
         assert!(result.quality.clearance > 0.15, "{:?}", result.quality);
     }
+}
+
+/// A built-in shape as target: what comes out touches the shape itself, not a triangulation of it.
+#[test]
+fn a_built_in_shape_is_a_target() {
+    let shape = phex_mesh::shapes::Shape::from_name("torus", &[("R", 2.0), ("r", 1.0)]).unwrap();
+    let target = ShapeTarget::new(shape).unwrap();
+    assert!(target.closest_on_boundary(&[Vec3::x()]).is_none());
+    let wall = brick_wall(Shape::Torus(1.0), 24, 12);
+    let on_torus = |p: &Vec3| ((p.x.hypot(p.y) - 2.0).hypot(p.z) - 1.0).abs();
+    let feet = target.closest_points(wall.positions.as_slice(), &[]);
+    assert!(feet.iter().all(|foot| on_torus(&foot.position) < 1e-12));
+    let result = run(&layout(wall, &target), &target);
+    assert_sound(&result, 1e-13);
+    let far = result
+        .mesh
+        .positions
+        .iter()
+        .map(on_torus)
+        .fold(0.0, f64::max);
+    assert!((far - result.quality.deviation_max).abs() < 0.02, "{far}");
 }
 
 #[test]
