@@ -54,11 +54,12 @@ fn brick_walls_become_planar_and_stay_simple() {
 /// A built-in shape as target: what comes out touches the shape itself, not a triangulation of it.
 #[test]
 fn a_built_in_shape_is_a_target() {
-    let shape = phex_mesh::shapes::Shape::from_name("torus", &[("R", 2.0), ("r", 1.0)]).unwrap();
+    let shape =
+        phex_mesh::shapes::Shape::from_name("torus", &[("major", 1.0), ("minor", 0.4)]).unwrap();
     let target = ShapeTarget::new(shape).unwrap();
     assert!(target.closest_on_boundary(&[Vec3::x()]).is_none());
-    let wall = brick_wall(Shape::Torus(1.0), 24, 12);
-    let on_torus = |p: &Vec3| ((p.x.hypot(p.y) - 2.0).hypot(p.z) - 1.0).abs();
+    let wall = brick_wall(Shape::Torus(1.0), 40, 14);
+    let on_torus = |p: &Vec3| ((p.x.hypot(p.y) - 1.0).hypot(p.z) - 0.4).abs();
     let feet = target.closest_points(wall.positions.as_slice(), &[]);
     assert!(feet.iter().all(|foot| on_torus(&foot.position) < 1e-12));
     let result = run(&layout(wall, &target), &target);
