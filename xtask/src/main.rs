@@ -9,11 +9,12 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo xtask check | viewer
+const USAGE: &str = "usage: cargo xtask check | viewer | browse
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
-viewer  builds the interactive part of the HTML report (needs npm)";
+viewer  builds the interactive part of the HTML report (needs npm)
+browse  opens HTML reports in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)";
 
 /// One step of the check: its name, and what it runs.
 struct Step {
@@ -81,6 +82,7 @@ fn main() -> ExitCode {
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["check"] => check(&root()),
         ["viewer"] => exit(viewer::build(&root())),
+        ["browse"] => exit(viewer::browse(&root())),
         _ => {
             eprintln!("{USAGE}");
             ExitCode::from(2)

@@ -342,6 +342,7 @@ export class App {
     window.addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.select(null);
     });
+    this.stage.beforeDraw.push(() => this.polygons.fade(this.stage.pixels(this.packed.meanEdge)));
     this.stage.onResize.push(() => this.resize());
     this.stage.onDraw.push(() => {
       const { x, y } = this.stage.size;

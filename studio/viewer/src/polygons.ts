@@ -7,7 +7,6 @@ import {
   Group,
   Mesh as Surface,
   MeshStandardMaterial,
-  type Vector2,
   Vector3,
 } from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
@@ -55,6 +54,8 @@ export function lines(points: ArrayLike<number>, width: number, colour: number):
 
 const EDGE_WIDTH = 1.1;
 const COLOURED_WIDTH = 3.2;
+/** Length of an edge on the screen from which it is drawn in full ink, in pixels. */
+const FULL_EDGE = 14;
 
 export class Polygons {
   readonly group = new Group();
@@ -104,8 +105,11 @@ export class Polygons {
     this.edges.geometry.setColors(colours);
   }
 
-  resize(size: Vector2): void {
-    this.edges.material.resolution.copy(size);
+  /** Makes plain edges paler where panels are small on the screen, so that they do not cover everything. */
+  fade(pixels: number): void {
+    const { material } = this.edges;
+    material.transparent = true;
+    material.opacity = material.vertexColors ? 1 : Math.min(1, Math.max(0.22, pixels / FULL_EDGE));
   }
 
   private edgePoints(positions: Float32Array): Float32Array {

@@ -33,7 +33,9 @@ export class Stage {
   readonly renderer: WebGLRenderer;
   readonly controls: OrbitControls;
   readonly size = new Vector2(1, 1);
-  /** Called after the camera has moved and each frame has been drawn. */
+  /** Called before each frame is drawn. */
+  beforeDraw: (() => void)[] = [];
+  /** Called after each frame has been drawn. */
   onDraw: (() => void)[] = [];
   onResize: (() => void)[] = [];
   private waiting = false;
@@ -57,6 +59,7 @@ export class Stage {
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
+      for (const act of this.beforeDraw) act();
       this.renderer.render(this.scene, this.camera);
       for (const act of this.onDraw) act();
     });
@@ -84,6 +87,12 @@ export class Stage {
   /** Direction from the looked-at point to the eye. */
   direction(): Vector3 {
     return this.camera.position.clone().sub(this.controls.target);
+  }
+
+  /** Pixels on the screen of a length at the looked-at point. */
+  pixels(length: number): number {
+    const zoom = this.size.y / Math.tan((this.camera.fov * Math.PI) / 360) / 2;
+    return (length * zoom) / this.direction().length();
   }
 
   /** Range of depth that holds everything. */

@@ -6,7 +6,7 @@
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { mkdtempSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -84,6 +84,7 @@ async function aGoodMesh() {
   const mesh = paraboloid(16, 14, 0.02);
   writeFileSync(join(folder, "before.obj"), obj(lifted(mesh, 0.2)));
   const file = report("good", mesh, "--before", "before.obj", "--surface", "before.obj");
+  assert.match(readFileSync(file, "utf8"), /The MIT License[^]*three\.js authors/, "the licence goes with the code");
   await visit(file, SOFTWARE, async (page) => {
     assert.equal(await viewer(page), "ready");
     await page.waitForTimeout(200);
