@@ -56,6 +56,11 @@ fn check(name: &str, surface: &TriangleSurface, asked: usize) {
         assert!(off.deviation_max < 0.01, "{name}: {}", off.deviation_max);
     }
     assert_eq!(run.statistics.panels_asked, asked);
+    let start = run.start.expect("a layout starts the optimiser");
+    assert_eq!(start.faces.len(), figures_of_run.faces, "{name}");
+    let foot = |p: &Vec3| (surface.closest_point(*p).position - p).norm();
+    let far = start.positions.iter().map(foot).fold(0.0, f64::max);
+    assert!(far < 0.01 * surface.diagonal(), "{name}: {far}");
 }
 
 #[test]

@@ -17,6 +17,8 @@ const SELECTED = 0x0050ff;
 const LOUD = 0xd4006a;
 /** A press that moves farther than this is a turn of the view, in pixels. */
 const CLICK = 5;
+/** As many offenders as a report lists. */
+const MOST_OFFENDERS = 500;
 /** How far round a panel is seen that is zoomed to, in its radii. */
 const CLOSE_UP = 5;
 
@@ -275,6 +277,7 @@ export class App {
       return h("li", {}, open);
     });
     box.append(h("ol", {}, ...entries));
+    if (offenders.length >= MOST_OFFENDERS) box.append(h("p", { class: "none" }, "The first ones; the JSON report lists all."));
   }
 
   private select(face: number | null): void {
