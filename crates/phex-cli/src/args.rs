@@ -1,5 +1,6 @@
 //! The command line: what can be typed. What it means is said by the commands.
 
+use crate::dual_arguments::{DualCommand, DupinCommand, PowerCommand, SubdivideCommand};
 use crate::exit::EXIT_CODES;
 use crate::offset_arguments::OffsetCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
@@ -46,6 +47,14 @@ pub enum Command {
     Koebe(KoebeCommand),
     /// Make the mesh that has the edge directions of a given one and is closest to a surface
     Parallel(ParallelCommand),
+    /// Dualise a mesh: faces become vertices, vertices faces; twice gives the mesh back
+    Dual(DualCommand),
+    /// Refine a mesh with planar faces, four panels for one
+    Subdivide(SubdivideCommand),
+    /// Make geodesic domes and other polyhedra about spheres and ellipsoids from sites in the plane
+    PowerDiagram(PowerCommand),
+    /// Write Dupin's indicatrices of a surface, for drawing
+    Dupin(DupinCommand),
 }
 
 impl Command {
@@ -64,6 +73,10 @@ impl Command {
             Self::Shape(c) => &c.talk,
             Self::Koebe(c) => &c.talk,
             Self::Parallel(c) => &c.talk,
+            Self::Dual(c) => &c.talk,
+            Self::Subdivide(c) => &c.talk,
+            Self::PowerDiagram(c) => &c.talk,
+            Self::Dupin(c) => &c.talk,
         }
     }
 }

@@ -5,7 +5,7 @@ use anyhow::Context;
 use phex::directions::network::NetworkError;
 use phex::layout::LayoutError;
 use phex::optimise::{self, OptimiseOptions, SurfaceTarget, Target};
-use phex::pipeline::{NetworkCurves, network_curves};
+use phex::pipeline::{self, NetworkCurves, network_curves};
 use phex::report::StageTime;
 use phex::{MeshOptions, PipelineError, Progress, mesh_surface};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
@@ -94,6 +94,21 @@ pub fn planarize(
     })
 }
 
+/// Refines a mesh in space and brings it to a surface, level by level.
+///
+/// # Errors
+/// If the mesh can't be used, or the user interrupts.
+pub fn subdivide(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    levels: usize,
+    progress: &dyn Progress,
+) -> Result<Vec<HexMesh>, Failure> {
+    let made = pipeline::subdivide(mesh, surface, levels, &OptimiseOptions::default(), progress);
+    let levels = made.map_err(pipeline_failure)?;
+    Ok(levels.into_iter().map(|level| level.mesh).collect())
+}
+
 /// The outcome for the report.
 fn ended(outcome: &Outcome) -> Result<Value, Failure> {
     if outcome.status == Status::Cancelled {
@@ -115,7 +130,8 @@ fn pipeline_failure(error: PipelineError) -> Failure {
         PipelineError::Size(_) | PipelineError::Components(_) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Domain(_)) => Exit::InputUnusable,
-        PipelineError::Layout(LayoutError::Duality(_)) => Exit::NoValidResult,
+        PipelineError::Layout(LayoutError::Duality(_) | LayoutError::Power(_))
+        | PipelineError::Fit(_) => Exit::NoValidResult,
         PipelineError::Layout(LayoutError::Topology { .. } | LayoutError::Network(_)) => {
             Exit::NoValidResult
         }

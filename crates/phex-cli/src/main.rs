@@ -2,6 +2,7 @@
 
 mod args;
 mod commands;
+mod dual_arguments;
 mod engine;
 mod exit;
 mod html;

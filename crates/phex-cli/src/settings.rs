@@ -77,12 +77,18 @@ pub enum Layout {
     Lattice,
     /// A brick wall on the lines of curvature, where the surface has a network of them without singular points
     BrickWall,
+    /// A Goldberg polyhedron; for spheres, ellipsoids and pieces of them
+    PowerDiagram,
     /// A regular triangulation of the dual surface, mapped back; for Gauss curvature of one sign
     ProjectiveDual,
+    /// A coarse mesh refined by Loop's rule through its dual; for Gauss curvature of one sign
+    DualSubdivision,
     /// Tangent planes over a regular triangulation of the Gauss sphere; for Gauss curvature of one sign
     SupportFunction,
     /// Tangent planes of the lattice's panels, intersected
     TangentPlanes,
+    /// A mesh parallel to one that tangent planes give, fitted; for Gauss curvature of one sign
+    Parallel,
 }
 
 impl From<Layout> for Method {
@@ -93,6 +99,9 @@ impl From<Layout> for Method {
             Layout::ProjectiveDual => Self::ProjectiveDual,
             Layout::SupportFunction => Self::SupportFunction,
             Layout::TangentPlanes => Self::TangentPlanes,
+            Layout::PowerDiagram => Self::PowerDiagram,
+            Layout::DualSubdivision => Self::DualSubdivision,
+            Layout::Parallel => Self::Parallel,
         }
     }
 }
@@ -105,6 +114,9 @@ impl From<Method> for Layout {
             Method::ProjectiveDual => Self::ProjectiveDual,
             Method::SupportFunction => Self::SupportFunction,
             Method::TangentPlanes => Self::TangentPlanes,
+            Method::PowerDiagram => Self::PowerDiagram,
+            Method::DualSubdivision => Self::DualSubdivision,
+            Method::Parallel => Self::Parallel,
         }
     }
 }

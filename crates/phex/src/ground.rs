@@ -13,6 +13,7 @@ const WHOLE_STRIP: f64 = 1.5;
 const CLIP_STRIP: f64 = 0.2;
 
 /// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a strip beyond it.
+#[derive(Clone)]
 pub(crate) struct Ground {
     /// Its smooth levels.
     pub smooth: SmoothTarget,
@@ -26,6 +27,7 @@ pub(crate) struct Ground {
 }
 
 /// What panels are trimmed to.
+#[derive(Clone)]
 struct Trimming {
     extension: Extension,
     smooth: SmoothTarget,

@@ -5,9 +5,11 @@
 
 mod brick_wall;
 mod classical;
+mod subdivide;
 
 pub use brick_wall::{NetworkCurves, network_curves};
 pub use classical::ClassicalStatistics;
+pub use subdivide::{Level, subdivide};
 
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
@@ -22,6 +24,7 @@ use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Layou
 use crate::optimise::{
     self, Fault, Offender, OptimiseError, OptimiseOptions, Optimised, RunSummary, SurfaceTarget,
 };
+use crate::parallel_mesh::fit::FitError;
 use crate::progress::{Event, Progress};
 use crate::target::{Similarity, SmoothTarget, TargetOptions};
 use crate::trim::{self, Boundary, TrimError, Trimmed};
@@ -55,12 +58,18 @@ pub enum Method {
     Lattice,
     /// A brick wall on a conjugate curve network, where the surface has one.
     BrickWall,
+    /// A Goldberg polyhedron on the ellipsoid that the surface is.
+    PowerDiagram,
     /// A regular triangulation of the dual surface, mapped back.
     ProjectiveDual,
+    /// A coarse mesh of tangent planes, refined through its dual.
+    DualSubdivision,
     /// A regular triangulation of the Gauss sphere, and tangent planes with its normals.
     SupportFunction,
     /// Tangent planes of the lattice's panels, intersected.
     TangentPlanes,
+    /// A mesh parallel to one that tangent planes give, fitted to the surface.
+    Parallel,
 }
 
 /// Options of [`mesh_surface`]: one struct per stage, and what concerns the whole flow.
@@ -149,6 +158,9 @@ pub enum PipelineError {
     /// The optimiser refused its input.
     #[error(transparent)]
     Optimise(#[from] OptimiseError),
+    /// No parallel mesh fits.
+    #[error(transparent)]
+    Fit(#[from] FitError),
     /// Nothing is left within the boundary.
     #[error(transparent)]
     Trim(#[from] TrimError),

@@ -7,11 +7,15 @@ use crate::html::Shown;
 use crate::input::{MeshFile, whole};
 use crate::output::{self, check_writable};
 use crate::progress::Reporter;
-use crate::summary;
+use crate::summary::{self, Table};
 use crate::verdict::TypedLimits;
 use anyhow::Context;
+use phex::curvature::dupin::indicatrix_distances;
+use phex::curvature::{CurvatureOptions, curvature};
+use phex::layout::lattice::CELL;
 use phex::report::{Assessment, References, RunReport, Verdict};
-use phex_mesh::{HexMesh, TriangleSurface};
+use phex_mesh::measure::Metric;
+use phex_mesh::{FaceId, HexMesh, TriangleSurface};
 use serde_json::json;
 
 /// Runs the command.
@@ -36,9 +40,14 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         .map(|s| whole(&s.surfaces()?.components))
         .transpose()?;
     let assessed = judged(&command.limits, &mesh, facets.as_ref(), "check");
-    let table = summary::of_assessment(&assessed.0, command.limits.unit, command.talk.verbose);
+    let mut table = summary::of_assessment(&assessed.0, command.limits.unit, command.talk.verbose);
+    let indicatrix = facets.as_ref().map(|surface| indicatrix(&mesh, surface));
+    if let Some(metric) = indicatrix.as_ref().filter(|m| m.count > 0) {
+        table += &inscribed(metric);
+    }
     tell(command.talk.quiet || command.json, &table)?;
     let mut report = assessed.1;
+    report.statistics = json!({ "indicatrix": indicatrix });
     if dropped > 0 {
         let note = format!("{dropped} vertices belong to no face; vertex ids count the others");
         Reporter::new(&command.talk).note(&note);
@@ -83,4 +92,27 @@ pub(super) fn judged(
         "unit": limits.unit,
     });
     (assessment, report)
+}
+
+/// How far the corners of inner panels are from a homothetic copy of Dupin's indicatrix, over the panel's radius.
+fn indicatrix(mesh: &HexMesh, surface: &TriangleSurface) -> Metric<FaceId> {
+    let length = (surface.area() / (CELL * mesh.topology().n_faces() as f64)).sqrt();
+    let curvature = curvature(surface, length, &CurvatureOptions::default());
+    let distances = indicatrix_distances(mesh, surface, &curvature);
+    Metric::large_is_bad(distances.enumerate().filter_map(|(f, d)| Some((f, (*d)?))))
+}
+
+fn inscribed(metric: &Metric<FaceId>) -> String {
+    let mut table = Table::default();
+    let percent = |x: f64| format!("{:.1} %", 100.0 * x);
+    table.row(
+        "indicatrix",
+        format!(
+            "corners off it by {} of a panel's radius in the mean, {} at most ({} inner panels)",
+            percent(metric.mean),
+            percent(metric.max),
+            metric.count
+        ),
+    );
+    table.into_text()
 }

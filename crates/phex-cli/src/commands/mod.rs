@@ -2,6 +2,9 @@
 
 mod check;
 mod convert;
+mod deliver;
+mod dual;
+mod dupin;
 mod info;
 mod koebe;
 mod mesh;
@@ -11,7 +14,9 @@ mod parallel;
 mod planarize;
 mod render;
 mod report;
+mod power_diagram;
 mod shape;
+mod subdivide;
 
 use crate::args::Command;
 use crate::exit::{Exit, Failure};
@@ -35,6 +40,10 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Shape(command) => shape::run(&command),
         Command::Koebe(command) => koebe::run(&command),
         Command::Parallel(command) => parallel::run(&command),
+        Command::Dual(command) => dual::run(&command),
+        Command::Subdivide(command) => subdivide::run(&command),
+        Command::PowerDiagram(command) => power_diagram::run(&command),
+        Command::Dupin(command) => dupin::run(&command),
     }
 }
 

@@ -14,6 +14,7 @@ use phex::MeshOptions;
 use phex::directions::network::{Curve, NetworkFamily};
 use phex::pipeline::NetworkCurves;
 use std::fmt::Write;
+use std::path::Path;
 
 /// Runs the command.
 ///
@@ -24,7 +25,7 @@ pub fn run(command: &NetworkCommand) -> Result<Exit, Failure> {
         &[(&command.output, Content::Mesh)],
         &[command.input.as_path()],
     )?;
-    check_obj(command)?;
+    check_obj(&command.output)?;
     use_threads(command.threads)?;
     let reporter = Reporter::new(&command.talk);
     let parts = MeshFile::read(&command.input)?.surfaces()?;
@@ -46,14 +47,18 @@ pub fn run(command: &NetworkCommand) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-fn check_obj(command: &NetworkCommand) -> Result<(), Failure> {
-    let extension = command.output.extension().and_then(|e| e.to_str());
+/// Whether a path names an OBJ file, the only format for curves.
+///
+/// # Errors
+/// If not.
+pub(super) fn check_obj(path: &Path) -> Result<(), Failure> {
+    let extension = path.extension().and_then(|e| e.to_str());
     if extension.is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
         return Ok(());
     }
-    let path = command.output.display();
     Err(Failure::input(format!(
-        "{path}: curves are written as OBJ only"
+        "{}: curves are written as OBJ only",
+        path.display()
     )))
 }
 
@@ -82,7 +87,8 @@ fn obj(curves: &NetworkCurves) -> String {
     text
 }
 
-fn push_curve(text: &mut String, curve: &Curve, first: usize) {
+/// Appends a polyline whose first vertex has number `first`.
+pub(super) fn push_curve(text: &mut String, curve: &Curve, first: usize) {
     for p in &curve.points {
         let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
     }

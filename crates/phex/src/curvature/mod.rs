@@ -16,6 +16,7 @@
 //! Guaranteed: exact for quadrics in graph form at the fitted vertex, error `O(r^2)` elsewhere; a plane gives 0.
 //! Fails: where features are smaller than `r` they are averaged.
 
+pub mod dupin;
 mod jet;
 mod tensor;
 

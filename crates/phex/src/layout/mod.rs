@@ -16,9 +16,12 @@ pub mod boundary_nodes;
 pub mod brick_wall;
 pub mod cells;
 pub mod domain;
+pub mod dual_subdivision;
 pub mod duality;
+pub mod forecast;
 pub mod lattice;
 pub mod polish;
+pub mod power_diagram;
 pub mod projective_dual;
 pub mod record;
 pub mod rim;
@@ -42,6 +45,7 @@ use lattice::{Charts, Plane};
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;
+use power_diagram::PowerError;
 use seamless::{Annihilation, Offsets};
 use seeds::Seed;
 use serde::{Deserialize, Serialize};
@@ -92,6 +96,9 @@ pub enum LayoutError {
     /// Planes that do not meet.
     #[error(transparent)]
     Duality(#[from] DualityError),
+    /// There is no power diagram.
+    #[error(transparent)]
+    Power(#[from] PowerError),
     /// Cells are not discs.
     #[error(
         "no panelling with the topology of the surface was found: {reason}; ask for smaller panels"

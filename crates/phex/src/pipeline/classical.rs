@@ -1,6 +1,10 @@
 //! The flow for the methods that work by planes and their poles: a lattice that is regular in the method's own metric, its tangent
 //! planes, and the points where they meet. Nothing is optimised or repaired: the comparison is with the methods as they are.
 
+mod parallel;
+mod power_diagram;
+mod subdivision;
+
 use super::brick_wall::kinked;
 use super::{
     COUNT_TOLERANCE, COUNT_TRIES, Clock, Field, FineSurface, MeshOptions, MeshRun, Method,
@@ -12,6 +16,7 @@ use crate::directions::intrinsic::IntrinsicMesh;
 use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces};
 use crate::layout::duality::envelope;
+use crate::layout::forecast::crossing_panels;
 use crate::layout::lattice::CELL;
 use crate::layout::projective_dual::{self, DualDefects, SurfaceDual};
 use crate::layout::tangent_planes::{regularised, tangent_planes as tangent_planes_of};
@@ -41,6 +46,12 @@ pub struct ClassicalStatistics {
     pub defects: Option<DualDefects>,
     /// Flips that made the panels those of a convex hull.
     pub flips: Option<usize>,
+    /// Class `(m, n)` of the Goldberg polyhedron.
+    pub goldberg: Option<(u32, u32)>,
+    /// Edges of a parallel mesh that are as short as is allowed.
+    pub edges_at_bound: Option<usize>,
+    /// Panels that the sign rule says will cross themselves; nothing where the rule does not apply.
+    pub forecast: Option<usize>,
 }
 
 /// Panels by one of the methods.
@@ -55,9 +66,16 @@ pub(super) fn mesh_with_panels(
     let normalised = moved(input, |p| similarity.normalise(p));
     let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
     let made = make(&ground, &mut clock).map_err(|e| in_model(e, &similarity))?;
-    let reported = ground.reported(&made.fine.surface);
-    let trimmed = clock.timed("trim", || ground.trimmed(&made.mesh, &made.fine.surface))?;
-    let violations = clock.timed("validate", || between_panels(&trimmed.mesh, reported));
+    let reported = &made.reported;
+    let mesh = match &made.fine {
+        Some(fine) => {
+            clock
+                .timed("trim", || ground.trimmed(&made.mesh, &fine.surface))?
+                .mesh
+        }
+        None => made.mesh,
+    };
+    let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let mut classical = made.classical;
     classical.centre = classical
         .centre
@@ -87,15 +105,17 @@ pub(super) fn mesh_with_panels(
         repairs: Vec::new(),
         tried: Vec::new(),
     };
-    let positions = trimmed.mesh.positions.map(|p| similarity.restore(*p));
+    let positions = mesh.positions.map(|p| similarity.restore(*p));
     let optimised = made.optimised;
     Ok(MeshRun {
+<<<<<<< HEAD
         start: None,
         mesh: trimmed.mesh.with_positions(positions),
+=======
+        mesh: mesh.with_positions(positions),
+>>>>>>> 8370e97 (Power diagrams, dual subdivision, parallel meshes, duals and indicatrices: methods and commands)
         target: moved(reported, |p| similarity.restore(p)),
-        outcome: optimised
-            .as_ref()
-            .map_or_else(|| Outcome::empty(Status::Converged), |o| o.outcome.clone()),
+        outcome: made.outcome,
         offenders: optimised.map_or_else(Vec::new, |o| o.offenders),
         violations,
         statistics,
@@ -106,16 +126,47 @@ pub(super) fn mesh_with_panels(
 /// What a method made, in normalised coordinates.
 struct Made {
     mesh: HexMesh,
-    fine: FineSurface,
+    /// The surface that the panels are compared with.
+    reported: TriangleSurface,
+    /// The surface on which cells were drawn, where there are cells.
+    fine: Option<FineSurface>,
+    outcome: Outcome,
     layout: LayoutStatistics,
     optimised: Option<Optimised>,
     classical: ClassicalStatistics,
+}
+
+impl Made {
+    fn of(
+        ground: &Ground,
+        mesh: HexMesh,
+        fine: FineSurface,
+        layout: LayoutStatistics,
+        optimised: Option<Optimised>,
+        classical: ClassicalStatistics,
+    ) -> Self {
+        let planar = || Outcome::empty(Status::Converged);
+        Self {
+            mesh,
+            reported: ground.reported(&fine.surface).clone(),
+            fine: Some(fine),
+            outcome: optimised
+                .as_ref()
+                .map_or_else(planar, |o| o.outcome.clone()),
+            layout,
+            optimised,
+            classical,
+        }
+    }
 }
 
 fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
     match ground.options.method {
         Method::ProjectiveDual => projective_dual(ground, clock),
         Method::SupportFunction => support_function(ground, clock),
+        Method::PowerDiagram => power_diagram::make(ground, clock),
+        Method::DualSubdivision => subdivision::make(ground, clock),
+        Method::Parallel => parallel::make(ground, clock),
         _ => tangent_planes(ground, clock),
     }
 }
@@ -153,12 +204,15 @@ impl<'a> Start<'a> {
             clearness: None,
             defects: None,
             flips: None,
+            goldberg: None,
+            edges_at_bound: None,
+            forecast: None,
         }
     }
 
     /// The lattice that is regular in a metric.
     fn field(
-        self,
+        &self,
         ground: &Ground,
         mut metric: PerVertex<Matrix3<f64>>,
         clock: &mut Clock<'_>,
@@ -227,14 +281,16 @@ fn projective_dual(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     let metric = dual.metric(surface, curvature);
     let field = start.field(ground, metric, clock)?;
     let (fine, layout) = cells(ground, &field, clock)?;
+    classical.forecast = Some(forecast(&layout, &start));
     let mesh = envelope(&layout.mesh, &tangent_planes_of(&layout)).map_err(LayoutError::from)?;
-    Ok(Made {
+    Ok(Made::of(
+        ground,
         mesh,
         fine,
-        layout: field.statistics,
-        optimised: None,
+        field.statistics,
+        None,
         classical,
-    })
+    ))
 }
 
 fn support_function(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
@@ -254,13 +310,14 @@ fn support_function(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipe
         classical.flips = Some(flips);
     }
     let mesh = envelope(&panels, &planes).map_err(LayoutError::from)?;
-    Ok(Made {
+    Ok(Made::of(
+        ground,
         mesh,
         fine,
-        layout: field.statistics,
-        optimised: None,
+        field.statistics,
+        None,
         classical,
-    })
+    ))
 }
 
 fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
@@ -273,8 +330,9 @@ fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipeli
         surface,
         curvature: field.curvature.clone(),
     };
-    let classical = start.statistics(Method::TangentPlanes);
+    let mut classical = start.statistics(Method::TangentPlanes);
     let (fine, mut layout) = cells(ground, &field, clock)?;
+    classical.forecast = Some(forecast(&layout, &start));
     if options.dual.regularisation > 0.0 {
         layout.mesh = regularised(&layout, options.dual.regularisation);
         let target = SurfaceTarget::new(ground.close_to(&fine.surface));
@@ -283,22 +341,29 @@ fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipeli
             optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
         })?;
         let (mesh, statistics) = (optimised.mesh.clone(), field.statistics);
-        return Ok(Made {
+        return Ok(Made::of(
+            ground,
             mesh,
             fine,
-            layout: statistics,
-            optimised: Some(optimised),
+            statistics,
+            Some(optimised),
             classical,
-        });
+        ));
     }
     let mesh = envelope(&layout.mesh, &tangent_planes_of(&layout)).map_err(LayoutError::from)?;
-    Ok(Made {
+    Ok(Made::of(
+        ground,
         mesh,
         fine,
-        layout: field.statistics,
-        optimised: None,
+        field.statistics,
+        None,
         classical,
-    })
+    ))
+}
+
+/// Number of panels that the sign rule says will cross themselves.
+fn forecast(layout: &Layout, start: &Start<'_>) -> usize {
+    crossing_panels(layout, start.surface, &start.curvature).len()
 }
 
 /// The panels of a lattice.

@@ -1,6 +1,6 @@
 //! One step of Loop subdivision as linear stencils (C. Loop, 1987), with kept boundary corners.
 
-use phex_mesh::{PerVertex, Topology, VertexId};
+use phex_mesh::{EdgeId, PerVertex, Topology, VertexId};
 use std::f64::consts::PI;
 use std::ops::{Add, Mul};
 
@@ -17,24 +17,32 @@ pub struct Refinement {
 impl Refinement {
     /// The Loop step of a triangle mesh; vertices in `corners` do not move. Returns the refined connectivity too.
     pub fn of(topology: &Topology, corners: &[VertexId]) -> (Self, Topology) {
+        let mut fixed = PerVertex::filled(topology.n_vertices(), false);
+        corners.iter().for_each(|&v| fixed[v] = true);
+        let vertex = |v| {
+            if fixed[v] {
+                vec![(v, 1.0)]
+            } else {
+                vertex_stencil(topology, v)
+            }
+        };
+        Self::with_stencils(topology, vertex, |e| edge_stencil(topology, e))
+    }
+
+    /// The step that splits each triangle in four and has the given stencils for old vertices and for edges.
+    pub fn with_stencils(
+        topology: &Topology,
+        vertex: impl Fn(VertexId) -> Vec<(VertexId, f64)>,
+        edge: impl Fn(EdgeId) -> Vec<(VertexId, f64)>,
+    ) -> (Self, Topology) {
         let mut step = Self {
             faces: split_faces(topology),
             start: vec![0],
             source: Vec::new(),
             weight: Vec::new(),
         };
-        let mut fixed = PerVertex::filled(topology.n_vertices(), false);
-        corners.iter().for_each(|&v| fixed[v] = true);
-        for v in topology.vertices() {
-            step.push(&if fixed[v] {
-                vec![(v, 1.0)]
-            } else {
-                vertex_stencil(topology, v)
-            });
-        }
-        for e in topology.edges() {
-            step.push(&edge_stencil(topology, e));
-        }
+        topology.vertices().for_each(|v| step.push(&vertex(v)));
+        topology.edges().for_each(|e| step.push(&edge(e)));
         let refined = Topology::from_faces(topology.n_vertices() + topology.n_edges(), &step.faces)
             .expect("splitting triangles keeps a manifold a manifold");
         (step, refined)
@@ -96,7 +104,7 @@ fn vertex_stencil(topology: &Topology, v: VertexId) -> Vec<(VertexId, f64)> {
     stencil
 }
 
-fn edge_stencil(topology: &Topology, e: phex_mesh::EdgeId) -> Vec<(VertexId, f64)> {
+fn edge_stencil(topology: &Topology, e: EdgeId) -> Vec<(VertexId, f64)> {
     let [a, b] = topology.edge_vertices(e);
     let h = topology.edge_half_edge(e);
     let opposite = |h| topology.origin(topology.prev(h));

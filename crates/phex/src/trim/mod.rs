@@ -108,7 +108,7 @@ pub fn small_rim_panels(mesh: &HexMesh) -> Vec<FaceId> {
 }
 
 /// Faces and the positions they use, renumbered in the order of use.
-fn compact(positions: &[Vec3], faces: &[Vec<u32>]) -> Result<HexMesh, TrimError> {
+pub(crate) fn compact(positions: &[Vec3], faces: &[Vec<u32>]) -> Result<HexMesh, TrimError> {
     if faces.is_empty() {
         return Err(TrimError::NothingLeft);
     }

@@ -5,7 +5,7 @@
 //! the plane of a face do not see it.
 
 use phex_mesh::Vec3;
-use robust::{Coord, Coord3D, orient2d, orient3d};
+use robust::{Coord3D, orient3d};
 use std::collections::HashMap;
 use thiserror::Error;
 
@@ -45,22 +45,6 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, HullError> {
     }
     let alive = hull.faces.into_iter().filter(|f| f.alive);
     Ok(alive.map(|f| f.corners).collect())
-}
-
-/// Triangles of the hull that are seen from below (`z` towards minus infinity), counter-clockwise seen from above: with heights `|s|^2 - w` of sites `s` the
-/// regular triangulation, the dual of the power diagram with weights `w`.
-///
-/// # Errors
-/// If the points lie in one plane or are not finite.
-pub fn lower_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, HullError> {
-    let hull = convex_hull(points)?;
-    let from_above = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|i| points[i as usize]);
-        let flat = |p: Vec3| Coord { x: p.x, y: p.y };
-        orient2d(flat(a), flat(b), flat(c))
-    };
-    let lower = hull.into_iter().filter(|t| from_above(t) < 0.0);
-    Ok(lower.map(|[a, b, c]| [a, c, b]).collect())
 }
 
 /// Positive if `d` lies behind the triangle `abc`, whose front is where it runs counter-clockwise.
@@ -226,22 +210,13 @@ mod tests {
             .map(|i| Vec3::new(f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25)))
             .collect();
         assert_hull(&grid, &convex_hull(&grid).unwrap());
-        let square: Vec<Vec3> = (0..49)
-            .map(|i| (f64::from(i % 7), f64::from(i / 7)))
-            .map(|(x, y)| Vec3::new(x, y, x * x + y * y))
+        // Four by four on parallels of a sphere: every face of the true hull has four corners.
+        let ring = |i: u32| [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][i as usize];
+        let sphere: Vec<Vec3> = (0..16)
+            .map(|i| (ring(i % 4), f64::from(i / 4) - 1.5))
+            .map(|((x, y), z)| Vec3::new(x, y, 0.5 * z))
             .collect();
-        let lower = lower_hull(&square).unwrap();
-        assert_eq!(
-            lower.len(),
-            2 * 36,
-            "a grid of cocircular sites is triangulated whole"
-        );
-        let area: f64 = lower
-            .iter()
-            .map(|t| t.map(|i| square[i as usize].xy()))
-            .map(|[a, b, c]| 0.5 * (b - a).perp(&(c - a)))
-            .sum();
-        assert_eq!(area, 36.0);
+        assert_hull(&sphere, &convex_hull(&sphere).unwrap());
     }
 
     #[test]

@@ -34,7 +34,7 @@ mod quadric;
 pub use centre::clear_centre;
 pub use envelope::envelope;
 pub use flips::convex_flips;
-pub use hull::{HullError, convex_hull, lower_hull};
+pub use hull::{HullError, convex_hull};
 pub use mesh_dual::{MeshDual, dual_mesh};
 pub use options::DualOptions;
 pub use plane::{Plane, meet};
@@ -65,6 +65,14 @@ pub enum DualityError {
         vertex: VertexId,
         /// Where it was expected.
         near: Vec3,
+    },
+    /// A vertex with more or fewer faces than three.
+    #[error("vertex {vertex} inside has {degree} faces, but three must meet at every vertex")]
+    Degree {
+        /// The vertex.
+        vertex: VertexId,
+        /// Number of its faces.
+        degree: usize,
     },
     /// An open mesh whose vertices all lie on the boundary.
     #[error("every vertex of the mesh lies on its boundary: only vertices inside have dual faces")]

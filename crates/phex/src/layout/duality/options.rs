@@ -1,9 +1,10 @@
 //! Options of the classical methods.
 
+use crate::layout::dual_subdivision::SubdivisionRule;
 use serde::{Deserialize, Serialize};
 
 /// Options of the methods that work by planes and their poles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DualOptions {
     /// Go on where the surface is outside the method's domain, to see what becomes of it; what fails is told by the statistics.
@@ -11,4 +12,19 @@ pub struct DualOptions {
     /// `lambda` of `tangent-planes`, a pure number >= 0: 0 lets the planes meet exactly; from 0.05 to 0.5 vertices are held back where
     /// planes meet badly, and the optimiser makes the panels planar.
     pub regularisation: f64,
+    /// Rule of `dual-subdivision`.
+    pub rule: SubdivisionRule,
+    /// Levels of `dual-subdivision`, from 1 to 5: the coarse mesh has a quarter of the panels for each.
+    pub levels: usize,
+}
+
+impl Default for DualOptions {
+    fn default() -> Self {
+        Self {
+            any_domain: false,
+            regularisation: 0.0,
+            rule: SubdivisionRule::Loop,
+            levels: 2,
+        }
+    }
 }

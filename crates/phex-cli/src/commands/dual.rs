@@ -1,0 +1,84 @@
+//! `phex dual`: the dual of a mesh with respect to a quadric.
+
+use super::deliver::{Delivery, outputs};
+use crate::args::Limits;
+use crate::dual_arguments::DualCommand;
+use crate::exit::{Exit, Failure, OrExit};
+use crate::input::MeshFile;
+use crate::output::check_writable;
+use crate::summary::Table;
+use crate::verdict::TypedLimits;
+use anyhow::Context;
+use nalgebra::Matrix4;
+use phex::layout::dual_subdivision::clear_centre_of;
+use phex::layout::duality::{Quadric, dual_mesh};
+use phex_mesh::{HexMesh, Vec3, measure};
+use serde_json::json;
+
+/// Runs the command.
+///
+/// # Errors
+/// If the mesh has no dual, or the output can't be written.
+pub fn run(command: &DualCommand) -> Result<Exit, Failure> {
+    check_writable(
+        &outputs(&command.output, &command.extras),
+        &[&command.input],
+    )?;
+    let file = MeshFile::read(&command.input)?;
+    let (mesh, _) = file.polygon_mesh()?;
+    let name = || command.input.display().to_string();
+    let mut table = Table::default();
+    let quadric = quadric(command, &mesh, &mut table)
+        .with_context(name)
+        .or_exit(Exit::InputUnusable)?;
+    let dual = dual_mesh(&mesh, &quadric)
+        .with_context(name)
+        .or_exit(Exit::InputUnusable)?;
+    let t = dual.mesh.topology();
+    table.row(
+        "mesh",
+        format!("{} vertices, {} faces", t.n_vertices(), t.n_faces()),
+    );
+    let planarity = measure(&dual.mesh).planarity.max;
+    table.row("planarity", format!("max {planarity:.1e} mean edges"));
+    Delivery {
+        command: "dual",
+        mesh: &dual.mesh,
+        output: &command.output,
+        extras: &command.extras,
+        talk: &command.talk,
+        limits: TypedLimits::from(&Limits::default()),
+        surface: None,
+        panels: false,
+        table,
+        settings: json!({ "quadric": quadric.matrix().as_slice() }),
+        statistics: json!({ "dropped_faces": mesh.topology().n_faces() - t.n_vertices() }),
+        inputs: vec![file.record],
+    }
+    .send()
+}
+
+fn quadric(command: &DualCommand, mesh: &HexMesh, table: &mut Table) -> anyhow::Result<Quadric> {
+    if let Some([a, b, c, d, e, f, g, h, i, j]) = command.quadric {
+        let matrix = Matrix4::new(a, b, c, d, b, e, f, g, c, f, h, i, d, g, i, j);
+        return Ok(Quadric::new(matrix)?);
+    }
+    let (centre, clearness) = match command.centre {
+        Some(centre) => (Vec3::from(centre), None),
+        None => {
+            let (centre, clearness) = clear_centre_of(mesh);
+            (centre, Some(clearness))
+        }
+    };
+    table.row(
+        "centre",
+        format!("--centre={},{},{}", centre.x, centre.y, centre.z),
+    );
+    if let Some(clearness) = clearness.filter(|c| *c <= 0.0) {
+        table.row(
+            "infinity",
+            format!("planes of faces pass on both sides of every centre tried ({clearness:.3}): the dual runs through infinity"),
+        );
+    }
+    Ok(Quadric::sphere(centre, command.radius)?)
+}

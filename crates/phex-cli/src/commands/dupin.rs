@@ -1,0 +1,132 @@
+//! `phex dupin`: Dupin's indicatrices of a surface, for drawing.
+
+use super::network::push_curve;
+use super::tell;
+use crate::dual_arguments::DupinCommand;
+use crate::exit::{Exit, Failure};
+use crate::input::{MeshFile, sentences, whole};
+use crate::output::{Content, check_writable, write_text};
+use crate::progress::Reporter;
+use phex::curvature::dupin::Indicatrix;
+use phex::curvature::{CurvatureOptions, curvature};
+use phex::directions::network::Curve;
+use phex::layout::lattice::CELL;
+use phex_mesh::{SurfacePoint, TriangleSurface, Vec3, VertexId};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Runs the command.
+///
+/// # Errors
+/// If an input can't be used, or the output can't be written.
+pub fn run(command: &DupinCommand) -> Result<Exit, Failure> {
+    let inputs: Vec<&Path> = std::iter::once(command.input.as_path())
+        .chain(command.panels.as_deref())
+        .collect();
+    check_writable(&[(&command.output, Content::Mesh)], &inputs)?;
+    super::network::check_obj(&command.output)?;
+    if !(command.size > 0.0 && command.size.is_finite()) || command.points == 0 {
+        return Err(Failure::new(
+            Exit::Usage,
+            "size and number of points must be positive",
+        ));
+    }
+    let reporter = Reporter::new(&command.talk);
+    let parts = MeshFile::read(&command.input)?.surfaces()?;
+    let surface = whole(&parts.components)?;
+    sentences(parts.notes)
+        .into_iter()
+        .for_each(|note| reporter.note(note));
+    let points = points(command, &surface)?;
+    let spacing = (surface.area() / (CELL * points.len().max(1) as f64)).sqrt();
+    let length = spacing.min(0.1 * surface.diagonal());
+    let curvature = curvature(&surface, length, &CurvatureOptions::default());
+    let indicatrices = points
+        .iter()
+        .map(|p| Indicatrix::at(p, &surface, &curvature));
+    let indicatrices: Vec<Indicatrix> = indicatrices.collect();
+    let size = command.size * length;
+    write_text(&command.output, &obj(&indicatrices, size))?;
+    tell(command.talk.quiet, &table(&indicatrices, &command.output))?;
+    Ok(Exit::Success)
+}
+
+fn points(command: &DupinCommand, surface: &TriangleSurface) -> Result<Vec<SurfacePoint>, Failure> {
+    let mut wanted: Vec<Vec3> = command.at.iter().map(|p| Vec3::from(*p)).collect();
+    if let Some(path) = &command.panels {
+        let (mesh, _) = MeshFile::read(path)?.polygon_mesh()?;
+        let t = mesh.topology();
+        wanted.extend(
+            t.faces()
+                .filter(|f| !t.is_boundary_face(*f))
+                .map(|f| mesh.centre(f)),
+        );
+    }
+    if wanted.is_empty() {
+        wanted = spread(surface, command.points);
+    }
+    Ok(surface.closest_points(&wanted))
+}
+
+/// Vertices far from each other: each is the one farthest from those before it.
+fn spread(surface: &TriangleSurface, count: usize) -> Vec<Vec3> {
+    let positions = surface.positions();
+    let mut distance = vec![f64::INFINITY; positions.len()];
+    let mut chosen = vec![positions[VertexId::new(0)]];
+    while chosen.len() < count.min(positions.len()) {
+        let last = chosen[chosen.len() - 1];
+        for (d, p) in distance.iter_mut().zip(positions) {
+            *d = d.min((p - last).norm());
+        }
+        let all = distance.iter().enumerate();
+        let farthest = all.max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0)));
+        chosen.extend(farthest.map(|(i, _)| positions.as_slice()[i]));
+    }
+    chosen
+}
+
+/// A group for each indicatrix, with its point, normal and curvatures as a comment.
+fn obj(indicatrices: &[Indicatrix], size: f64) -> String {
+    let mut text = String::from("# Dupin's indicatrices\n");
+    let mut next = 1;
+    for (i, d) in indicatrices.iter().enumerate() {
+        let (p, n, k) = (d.point, d.normal, &d.principal);
+        let _ = writeln!(text, "g indicatrix-{i}");
+        let _ = writeln!(
+            text,
+            "# point {} {} {} normal {} {} {} curvatures {} {}",
+            p.x, p.y, p.z, n.x, n.y, n.z, k.small, k.large
+        );
+        for points in d.curves(size) {
+            let count = points.len();
+            push_curve(
+                &mut text,
+                &Curve {
+                    points,
+                    closed: false,
+                },
+                next,
+            );
+            next += count;
+        }
+    }
+    text
+}
+
+fn table(indicatrices: &[Indicatrix], path: &Path) -> String {
+    let count = |test: &dyn Fn(f64, f64) -> bool| {
+        let all = indicatrices
+            .iter()
+            .map(|d| (d.principal.small, d.principal.large));
+        all.filter(|&(s, l)| test(s, l)).count()
+    };
+    let flat = |s: f64, l: f64| s.abs() <= 1e-3 * l.abs();
+    let ellipses = count(&|s, l| s * l > 0.0 && !flat(s, l));
+    let hyperbolas = count(&|s, l| s * l < 0.0 && !flat(s, l));
+    let lines = indicatrices.len() - ellipses - hyperbolas;
+    format!(
+        "{}: {} indicatrices: {ellipses} ellipses, {hyperbolas} pairs of hyperbolas, {lines} pairs of lines or flat\n",
+        path.display(),
+        indicatrices.len()
+    )
+}

@@ -1,0 +1,128 @@
+//! `phex power-diagram`: polyhedra from sites in the plane, on spheres and ellipsoids.
+
+use super::deliver::{Delivery, outputs};
+use crate::args::Limits;
+use crate::dual_arguments::PowerCommand;
+use crate::exit::{Exit, Failure, OrExit};
+use crate::output::check_writable;
+use crate::summary::Table;
+use crate::verdict::TypedLimits;
+use anyhow::Context;
+use phex::layout::power_diagram::{PowerDiagram, Site, goldberg, power_diagram};
+use phex_mesh::{Vec2, Vec3};
+use serde_json::json;
+use std::path::Path;
+
+/// Runs the command.
+///
+/// # Errors
+/// If the sites can't be used, or the output can't be written.
+pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
+    let inputs: Vec<&Path> = command.sites.iter().map(|p| p.as_path()).collect();
+    check_writable(&outputs(&command.output, &command.extras), &inputs)?;
+    if let Some(axis) = command.axes.iter().find(|a| **a <= 0.0) {
+        return Err(Failure::input(format!(
+            "a semi-axis is {axis}, it must be positive"
+        )));
+    }
+    let diagram = diagram(command)?;
+    let axes = Vec3::from(command.axes);
+    let positions = diagram.mesh.positions.map(|p| p.component_mul(&axes));
+    let mesh = diagram.mesh.with_positions(positions);
+    let mut table = Table::default();
+    if !diagram.hidden.is_empty() {
+        let first: Vec<String> = diagram
+            .hidden
+            .iter()
+            .take(10)
+            .map(ToString::to_string)
+            .collect();
+        let count = diagram.hidden.len();
+        table.row(
+            "hidden",
+            format!("{count} sites have no cell: {}", first.join(" ")),
+        );
+    }
+    Delivery {
+        command: "power-diagram",
+        mesh: &mesh,
+        output: &command.output,
+        extras: &command.extras,
+        talk: &command.talk,
+        limits: TypedLimits::from(&Limits::default()),
+        surface: None,
+        panels: true,
+        table,
+        settings: json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes }),
+        statistics: json!({ "hidden": diagram.hidden }),
+        inputs: Vec::new(),
+    }
+    .send()
+}
+
+fn diagram(command: &PowerCommand) -> Result<PowerDiagram, Failure> {
+    match (&command.sites, command.goldberg) {
+        (Some(path), _) => {
+            let sites = read_sites(path)?;
+            power_diagram(&sites, command.cap)
+                .with_context(|| path.display().to_string())
+                .or_exit(Exit::InputUnusable)
+        }
+        (None, Some([m, n])) => goldberg(m, n).or_exit(Exit::InputUnusable),
+        (None, None) => Err(Failure::input("give --goldberg M,N or --sites FILE")),
+    }
+}
+
+fn read_sites(path: &Path) -> Result<Vec<Site>, Failure> {
+    let name = || path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .with_context(name)
+        .or_exit(Exit::InputUnusable)?;
+    let lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
+    lines
+        .map(|(i, line)| site(line).ok_or_else(|| bad_line(path, i, line)))
+        .collect()
+}
+
+fn bad_line(path: &Path, index: usize, line: &str) -> Failure {
+    let number = index + 1;
+    Failure::input(format!(
+        "{}:{number}: `{line}` is no site, write `x y` or `x y weight`",
+        path.display()
+    ))
+}
+
+fn site(line: &str) -> Option<Site> {
+    let words = line
+        .split(|c: char| c.is_whitespace() || c == ',')
+        .filter(|w| !w.is_empty());
+    let numbers: Result<Vec<f64>, _> = words.map(str::parse).collect();
+    let numbers = numbers.ok().filter(|n| n.iter().all(|x| x.is_finite()))?;
+    match numbers[..] {
+        [x, y] => Some(Site {
+            position: Vec2::new(x, y),
+            weight: 0.0,
+        }),
+        [x, y, weight] => Some(Site {
+            position: Vec2::new(x, y),
+            weight,
+        }),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sites_with_and_without_weight() {
+        let at = |s: Option<Site>| s.map(|s| (s.position.x, s.position.y, s.weight));
+        assert_eq!(at(site("1 -2")), Some((1.0, -2.0, 0.0)));
+        assert_eq!(at(site(" 1,2, 0.5 ")), Some((1.0, 2.0, 0.5)));
+        assert!(site("1").is_none() && site("a b").is_none() && site("1 inf").is_none());
+    }
+}

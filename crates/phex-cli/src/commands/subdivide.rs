@@ -1,0 +1,94 @@
+//! `phex subdivide`: a finer mesh with planar faces.
+
+use super::deliver::{Delivery, outputs};
+use crate::dual_arguments::{SubdivideCommand, SubdivideRule};
+use crate::engine;
+use crate::exit::{Exit, Failure, OrExit};
+use crate::input::{MeshFile, whole};
+use crate::output::check_writable;
+use crate::progress::{Reporter, is_interrupted};
+use crate::summary::Table;
+use crate::verdict::TypedLimits;
+use anyhow::Context;
+use phex::layout::dual_subdivision::{SubdivisionRule, clear_quadric, dual_subdivision};
+use phex_mesh::{HexMesh, TriangleSurface, measure};
+use serde_json::json;
+
+/// Runs the command.
+///
+/// # Errors
+/// If an input can't be used, the mesh has no dual, or the output can't be written.
+pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
+    let inputs: Vec<_> = [Some(&command.input), command.surface.as_ref()]
+        .into_iter()
+        .flatten()
+        .map(|p| p.as_path())
+        .collect();
+    check_writable(&outputs(&command.output, &command.extras), &inputs)?;
+    let reporter = Reporter::new(&command.talk);
+    let file = MeshFile::read(&command.input)?;
+    let surface_file = command.surface.as_deref().map(MeshFile::read).transpose()?;
+    let (mesh, _) = file.polygon_mesh()?;
+    let surface = match &surface_file {
+        Some(file) => Some(whole(&file.surfaces()?.components)?),
+        None if command.rule == SubdivideRule::Robust => Some(whole(&file.surfaces()?.components)?),
+        None => None,
+    };
+    let levels = made(command, &mesh, surface.as_ref(), &reporter)?;
+    reporter.finish();
+    if is_interrupted() {
+        return Err(Failure::interrupted());
+    }
+    let mut table = Table::default();
+    for (k, level) in levels.iter().enumerate() {
+        let m = measure(level);
+        let (planarity, crossed) = (m.planarity.max, m.faces_not_simple);
+        table.row(
+            "level",
+            format!(
+                "{}: {} panels, planarity {planarity:.1e} mean edges, {crossed} not simple",
+                k + 1,
+                m.faces
+            ),
+        );
+    }
+    let finest = levels.last().unwrap_or(&mesh);
+    let limits = TypedLimits::from(&command.limits);
+    Delivery {
+        command: "subdivide",
+        mesh: finest,
+        output: &command.output,
+        extras: &command.extras,
+        talk: &command.talk,
+        limits,
+        surface: surface_file.is_some().then_some(surface.as_ref()).flatten(),
+        panels: true,
+        table,
+        settings: json!({ "rule": format!("{:?}", command.rule), "levels": command.levels }),
+        statistics: json!({}),
+        inputs: std::iter::once(file.record)
+            .chain(surface_file.map(|f| f.record))
+            .collect(),
+    }
+    .send()
+}
+
+fn made(
+    command: &SubdivideCommand,
+    mesh: &HexMesh,
+    surface: Option<&TriangleSurface>,
+    reporter: &Reporter,
+) -> Result<Vec<HexMesh>, Failure> {
+    let levels = usize::from(command.levels);
+    let rule = match (command.rule, surface) {
+        (SubdivideRule::Robust, Some(surface)) => {
+            return engine::subdivide(mesh, surface, levels, reporter);
+        }
+        (SubdivideRule::Butterfly, _) => SubdivisionRule::Butterfly,
+        _ => SubdivisionRule::Loop,
+    };
+    let refined = clear_quadric(mesh).and_then(|q| dual_subdivision(mesh, &q, rule, levels));
+    refined
+        .with_context(|| command.input.display().to_string())
+        .or_exit(Exit::InputUnusable)
+}

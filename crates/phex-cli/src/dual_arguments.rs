@@ -1,0 +1,154 @@
+//! The command line of the tools by planes, poles and indicatrices.
+
+use crate::args::{Extras, Limits, Talk};
+use crate::exit::EXIT_CODES;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Arguments of `phex dual`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct DualCommand {
+    /// Mesh with planar faces, triangles or polygons: OBJ, PLY or OFF
+    #[arg(value_name = "MESH")]
+    pub input: PathBuf,
+    /// Mesh to write: a vertex for each face, a face for each vertex inside
+    #[arg(short, long, value_name = "MESH")]
+    pub output: PathBuf,
+    /// Centre of the sphere [default: away from all faces' planes]; with the same one the dual of the dual is the mesh
+    #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
+    pub centre: Option<[f64; 3]>,
+    /// Radius of the sphere, model units
+    #[arg(long, value_name = "R", default_value_t = 1.0)]
+    pub radius: f64,
+    /// Any other quadric: the ten numbers of the upper triangle of its symmetric matrix Q, row by row
+    #[arg(long, value_name = "Q", value_parser = ten, allow_hyphen_values = true, conflicts_with_all = ["centre", "radius"])]
+    pub quadric: Option<[f64; 10]>,
+    /// Report and picture.
+    #[command(flatten)]
+    pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Rules of subdivision.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum SubdivideRule {
+    /// Every edge becomes a panel, then all are made planar and brought to the surface; for any surface
+    #[default]
+    Robust,
+    /// Loop's rule for the dual; exact planes, no surface
+    Loop,
+    /// The butterfly rule for the dual; old panels keep their planes
+    Butterfly,
+}
+
+/// Arguments of `phex subdivide`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct SubdivideCommand {
+    /// Mesh with planar faces, three at each vertex inside: OBJ, PLY or OFF
+    #[arg(value_name = "MESH")]
+    pub input: PathBuf,
+    /// Mesh to write
+    #[arg(short, long, value_name = "MESH")]
+    pub output: PathBuf,
+    /// How to subdivide
+    #[arg(long, value_enum, default_value_t)]
+    pub rule: SubdivideRule,
+    /// Number of levels; each has four times as many panels (1 to 5)
+    #[arg(short, long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=5))]
+    pub levels: u8,
+    /// Surface to stay close to, for `robust` [default: a smooth one through the mesh's own faces]
+    #[arg(long, value_name = "SURFACE")]
+    pub surface: Option<PathBuf>,
+    /// Limits.
+    #[command(flatten)]
+    pub limits: Limits,
+    /// Report and picture.
+    #[command(flatten)]
+    pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Arguments of `phex power-diagram`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct PowerCommand {
+    /// Class of a Goldberg polyhedron: 10 (m^2 + m n + n^2) + 2 panels, 12 of them pentagons
+    #[arg(long, value_name = "M,N", value_parser = two, required_unless_present = "sites")]
+    pub goldberg: Option<[u32; 2]>,
+    /// Text file with a site of the plane in each line: `x y` or `x y weight`
+    #[arg(long, value_name = "FILE", conflicts_with = "goldberg")]
+    pub sites: Option<PathBuf>,
+    /// Height of the plane that closes the cells without bounds, for sites; 1 touches the sphere's north pole
+    #[arg(long, value_name = "Z", default_value_t = 0.98, requires = "sites")]
+    pub cap: f64,
+    /// Semi-axes of the ellipsoid
+    #[arg(long, value_name = "A,B,C", value_parser = three, default_value = "1,1,1")]
+    pub axes: [f64; 3],
+    /// Mesh to write
+    #[arg(short, long, value_name = "MESH")]
+    pub output: PathBuf,
+    /// Report and picture.
+    #[command(flatten)]
+    pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Arguments of `phex dupin`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct DupinCommand {
+    /// Surface: OBJ, PLY, STL or OFF
+    #[arg(value_name = "SURFACE")]
+    pub input: PathBuf,
+    /// OBJ file to write: one group of polylines for each indicatrix
+    #[arg(short, long, value_name = "CURVES.OBJ")]
+    pub output: PathBuf,
+    /// A point; the indicatrix is that of the closest point of the surface. May be repeated
+    #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
+    pub at: Vec<[f64; 3]>,
+    /// At the middle of every inner panel of this mesh
+    #[arg(long, value_name = "MESH")]
+    pub panels: Option<PathBuf>,
+    /// Number of points spread over the surface, where no others are given
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 100, conflicts_with_all = ["at", "panels"])]
+    pub points: usize,
+    /// Size of the curves over the distance at which points are spread
+    #[arg(long, value_name = "X", default_value_t = 0.4)]
+    pub size: f64,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+fn numbers<T: std::str::FromStr, const N: usize>(text: &str, form: &str) -> Result<[T; N], String> {
+    let parsed: Result<Vec<T>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let parsed = parsed.map_err(|_| format!("write {form}"))?;
+    parsed.try_into().map_err(|_| format!("write {form}"))
+}
+
+fn finite<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
+    let values = numbers::<f64, N>(text, form)?;
+    let all = values.iter().all(|x| x.is_finite());
+    all.then_some(values)
+        .ok_or_else(|| "a number is not finite".to_owned())
+}
+
+fn two(text: &str) -> Result<[u32; 2], String> {
+    numbers(text, "M,N")
+}
+
+fn three(text: &str) -> Result<[f64; 3], String> {
+    finite(text, "X,Y,Z")
+}
+
+fn ten(text: &str) -> Result<[f64; 10], String> {
+    finite(text, "ten numbers: Q11,Q12,Q13,Q14,Q22,Q23,Q24,Q33,Q34,Q44")
+}

@@ -1,0 +1,189 @@
+//! Dual subdivision: the rules of triangle meshes, applied to a P-Hex mesh through its dual.
+//!
+//! The poles of the faces form a triangle mesh, since three faces meet at every vertex. It is subdivided, and each triangle of the finer mesh
+//! is a vertex of a finer P-Hex mesh: where the polar planes of its corners meet. Faces stay planar to rounding at every level. Old faces
+//! are kept (by Loop's rule moved), every edge becomes a new face.
+//!
+//! | rule | old vertices | new vertices |
+//! |---|---|---|
+//! | [`SubdivisionRule::Loop`] | smoothed (Loop 1987) | `(3, 3, 1, 1) / 8` |
+//! | [`SubdivisionRule::Butterfly`] | kept | Dyn, Levin, Gregory 1990, at irregular vertices Zorin, Schroeder, Sweldens 1996 |
+//!
+//! [`chamfer()`] makes the same connectivity in space, without the dual, for the robust way: subdivide, then optimise back to the
+//! surface (`pipeline::subdivide`).
+//!
+//! Source: H. Kawaharada, K. Sugihara, as reviewed by W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2; a subdivision scheme as a
+//! design tool is asked for in their section 5.
+//!
+//! Guaranteed: planar faces, degree 3 inside, the topology of the inside. Fails, with an error: where a face's plane passes through the centre.
+//! Nothing keeps faces simple where the dual is badly distorted; open meshes lose the row at the rim, whose vertices have no dual.
+
+mod butterfly;
+mod chamfer;
+
+pub use chamfer::chamfer;
+
+use super::duality::{DualityError, Plane, Quadric, clear_centre, dual_mesh, meet};
+use crate::target::subdivide::Refinement;
+use phex_mesh::{FacePlane, HexMesh, PerVertex, Topology, Vec3, VertexId};
+use serde::{Deserialize, Serialize};
+
+/// Rule of a triangle mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SubdivisionRule {
+    /// Approximating: smooth, and pulls in.
+    #[default]
+    Loop,
+    /// Interpolating: the planes of old faces stay.
+    Butterfly,
+}
+
+/// A centre away from the planes of a mesh's faces, and how clear it is of them: see [`clear_centre`].
+pub fn clear_centre_of(mesh: &HexMesh) -> (Vec3, f64) {
+    let plane = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
+    let fitted: Vec<FacePlane> = mesh.topology().faces().map(plane).collect();
+    let planes: Vec<Plane> = fitted
+        .iter()
+        .map(|p| Plane::through(p.centre, p.normal))
+        .collect();
+    let points: Vec<Vec3> = fitted.iter().map(|p| p.centre).collect();
+    clear_centre(&planes, &points)
+}
+
+/// The quadric for the dual of a mesh: the unit sphere about such a centre.
+///
+/// # Errors
+/// If the centre is not finite, that is if the mesh is not.
+pub fn clear_quadric(mesh: &HexMesh) -> Result<Quadric, DualityError> {
+    Quadric::sphere(clear_centre_of(mesh).0, 1.0)
+}
+
+/// The mesh at every level after the given one.
+///
+/// # Errors
+/// If the dual does not exist, has a vertex of other degree than 3 inside, or planes do not meet.
+pub fn dual_subdivision(
+    mesh: &HexMesh,
+    quadric: &Quadric,
+    rule: SubdivisionRule,
+    levels: usize,
+) -> Result<Vec<HexMesh>, DualityError> {
+    let topology = mesh.topology();
+    let inside = |v: &VertexId| !topology.is_boundary_vertex(*v);
+    let wrong = topology
+        .vertices()
+        .find(|v| inside(v) && topology.face_degree(*v) != 3);
+    if let Some(vertex) = wrong {
+        let degree = topology.face_degree(vertex);
+        return Err(DualityError::Degree { vertex, degree });
+    }
+    let dual = dual_mesh(mesh, quadric)?.mesh;
+    let (mut topology, mut poles) = (dual.topology().clone(), dual.positions);
+    let mut made = Vec::with_capacity(levels);
+    for _ in 0..levels {
+        let (step, refined) = match rule {
+            SubdivisionRule::Loop => Refinement::of(&topology, &[]),
+            SubdivisionRule::Butterfly => butterfly::refinement(&topology),
+        };
+        (poles, topology) = (step.apply(&poles), refined);
+        made.push(from_poles(&topology, &poles, quadric)?);
+    }
+    Ok(made)
+}
+
+/// The mesh whose faces lie in the polar planes of the vertices of a triangle mesh.
+fn from_poles(
+    topology: &Topology,
+    poles: &PerVertex<Vec3>,
+    quadric: &Quadric,
+) -> Result<HexMesh, DualityError> {
+    let triangles = HexMesh::new(poles.as_slice().to_vec(), &topology.face_lists())?;
+    let dual = dual_mesh(&triangles, quadric)?;
+    let place = |(i, near): (usize, &Vec3)| {
+        let corners = topology.face_vertices(dual.face_of_vertex[i]);
+        let planes: Option<Vec<Plane>> = corners.iter().map(|v| quadric.polar(poles[*v])).collect();
+        let vertex = VertexId::new(i as u32);
+        let found = planes.and_then(|planes| meet(&planes, *near));
+        found.ok_or(DualityError::NoMeet {
+            vertex,
+            near: *near,
+        })
+    };
+    let positions: Result<Vec<Vec3>, _> =
+        dual.mesh.positions.iter().enumerate().map(place).collect();
+    Ok(dual.mesh.with_positions(PerVertex::from_vec(positions?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::power_diagram::goldberg;
+    use phex_mesh::measure;
+
+    #[test]
+    fn goldberg_polyhedra_double_their_frequency_and_stay_planar() {
+        let coarse = goldberg(2, 1).unwrap().mesh;
+        let quadric = clear_quadric(&coarse).unwrap();
+        for rule in [SubdivisionRule::Loop, SubdivisionRule::Butterfly] {
+            let levels = dual_subdivision(&coarse, &quadric, rule, 3).unwrap();
+            for (k, mesh) in levels.iter().enumerate() {
+                let measures = measure(mesh);
+                let frequency = 7 << (2 * (k + 1));
+                assert_eq!(measures.faces, 10 * frequency + 2, "{rule:?}");
+                assert_eq!(measures.face_sizes[&5], 12);
+                assert!(
+                    measures.planarity.max < 1e-12,
+                    "{rule:?}: {}",
+                    measures.planarity.max
+                );
+                assert_eq!(
+                    (measures.faces_not_simple, measures.faces_concave),
+                    (0, 0),
+                    "{rule:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn butterfly_keeps_the_planes_of_old_faces() {
+        let coarse = goldberg(2, 0).unwrap().mesh;
+        let quadric = clear_quadric(&coarse).unwrap();
+        let fine = &dual_subdivision(&coarse, &quadric, SubdivisionRule::Butterfly, 1).unwrap()[0];
+        for f in coarse.topology().faces() {
+            let plane = |m: &HexMesh| FacePlane::fit(&m.corners(f).collect::<Vec<_>>());
+            let (old, new) = (plane(&coarse), plane(fine));
+            assert!(
+                (old.normal - new.normal).norm() < 1e-9 && old.height(new.centre).abs() < 1e-12
+            );
+        }
+    }
+
+    #[test]
+    fn a_vertex_of_degree_four_is_named() {
+        let octahedron_dual = [
+            [0u32, 1, 2],
+            [0, 2, 3],
+            [0, 3, 4],
+            [0, 4, 1],
+            [5, 2, 1],
+            [5, 3, 2],
+            [5, 4, 3],
+            [5, 1, 4],
+        ];
+        let positions = [
+            Vec3::z(),
+            Vec3::x(),
+            Vec3::y(),
+            -Vec3::x(),
+            -Vec3::y(),
+            -Vec3::z(),
+        ];
+        let mesh = HexMesh::new(positions.to_vec(), &octahedron_dual).unwrap();
+        let quadric = clear_quadric(&mesh).unwrap();
+        let error = dual_subdivision(&mesh, &quadric, SubdivisionRule::Loop, 1).unwrap_err();
+        let vertex = VertexId::new(0);
+        assert_eq!(error, DualityError::Degree { vertex, degree: 4 });
+    }
+}

@@ -1,0 +1,66 @@
+//! `power-diagram`: a Goldberg polyhedron on the ellipsoid that the surface is, or is a piece of.
+
+use super::Made;
+use crate::ground::Ground;
+use crate::layout::power_diagram::{fit_ellipsoid, goldberg, nearest_goldberg};
+use crate::layout::{LayoutError, LayoutStatistics};
+use crate::pipeline::{Clock, Method, PipelineError};
+use crate::trim;
+use phex_mesh::{FaceId, HexMesh, PerVertex, TriangleSurface, Vec3};
+use phex_numeric::{Outcome, Status};
+
+/// A panel of the polyhedron belongs to a patch if its touching point is nearer to it than this share of a panel's length.
+const NEAR: f64 = 0.1;
+
+pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
+    let surface = &ground.smooth.levels[0];
+    let mut classical = super::Start::new(ground, clock)?.statistics(Method::PowerDiagram);
+    let ellipsoid = fit_ellipsoid(surface).map_err(LayoutError::from)?;
+    classical.centre = Some(ellipsoid.centre.into());
+    let polyhedron = |panels: usize| -> Result<_, PipelineError> {
+        let class = nearest_goldberg(panels);
+        let sphere = goldberg(class.0, class.1).map_err(LayoutError::from)?.mesh;
+        let positions = sphere.positions.map(|p| ellipsoid.place(*p));
+        Ok((class, sphere.with_positions(positions)))
+    };
+    let made = clock.stage("layout", || -> Result<_, PipelineError> {
+        let (class, whole) = polyhedron(ground.panels)?;
+        if surface.boundary_loops().is_empty() {
+            return Ok((class, whole));
+        }
+        let share = surface.area() / phex_mesh::measure(&whole).area;
+        let (class, whole) = polyhedron((ground.panels as f64 / share).round() as usize)?;
+        Ok((class, patch(&whole, surface)?))
+    })?;
+    let (class, mesh) = made?;
+    classical.goldberg = Some(class);
+    Ok(Made {
+        mesh,
+        reported: ground.smooth.finest().clone(),
+        fine: None,
+        layout: LayoutStatistics::default(),
+        outcome: Outcome::empty(Status::Converged),
+        optimised: None,
+        classical,
+    })
+}
+
+/// The panels of a polyhedron that lie over a patch.
+fn patch(whole: &HexMesh, surface: &TriangleSurface) -> Result<HexMesh, PipelineError> {
+    let centres: Vec<Vec3> = whole.topology().faces().map(|f| whole.centre(f)).collect();
+    let feet = surface.closest_points(&centres);
+    // Panels stand off the facets of the surface by the sagitta of both; only the way along the surface counts.
+    let off = |f: &FaceId| {
+        let (d, n) = (
+            centres[f.index()] - feet[f.index()].position,
+            feet[f.index()].normal,
+        );
+        (d - n * n.dot(&d)).norm()
+    };
+    let limit = NEAR * 2.0 * whole.mean_edge();
+    let lists = whole.topology().face_lists();
+    let kept = whole.topology().faces().filter(|f| off(f) < limit);
+    let kept: Vec<Vec<u32>> = kept.map(|f| lists[f.index()].clone()).collect();
+    let positions: &PerVertex<Vec3> = &whole.positions;
+    Ok(trim::compact(positions.as_slice(), &kept)?)
+}

@@ -1,0 +1,94 @@
+//! Subdivision of a P-Hex mesh in space: finer connectivity, then the optimiser, level by level.
+
+use super::PipelineError;
+use crate::layout::dual_subdivision::chamfer;
+use crate::layout::{Layout, LayoutError, VertexKind};
+use crate::optimise::{self, OptimiseOptions, Optimised, SurfaceTarget};
+use crate::progress::Progress;
+use crate::target::{self, Similarity, TargetOptions};
+use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
+
+/// Vertices of the smooth target per panel.
+const TARGET_DENSITY: usize = 25;
+
+/// One level of a subdivision, in model coordinates.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// The mesh.
+    pub mesh: HexMesh,
+    /// What the optimiser says of it.
+    pub optimised: Optimised,
+}
+
+/// Refines a mesh: every edge becomes a panel, then the optimiser makes the panels planar and simple and brings them to the surface through `surface`'s
+/// vertices. This is the robust counterpart of dual subdivision: it needs no dual, so curvature may change its sign.
+///
+/// # Errors
+/// If the mesh or an option can't be used. A level that did not become valid is returned with its offenders.
+pub fn subdivide(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    levels: usize,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Vec<Level>, PipelineError> {
+    let similarity = Similarity::normalising(surface);
+    let panels = mesh.topology().n_faces() << (2 * levels);
+    let smooth = target::smooth_target(
+        &super::moved(surface, |p| similarity.normalise(p)),
+        TARGET_DENSITY * panels,
+        &TargetOptions::default(),
+    );
+    let smooth = smooth.finest();
+    let target = SurfaceTarget::new(smooth);
+    let mut current = mesh.with_positions(mesh.positions.map(|p| similarity.normalise(*p)));
+    let mut made = Vec::with_capacity(levels);
+    for _ in 0..levels {
+        let finer = chamfer(&current).map_err(|e| LayoutError::Topology {
+            reason: e.to_string(),
+        })?;
+        let layout = as_layout(finer, smooth);
+        let optimised = optimise::optimise(&layout, &target, options, progress)?;
+        current = optimised.mesh.clone();
+        let positions = current.positions.map(|p| similarity.restore(*p));
+        made.push(Level {
+            mesh: current.with_positions(positions),
+            optimised,
+        });
+        if progress.is_cancelled() {
+            return Err(PipelineError::Cancelled);
+        }
+    }
+    Ok(made)
+}
+
+/// A layout on a surface, from a mesh near it: vertices move to the surface, corners of the boundary with one panel stay corners.
+fn as_layout(mesh: HexMesh, surface: &TriangleSurface) -> Layout {
+    let topology = mesh.topology();
+    let centres: Vec<Vec3> = topology.faces().map(|f| mesh.centre(f)).collect();
+    let feet = surface.closest_points(&centres);
+    let on_surface = surface.closest_points(mesh.positions.as_slice());
+    let length = |f| {
+        let neighbours = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
+        let distances = neighbours.map(|t| (mesh.centre(topology.face(t)) - mesh.centre(f)).norm());
+        let (sum, count) = distances.fold((0.0, 0), |(s, n), d| (s + d, n + 1));
+        sum / f64::from(count.max(1))
+    };
+    let kind = |v: VertexId| {
+        if topology.is_boundary_vertex(v) {
+            VertexKind::Boundary
+        } else {
+            VertexKind::Interior
+        }
+    };
+    Layout {
+        vertex_kind: PerVertex::from_fn(topology.n_vertices(), kind),
+        face_point: PerFace::from_vec(feet.iter().map(|p| p.position).collect()),
+        face_normal: PerFace::from_vec(feet.iter().map(|p| p.normal).collect()),
+        face_length: PerFace::from_fn(topology.n_faces(), length),
+        face_seed: PerFace::filled(topology.n_faces(), VertexId::new(0)),
+        mesh: mesh.with_positions(PerVertex::from_vec(
+            on_surface.iter().map(|p| p.position).collect(),
+        )),
+    }
+}
