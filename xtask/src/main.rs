@@ -1,6 +1,7 @@
 //! Tasks of the project: `cargo xtask check` runs everything that continuous integration runs.
 
 mod arrows;
+mod figures;
 mod paths;
 mod stages;
 mod viewer;
@@ -9,12 +10,13 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo xtask check | viewer | browse
+const USAGE: &str = "usage: cargo xtask check | viewer | browse | figures [NUMBER...]
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
 viewer  builds the interactive part of the HTML report (needs npm)
-browse  opens HTML reports in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)";
+browse  opens HTML reports in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)
+figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces";
 
 /// One step of the check: its name, and what it runs.
 struct Step {
@@ -83,6 +85,7 @@ fn main() -> ExitCode {
         ["check"] => check(&root()),
         ["viewer"] => exit(viewer::build(&root())),
         ["browse"] => exit(viewer::browse(&root())),
+        ["figures", ref only @ ..] => exit(figures::figures(&root(), only)),
         _ => {
             eprintln!("{USAGE}");
             ExitCode::from(2)

@@ -114,7 +114,7 @@ pub struct DupinCommand {
     /// A point; the indicatrix is that of the closest point of the surface. May be repeated
     #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
     pub at: Vec<[f64; 3]>,
-    /// At the middle of every inner panel of this mesh
+    /// The copies that fit the corners of this mesh's inner panels best; with `--at`, of the panels nearest to those points
     #[arg(long, value_name = "MESH")]
     pub panels: Option<PathBuf>,
     /// Number of points spread over the surface, where no others are given

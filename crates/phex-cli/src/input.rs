@@ -5,7 +5,7 @@ use anyhow::Context;
 use phex::report::InputFile;
 use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup};
 use phex_mesh::{
-    HexMesh, PolygonSoup, SurfaceComponent, SurfaceNotes, SurfaceParts, TriangleSurface,
+    HexMesh, PolygonSoup, SurfaceComponent, SurfaceNotes, SurfaceParts, TriangleSurface, Vec3,
 };
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -72,6 +72,45 @@ fn parse(path: &Path) -> Result<(PolygonSoup, String), ReadError> {
     let digest = Sha256::digest(&bytes);
     let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
     Ok((parse_soup(&bytes, format)?, sha256))
+}
+
+/// The polylines of an OBJ file.
+///
+/// # Errors
+/// If the file can't be read, or a line of it is wrong.
+pub fn read_polylines(path: &Path) -> Result<Vec<Vec<Vec3>>, Failure> {
+    let name = || path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .with_context(name)
+        .or_exit(Exit::InputUnusable)?;
+    let (mut points, mut curves) = (Vec::new(), Vec::new());
+    for (index, line) in text.lines().enumerate() {
+        let bad = || {
+            Failure::input(format!(
+                "{}:{}: `{line}` is not understood",
+                name(),
+                index + 1
+            ))
+        };
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => points.push(point(words).ok_or_else(bad)?),
+            Some("l") => curves.push(polyline(words, &points).ok_or_else(bad)?),
+            _ => {}
+        }
+    }
+    Ok(curves)
+}
+
+fn point<'a>(words: impl Iterator<Item = &'a str>) -> Option<Vec3> {
+    let numbers: Vec<f64> = words.map(|w| w.parse().ok()).collect::<Option<_>>()?;
+    let finite = numbers.len() >= 3 && numbers.iter().all(|x| x.is_finite());
+    finite.then(|| Vec3::new(numbers[0], numbers[1], numbers[2]))
+}
+
+fn polyline<'a>(words: impl Iterator<Item = &'a str>, points: &[Vec3]) -> Option<Vec<Vec3>> {
+    let number = |w: &str| w.parse::<usize>().ok()?.checked_sub(1);
+    words.map(|w| points.get(number(w)?).copied()).collect()
 }
 
 /// The same faces without vertices that none of them names; indices that do not exist are left for others to find.
@@ -160,7 +199,6 @@ pub fn whole(components: &[SurfaceComponent]) -> Result<TriangleSurface, Failure
 #[cfg(test)]
 mod tests {
     use super::*;
-    use phex_mesh::Vec3;
 
     #[test]
     fn unused_vertices_are_left_out_and_faces_renumbered() {

@@ -27,6 +27,9 @@ pub struct RenderCommand {
     /// Surface that the mesh stands for, for deviation and curvature
     #[arg(long, value_name = "SURFACE")]
     pub surface: Option<PathBuf>,
+    /// Curves to draw over the panels: an OBJ file with polylines, as `network` and `dupin` write them; for PNG
+    #[arg(long, value_name = "CURVES.OBJ")]
+    pub curves: Option<PathBuf>,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "1600x1200", value_parser = size)]
     pub size: (usize, usize),

@@ -81,7 +81,7 @@ pub enum Layout {
     PowerDiagram,
     /// A regular triangulation of the dual surface, mapped back; for Gauss curvature of one sign
     ProjectiveDual,
-    /// A coarse mesh refined by Loop's rule through its dual; for Gauss curvature of one sign
+    /// A coarse mesh refined by the butterfly rule through its dual; for Gauss curvature of one sign
     DualSubdivision,
     /// Tangent planes over a regular triangulation of the Gauss sphere; for Gauss curvature of one sign
     SupportFunction,

@@ -16,6 +16,8 @@ pub fn encode_png(picture: &Picture) -> Result<Vec<u8>, png::EncodingError> {
     let mut encoder = png::Encoder::new(&mut bytes, side(picture.width), side(picture.height));
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_filter(png::Filter::Adaptive);
     let pixels = picture.rgba.chunks_exact(4);
     let rgb: Vec<u8> = pixels.flat_map(|p| [p[0], p[1], p[2]]).collect();
     encoder.write_header()?.write_image_data(&rgb)?;

@@ -3,6 +3,7 @@
 use super::tell;
 use crate::args::{Extras, Talk};
 use crate::exit::{Exit, Failure};
+use crate::html::Shown;
 use crate::output::{Content, write_mesh};
 use crate::summary::{self, Table};
 use crate::verdict::{TypedLimits, written};
@@ -58,8 +59,11 @@ impl Delivery<'_> {
         report.inputs = self.inputs;
         write_mesh(self.output, &self.mesh.to_soup())?;
         report.outputs.push(written("mesh", self.output));
-        self.extras.write_picture(self.mesh, &mut report.outputs)?;
-        self.extras.write_report(&report)?;
+        let shown = Shown {
+            surface: self.surface,
+            ..Shown::of(self.mesh)
+        };
+        self.extras.write(&shown, &mut report)?;
         let figures = if self.panels { figures } else { String::new() };
         let text = figures + &self.table.into_text() + &summary::of_outputs(&report);
         tell(self.talk.quiet, &text)?;

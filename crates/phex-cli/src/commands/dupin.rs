@@ -7,11 +7,11 @@ use crate::exit::{Exit, Failure};
 use crate::input::{MeshFile, sentences, whole};
 use crate::output::{Content, check_writable, write_text};
 use crate::progress::Reporter;
-use phex::curvature::dupin::Indicatrix;
+use phex::curvature::dupin::{Indicatrix, inscribing_curves};
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::directions::network::Curve;
 use phex::layout::lattice::CELL;
-use phex_mesh::{SurfacePoint, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{FaceId, SurfacePoint, TriangleSurface, Vec3, VertexId};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -37,35 +37,69 @@ pub fn run(command: &DupinCommand) -> Result<Exit, Failure> {
     sentences(parts.notes)
         .into_iter()
         .for_each(|note| reporter.note(note));
-    let points = points(command, &surface)?;
-    let spacing = (surface.area() / (CELL * points.len().max(1) as f64)).sqrt();
+    let panels = panels(command)?;
+    let centres = panels
+        .iter()
+        .map(|p| p.iter().sum::<Vec3>() / p.len() as f64);
+    let points = if panels.is_empty() {
+        points(command, &surface)
+    } else {
+        surface.closest_points(&centres.collect::<Vec<_>>())
+    };
+    let spacing = (surface.area() / (CELL * points.len() as f64)).sqrt();
     let length = spacing.min(0.1 * surface.diagonal());
     let curvature = curvature(&surface, length, &CurvatureOptions::default());
-    let indicatrices = points
-        .iter()
-        .map(|p| Indicatrix::at(p, &surface, &curvature));
-    let indicatrices: Vec<Indicatrix> = indicatrices.collect();
-    let size = command.size * length;
-    write_text(&command.output, &obj(&indicatrices, size))?;
+    let at = |p: &SurfacePoint| Indicatrix::at(p, &surface, &curvature);
+    let indicatrices: Vec<Indicatrix> = points.iter().map(at).collect();
+    let curves: Vec<Vec<Vec<Vec3>>> = if panels.is_empty() {
+        indicatrices
+            .iter()
+            .map(|d| d.curves(command.size * length))
+            .collect()
+    } else {
+        let pairs = panels.iter().zip(&indicatrices);
+        pairs
+            .map(|(corners, d)| inscribing_curves(corners, d))
+            .collect()
+    };
+    write_text(&command.output, &obj(&indicatrices, curves))?;
     tell(command.talk.quiet, &table(&indicatrices, &command.output))?;
     Ok(Exit::Success)
 }
 
-fn points(command: &DupinCommand, surface: &TriangleSurface) -> Result<Vec<SurfacePoint>, Failure> {
-    let mut wanted: Vec<Vec3> = command.at.iter().map(|p| Vec3::from(*p)).collect();
-    if let Some(path) = &command.panels {
-        let (mesh, _) = MeshFile::read(path)?.polygon_mesh()?;
-        let t = mesh.topology();
-        wanted.extend(
-            t.faces()
-                .filter(|f| !t.is_boundary_face(*f))
-                .map(|f| mesh.centre(f)),
-        );
+/// Corners of the inner panels that are asked for, those with six of them at least.
+fn panels(command: &DupinCommand) -> Result<Vec<Vec<Vec3>>, Failure> {
+    let Some(path) = &command.panels else {
+        return Ok(Vec::new());
+    };
+    let (mesh, _) = MeshFile::read(path)?.polygon_mesh()?;
+    let t = mesh.topology();
+    let all = |f: &FaceId| command.at.is_empty() && !t.is_boundary_face(*f) && t.valence(*f) >= 6;
+    let mut chosen: Vec<FaceId> = t.faces().filter(all).collect();
+    for p in &command.at {
+        let distance = |f: &FaceId| (mesh.centre(*f) - Vec3::from(*p)).norm();
+        let nearest = t.faces().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        chosen.extend(nearest);
     }
-    if wanted.is_empty() {
-        wanted = spread(surface, command.points);
+    if chosen.is_empty() {
+        return Err(Failure::input(format!(
+            "{}: no inner panel has six corners",
+            path.display()
+        )));
     }
-    Ok(surface.closest_points(&wanted))
+    Ok(chosen
+        .into_iter()
+        .map(|f| mesh.corners(f).collect())
+        .collect())
+}
+
+fn points(command: &DupinCommand, surface: &TriangleSurface) -> Vec<SurfacePoint> {
+    let given: Vec<Vec3> = command.at.iter().map(|p| Vec3::from(*p)).collect();
+    if given.is_empty() {
+        surface.closest_points(&spread(surface, command.points))
+    } else {
+        surface.closest_points(&given)
+    }
 }
 
 /// Vertices far from each other: each is the one farthest from those before it.
@@ -86,10 +120,10 @@ fn spread(surface: &TriangleSurface, count: usize) -> Vec<Vec3> {
 }
 
 /// A group for each indicatrix, with its point, normal and curvatures as a comment.
-fn obj(indicatrices: &[Indicatrix], size: f64) -> String {
+fn obj(indicatrices: &[Indicatrix], curves: Vec<Vec<Vec<Vec3>>>) -> String {
     let mut text = String::from("# Dupin's indicatrices\n");
     let mut next = 1;
-    for (i, d) in indicatrices.iter().enumerate() {
+    for (i, (d, curves)) in indicatrices.iter().zip(curves).enumerate() {
         let (p, n, k) = (d.point, d.normal, &d.principal);
         let _ = writeln!(text, "g indicatrix-{i}");
         let _ = writeln!(
@@ -97,7 +131,7 @@ fn obj(indicatrices: &[Indicatrix], size: f64) -> String {
             "# point {} {} {} normal {} {} {} curvatures {} {}",
             p.x, p.y, p.z, n.x, n.y, n.z, k.small, k.large
         );
-        for points in d.curves(size) {
+        for points in curves {
             let count = points.len();
             push_curve(
                 &mut text,

@@ -12,9 +12,9 @@ mod network;
 mod offset;
 mod parallel;
 mod planarize;
+mod power_diagram;
 mod render;
 mod report;
-mod power_diagram;
 mod shape;
 mod subdivide;
 

@@ -2,13 +2,14 @@
 
 use super::tell;
 use crate::exit::{Exit, Failure};
+use crate::input::read_polylines;
 use crate::input::{MeshFile, whole};
 use crate::output::{Content, check_writable, write_picture, write_text};
 use crate::picture_arguments::RenderCommand;
 use crate::verdict::TypedLimits;
 use phex::report::References;
 use phex::report::maps::{ColourMap, Subject};
-use phex::report::picture::{draw_map, draw_svg};
+use phex::report::picture::{draw_svg, draw_with_curves};
 
 /// The formats of pictures.
 enum Format {
@@ -22,7 +23,9 @@ enum Format {
 /// If an input can't be used, the map needs a surface and there is none, or the picture can't be written.
 pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
     let format = format(command)?;
-    let inputs = std::iter::once(&command.input).chain(&command.surface);
+    let inputs = std::iter::once(&command.input)
+        .chain(&command.surface)
+        .chain(&command.curves);
     let inputs: Vec<_> = inputs.map(|p| p.as_path()).collect();
     check_writable(&[(&command.output, Content::Other)], &inputs)?;
     let (mesh, _) = MeshFile::read(&command.input)?.polygon_mesh()?;
@@ -46,7 +49,17 @@ pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
     })?;
     let options = command.options();
     match format {
-        Format::Png => write_picture(&command.output, &draw_map(&mesh, &map, &options))?,
+        Format::Png => {
+            let curves = command
+                .curves
+                .as_deref()
+                .map_or(Ok(Vec::new()), read_polylines)?;
+            let picture = draw_with_curves(&mesh, &map, &curves, &options);
+            write_picture(&command.output, &picture)?;
+        }
+        Format::Svg if command.curves.is_some() => {
+            return Err(Failure::input("curves are drawn in PNG pictures only"));
+        }
         Format::Svg => write_text(&command.output, &draw_svg(&mesh, &map, &options))?,
     }
     let written = format!("written      {}\n", command.output.display());

@@ -127,48 +127,118 @@ pub fn indicatrix_distances(
 
 /// The same for one polygon in space, projected to the plane of its corners.
 pub fn inscribed_distance(corners: &[Vec3], indicatrix: &Indicatrix) -> Option<f64> {
-    let plane = FacePlane::fit(corners);
-    let p = &indicatrix.principal;
-    // The panel's own plane, turned so that its axes are the principal directions.
-    let along = (p.small_direction - plane.normal * plane.normal.dot(&p.small_direction))
-        .try_normalize(1e-6)?;
-    let across = plane.normal.cross(&along);
-    let local = |c: &Vec3| {
-        Vec2::new(
-            (c - plane.centre).dot(&along),
-            (c - plane.centre).dot(&across),
-        )
-    };
-    let points: Vec<Vec2> = corners.iter().map(local).collect();
-    let radius =
-        (points.iter().map(|q| q.norm_squared()).sum::<f64>() / points.len() as f64).sqrt();
-    if p.large.abs() * radius < FLAT {
-        return None;
-    }
-    let points: Vec<Vec2> = points.iter().map(|q| q / radius).collect();
-    conic_distance(&points, [p.small / p.large, 1.0])
+    let local = Local::new(corners, indicatrix)?;
+    let conic = local.conic()?;
+    let squares = local.points.iter().map(|q| conic.distance(q).powi(2));
+    Some((squares.sum::<f64>() / local.points.len() as f64).sqrt())
 }
 
-/// Root mean square distance of points to the best conic `k1 x^2 + k2 y^2 + a x + b y + c = 0`.
-fn conic_distance(points: &[Vec2], [k1, k2]: [f64; 2]) -> Option<f64> {
-    let quadratic = |q: &Vec2| k1 * q.x * q.x + k2 * q.y * q.y;
-    let rows = DMatrix::from_fn(points.len(), 3, |i, j| [points[i].x, points[i].y, 1.0][j]);
-    let rhs = DVector::from_fn(points.len(), |i, _| -quadratic(&points[i]));
-    let [a, b, c] = rows.svd(true, true).solve(&rhs, 1e-12).ok()?.data.as_vec()[..] else {
-        return None;
+/// The homothetic copy of the indicatrix that fits a polygon's corners best, as polylines in the polygon's plane, a little beyond the corners.
+pub fn inscribing_curves(corners: &[Vec3], indicatrix: &Indicatrix) -> Vec<Vec<Vec3>> {
+    let curves = || {
+        let local = Local::new(corners, indicatrix)?;
+        let branches = local.conic()?.curves();
+        let place = |q: &Vec2| {
+            local.plane.centre + (local.axes[0] * q.x + local.axes[1] * q.y) * local.radius
+        };
+        let placed = branches.iter().map(|b| b.iter().map(place).collect());
+        Some(placed.collect())
     };
-    let squared = |q: &Vec2| {
-        let value = quadratic(q) + a * q.x + b * q.y + c;
-        let gradient = Vec2::new(2.0 * k1 * q.x + a, 2.0 * k2 * q.y + b);
+    curves().unwrap_or_default()
+}
+
+/// A polygon in its own plane, turned so that the axes are the principal directions, with radius 1.
+struct Local {
+    plane: FacePlane,
+    axes: [Vec3; 2],
+    radius: f64,
+    points: Vec<Vec2>,
+    /// Ratio of the curvatures along the axes; the second is taken to be 1.
+    ratio: f64,
+}
+
+impl Local {
+    /// `None` where the surface is flat or stands across the polygon's plane.
+    fn new(corners: &[Vec3], indicatrix: &Indicatrix) -> Option<Self> {
+        let plane = FacePlane::fit(corners);
+        let p = &indicatrix.principal;
+        let tangential = p.small_direction - plane.normal * plane.normal.dot(&p.small_direction);
+        let along = tangential.try_normalize(1e-6)?;
+        let axes = [along, plane.normal.cross(&along)];
+        let local = |c: &Vec3| axes.map(|a| (c - plane.centre).dot(&a)).into();
+        let points: Vec<Vec2> = corners.iter().map(local).collect();
+        let mean_square =
+            points.iter().map(|q| q.norm_squared()).sum::<f64>() / points.len() as f64;
+        let radius = mean_square.sqrt();
+        (p.large.abs() * radius >= FLAT).then(|| Self {
+            plane,
+            axes,
+            radius,
+            points: points.iter().map(|q| q / radius).collect(),
+            ratio: p.small / p.large,
+        })
+    }
+
+    /// The conic of the indicatrix's shape that fits the corners best.
+    fn conic(&self) -> Option<Conic> {
+        let points = &self.points;
+        let rows = DMatrix::from_fn(points.len(), 3, |i, j| [points[i].x, points[i].y, 1.0][j]);
+        let rhs = DVector::from_fn(points.len(), |i, _| {
+            -(self.ratio * points[i].x.powi(2) + points[i].y.powi(2))
+        });
+        let solved = rows.svd(true, true).solve(&rhs, 1e-12).ok()?;
+        let linear = Vec2::new(solved[0], solved[1]);
+        Some(Conic {
+            ratio: self.ratio,
+            linear,
+            constant: solved[2],
+        })
+    }
+}
+
+/// `ratio x^2 + y^2 + linear . (x, y) + constant = 0`.
+struct Conic {
+    ratio: f64,
+    linear: Vec2,
+    constant: f64,
+}
+
+impl Conic {
+    fn value(&self, q: &Vec2) -> f64 {
+        self.ratio * q.x * q.x + q.y * q.y + self.linear.dot(q) + self.constant
+    }
+
+    /// Distance of a point, to first order.
+    fn distance(&self, q: &Vec2) -> f64 {
+        let value = self.value(q).abs();
+        let gradient = Vec2::new(2.0 * self.ratio * q.x, 2.0 * q.y) + self.linear;
         // Near the centre of the conic the gradient says nothing; there the curve is sqrt(F) away.
-        (value
-            / gradient
-                .norm()
-                .max(value.abs().sqrt())
-                .max(f64::MIN_POSITIVE))
-        .powi(2)
-    };
-    Some((points.iter().map(squared).sum::<f64>() / points.len() as f64).sqrt())
+        value / gradient.norm().max(value.sqrt()).max(f64::MIN_POSITIVE)
+    }
+
+    /// The curve within [`REACH`], as pieces of lines between the sides of a grid's cells.
+    fn curves(&self) -> Vec<Vec<Vec2>> {
+        const REACH: f64 = 1.3;
+        const CELLS: usize = 96;
+        let at = |i: usize| REACH * (2.0 * i as f64 / CELLS as f64 - 1.0);
+        let corner = |i: usize, j: usize| Vec2::new(at(i), at(j));
+        let zero = |p: Vec2, q: Vec2| {
+            let (f, g) = (self.value(&p), self.value(&q));
+            ((f < 0.0) != (g < 0.0)).then(|| p + (q - p) * (f / (f - g)))
+        };
+        let cell = |i: usize, j: usize| {
+            let c = [
+                corner(i, j),
+                corner(i + 1, j),
+                corner(i + 1, j + 1),
+                corner(i, j + 1),
+            ];
+            let cuts: Vec<Vec2> = (0..4).filter_map(|k| zero(c[k], c[(k + 1) % 4])).collect();
+            (cuts.len() == 2 && cuts.iter().all(|q| q.norm() < REACH)).then_some(cuts)
+        };
+        let cells = (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j)));
+        cells.filter_map(|(i, j)| cell(i, j)).collect()
+    }
 }
 
 #[cfg(test)]
@@ -251,6 +321,29 @@ mod tests {
             assert_eq!(curves.len(), expected);
         }
         assert!(at(0.0, 0.0).curves(1.0).is_empty());
+    }
+
+    #[test]
+    fn inscribing_curves_pass_through_the_corners() {
+        for (small, large) in [(0.6, 1.0), (-0.8, 1.2)] {
+            let indicatrix = at(small, large);
+            let p = indicatrix.principal;
+            let on =
+                |x: f64, y: f64| indicatrix.point + p.small_direction * x + p.large_direction * y;
+            let y = |x: f64| ((1.0 - small * x * x) / large).sqrt();
+            let corners: Vec<Vec3> = [-0.5, 0.1, 0.6]
+                .map(|x| on(x, y(x)))
+                .into_iter()
+                .chain([0.5, -0.1, -0.6].map(|x| on(x, -y(x))))
+                .collect();
+            let curves = inscribing_curves(&corners, &indicatrix);
+            let points = || curves.iter().flatten();
+            for c in &corners {
+                let nearest = points().map(|q| (q - c).norm()).fold(f64::MAX, f64::min);
+                assert!(nearest < 0.02, "{nearest}");
+            }
+            assert!(points().count() > 100);
+        }
     }
 
     #[test]

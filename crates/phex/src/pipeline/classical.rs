@@ -108,12 +108,8 @@ pub(super) fn mesh_with_panels(
     let positions = mesh.positions.map(|p| similarity.restore(*p));
     let optimised = made.optimised;
     Ok(MeshRun {
-<<<<<<< HEAD
         start: None,
-        mesh: trimmed.mesh.with_positions(positions),
-=======
         mesh: mesh.with_positions(positions),
->>>>>>> 8370e97 (Power diagrams, dual subdivision, parallel meshes, duals and indicatrices: methods and commands)
         target: moved(reported, |p| similarity.restore(p)),
         outcome: made.outcome,
         offenders: optimised.map_or_else(Vec::new, |o| o.offenders),

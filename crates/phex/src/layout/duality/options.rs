@@ -23,8 +23,9 @@ impl Default for DualOptions {
         Self {
             any_domain: false,
             regularisation: 0.0,
-            rule: SubdivisionRule::Loop,
-            levels: 2,
+            // Loop's rule pulls the dual in, and so the panels off the surface.
+            rule: SubdivisionRule::Butterfly,
+            levels: 1,
         }
     }
 }

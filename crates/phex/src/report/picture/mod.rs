@@ -8,6 +8,7 @@
 
 mod camera;
 mod covering;
+mod curves;
 mod legend;
 mod legend_layout;
 mod light;
@@ -22,7 +23,7 @@ use crate::report::picture::camera::Camera;
 use crate::report::picture::light::Shading;
 use crate::report::picture::paint::Paint;
 use crate::report::picture::raster::{PanelRaster, Sheet};
-use phex_mesh::HexMesh;
+use phex_mesh::{HexMesh, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// What the picture shows, and from where.
@@ -85,7 +86,20 @@ pub struct Picture {
 
 /// Draws a mesh in the colours of its panels' kinds; options outside their ranges are moved to the nearest end.
 pub fn draw(mesh: &HexMesh, options: &PictureOptions) -> Picture {
-    draw_paint(mesh, &Paint::kinds(mesh), options)
+    draw_paint(mesh, &Paint::kinds(mesh), &[], options)
+}
+
+/// As [`draw_map`], with polylines over the panels.
+///
+/// # Panics
+/// If the map is of another mesh.
+pub fn draw_with_curves(
+    mesh: &HexMesh,
+    map: &ColourMap,
+    curves: &[Vec<Vec3>],
+    options: &PictureOptions,
+) -> Picture {
+    draw_paint(mesh, &Paint::map(mesh, map), curves, options)
 }
 
 /// Draws a mesh in the colours of a map of it, with the map's histogram in the legend.
@@ -93,7 +107,7 @@ pub fn draw(mesh: &HexMesh, options: &PictureOptions) -> Picture {
 /// # Panics
 /// If the map is of another mesh.
 pub fn draw_map(mesh: &HexMesh, map: &ColourMap, options: &PictureOptions) -> Picture {
-    draw_paint(mesh, &Paint::map(mesh, map), options)
+    draw_paint(mesh, &Paint::map(mesh, map), &[], options)
 }
 
 /// As [`draw_map`], as vectors: an SVG drawing with one path per visible panel. Hidden panels are left out, and what is
@@ -105,7 +119,12 @@ pub fn draw_svg(mesh: &HexMesh, map: &ColourMap, options: &PictureOptions) -> St
     vector::draw(mesh, &Paint::map(mesh, map), &options.clamped())
 }
 
-fn draw_paint(mesh: &HexMesh, paint: &Paint, options: &PictureOptions) -> Picture {
+fn draw_paint(
+    mesh: &HexMesh,
+    paint: &Paint,
+    curves: &[Vec<Vec3>],
+    options: &PictureOptions,
+) -> Picture {
     let options = options.clamped();
     let camera = Camera::facing(mesh, &options);
     let shading = Shading::new(mesh, &camera, paint, options.ground);
@@ -114,6 +133,7 @@ fn draw_paint(mesh: &HexMesh, paint: &Paint, options: &PictureOptions) -> Pictur
     if options.ground {
         sheet.darken(&shading.occlusion(&sheet, &camera));
     }
+    curves::draw(&mut sheet, &camera, curves);
     if options.legend {
         legend::draw(&mut sheet, &paint.legend);
     }
@@ -123,7 +143,6 @@ fn draw_paint(mesh: &HexMesh, paint: &Paint, options: &PictureOptions) -> Pictur
 #[cfg(test)]
 mod tests {
     use super::*;
-    use phex_mesh::Vec3;
 
     const SMALL: (usize, usize) = (160, 120);
 
@@ -174,6 +193,32 @@ mod tests {
             notch[2] <= notch[0].saturating_add(30),
             "the notch shows the ground, got {notch:?}"
         );
+    }
+
+    #[test]
+    fn a_curve_is_seen_on_a_panel_and_hidden_behind_one() {
+        let above = PictureOptions {
+            azimuth: Some(-90.0),
+            elevation: 89.0,
+            ..options()
+        };
+        let mesh = chevron();
+        let assessment =
+            crate::report::Assessment::new(&mesh, Default::default(), &Default::default());
+        let subject = crate::report::maps::Subject {
+            mesh: &mesh,
+            assessment: &assessment,
+            surface: None,
+        };
+        let map = ColourMap::new(crate::report::maps::Map::Valence, &subject).unwrap();
+        let red = |z: f64| {
+            let curve = vec![Vec3::new(-1.0, 1.0, z), Vec3::new(1.0, 1.0, z)];
+            let picture = draw_with_curves(&mesh, &map, &[curve], &above);
+            let all = picture.rgba.chunks_exact(4);
+            all.filter(|p| p[0] > 150 && p[1] < 90).count()
+        };
+        assert!(red(0.0) > 20, "{}", red(0.0));
+        assert_eq!(red(-1.0), 0);
     }
 
     #[test]

@@ -1,0 +1,423 @@
+//! The figures, one function each.
+
+use super::obj::{Obj, distance, write_curves};
+use super::run::WORK;
+use super::{Figure, Maker};
+
+pub const FIGURES: [Figure; 12] = [
+    Figure {
+        number: 1,
+        sentence: "A geodesic dome as a power diagram on a sphere, and a dome of nearly constant mean curvature as a mesh parallel to a convex one about the sphere.",
+        make: domes,
+    },
+    Figure {
+        number: 2,
+        sentence: "An ellipsoid needs twelve pentagons, a torus none.",
+        make: ellipsoid_and_torus,
+    },
+    Figure {
+        number: 3,
+        sentence: "Three families of developable strips run through every hexagon, across its three pairs of opposite edges.",
+        make: strips,
+    },
+    Figure {
+        number: 4,
+        sentence: "A panel in its tangent plane: its corners lie on a homothetic copy of Dupin's indicatrix (red) at its middle.",
+        make: inscribed,
+    },
+    Figure {
+        number: 5,
+        sentence: "A torus of hexagons with the indicatrices of its panels: ellipses round convex panels where K > 0, hyperbolas through concave ones where K < 0.",
+        make: indicatrices,
+    },
+    Figure {
+        number: 6,
+        sentence: "A torus by a regular triangulation of its projective dual, and that dual: it has cusps, covers itself, and runs through infinity (cut off here).",
+        make: torus_dual,
+    },
+    Figure {
+        number: 7,
+        sentence: "A convex surface with nearly flat parts: the projective dual is convex and regularly triangulated, and still panels cross themselves; ours do not.",
+        make: broken,
+    },
+    Figure {
+        number: 8,
+        sentence: "The paper's own method on a torus: conjugate network, shifted rows, planar panels.",
+        make: brick_torus,
+    },
+    Figure {
+        number: 9,
+        sentence: "The same on an open surface with hills, hollows and saddles.",
+        make: brick_wave,
+    },
+    Figure {
+        number: 10,
+        sentence: "A mesh with its offset at constant face distance, and its Gauss image, whose faces touch the unit sphere.",
+        make: face_offset,
+    },
+    Figure {
+        number: 11,
+        sentence: "A panel of a mesh that meets the angle condition, and the parallel panel of its Gauss image, which has a circumscribed circle.",
+        make: parallel_panels,
+    },
+    Figure {
+        number: 12,
+        sentence: "A mesh that meets the angle condition with its offset at constant vertex distance, and its Gauss image, whose vertices lie on the unit sphere.",
+        make: vertex_offset,
+    },
+];
+
+fn domes(m: &mut Maker<'_>) -> Result<(), String> {
+    m.note("dome.obj is the part of a unit sphere above z = 0.05");
+    m.measured("Geodesic", &format!("mesh {WORK}/dome.obj -o {WORK}/dome-phex.obj --method power-diagram -n 180 --keep-invalid"))?;
+    m.run(&format!("shape elliptic-paraboloid --set a=1 --set b=1.25 --triangles 6000 -o {WORK}/paraboloid.obj -q"))?;
+    m.measured("Parallel", &format!("mesh {WORK}/paraboloid.obj -o {WORK}/parallel.obj --method parallel -n 220 --keep-invalid"))?;
+    m.draw(
+        "dome-phex.obj",
+        "figure-01-dome",
+        "power diagram",
+        "--no-legend",
+    )?;
+    m.draw(
+        "parallel.obj",
+        "figure-01-parallel",
+        "parallel mesh",
+        "--no-legend",
+    )
+}
+
+fn ellipsoid_and_torus(m: &mut Maker<'_>) -> Result<(), String> {
+    m.measured(
+        "Ellipsoid",
+        &format!(
+            "mesh {WORK}/ellipsoid.obj -o {WORK}/ellipsoid-phex.obj --method power-diagram -n 360"
+        ),
+    )?;
+    m.measured(
+        "Torus",
+        &format!("mesh {WORK}/torus.obj -o {WORK}/torus-phex.obj --method brick-wall -n 600"),
+    )?;
+    m.draw(
+        "ellipsoid-phex.obj",
+        "figure-02-ellipsoid",
+        "twelve pentagons",
+        "",
+    )?;
+    m.draw("torus-phex.obj", "figure-02-torus", "only hexagons", "")
+}
+
+fn strips(m: &mut Maker<'_>) -> Result<(), String> {
+    let torus = Obj::read(&m.phex.work("torus-phex.obj"))?;
+    let face = torus
+        .hexagon_near([0.8, -0.95, 0.35])
+        .ok_or("the torus has no hexagon")?;
+    let strips = torus.strips(face);
+    write_curves(&m.phex.work("strips.obj"), &strips)?;
+    let lengths: Vec<String> = strips.iter().map(|s| s.len().to_string()).collect();
+    m.note("strips.obj joins the middles of the panels of the three strips through one hexagon");
+    m.say(format!(
+        "Strips through one hexagon of the torus of Figure 2, drawn over {} panels.",
+        lengths.join(", ")
+    ));
+    m.draw(
+        "torus-phex.obj",
+        "figure-03-strips",
+        "three strips",
+        &format!("--curves {WORK}/strips.obj --no-legend"),
+    )
+}
+
+/// A panel of the torus near a point, with its neighbours, and the copy of the indicatrix that fits it.
+fn panel(m: &mut Maker<'_>, near: [f64; 3], name: &str) -> Result<(), String> {
+    let torus = Obj::read(&m.phex.work("torus-phex.obj"))?;
+    let face = torus.hexagon_near(near).ok_or("the torus has no hexagon")?;
+    let centre = torus.centre(&torus.faces[face]);
+    let corners = torus.faces[face]
+        .iter()
+        .map(|&v| distance(torus.points[v], centre));
+    let reach = corners.fold(0.0, f64::max);
+    let part = torus.part(|c| distance(c, centre) < 2.3 * reach);
+    part.write(&m.phex.work(&format!("{name}.obj")))?;
+    m.note(&format!(
+        "{name}.obj is a panel of torus-phex.obj with its neighbours"
+    ));
+    let at = centre.map(|x| format!("{x:.6}")).join(",");
+    m.run(&format!(
+        "dupin {WORK}/torus.obj -o {WORK}/{name}-dupin.obj --panels {WORK}/{name}.obj --at={at}"
+    ))
+}
+
+fn inscribed(m: &mut Maker<'_>) -> Result<(), String> {
+    panel(m, [1.4, 0.0, 0.0], "convex-panel")?;
+    let curves = format!("--curves {WORK}/convex-panel-dupin.obj --no-legend --view right");
+    m.draw(
+        "convex-panel.obj",
+        "figure-04-inscribed",
+        "corners on the indicatrix",
+        &curves,
+    )?;
+    m.measured(
+        "Torus of Figure 2",
+        &format!("check {WORK}/torus-phex.obj --surface {WORK}/torus.obj"),
+    )
+}
+
+fn indicatrices(m: &mut Maker<'_>) -> Result<(), String> {
+    panel(m, [0.6, 0.0, 0.0], "concave-panel")?;
+    let coarse =
+        format!("mesh {WORK}/torus.obj -o {WORK}/torus-coarse.obj --method brick-wall -n 250");
+    m.measured("Coarse torus", &coarse)?;
+    m.run(&format!(
+        "dupin {WORK}/torus.obj -o {WORK}/torus-dupin.obj --panels {WORK}/torus-coarse.obj"
+    ))?;
+    let torus = format!("--curves {WORK}/torus-dupin.obj --no-legend");
+    m.draw(
+        "torus-coarse.obj",
+        "figure-05-torus",
+        "all indicatrices",
+        &torus,
+    )?;
+    let convex = format!("--curves {WORK}/convex-panel-dupin.obj --no-legend");
+    m.draw(
+        "convex-panel.obj",
+        "figure-05-ellipse",
+        "K > 0: an ellipse",
+        &convex,
+    )?;
+    let concave = format!("--curves {WORK}/concave-panel-dupin.obj --no-legend --view left");
+    m.draw(
+        "concave-panel.obj",
+        "figure-05-hyperbola",
+        "K < 0: a hyperbola",
+        &concave,
+    )
+}
+
+fn torus_dual(m: &mut Maker<'_>) -> Result<(), String> {
+    m.measured("Projective dual", &format!("mesh {WORK}/torus.obj -o {WORK}/torus-dual-phex.obj --method projective-dual --any-domain -n 400 --keep-invalid"))?;
+    m.run(&format!(
+        "dual {WORK}/torus-dual-phex.obj -o {WORK}/torus-dual.obj --centre=0,0,0"
+    ))?;
+    let dual = Obj::read(&m.phex.work("torus-dual.obj"))?;
+    let near = |c: [f64; 3]| c.iter().all(|x| x.abs() < 5.0);
+    let long = |f: &Vec<usize>| {
+        (0..f.len()).any(|k| distance(dual.points[f[k]], dual.points[f[(k + 1) % f.len()]]) > 3.0)
+    };
+    let cut = Obj {
+        points: dual.points.clone(),
+        faces: dual.faces.iter().filter(|f| !long(f)).cloned().collect(),
+    };
+    cut.part(near).write(&m.phex.work("torus-dual-cut.obj"))?;
+    m.note("torus-dual-cut.obj is the part of it within the cube |x|, |y|, |z| < 5");
+    m.draw(
+        "torus-dual-phex.obj",
+        "figure-06-torus",
+        "self-intersecting panels in red",
+        "--color validity",
+    )?;
+    m.draw(
+        "torus-dual-cut.obj",
+        "figure-06-dual",
+        "its projective dual",
+        "--no-legend",
+    )
+}
+
+fn broken(m: &mut Maker<'_>) -> Result<(), String> {
+    m.measured("Projective dual", &format!("mesh {WORK}/blob.obj -o {WORK}/blob-dual-phex.obj --method projective-dual --any-domain -n 400 --keep-invalid"))?;
+    m.run(&format!(
+        "dual {WORK}/blob-dual-phex.obj -o {WORK}/blob-dual.obj --centre=0,0,0"
+    ))?;
+    m.measured(
+        "Ours",
+        &format!("mesh {WORK}/blob.obj -o {WORK}/blob-phex.obj -n 400 --keep-invalid"),
+    )?;
+    m.draw(
+        "blob-dual-phex.obj",
+        "figure-07-broken",
+        "projective dual",
+        "--color validity",
+    )?;
+    m.draw(
+        "blob-dual.obj",
+        "figure-07-dual",
+        "the triangulation that it comes from",
+        "--no-legend",
+    )?;
+    m.draw(
+        "blob-phex.obj",
+        "figure-07-ours",
+        "ours",
+        "--color validity",
+    )
+}
+
+/// The three pictures of the paper's method.
+fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Result<(), String> {
+    let config = m.phex.work("unoptimised.toml");
+    let text = "[stages.optimise]\npenalties = []\nprojection_iterations = 0\n";
+    std::fs::write(&config, text).map_err(|e| e.to_string())?;
+    m.run(&format!(
+        "network {WORK}/{surface}.obj -o {WORK}/{surface}-network.obj -n {panels}"
+    ))?;
+    m.run(&format!(
+        "shape {surface} --triangles 1200 -o {WORK}/{surface}-coarse-facets.obj -q"
+    ))?;
+    m.note("unoptimised.toml: [stages.optimise] penalties = [], projection_iterations = 0");
+    let made = format!("mesh {WORK}/{surface}.obj --method brick-wall -n {panels} --keep-invalid");
+    m.measured(
+        "Shifted",
+        &format!("{made} -o {WORK}/{surface}-shifted.obj --config {WORK}/unoptimised.toml"),
+    )?;
+    m.measured("Final", &format!("{made} -o {WORK}/{surface}-bricks.obj"))?;
+    m.draw(
+        &format!("{surface}-coarse-facets.obj"),
+        &format!("figure-{number:02}-network"),
+        "conjugate network",
+        &format!("--curves {WORK}/{surface}-network.obj --no-legend"),
+    )?;
+    m.draw(
+        &format!("{surface}-shifted.obj"),
+        &format!("figure-{number:02}-shifted"),
+        "shifted rows",
+        "--no-legend",
+    )?;
+    m.draw(
+        &format!("{surface}-bricks.obj"),
+        &format!("figure-{number:02}-final"),
+        "planar panels",
+        "--no-legend",
+    )
+}
+
+fn brick_torus(m: &mut Maker<'_>) -> Result<(), String> {
+    brick(m, "torus", 8, 500)
+}
+
+fn brick_wave(m: &mut Maker<'_>) -> Result<(), String> {
+    brick(m, "wave", 9, 500)
+}
+
+/// Offsets of a mesh with its Gauss image, in the folder `{kind}-offset`.
+fn offset(m: &mut Maker<'_>, mesh: &str, kind: &str, options: &str) -> Result<(), String> {
+    let line = format!(
+        "offset {WORK}/{mesh} -o {WORK}/{kind}-offset --kind {kind} --gauss-image {options}"
+    );
+    let said = m.phex.make(&line)?;
+    m.commands.push(said.line.clone());
+    let rows = said.out.lines().filter(|l| !l.contains(WORK));
+    let rows: Vec<String> = rows
+        .map(|l| l.split_whitespace().collect::<Vec<_>>().join(" "))
+        .collect();
+    m.say(format!("Offset: {}.", rows.join("; ")));
+    Ok(())
+}
+
+/// The mesh, and one half of its offset over it.
+fn half_covered(m: &mut Maker<'_>, mesh: &str, layer: &str, name: &str) -> Result<(), String> {
+    let mesh = Obj::read(&m.phex.work(mesh))?;
+    let layer = Obj::read(&m.phex.work(layer))?;
+    let middle = layer.points.iter().map(|p| p[0]).sum::<f64>() / layer.points.len() as f64;
+    let both = mesh.with(&layer.part(|c| c[0] > middle));
+    m.note(&format!("{name}.obj is the mesh and one half of the layer"));
+    both.write(&m.phex.work(&format!("{name}.obj")))
+}
+
+/// A cap whose bricks are regular enough for offsets of both kinds.
+fn cap(m: &mut Maker<'_>) -> Result<(), String> {
+    m.run(&format!(
+        "shape elliptic-paraboloid --set a=1.2 --set b=1.2 --set radius=0.9 -o {WORK}/cap.obj -q"
+    ))?;
+    let mesh = format!("mesh {WORK}/cap.obj -o {WORK}/cap-phex.obj --method brick-wall -n 120");
+    m.measured("Mesh", &mesh)
+}
+
+fn face_offset(m: &mut Maker<'_>) -> Result<(), String> {
+    cap(m)?;
+    offset(m, "cap-phex.obj", "face", "--distance 0.06")?;
+    half_covered(
+        m,
+        "cap-phex.obj",
+        "face-offset/layer_+0.06.obj",
+        "face-layers",
+    )?;
+    m.draw(
+        "face-layers.obj",
+        "figure-10-layers",
+        "mesh and half of its offset",
+        "--no-legend",
+    )?;
+    m.draw(
+        "face-offset/gauss_image.obj",
+        "figure-10-gauss-image",
+        "Gauss image",
+        "--no-legend",
+    )
+}
+
+fn capped(m: &mut Maker<'_>) -> Result<(), String> {
+    cap(m)?;
+    let options = format!("--optimise --surface {WORK}/cap.obj --distance 0.06");
+    offset(m, "cap-phex.obj", "vertex", &options)
+}
+
+fn parallel_panels(m: &mut Maker<'_>) -> Result<(), String> {
+    capped(m)?;
+    let mesh = Obj::read(&m.phex.work("vertex-offset/mesh.obj"))?;
+    let image = Obj::read(&m.phex.work("vertex-offset/gauss_image.obj"))?;
+    let face = mesh
+        .hexagon_near([0.2, 0.05, 0.0])
+        .ok_or("the mesh has no hexagon")?;
+    for (obj, name) in [(&mesh, "panel"), (&image, "parallel-panel")] {
+        obj.face(face).write(&m.phex.work(&format!("{name}.obj")))?;
+    }
+    let angles = mesh.face(face).angles();
+    let sum = |first: usize| {
+        (0..3)
+            .map(|k| angles[first + 2 * k])
+            .sum::<f64>()
+            .to_degrees()
+    };
+    let (circle, error) = image.face(face).circle();
+    write_curves(&m.phex.work("circle.obj"), &[circle])?;
+    m.note("panel.obj and parallel-panel.obj are one face of vertex-offset/mesh.obj and of vertex-offset/gauss_image.obj, circle.obj passes through three corners of the latter");
+    m.say(format!(
+        "Angles of the panel: {:.6} and {:.6} degrees in the two alternating sums; corners of the parallel panel off the circle by at most {error:.1e} of its radius.",
+        sum(0),
+        sum(1)
+    ));
+    m.draw(
+        "parallel-panel.obj",
+        "figure-11-inscribed",
+        "panel of the Gauss image",
+        &format!("--curves {WORK}/circle.obj --no-legend --view top"),
+    )?;
+    m.draw(
+        "panel.obj",
+        "figure-11-parallel",
+        "parallel panel of the mesh",
+        "--no-legend --view top",
+    )
+}
+
+fn vertex_offset(m: &mut Maker<'_>) -> Result<(), String> {
+    capped(m)?;
+    half_covered(
+        m,
+        "vertex-offset/mesh.obj",
+        "vertex-offset/layer_+0.06.obj",
+        "vertex-layers",
+    )?;
+    m.draw(
+        "vertex-layers.obj",
+        "figure-12-layers",
+        "mesh and half of its offset",
+        "--no-legend",
+    )?;
+    m.draw(
+        "vertex-offset/gauss_image.obj",
+        "figure-12-gauss-image",
+        "Gauss image",
+        "--no-legend",
+    )
+}
