@@ -109,7 +109,7 @@ fn ellipsoid_and_torus(m: &mut Maker<'_>) -> Result<(), String> {
 fn strips(m: &mut Maker<'_>) -> Result<(), String> {
     let torus = Obj::read(&m.phex.work("torus-phex.obj"))?;
     let face = torus
-        .hexagon_near([0.8, -0.95, 0.35])
+        .hexagon_near([0.95, 0.95, 0.3])
         .ok_or("the torus has no hexagon")?;
     let strips = torus.strips(face);
     write_curves(&m.phex.work("strips.obj"), &strips)?;
@@ -254,14 +254,16 @@ fn broken(m: &mut Maker<'_>) -> Result<(), String> {
 
 /// The three pictures of the paper's method.
 fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Result<(), String> {
+    // A third of the panels' curves: all of them hide the surface.
+    let sparse = panels / 3;
     let config = m.phex.work("unoptimised.toml");
     let text = "[stages.optimise]\npenalties = []\nprojection_iterations = 0\n";
     std::fs::write(&config, text).map_err(|e| e.to_string())?;
     m.run(&format!(
-        "network {WORK}/{surface}.obj -o {WORK}/{surface}-network.obj -n {panels}"
+        "network {WORK}/{surface}.obj -o {WORK}/{surface}-network.obj -n {sparse}"
     ))?;
     m.run(&format!(
-        "shape {surface} --triangles 1200 -o {WORK}/{surface}-coarse-facets.obj -q"
+        "shape {surface} --triangles 700 -o {WORK}/{surface}-coarse-facets.obj -q"
     ))?;
     m.note("unoptimised.toml: [stages.optimise] penalties = [], projection_iterations = 0");
     let made = format!("mesh {WORK}/{surface}.obj --method brick-wall -n {panels} --keep-invalid");

@@ -11,12 +11,14 @@
 //! Guaranteed: 0 for corners on a homothetic copy, also after rotation, translation, scaling of the model. Not defined where the surface is flat
 //! (`None`), and no test of anything for fewer than five corners.
 
-use super::{Curvature, Principal, principal};
+use super::{Curvature, Principal, large_curvature, principal};
 use nalgebra::{DMatrix, DVector, Matrix3};
 use phex_mesh::{FaceId, FacePlane, HexMesh, PerFace, SurfacePoint, TriangleSurface, Vec2, Vec3};
 
 /// Curvatures below one over this many radii of a panel are flat.
 const FLAT: f64 = 1e-6;
+/// Share of the surface's large curvatures below which a panel lies in a flat part, where third-order terms decide its shape.
+const FLAT_REL: f64 = 0.05;
 /// Corners fewer than these always lie on a conic of the given shape, or nearly.
 const LEAST_CORNERS: usize = 5;
 /// Points of one branch of a drawn indicatrix.
@@ -114,13 +116,16 @@ pub fn indicatrix_distances(
     curvature: &Curvature,
 ) -> PerFace<Option<f64>> {
     let topology = mesh.topology();
+    let floor = FLAT_REL * large_curvature(&curvature.principal());
     let distance = |f: FaceId| {
         if topology.is_boundary_face(f) || topology.valence(f) < LEAST_CORNERS {
             return None;
         }
         let foot = surface.closest_point(mesh.centre(f));
         let indicatrix = Indicatrix::at(&foot, surface, curvature);
-        inscribed_distance(&mesh.corners(f).collect::<Vec<_>>(), &indicatrix)
+        let curved = indicatrix.principal.large.abs() >= floor;
+        let corners: Vec<Vec3> = mesh.corners(f).collect();
+        curved.then(|| inscribed_distance(&corners, &indicatrix))?
     };
     PerFace::from_fn(topology.n_faces(), distance)
 }

@@ -20,7 +20,7 @@ pub mod dupin;
 mod jet;
 mod tensor;
 
-pub use tensor::{Principal, principal, smoothed, tangent_frame};
+pub use tensor::{Principal, large_curvature, principal, smoothed, tangent_frame};
 
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};

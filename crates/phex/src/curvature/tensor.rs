@@ -78,3 +78,10 @@ pub fn principal(n: Vec3, s: &Matrix3<f64>) -> Principal {
         large_direction: direction(j),
     }
 }
+
+/// The 90 % quantile of the larger principal curvature.
+pub fn large_curvature(principal: &PerVertex<Principal>) -> f64 {
+    let mut values: Vec<f64> = principal.iter().map(|p| p.large.abs()).collect();
+    values.sort_by(f64::total_cmp);
+    values[(values.len() * 9 / 10).min(values.len() - 1)]
+}

@@ -1,6 +1,7 @@
 //! The clipped `|II|` metric and the weight of alignment.
 
 use super::DirectionOptions;
+pub use crate::curvature::large_curvature;
 use crate::curvature::{Curvature, Principal, tangent_frame};
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};
@@ -24,13 +25,6 @@ pub fn metric(
     PerVertex::from_fn(smooth.len(), |v| {
         smooth[v] / (panel_length[v].powi(2) * determinant_root(curvature.normal[v], &smooth[v]))
     })
-}
-
-/// The 90 % quantile of the larger principal curvature.
-pub fn large_curvature(principal: &PerVertex<Principal>) -> f64 {
-    let mut values: Vec<f64> = principal.iter().map(|p| p.large.abs()).collect();
-    values.sort_by(f64::total_cmp);
-    values[(values.len() * 9 / 10).min(values.len() - 1)]
 }
 
 fn shape(p: &Principal, floor: f64, anisotropy: f64) -> Matrix3<f64> {

@@ -270,7 +270,10 @@ fn projective_dual(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     let (surface, curvature) = (start.surface, &start.curvature);
     let dual = SurfaceDual::of(surface, &curvature.normal);
     let mut classical = start.statistics(Method::ProjectiveDual);
-    classical.outside_domain = refusal(projective_dual::check(surface, curvature, &dual), ground)?;
+    classical.outside_domain = refusal(
+        projective_dual::check(surface, curvature, &dual, projective_dual::METHOD),
+        ground,
+    )?;
     classical.centre = Some(dual.centre.into());
     classical.clearness = Some(dual.clearness);
     classical.defects = Some(projective_dual::inspect(surface, curvature, &dual));

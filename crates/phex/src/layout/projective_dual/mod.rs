@@ -27,7 +27,7 @@ use serde::Serialize;
 use std::collections::HashMap;
 
 /// Name in messages.
-const METHOD: &str = "projective-dual";
+pub const METHOD: &str = "projective-dual";
 /// Least distance of the centre to the tangent planes, over the largest, with which the affine dual is used.
 const CLEAR: f64 = 0.02;
 /// Poles nearer than this share of the dual's mean edge, of points farther apart than [`FAR`] mean edges, are duplicates.
@@ -146,7 +146,7 @@ pub(super) fn with_floor(
     })
 }
 
-/// Whether the method applies.
+/// Whether a method that works in the dual, `method` in messages, applies.
 ///
 /// # Errors
 /// Where tangent planes pass through every centre, or `K` changes its sign.
@@ -154,16 +154,14 @@ pub fn check(
     surface: &TriangleSurface,
     curvature: &Curvature,
     dual: &SurfaceDual,
+    method: &'static str,
 ) -> Result<(), DomainError> {
-    SignedPlaces::find(surface, curvature).one_sign(METHOD, "the dual surface has a cusp")?;
+    SignedPlaces::find(surface, curvature).one_sign(method, "the dual surface has a cusp")?;
     if dual.is_affine() {
         return Ok(());
     }
     let place = dual.nearest(surface);
-    Err(DomainError::NoCentre {
-        method: METHOD,
-        place,
-    })
+    Err(DomainError::NoCentre { method, place })
 }
 
 /// Counts singular points and duplicates of the dual.
@@ -264,7 +262,7 @@ mod tests {
     fn domains() {
         let verdict = |name| {
             let (surface, curvature, dual) = dual_of(name);
-            check(&surface, &curvature, &dual)
+            check(&surface, &curvature, &dual, METHOD)
         };
         assert_eq!(verdict("ellipsoid"), Ok(()));
         assert_eq!(verdict("hyperbolic-paraboloid"), Ok(()));

@@ -14,7 +14,8 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     coarse.panels = (ground.panels >> (2 * options.levels)).max(12);
     let start = super::Start::new(&coarse, clock)?;
     let dual = SurfaceDual::of(start.surface, &start.curvature.normal);
-    let checked = projective_dual::check(start.surface, &start.curvature, &dual);
+    let checked =
+        projective_dual::check(start.surface, &start.curvature, &dual, "dual-subdivision");
     let outside_domain = refusal(checked, ground)?;
     let mut made = tangent_planes(&coarse, clock)?;
     made.classical.method = Method::DualSubdivision;

@@ -1,0 +1,143 @@
+//! `phex dual`, `phex subdivide`, `phex power-diagram`, `phex dupin`, and methods that refuse a surface.
+
+mod common;
+use common::Workshop;
+use phex_mesh::io::read_soup;
+
+#[test]
+fn dual_of_the_dual_is_the_mesh() {
+    let shop = Workshop::new();
+    shop.succeed("power-diagram --goldberg 2,1 --axes 1.4,1,0.8 -o dome.obj");
+    shop.succeed("dual dome.obj -o dual.obj --centre=0.1,-0.05,0.1 --radius 0.8");
+    shop.succeed("dual dual.obj -o back.obj --centre=0.1,-0.05,0.1 --radius 0.8");
+    let read = |name: &str| read_soup(&shop.path(name)).unwrap();
+    let (mesh, dual, back) = (read("dome.obj"), read("dual.obj"), read("back.obj"));
+    assert_eq!((dual.positions.len(), dual.faces.len()), (72, 140));
+    assert_eq!(mesh.faces.len(), back.faces.len());
+    for (p, q) in mesh.positions.iter().zip(&back.positions) {
+        assert!((p - q).norm() < 1e-10, "{p:?} {q:?}");
+    }
+    // The same by the matrix of the unit sphere.
+    shop.succeed("dual dome.obj -o q.obj --quadric=1,0,0,0,1,0,0,1,0,-1");
+    shop.succeed("dual dome.obj -o s.obj --centre=0,0,0");
+    assert_eq!(shop.read("q.obj"), shop.read("s.obj"));
+    let run = shop.phex("dual dome.obj -o x.obj --quadric=0,0,0,0,0,0,0,0,0,0");
+    run.refuses(4, &["dome.obj", "singular"]);
+}
+
+#[test]
+fn goldberg_polyhedra_and_given_sites() {
+    let shop = Workshop::new();
+    let run = shop.succeed("power-diagram --goldberg 3,0 -o dome.obj --png dome.png");
+    assert!(
+        run.stdout
+            .contains("92 (80 hexagons, 12 pentagons; 0 concave)"),
+        "{}",
+        run.stdout
+    );
+    let lattice = (-4..=4).flat_map(|i| (-4..=4).map(move |j| (i, j)));
+    let site = |(i, j): (i32, i32)| {
+        let (x, y) = (f64::from(i) + 0.5 * f64::from(j), 0.866 * f64::from(j));
+        format!("{} {} {}\n", 0.3 * x, 0.3 * y, 0.01 * x.sin())
+    };
+    shop.write(
+        "sites.txt",
+        "# x y weight\n".to_owned() + &lattice.map(site).collect::<String>(),
+    );
+    let run = shop.phex("power-diagram --sites sites.txt -o sites.obj");
+    assert!(
+        run.stdout.contains("every face"),
+        "{} {}",
+        run.stdout,
+        run.stderr
+    );
+    shop.write("bad.txt", "0 0\n1 x\n");
+    let run = shop.phex("power-diagram --sites bad.txt -o bad.obj");
+    run.refuses(4, &["bad.txt:2", "1 x"]);
+    let run = shop.phex("power-diagram --goldberg 0,0 -o bad.obj");
+    run.refuses(4, &["(0, 0)"]);
+    assert!(!shop.files().contains(&"bad.obj".to_owned()));
+}
+
+#[test]
+fn every_rule_of_subdivision_keeps_panels_planar() {
+    let shop = Workshop::new();
+    shop.succeed("shape ellipsoid -o surface.obj --triangles 2000");
+    shop.succeed("power-diagram --goldberg 2,0 --axes 1.5,1,0.7 -o coarse.obj");
+    for rule in ["loop", "butterfly", "robust --surface surface.obj"] {
+        let run = shop.phex(&format!(
+            "subdivide coarse.obj -o fine.obj -l 2 --rule {rule} --report r.json"
+        ));
+        assert!(
+            run.stdout.contains("642 ("),
+            "{rule}: {} {}",
+            run.stdout,
+            run.stderr
+        );
+        let report = shop.json("r.json");
+        let planarity = report["measures"]["planarity"]["max"].as_f64().unwrap();
+        assert!(planarity < 1e-12, "{rule}: {planarity}");
+        assert_eq!(report["measures"]["faces_not_simple"], 0, "{rule}");
+    }
+    assert!(
+        shop.json("r.json")["deviation_facets"]["deviation_max"]
+            .as_f64()
+            .unwrap()
+            < 5e-3
+    );
+    shop.write(
+        "quads.off",
+        "OFF\n5 4 0\n0 0 1\n1 0 0\n0 1 0\n-1 0 0\n0 -1 0\n3 0 1 2\n3 0 2 3\n3 0 3 4\n3 0 4 1\n",
+    );
+    let run = shop.phex("subdivide quads.off -o x.obj --rule loop");
+    run.refuses(4, &["vertex v0", "4 faces"]);
+}
+
+#[test]
+fn indicatrices_are_written_and_panels_measured_against_them() {
+    let shop = Workshop::new();
+    shop.succeed("shape torus -o torus.obj --triangles 4000");
+    let run = shop.succeed("dupin torus.obj -o curves.obj -n 60");
+    assert!(run.stdout.contains("60 indicatrices"), "{}", run.stdout);
+    shop.succeed("mesh torus.obj -o mesh.obj --method brick-wall -n 200 -q");
+    shop.succeed("dupin torus.obj -o inscribed.obj --panels mesh.obj");
+    shop.succeed("render mesh.obj -o picture.png --curves inscribed.obj --size 200x150");
+    let run = shop.succeed("check mesh.obj --surface torus.obj --report check.json");
+    assert!(run.stdout.contains("indicatrix"), "{}", run.stdout);
+    let mean = shop.json("check.json")["statistics"]["indicatrix"]["mean"]
+        .as_f64()
+        .unwrap();
+    assert!(mean > 1e-4 && mean < 0.1, "{mean}");
+    let run = shop.phex("dupin torus.obj -o curves.ply");
+    run.refuses(4, &["OBJ only"]);
+}
+
+#[test]
+fn a_method_says_where_the_surface_leaves_its_domain() {
+    let shop = Workshop::new();
+    shop.succeed("shape torus -o torus.obj --triangles 2000");
+    for method in [
+        "projective-dual",
+        "support-function",
+        "dual-subdivision",
+        "parallel",
+    ] {
+        let run = shop.phex(&format!("mesh torus.obj -o x.obj --method {method} -n 80"));
+        run.refuses(4, &[method, "positive at vertex", "negative at vertex"]);
+    }
+    let run = shop.phex("mesh torus.obj -o x.obj --method power-diagram -n 80");
+    run.refuses(4, &["ellipsoids only"]);
+    assert_eq!(shop.files(), ["torus.obj"]);
+    let run = shop.phex(
+        "mesh torus.obj -o x.obj --method projective-dual -n 80 --any-domain --report r.json",
+    );
+    assert_eq!(run.code, Some(5), "{}", run.stdout);
+    let told = &shop.json("r.json")["statistics"][0]["classical"];
+    assert!(
+        told["outside_domain"]
+            .as_str()
+            .unwrap()
+            .contains("one sign")
+    );
+    assert!(told["defects"]["singular_edges"].as_u64().unwrap() > 10);
+}
