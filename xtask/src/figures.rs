@@ -70,8 +70,12 @@ impl Maker<'_> {
         caption: &str,
         options: &str,
     ) -> Result<(), String> {
-        let line =
-            format!("render {WORK}/{mesh} -o {GALLERY}/{picture}.png --size 560x420 {options}");
+        let size = if options.contains("--size") {
+            ""
+        } else {
+            "--size 560x420 "
+        };
+        let line = format!("render {WORK}/{mesh} -o {GALLERY}/{picture}.png {size}{options}");
         self.run(line.trim())?;
         self.pictures
             .push((format!("{picture}.png"), caption.to_owned()));

@@ -263,7 +263,7 @@ fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Resu
         "network {WORK}/{surface}.obj -o {WORK}/{surface}-network.obj -n {sparse}"
     ))?;
     m.run(&format!(
-        "shape {surface} --triangles 700 -o {WORK}/{surface}-coarse-facets.obj -q"
+        "shape {surface} --triangles 60000 -o {WORK}/{surface}-smooth.obj -q"
     ))?;
     m.note("unoptimised.toml: [stages.optimise] penalties = [], projection_iterations = 0");
     let made = format!("mesh {WORK}/{surface}.obj --method brick-wall -n {panels} --keep-invalid");
@@ -273,10 +273,10 @@ fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Resu
     )?;
     m.measured("Final", &format!("{made} -o {WORK}/{surface}-bricks.obj"))?;
     m.draw(
-        &format!("{surface}-coarse-facets.obj"),
+        &format!("{surface}-smooth.obj"),
         &format!("figure-{number:02}-network"),
         "conjugate network",
-        &format!("--curves {WORK}/{surface}-network.obj --no-legend"),
+        &format!("--curves {WORK}/{surface}-network.obj --no-legend --size 400x300"),
     )?;
     m.draw(
         &format!("{surface}-shifted.obj"),

@@ -2,7 +2,7 @@
 //!
 //! All of them give each panel a plane near the surface and put every vertex where its planes meet; they differ in how the
 //! planes are chosen. A panel is then planar to rounding whatever happens. Whether it is *simple* depends on the touching points:
-//! to second order a vertex is the circumcentre of its triangle of touching points in the metric `q = II` (`theory`: the faces are
+//! to second order a vertex is the circumcentre of its triangle of touching points in the metric `q = II` (the faces are
 //! simple where these triangles are not obtuse in `q` for `K > 0`, and where their edges lie on both sides of the asymptotic
 //! cone for `K < 0`).
 //!

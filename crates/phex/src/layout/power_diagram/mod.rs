@@ -14,7 +14,7 @@
 //! |---|---|
 //! | `s_i`, `w_i` | [`Site`] |
 //! | regular triangulation, dual to the diagram | hull of the planes' poles, by exact predicates |
-//! | `(m, n)` | [`goldberg`]: `10 (m^2 + m n + n^2) + 2` panels, 12 of them pentagons |
+//! | `(m, n)` | [`goldberg()`]: `10 (m^2 + m n + n^2) + 2` panels, 12 of them pentagons |
 //!
 //! Source: S. Diaz, J. Gonzalez et al., as reviewed by W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2.
 //!
