@@ -4,8 +4,8 @@ mod common;
 
 use common::{Stages, genus_two, punched_plane, shape, shape_with};
 use phex::curvature::tangent_frame;
+use phex::directions::DirectionOptions;
 use phex::directions::intrinsic::IntrinsicMesh;
-use phex::directions::{DirectionOptions, rosy};
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use std::f64::consts::{FRAC_PI_3, PI};
 
@@ -187,7 +187,7 @@ fn cones_of_open_surfaces_agree_with_the_boundary() {
         let boundary = topology.edges().filter(|&e| topology.is_boundary_edge(e));
         let mut total = 2.0 * PI * topology.euler_characteristic() as f64;
         for e in boundary {
-            total += rosy::matching(&d.intrinsic, &d.angle, topology, e).1;
+            total += d.rest(topology, e);
             total -= PI - d.intrinsic.angle_sum[topology.edge_vertices(e)[1]];
         }
         let sixths = total / FRAC_PI_3;
@@ -209,6 +209,30 @@ fn a_plane_has_a_constant_field() {
         let tangential = difference.fixed_view::<2, 2>(0, 0).norm();
         assert!(tangential < 1e-3 * isotropic.norm(), "{tangential}");
     }
+}
+
+/// Opposite cones vanish in pairs: fewer are left, their sum stays, and the indices are still those of the turned field.
+#[test]
+fn opposite_cones_cancel() {
+    let surface = genus_two();
+    let with = |cancel_reach: f64| {
+        let options = DirectionOptions {
+            cancel_reach,
+            ..Default::default()
+        };
+        Stages::with(&surface, 400, &options)
+    };
+    let (before, after) = (with(0.0), with(6.0));
+    let count = |s: &Stages| s.directions.cone.iter().map(|c| c.abs()).sum::<i32>();
+    assert_eq!(cone_sum(&before), cone_sum(&after));
+    assert_eq!(before.directions.cancelled, 0);
+    assert!(after.directions.cancelled > 0);
+    assert!(
+        count(&after) < count(&before),
+        "{} {}",
+        count(&before),
+        count(&after)
+    );
 }
 
 /// Lattice rows follow the direction that is straight: on a cylinder, the axis. A field across it is caught.
@@ -244,7 +268,7 @@ fn matchings_are_smallest() {
     let stages = Stages::new(&shape("wave", 1000), 60);
     let (topology, d) = (stages.topology(), &stages.directions);
     for e in topology.edges() {
-        let (_, rest) = rosy::matching(&d.intrinsic, &d.angle, topology, e);
+        let rest = d.rest(topology, e);
         assert!(rest.abs() <= 0.5 * FRAC_PI_3 + 1e-12);
     }
 }

@@ -22,6 +22,7 @@
 //! one intrinsic length. Fails: never; where the metric violates triangle inequalities it is blended towards them.
 
 pub mod boundary;
+pub mod cancel;
 pub mod conformal;
 pub mod intrinsic;
 pub mod metric;
@@ -32,9 +33,10 @@ pub mod size;
 use crate::curvature::{Curvature, Principal};
 use intrinsic::IntrinsicMesh;
 use nalgebra::Matrix3;
-use phex_mesh::{PerFace, PerVertex, TriangleSurface};
+use phex_mesh::{EdgeId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface};
 use phex_numeric::NumericError;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_3;
 
 /// How metric and field are made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,6 +58,9 @@ pub struct DirectionOptions {
     pub rotate: f64,
     /// Weight of the alignment of a lattice row with the boundary, per panel length of it (0: the boundary is ignored).
     pub boundary_alignment: f64,
+    /// Distance, in panels, up to which opposite cones are cancelled (0: none are). 4 gives 2 to 5 more hexagons in a hundred
+    /// on bodies with bumps, and larger panels where they are strongly curved.
+    pub cancel_reach: f64,
 }
 
 impl Default for DirectionOptions {
@@ -69,6 +74,7 @@ impl Default for DirectionOptions {
             conformal_limit: 0.6,
             rotate: 0.0,
             boundary_alignment: 0.5,
+            cancel_reach: 0.0,
         }
     }
 }
@@ -82,8 +88,21 @@ pub struct Directions {
     pub intrinsic: IntrinsicMesh,
     /// Angle of the lattice direction at each vertex (radians, modulo pi / 3), in the vertex's polar coordinates.
     pub angle: PerVertex<f64>,
+    /// Turns of the field along each edge, in sixths, from the frame of its origin to that of its target.
+    pub turn: PerEdge<i32>,
     /// Index of the field in each triangle, in sixths of a turn.
     pub cone: PerFace<i32>,
+    /// Pairs of opposite cones that were cancelled.
+    pub cancelled: usize,
+}
+
+impl Directions {
+    /// Angle, radians, by which the field turns along an edge beyond its whole turns.
+    pub fn rest(&self, topology: &Topology, e: EdgeId) -> f64 {
+        let [i, j] = topology.edge_vertices(e);
+        let turned = self.angle[j] - self.angle[i] - self.intrinsic.transport(e);
+        turned - f64::from(self.turn[e]) * FRAC_PI_3
+    }
 }
 
 /// Metric and field for panels of one length.
@@ -129,21 +148,25 @@ pub fn in_metric(
     options: &DirectionOptions,
 ) -> Result<Directions, NumericError> {
     let mut intrinsic = IntrinsicMesh::new(surface, &tensor);
-    let mut angle = rosy::field(surface, &intrinsic, &tensor, principal, weight, options)?;
+    let field = |intrinsic: &IntrinsicMesh, tensor: &PerVertex<Matrix3<f64>>| {
+        let field = rosy::field(surface, intrinsic, tensor, principal, weight, options)?;
+        cancel::cancel(surface.topology(), intrinsic, field, options.cancel_reach)
+    };
+    let mut turned = field(&intrinsic, &tensor)?;
     if options.conformal_limit > 0.0 {
-        let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
-        let scale = conformal::log_factor(surface.topology(), &intrinsic, &cone, options)?;
+        let scale = conformal::log_factor(surface.topology(), &intrinsic, &turned.cone, options)?;
         for (m, s) in tensor.iter_mut().zip(scale.iter()) {
             *m *= (2.0 * s).exp();
         }
         intrinsic = IntrinsicMesh::new(surface, &tensor);
-        angle = rosy::field(surface, &intrinsic, &tensor, principal, weight, options)?;
+        turned = field(&intrinsic, &tensor)?;
     }
-    let cone = rosy::cones(surface.topology(), &intrinsic, &angle);
     Ok(Directions {
         metric: tensor,
         intrinsic,
-        angle,
-        cone,
+        angle: turned.angle,
+        turn: turned.turn,
+        cone: turned.cone,
+        cancelled: turned.cancelled,
     })
 }

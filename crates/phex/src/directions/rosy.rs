@@ -4,9 +4,8 @@ use super::intrinsic::{IntrinsicMesh, row};
 use super::{DirectionOptions, boundary};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
-use phex_mesh::{EdgeId, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
-use std::f64::consts::{FRAC_PI_3, PI};
 
 /// Symmetry of the field.
 const N: f64 = 6.0;
@@ -16,7 +15,15 @@ const POLISH_STEPS: usize = 3;
 /// Weight of the fixed direction that decides where nothing else does.
 const TIE_BREAK: f64 = 1e-4;
 
-/// Angle of the field at each vertex, radians modulo pi / 3.
+/// A six-fold field and what it was asked for.
+pub struct Field {
+    /// Angle at each vertex, radians modulo pi / 3.
+    pub angle: PerVertex<f64>,
+    /// Wish at each vertex: strength, integrated over the vertex, times `exp(6 i t)` of the direction `t`.
+    pub wish: PerVertex<Complex<f64>>,
+}
+
+/// The smoothest field that is drawn to the small curvature's direction, and to the boundary.
 pub fn field(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,
@@ -24,7 +31,7 @@ pub fn field(
     principal: &PerVertex<Principal>,
     weight: &PerVertex<f64>,
     options: &DirectionOptions,
-) -> Result<PerVertex<f64>, NumericError> {
+) -> Result<Field, NumericError> {
     let topology = surface.topology();
     let wish = |v: VertexId, along: Vec3, across: Vec3| {
         Complex::from_polar(
@@ -69,7 +76,10 @@ pub fn field(
             unit.len(),
         );
     }
-    Ok(PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()))
+    Ok(Field {
+        angle: PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()),
+        wish: PerVertex::from_vec(source),
+    })
 }
 
 /// The angle of a direction, one of six: the cut between them lies where no symmetry puts a field exactly, so that
@@ -164,36 +174,4 @@ fn polar_of(
         mean += Complex::from_polar(1.0, mesh.polar(topology, h) - angle);
     }
     mean.arg()
-}
-
-/// Turns (in sixths) that match the field across an edge, from the origin's frame to the target's, and the rest.
-pub fn matching(
-    mesh: &IntrinsicMesh,
-    angle: &PerVertex<f64>,
-    topology: &Topology,
-    e: EdgeId,
-) -> (i32, f64) {
-    let [i, j] = topology.edge_vertices(e);
-    let difference = angle[j] - angle[i] - mesh.transport(e);
-    let turns = (difference / FRAC_PI_3).round();
-    (turns as i32, difference - turns * FRAC_PI_3)
-}
-
-/// Index of the field in each triangle, in sixths of a turn.
-pub fn cones(topology: &Topology, mesh: &IntrinsicMesh, angle: &PerVertex<f64>) -> PerFace<i32> {
-    PerFace::from_fn(topology.n_faces(), |f| {
-        let (mut rest, mut holonomy) = (0.0, 0.0);
-        for h in topology.face_half_edges(f) {
-            let e = topology.edge(h);
-            let sign = if topology.edge_half_edge(e) == h {
-                1.0
-            } else {
-                -1.0
-            };
-            rest += sign * matching(mesh, angle, topology, e).1;
-            holonomy += sign * mesh.transport(e);
-        }
-        let holonomy = (holonomy + PI).rem_euclid(2.0 * PI) - PI;
-        ((rest + holonomy) / FRAC_PI_3).round() as i32
-    })
 }

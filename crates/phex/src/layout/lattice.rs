@@ -1,6 +1,6 @@
 //! The hexagonal lattice `Z[w]`, `w = exp(i pi / 3)`, and how neighbouring vertices see it.
 
-use crate::directions::{Directions, rosy};
+use crate::directions::Directions;
 use nalgebra::Complex;
 use phex_mesh::{EdgeId, HalfEdgeId, PerEdge, Topology};
 use std::f64::consts::FRAC_PI_3;
@@ -166,8 +166,7 @@ impl Charts {
 fn transition(topology: &Topology, directions: &Directions, e: EdgeId) -> Transition {
     let mesh = &directions.intrinsic;
     let [i, j] = topology.edge_vertices(e);
-    let (turns, _) = rosy::matching(mesh, &directions.angle, topology, e);
-    let turn = turns.rem_euclid(6) as u8;
+    let turn = directions.turn[e].rem_euclid(6) as u8;
     // Both ends see the edge; their views are averaged.
     let from_origin = Plane::from_polar(1.0, mesh.polar_origin[e] - directions.angle[i]);
     let from_target = -rotate(

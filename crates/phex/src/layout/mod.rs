@@ -114,6 +114,8 @@ pub enum LayoutError {
 pub struct LayoutStatistics {
     /// Cones of the direction field (triangles with an index).
     pub cones: usize,
+    /// Pairs of opposite cones that were cancelled.
+    pub cancelled: usize,
     /// What became of the dislocations.
     pub annihilation: Annihilation,
     /// 95 % quantile of the edges' distortion.
@@ -147,6 +149,7 @@ pub fn place_seeds(
     let offsets = offsets.reduced(topology, &charts);
     let statistics = LayoutStatistics {
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
+        cancelled: directions.cancelled,
         annihilation,
         distortion_p95,
     };

@@ -1,0 +1,247 @@
+//! Opposite cones that lie close together are cancelled.
+//!
+//! The smoothest field has pairs of cones of index `+1/6` and `-1/6` wherever the metric's own curvature changes quickly; each
+//! costs irregular panels and gives nothing back. With the turns `p` of the field along edges as unknowns of their own, a
+//! cone moves across an edge when its turn changes by one. Moved into its opposite both vanish, and with the turns fixed
+//! the angles are the solution of one linear system,
+//!
+//! ```text
+//! min  sum_e w_e (t_j - t_i - r_e - p_e pi/3)^2  +  sum_v a_v (t_v - wish_v)^2 .
+//! ```
+//!
+//! Source: trivial connections (Crane, Desbrun, Schroeder 2010), with the cones of a field instead of chosen ones.
+
+use super::intrinsic::{IntrinsicMesh, row};
+use super::rosy::Field;
+use nalgebra::Complex;
+use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, PerVertex, Topology, VertexId};
+use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+use std::f64::consts::{FRAC_PI_3, PI};
+
+/// Solves with the wishes taken anew, because they are known up to a sixth of a turn.
+const SOLVES: usize = 3;
+/// Hold on the last angles, over the area, which decides where there is no wish.
+const HOLD: f64 = 1e-6;
+
+/// Angles of a field and its turns along edges.
+pub struct TurnedField {
+    /// Angle at each vertex, radians.
+    pub angle: PerVertex<f64>,
+    /// Turns along each edge from its origin to its target, sixths.
+    pub turn: PerEdge<i32>,
+    /// Index in each triangle, sixths.
+    pub cone: PerFace<i32>,
+    /// Pairs that were cancelled.
+    pub cancelled: usize,
+}
+
+/// Cancels opposite cones at most `reach` lattice spacings apart, the closest first.
+///
+/// # Errors
+/// If the linear system can't be solved.
+pub fn cancel(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    field: Field,
+    reach: f64,
+) -> Result<TurnedField, NumericError> {
+    let mut turn = PerEdge::from_fn(topology.n_edges(), |e| {
+        (rest(topology, mesh, &field.angle, e) / FRAC_PI_3).round() as i32
+    });
+    let mut cone = cones(topology, mesh, &field.angle, &turn);
+    let mut pairs = pairs(topology, mesh, &cone, reach);
+    pairs.sort_by(|a, b| a.length.total_cmp(&b.length));
+    let mut cancelled = 0;
+    for pair in pairs {
+        if cone[pair.from].signum() * cone[pair.to].signum() == -1 {
+            let sign = cone[pair.from].signum();
+            for (f, e) in pair.path {
+                turn[e] += sign * side(topology, f, e);
+            }
+            cone[pair.from] -= sign;
+            cone[pair.to] += sign;
+            cancelled += 1;
+        }
+    }
+    let angle = if cancelled == 0 {
+        field.angle
+    } else {
+        settle(topology, mesh, &field, &turn)?
+    };
+    Ok(TurnedField {
+        cone: cones(topology, mesh, &angle, &turn),
+        angle,
+        turn,
+        cancelled,
+    })
+}
+
+/// Angle by which the field turns along an edge.
+fn rest(topology: &Topology, mesh: &IntrinsicMesh, angle: &PerVertex<f64>, e: EdgeId) -> f64 {
+    let [i, j] = topology.edge_vertices(e);
+    angle[j] - angle[i] - mesh.transport(e)
+}
+
+/// 1 if `f` lies to the left of the edge, else -1.
+fn side(topology: &Topology, f: FaceId, e: EdgeId) -> i32 {
+    if topology.face(topology.edge_half_edge(e)) == f {
+        1
+    } else {
+        -1
+    }
+}
+
+/// Index in each triangle of a field with given turns, in sixths.
+fn cones(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    angle: &PerVertex<f64>,
+    turn: &PerEdge<i32>,
+) -> PerFace<i32> {
+    PerFace::from_fn(topology.n_faces(), |f| {
+        let (mut turned, mut holonomy) = (0.0, 0.0);
+        for e in topology.face_half_edges(f).map(|h| topology.edge(h)) {
+            let sign = f64::from(side(topology, f, e));
+            turned += sign * (rest(topology, mesh, angle, e) - f64::from(turn[e]) * FRAC_PI_3);
+            holonomy += sign * mesh.transport(e);
+        }
+        let holonomy = (holonomy + PI).rem_euclid(2.0 * PI) - PI;
+        ((turned + holonomy) / FRAC_PI_3).round() as i32
+    })
+}
+
+/// Two opposite cones and the way between them: triangles with the edges to leave them by.
+struct Pair {
+    length: f64,
+    from: FaceId,
+    to: FaceId,
+    path: Vec<(FaceId, EdgeId)>,
+}
+
+fn pairs(topology: &Topology, mesh: &IntrinsicMesh, cone: &PerFace<i32>, reach: f64) -> Vec<Pair> {
+    let positive = topology.faces().filter(|f| cone[*f] > 0);
+    positive
+        .flat_map(|f| opposites(topology, mesh, cone, f, reach))
+        .collect()
+}
+
+/// The negative cones within reach of a positive one, by the shortest dual paths.
+fn opposites(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    cone: &PerFace<i32>,
+    from: FaceId,
+    reach: f64,
+) -> Vec<Pair> {
+    let size = |f: FaceId| 0.375 * mesh.area[f].sqrt();
+    let mut known: BTreeMap<FaceId, (f64, Option<(FaceId, EdgeId)>)> = BTreeMap::new();
+    known.insert(from, (0.0, None));
+    let mut heap = BinaryHeap::from([Reverse((Length(0.0), from))]);
+    let mut found = Vec::new();
+    while let Some(Reverse((Length(d), f))) = heap.pop() {
+        if d > known[&f].0 {
+            continue;
+        }
+        if cone[f] < 0 {
+            let path = path_to(&known, f);
+            found.push(Pair {
+                length: d,
+                from,
+                to: f,
+                path,
+            });
+        }
+        for h in topology.face_half_edges(f) {
+            let Some(twin) = topology.twin(h) else {
+                continue;
+            };
+            let g = topology.face(twin);
+            let next = d + size(f) + size(g);
+            if next <= reach && known.get(&g).is_none_or(|k| next < k.0) {
+                known.insert(g, (next, Some((f, topology.edge(h)))));
+                heap.push(Reverse((Length(next), g)));
+            }
+        }
+    }
+    found
+}
+
+fn path_to(
+    known: &BTreeMap<FaceId, (f64, Option<(FaceId, EdgeId)>)>,
+    to: FaceId,
+) -> Vec<(FaceId, EdgeId)> {
+    let mut path = Vec::new();
+    let mut at = to;
+    while let Some((before, edge)) = known[&at].1 {
+        path.push((before, edge));
+        at = before;
+    }
+    path.reverse();
+    path
+}
+
+/// Total order for lengths in a heap.
+#[derive(Clone, Copy, PartialEq)]
+struct Length(f64);
+impl Eq for Length {}
+impl PartialOrd for Length {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Length {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+/// The angles that fit fixed turns best.
+fn settle(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    field: &Field,
+    turn: &PerEdge<i32>,
+) -> Result<PerVertex<f64>, NumericError> {
+    let factor = Cholesky::new(&matrix(topology, mesh, &field.wish)?)?;
+    let mut angle = field.angle.clone();
+    for _ in 0..SOLVES {
+        let mut rhs = PerVertex::from_fn(topology.n_vertices(), |v: VertexId| {
+            let wish = nearest(field.wish[v], angle[v]);
+            field.wish[v].norm() * wish + HOLD * mesh.mass[v] * angle[v]
+        });
+        for e in topology.edges() {
+            let [i, j] = topology.edge_vertices(e);
+            let step = mesh.weight[e] * (mesh.transport(e) + f64::from(turn[e]) * FRAC_PI_3);
+            rhs[i] -= step;
+            rhs[j] += step;
+        }
+        let mut x = rhs.into_vec();
+        factor.solve(&mut x);
+        angle = PerVertex::from_vec(x);
+    }
+    Ok(angle)
+}
+
+fn matrix(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    wish: &PerVertex<Complex<f64>>,
+) -> Result<SymmetricMatrix, NumericError> {
+    let own = topology
+        .vertices()
+        .map(|v| (row(v), row(v), wish[v].norm() + HOLD * mesh.mass[v]));
+    let edges = topology.edges().flat_map(|e| {
+        let [i, j] = topology.edge_vertices(e).map(row);
+        let w = mesh.weight[e];
+        [(i, i, w), (j, j, w), (i.max(j), i.min(j), -w)]
+    });
+    SymmetricMatrix::from_triplets(topology.n_vertices(), own.chain(edges))
+}
+
+/// The angle of a wish, of its six the one nearest to `near`.
+fn nearest(wish: Complex<f64>, near: f64) -> f64 {
+    let angle = wish.arg() / 6.0;
+    angle + ((near - angle) / FRAC_PI_3).round() * FRAC_PI_3
+}
