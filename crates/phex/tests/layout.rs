@@ -27,7 +27,10 @@ impl FlatLattice {
     fn new() -> Self {
         let panels = (SPACINGS * SPACINGS / phex::layout::lattice::CELL) as usize;
         let mut stages = Stages::new(&shape("plane", 500), panels);
-        stages.directions.angle = x_axis(&stages.surface, &stages.directions);
+        let angle = x_axis(&stages.surface, &stages.directions);
+        stages.directions = stages
+            .directions
+            .with_angles(stages.surface.topology(), angle);
         let charts = Charts::new(stages.topology(), &stages.directions);
         Self { stages, charts }
     }

@@ -47,9 +47,7 @@ pub fn cancel(
     field: Field,
     reach: f64,
 ) -> Result<TurnedField, NumericError> {
-    let mut turn = PerEdge::from_fn(topology.n_edges(), |e| {
-        (rest(topology, mesh, &field.angle, e) / FRAC_PI_3).round() as i32
-    });
+    let mut turn = smallest_turns(topology, mesh, &field.angle);
     let mut cone = cones(topology, mesh, &field.angle, &turn);
     let mut pairs = pairs(topology, mesh, &cone, reach);
     pairs.sort_by(|a, b| a.length.total_cmp(&b.length));
@@ -78,6 +76,17 @@ pub fn cancel(
     })
 }
 
+/// Turns of the field along each edge with the smallest rest, in sixths.
+pub fn smallest_turns(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    angle: &PerVertex<f64>,
+) -> PerEdge<i32> {
+    PerEdge::from_fn(topology.n_edges(), |e| {
+        (rest(topology, mesh, angle, e) / FRAC_PI_3).round() as i32
+    })
+}
+
 /// Angle by which the field turns along an edge.
 fn rest(topology: &Topology, mesh: &IntrinsicMesh, angle: &PerVertex<f64>, e: EdgeId) -> f64 {
     let [i, j] = topology.edge_vertices(e);
@@ -94,7 +103,7 @@ fn side(topology: &Topology, f: FaceId, e: EdgeId) -> i32 {
 }
 
 /// Index in each triangle of a field with given turns, in sixths.
-fn cones(
+pub fn cones(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     angle: &PerVertex<f64>,

@@ -97,6 +97,14 @@ pub struct Directions {
 }
 
 impl Directions {
+    /// The same metric with other angles, and the smallest turns along edges.
+    pub fn with_angles(mut self, topology: &Topology, angle: PerVertex<f64>) -> Self {
+        self.turn = cancel::smallest_turns(topology, &self.intrinsic, &angle);
+        self.cone = cancel::cones(topology, &self.intrinsic, &angle, &self.turn);
+        self.angle = angle;
+        self
+    }
+
     /// Angle, radians, by which the field turns along an edge beyond its whole turns.
     pub fn rest(&self, topology: &Topology, e: EdgeId) -> f64 {
         let [i, j] = topology.edge_vertices(e);
