@@ -3,14 +3,15 @@
 use std::path::Path;
 
 /// Each crate with the crates of the workspace that it may depend on.
-const ARROWS: [(&str, &[&str]); 5] = [
+const ARROWS: [(&str, &[&str]); 6] = [
     ("phex-mesh", &[]),
     ("phex-numeric", &[]),
     ("phex", &["phex-mesh", "phex-numeric"]),
     ("phex-html", &["phex-mesh", "phex"]),
+    ("phex-fab", &["phex-mesh", "phex"]),
     (
         "phex-cli",
-        &["phex-mesh", "phex-numeric", "phex", "phex-html"],
+        &["phex-mesh", "phex-numeric", "phex", "phex-html", "phex-fab"],
     ),
 ];
 

@@ -2,6 +2,7 @@
 
 use crate::dual_arguments::{DualCommand, DupinCommand, PowerCommand, SubdivideCommand};
 use crate::exit::EXIT_CODES;
+use crate::fab_arguments::FabCommand;
 use crate::offset_arguments::OffsetCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
 use crate::settings::MeshSettings;
@@ -31,6 +32,8 @@ pub enum Command {
     Planarize(PlanarizeCommand),
     /// Offset a planar mesh: layers, solid panels, beams, Gauss image
     Offset(Box<OffsetCommand>),
+    /// Write workshop files: flat labelled panels on sheets (DXF, SVG), schedules (CSV, XLSX), solids (STL, OBJ)
+    Fab(Box<FabCommand>),
     /// Judge any polygon mesh: planar, simple, sound, close to a surface; lists offenders by id
     Check(CheckCommand),
     /// Write the report of a mesh as one HTML file: interactive view, colour maps, checks
@@ -65,6 +68,7 @@ impl Command {
             Self::Network(c) => &c.talk,
             Self::Planarize(c) => &c.talk,
             Self::Offset(c) => &c.talk,
+            Self::Fab(c) => &c.talk,
             Self::Check(c) => &c.talk,
             Self::Report(c) => &c.talk,
             Self::Render(c) => &c.talk,

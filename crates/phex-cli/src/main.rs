@@ -5,6 +5,7 @@ mod commands;
 mod dual_arguments;
 mod engine;
 mod exit;
+mod fab_arguments;
 mod html;
 mod input;
 mod offset_arguments;

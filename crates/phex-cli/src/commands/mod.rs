@@ -5,6 +5,7 @@ mod convert;
 mod deliver;
 mod dual;
 mod dupin;
+mod fab;
 mod info;
 mod koebe;
 mod mesh;
@@ -32,6 +33,7 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Network(command) => network::run(&command),
         Command::Planarize(command) => planarize::run(&command),
         Command::Offset(command) => offset::run(&command),
+        Command::Fab(command) => fab::run(&command),
         Command::Check(command) => check::run(&command),
         Command::Report(command) => report::run(&command),
         Command::Render(command) => render::run(&command),

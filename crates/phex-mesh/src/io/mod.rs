@@ -37,6 +37,7 @@ pub use compas::{FaceAttributes, compas_json};
 pub use dxf::DxfDrawing;
 pub use error::{Place, ReadCause, ReadError, UnknownExtension, WriteCause, WriteError};
 pub use hex_mesh::{HexMeshError, HexMeshReadError};
+pub use obj::obj_of_objects;
 
 use crate::PolygonSoup;
 use std::io::Write;

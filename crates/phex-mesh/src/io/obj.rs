@@ -91,17 +91,35 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
 /// The file of a mesh.
 pub(super) fn encode(soup: &PolygonSoup) -> Vec<u8> {
     let mut text = String::new();
+    push(&mut text, soup, 0);
+    text.into_bytes()
+}
+
+/// An OBJ file of several named objects (`o`), in their order; blanks in names become `_`.
+pub fn obj_of_objects(objects: &[(String, PolygonSoup)]) -> Vec<u8> {
+    let mut text = String::new();
+    let mut before = 0;
+    for (name, soup) in objects {
+        let name: Vec<&str> = name.split_whitespace().collect();
+        let _ = writeln!(text, "o {}", name.join("_"));
+        push(&mut text, soup, before);
+        before += soup.positions.len() as u64;
+    }
+    text.into_bytes()
+}
+
+/// Adds a soup to a text that holds `before` vertices.
+fn push(text: &mut String, soup: &PolygonSoup, before: u64) {
     for p in &soup.positions {
         let _ = writeln!(text, "v {:?} {:?} {:?}", p.x, p.y, p.z);
     }
     for face in &soup.faces {
         text.push('f');
         for &v in face {
-            let _ = write!(text, " {}", u64::from(v) + 1);
+            let _ = write!(text, " {}", before + u64::from(v) + 1);
         }
         text.push('\n');
     }
-    text.into_bytes()
 }
 
 #[cfg(test)]
@@ -198,6 +216,17 @@ mod tests {
             with("v 0 0"),
             (Place::Line(5), ReadCause::TooFewCoordinates { found: 2 })
         ));
+    }
+
+    #[test]
+    fn objects_count_their_vertices_together() {
+        let triangle = PolygonSoup {
+            positions: vec![Vec3::zeros(), Vec3::x(), Vec3::y()],
+            faces: vec![vec![0, 1, 2]],
+        };
+        let bytes = obj_of_objects(&[("A 1".into(), triangle.clone()), ("B".into(), triangle)]);
+        assert!(bytes.starts_with(b"o A_1\n"));
+        assert_eq!(parse(&bytes).unwrap().faces, [[0, 1, 2], [3, 4, 5]]);
     }
 
     #[test]

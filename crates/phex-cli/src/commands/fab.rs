@@ -1,0 +1,133 @@
+//! `phex fab`: the folder of workshop files.
+
+use super::{tell, use_threads};
+use crate::exit::{Exit, Failure, OrExit};
+use crate::fab_arguments::{FabCommand, millimetres};
+use crate::input::MeshFile;
+use crate::progress::{is_interrupted, while_writing};
+use crate::units::Unit;
+use phex_fab::folder::{check_place, files, summary, write};
+use phex_fab::schedule::panel_centres;
+use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mesh};
+use phex_mesh::measure::diagonal;
+use phex_mesh::{HexMesh, ValidateOptions};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Runs the command.
+///
+/// # Errors
+/// If the mesh is not valid, the thickness goes past the safe offset, a panel does not fit on a sheet, or the folder can't
+/// be made; nothing is written then.
+pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
+    use_threads(command.threads)?;
+    check_place(&command.output).or_exit(Exit::InputUnusable)?;
+    let (mesh, _) = MeshFile::read(&command.input)?.polygon_mesh()?;
+    let options = options(command, &mesh);
+    let ids = ids(command.keep_ids.as_deref(), &mesh, options.unit_mm)?;
+    let valid = valid_mesh(mesh, &ids, &options.validity).map_err(failure)?;
+    let fabrication = fabricate(valid, ids, options).map_err(failure)?;
+    let files = files(&fabrication).map_err(failure)?;
+    if is_interrupted() {
+        return Err(Failure::interrupted());
+    }
+    while_writing(|| write(&command.output, &files)).or_exit(Exit::Internal)?;
+    tell(command.talk.quiet, &text(&fabrication, &command.output))?;
+    Ok(Exit::Success)
+}
+
+fn options(command: &FabCommand, mesh: &HexMesh) -> FabOptions {
+    let (unit, size) = (command.unit, diagonal(mesh));
+    let default = ValidateOptions::default();
+    let planarity = command
+        .planarity
+        .map_or(default.planarity, |q| q.fraction(unit, mesh.mean_edge()));
+    FabOptions {
+        thickness: command.thickness.length(unit, size),
+        gap: command.gap.map_or(0.0, |gap| gap.length(unit, size)),
+        side: command.side.into(),
+        unit_mm: unit.metres() / Unit::Mm.metres(),
+        sheet_mm: command.sheet.millimetres(),
+        spacing_mm: millimetres(command.spacing),
+        rotations: command.rotations.clone(),
+        tolerance_mm: millimetres(command.tolerance),
+        angle_tolerance: command.angle_tolerance.to_radians(),
+        text_mm: millimetres(command.text),
+        validity: ValidateOptions {
+            planarity,
+            ..default
+        },
+    }
+}
+
+fn ids(previous: Option<&Path>, mesh: &HexMesh, unit_mm: f64) -> Result<PanelIds, Failure> {
+    let Some(path) = previous else {
+        return Ok(PanelIds::new(mesh));
+    };
+    let unreadable =
+        |cause: &dyn std::fmt::Display| Failure::input(format!("{}: {cause}", path.display()));
+    let bytes = std::fs::read(path).map_err(|e| unreadable(&e))?;
+    let mut centres = panel_centres(&bytes).map_err(|e| unreadable(&e))?;
+    centres
+        .iter_mut()
+        .for_each(|(_, centre)| *centre /= unit_mm);
+    Ok(PanelIds::keeping(mesh, &centres))
+}
+
+fn failure(error: FabError) -> Failure {
+    let exit = match error {
+        FabError::Offset { .. } => Exit::NoValidResult,
+        FabError::Content { .. } | FabError::Nest { .. } => Exit::Internal,
+        _ => Exit::InputUnusable,
+    };
+    Failure {
+        exit,
+        cause: error.into(),
+    }
+}
+
+fn text(fabrication: &Fabrication, folder: &Path) -> String {
+    let summary = summary(fabrication);
+    let number = |name: &str| summary[name].as_f64().unwrap_or(f64::NAN);
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "panels       {}, {} distinct ({})",
+        number("panels"),
+        number("distinct_panels"),
+        if fabrication.ids.has_rows() {
+            "named by rows"
+        } else {
+            "without rows"
+        }
+    );
+    let _ = writeln!(
+        text,
+        "edges        {}, {} distinct lengths, {} distinct dihedral angles",
+        number("edges"),
+        number("distinct_lengths"),
+        number("distinct_dihedral_angles")
+    );
+    let _ = writeln!(
+        text,
+        "sheets       {}, used to {:.1} % ({:.1} % without the last one's offcut)",
+        number("sheets"),
+        number("use_percent"),
+        number("use_without_last_offcut_percent")
+    );
+    for (k, texts) in fabrication
+        .texts
+        .iter()
+        .enumerate()
+        .filter(|(_, t)| !t.left_out.is_empty())
+    {
+        let panel = fabrication.ids.panel(fabrication.plates[k].face);
+        let _ = writeln!(
+            text,
+            "no room      on panel {panel} for {}",
+            texts.left_out.join(", ")
+        );
+    }
+    let _ = writeln!(text, "written      {}", folder.display());
+    text
+}

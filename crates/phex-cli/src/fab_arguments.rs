@@ -1,0 +1,179 @@
+//! What can be typed after `phex fab`.
+
+use crate::args::Talk;
+use crate::exit::EXIT_CODES;
+use crate::units::{Quantity, Unit};
+use clap::{Args, ValueEnum};
+use phex_fab::{Rotations, Side};
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Arguments of `phex fab`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct FabCommand {
+    /// Valid mesh with planar faces, three at each interior vertex: OBJ, PLY or OFF
+    #[arg(value_name = "MESH")]
+    pub input: PathBuf,
+    /// Folder to make; one of an earlier run is replaced
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Thickness of the panels, e.g. `0.05` (model units) or `50mm`
+    #[arg(long, value_name = "LENGTH")]
+    pub thickness: Quantity,
+    /// Width of the joints between panels, in the planes of their faces [default: 0]
+    #[arg(long, value_name = "LENGTH")]
+    pub gap: Option<Quantity>,
+    /// Where the thickness goes from the mesh
+    #[arg(long, value_enum, default_value_t)]
+    pub side: PanelSide,
+    /// Unit of the model's coordinates
+    #[arg(long, value_enum, default_value_t)]
+    pub unit: Unit,
+    /// Size of a sheet: `1250x2500` in millimetres, or with units, `4ftx8ft`
+    #[arg(
+        long,
+        value_name = "WIDTHxLENGTH",
+        default_value = "1250x2500",
+        help_heading = "Sheets"
+    )]
+    pub sheet: SheetSize,
+    /// Least distance of panels from one another and from the sheet's border; a plain number is in millimetres
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        default_value = "5mm",
+        help_heading = "Sheets"
+    )]
+    pub spacing: Quantity,
+    /// How panels may be turned on a sheet: `free`, or angles in degrees, e.g. `0,180`
+    #[arg(long, value_name = "LIST", default_value = "free", value_parser = rotations, allow_hyphen_values = true, help_heading = "Sheets")]
+    pub rotations: Rotations,
+    /// Largest height of engraved text; a plain number is in millimetres
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        default_value = "25mm",
+        help_heading = "Sheets"
+    )]
+    pub text: Quantity,
+    /// Distance of corners up to which panels are the same, and spread of lengths that are the same; a plain number is in millimetres
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        default_value = "1mm",
+        help_heading = "Groups"
+    )]
+    pub tolerance: Quantity,
+    /// Spread of angles that are the same, in degrees
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        default_value_t = 0.1,
+        help_heading = "Groups"
+    )]
+    pub angle_tolerance: f64,
+    /// Let panels keep the names that they have in this table of an earlier run
+    #[arg(long, value_name = "PANELS.CSV", help_heading = "Groups")]
+    pub keep_ids: Option<PathBuf>,
+    /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length [default: 1e-12, or rounding]
+    #[arg(long, value_name = "X", help_heading = "Tolerances")]
+    pub planarity: Option<Quantity>,
+    /// Number of threads; the result does not depend on it
+    #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Where the thickness goes from the mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum PanelSide {
+    /// Inwards: the mesh is the outer face
+    #[default]
+    Inside,
+    /// Outwards, along the normals
+    Outside,
+    /// Half to either side
+    Centre,
+}
+
+impl From<PanelSide> for Side {
+    fn from(side: PanelSide) -> Self {
+        match side {
+            PanelSide::Inside => Self::Inside,
+            PanelSide::Outside => Self::Outside,
+            PanelSide::Centre => Self::Centre,
+        }
+    }
+}
+
+/// A width and a length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheetSize([Quantity; 2]);
+
+impl SheetSize {
+    /// The two lengths in millimetres, the longer first.
+    pub fn millimetres(self) -> [f64; 2] {
+        let [a, b] = self.0.map(millimetres);
+        [a.max(b), a.min(b)]
+    }
+}
+
+impl FromStr for SheetSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (a, b) = text
+            .split_once(['x', 'X'])
+            .ok_or("write WIDTHxLENGTH, e.g. 1250x2500")?;
+        let side = |part: &str| part.parse::<Quantity>().map_err(|e| e.to_string());
+        Ok(Self([side(a)?, side(b)?]))
+    }
+}
+
+/// A length of the workshop: a plain number is in millimetres, a percentage has no meaning and gives not a number.
+pub fn millimetres(quantity: Quantity) -> f64 {
+    quantity.length(Unit::Mm, f64::NAN)
+}
+
+fn rotations(text: &str) -> Result<Rotations, String> {
+    if text == "free" {
+        return Ok(Rotations::Free);
+    }
+    let angle = |word: &str| match word.trim().parse::<f64>() {
+        Ok(angle) if angle.is_finite() => Ok(angle),
+        _ => Err(format!(
+            "`{word}` is no angle; write `free` or degrees separated by commas"
+        )),
+    };
+    text.split(',')
+        .map(angle)
+        .collect::<Result<_, _>>()
+        .map(Rotations::Degrees)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sheets_in_any_unit_and_order() {
+        let size = |text: &str| text.parse::<SheetSize>().map(SheetSize::millimetres);
+        assert_eq!(size("1250x2500").unwrap(), [2500.0, 1250.0]);
+        assert_eq!(size("2.5mx1250mm").unwrap(), [2500.0, 1250.0]);
+        assert!(size("1250").is_err() && size("ax2").is_err() && size("-1x2").is_err());
+        assert!(size("10%x2").unwrap()[0].is_nan() || size("10%x2").unwrap()[1].is_nan());
+    }
+
+    #[test]
+    fn rotations_are_free_or_angles() {
+        assert_eq!(rotations("free").unwrap(), Rotations::Free);
+        assert_eq!(
+            rotations("0, -90").unwrap(),
+            Rotations::Degrees(vec![0.0, -90.0])
+        );
+        assert!(rotations("").is_err() && rotations("0,inf").is_err());
+    }
+}

@@ -1,0 +1,160 @@
+//! Sheets as drawings: DXF for machines, SVG for people and laser cutters. Millimetres; y up in DXF.
+//!
+//! | layer | what is on it |
+//! |---|---|
+//! | `CUT` | outlines of the panels' upper faces; the blade is tilted by the mitre angle of each side |
+//! | `ENGRAVE` | the panel's name, the neighbour's name at each side |
+//! | `LABEL` | mitre angles in degrees beside the neighbours' names; not for the machine |
+//! | `SHEET` | the sheet's border and title |
+
+use crate::fabricate::Fabrication;
+use crate::labels::PanelText;
+use crate::nest::Placement;
+use crate::outline::bounds;
+use crate::strokes::strokes;
+use phex_mesh::Vec2;
+use phex_mesh::io::DxfDrawing;
+use std::fmt::Write as _;
+
+/// A layer of a drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    /// Cut through.
+    Cut,
+    /// Engraved.
+    Engrave,
+    /// To be read only.
+    Label,
+    /// The sheet itself.
+    Sheet,
+}
+
+impl Layer {
+    /// All layers.
+    pub const ALL: [Self; 4] = [Self::Cut, Self::Engrave, Self::Label, Self::Sheet];
+
+    /// Name in the files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cut => "CUT",
+            Self::Engrave => "ENGRAVE",
+            Self::Label => "LABEL",
+            Self::Sheet => "SHEET",
+        }
+    }
+
+    /// AutoCAD colour number, and the same colour for SVG.
+    fn colour(self) -> (u8, &'static str) {
+        match self {
+            Self::Cut => (1, "#d00000"),
+            Self::Engrave => (5, "#0030c0"),
+            Self::Label => (3, "#008040"),
+            Self::Sheet => (8, "#808080"),
+        }
+    }
+}
+
+/// A polyline on a layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// The layer.
+    pub layer: Layer,
+    /// Its points, in mm.
+    pub points: Vec<Vec2>,
+    /// Whether the last point is joined to the first.
+    pub closed: bool,
+}
+
+/// Height of a sheet's title, over the sheet's width.
+const TITLE: f64 = 0.02;
+
+/// All lines of one sheet, from its lower left corner. `texts` are those of all panels.
+pub fn sheet(fabrication: &Fabrication, number: usize, texts: &[PanelText]) -> Vec<Stroke> {
+    let [width, height] = fabrication.options.sheet_mm;
+    let border =
+        [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]].map(|[x, y]| Vec2::new(x, y));
+    let line = |layer, points: Vec<Vec2>, closed| Stroke {
+        layer,
+        points,
+        closed,
+    };
+    let mut lines = vec![line(Layer::Sheet, border.to_vec(), true)];
+    let size = TITLE * width.min(height);
+    let below = Vec2::new(0.0, -2.0 * size);
+    let title = strokes(&title(fabrication, number), size);
+    let moved = |s: Vec<Vec2>| line(Layer::Sheet, s.iter().map(|p| p + below).collect(), false);
+    lines.extend(title.into_iter().map(moved));
+    for placement in &fabrication.sheets[number] {
+        let plate = &fabrication.plates[placement.plate];
+        lines.push(line(Layer::Cut, placement.apply(&plate.top), true));
+        lines.extend(
+            texts[placement.plate]
+                .strokes
+                .iter()
+                .map(|s| placed(s, placement)),
+        );
+    }
+    lines
+}
+
+fn placed(stroke: &Stroke, placement: &Placement) -> Stroke {
+    Stroke {
+        points: placement.apply(&stroke.points),
+        ..stroke.clone()
+    }
+}
+
+fn title(fabrication: &Fabrication, number: usize) -> String {
+    let [width, height] = fabrication.options.sheet_mm;
+    let panels = fabrication.sheets[number].len();
+    let (sheets, used) = (
+        fabrication.sheets.len(),
+        100.0 * fabrication.sheet_use(number),
+    );
+    format!(
+        "SHEET {}/{sheets}  {width} X {height} MM  {} MM THICK  {panels} PANELS  USE {used:.1}%",
+        number + 1,
+        fabrication.options.thickness * fabrication.options.unit_mm
+    )
+}
+
+/// A drawing as DXF R12.
+pub fn dxf(strokes: &[Stroke]) -> String {
+    let mut drawing = DxfDrawing::new(&Layer::ALL.map(|l| (l.name(), l.colour().0)));
+    for stroke in strokes {
+        drawing.polyline(stroke.layer.name(), &stroke.points, stroke.closed);
+    }
+    drawing.to_text()
+}
+
+/// A drawing as SVG in millimetres, a group for each layer.
+pub fn svg(strokes: &[Stroke]) -> String {
+    let all: Vec<Vec2> = strokes
+        .iter()
+        .flat_map(|s| s.points.iter().copied())
+        .collect();
+    let [low, high] = bounds(&all);
+    let rim = Vec2::repeat(0.01 * (high - low).max());
+    let (low, high) = (low - rim, high + rim);
+    let size = high - low;
+    let mut text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.3}mm\" height=\"{1:.3}mm\" viewBox=\"{2:.3} {3:.3} {0:.3} {1:.3}\">\n",
+        size.x, size.y, low.x, -high.y
+    );
+    let thin = 4e-4 * size.max();
+    for layer in Layer::ALL {
+        let (name, colour) = (layer.name(), layer.colour().1);
+        let _ = writeln!(
+            text,
+            "<g id=\"{name}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{thin:.3}\" stroke-linecap=\"round\" stroke-linejoin=\"round\">"
+        );
+        for stroke in strokes.iter().filter(|s| s.layer == layer) {
+            let point = |p: &Vec2| format!("{:.6} {:.6}", p.x, -p.y);
+            let points: Vec<String> = stroke.points.iter().map(point).collect();
+            let end = if stroke.closed { " Z" } else { "" };
+            let _ = writeln!(text, "<path d=\"M {}{end}\"/>", points.join(" L "));
+        }
+        text += "</g>\n";
+    }
+    text + "</svg>\n"
+}

@@ -1,0 +1,86 @@
+//! What the workshop asks for.
+
+use phex_mesh::ValidateOptions;
+use serde::{Deserialize, Serialize};
+
+/// Where the given mesh lies in the thick panels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// The mesh is the outer face (on the side of the normals), the thickness goes inwards.
+    #[default]
+    Inside,
+    /// The mesh is the inner face, the thickness goes outwards.
+    Outside,
+    /// Half of the thickness on either side.
+    Centre,
+}
+
+impl Side {
+    /// Signed distances of the lower and the upper face from the mesh, positive along the normals.
+    pub fn layers(self, thickness: f64) -> [f64; 2] {
+        match self {
+            Self::Inside => [-thickness, 0.0],
+            Self::Outside => [0.0, thickness],
+            Self::Centre => [-0.5 * thickness, 0.5 * thickness],
+        }
+    }
+}
+
+/// How panels may be turned on a sheet.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rotations {
+    /// Any angle.
+    #[default]
+    Free,
+    /// These angles only, in degrees, from the upright position of the panel's text.
+    Degrees(Vec<f64>),
+}
+
+/// Options of [`fabricate`](crate::fabricate).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FabOptions {
+    /// Thickness of the panels, in model units; above 0.
+    pub thickness: f64,
+    /// Width of the joints between panels, in the planes of their faces, in model units; at least 0.
+    pub gap: f64,
+    /// Where the mesh lies in the thickness.
+    pub side: Side,
+    /// Millimetres in a model unit. Default 1000: the model is in metres.
+    pub unit_mm: f64,
+    /// Length along x and along y of a sheet, in mm. Default 2500 x 1250.
+    pub sheet_mm: [f64; 2],
+    /// Least distance of panels from one another and from the sheet's border, in mm. Default 5: room for a saw or cutter.
+    pub spacing_mm: f64,
+    /// How panels may be turned.
+    pub rotations: Rotations,
+    /// Largest distance of corners up to which panels are congruent, and largest spread of one length of edges, in mm.
+    /// Default 1.
+    pub tolerance_mm: f64,
+    /// Largest spread of one angle, in radians. Default 0.1 degrees.
+    pub angle_tolerance: f64,
+    /// Largest height of engraved text, in mm. Default 25; it is smaller where a panel is.
+    pub text_mm: f64,
+    /// What is asked of the layers.
+    pub validity: ValidateOptions,
+}
+
+impl Default for FabOptions {
+    fn default() -> Self {
+        Self {
+            thickness: 0.05,
+            gap: 0.0,
+            side: Side::default(),
+            unit_mm: 1000.0,
+            sheet_mm: [2500.0, 1250.0],
+            spacing_mm: 5.0,
+            rotations: Rotations::default(),
+            tolerance_mm: 1.0,
+            angle_tolerance: 0.1_f64.to_radians(),
+            text_mm: 25.0,
+            validity: ValidateOptions::default(),
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The table of panels.
+
+use super::{Cell, Table, list};
+use crate::fabricate::Fabrication;
+use crate::ids::{edge_name, node_name};
+use crate::outline::least_rectangle;
+use phex_mesh::FlatFace;
+
+pub(super) fn table(fabrication: &Fabrication) -> Table {
+    let head = vec![
+        "id",
+        "type",
+        "corners",
+        "convex",
+        "area_m2",
+        "perimeter_mm",
+        "box_length_mm",
+        "box_width_mm",
+        "volume_m3",
+        "planarity_mm",
+        "lengths_mm",
+        "angles_deg",
+        "mitres_deg",
+        "neighbours",
+        "edges",
+        "nodes",
+        "sheet",
+        "sheet_x_mm",
+        "sheet_y_mm",
+        "sheet_rotation_deg",
+        "centre_x_mm",
+        "centre_y_mm",
+        "centre_z_mm",
+        "labels_left_out",
+    ];
+    let rows = (0..fabrication.plates.len())
+        .map(|k| row(fabrication, k))
+        .collect();
+    Table {
+        name: "panels",
+        head,
+        rows,
+    }
+}
+
+fn row(fabrication: &Fabrication, number: usize) -> Vec<Cell> {
+    let Fabrication {
+        mesh, ids, options, ..
+    } = fabrication;
+    let plate = &fabrication.plates[number];
+    let solid = &fabrication.solids[number];
+    let face = plate.face;
+    let lengths = plate.lengths();
+    let [length, width] = least_rectangle(&plate.outline);
+    let flat = FlatFace::of(mesh, face);
+    let (sheet, placement) = fabrication.placement(number);
+    let centre = mesh.centre(face) * options.unit_mm;
+    let neighbour =
+        |side: &crate::plate::PlateSide| side.neighbour.map_or("-", |f| ids.panel(f)).to_owned();
+    let degrees = |angle: f64| angle.to_degrees();
+    vec![
+        ids.panel(face).into(),
+        fabrication.groups.panel_type(number).into(),
+        plate.top.len().into(),
+        (!flat.is_concave(mesh.mean_edge())).into(),
+        (plate.area() * 1e-6).into(),
+        lengths.iter().sum::<f64>().into(),
+        length.into(),
+        width.into(),
+        (solid.volume() * (1e-3 * options.unit_mm).powi(3)).into(),
+        (flat.planarity_length * options.unit_mm).into(),
+        list(&lengths),
+        list(plate.angles().into_iter().map(degrees)),
+        list(plate.sides.iter().map(|s| degrees(s.mitre))),
+        list(plate.sides.iter().map(neighbour)),
+        list(plate.sides.iter().map(|s| edge_name(mesh, s.edge))),
+        list(
+            mesh.topology()
+                .face_vertices(face)
+                .iter()
+                .map(|&v| node_name(mesh, v)),
+        ),
+        (sheet + 1).into(),
+        placement.translation.x.into(),
+        placement.translation.y.into(),
+        degrees(placement.rotation).into(),
+        centre.x.into(),
+        centre.y.into(),
+        centre.z.into(),
+        list(&fabrication.texts[number].left_out),
+    ]
+}
