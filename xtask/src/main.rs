@@ -2,6 +2,7 @@
 
 mod arrows;
 mod figures;
+mod foreign;
 mod paths;
 mod stages;
 mod viewer;
@@ -10,10 +11,11 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo xtask check | viewer | browse | figures [NUMBER...]
+const USAGE: &str = "usage: cargo xtask check | foreign | viewer | browse | figures [NUMBER...]
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
+foreign opens the files of the program with other programs (needs Python and pip)
 viewer  builds the interactive part of the HTML report (needs npm)
 browse  opens HTML reports in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)
 figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces";
@@ -83,6 +85,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["check"] => check(&root()),
+        ["foreign"] => exit(foreign::check(&root())),
         ["viewer"] => exit(viewer::build(&root())),
         ["browse"] => exit(viewer::browse(&root())),
         ["figures", ref only @ ..] => exit(figures::figures(&root(), only)),

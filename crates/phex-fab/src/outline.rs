@@ -75,10 +75,10 @@ fn moved(polygon: &[Vec2], distances: &[f64]) -> Vec<Vec2> {
     let n = polygon.len();
     let normals: Vec<Vec2> = sides(polygon).map(|[a, b]| outward(a, b)).collect();
     let mut corners = Vec::with_capacity(n);
-    for i in 0..n {
+    for (i, &at) in polygon.iter().enumerate() {
         let before = (i + n - 1) % n;
         let side = |k: usize| (normals[k], distances[k]);
-        push_corner(&mut corners, polygon[i], side(before), side(i));
+        push_corner(&mut corners, at, side(before), side(i));
     }
     corners
 }

