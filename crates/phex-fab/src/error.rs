@@ -20,22 +20,22 @@ pub enum FabError {
         value: f64,
     },
     /// The mesh is not valid.
-    #[error("{}{source}", named(.panels))]
+    #[error("{}{cause}", named(.panels))]
     Invalid {
         /// Panels of the first violation.
         panels: Vec<String>,
         /// What is wrong.
-        source: Invalid,
+        cause: Invalid,
     },
     /// There are no such solids.
-    #[error("{}{source}{}", named(.panels), largest(.safe))]
+    #[error("{}{cause}{}", named(.panels), largest(.safe))]
     Offset {
         /// Panels where it fails.
         panels: Vec<String>,
         /// Largest safe thickness on that side, in model units, where it is known.
         safe: Option<f64>,
         /// What fails.
-        source: OffsetError,
+        cause: OffsetError,
     },
     /// A panel does not fit on a sheet.
     #[error(

@@ -98,11 +98,11 @@ pub fn valid_mesh(
     ids: &PanelIds,
     options: &ValidateOptions,
 ) -> Result<ValidHexMesh, FabError> {
-    validate(mesh, None, options).map_err(|source| {
-        let faces = source.violations[0].faces(source.mesh.topology());
+    validate(mesh, None, options).map_err(|cause| {
+        let faces = cause.violations[0].faces(cause.mesh.topology());
         FabError::Invalid {
             panels: names(ids, faces),
-            source,
+            cause,
         }
     })
 }
@@ -195,10 +195,10 @@ fn solids(
         validity: options.validity,
         ..Default::default()
     };
-    let refused = |source: OffsetError, safe| FabError::Offset {
-        panels: names(ids, faces_of(&source, mesh)),
+    let refused = |cause: OffsetError, safe| FabError::Offset {
+        panels: names(ids, faces_of(&cause, mesh)),
         safe,
-        source,
+        cause,
     };
     let image = face_gauss_image(mesh, &offset_options).map_err(|e| refused(e, None))?;
     let [low, high] = options.side.layers(options.thickness);

@@ -90,7 +90,7 @@ fn push_corner(corners: &mut Vec<Vec2>, at: Vec2, (m, r): (Vec2, f64), (n, s): (
         corners.push(at + (m + n).normalize() * r.max(s));
     } else if sine > 0.0 && cosine < SPIKE {
         // Cut at right angles to the corner's bisector, at the larger distance.
-        let bisector = Vec2::new(m.y - n.y, n.x - m.x).normalize();
+        let bisector = Vec2::new(n.y - m.y, m.x - n.x).normalize();
         let far = r.max(s);
         corners.push(at + meet((m, r), (bisector, far)));
         corners.push(at + meet((bisector, far), (n, s)));

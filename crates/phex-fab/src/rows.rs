@@ -6,7 +6,7 @@
 //! (along direction `k`) if this contradicts itself nowhere: every inner face is a hexagon, and the coordinate across the
 //! rows closes round every hole. Faces on the boundary may have any number of corners.
 //!
-//! Of the families that exist the one whose rows run most level and straight is taken. Rows are counted upwards (in y
+//! Of the families that exist the one whose rows run most level and straight is taken (in a level mesh the one nearest to the x axis). Rows are counted upwards (in y
 //! where the mesh is level), the panels of a row towards positive x; closed rings start at the most negative x.
 
 use phex_mesh::{FaceId, HalfEdgeId, HexMesh, PerFace, PerHalfEdge, Vec3};
@@ -17,6 +17,8 @@ const STEPS: [[i64; 2]; 6] = [[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]
 /// Coordinate across the rows of each family, and along them, as factors of the two lattice coordinates.
 const ACROSS: [[i64; 2]; 3] = [[0, 1], [1, 0], [1, 1]];
 const ALONG: [[i64; 2]; 3] = [[2, 1], [1, 2], [-1, 1]];
+/// Of rows that are all level, those along the x axis come first.
+const LEVEL_TIE: f64 = 1e-3;
 /// Scores closer than this are equal.
 const SAME_SCORE: f64 = 1e-6;
 
@@ -148,7 +150,7 @@ impl Lattice {
         let steep = pairs
             .iter()
             .filter_map(|[a, _]| step[*a])
-            .map(|d: Vec3| d.z * d.z);
+            .map(|d: Vec3| d.z * d.z + LEVEL_TIE * d.y * d.y);
         let bend = pairs
             .iter()
             .filter_map(|[a, b]| Some(step[*a]?.cross(&step[*b]?).norm_squared()));

@@ -145,7 +145,7 @@ fn opposites(
     reach: f64,
 ) -> Vec<Pair> {
     let size = |f: FaceId| 0.375 * mesh.area[f].sqrt();
-    let mut known: BTreeMap<FaceId, (f64, Option<(FaceId, EdgeId)>)> = BTreeMap::new();
+    let mut known = Reached::new();
     known.insert(from, (0.0, None));
     let mut heap = BinaryHeap::from([Reverse((Length(0.0), from))]);
     let mut found = Vec::new();
@@ -177,10 +177,10 @@ fn opposites(
     found
 }
 
-fn path_to(
-    known: &BTreeMap<FaceId, (f64, Option<(FaceId, EdgeId)>)>,
-    to: FaceId,
-) -> Vec<(FaceId, EdgeId)> {
+/// Distance of each triangle reached, and the triangle and edge before it.
+type Reached = BTreeMap<FaceId, (f64, Option<(FaceId, EdgeId)>)>;
+
+fn path_to(known: &Reached, to: FaceId) -> Vec<(FaceId, EdgeId)> {
     let mut path = Vec::new();
     let mut at = to;
     while let Some((before, edge)) = known[&at].1 {
