@@ -229,7 +229,7 @@ mod tests {
     proptest! {
         #[test]
         fn all_points_near_a_polygon_are_inside(
-            radii in prop::collection::vec(0.3..1.0, 4..9), distance in 0.01..0.5, turn in 0.0..6.28
+            radii in prop::collection::vec(0.3..1.0, 4..9), distance in 0.01..0.5, turn in 0.0..std::f64::consts::TAU
         ) {
             let n = radii.len() as f64;
             let corner = |(i, r): (usize, &f64)| {
