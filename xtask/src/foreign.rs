@@ -47,7 +47,7 @@ pub fn check(root: &Path) -> Result<(), String> {
         Command::new(&phex)
             .arg("mesh")
             .arg(&surface)
-            .args(["-n", "150", "-q", "-o"])
+            .args(["-n", "400", "-q", "-o"])
             .arg(&mesh),
     )?;
     let script = root.join(TEST).join("check.py");

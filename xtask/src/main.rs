@@ -26,7 +26,7 @@ struct Step {
     run: fn(&Path) -> Result<(), String>,
 }
 
-const CHECK: [Step; 10] = [
+const CHECK: [Step; 11] = [
     Step {
         name: "formatting",
         run: |root| cargo(root, &["fmt", "--all", "--check"]),
@@ -70,6 +70,10 @@ const CHECK: [Step; 10] = [
     Step {
         name: "tests",
         run: |root| cargo(root, &["test", "--workspace"]),
+    },
+    Step {
+        name: "files in other programs",
+        run: foreign::check,
     },
     Step {
         name: "the report in a browser",
