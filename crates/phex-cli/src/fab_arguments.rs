@@ -128,7 +128,13 @@ impl FromStr for SheetSize {
         let (a, b) = text
             .split_once(['x', 'X'])
             .ok_or("write WIDTHxLENGTH, e.g. 1250x2500")?;
-        let side = |part: &str| part.parse::<Quantity>().map_err(|e| e.to_string());
+        let side = |part: &str| {
+            let quantity = part.parse::<Quantity>().map_err(|e| e.to_string())?;
+            if millimetres(quantity).is_nan() {
+                return Err("the size of a sheet can't be a percentage".into());
+            }
+            Ok(quantity)
+        };
         Ok(Self([side(a)?, side(b)?]))
     }
 }
@@ -164,7 +170,7 @@ mod tests {
         assert_eq!(size("1250x2500").unwrap(), [2500.0, 1250.0]);
         assert_eq!(size("2.5mx1250mm").unwrap(), [2500.0, 1250.0]);
         assert!(size("1250").is_err() && size("ax2").is_err() && size("-1x2").is_err());
-        assert!(size("10%x2").unwrap()[0].is_nan() || size("10%x2").unwrap()[1].is_nan());
+        assert!(size("10%x2").unwrap_err().contains("percentage"));
     }
 
     #[test]
