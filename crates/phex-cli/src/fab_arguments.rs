@@ -131,7 +131,7 @@ impl FromStr for SheetSize {
         let side = |part: &str| {
             let quantity = part.parse::<Quantity>().map_err(|e| e.to_string())?;
             if millimetres(quantity).is_nan() {
-                return Err("the size of a sheet can't be a percentage".into());
+                return Err("the size of a sheet can't be a percentage".to_owned());
             }
             Ok(quantity)
         };
