@@ -126,12 +126,8 @@ impl TriangleSurface {
 
     /// The point of the surface that is closest to `p`.
     pub fn closest_point(&self, p: Vec3) -> SurfacePoint {
-        let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
-        let (_, (triangle, location)) = self
-            .hierarchy
-            .project_local_point_and_get_location(query, false);
-        let barycentric = barycentric(location);
-        self.at(FaceId::new(triangle), barycentric)
+        self.closest_within(p, f64::MAX)
+            .expect("a surface has a point")
     }
 
     /// The point of the surface that is closest to `p`, sought no farther away than the point `near` of the surface is: that
@@ -139,16 +135,16 @@ impl TriangleSurface {
     pub fn closest_point_near(&self, p: Vec3, near: Vec3) -> SurfacePoint {
         // Rounding must not exclude `near` itself.
         let bound = (p - near).norm() * (1.0 + 1e-6);
+        self.closest_within(p, bound)
+            .unwrap_or_else(|| self.closest_point(p))
+    }
+
+    fn closest_within(&self, p: Vec3, bound: f64) -> Option<SurfacePoint> {
         let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
-        let found = self
+        let (_, (triangle, location)) = self
             .hierarchy
-            .project_local_point_and_get_location_with_max_dist(query, false, bound);
-        match found {
-            Some((_, (triangle, location))) => {
-                self.at(FaceId::new(triangle), barycentric(location))
-            }
-            None => self.closest_point(p),
-        }
+            .project_local_point_and_get_location_with_max_dist(query, false, bound)?;
+        Some(self.at(FaceId::new(triangle), barycentric(location)))
     }
 
     /// Closest points of many, in their order; the same for any number of threads.

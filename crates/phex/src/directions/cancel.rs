@@ -11,7 +11,7 @@
 //!
 //! Source: trivial connections (Crane, Desbrun, Schroeder 2010), with the cones of a field instead of chosen ones.
 
-use super::intrinsic::{IntrinsicMesh, row};
+use super::intrinsic::{Distance, IntrinsicMesh, row};
 use super::rosy::Field;
 use nalgebra::Complex;
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, PerVertex, Topology, VertexId};
@@ -144,12 +144,11 @@ fn opposites(
     from: FaceId,
     reach: f64,
 ) -> Vec<Pair> {
-    let size = |f: FaceId| 0.375 * mesh.area[f].sqrt();
     let mut known = Reached::new();
     known.insert(from, (0.0, None));
-    let mut heap = BinaryHeap::from([Reverse((Length(0.0), from))]);
+    let mut heap = BinaryHeap::from([Reverse((Distance(0.0), from))]);
     let mut found = Vec::new();
-    while let Some(Reverse((Length(d), f))) = heap.pop() {
+    while let Some(Reverse((Distance(d), f))) = heap.pop() {
         if d > known[&f].0 {
             continue;
         }
@@ -167,10 +166,10 @@ fn opposites(
                 continue;
             };
             let g = topology.face(twin);
-            let next = d + size(f) + size(g);
+            let next = d + mesh.half_crossing(f) + mesh.half_crossing(g);
             if next <= reach && known.get(&g).is_none_or(|k| next < k.0) {
                 known.insert(g, (next, Some((f, topology.edge(h)))));
-                heap.push(Reverse((Length(next), g)));
+                heap.push(Reverse((Distance(next), g)));
             }
         }
     }
@@ -189,21 +188,6 @@ fn path_to(known: &Reached, to: FaceId) -> Vec<(FaceId, EdgeId)> {
     }
     path.reverse();
     path
-}
-
-/// Total order for lengths in a heap.
-#[derive(Clone, Copy, PartialEq)]
-struct Length(f64);
-impl Eq for Length {}
-impl PartialOrd for Length {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for Length {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }
 
 /// The angles that fit fixed turns best.

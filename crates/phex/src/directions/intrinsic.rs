@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 use phex_mesh::{
-    ElementId, HalfEdgeId, PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex, Topology,
+    ElementId, FaceId, HalfEdgeId, PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex, Topology,
     TriangleSurface,
 };
 use std::f64::consts::PI;
@@ -34,6 +34,12 @@ pub struct IntrinsicMesh {
 }
 
 impl IntrinsicMesh {
+    /// Length, in lattice spacings, that a path through a triangle is charged on either side of an edge: half of its way
+    /// from centre to centre.
+    pub(crate) fn half_crossing(&self, f: FaceId) -> f64 {
+        0.375 * self.area[f].sqrt()
+    }
+
     /// Measures the edges of `surface` in the tensors `metric`.
     pub fn new(surface: &TriangleSurface, metric: &PerVertex<Matrix3<f64>>) -> Self {
         let topology = surface.topology();
@@ -175,6 +181,21 @@ fn force_triangles(topology: &Topology, length: &mut PerEdge<f64>) -> bool {
         }
     }
     forced
+}
+
+/// Total order for distances in a heap.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct Distance(pub f64);
+impl Eq for Distance {}
+impl PartialOrd for Distance {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Distance {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
 }
 
 /// Index of a vertex in a system with one unknown per vertex.

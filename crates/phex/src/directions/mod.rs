@@ -58,8 +58,8 @@ pub struct DirectionOptions {
     pub rotate: f64,
     /// Weight of the alignment of a lattice row with the boundary, per panel length of it (0: the boundary is ignored).
     pub boundary_alignment: f64,
-    /// Distance, in panels, up to which opposite cones are cancelled (0: none are). 4 gives 2 to 5 more hexagons in a hundred
-    /// on bodies with bumps, and larger panels where they are strongly curved.
+    /// Distance, in panels, up to which opposite cones are cancelled (0: none are). 4 gives up to five more hexagons in a
+    /// hundred on bodies with bumps, but larger panels where they are strongly curved.
     pub cancel_reach: f64,
 }
 

@@ -9,7 +9,7 @@
 use super::boundary::Pin;
 use super::lattice::{Charts, Eisenstein, Plane, dot, rotate};
 use super::waves::{self, Projector};
-use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::intrinsic::{Distance, IntrinsicMesh};
 use crate::directions::rosy::{push_block, solve};
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
@@ -186,21 +186,6 @@ pub fn annihilate(
     }
 }
 
-/// Total order for distances in a heap.
-#[derive(Clone, Copy, PartialEq)]
-struct Distance(f64);
-impl Eq for Distance {}
-impl PartialOrd for Distance {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for Distance {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
 const NOBODY: u32 = u32::MAX;
 
 /// The shortest dual path from a dislocation to another one, a cone, or out of the boundary: fronts grow from all of them
@@ -211,7 +196,7 @@ fn shortest_path(
     state: &PerFace<Defect>,
     max_length: f64,
 ) -> Option<Vec<(FaceId, EdgeId)>> {
-    let size = |f: FaceId| 0.375 * mesh.area[f].sqrt();
+    let size = |f: FaceId| mesh.half_crossing(f);
     let mut source = PerFace::filled(topology.n_faces(), NOBODY);
     let mut distance = PerFace::filled(topology.n_faces(), f64::INFINITY);
     let mut from: PerFace<Option<(FaceId, EdgeId)>> = PerFace::filled(topology.n_faces(), None);

@@ -1,5 +1,6 @@
 //! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, no repair.
 
+use super::field::spaced_corners;
 use super::{
     Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, panel_count,
     panel_length, restored,
@@ -60,7 +61,7 @@ impl Ground {
             .finest()
             .clone()
             .with_normals(curvature.normal.clone());
-        let corners = spaced_corners(&smooth, length);
+        let corners = spaced_corners(&smooth, |_, d| d.norm() / length);
         Ok(Self {
             similarity,
             normalised,
@@ -88,19 +89,6 @@ impl Ground {
             corners: &self.corners,
         }
     }
-}
-
-/// Sharp boundary corners at least half a panel apart, the sharpest first.
-fn spaced_corners(smooth: &SmoothTarget, length: f64) -> HashSet<VertexId> {
-    let positions = smooth.finest().positions();
-    let mut kept: Vec<VertexId> = Vec::new();
-    for &corner in &smooth.corners {
-        let far = |other: &VertexId| (positions[corner] - positions[*other]).norm() > 0.5 * length;
-        if kept.iter().all(far) {
-            kept.push(corner);
-        }
-    }
-    kept.into_iter().collect()
 }
 
 fn in_model(error: NetworkError, similarity: &Similarity) -> PipelineError {

@@ -6,9 +6,11 @@ mod power_diagram;
 mod subdivision;
 
 use super::brick_wall::kinked;
+use super::field::{
+    Field, FineSurface, counted_lattice, direction_options, panel_length, with_seeds,
+};
 use super::{
-    COUNT_TOLERANCE, COUNT_TRIES, Clock, Field, FineSurface, MeshOptions, MeshRun, Method,
-    PipelineError, Statistics, between_panels, direction_options, moved, panel_length,
+    Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, between_panels, moved,
 };
 use crate::curvature::{self, Curvature};
 use crate::directions;
@@ -191,6 +193,22 @@ impl<'a> Start<'a> {
         })
     }
 
+    /// The lattice that is laid out for any method, and where it starts.
+    fn with_lattice(
+        ground: &'a Ground,
+        clock: &mut Clock<'_>,
+    ) -> Result<(Self, Field), PipelineError> {
+        let options = &ground.options;
+        let settings = direction_options(options, options.directions.anisotropy);
+        let field = Field::new(&ground.smooth, ground.panels, options, &settings, clock)?;
+        let start = Self {
+            level: field.level,
+            surface: &ground.smooth.levels[field.level],
+            curvature: field.curvature.clone(),
+        };
+        Ok((start, field))
+    }
+
     fn statistics(&self, method: Method) -> ClassicalStatistics {
         ClassicalStatistics {
             method,
@@ -219,32 +237,20 @@ impl<'a> Start<'a> {
         let weight = PerVertex::filled(principal.len(), 0.0);
         let area: f64 = IntrinsicMesh::new(self.surface, &metric).area.iter().sum();
         scale(&mut metric, CELL * ground.panels as f64 / area);
-        let mut best: Option<(f64, Field)> = None;
-        for _ in 0..COUNT_TRIES {
+        let (directions, seeds, statistics) = counted_lattice(ground.panels, |ratio| {
+            scale(&mut metric, 1.0 / ratio);
             let directions = clock.stage("directions", || {
                 directions::in_metric(self.surface, metric.clone(), &principal, &weight, &settings)
             })??;
-            let (seeds, statistics) = clock.stage("layout", || {
-                layout::place_seeds(self.surface.topology(), &directions, &options.layout)
-            })??;
-            let ratio = seeds.len().max(1) as f64 / ground.panels as f64;
-            if best.as_ref().is_none_or(|b| ratio.ln().abs() < b.0) {
-                let (level, curvature) = (self.level, self.curvature.clone());
-                let field = Field {
-                    level,
-                    curvature,
-                    directions,
-                    seeds,
-                    statistics,
-                };
-                best = Some((ratio.ln().abs(), field));
-            }
-            if ratio.ln().abs() < COUNT_TOLERANCE {
-                break;
-            }
-            scale(&mut metric, 1.0 / ratio);
-        }
-        Ok(best.expect("at least one lattice is tried").1)
+            with_seeds(self.surface.topology(), directions, &options.layout, clock)
+        })?;
+        Ok(Field {
+            level: self.level,
+            curvature: self.curvature.clone(),
+            directions,
+            seeds,
+            statistics,
+        })
     }
 }
 
@@ -321,42 +327,26 @@ fn support_function(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipe
 
 fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
     let options = &ground.options;
-    let settings = direction_options(options, options.directions.anisotropy);
-    let field = Field::new(&ground.smooth, ground.panels, options, &settings, clock)?;
-    let surface = &ground.smooth.levels[field.level];
-    let start = Start {
-        level: field.level,
-        surface,
-        curvature: field.curvature.clone(),
-    };
+    let (start, field) = Start::with_lattice(ground, clock)?;
     let mut classical = start.statistics(Method::TangentPlanes);
     let (fine, mut layout) = cells(ground, &field, clock)?;
     classical.forecast = Some(forecast(&layout, &start));
-    if options.dual.regularisation > 0.0 {
+    let (mesh, optimised) = if options.dual.regularisation > 0.0 {
         layout.mesh = regularised(&layout, options.dual.regularisation);
         let target = SurfaceTarget::new(ground.close_to(&fine.surface));
         let progress = clock.progress;
         let optimised = clock.timed("optimise", || {
             optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
         })?;
-        let (mesh, statistics) = (optimised.mesh.clone(), field.statistics);
-        return Ok(Made::of(
-            ground,
-            mesh,
-            fine,
-            statistics,
-            Some(optimised),
-            classical,
-        ));
-    }
-    let mesh = envelope(&layout.mesh, &tangent_planes_of(&layout)).map_err(LayoutError::from)?;
+        (optimised.mesh.clone(), Some(optimised))
+    } else {
+        let planes = tangent_planes_of(&layout);
+        let mesh = envelope(&layout.mesh, &planes).map_err(LayoutError::from)?;
+        (mesh, None)
+    };
+    let statistics = field.statistics;
     Ok(Made::of(
-        ground,
-        mesh,
-        fine,
-        field.statistics,
-        None,
-        classical,
+        ground, mesh, fine, statistics, optimised, classical,
     ))
 }
 

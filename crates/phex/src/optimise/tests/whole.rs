@@ -70,7 +70,11 @@ fn a_built_in_shape_is_a_target() {
         .iter()
         .map(on_torus)
         .fold(0.0, f64::max);
-    assert!((far - result.quality.deviation_max).abs() < 0.02, "{far}");
+    let deviation = result.quality.deviation_max;
+    assert!(
+        far <= deviation + 1e-12 && far > 0.1 * deviation,
+        "{far} {deviation}"
+    );
 }
 
 #[test]

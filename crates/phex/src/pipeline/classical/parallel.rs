@@ -9,22 +9,14 @@ use crate::layout::duality::{Plane, envelope};
 use crate::layout::tangent_planes::tangent_planes;
 use crate::layout::{Layout, LayoutError};
 use crate::parallel_mesh::fit::{FitOptions, FitStart, fit_parallel};
-use crate::pipeline::{Clock, Field, Method, PipelineError, direction_options};
+use crate::pipeline::{Clock, Method, PipelineError};
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
 use phex_numeric::Outcome;
 
 pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
-    let options = &ground.options;
-    let settings = direction_options(options, options.directions.anisotropy);
-    let field = Field::new(&ground.smooth, ground.panels, options, &settings, clock)?;
-    let surface = &ground.smooth.levels[field.level];
-    let start = Start {
-        level: field.level,
-        surface,
-        curvature: field.curvature.clone(),
-    };
+    let (start, field) = Start::with_lattice(ground, clock)?;
     let mut classical = start.statistics(Method::Parallel);
-    let places = SignedPlaces::find(surface, &start.curvature);
+    let places = SignedPlaces::find(start.surface, &start.curvature);
     let checked = places.one_sign("parallel", "edges of the Gauss image vanish and turn round");
     classical.outside_domain = refusal(checked, ground)?;
     let (fine, layout) = cells(ground, &field, clock)?;

@@ -1,0 +1,243 @@
+//! The lattice of a surface: curvature, metric and seeds on the level where it is computed, and the fine surface for its cells.
+
+use super::{Clock, MeshOptions, PipelineError};
+use crate::curvature::{self, Curvature};
+use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::size;
+use crate::directions::{self, DirectionOptions, Directions};
+use crate::ground::Ground;
+use crate::layout::lattice::CELL;
+use crate::layout::seeds::Seed;
+use crate::layout::{self, CellSurface, LayoutOptions, LayoutStatistics};
+use crate::target::SmoothTarget;
+use nalgebra::Matrix3;
+use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use std::collections::HashSet;
+
+/// Curvature, metric and seeds on the level where the lattice is computed.
+pub(super) struct Field {
+    pub level: usize,
+    pub curvature: Curvature,
+    pub directions: Directions,
+    pub seeds: Vec<Seed>,
+    pub statistics: LayoutStatistics,
+}
+
+/// Deviation from the number of panels asked for that is corrected by another lattice.
+const COUNT_TOLERANCE: f64 = 0.06;
+/// Lattices tried for that at the most.
+const COUNT_TRIES: usize = 3;
+/// Panels that a boundary adds, per panel length of it: cells that it cuts are kept when half is left, more or less.
+const RIM_PANELS: f64 = 0.12;
+
+impl Field {
+    pub(super) fn new(
+        smooth: &SmoothTarget,
+        panels: usize,
+        options: &MeshOptions,
+        settings: &DirectionOptions,
+        clock: &mut Clock<'_>,
+    ) -> Result<Self, PipelineError> {
+        let level = smooth.level_with(options.field_density * panels as f64);
+        let surface = &smooth.levels[level];
+        let length = panel_length(surface, panels);
+        let curvature = clock.stage("curvature", || {
+            curvature::curvature(surface, length, &options.curvature)
+        })?;
+        let mut length = panel_lengths(smooth, level, &curvature, length, panels, options)?;
+        let (directions, seeds, statistics) = counted_lattice(panels, |ratio| {
+            length.iter_mut().for_each(|l| *l *= ratio.sqrt());
+            let directions = clock.stage("directions", || {
+                directions::directions_sized(surface, &curvature, &length, settings)
+            })??;
+            with_seeds(surface.topology(), directions, &options.layout, clock)
+        })?;
+        Ok(Self {
+            level,
+            curvature,
+            directions,
+            seeds,
+            statistics,
+        })
+    }
+}
+
+/// A lattice: its directions, its seeds, and how they were found.
+pub(super) type Lattice = (Directions, Vec<Seed>, LayoutStatistics);
+
+/// The lattice whose number of panels is nearest to what is asked for, of a few. `lattice` is told by which factor the last one had
+/// too many panels, 1 at first.
+pub(super) fn counted_lattice(
+    panels: usize,
+    mut lattice: impl FnMut(f64) -> Result<Lattice, PipelineError>,
+) -> Result<Lattice, PipelineError> {
+    let mut best: Option<(f64, Lattice)> = None;
+    let mut ratio = 1.0;
+    for _ in 0..COUNT_TRIES {
+        let found = lattice(ratio)?;
+        ratio = found.1.len().max(1) as f64 / panels as f64;
+        let error = ratio.ln().abs();
+        if best.as_ref().is_none_or(|b| error < b.0) {
+            best = Some((error, found));
+        }
+        if error < COUNT_TOLERANCE {
+            break;
+        }
+    }
+    Ok(best.expect("at least one lattice is tried").1)
+}
+
+/// Directions with the seeds of their lattice.
+pub(super) fn with_seeds(
+    topology: &Topology,
+    directions: Directions,
+    options: &LayoutOptions,
+    clock: &mut Clock<'_>,
+) -> Result<Lattice, PipelineError> {
+    let (seeds, statistics) = clock.stage("layout", || {
+        layout::place_seeds(topology, &directions, options)
+    })??;
+    Ok((directions, seeds, statistics))
+}
+
+/// Screening that keeps varying sizes against the conformal factor, which would even them out.
+const SIZED_SCREENING: f64 = 0.5;
+
+pub(super) fn direction_options(options: &MeshOptions, anisotropy: f64) -> DirectionOptions {
+    let mut settings = options.directions.clone();
+    settings.anisotropy = anisotropy;
+    if options.sizes.adaptive.is_some() || options.size_field.is_some() {
+        settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
+    }
+    settings
+}
+
+/// Panel length at each vertex of a level.
+fn panel_lengths(
+    smooth: &SmoothTarget,
+    level: usize,
+    curvature: &Curvature,
+    uniform: f64,
+    panels: usize,
+    options: &MeshOptions,
+) -> Result<PerVertex<f64>, PipelineError> {
+    let surface = &smooth.levels[level];
+    let field = match &options.size_field {
+        Some(values) => Some(refined_sizes(smooth, level, values)?),
+        None => None,
+    };
+    let principal = curvature.principal();
+    let mut base = uniform;
+    // The largest length depends on how much of the surface is finer, and that on the largest length.
+    for _ in 0..8 {
+        let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+        let Some(relative) = sizes else { break };
+        let next = size::base_length(surface, &relative, CELL, panels);
+        if (next / base).ln().abs() < 1e-3 {
+            return Ok(relative.map(|r| r * next));
+        }
+        base = next;
+    }
+    let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+    Ok(sizes.map_or_else(
+        || PerVertex::filled(surface.positions().len(), uniform),
+        |r| r.map(|r| r * base),
+    ))
+}
+
+fn refined_sizes(
+    smooth: &SmoothTarget,
+    level: usize,
+    values: &[f64],
+) -> Result<PerVertex<f64>, PipelineError> {
+    let expected = smooth.levels[0].positions().len();
+    if values.len() != expected {
+        let message = format!(
+            "the size field has {} values, the surface {expected} vertices",
+            values.len()
+        );
+        return Err(PipelineError::Size(message));
+    }
+    if let Some(i) = values.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
+        let message = format!(
+            "the size at vertex {i} is {}, it must be positive and finite",
+            values[i]
+        );
+        return Err(PipelineError::Size(message));
+    }
+    let start = PerVertex::from_vec(values.iter().map(|v| v.ln()).collect());
+    let steps = smooth.refinements[..level].iter();
+    Ok(steps
+        .fold(start, |field, step| step.apply(&field))
+        .map(|l| l.exp()))
+}
+
+/// Distance of neighbouring panel centres for a number of panels.
+pub(super) fn panel_length(surface: &TriangleSurface, panels: usize) -> f64 {
+    let topology = surface.topology();
+    let rim: f64 = topology
+        .edges()
+        .filter(|&e| topology.is_boundary_edge(e))
+        .map(|e| topology.edge_vertices(e))
+        .map(|[a, b]| (surface.positions()[a] - surface.positions()[b]).norm())
+        .sum();
+    // area / (CELL L^2) + RIM_PANELS rim / L = panels
+    let (a, b, n) = (surface.area() / CELL, RIM_PANELS * rim, panels as f64);
+    (b + (b * b + 4.0 * n * a).sqrt()) / (2.0 * n)
+}
+
+/// The finest level with everything that cells need.
+pub(super) struct FineSurface {
+    pub surface: TriangleSurface,
+    metric: PerVertex<Matrix3<f64>>,
+    mesh: IntrinsicMesh,
+    corners: HashSet<VertexId>,
+}
+
+impl FineSurface {
+    pub(super) fn new(ground: &Ground, field: &Field) -> Self {
+        let smooth = &ground.smooth;
+        let mut curvature = field.curvature.clone();
+        let mut metric = field.directions.metric.clone();
+        for step in &smooth.refinements[field.level..] {
+            curvature = curvature.refined(step);
+            metric = step.apply(&metric);
+        }
+        let surface = smooth.finest().clone().with_normals(curvature.normal);
+        let mesh = IntrinsicMesh::new(&surface, &metric);
+        let corners = spaced_corners(smooth, |v, d| {
+            d.dot(&(field.directions.metric[v] * d)).sqrt()
+        });
+        Self {
+            surface,
+            metric,
+            mesh,
+            corners,
+        }
+    }
+
+    pub(super) fn cells(&self) -> CellSurface<'_> {
+        CellSurface {
+            surface: &self.surface,
+            metric: &self.metric,
+            mesh: &self.mesh,
+            corners: &self.corners,
+        }
+    }
+}
+
+/// Sharp boundary corners at least half a panel apart, the sharpest first; `distance` in panels.
+pub(super) fn spaced_corners(
+    smooth: &SmoothTarget,
+    distance: impl Fn(VertexId, Vec3) -> f64,
+) -> HashSet<VertexId> {
+    let positions = smooth.finest().positions();
+    let mut kept: Vec<VertexId> = Vec::new();
+    for &corner in &smooth.corners {
+        let far = |other: &VertexId| distance(corner, positions[corner] - positions[*other]) > 0.5;
+        if kept.iter().all(far) {
+            kept.push(corner);
+        }
+    }
+    kept.into_iter().collect()
+}
