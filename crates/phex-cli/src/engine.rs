@@ -5,7 +5,7 @@ use anyhow::Context;
 use phex::directions::network::NetworkError;
 use phex::layout::LayoutError;
 use phex::optimise::{self, OptimiseOptions, SurfaceTarget, Target};
-use phex::pipeline::{self, NetworkCurves, network_curves};
+use phex::pipeline::{self, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
 use phex::{MeshOptions, PipelineError, Progress, mesh_surface};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
@@ -28,6 +28,8 @@ pub struct Reached {
     pub stages: Vec<StageTime>,
     /// What the stages counted.
     pub statistics: Value,
+    /// What a method by planes and poles met with.
+    pub classical: Option<ClassicalStatistics>,
 }
 
 /// Covers a connected surface with panels.
@@ -48,6 +50,7 @@ pub fn mesh(
         outcome: ended(&run.outcome)?,
         stages: times.collect(),
         statistics: value(&run.statistics)?,
+        classical: run.statistics.classical,
         mesh: run.mesh,
         start: run.start,
         smooth: Some(run.target),
@@ -88,6 +91,7 @@ pub fn planarize(
             seconds,
         }],
         statistics: value(&run.runs)?,
+        classical: None,
         start: Some(mesh.to_soup()),
         mesh: run.mesh,
         smooth: None,

@@ -8,6 +8,7 @@ mod exit;
 mod fab_arguments;
 mod html;
 mod input;
+mod method_summary;
 mod offset_arguments;
 mod output;
 mod panel_size;

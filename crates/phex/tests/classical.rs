@@ -47,40 +47,29 @@ const METHODS: [Method; 6] = [
 
 #[test]
 fn planar_and_simple_on_their_domain() {
-    // Ratios of curvatures in the dual stay where a regular lattice is valid at every rotation.
-    let domain: [(&str, &[(&str, f64)]); 4] = [
+    let domain: [(&str, &[(&str, f64)]); 5] = [
         ("sphere", &[]),
-        ("ellipsoid", &[("a", 1.15), ("b", 1.0), ("c", 0.9)]),
+        ("ellipsoid", &[]),
+        ("ellipsoid", &[("a", 1.6), ("b", 1.0), ("c", 0.6)]),
         ("elliptic-paraboloid", &[]),
         ("hyperbolic-paraboloid", &[]),
     ];
     for method in METHODS {
         // Power diagrams know closed ellipsoids only; a piece of one follows below.
-        let count = if method == Method::PowerDiagram { 2 } else { 4 };
+        let count = if method == Method::PowerDiagram { 3 } else { 5 };
         for (shape, parameters) in domain.into_iter().take(count) {
             let run = run(shape, parameters, &options(method)).unwrap();
             let measures = measure(&run.mesh);
             let planarity = measures.planarity.max;
             assert!(planarity < 1e-12, "{method:?} on {shape}: {planarity}");
-            // At the rim, rules of subdivision know nothing of the surface.
-            let closed = run.mesh.topology().boundary_loops().is_empty();
-            if method == Method::DualSubdivision && !closed {
-                assert!(
-                    measures.faces_not_simple < 6,
-                    "{}",
-                    measures.faces_not_simple
-                );
-                continue;
-            }
-            assert_eq!(measures.faces_not_simple, 0, "{method:?} on {shape}");
+            // A rule of subdivision knows nothing of the sign rule: where K < 0 a panel at an irregular one may cross itself.
+            let hyperbolic = shape == "hyperbolic-paraboloid";
+            let allowed = usize::from(hyperbolic && method == Method::DualSubdivision);
+            let crossed = measures.faces_not_simple;
+            assert!(crossed <= allowed, "{method:?} on {shape}: {crossed}");
             assert_eq!(measures.degree3, 1.0);
-            let expected = if method == Method::DualSubdivision {
-                60..=160
-            } else {
-                80..=160
-            };
             assert!(
-                expected.contains(&measures.faces),
+                (80..=160).contains(&measures.faces),
                 "{method:?} on {shape}: {}",
                 measures.faces
             );
@@ -90,28 +79,33 @@ fn planar_and_simple_on_their_domain() {
                     Violation::FlippedFace { .. } | Violation::WrongFan { .. }
                 )
             };
-            assert!(!run.violations.iter().any(flipped), "{method:?} on {shape}");
+            let turned = run.violations.iter().any(flipped);
+            assert!(crossed > 0 || !turned, "{method:?} on {shape}");
         }
     }
 }
 
 #[test]
-fn hull_of_the_support_function_has_convex_panels() {
-    // Here the regular triangulation of the dual is not the hull: some panels of it cross themselves.
+fn panels_of_the_hull_are_convex_and_those_of_the_regular_triangulation_cross_themselves() {
     let parameters: [(&str, f64); 3] = [("a", 1.6), ("b", 1.0), ("c", 0.6)];
-    let crossed = |method| {
-        let run = run("ellipsoid", &parameters, &options(method)).unwrap();
+    let crossed = |method, hull| {
+        let mut options = options(method);
+        options.dual.hull = hull;
+        let run = run("ellipsoid", &parameters, &options).unwrap();
         let measures = measure(&run.mesh);
         let flips = run.statistics.classical.unwrap().flips;
         (measures.faces_not_simple, measures.faces_concave, flips)
     };
-    let (not_simple, concave, flips) = crossed(Method::SupportFunction);
-    assert_eq!((not_simple, concave), (0, 0));
-    assert!(flips.unwrap() > 0);
-    assert!(
-        crossed(Method::ProjectiveDual).0 > 0,
-        "the rule of theory is sharp"
-    );
+    for method in [Method::SupportFunction, Method::ProjectiveDual] {
+        let (not_simple, concave, flips) = crossed(method, true);
+        assert_eq!((not_simple, concave), (0, 0), "{method:?}");
+        assert!(flips.unwrap() > 0);
+        let (not_simple, _, flips) = crossed(method, false);
+        assert!(
+            not_simple > 0 && flips.is_none(),
+            "the rule of theory is sharp"
+        );
+    }
 }
 
 #[test]
@@ -219,6 +213,7 @@ fn forecast_agrees_with_what_becomes_of_the_planes() {
     let told = |shape: &str, parameters: &[(&str, f64)], method| {
         let mut options = options(method);
         options.size = PanelSize::Panels(250);
+        options.dual.hull = false;
         let run = run(shape, parameters, &options).unwrap();
         let not_simple = measure(&run.mesh).faces_not_simple;
         (

@@ -37,7 +37,7 @@ pub const FIGURES: [Figure; 12] = [
     },
     Figure {
         number: 7,
-        sentence: "A convex surface with nearly flat parts: the projective dual is convex and regularly triangulated, and still panels cross themselves; ours do not.",
+        sentence: "A convex surface with nearly flat parts: the projective dual is convex and regularly triangulated, and still panels cross themselves. The convex hull of the dual gives convex panels of many shapes, some with very short edges; ours are valid and regular.",
         make: broken,
     },
     Figure {
@@ -224,7 +224,15 @@ fn torus_dual(m: &mut Maker<'_>) -> Result<(), String> {
 }
 
 fn broken(m: &mut Maker<'_>) -> Result<(), String> {
-    m.measured("Projective dual", &format!("mesh {WORK}/blob.obj -o {WORK}/blob-dual-phex.obj --method projective-dual --any-domain -n 400 --keep-invalid"))?;
+    let config = m.phex.work("regular.toml");
+    std::fs::write(&config, "[stages.dual]\nhull = false\n").map_err(|e| e.to_string())?;
+    m.note("regular.toml: [stages.dual] hull = false");
+    let made = format!("mesh {WORK}/blob.obj --method projective-dual -n 400 --keep-invalid");
+    m.measured(
+        "Regular triangulation",
+        &format!("{made} -o {WORK}/blob-dual-phex.obj --config {WORK}/regular.toml"),
+    )?;
+    m.measured("Hull", &format!("{made} -o {WORK}/blob-hull-phex.obj"))?;
     m.run(&format!(
         "dual {WORK}/blob-dual-phex.obj -o {WORK}/blob-dual.obj --centre=0,0,0"
     ))?;
@@ -243,6 +251,12 @@ fn broken(m: &mut Maker<'_>) -> Result<(), String> {
         "figure-07-dual",
         "the triangulation that it comes from",
         "--no-legend",
+    )?;
+    m.draw(
+        "blob-hull-phex.obj",
+        "figure-07-hull",
+        "the dual's convex hull",
+        "--color validity",
     )?;
     m.draw(
         "blob-phex.obj",

@@ -6,6 +6,7 @@ use crate::engine::{self, Reached};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::input::{MeshFile, joined, sentences, whole};
+use crate::method_summary::of_method;
 use crate::output::{Content, check_writable, write_mesh};
 use crate::panel_size::{self, shares};
 use crate::progress::{Reporter, is_interrupted};
@@ -48,7 +49,9 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         facets: Some(&facets),
     };
     let assessment = limits.judge(&mesh, references);
-    let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
+    let told = |run: &Reached| of_method(run.classical.as_ref());
+    let methods: String = runs.iter().map(told).collect();
+    let table = methods + &summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
     let mut report = RunReport::new("mesh", assessment);
     report.inputs = vec![file.record];
     report.threads = threads;

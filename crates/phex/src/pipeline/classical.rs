@@ -17,7 +17,7 @@ use crate::directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces};
-use crate::layout::duality::envelope;
+use crate::layout::duality::{Plane, convex_panels, envelope};
 use crate::layout::forecast::crossing_panels;
 use crate::layout::lattice::CELL;
 use crate::layout::projective_dual::{self, DualDefects, SurfaceDual};
@@ -27,7 +27,7 @@ use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::target::Similarity;
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3};
+use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
 
@@ -40,6 +40,9 @@ pub struct ClassicalStatistics {
     pub curvature: CurvatureSign,
     /// The assumption of the method that does not hold, if the run went on regardless.
     pub outside_domain: Option<String>,
+    /// The same as it was found, in normalised coordinates.
+    #[serde(skip)]
+    outside: Option<DomainError>,
     /// Centre of the polarity, model coordinates.
     pub centre: Option<[f64; 3]>,
     /// Least distance of the centre to a tangent plane over the largest.
@@ -66,7 +69,10 @@ pub(super) fn mesh_with_panels(
     let mut clock = Clock::new(progress);
     let similarity = Similarity::normalising(input);
     let normalised = moved(input, |p| similarity.normalise(p));
-    let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
+    let ground = clock.stage("target", || match options.method {
+        Method::DualSubdivision => subdivision::ground(&normalised, panels, options),
+        _ => Ground::new(&normalised, panels, options),
+    })?;
     let made = make(&ground, &mut clock).map_err(|e| in_model(e, &similarity))?;
     let reported = &made.reported;
     let mesh = match &made.fine {
@@ -79,6 +85,9 @@ pub(super) fn mesh_with_panels(
     };
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let mut classical = made.classical;
+    let map = |p: Vec3| similarity.restore(p);
+    let outside = classical.outside.take().map(|e| e.mapped(map).to_string());
+    classical.outside_domain = outside;
     classical.centre = classical
         .centre
         .map(|c| similarity.restore(c.into()).into());
@@ -214,6 +223,7 @@ impl<'a> Start<'a> {
             method,
             curvature: SignedPlaces::find(self.surface, &self.curvature).sign(),
             outside_domain: None,
+            outside: None,
             centre: None,
             clearness: None,
             defects: None,
@@ -259,14 +269,14 @@ fn scale(metric: &mut PerVertex<Matrix3<f64>>, factor: f64) {
     metric.iter_mut().for_each(|m| *m *= factor);
 }
 
-/// What a refusal becomes: the error, or where any domain will do its words.
+/// What a refusal becomes: the error, or where any domain will do a remark.
 fn refusal<T>(
     checked: Result<T, DomainError>,
     ground: &Ground,
-) -> Result<Option<String>, LayoutError> {
+) -> Result<Option<DomainError>, LayoutError> {
     match checked {
         Ok(_) => Ok(None),
-        Err(e) if ground.options.dual.any_domain => Ok(Some(e.to_string())),
+        Err(e) if ground.options.dual.any_domain => Ok(Some(e)),
         Err(e) => Err(e.into()),
     }
 }
@@ -276,7 +286,7 @@ fn projective_dual(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     let (surface, curvature) = (start.surface, &start.curvature);
     let dual = SurfaceDual::of(surface, &curvature.normal);
     let mut classical = start.statistics(Method::ProjectiveDual);
-    classical.outside_domain = refusal(
+    classical.outside = refusal(
         projective_dual::check(surface, curvature, &dual, projective_dual::METHOD),
         ground,
     )?;
@@ -285,9 +295,11 @@ fn projective_dual(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     classical.defects = Some(projective_dual::inspect(surface, curvature, &dual));
     let metric = dual.metric(surface, curvature);
     let field = start.field(ground, metric, clock)?;
-    let (fine, layout) = cells(ground, &field, clock)?;
-    classical.forecast = Some(forecast(&layout, &start));
-    let mesh = envelope(&layout.mesh, &tangent_planes_of(&layout)).map_err(LayoutError::from)?;
+    let (fine, mut layout) = cells(ground, &field, clock)?;
+    let planes = tangent_planes_of(&layout);
+    layout.mesh = hull_panels(ground, &layout, &planes, &mut classical)?;
+    classical.forecast = Some(crossing_panels(&layout).len());
+    let mesh = envelope(&layout.mesh, &planes).map_err(LayoutError::from)?;
     Ok(Made::of(
         ground,
         mesh,
@@ -298,22 +310,32 @@ fn projective_dual(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     ))
 }
 
+/// The panels of a layout, where `K > 0` joined as the poles of their planes are in their hull.
+fn hull_panels(
+    ground: &Ground,
+    layout: &Layout,
+    planes: &PerFace<Plane>,
+    classical: &mut ClassicalStatistics,
+) -> Result<HexMesh, LayoutError> {
+    let elliptic = classical.curvature == CurvatureSign::Elliptic;
+    if !elliptic || !ground.options.dual.hull {
+        return Ok(layout.mesh.clone());
+    }
+    let (panels, flips) = convex_panels(&layout.mesh, planes, &layout.face_point)?;
+    classical.flips = Some(flips);
+    Ok(panels)
+}
+
 fn support_function(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
     let start = Start::new(ground, clock)?;
     let mut classical = start.statistics(Method::SupportFunction);
     let checked = support_function::check(start.surface, &start.curvature);
-    classical.outside_domain = refusal(checked, ground)?;
+    classical.outside = refusal(checked, ground)?;
     let metric = support_function::metric(&start.curvature);
     let field = start.field(ground, metric, clock)?;
     let (fine, layout) = cells(ground, &field, clock)?;
     let planes = tangent_planes_of(&layout);
-    let mut panels = layout.mesh.clone();
-    if classical.curvature == CurvatureSign::Elliptic {
-        let (convex, flips) = support_function::convex_panels(&panels, &planes, &layout.face_point)
-            .map_err(LayoutError::from)?;
-        panels = convex;
-        classical.flips = Some(flips);
-    }
+    let panels = hull_panels(ground, &layout, &planes, &mut classical)?;
     let mesh = envelope(&panels, &planes).map_err(LayoutError::from)?;
     Ok(Made::of(
         ground,
@@ -330,7 +352,7 @@ fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipeli
     let (start, field) = Start::with_lattice(ground, clock)?;
     let mut classical = start.statistics(Method::TangentPlanes);
     let (fine, mut layout) = cells(ground, &field, clock)?;
-    classical.forecast = Some(forecast(&layout, &start));
+    classical.forecast = Some(crossing_panels(&layout).len());
     let (mesh, optimised) = if options.dual.regularisation > 0.0 {
         layout.mesh = regularised(&layout, options.dual.regularisation);
         let target = SurfaceTarget::new(ground.close_to(&fine.surface));
@@ -348,11 +370,6 @@ fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipeli
     Ok(Made::of(
         ground, mesh, fine, statistics, optimised, classical,
     ))
-}
-
-/// Number of panels that the sign rule says will cross themselves.
-fn forecast(layout: &Layout, start: &Start<'_>) -> usize {
-    crossing_panels(layout, start.surface, &start.curvature).len()
 }
 
 /// The panels of a lattice.

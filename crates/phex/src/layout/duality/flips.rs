@@ -1,11 +1,46 @@
 //! Flips that make a triangulation of touching points convex in dual space.
 
 use super::hull::behind;
+use super::{DualityError, Plane, Quadric, clear_centre};
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerFace, PerVertex, Vec3, VertexId};
 use std::collections::BTreeSet;
 
 /// Flips per edge at the most: far more than are needed where the poles lie on a convex surface, and an end where they do not.
 const FLIPS_PER_EDGE: usize = 20;
+
+/// Panels joined as the hull of their planes' poles is, by [`convex_flips`], and the number of flips; nothing changes where no centre avoids the planes.
+/// The hull does not depend on the centre: it is the dual of the convex body that the planes bound.
+///
+/// # Errors
+/// If a plane passes through the centre that avoids them best.
+pub fn convex_panels(
+    mesh: &HexMesh,
+    planes: &PerFace<Plane>,
+    points: &PerFace<Vec3>,
+) -> Result<(HexMesh, usize), DualityError> {
+    let (centre, clearness) = clear_centre(planes.as_slice(), points.as_slice());
+    if clearness <= 0.0 {
+        return Ok((mesh.clone(), 0));
+    }
+    hull_about(mesh, planes, &Quadric::sphere(centre, 1.0)?)
+}
+
+/// The same with the poles in a given quadric, whose centre must lie on one side of all planes.
+///
+/// # Errors
+/// If a plane passes through the centre.
+pub fn hull_about(
+    mesh: &HexMesh,
+    planes: &PerFace<Plane>,
+    quadric: &Quadric,
+) -> Result<(HexMesh, usize), DualityError> {
+    let pole = |(face, plane)| {
+        let pole = quadric.pole(plane);
+        pole.ok_or(DualityError::PoleAtInfinity { face })
+    };
+    let poles: Result<Vec<Vec3>, _> = planes.enumerate().map(pole).collect();
+    Ok(convex_flips(mesh, &PerFace::from_vec(poles?)))
+}
 
 /// Panels whose touching points are joined as the poles are in their convex hull, inside the given rim.
 ///

@@ -33,7 +33,7 @@ mod quadric;
 
 pub use centre::clear_centre;
 pub use envelope::envelope;
-pub use flips::convex_flips;
+pub use flips::{convex_flips, convex_panels, hull_about};
 pub use hull::{HullError, convex_hull};
 pub use mesh_dual::{MeshDual, dual_mesh};
 pub use options::DualOptions;

@@ -23,11 +23,10 @@ mod gauss_map;
 pub use gauss_map::shared_normals;
 
 use super::domain::{CurvatureSign, DomainError, SignedPlaces};
-use super::duality::{DualityError, Plane, Quadric, clear_centre, convex_flips};
 use super::projective_dual::with_floor;
 use crate::curvature::Curvature;
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3};
+use phex_mesh::{PerVertex, TriangleSurface};
 
 /// Name in messages.
 const METHOD: &str = "support-function";
@@ -59,27 +58,4 @@ pub fn check(
             vertices: surface.positions().len(),
         }),
     }
-}
-
-/// Panels joined as the hull of their planes' poles is, and the number of flips; nothing changes where no centre avoids the planes.
-///
-/// # Errors
-/// If a plane passes through the centre that avoids them best.
-pub fn convex_panels(
-    mesh: &HexMesh,
-    planes: &PerFace<Plane>,
-    points: &PerFace<Vec3>,
-) -> Result<(HexMesh, usize), DualityError> {
-    let (centre, clearness) = clear_centre(planes.as_slice(), points.as_slice());
-    if clearness <= 0.0 {
-        return Ok((mesh.clone(), 0));
-    }
-    let sphere = Quadric::sphere(centre, 1.0)?;
-    let pole = |(face, plane)| {
-        sphere
-            .pole(plane)
-            .ok_or(DualityError::PoleAtInfinity { face })
-    };
-    let poles: Result<Vec<Vec3>, _> = planes.enumerate().map(pole).collect();
-    Ok(convex_flips(mesh, &PerFace::from_vec(poles?)))
 }

@@ -2,10 +2,10 @@
 //! about the unit sphere, the lattice's discrete Gauss image; where `K < 0` the tangent planes' mesh itself, because edges there run against those of
 //! their Gauss image.
 
-use super::{Made, Start, cells, refusal};
+use super::{ClassicalStatistics, Made, Start, cells, refusal};
 use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, SignedPlaces};
-use crate::layout::duality::{Plane, envelope};
+use crate::layout::duality::{Plane, convex_panels, envelope};
 use crate::layout::tangent_planes::tangent_planes;
 use crate::layout::{Layout, LayoutError};
 use crate::parallel_mesh::fit::{FitOptions, FitStart, fit_parallel};
@@ -18,11 +18,11 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     let mut classical = start.statistics(Method::Parallel);
     let places = SignedPlaces::find(start.surface, &start.curvature);
     let checked = places.one_sign("parallel", "edges of the Gauss image vanish and turn round");
-    classical.outside_domain = refusal(checked, ground)?;
+    classical.outside = refusal(checked, ground)?;
     let (fine, layout) = cells(ground, &field, clock)?;
     let elliptic = classical.curvature == CurvatureSign::Elliptic;
     let given = if elliptic {
-        gauss_image(&layout, &fine.surface)
+        gauss_image(&layout, &fine.surface, ground, &mut classical)
     } else {
         envelope(&layout.mesh, &tangent_planes(&layout)).map_err(LayoutError::from)
     }?;
@@ -51,13 +51,24 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     })
 }
 
-/// The mesh with the layout's normals whose faces touch the unit sphere.
-fn gauss_image(layout: &Layout, surface: &TriangleSurface) -> Result<HexMesh, LayoutError> {
+/// The mesh with the layout's normals whose faces touch the unit sphere. With convex panels so are those of every mesh that is
+/// parallel to it with edges in the same sense.
+fn gauss_image(
+    layout: &Layout,
+    surface: &TriangleSurface,
+    ground: &Ground,
+    classical: &mut ClassicalStatistics,
+) -> Result<HexMesh, LayoutError> {
     let planes = layout.face_normal.map(|n| Plane {
         normal: *n,
         offset: 1.0,
     });
-    let feet = surface.closest_points(layout.mesh.positions.as_slice());
+    let mut given = layout.mesh.clone();
+    if ground.options.dual.hull {
+        let (convex, flips) = convex_panels(&given, &planes, &layout.face_normal)?;
+        (given, classical.flips) = (convex, Some(flips));
+    }
+    let feet = surface.closest_points(given.positions.as_slice());
     let near = PerVertex::from_vec(feet.iter().map(|f| f.normal).collect());
-    Ok(envelope(&layout.mesh.with_positions(near), &planes)?)
+    Ok(envelope(&given.with_positions(near), &planes)?)
 }

@@ -1,0 +1,63 @@
+//! What the methods by planes and poles met with, as lines of the table.
+
+use crate::summary::Table;
+use phex::layout::projective_dual::DualDefects;
+use phex::pipeline::ClassicalStatistics;
+
+/// The lines of a run; none for other methods.
+pub fn of_method(classical: Option<&ClassicalStatistics>) -> String {
+    let mut table = Table::default();
+    let Some(told) = classical else {
+        return table.into_text();
+    };
+    if let Some(sentence) = &told.outside_domain {
+        table.row("domain", format!("outside: {sentence}"));
+    }
+    if let Some((m, n)) = told.goldberg {
+        table.row("goldberg", format!("class ({m}, {n})"));
+    }
+    if let Some([x, y, z]) = told.centre {
+        table.row("centre", format!("({x:.4}, {y:.4}, {z:.4})"));
+    }
+    if let Some(defects) = &told.defects {
+        table.row("dual", dual(defects));
+    }
+    if let Some(flips) = told.flips {
+        table.row("hull", format!("{flips} edges flipped to make it convex"));
+    }
+    if let Some(panels) = told.forecast {
+        let rule = "panels cross themselves by the sign rule, the rim apart";
+        table.row("forecast", format!("{panels} {rule}"));
+    }
+    if let Some(edges) = told.edges_at_bound.filter(|n| *n > 0) {
+        table.row("bound", format!("{edges} edges as short as is allowed"));
+    }
+    table.into_text()
+}
+
+/// Singular and duplicated points of the dual surface.
+fn dual(defects: &DualDefects) -> String {
+    if *defects == DualDefects::default() {
+        return "no singular or duplicated points".to_owned();
+    }
+    format!(
+        "cusps across {} edges of the surface, {} pairs of points with one tangent plane, {} edges through infinity",
+        defects.singular_edges, defects.duplicate_pairs, defects.edges_through_infinity
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defects_are_counted_or_denied() {
+        let some = DualDefects {
+            singular_edges: 3,
+            ..DualDefects::default()
+        };
+        assert!(dual(&some).starts_with("cusps across 3 edges"));
+        assert!(dual(&DualDefects::default()).starts_with("no singular"));
+        assert_eq!(of_method(None), "");
+    }
+}
