@@ -1,10 +1,11 @@
 //! Theorem 1 of Wang and Liu under refinement: how far the corners of panels are from a homothetic copy of Dupin's indicatrix, over the panel's radius,
 //! and the rate at which that falls with the size of the panels.
 //!
-//! `cargo run --release -p phex --example dupin_convergence` prints a table for both layouts on a torus and a wave. On the wave, a brick wall's panels are not
-//! inscribed where the curvature across the rows vanishes, however small they are; the lattice turns its rows there.
+//! `cargo run --release -p phex --example dupin_convergence` prints a table for both layouts on a torus and a wave: the median and the mean of all inner panels,
+//! the mean of those that nothing holds open, and their share. On the wave, a brick wall's panels are not inscribed where the curvature across the rows vanishes, however
+//! small they are: there no simple brick of these proportions has its corners on the surface. The lattice turns its rows there.
 
-use phex::curvature::dupin::indicatrix_distances;
+use phex::curvature::dupin::{free_panels, indicatrix_distances};
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::pipeline::Method;
 use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
@@ -20,30 +21,46 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let surface = triangulate(&Shape::from_name(name, &[])?, &options)?;
         for method in [Method::BrickWall, Method::Lattice] {
             println!("{name}, {method:?}");
-            println!("  panels  mean edge  median  rate   mean    rate");
-            let mut last: Option<[f64; 3]> = None;
+            println!("  panels  mean edge  median  rate   mean    rate   free    rate   share");
+            let mut last: Option<Measured> = None;
             for panels in [150, 600, 2400] {
-                let [edge, median, mean, count] = measure(&surface, method, panels)?;
-                let rate = |now: f64, k: usize| {
-                    last.map_or(f64::NAN, |l| (l[k] / now).ln() / (l[0] / edge).ln())
-                };
-                let (of_median, of_mean) = (rate(median, 1), rate(mean, 2));
+                let now = measure(&surface, method, panels)?;
+                let columns = (0..3).map(|k| {
+                    let rate = last.as_ref().map_or(f64::NAN, |l| {
+                        (l.figures[k] / now.figures[k]).ln() / (l.edge / now.edge).ln()
+                    });
+                    format!("{:.4}  {rate:.2}", now.figures[k])
+                });
+                let columns: Vec<String> = columns.collect();
                 println!(
-                    "  {count:>6}  {edge:.4}     {median:.4}  {of_median:.2}   {mean:.4}  {of_mean:.2}"
+                    "  {:>6}  {:.4}     {}   {:.2}",
+                    now.panels,
+                    now.edge,
+                    columns.join("   "),
+                    now.share
                 );
-                last = Some([edge, median, mean]);
+                last = Some(now);
             }
         }
     }
     Ok(())
 }
 
-/// Mean edge, median and mean of the distances, number of panels.
+/// What one mesh has.
+struct Measured {
+    panels: usize,
+    edge: f64,
+    /// Median and mean of the distances, and the mean of those where panels are free.
+    figures: [f64; 3],
+    /// Share of the panels that is free.
+    share: f64,
+}
+
 fn measure(
     surface: &TriangleSurface,
     method: Method,
     panels: usize,
-) -> Result<[f64; 4], Box<dyn std::error::Error>> {
+) -> Result<Measured, Box<dyn std::error::Error>> {
     let options = MeshOptions {
         size: PanelSize::Panels(panels),
         method,
@@ -59,7 +76,14 @@ fn measure(
     let distances = indicatrix_distances(&run.mesh, surface, &curvature);
     let mut known: Vec<f64> = distances.iter().flatten().copied().collect();
     known.sort_by(f64::total_cmp);
-    let mean = known.iter().sum::<f64>() / known.len() as f64;
-    let count = run.mesh.topology().n_faces() as f64;
-    Ok([run.mesh.mean_edge(), known[known.len() / 2], mean, count])
+    let free = free_panels(&run.mesh);
+    let at_free = distances.iter().zip(&free).filter(|pair| *pair.1);
+    let at_free: Vec<f64> = at_free.filter_map(|pair| *pair.0).collect();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    Ok(Measured {
+        panels: run.mesh.topology().n_faces(),
+        edge: run.mesh.mean_edge(),
+        figures: [known[known.len() / 2], mean(&known), mean(&at_free)],
+        share: at_free.len() as f64 / known.len() as f64,
+    })
 }

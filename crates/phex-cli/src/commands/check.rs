@@ -10,12 +10,13 @@ use crate::progress::Reporter;
 use crate::summary::{self, Table};
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use phex::curvature::dupin::indicatrix_distances;
+use phex::curvature::dupin::{free_panels, indicatrix_distances};
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::layout::lattice::CELL;
 use phex::report::{Assessment, References, RunReport, Verdict};
 use phex_mesh::measure::Metric;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface};
+use serde::Serialize;
 use serde_json::json;
 
 /// Runs the command.
@@ -42,7 +43,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     let assessed = judged(&command.limits, &mesh, facets.as_ref(), "check");
     let mut table = summary::of_assessment(&assessed.0, command.limits.unit, command.talk.verbose);
     let indicatrix = facets.as_ref().map(|surface| indicatrix(&mesh, surface));
-    if let Some(metric) = indicatrix.as_ref().filter(|m| m.count > 0) {
+    if let Some(metric) = indicatrix.as_ref().filter(|m| m.all.count > 0) {
         table += &inscribed(metric);
     }
     tell(command.talk.quiet || command.json, &table)?;
@@ -95,23 +96,45 @@ pub(super) fn judged(
 }
 
 /// How far the corners of inner panels are from a homothetic copy of Dupin's indicatrix, over the panel's radius.
-fn indicatrix(mesh: &HexMesh, surface: &TriangleSurface) -> Metric<FaceId> {
+#[derive(Serialize)]
+struct Inscribed {
+    /// Of all panels where that is defined.
+    all: Metric<FaceId>,
+    /// The median of these.
+    median: f64,
+    /// Of those that are not held open.
+    free: Metric<FaceId>,
+}
+
+fn indicatrix(mesh: &HexMesh, surface: &TriangleSurface) -> Inscribed {
     let length = (surface.area() / (CELL * mesh.topology().n_faces() as f64)).sqrt();
     let curvature = curvature(surface, length, &CurvatureOptions::default());
     let distances = indicatrix_distances(mesh, surface, &curvature);
-    Metric::large_is_bad(distances.enumerate().filter_map(|(f, d)| Some((f, (*d)?))))
+    let known = || distances.enumerate().filter_map(|(f, d)| Some((f, (*d)?)));
+    let free = free_panels(mesh);
+    let mut sorted: Vec<f64> = known().map(|k| k.1).collect();
+    sorted.sort_by(f64::total_cmp);
+    Inscribed {
+        all: Metric::large_is_bad(known()),
+        median: sorted.get(sorted.len() / 2).copied().unwrap_or(0.0),
+        free: Metric::large_is_bad(known().filter(|k| free[k.0])),
+    }
 }
 
-fn inscribed(metric: &Metric<FaceId>) -> String {
+fn inscribed(found: &Inscribed) -> String {
     let mut table = Table::default();
     let percent = |x: f64| format!("{:.1} %", 100.0 * x);
     table.row(
         "indicatrix",
         format!(
-            "corners off it by {} of a panel's radius in the mean, {} at most ({} inner panels)",
-            percent(metric.mean),
-            percent(metric.max),
-            metric.count
+            "corners off it by {} of a panel's radius in the median, {} in the mean, {} at most ({} inner panels); {} in the mean of the {} that \
+             nothing holds open",
+            percent(found.median),
+            percent(found.all.mean),
+            percent(found.all.max),
+            found.all.count,
+            percent(found.free.mean),
+            found.free.count
         ),
     );
     table.into_text()

@@ -8,12 +8,19 @@
 //!
 //! has the shape of the indicatrix, moved and scaled; `a, b, c` are fitted to the corners, and a corner is off by `|F| / |grad F|`, to first order.
 //!
+//! The theorem speaks of panels whose corners lie on the surface. Where the panel so inscribed would have a very short edge, as between two parabolic curves of
+//! different families, panels are held open instead and leave the indicatrix by a share that does not fall with their size. [`free_panels`] are the
+//! others; for them the mean falls at first order, for all panels the median does.
+//!
 //! Guaranteed: 0 for corners on a homothetic copy, also after rotation, translation, scaling of the model. Not defined where the surface is flat
 //! (`None`), and no test of anything for fewer than five corners.
 
 use super::{Curvature, Principal, large_curvature, principal};
 use nalgebra::{DMatrix, DVector, Matrix3};
-use phex_mesh::{FaceId, FacePlane, HexMesh, PerFace, SurfacePoint, TriangleSurface, Vec2, Vec3};
+use phex_mesh::{
+    FaceId, FacePlane, FlatFace, HexMesh, PerFace, SurfacePoint, TriangleSurface, Vec2, Vec3,
+    VertexId,
+};
 
 /// Curvatures below one over this many radii of a panel are flat.
 const FLAT: f64 = 1e-6;
@@ -130,7 +137,20 @@ pub fn indicatrix_distances(
     PerFace::from_fn(topology.n_faces(), distance)
 }
 
-/// The same for one polygon in space, projected to the plane of its corners.
+/// Least distance between a corner and an edge that does not hold it, over the square root of a panel's area, from which on nothing holds the panel open:
+/// a little more than the reach of the optimiser's barrier.
+const ROOM: f64 = 0.36;
+
+/// Panels that are not held open, and have no corner in common with one that is.
+pub fn free_panels(mesh: &HexMesh) -> PerFace<bool> {
+    let topology = mesh.topology();
+    let tight = FlatFace::all(mesh).map(|f| f.clearance().distance < ROOM * f.area().sqrt());
+    let at_tight = |v: VertexId| topology.outgoing(v).any(|h| tight[topology.face(h)]);
+    let free = |f: FaceId| !topology.face_vertices(f).iter().any(|v| at_tight(*v));
+    PerFace::from_fn(topology.n_faces(), free)
+}
+
+/// The distance of one polygon in space, projected to the plane of its corners, as in [`indicatrix_distances`].
 pub fn inscribed_distance(corners: &[Vec3], indicatrix: &Indicatrix) -> Option<f64> {
     let local = Local::new(corners, indicatrix)?;
     let conic = local.conic()?;

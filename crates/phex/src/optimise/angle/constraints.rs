@@ -1,0 +1,276 @@
+//! The `4 F` constraints: planarity of every panel, and the alternating sum of the angles of even ones.
+
+use crate::optimise::energy::{Setting, collision_bound};
+use crate::optimise::guard::Armed;
+use crate::optimise::panels::{Corner, FaceFrame, Panels, Shape, point};
+use crate::optimise::planarity::ConstraintBases;
+use nalgebra::Matrix3;
+use phex_mesh::polygon::interior_angles;
+use phex_mesh::{Vec2, Vec3};
+use phex_numeric::{Assembly, Constraints, SymmetricMatrix};
+use std::f64::consts::TAU;
+
+/// Planarity of all faces and the angle condition of the even ones.
+pub(super) struct AngleConstraints<'a> {
+    setting: &'a Setting<'a>,
+    assembly: &'a Assembly,
+    bases: ConstraintBases,
+    /// First constraint of each face, and one past the last.
+    start: Vec<usize>,
+    /// First row vector of each face.
+    row_start: Vec<usize>,
+    /// Derivatives of the constraints of a face, corner after corner, constraint after constraint.
+    rows: Vec<Vec3>,
+    /// Alternating sum of angles that an even face is to have.
+    branch: Vec<Option<f64>>,
+    armed: Armed,
+    linearised: Shape,
+    trial: Shape,
+    corner_motion: Vec<Vec2>,
+    blocks: Vec<f64>,
+}
+
+/// Numbers of the constraints of all faces: `k - 3` for planarity, one more for the angles of even faces.
+fn constraint_starts(panels: &Panels) -> Vec<usize> {
+    let mut start = vec![0];
+    for f in 0..panels.n_faces() {
+        start.push(start[f] + n_constraints(panels.valence(f)));
+    }
+    start
+}
+
+fn n_constraints(valence: usize) -> usize {
+    valence - 3 + usize::from(has_angle(valence))
+}
+
+fn has_angle(valence: usize) -> bool {
+    valence.is_multiple_of(2)
+}
+
+/// The assembly of `J J^T`: an element for each vertex.
+pub(super) fn angle_assembly(panels: &Panels) -> Assembly {
+    let start = constraint_starts(panels);
+    let of_corner = |&c: &u32| {
+        let f = panels.face_of(c);
+        (start[f]..start[f + 1]).map(|i| i as u32)
+    };
+    let of_vertex = |v| panels.corners_at(v).iter().flat_map(of_corner).collect();
+    let elements: Vec<Vec<u32>> = (0..panels.n_vertices()).map(of_vertex).collect();
+    Assembly::new(start[panels.n_faces()], &elements)
+}
+
+/// `t_0 - t_1 + t_2 - ...` of a face in its plane.
+fn alternating_sum(corners: &[Corner]) -> f64 {
+    let flat: Vec<Vec2> = corners.iter().map(|c| c.flat).collect();
+    let signed = |(i, t): (usize, f64)| if i % 2 == 0 { t } else { -t };
+    interior_angles(&flat).enumerate().map(signed).sum()
+}
+
+/// Derivative of [`alternating_sum`] by each corner: `+-2 (n x e / |e|^2)` of both its edges.
+fn angle_gradient(frame: &FaceFrame, corners: &[Corner], i: usize) -> Vec3 {
+    let k = corners.len();
+    let turn = |from: usize, to: usize| {
+        let e = corners[to].flat - corners[from].flat;
+        Vec2::new(-e.y, e.x) / e.norm_squared()
+    };
+    let sum = (turn(i, (i + 1) % k) + turn((i + k - 1) % k, i)) * 2.0;
+    let [a, b] = frame.plane.axes;
+    let gradient = a * sum.x + b * sum.y;
+    if i.is_multiple_of(2) {
+        gradient
+    } else {
+        -gradient
+    }
+}
+
+/// Unit of the angle constraint, over the mean edge: its gradient is then about as long as those of planarity.
+const ANGLE_UNIT: f64 = 0.125;
+
+impl<'a> AngleConstraints<'a> {
+    pub(super) fn new(
+        setting: &'a Setting<'a>,
+        assembly: &'a Assembly,
+        x: &[f64],
+        least: f64,
+    ) -> Self {
+        let panels = setting.panels;
+        let shape = Shape::at(panels, x);
+        let mut armed = setting.guard.arm(panels, &shape, x);
+        armed.keep_clear(panels, &shape, least);
+        let start = constraint_starts(panels);
+        let mut row_start = vec![0];
+        for f in 0..panels.n_faces() {
+            row_start.push(row_start[f] + panels.valence(f) * (start[f + 1] - start[f]));
+        }
+        let branch = |f: usize| {
+            let nearest = |sum: f64| (sum / TAU).round() * TAU;
+            has_angle(panels.valence(f)).then(|| nearest(alternating_sum(shape.face(panels, f))))
+        };
+        Self {
+            bases: ConstraintBases::new(panels),
+            rows: vec![Vec3::zeros(); row_start[panels.n_faces()]],
+            start,
+            row_start,
+            branch: (0..panels.n_faces()).map(branch).collect(),
+            armed,
+            trial: shape.clone(),
+            linearised: shape,
+            corner_motion: vec![Vec2::zeros(); panels.n_corners()],
+            blocks: vec![0.0; assembly.n_block_entries()],
+            setting,
+            assembly,
+        }
+    }
+
+    /// How far an even face is from its branch, in radians: twice the defect of the sum of every other angle.
+    fn angle_residual(&self, shape: &Shape, f: usize) -> f64 {
+        let sum = || alternating_sum(shape.face(self.setting.panels, f));
+        self.branch[f].map_or(0.0, |branch| sum() - branch)
+    }
+
+    fn largest_angle(&self, shape: &Shape) -> f64 {
+        let faces = 0..self.setting.panels.n_faces();
+        let sizes = faces.map(|f| self.angle_residual(shape, f).abs());
+        sizes.fold(0.0, |m, r| if r > m || r.is_nan() { r } else { m })
+    }
+
+    /// Largest defect of the condition at `x`, in radians.
+    pub(super) fn defect(&mut self, x: &[f64]) -> f64 {
+        self.trial.update(self.setting.panels, x);
+        0.5 * self.largest_angle(&self.trial)
+    }
+
+    fn unit(&self) -> f64 {
+        ANGLE_UNIT * self.setting.mean_edge
+    }
+
+    pub(super) fn update_rows(&mut self, x: &[f64]) {
+        let (panels, unit) = (self.setting.panels, self.unit());
+        self.linearised.update(panels, x);
+        self.bases.update(panels, &self.linearised);
+        for f in 0..panels.n_faces() {
+            let (frame, corners) = (&self.linearised.frames[f], self.linearised.face(panels, f));
+            let (k, m) = (corners.len(), self.start[f + 1] - self.start[f]);
+            for i in 0..k {
+                let rows = &mut self.rows[self.row_start[f] + i * m..][..m];
+                for (a, row) in rows.iter_mut().enumerate() {
+                    *row = if a < k - 3 {
+                        frame.plane.normal * self.bases.row(f, a, k)[i]
+                    } else {
+                        angle_gradient(frame, corners, i) * unit
+                    };
+                }
+            }
+        }
+    }
+
+    /// First constraint of a corner's face, and the derivatives of its constraints by that corner.
+    fn corner_rows(&self, corner: u32) -> (usize, &[Vec3]) {
+        let f = self.setting.panels.face_of(corner);
+        let local = corner as usize - self.setting.panels.corners(f).start;
+        let m = self.start[f + 1] - self.start[f];
+        (
+            self.start[f],
+            &self.rows[self.row_start[f] + local * m..][..m],
+        )
+    }
+
+    /// `J W J^T` for the last linearisation.
+    pub(super) fn assemble(
+        &mut self,
+        metric: impl Fn(usize) -> Matrix3<f64>,
+        normal: &mut SymmetricMatrix,
+    ) {
+        let panels = self.setting.panels;
+        let mut blocks = std::mem::take(&mut self.blocks);
+        for v in 0..panels.n_vertices() {
+            let corners = panels.corners_at(v).iter();
+            let rows: Vec<Vec3> = corners
+                .flat_map(|&c| self.corner_rows(c).1)
+                .copied()
+                .collect();
+            let w = metric(v);
+            let mut entries = blocks[self.assembly.block(v)].iter_mut();
+            for (a, row) in rows.iter().enumerate() {
+                let weighted = w * row;
+                for (other, entry) in rows[..=a].iter().zip(&mut entries) {
+                    *entry = weighted.dot(other);
+                }
+            }
+        }
+        self.blocks = blocks;
+        self.assembly.assemble(&self.blocks, normal);
+    }
+
+    /// `J d`.
+    pub(super) fn applied(&self, d: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        let panels = self.setting.panels;
+        for v in 0..panels.n_vertices() {
+            for &c in panels.corners_at(v) {
+                let (first, rows) = self.corner_rows(c);
+                for (value, row) in values[first..].iter_mut().zip(rows) {
+                    *value += row.dot(&point(d, v));
+                }
+            }
+        }
+    }
+}
+
+impl Constraints for AngleConstraints<'_> {
+    fn linearise(&mut self, x: &[f64], values: &mut [f64], normal: &mut SymmetricMatrix) {
+        self.update_rows(x);
+        let panels = self.setting.panels;
+        for f in 0..panels.n_faces() {
+            let corners = self.linearised.face(panels, f);
+            for (a, value) in values[self.start[f]..self.start[f + 1]]
+                .iter_mut()
+                .enumerate()
+            {
+                *value = if a < corners.len() - 3 {
+                    let row = self.bases.row(f, a, corners.len()).iter();
+                    row.zip(corners).map(|(q, c)| q * c.height).sum()
+                } else {
+                    self.unit() * self.angle_residual(&self.linearised, f)
+                };
+            }
+        }
+        self.assemble(|_| Matrix3::identity(), normal);
+    }
+
+    fn transposed(&self, y: &[f64], d: &mut [f64]) {
+        let panels = self.setting.panels;
+        for v in 0..panels.n_vertices() {
+            let mut sum = Vec3::zeros();
+            for &c in panels.corners_at(v) {
+                let (first, rows) = self.corner_rows(c);
+                sum += rows
+                    .iter()
+                    .zip(&y[first..])
+                    .map(|(r, y)| r * *y)
+                    .sum::<Vec3>();
+            }
+            d[3 * v..3 * v + 3].copy_from_slice(sum.as_slice());
+        }
+    }
+
+    fn step_bound(&mut self, _x: &[f64], step: &[f64]) -> f64 {
+        const LONGEST: f64 = 0.3;
+        let motion = &mut self.corner_motion;
+        let bound = collision_bound(self.setting, &self.armed, &self.linearised, step, motion);
+        bound.min(LONGEST / self.step_length(step).max(f64::MIN_POSITIVE))
+    }
+
+    fn admissible(&mut self, x: &[f64]) -> Option<f64> {
+        let (setting, panels) = (self.setting, self.setting.panels);
+        self.trial.update(panels, x);
+        let held = setting.guard.holds(&self.armed, panels, &self.trial, x);
+        let planarity = self.trial.max_height() / setting.mean_edge;
+        held.then(|| planarity.max(0.5 * self.largest_angle(&self.trial)))
+    }
+
+    fn step_length(&self, step: &[f64]) -> f64 {
+        let squares = step.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum());
+        squares.fold(0.0, f64::max).sqrt() / self.setting.mean_edge
+    }
+}

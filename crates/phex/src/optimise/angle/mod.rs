@@ -1,0 +1,134 @@
+//! Planar panels that also satisfy the angle condition (4.1), so that the mesh has a vertex-distance offset.
+//!
+//! Two steps: a projection of minimum norm onto planarity *and* angles, `4 F` equations in all (where tight panels stop it, in
+//! the metric `W` below until it is near); then a descent of closeness, fairness and barrier within them,
+//!
+//! ```text
+//! d = -W (g + J^T y),   J W J^T y = -J W g,   W = (H + mu I)^-1, block by block,
+//! ```
+//!
+//! each step projected back and taken only if the energy falls. Pulling towards the surface while projecting would leave
+//! no freedom: closeness alone determines `2 F` of the `6 F` unknowns and the constraints the other `4 F`.
+//!
+//! | symbol | here |
+//! |---|---|
+//! | `r = (t_0 - t_1 + t_2 - ...) - branch` | `AngleConstraints::angle_residual`; the branch is the nearest multiple of `2 pi` from the main one |
+//! | `J` | `AngleConstraints::rows`, a vector for each corner and constraint |
+//! | `g`, `H` | gradient and diagonal blocks of `PanelEnergy` |
+//!
+//! *Guaranteed*: as in the whole stage, simple panels stay simple. *Fails* on closed surfaces and on meshes with many odd
+//! panels, where there may be no such mesh near; [`AngleOptimised::is_converged`] tells.
+
+mod constraints;
+mod path;
+mod tangent;
+
+use self::constraints::angle_assembly;
+use self::path::AnglePath;
+use super::inspect::{Offender, Quality, inspect};
+use super::options::{OptimiseError, OptimiseOptions};
+use super::panels::{Panels, Shape, points, unknowns};
+use super::run::energy_assembly;
+use super::{Reference, Stage, Target, check_mesh, kinds_of};
+use crate::progress::Progress;
+use phex_mesh::{HexMesh, PerVertex};
+use phex_numeric::{Outcome, Status};
+use serde::{Deserialize, Serialize};
+
+/// Options of [`satisfy_angle_condition`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AngleOptions {
+    /// Weights of the descent, guards and limits. The penalties are not used.
+    pub optimise: OptimiseOptions,
+    /// Newton iterations of the projection at the most.
+    pub newton_iterations: usize,
+    /// Steps of the descent at the most; 0 leaves the mesh where the projection has put it.
+    pub descent_steps: usize,
+    /// Defect, in radians, that counts as none. Rounding allows about 1e-15 times the model's size over an edge.
+    pub tolerance: f64,
+}
+
+impl Default for AngleOptions {
+    fn default() -> Self {
+        Self {
+            optimise: OptimiseOptions::default(),
+            newton_iterations: 30,
+            descent_steps: 30,
+            tolerance: 1e-12,
+        }
+    }
+}
+
+/// A mesh that satisfies the angle condition, if it converged.
+#[derive(Clone, Debug)]
+pub struct AngleOptimised {
+    /// The mesh.
+    pub mesh: HexMesh,
+    /// How it ended. `Converged` means planar, and angles right, to the tolerances.
+    pub outcome: Outcome,
+    /// Largest defect of the condition before and after, in radians.
+    pub angle_defect: [f64; 2],
+    /// Largest distance to the surface (or to the start) before and after, in the unit of the model.
+    pub deviation: [f64; 2],
+    /// Figures of the mesh.
+    pub quality: Quality,
+    /// Panels that are not as they should be.
+    pub offenders: Vec<Offender>,
+}
+
+impl AngleOptimised {
+    /// Whether the angle condition holds and panels are planar.
+    pub fn is_converged(&self) -> bool {
+        self.outcome.status == Status::Converged
+    }
+}
+
+/// Moves the vertices of a mesh until its faces are planar and its even ones satisfy the angle condition, close to
+/// `target` or, without one, to where they are. Odd faces are only made planar. A mesh that meets this is returned
+/// unchanged.
+///
+/// # Errors
+/// If the mesh or an option can't be used; what can't be *reached* is told by the result.
+pub fn satisfy_angle_condition(
+    mesh: &HexMesh,
+    target: Option<&dyn Target>,
+    options: &AngleOptions,
+    progress: &dyn Progress,
+) -> Result<AngleOptimised, OptimiseError> {
+    options.optimise.check()?;
+    check_mesh(mesh)?;
+    let mut x = unknowns(mesh);
+    let panels = Panels::new(mesh.topology());
+    let shape = Shape::at(&panels, &x);
+    let reference = target.map_or_else(|| Reference::start(&panels, &x), Reference::Surface);
+    let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
+    let stage = Stage::new(mesh, reference, side, &kinds_of(mesh), &options.optimise);
+    let setting = stage.setting(&x);
+    let assemblies = [energy_assembly(&panels), angle_assembly(&panels)];
+    let mut path = AnglePath::new(&setting, &assemblies, &x, options, progress)?;
+    let before = (path.constraints.defect(&x), path.energy.deviation(&x).0);
+    if !path.is_met(&x) {
+        path.project(&mut x);
+        if path.outcome.status == Status::Converged {
+            path.descend(&mut x);
+        }
+    }
+    let after = path.constraints.defect(&x);
+    let deviation = path.energy.deviation(&x);
+    let (quality, offenders) = inspect(
+        setting.panels,
+        setting.guard,
+        &x,
+        deviation,
+        &options.optimise,
+    );
+    Ok(AngleOptimised {
+        mesh: mesh.with_positions(PerVertex::from_vec(points(&x))),
+        outcome: path.outcome,
+        angle_defect: [before.0, after],
+        deviation: [before.1, deviation.0],
+        quality,
+        offenders,
+    })
+}
