@@ -1,4 +1,5 @@
-//! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, no repair.
+//! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, no repair; trimmed where
+//! the boundary asks for it.
 
 use super::field::spaced_corners;
 use super::{
@@ -10,26 +11,26 @@ use crate::directions::network::{
     ConjugateNetwork, Curve, Function, NetworkError, RowField, conjugate_network, level_lines,
     row_field,
 };
+use crate::ground::Ground;
 use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
-use crate::target::{self, Similarity, SmoothTarget, TargetKind};
+use crate::target::Similarity;
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;
 
-/// The target with everything that bricks are laid on, in normalised coordinates.
-struct Ground {
+/// The ground with everything that bricks are laid on, in normalised coordinates.
+struct Site {
     similarity: Similarity,
-    normalised: TriangleSurface,
-    smooth: SmoothTarget,
+    ground: Ground,
     surface: TriangleSurface,
     curvature: Curvature,
     field: RowField,
     corners: HashSet<VertexId>,
 }
 
-impl Ground {
+impl Site {
     fn new(
         input: &TriangleSurface,
         panels: usize,
@@ -38,13 +39,11 @@ impl Ground {
     ) -> Result<Self, PipelineError> {
         let similarity = Similarity::normalising(input);
         let normalised = moved(input, |p| similarity.normalise(p));
-        let smooth = clock.stage("target", || {
-            let vertices = options.cell_density.max(options.field_density) * panels as f64;
-            target::smooth_target(&normalised, vertices as usize, &options.target)
-        })?;
-        let level = smooth.level_with(options.field_density * panels as f64);
+        let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
+        let smooth = &ground.smooth;
+        let level = smooth.level_with(options.field_density * ground.panels as f64);
         let coarse = &smooth.levels[level];
-        let length = panel_length(coarse, panels);
+        let length = panel_length(coarse, ground.panels);
         let mut curvature = clock.stage("curvature", || {
             curvature::curvature(coarse, length, &options.curvature)
         })?;
@@ -61,24 +60,15 @@ impl Ground {
             .finest()
             .clone()
             .with_normals(curvature.normal.clone());
-        let corners = spaced_corners(&smooth, |_, d| d.norm() / length);
+        let corners = spaced_corners(smooth, |_, d| d.norm() / length);
         Ok(Self {
             similarity,
-            normalised,
-            smooth,
+            ground,
             surface,
             curvature,
             field,
             corners,
         })
-    }
-
-    /// The surface that panels are kept close to.
-    fn close_to(&self, kind: TargetKind) -> &TriangleSurface {
-        match kind {
-            TargetKind::Facets => &self.normalised,
-            _ => &self.surface,
-        }
     }
 
     fn bricks(&self) -> BrickSurface<'_> {
@@ -103,22 +93,24 @@ pub(super) fn mesh_with_panels(
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
     let mut clock = Clock::new(progress);
-    let ground = Ground::new(input, panels, options, &mut clock)?;
-    let similarity = ground.similarity;
+    let site = Site::new(input, panels, options, &mut clock)?;
+    let (ground, similarity) = (&site.ground, site.similarity);
     let (layout, wall) = clock
         .stage("layout", || {
-            brick_wall(&ground.bricks(), panels, &options.brick_wall)
+            brick_wall(&site.bricks(), ground.panels, &options.brick_wall)
         })?
         .map_err(|e| match e {
             LayoutError::Network(e) => in_model(e, &similarity),
             other => other.into(),
         })?;
-    let close_to = ground.close_to(options.target.kind);
-    let target = SurfaceTarget::new(close_to);
+    let target = SurfaceTarget::new(ground.close_to(&site.surface));
     let result = clock.timed("optimise", || {
         optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
     })?;
-    let violations = clock.timed("validate", || between_panels(&result.mesh, close_to));
+    let reported = ground.reported(&site.surface);
+    let trimmed = clock.timed("trim", || ground.trimmed(&result.mesh, &site.surface))?;
+    let mesh = trimmed.mesh;
+    let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let statistics = Statistics {
         panels_asked: panels,
         target_vertices: (ground.smooth.levels.iter())
@@ -133,11 +125,11 @@ pub(super) fn mesh_with_panels(
         repairs: Vec::new(),
         tried: Vec::new(),
     };
-    let positions = result.mesh.positions.map(|p| similarity.restore(*p));
+    let positions = mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
         start: Some(restored(layout.mesh.to_soup(), &similarity)),
-        mesh: result.mesh.with_positions(positions),
-        target: moved(close_to, |p| similarity.restore(p)),
+        mesh: mesh.with_positions(positions),
+        target: moved(reported, |p| similarity.restore(p)),
         outcome: result.outcome,
         offenders: result.offenders,
         violations,
@@ -174,13 +166,15 @@ pub fn network_curves(
 ) -> Result<NetworkCurves, PipelineError> {
     let mut clock = Clock::new(progress);
     let panels = panel_count(input, options.size)?;
-    let ground = Ground::new(input, panels, options, &mut clock)?;
-    let similarity = ground.similarity;
+    let site = Site::new(input, panels, options, &mut clock)?;
+    let similarity = site.similarity;
     let [rows, columns] = clock
-        .stage("layout", || sampled_network(&ground, panels, options))?
+        .stage("layout", || {
+            sampled_network(&site, site.ground.panels, options)
+        })?
         .map_err(|e| in_model(e, &similarity))?;
     let curves = |function: &Function| {
-        let mut lines = level_lines(&ground.surface, function);
+        let mut lines = level_lines(&site.surface, function);
         for point in lines.iter_mut().flat_map(|c| &mut c.points) {
             *point = similarity.restore(*point);
         }
@@ -194,16 +188,16 @@ pub fn network_curves(
 
 /// Functions whose whole values are the rows and the columns.
 fn sampled_network(
-    ground: &Ground,
+    site: &Site,
     panels: usize,
     options: &MeshOptions,
 ) -> Result<[Function; 2], NetworkError> {
     let network: ConjugateNetwork =
-        conjugate_network(&ground.surface, &ground.field, &options.brick_wall.network)?;
-    let scale = first_scale(&ground.bricks(), &network, panels, &options.brick_wall);
+        conjugate_network(&site.surface, &site.field, &options.brick_wall.network)?;
+    let scale = first_scale(&site.bricks(), &network, panels, &options.brick_wall);
     let whole = |family: &crate::directions::network::FunctionFamily, scale: f64| {
         let periods: Vec<f64> = family.periods.iter().map(|p| (p * scale).round()).collect();
-        family.function(ground.surface.topology(), &network.basis, scale, &periods)
+        family.function(site.surface.topology(), &network.basis, scale, &periods)
     };
     Ok([
         whole(&network.across, scale[1]),
