@@ -1,11 +1,11 @@
 //! The boundary of a triangle surface as curves, with closest points.
 
-use crate::Vec3;
 use crate::surface::TriangleSurface;
+use crate::{Vec3, VertexId};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::Polyline;
 
-/// All boundary loops of a surface.
+/// All boundary loops of a surface, or other polylines.
 #[derive(Clone)]
 pub struct BoundaryCurve {
     ends: Vec<[Vec3; 2]>,
@@ -24,19 +24,31 @@ pub struct BoundaryPoint {
 impl BoundaryCurve {
     /// The boundary of `surface`, or `None` where it is closed.
     pub fn of(surface: &TriangleSurface) -> Option<Self> {
+        let place = |v: &VertexId| surface.positions()[*v];
+        let closed = |boundary: &Vec<VertexId>| {
+            let first = boundary.iter().take(1);
+            boundary.iter().chain(first).map(place).collect()
+        };
+        let loops: Vec<Vec<Vec3>> = surface
+            .topology()
+            .boundary_loops()
+            .iter()
+            .map(closed)
+            .collect();
+        Self::of_polylines(&loops)
+    }
+
+    /// Any polylines; one whose first point is its last is closed. `None` without a segment.
+    pub fn of_polylines(polylines: &[Vec<Vec3>]) -> Option<Self> {
         let (mut ends, mut points, mut segments) = (Vec::new(), Vec::new(), Vec::new());
-        for boundary in surface.topology().boundary_loops() {
+        for pair in polylines.iter().flat_map(|line| line.windows(2)) {
             let first = points.len() as u32;
-            let n = boundary.len() as u32;
-            for (i, &v) in boundary.iter().enumerate() {
-                let (p, q) = (
-                    surface.positions()[v],
-                    surface.positions()[boundary[(i + 1) % boundary.len()]],
-                );
-                points.push(parry3d_f64::math::Vector::new(p.x, p.y, p.z));
-                segments.push([first + i as u32, first + (i as u32 + 1) % n]);
-                ends.push([p, q]);
-            }
+            points.extend(
+                pair.iter()
+                    .map(|p| parry3d_f64::math::Vector::new(p.x, p.y, p.z)),
+            );
+            segments.push([first, first + 1]);
+            ends.push([pair[0], pair[1]]);
         }
         (!ends.is_empty()).then(|| Self {
             ends,

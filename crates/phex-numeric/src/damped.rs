@@ -36,6 +36,8 @@ pub trait DampedProblem {
     fn step_length(&self, step: &[f64]) -> f64;
     /// What is driven to zero, at the last point whose energy was asked for.
     fn residual(&self) -> f64;
+    /// Brings a point to which a step has led back to where unknowns are held (on a curve, say); moves nothing by default.
+    fn retract(&self, _x: &mut [f64]) {}
 }
 
 /// When to stop, and how to damp.
@@ -146,6 +148,7 @@ impl DampedSolver {
                 break;
             };
             add_scaled(x, step.fraction, &self.step);
+            problem.retract(x);
             let record = Record {
                 phase: options.phase,
                 energy: step.energy,
@@ -229,6 +232,7 @@ impl DampedSolver {
         for _ in 0..HALVINGS {
             self.trial.copy_from_slice(x);
             add_scaled(&mut self.trial, fraction, &self.step);
+            problem.retract(&mut self.trial);
             let trial_energy = problem.energy(&self.trial);
             if trial_energy <= energy + ARMIJO * fraction * slope {
                 return Some((fraction, trial_energy));

@@ -37,6 +37,8 @@ pub trait Constraints {
     fn admissible(&mut self, x: &[f64]) -> Option<f64>;
     /// Length of a step in the unit of the problem.
     fn step_length(&self, step: &[f64]) -> f64;
+    /// Brings a point to which a step has led back to where unknowns are held (on a curve, say); moves nothing by default.
+    fn retract(&self, _x: &mut [f64]) {}
 }
 
 /// When to stop.
@@ -240,6 +242,7 @@ fn guarded(
     for _ in 0..HALVINGS {
         trial.copy_from_slice(x);
         add_scaled(trial, fraction, step);
+        problem.retract(trial);
         if let Some(reached) = problem.admissible(trial).filter(|&r| r < limit) {
             return Some((fraction, reached));
         }

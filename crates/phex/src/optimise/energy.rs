@@ -5,6 +5,7 @@
 use super::barrier::{self, Barrier};
 use super::closeness::{ClosenessWeights, Feet, Reference};
 use super::guard::{Armed, Guard};
+use super::holds::{Holds, restrict_block};
 use super::panels::{Panels, Shape, add_block};
 use super::planarity::{self, ConstraintBases};
 use super::simple::collision;
@@ -12,6 +13,7 @@ use super::{fairness, panels::point};
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
+use std::collections::BTreeMap;
 
 /// Fraction of the way to the first collision that a step may go.
 const COLLISION_FRACTION: f64 = 0.85;
@@ -39,6 +41,8 @@ pub(super) struct Setting<'a> {
     pub rim: &'a [u32],
     /// Whether a vertex is a corner of the boundary.
     pub corner: &'a [bool],
+    /// Vertices that the user holds.
+    pub holds: &'a Holds,
     pub mean_edge: f64,
 }
 
@@ -151,7 +155,9 @@ impl<'a> PanelEnergy<'a> {
 
     /// Weight of the anchor of a vertex.
     fn hold(&self, v: usize) -> f64 {
-        if self.setting.corner[v] {
+        if let Some(anchor) = self.setting.holds.anchors.get(&(v as u32)) {
+            anchor.weight * self.weights.closeness.vertex
+        } else if self.setting.corner[v] {
             self.weights.corner
         } else {
             self.weights.anchor
@@ -159,7 +165,9 @@ impl<'a> PanelEnergy<'a> {
     }
 
     fn pull(&self, v: usize) -> Vec3 {
-        point(&self.at, v) - point(&self.anchor, v)
+        let anchor = self.setting.holds.anchors.get(&(v as u32));
+        let anchor = anchor.map_or_else(|| point(&self.anchor, v), |a| a.point);
+        point(&self.at, v) - anchor
     }
 
     fn anchor_energy(&self) -> f64 {
@@ -221,6 +229,26 @@ impl<'a> PanelEnergy<'a> {
         }
     }
 
+    /// Takes the directions in which held vertices can't move out of gradient and Hessian.
+    fn restrict(&mut self, x: &[f64], gradient: &mut [f64]) {
+        let (panels, assembly) = (self.setting.panels, self.assembly);
+        for (v, freedom) in self.setting.holds.freedoms(x) {
+            let v = v as usize;
+            let g = freedom * point(gradient, v);
+            gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
+            for &c in panels.corners_at(v) {
+                let f = panels.face_of(c);
+                let i = c as usize - panels.corners(f).start;
+                let block = &mut self.blocks[assembly.block(f)];
+                restrict_block(block, i, panels.valence(f), &freedom);
+            }
+            let block = &mut self.blocks[assembly.block(panels.n_faces() + v)];
+            restrict_block(block, 0, 1, &freedom);
+            let held = (Matrix3::identity() - freedom) * self.weights.closeness.vertex;
+            add_block(block, 0, 0, &held);
+        }
+    }
+
     /// Distances of vertices and face centres to the reference: largest, and root mean square.
     pub fn deviation(&mut self, x: &[f64]) -> (f64, f64) {
         let shape = Shape::at(self.setting.panels, x);
@@ -248,6 +276,7 @@ impl DampedProblem for PanelEnergy<'_> {
         self.linearised.clone_from(&self.shape);
         self.linearise_faces();
         self.linearise_vertices(gradient);
+        self.restrict(x, gradient);
         self.assembly.assemble(&self.blocks, hessian);
     }
 
@@ -262,6 +291,10 @@ impl DampedProblem for PanelEnergy<'_> {
 
     fn residual(&self) -> f64 {
         self.shape.max_height() / self.setting.mean_edge
+    }
+
+    fn retract(&self, x: &mut [f64]) {
+        self.setting.holds.retract(x);
     }
 }
 
@@ -304,6 +337,8 @@ pub(super) struct PlanarityConstraints<'a> {
     bases: ConstraintBases,
     armed: Armed,
     linearised: Shape,
+    /// Where held vertices can move to.
+    freedoms: BTreeMap<u32, Matrix3<f64>>,
     trial: Shape,
     corner_motion: Vec<Vec2>,
     blocks: Vec<f64>,
@@ -326,6 +361,7 @@ impl<'a> PlanarityConstraints<'a> {
             armed,
             trial: shape.clone(),
             linearised: shape,
+            freedoms: BTreeMap::new(),
             corner_motion: vec![Vec2::zeros(); panels.n_corners()],
             blocks: vec![0.0; assembly.n_block_entries()],
             setting,
@@ -358,14 +394,17 @@ impl<'a> PlanarityConstraints<'a> {
         let panels = self.setting.panels;
         let range = self.assembly.block(v);
         let corners = panels.corners_at(v);
+        let freedom = self.freedoms.get(&(v as u32)).copied();
         let mut at = range.start;
         for (m, &c) in corners.iter().enumerate() {
             let f = panels.face_of(c);
+            let normal = self.linearised.normal(f);
+            let normal = freedom.map_or(normal, |t| t * normal);
             for a in 0..panels.valence(f) - 3 {
                 let entry = self.basis_entry(c, a);
                 for (l, &d) in corners[..=m].iter().enumerate() {
                     let g = panels.face_of(d);
-                    let normals = self.linearised.normal(f).dot(&self.linearised.normal(g));
+                    let normals = normal.dot(&self.linearised.normal(g));
                     let last = if l == m { a + 1 } else { panels.valence(g) - 3 };
                     for b in 0..last {
                         self.blocks[at] = entry * self.basis_entry(d, b) * normals;
@@ -381,6 +420,7 @@ impl Constraints for PlanarityConstraints<'_> {
     fn linearise(&mut self, x: &[f64], values: &mut [f64], normal: &mut SymmetricMatrix) {
         let panels = self.setting.panels;
         self.linearised.update(panels, x);
+        self.freedoms = self.setting.holds.freedoms(x).collect();
         self.bases.update(panels, &self.linearised);
         for f in 0..panels.n_faces() {
             let corners = self.linearised.face(panels, f);
@@ -405,6 +445,9 @@ impl Constraints for PlanarityConstraints<'_> {
                     .sum();
                 sum += self.linearised.normal(f) * along;
             }
+            if let Some(freedom) = self.freedoms.get(&(v as u32)) {
+                sum = freedom * sum;
+            }
             d[3 * v..3 * v + 3].copy_from_slice(sum.as_slice());
         }
     }
@@ -425,5 +468,9 @@ impl Constraints for PlanarityConstraints<'_> {
 
     fn step_length(&self, step: &[f64]) -> f64 {
         longest(step) / self.setting.mean_edge
+    }
+
+    fn retract(&self, x: &mut [f64]) {
+        self.setting.holds.retract(x);
     }
 }

@@ -45,6 +45,7 @@ mod closeness;
 mod energy;
 mod fairness;
 mod guard;
+mod holds;
 mod inspect;
 mod options;
 mod panels;
@@ -53,6 +54,7 @@ mod run;
 mod shape_target;
 mod simple;
 mod start;
+mod steering;
 mod surface_target;
 
 #[cfg(test)]
@@ -62,6 +64,7 @@ use crate::layout::{Layout, VertexKind};
 use crate::progress::Progress;
 use closeness::Reference;
 use guard::Guard;
+use holds::Holds;
 use panels::{Panels, Shape, points, unknowns};
 use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3};
 use phex_numeric::{Outcome, Status};
@@ -72,6 +75,7 @@ pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
 pub use options::{OptimiseError, OptimiseOptions, StartKind, Starts};
 pub use shape_target::ShapeTarget;
+pub use steering::{Anchor, GroundPlane, Steering, SteeringError};
 pub use surface_target::SurfaceTarget;
 
 /// Foot point on a target surface.
@@ -194,17 +198,70 @@ pub fn planarize(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
+    steer(mesh, target, &Steering::default(), options, progress)
+}
+
+/// Brings an earlier result to a target again, along the whole path even if it is planar: a warm start, as after a change of
+/// weights, of what is held, or of the surface.
+///
+/// # Errors
+/// As [`steer`].
+pub fn refit(
+    mesh: &HexMesh,
+    target: Option<&dyn Target>,
+    steering: &Steering,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, OptimiseError> {
+    from_mesh(mesh, target, steering, options, progress, false)
+}
+
+/// As [`planarize`], with vertices held where the user wants them: fixed ones to the last bit, those in a plane or on a curve
+/// to rounding.
+///
+/// # Errors
+/// If the mesh or an option can't be used, or the mesh can't be held like that; the message names vertex or face.
+pub fn steer(
+    mesh: &HexMesh,
+    target: Option<&dyn Target>,
+    steering: &Steering,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, OptimiseError> {
+    let only_project = steering.anchors.is_empty();
+    from_mesh(mesh, target, steering, options, progress, only_project)
+}
+
+/// `only_project`: a mesh that is nearly planar is not optimised otherwise.
+fn from_mesh(
+    mesh: &HexMesh,
+    target: Option<&dyn Target>,
+    steering: &Steering,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+    only_project: bool,
+) -> Result<Optimised, OptimiseError> {
     options.check()?;
     check_mesh(mesh)?;
+    let mut options = options.clone();
+    if target.is_none() {
+        options.anchor = options.anchor.max(options.start_closeness);
+    }
+    let options = &options;
     let x = unknowns(mesh);
     let panels = Panels::new(mesh.topology());
     let reference = target.map_or_else(|| Reference::start(&panels, &x), Reference::Surface);
     let shape = Shape::at(&panels, &x);
     let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
     let kinds = kinds_of(mesh);
-    let stage = Stage::new(mesh, reference, side, &kinds, options);
+    let mut stage = Stage::new(mesh, reference, side, &kinds, options);
+    stage.holds = steering::resolve(steering, mesh)?;
+    let x = steering::put_in_place(&stage.holds, &panels, mesh)?;
     let mut solvers = Solvers::new(&panels)?;
-    let run = stage.run_as_given(&mut solvers, &x, options, progress);
+    let run = match only_project {
+        true => stage.run_as_given(&mut solvers, &x, options, progress),
+        false => stage.run_from(&mut solvers, &x, options, progress),
+    };
     Ok(better(mesh, run, None))
 }
 
@@ -215,6 +272,7 @@ struct Stage<'a> {
     reference: Reference<'a>,
     rim: Vec<u32>,
     corner: Vec<bool>,
+    holds: Holds,
     diagonal: f64,
 }
 
@@ -238,6 +296,7 @@ impl<'a> Stage<'a> {
                 .iter()
                 .map(|k| *k == VertexKind::BoundaryCorner)
                 .collect(),
+            holds: Holds::default(),
             diagonal: diagonal(mesh),
         }
     }

@@ -53,6 +53,9 @@ pub struct OptimiseOptions {
     pub fairness: f64,
     /// `w_t`: hold on the start, > 0; it decides where nothing else does, as along the surface.
     pub anchor: f64,
+    /// The same where there is no surface and the mesh stands for itself, >= 0: at 1e-4 vertices slide by an edge and more, at
+    /// 0.1 by half an edge at the most; from 1 on panels keep off their old planes.
+    pub start_closeness: f64,
     /// `w_b`: barrier, over the square of the edge of a regular hexagon of the panel's area; 3e-2 to 1e-1.
     /// Below 1e-3 panels may come to touch themselves.
     pub barrier: f64,
@@ -94,6 +97,7 @@ impl Default for OptimiseOptions {
             corner_closeness: 3.0,
             fairness: 1e-3,
             anchor: 1e-4,
+            start_closeness: 0.1,
             barrier: 5e-2,
             barrier_reach: 0.3,
             penalties: vec![1.0, 30.0, 1e3, 1e4],
@@ -126,6 +130,7 @@ impl OptimiseOptions {
             ("boundary_closeness", self.boundary_closeness),
             ("corner_closeness", self.corner_closeness),
             ("fairness", self.fairness),
+            ("start_closeness", self.start_closeness),
             ("energy_tolerance", self.energy_tolerance),
             ("step_tolerance", self.step_tolerance),
         ];
@@ -178,6 +183,9 @@ pub enum OptimiseError {
         /// Its value.
         value: f64,
     },
+    /// The mesh can't be held as is asked for.
+    #[error(transparent)]
+    Steering(#[from] super::SteeringError),
     /// The systems of equations can't be set up.
     #[error(transparent)]
     Numeric(#[from] phex_numeric::NumericError),

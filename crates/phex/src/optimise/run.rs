@@ -137,6 +137,7 @@ impl Stage<'_> {
             guard: &self.guard,
             rim: &self.rim,
             corner: &self.corner,
+            holds: &self.holds,
             mean_edge: self.panels.mean_edge(x),
         }
     }
@@ -191,6 +192,17 @@ impl Stage<'_> {
                 return run;
             }
         }
+        self.run_from(solvers, x, options, progress)
+    }
+
+    /// Optimises a mesh from where it is.
+    pub fn run_from(
+        &self,
+        solvers: &mut Solvers,
+        x: &[f64],
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Run {
         let shape = Shape::at(&self.panels, x);
         let simple = |f: &usize| is_simple(shape.face(&self.panels, *f));
         let n_bad = (0..self.panels.n_faces()).filter(|f| !simple(f)).count();
@@ -198,7 +210,7 @@ impl Stage<'_> {
             x: x.to_vec(),
             n_bad,
         };
-        self.run(solvers, kind, &start, options, progress)
+        self.run(solvers, StartKind::AsGiven, &start, options, progress)
     }
 
     fn conclude(

@@ -5,6 +5,7 @@ use crate::optimise::barrier::Barrier;
 use crate::optimise::closeness::{ClosenessWeights, Reference};
 use crate::optimise::energy::{PanelEnergy, PlanarityConstraints, Setting, Weights};
 use crate::optimise::guard::Guard;
+use crate::optimise::holds::Holds;
 use crate::optimise::panels::{Panels, unknowns};
 use phex_mesh::{HexMesh, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
@@ -50,6 +51,7 @@ fn with_energy(
         guard: &guard,
         rim: &rim,
         corner: &corner,
+        holds: &Holds::default(),
         mean_edge: panels.mean_edge(&x),
     };
     let dofs = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
@@ -251,6 +253,7 @@ fn normal_matrix_is_the_product_of_the_jacobian() {
         guard: &guard,
         rim: &[],
         corner: &corner,
+        holds: &Holds::default(),
         mean_edge: panels.mean_edge(&x),
     };
     let count = PlanarityConstraints::count(&panels);

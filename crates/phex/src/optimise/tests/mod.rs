@@ -2,4 +2,5 @@
 
 mod derivatives;
 pub(crate) mod fixtures;
+mod steering;
 mod whole;

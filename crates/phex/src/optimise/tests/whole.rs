@@ -26,7 +26,7 @@ fn all_simple(mesh: &HexMesh) -> bool {
     (0..panels.n_faces()).all(|f| is_simple(faces.face(&panels, f)))
 }
 
-fn assert_sound(result: &Optimised, planarity: f64) {
+pub(super) fn assert_sound(result: &Optimised, planarity: f64) {
     assert_eq!(result.offenders, []);
     assert_eq!(result.outcome.status, Status::Converged);
     assert!(

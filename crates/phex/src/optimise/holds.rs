@@ -1,0 +1,158 @@
+//! Vertices that are held: at a point, in a plane, on a curve, or softly by an anchor of their own.
+//!
+//! A held vertex moves only within the tangent space `T` of what holds it: gradients become `T g`, Hessians
+//! `T H T + (I - T)`, constraint rows `J T`, so steps never leave that space; a point after a step is brought back exactly.
+//!
+//! | held | `T` |
+//! |---|---|
+//! | at a point | `0` |
+//! | in a plane | `I - n n^T` |
+//! | on a curve | `t t^T` |
+
+use super::panels::point;
+use nalgebra::Matrix3;
+use phex_mesh::{BoundaryCurve, Vec3};
+use std::collections::BTreeMap;
+
+/// What holds a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Hold {
+    /// It does not move.
+    At(Vec3),
+    /// It stays in the plane through a point with a unit normal.
+    InPlane { point: Vec3, normal: Vec3 },
+    /// It slides on the curves.
+    OnCurve,
+}
+
+/// A pull of a vertex towards a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Anchored {
+    pub point: Vec3,
+    /// Over the weight of the closeness of vertices.
+    pub weight: f64,
+}
+
+/// All held vertices of a mesh.
+#[derive(Clone, Default)]
+pub(super) struct Holds {
+    pub held: BTreeMap<u32, Hold>,
+    pub anchors: BTreeMap<u32, Anchored>,
+    pub curves: Option<BoundaryCurve>,
+}
+
+impl Holds {
+    /// The held vertices, in order, with the tangent spaces `T` at `x`.
+    pub fn freedoms<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = (u32, Matrix3<f64>)> + 'a {
+        let freedom = |(&v, hold): (&u32, &Hold)| (v, self.freedom(hold, point(x, v as usize)));
+        self.held.iter().map(freedom)
+    }
+
+    fn freedom(&self, hold: &Hold, p: Vec3) -> Matrix3<f64> {
+        match hold {
+            Hold::At(_) => Matrix3::zeros(),
+            Hold::InPlane { normal, .. } => Matrix3::identity() - normal * normal.transpose(),
+            Hold::OnCurve => self.curves.as_ref().map_or_else(Matrix3::identity, |c| {
+                let tangent = c.closest_point(p).tangent;
+                tangent * tangent.transpose()
+            }),
+        }
+    }
+
+    /// Where a vertex at `p` is brought to.
+    fn place(&self, hold: &Hold, p: Vec3) -> Vec3 {
+        match hold {
+            Hold::At(q) => *q,
+            Hold::InPlane { point, normal } => in_plane(p, *point, *normal),
+            Hold::OnCurve => {
+                let curves = self.curves.as_ref();
+                curves.map_or(p, |c| c.closest_point(p).position)
+            }
+        }
+    }
+
+    /// Places of the held vertices, in order, for those that are at `x`.
+    pub fn places<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = (u32, Vec3)> + 'a {
+        let place = |(&v, hold): (&u32, &Hold)| (v, self.place(hold, point(x, v as usize)));
+        self.held.iter().map(place)
+    }
+
+    /// Brings every held vertex back.
+    pub fn retract(&self, x: &mut [f64]) {
+        for (&v, hold) in &self.held {
+            let at = 3 * v as usize;
+            let place = self.place(hold, point(x, v as usize));
+            x[at..at + 3].copy_from_slice(place.as_slice());
+        }
+    }
+}
+
+/// The closest point of a plane; exact in the coordinate of an axis-parallel normal.
+fn in_plane(p: Vec3, point: Vec3, normal: Vec3) -> Vec3 {
+    match normal.iter().position(|c| c.abs() == 1.0) {
+        Some(axis) => {
+            let mut q = p;
+            q[axis] = point[axis];
+            q
+        }
+        None => p - normal * normal.dot(&(p - point)),
+    }
+}
+
+/// `T B` on the rows of corner `i` of a face's packed block, and `B T` on its columns, for a face of `k` corners.
+pub(super) fn restrict_block(block: &mut [f64], i: usize, k: usize, freedom: &Matrix3<f64>) {
+    let entry = |r: usize, c: usize| phex_numeric::assembly::packed(r.max(c), r.min(c));
+    for j in 0..k {
+        let mut part = Matrix3::from_fn(|a, b| block[entry(3 * i + a, 3 * j + b)]);
+        part = freedom * part;
+        if i == j {
+            part *= freedom;
+        }
+        for a in 0..3 {
+            for b in 0..3 {
+                block[entry(3 * i + a, 3 * j + b)] = part[(a, b)];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_keep_their_vertices_to_the_last_bit_along_an_axis() {
+        let ground = Vec3::new(0.1, 0.2, 0.1 + 0.2);
+        let p = in_plane(Vec3::new(3.3, -0.7, 9.1), ground, Vec3::z());
+        assert_eq!(p, Vec3::new(3.3, -0.7, 0.1 + 0.2));
+        let normal = Vec3::new(1.0, 2.0, -2.0) / 3.0;
+        let q = in_plane(p, ground, normal);
+        assert!(normal.dot(&(q - ground)).abs() < 1e-15);
+        assert!(normal.cross(&(q - p)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_restricted_block_is_the_product_with_the_tangent_spaces() {
+        let (k, held) = (3, 1);
+        let n = 3 * k;
+        let full = nalgebra::DMatrix::from_fn(n, n, |r, c| ((r * c + r + c) as f64).sin());
+        let mut block = vec![0.0; n * (n + 1) / 2];
+        for r in 0..n {
+            for c in 0..=r {
+                block[phex_numeric::assembly::packed(r, c)] = full[(r, c)];
+            }
+        }
+        let normal = Vec3::new(2.0, -1.0, 2.0) / 3.0;
+        let freedom = Matrix3::identity() - normal * normal.transpose();
+        restrict_block(&mut block, held, k, &freedom);
+        let mut t = nalgebra::DMatrix::identity(n, n);
+        t.view_mut((3 * held, 3 * held), (3, 3)).copy_from(&freedom);
+        let expected = &t * full * &t;
+        for r in 0..n {
+            for c in 0..=r {
+                let found = block[phex_numeric::assembly::packed(r, c)];
+                assert!((found - expected[(r, c)]).abs() < 1e-14);
+            }
+        }
+    }
+}

@@ -1,0 +1,444 @@
+//! Steering: what the user holds on to, from positions and numbers to vertices of a mesh.
+//!
+//! Points name the nearest vertex. Vertices that must move to their places take their surroundings along (a few rounds of
+//! averaging of the displacement), so that simple panels stay simple; the optimiser then starts from there.
+
+use super::OptimiseError;
+use super::holds::{Anchored, Hold, Holds};
+use super::panels::{Panels, Shape, flatten, points, unknowns};
+use super::simple::is_simple;
+use phex_mesh::{BoundaryCurve, FaceId, FacePlane, HexMesh, Vec3, VertexId};
+use serde::{Deserialize, Serialize};
+
+/// A plane in which vertices stay.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GroundPlane {
+    /// A point of the plane, model units; without it, the lowest vertex along the normal.
+    #[serde(default)]
+    pub point: Option<[f64; 3]>,
+    /// Its normal, of any length but 0.
+    #[serde(default = "upwards")]
+    pub normal: [f64; 3],
+    /// Vertices of the boundary within this distance are put in the plane, mean edges, >= 0.
+    #[serde(default = "half")]
+    pub reach: f64,
+}
+
+fn upwards() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+fn half() -> f64 {
+    0.5
+}
+
+impl Default for GroundPlane {
+    fn default() -> Self {
+        Self {
+            point: None,
+            normal: upwards(),
+            reach: half(),
+        }
+    }
+}
+
+/// A pull towards a point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Anchor {
+    /// The point, model units.
+    pub point: [f64; 3],
+    /// Weight, > 0; 1 pulls as strongly as the surface pulls a vertex.
+    pub weight: f64,
+}
+
+/// What the user holds on to. Nothing by default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Steering {
+    /// Numbers of vertices that stay where they are, to the last bit.
+    pub fixed_vertices: Vec<u32>,
+    /// Points, model units, that the nearest vertex is moved to and stays at, to the last bit.
+    pub fixed_points: Vec<[f64; 3]>,
+    /// Planes in which vertices of the boundary stay.
+    pub grounds: Vec<GroundPlane>,
+    /// Polylines, model units, on which the vertices of the boundary within half a mean edge slide; closed where the last
+    /// point repeats the first. A panel with three corners on a curve lies in the plane of the curve there.
+    pub curves: Vec<Vec<[f64; 3]>>,
+    /// Pulls of the nearest vertices.
+    pub anchors: Vec<Anchor>,
+}
+
+impl Steering {
+    /// Whether nothing is held.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Why a mesh can't be held as is asked for.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SteeringError {
+    /// There is no such vertex.
+    #[error("vertex {vertex} is to be fixed, but the mesh has {count} vertices (numbered from 0)")]
+    NoSuchVertex {
+        /// The number.
+        vertex: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A number is not finite, or out of its range.
+    #[error("{what} {index} can't be used: {reason}")]
+    Unusable {
+        /// What is wrong.
+        what: &'static str,
+        /// Which of them, from 0.
+        index: usize,
+        /// Why.
+        reason: &'static str,
+    },
+    /// No vertex is near a fixed point.
+    #[error(
+        "fixed point {index} is {distance:.2} mean edges from the nearest vertex, {vertex}; at most {MOST_MOVE} can be bridged"
+    )]
+    TooFar {
+        /// Which of them, from 0.
+        index: usize,
+        /// The vertex that is nearest.
+        vertex: VertexId,
+        /// How far it is, in mean edges.
+        distance: f64,
+    },
+    /// Two demands concern one vertex.
+    #[error("{what} {index} needs vertex {vertex}, which another one holds already")]
+    Taken {
+        /// What is demanded.
+        what: &'static str,
+        /// Which of them, from 0.
+        index: usize,
+        /// The vertex.
+        vertex: VertexId,
+    },
+    /// A curve or plane holds nothing.
+    #[error("no vertex of the boundary lies within {reach} mean edges of {what}")]
+    NothingNear {
+        /// Curve or plane.
+        what: &'static str,
+        /// How near it would have to be.
+        reach: f64,
+    },
+    /// Moving vertices to their places breaks a panel.
+    #[error("face {face} crosses itself when held vertices are moved to their places")]
+    Crossed {
+        /// The face.
+        face: FaceId,
+    },
+    /// A face is held so that it can't be planar.
+    #[error(
+        "face {face} can't become planar: {count} of its corners are fixed, and lie up to {distance:.1e} mean edges off a plane"
+    )]
+    OverConstrained {
+        /// The face.
+        face: FaceId,
+        /// Its fixed corners.
+        count: usize,
+        /// Their largest distance to their best plane, mean edges.
+        distance: f64,
+    },
+}
+
+/// Mean edges that a vertex is moved at the most to a fixed point.
+const MOST_MOVE: f64 = 1.5;
+/// Mean edges within which vertices of the boundary slide on a curve.
+const CURVE_REACH: f64 = 0.5;
+/// Rounds in which a displacement spreads to the neighbours.
+const SPREADING: usize = 40;
+
+/// The holds on a mesh.
+pub(super) fn resolve(steering: &Steering, mesh: &HexMesh) -> Result<Holds, OptimiseError> {
+    let mut resolver = Resolver {
+        mesh,
+        mean_edge: mesh.mean_edge(),
+        holds: Holds::default(),
+    };
+    resolver.fix_vertices(&steering.fixed_vertices)?;
+    resolver.fix_points(&steering.fixed_points)?;
+    resolver.slide(&steering.curves)?;
+    for (index, ground) in steering.grounds.iter().enumerate() {
+        resolver.stand(index, ground)?;
+    }
+    resolver.anchor(&steering.anchors)?;
+    Ok(resolver.holds)
+}
+
+struct Resolver<'a> {
+    mesh: &'a HexMesh,
+    mean_edge: f64,
+    holds: Holds,
+}
+
+fn finite(what: &'static str, index: usize, p: [f64; 3]) -> Result<Vec3, SteeringError> {
+    let reason = "its coordinates are not finite";
+    match p.iter().all(|c| c.is_finite()) {
+        true => Ok(Vec3::from(p)),
+        false => Err(SteeringError::Unusable {
+            what,
+            index,
+            reason,
+        }),
+    }
+}
+
+impl Resolver<'_> {
+    fn hold(
+        &mut self,
+        what: &'static str,
+        index: usize,
+        vertex: VertexId,
+        hold: Hold,
+    ) -> Result<(), SteeringError> {
+        match self.holds.held.insert(vertex.index() as u32, hold) {
+            None => Ok(()),
+            Some(_) => Err(SteeringError::Taken {
+                what,
+                index,
+                vertex,
+            }),
+        }
+    }
+
+    /// The vertex nearest to a point, and its distance.
+    fn nearest(&self, p: Vec3) -> (VertexId, f64) {
+        let distances = self.mesh.positions.enumerate();
+        let distances = distances.map(|(v, q)| (v, (q - p).norm()));
+        distances
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .expect("a mesh has vertices")
+    }
+
+    fn fix_vertices(&mut self, vertices: &[u32]) -> Result<(), SteeringError> {
+        let count = self.mesh.positions.len();
+        for (index, &vertex) in vertices.iter().enumerate() {
+            if vertex as usize >= count {
+                return Err(SteeringError::NoSuchVertex { vertex, count });
+            }
+            let v = VertexId::new(vertex);
+            let hold = Hold::At(self.mesh.positions[v]);
+            self.hold("fixed vertex", index, v, hold)?;
+        }
+        Ok(())
+    }
+
+    fn fix_points(&mut self, points: &[[f64; 3]]) -> Result<(), SteeringError> {
+        for (index, &p) in points.iter().enumerate() {
+            let p = finite("fixed point", index, p)?;
+            let (vertex, distance) = self.nearest(p);
+            let distance = distance / self.mean_edge;
+            if distance > MOST_MOVE {
+                return Err(SteeringError::TooFar {
+                    index,
+                    vertex,
+                    distance,
+                });
+            }
+            self.hold("fixed point", index, vertex, Hold::At(p))?;
+        }
+        Ok(())
+    }
+
+    /// Holds the free vertices of the boundary that `near` says so of; tells whether there are any.
+    fn hold_rim(&mut self, hold: Hold, near: impl Fn(Vec3) -> bool) -> bool {
+        let topology = self.mesh.topology();
+        let mut any = false;
+        for v in topology.vertices() {
+            if topology.is_boundary_vertex(v) && near(self.mesh.positions[v]) {
+                self.holds.held.entry(v.index() as u32).or_insert(hold);
+                any = true;
+            }
+        }
+        any
+    }
+
+    fn slide(&mut self, curves: &[Vec<[f64; 3]>]) -> Result<(), SteeringError> {
+        let line = |(index, line): (usize, &Vec<[f64; 3]>)| {
+            let points = line.iter().map(|&p| finite("curve", index, p));
+            points.collect::<Result<Vec<Vec3>, _>>()
+        };
+        let lines: Vec<Vec<Vec3>> = (curves.iter().enumerate())
+            .map(line)
+            .collect::<Result<_, _>>()?;
+        let Some(curve) = BoundaryCurve::of_polylines(&lines) else {
+            return match curves.is_empty() {
+                true => Ok(()),
+                false => Err(SteeringError::Unusable {
+                    what: "curve",
+                    index: 0,
+                    reason: "it has no segment",
+                }),
+            };
+        };
+        let reach = CURVE_REACH * self.mean_edge;
+        let near = |p: Vec3| (curve.closest_point(p).position - p).norm() <= reach;
+        if !self.hold_rim(Hold::OnCurve, near) {
+            return Err(SteeringError::NothingNear {
+                what: "a curve",
+                reach: CURVE_REACH,
+            });
+        }
+        self.holds.curves = Some(curve);
+        Ok(())
+    }
+
+    fn stand(&mut self, index: usize, ground: &GroundPlane) -> Result<(), SteeringError> {
+        let unusable = |reason| SteeringError::Unusable {
+            what: "ground plane",
+            index,
+            reason,
+        };
+        if !(ground.reach >= 0.0 && ground.reach.is_finite()) {
+            return Err(unusable("its reach is negative or not finite"));
+        }
+        let normal = finite("ground plane", index, ground.normal)?;
+        let normal = normal
+            .try_normalize(0.0)
+            .ok_or_else(|| unusable("its normal is 0"))?;
+        let point = match ground.point {
+            Some(p) => finite("ground plane", index, p)?,
+            None => self.lowest(normal),
+        };
+        let reach = ground.reach * self.mean_edge;
+        let near = |p: Vec3| normal.dot(&(p - point)).abs() <= reach;
+        match self.hold_rim(Hold::InPlane { point, normal }, near) {
+            true => Ok(()),
+            false => Err(SteeringError::NothingNear {
+                what: "the ground plane",
+                reach: ground.reach,
+            }),
+        }
+    }
+
+    fn lowest(&self, normal: Vec3) -> Vec3 {
+        let height = |p: &&Vec3| normal.dot(p);
+        let all = self.mesh.positions.iter();
+        *all.min_by(|p, q| height(p).total_cmp(&height(q)))
+            .expect("a mesh has vertices")
+    }
+
+    fn anchor(&mut self, anchors: &[Anchor]) -> Result<(), SteeringError> {
+        for (index, anchor) in anchors.iter().enumerate() {
+            let point = finite("anchor", index, anchor.point)?;
+            let weight = anchor.weight;
+            if !(weight > 0.0 && weight.is_finite()) {
+                return Err(SteeringError::Unusable {
+                    what: "anchor",
+                    index,
+                    reason: "its weight is not a positive number",
+                });
+            }
+            let (vertex, _) = self.nearest(point);
+            let anchored = Anchored { point, weight };
+            let taken = self
+                .holds
+                .anchors
+                .insert(vertex.index() as u32, anchored)
+                .is_some();
+            if taken {
+                return Err(SteeringError::Taken {
+                    what: "anchor",
+                    index,
+                    vertex,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The mesh with held vertices at their places, where that breaks no panel.
+pub(super) fn put_in_place(
+    holds: &Holds,
+    panels: &Panels,
+    mesh: &HexMesh,
+) -> Result<Vec<f64>, SteeringError> {
+    let x = unknowns(mesh);
+    refuse_impossible_faces(holds, panels, &x)?;
+    let before = crossed(panels, &x);
+    let new_one = |y: &[f64]| (crossed(panels, y).into_iter()).find(|f| !before.contains(f));
+    let mut raw = x.clone();
+    holds.retract(&mut raw);
+    if raw == x {
+        return Ok(x);
+    }
+    let spread = spread_out(holds, mesh, &x);
+    match (new_one(&spread), new_one(&raw)) {
+        (None, _) => Ok(spread),
+        (_, None) => Ok(raw),
+        (Some(f), Some(_)) => Err(SteeringError::Crossed {
+            face: FaceId::new(f as u32),
+        }),
+    }
+}
+
+fn crossed(panels: &Panels, x: &[f64]) -> Vec<usize> {
+    let shape = Shape::at(panels, x);
+    let simple = |f: &usize| is_simple(shape.face(panels, *f));
+    (0..panels.n_faces()).filter(|f| !simple(f)).collect()
+}
+
+/// Held vertices at their places, the others along with them.
+fn spread_out(holds: &Holds, mesh: &HexMesh, x: &[f64]) -> Vec<f64> {
+    let topology = mesh.topology();
+    let before = points(x);
+    let mut way = vec![Vec3::zeros(); before.len()];
+    let moved: Vec<(usize, Vec3)> = holds
+        .places(x)
+        .map(|(v, place)| (v as usize, place - before[v as usize]))
+        .collect();
+    for _ in 0..SPREADING {
+        moved.iter().for_each(|&(v, d)| way[v] = d);
+        let mean = |v: VertexId| {
+            let ring = topology.neighbours(v);
+            let sum: Vec3 = ring.iter().map(|n| way[n.index()]).sum();
+            sum / ring.len().max(1) as f64
+        };
+        way = topology.vertices().map(mean).collect();
+    }
+    let after: Vec<Vec3> = before.iter().zip(&way).map(|(p, d)| p + d).collect();
+    let mut y = flatten(&after);
+    for (v, place) in holds.places(x) {
+        y[3 * v as usize..3 * v as usize + 3].copy_from_slice(place.as_slice());
+    }
+    y
+}
+
+/// Refuses faces whose fixed corners alone do not lie in a plane.
+fn refuse_impossible_faces(holds: &Holds, panels: &Panels, x: &[f64]) -> Result<(), SteeringError> {
+    const PLANAR: f64 = 1e-9;
+    let mean_edge = panels.mean_edge(x);
+    for f in 0..panels.n_faces() {
+        let fixed = panels
+            .vertices(f)
+            .iter()
+            .filter_map(|v| match holds.held.get(v) {
+                Some(Hold::At(p)) => Some(*p),
+                _ => None,
+            });
+        let fixed: Vec<Vec3> = fixed.collect();
+        if fixed.len() < 4 {
+            continue;
+        }
+        let plane = FacePlane::fit(&fixed);
+        let heights = fixed.iter().map(|p| plane.height(*p).abs());
+        let distance = heights.fold(0.0, f64::max) / mean_edge;
+        if distance > PLANAR {
+            return Err(SteeringError::OverConstrained {
+                face: FaceId::new(f as u32),
+                count: fixed.len(),
+                distance,
+            });
+        }
+    }
+    Ok(())
+}
