@@ -6,6 +6,7 @@ use crate::fab_arguments::FabCommand;
 use crate::offset_arguments::OffsetCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
 use crate::settings::MeshSettings;
+use crate::steering::SteeringSettings;
 use crate::units::{Quantity, Unit};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -147,6 +148,9 @@ pub struct MeshCommand {
     /// Read settings from a TOML file (the names of these options); the command line comes first
     #[arg(long, value_name = "JOB.TOML")]
     pub config: Option<PathBuf>,
+    /// Go on from an earlier mesh of the surface instead of laying out panels: after a change of weights, surface or what is held
+    #[arg(long, value_name = "MESH")]
+    pub start: Option<PathBuf>,
     /// Write the smooth surface through the input's vertices that the panels were fitted to
     #[arg(long, value_name = "SURFACE", help_heading = "Files")]
     pub write_target: Option<PathBuf>,
@@ -195,12 +199,21 @@ pub struct PlanarizeCommand {
     /// Mesh to write
     #[arg(short, long, value_name = "MESH")]
     pub output: PathBuf,
-    /// Surface to stay close to; without it, the mesh's own faces cut into triangles
+    /// Surface to stay close to; without it, the mesh stays close to where it is
     #[arg(long, value_name = "SURFACE")]
     pub surface: Option<PathBuf>,
     /// Limits.
     #[command(flatten)]
     pub limits: Limits,
+    /// What is held, and the dials.
+    #[command(flatten)]
+    pub steering: SteeringSettings,
+    /// Optimise the whole way even if the mesh is planar already: a warm start
+    #[arg(long)]
+    pub refit: bool,
+    /// Read `[steering]` and `[stages.optimise]` from a job file of `phex mesh`; the command line comes first
+    #[arg(long, value_name = "JOB.TOML")]
+    pub config: Option<PathBuf>,
     /// Number of threads; the result does not depend on it
     #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,

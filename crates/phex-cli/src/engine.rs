@@ -4,10 +4,10 @@ use crate::exit::{Exit, Failure, OrExit};
 use anyhow::Context;
 use phex::directions::network::NetworkError;
 use phex::layout::LayoutError;
-use phex::optimise::{self, OptimiseOptions, SurfaceTarget, Target};
+use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
 use phex::pipeline::{self, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
-use phex::{MeshOptions, PipelineError, Progress, mesh_surface};
+use phex::{MeshOptions, MeshRun, PipelineError, Progress, mesh_surface};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
@@ -41,7 +41,24 @@ pub fn mesh(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<Reached, Failure> {
-    let run = mesh_surface(surface, options, progress).map_err(pipeline_failure)?;
+    reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
+}
+
+/// Brings an earlier mesh to a connected surface again.
+///
+/// # Errors
+/// If the mesh can't be used or held, or the user interrupts.
+pub fn refit(
+    earlier: &HexMesh,
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Reached, Failure> {
+    let run = pipeline::refit_surface(earlier, surface, options, progress);
+    reached(run.map_err(pipeline_failure)?)
+}
+
+fn reached(run: MeshRun) -> Result<Reached, Failure> {
     let times = run.stages.iter().map(|s| StageTime {
         stage: s.stage.to_owned(),
         seconds: s.seconds,
@@ -69,6 +86,16 @@ pub fn network(
     network_curves(surface, options, progress).map_err(pipeline_failure)
 }
 
+/// How a mesh is made planar.
+pub struct Planarization {
+    /// Weights and limits.
+    pub options: OptimiseOptions,
+    /// What is held.
+    pub steering: Steering,
+    /// Whether a mesh that is planar is optimised too.
+    pub refit: bool,
+}
+
 /// Makes the faces of a mesh planar, close to a surface or to where they are.
 ///
 /// # Errors
@@ -76,13 +103,19 @@ pub fn network(
 pub fn planarize(
     mesh: &HexMesh,
     surface: Option<&TriangleSurface>,
-    options: &OptimiseOptions,
+    how: &Planarization,
     progress: &dyn Progress,
 ) -> Result<Reached, Failure> {
     let start = Instant::now();
     let target = surface.map(SurfaceTarget::new);
     let target = target.as_ref().map(|t| t as &dyn Target);
-    let run = optimise::planarize(mesh, target, options, progress).or_exit(Exit::InputUnusable)?;
+    let steer = if how.refit {
+        optimise::refit
+    } else {
+        optimise::steer
+    };
+    let run = steer(mesh, target, &how.steering, &how.options, progress);
+    let run = run.or_exit(Exit::InputUnusable)?;
     let seconds = start.elapsed().as_secs_f64();
     Ok(Reached {
         outcome: ended(&run.outcome)?,
@@ -132,6 +165,7 @@ fn pipeline_failure(error: PipelineError) -> Failure {
     let exit = match error {
         PipelineError::Cancelled => return Failure::interrupted(),
         PipelineError::Size(_) | PipelineError::Components(_) => Exit::InputUnusable,
+        PipelineError::Optimise(OptimiseError::Steering(_)) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Domain(_)) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Duality(_) | LayoutError::Power(_))

@@ -74,6 +74,49 @@ fn parse(path: &Path) -> Result<(PolygonSoup, String), ReadError> {
     Ok((parse_soup(&bytes, format)?, sha256))
 }
 
+/// A line of numbers, and where it stands.
+pub struct NumberLine {
+    /// The numbers.
+    pub numbers: Vec<f64>,
+    place: String,
+}
+
+impl NumberLine {
+    /// The line does not hold what is wanted.
+    pub fn wrong(&self, wanted: &str) -> Failure {
+        Failure::input(format!("{}: {wanted} is wanted on each line", self.place))
+    }
+}
+
+/// The lines of a text file with numbers, separated by blanks or commas; `#` begins a comment.
+///
+/// # Errors
+/// If the file can't be read, or a word is no finite number.
+pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, Failure> {
+    let name = || path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .with_context(name)
+        .or_exit(Exit::InputUnusable)?;
+    let mut lines = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let place = format!("{}:{}", name(), index + 1);
+        let data = line.split('#').next().unwrap_or_default();
+        let words = data.split(|c: char| c.is_whitespace() || c == ',');
+        let words = words.filter(|w| !w.is_empty());
+        let number = |w: &str| w.parse::<f64>().ok().filter(|x| x.is_finite());
+        let numbers: Option<Vec<f64>> = words.map(number).collect();
+        let Some(numbers) = numbers else {
+            return Err(Failure::input(format!(
+                "{place}: `{line}` is not understood"
+            )));
+        };
+        if !numbers.is_empty() {
+            lines.push(NumberLine { numbers, place });
+        }
+    }
+    Ok(lines)
+}
+
 /// The polylines of an OBJ file.
 ///
 /// # Errors

@@ -15,6 +15,8 @@ mod panel_size;
 mod picture_arguments;
 mod progress;
 mod settings;
+mod size_field;
+mod steering;
 mod summary;
 mod units;
 mod verdict;

@@ -32,8 +32,16 @@ pub fn panels(size: PanelSize, surface: &TriangleSurface, unit: Unit) -> Result<
             panels as u64
         }
     };
+    checked(panels, surface)
+}
+
+/// A number of panels, if it makes sense on a surface.
+///
+/// # Errors
+/// As [`panels`].
+pub fn checked(panels: u64, surface: &TriangleSurface) -> Result<u64, Failure> {
     check_count(panels)?;
-    check_precision(panels, area, surface)?;
+    check_precision(panels, surface.area(), surface)?;
     Ok(panels)
 }
 
@@ -64,7 +72,7 @@ fn check_precision(panels: u64, area: f64, surface: &TriangleSurface) -> Result<
 }
 
 /// Area of a regular hexagon.
-fn hexagon_area(edge: f64) -> f64 {
+pub fn hexagon_area(edge: f64) -> f64 {
     1.5 * 3.0_f64.sqrt() * edge * edge
 }
 

@@ -1,6 +1,7 @@
 //! What is wanted of a mesh: one list of settings for the command line and the job file.
 
 use crate::exit::Failure;
+use crate::steering::SteeringSettings;
 use crate::units::{Quantity, Unit};
 use clap::Args;
 use phex::Boundary;
@@ -8,7 +9,7 @@ use phex::MeshOptions;
 use phex::pipeline::Method;
 use phex::target::TargetKind;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Panels where neither a number nor a size is asked for.
 const DEFAULT_PANELS: u64 = 500;
@@ -40,6 +41,10 @@ pub struct MeshSettings {
     /// Smaller panels where the surface is strongly curved: panel length times curvature stays below this (0.4 without a number)
     #[arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive)]
     pub adaptive: Option<f64>,
+    /// Lengths of the panels' edges from a text file: a number on each line for each vertex of the input, in its order; with
+    /// --panels or --edge-length only their ratios count
+    #[arg(long, value_name = "SIZES.TXT")]
+    pub size_field: Option<PathBuf>,
     /// What happens at the boundary [default: snap]
     #[arg(long, value_enum, value_name = "HOW")]
     pub boundary: Option<AtBoundary>,
@@ -64,6 +69,9 @@ pub struct MeshSettings {
     /// Number of threads; the result does not depend on it [default: all cores]
     #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    /// What is held, and the dials; in a job file the table `[steering]`.
+    #[command(flatten)]
+    pub steering: SteeringSettings,
     /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of them.
     #[arg(skip)]
     pub stages: MeshOptions,
@@ -199,7 +207,7 @@ impl MeshSettings {
 
     /// These settings, and those of `file` where these say nothing.
     pub fn over(self, file: Self) -> Self {
-        let sized = self.panels.is_some() || self.edge_length.is_some();
+        let sized = self.is_sized();
         Self {
             panels: if sized { self.panels } else { file.panels },
             edge_length: if sized {
@@ -212,6 +220,7 @@ impl MeshSettings {
             regularise: self.regularise.or(file.regularise),
             rotate: self.rotate.or(file.rotate),
             adaptive: self.adaptive.or(file.adaptive),
+            size_field: self.size_field.or(file.size_field),
             boundary: self.boundary.or(file.boundary),
             target: self.target.or(file.target),
             max_deviation: self.max_deviation.or(file.max_deviation),
@@ -220,8 +229,14 @@ impl MeshSettings {
             all_components: self.all_components || file.all_components,
             seed: self.seed.or(file.seed),
             threads: self.threads.or(file.threads),
+            steering: self.steering.over(file.steering),
             stages: file.stages,
         }
+    }
+
+    /// Whether a number or a length says how fine the panelling is to be.
+    pub fn is_sized(&self) -> bool {
+        self.panels.is_some() || self.edge_length.is_some()
     }
 
     /// How fine the panelling is to be.

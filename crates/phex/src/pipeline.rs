@@ -7,11 +7,13 @@ mod brick_wall;
 mod classical;
 mod field;
 mod repair;
+mod steered;
 mod subdivide;
 
 pub use brick_wall::{NetworkCurves, network_curves};
 pub use classical::ClassicalStatistics;
 pub use repair::AttemptSummary;
+pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
 
 use crate::curvature::CurvatureOptions;
@@ -22,7 +24,7 @@ use crate::layout::brick_wall::{BrickWallOptions, BrickWallStatistics};
 use crate::layout::duality::DualOptions;
 use crate::layout::lattice::CELL;
 use crate::layout::{LayoutError, LayoutOptions, LayoutStatistics};
-use crate::optimise::{Offender, OptimiseError, OptimiseOptions, RunSummary};
+use crate::optimise::{Offender, OptimiseError, OptimiseOptions, RunSummary, Steering};
 use crate::parallel_mesh::fit::FitError;
 use crate::progress::{Event, Progress};
 use crate::target::{Similarity, TargetOptions};
@@ -98,6 +100,8 @@ pub struct MeshOptions {
     pub dual: DualOptions,
     /// Optimiser.
     pub optimise: OptimiseOptions,
+    /// Vertices that are held in the end; numbers of vertices make sense for a warm start only.
+    pub steering: Steering,
     /// Vertices per panel, at least, of the mesh on which directions and lattice are computed.
     pub field_density: f64,
     /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are kept close.
@@ -124,6 +128,7 @@ impl Default for MeshOptions {
             brick_wall: BrickWallOptions::default(),
             dual: DualOptions::default(),
             optimise: OptimiseOptions::default(),
+            steering: Steering::default(),
             field_density: 8.0,
             cell_density: 25.0,
             max_repairs: 6,
@@ -242,6 +247,14 @@ impl MeshRun {
 /// If the input can't be used or no panelling with its topology is found. A mesh that did not become valid is returned,
 /// with its offenders, and never called valid.
 pub fn mesh_surface(
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<MeshRun, PipelineError> {
+    steered::steered(mesh_of_size(surface, options, progress)?, options, progress)
+}
+
+fn mesh_of_size(
     surface: &TriangleSurface,
     options: &MeshOptions,
     progress: &dyn Progress,

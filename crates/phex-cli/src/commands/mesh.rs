@@ -11,6 +11,7 @@ use crate::output::{Content, check_writable, write_mesh};
 use crate::panel_size::{self, shares};
 use crate::progress::{Reporter, is_interrupted};
 use crate::settings::MeshSettings;
+use crate::size_field::SizeField;
 use crate::summary;
 use crate::verdict::{TypedLimits, exit_of, written};
 use anyhow::Context;
@@ -36,9 +37,30 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     notes.iter().for_each(|note| reporter.note(note));
 
     let unit = settings.unit.unwrap_or_default();
-    let panels = panel_size::panels(settings.size(), &facets, unit)?;
-    let settings = settings.complete(panels);
-    let runs = mesh_each(&parts.components, panels, &settings, &reporter)?;
+    let field = settings.size_field.as_deref();
+    let field = field.map(|path| SizeField::read(path, &file, &parts.components));
+    let field = field.transpose()?;
+    let panels = match &field {
+        Some(field) if !settings.is_sized() => {
+            let panels = field.panels(&parts.components).round().max(1.0);
+            panel_size::checked(panels as u64, &facets)?
+        }
+        _ => panel_size::panels(settings.size(), &facets, unit)?,
+    };
+    let mut settings = settings.complete(panels);
+    let stages = &mut settings.stages;
+    (settings.steering).apply(&mut stages.steering, &mut stages.optimise)?;
+    check_steering(command, &parts.components, &settings)?;
+    let runs = match &command.start {
+        Some(path) => vec![refit(path, &facets, &settings, &reporter)?],
+        None => mesh_each(
+            &parts.components,
+            panels,
+            field.as_ref(),
+            &settings,
+            &reporter,
+        )?,
+    };
     reporter.finish();
     let mesh = joined_mesh(&runs)?;
     let smooth = joined_target(&runs)?;
@@ -81,6 +103,9 @@ fn settings(command: &MeshCommand) -> Result<MeshSettings, Failure> {
 fn inputs(command: &MeshCommand) -> Vec<&Path> {
     std::iter::once(command.input.as_path())
         .chain(command.config.as_deref())
+        .chain(command.start.as_deref())
+        .chain(command.settings.steering.inputs())
+        .chain(command.settings.size_field.as_deref())
         .collect()
 }
 
@@ -120,23 +145,64 @@ fn check_components(
     )))
 }
 
+/// What is held refers to one connected surface, and numbers of vertices to a mesh that is known.
+fn check_steering(
+    command: &MeshCommand,
+    components: &[SurfaceComponent],
+    settings: &MeshSettings,
+) -> Result<(), Failure> {
+    let steering = &settings.stages.steering;
+    if components.len() > 1 && (command.start.is_some() || !steering.is_empty()) {
+        return Err(Failure::input(
+            "vertices can be held, and an earlier mesh taken as start, on a surface of one connected part only",
+        ));
+    }
+    if command.start.is_none() && !steering.fixed_vertices.is_empty() {
+        return Err(Failure::input(
+            "--fix: vertices have no numbers before there is a mesh; give points x y z, or an earlier mesh with --start",
+        ));
+    }
+    Ok(())
+}
+
+/// An earlier mesh, brought to the surface again.
+fn refit(
+    path: &Path,
+    surface: &TriangleSurface,
+    settings: &MeshSettings,
+    reporter: &Reporter,
+) -> Result<Reached, Failure> {
+    let (earlier, _) = MeshFile::read(path)?.polygon_mesh()?;
+    let reached = engine::refit(&earlier, surface, &settings.stages, reporter)?;
+    match is_interrupted() {
+        true => Err(Failure::interrupted()),
+        false => Ok(reached),
+    }
+}
+
 fn mesh_each(
     components: &[SurfaceComponent],
     panels: u64,
+    field: Option<&SizeField>,
     settings: &MeshSettings,
     reporter: &Reporter,
 ) -> Result<Vec<Reached>, Failure> {
     let areas: Vec<f64> = components.iter().map(|c| c.surface.area()).collect();
     let counts = shares(panels, &areas);
-    let mesh = |(part, &count): (&SurfaceComponent, &u64)| {
-        let reached = engine::mesh(&part.surface, &settings.options(count), reporter)?;
+    let mesh = |(k, (part, &count)): (usize, (&SurfaceComponent, &u64))| {
+        let mut options = settings.options(count);
+        if let Some(field) = field {
+            options.size_field = Some(field.of(k).to_vec());
+        }
+        let reached = engine::mesh(&part.surface, &options, reporter)?;
         if is_interrupted() {
             Err(Failure::interrupted())
         } else {
             Ok(reached)
         }
     };
-    components.iter().zip(&counts).map(mesh).collect()
+    let parts = components.iter().zip(&counts).enumerate();
+    parts.map(mesh).collect()
 }
 
 fn joined_mesh(runs: &[Reached]) -> Result<HexMesh, Failure> {

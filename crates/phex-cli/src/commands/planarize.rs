@@ -2,15 +2,15 @@
 
 use super::{tell, use_threads};
 use crate::args::PlanarizeCommand;
-use crate::engine::{self, Reached};
+use crate::engine::{self, Planarization, Reached};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::input::{MeshFile, whole};
 use crate::output::{Content, check_writable, write_mesh};
 use crate::progress::{Reporter, is_interrupted};
+use crate::settings::MeshSettings;
 use crate::summary;
 use crate::verdict::{TypedLimits, exit_of, written};
-use phex::optimise::OptimiseOptions;
 use phex::report::{Assessment, InputFile, References, RunReport, Verdict};
 use phex_mesh::TriangleSurface;
 use serde_json::json;
@@ -27,8 +27,8 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let files = Files::read(command)?;
     let (start, dropped) = files.mesh.polygon_mesh()?;
     let surface = files.surface()?;
-    let options = OptimiseOptions::default();
-    let reached = engine::planarize(&start, surface.as_ref(), &options, &reporter)?;
+    let how = planarization(command)?;
+    let reached = engine::planarize(&start, surface.as_ref(), &how, &reporter)?;
     reporter.finish();
     if is_interrupted() {
         return Err(Failure::interrupted());
@@ -41,7 +41,7 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     };
     let assessment = limits.judge(&reached.mesh, references);
     let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
-    let mut report = report(assessment, &limits, &options, &reached);
+    let mut report = report(assessment, &limits, &how, &reached);
     report.threads = threads;
     report.inputs = files.records();
     if dropped > 0 {
@@ -58,6 +58,20 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     write(command, &shown, &mut report)?;
     tell(command.talk.quiet, &(table + &summary::of_outputs(&report)))?;
     Ok(exit_of(report.verdict))
+}
+
+/// The options of a job file, what is held and how the dials stand.
+fn planarization(command: &PlanarizeCommand) -> Result<Planarization, Failure> {
+    let file = command.config.as_deref().map(MeshSettings::from_file);
+    let file = file.transpose()?.unwrap_or_default();
+    let (mut options, mut steering) = (file.stages.optimise, file.stages.steering);
+    let typed = command.steering.clone().over(file.steering);
+    typed.apply(&mut steering, &mut options)?;
+    Ok(Planarization {
+        options,
+        steering,
+        refit: command.refit,
+    })
 }
 
 /// The files that are read.
@@ -96,7 +110,7 @@ impl Files {
 fn report(
     assessment: Assessment,
     limits: &TypedLimits,
-    options: &OptimiseOptions,
+    how: &Planarization,
     reached: &Reached,
 ) -> RunReport {
     let mut report = RunReport::new("planarize", assessment);
@@ -105,7 +119,9 @@ fn report(
         "planarity": limits.planarity,
         "max-deviation": limits.max_deviation,
         "unit": limits.unit,
-        "optimise": options,
+        "optimise": how.options,
+        "steering": how.steering,
+        "refit": how.refit,
     });
     report.outcome = reached.outcome.clone();
     report.statistics = reached.statistics.clone();
@@ -116,6 +132,8 @@ fn report(
 fn inputs(command: &PlanarizeCommand) -> Vec<&Path> {
     std::iter::once(command.input.as_path())
         .chain(command.surface.as_deref())
+        .chain(command.config.as_deref())
+        .chain(command.steering.inputs())
         .collect()
 }
 

@@ -5,7 +5,7 @@
 use super::barrier::{self, Barrier};
 use super::closeness::{ClosenessWeights, Feet, Reference};
 use super::guard::{Armed, Guard};
-use super::holds::{Holds, restrict_block};
+use super::holds::{Holds, restrict};
 use super::panels::{Panels, Shape, add_block};
 use super::planarity::{self, ConstraintBases};
 use super::simple::collision;
@@ -229,26 +229,6 @@ impl<'a> PanelEnergy<'a> {
         }
     }
 
-    /// Takes the directions in which held vertices can't move out of gradient and Hessian.
-    fn restrict(&mut self, x: &[f64], gradient: &mut [f64]) {
-        let (panels, assembly) = (self.setting.panels, self.assembly);
-        for (v, freedom) in self.setting.holds.freedoms(x) {
-            let v = v as usize;
-            let g = freedom * point(gradient, v);
-            gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
-            for &c in panels.corners_at(v) {
-                let f = panels.face_of(c);
-                let i = c as usize - panels.corners(f).start;
-                let block = &mut self.blocks[assembly.block(f)];
-                restrict_block(block, i, panels.valence(f), &freedom);
-            }
-            let block = &mut self.blocks[assembly.block(panels.n_faces() + v)];
-            restrict_block(block, 0, 1, &freedom);
-            let held = (Matrix3::identity() - freedom) * self.weights.closeness.vertex;
-            add_block(block, 0, 0, &held);
-        }
-    }
-
     /// Distances of vertices and face centres to the reference: largest, and root mean square.
     pub fn deviation(&mut self, x: &[f64]) -> (f64, f64) {
         let shape = Shape::at(self.setting.panels, x);
@@ -276,7 +256,9 @@ impl DampedProblem for PanelEnergy<'_> {
         self.linearised.clone_from(&self.shape);
         self.linearise_faces();
         self.linearise_vertices(gradient);
-        self.restrict(x, gradient);
+        let weight = self.weights.closeness.vertex;
+        let (setting, assembly) = (self.setting, self.assembly);
+        restrict(setting, assembly, weight, x, gradient, &mut self.blocks);
         self.assembly.assemble(&self.blocks, hessian);
     }
 

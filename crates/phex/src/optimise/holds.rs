@@ -9,9 +9,11 @@
 //! | in a plane | `I - n n^T` |
 //! | on a curve | `t t^T` |
 
-use super::panels::point;
+use super::energy::Setting;
+use super::panels::{add_block, point};
 use nalgebra::Matrix3;
 use phex_mesh::{BoundaryCurve, Vec3};
+use phex_numeric::Assembly;
 use std::collections::BTreeMap;
 
 /// What holds a vertex.
@@ -99,8 +101,35 @@ fn in_plane(p: Vec3, point: Vec3, normal: Vec3) -> Vec3 {
     }
 }
 
+/// Takes the directions in which held vertices can't move out of a gradient and the blocks of a Hessian, one for every face and
+/// then one for every vertex; `weight` stands in their place.
+pub(super) fn restrict(
+    setting: &Setting<'_>,
+    assembly: &Assembly,
+    weight: f64,
+    x: &[f64],
+    gradient: &mut [f64],
+    blocks: &mut [f64],
+) {
+    let panels = setting.panels;
+    for (v, freedom) in setting.holds.freedoms(x) {
+        let v = v as usize;
+        let g = freedom * point(gradient, v);
+        gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
+        for &c in panels.corners_at(v) {
+            let f = panels.face_of(c);
+            let i = c as usize - panels.corners(f).start;
+            let block = &mut blocks[assembly.block(f)];
+            restrict_block(block, i, panels.valence(f), &freedom);
+        }
+        let block = &mut blocks[assembly.block(panels.n_faces() + v)];
+        restrict_block(block, 0, 1, &freedom);
+        add_block(block, 0, 0, &((Matrix3::identity() - freedom) * weight));
+    }
+}
+
 /// `T B` on the rows of corner `i` of a face's packed block, and `B T` on its columns, for a face of `k` corners.
-pub(super) fn restrict_block(block: &mut [f64], i: usize, k: usize, freedom: &Matrix3<f64>) {
+fn restrict_block(block: &mut [f64], i: usize, k: usize, freedom: &Matrix3<f64>) {
     let entry = |r: usize, c: usize| phex_numeric::assembly::packed(r.max(c), r.min(c));
     for j in 0..k {
         let mut part = Matrix3::from_fn(|a, b| block[entry(3 * i + a, 3 * j + b)]);

@@ -56,6 +56,7 @@ mod simple;
 mod start;
 mod steering;
 mod surface_target;
+mod tetrahedra;
 
 #[cfg(test)]
 pub(crate) mod tests;
@@ -73,7 +74,7 @@ use serde::Serialize;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
-pub use options::{OptimiseError, OptimiseOptions, StartKind, Starts};
+pub use options::{Dials, OptimiseError, OptimiseOptions, Solver, StartKind, Starts};
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, SteeringError};
 pub use surface_target::SurfaceTarget;

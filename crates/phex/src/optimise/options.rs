@@ -18,6 +18,17 @@ pub enum Starts {
     Circumcentres,
 }
 
+/// How panels are made planar.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Solver {
+    /// Distances to the faces' planes, with a barrier that keeps panels simple, and an exact projection at the end.
+    #[default]
+    Barrier,
+    /// The paper's: volumes of all four corners of a face, penalised. Nothing keeps panels simple; for comparison.
+    Tetrahedra,
+}
+
 /// A start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -37,6 +48,8 @@ pub enum StartKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct OptimiseOptions {
+    /// How panels are made planar.
+    pub solver: Solver,
     /// Starts to try.
     pub starts: Starts,
     /// `w_c`: closeness of vertices to the surface, > 0.
@@ -90,6 +103,7 @@ pub struct OptimiseOptions {
 impl Default for OptimiseOptions {
     fn default() -> Self {
         Self {
+            solver: Solver::Barrier,
             starts: Starts::Auto,
             vertex_closeness: 1.0,
             centre_closeness: 3.0,
@@ -112,6 +126,41 @@ impl Default for OptimiseOptions {
             smoothing: [3, 40],
             good_deviation: 2.5e-3,
         }
+    }
+}
+
+/// What designers turn: factors of the weights, 1 each by default.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Dials {
+    /// Even panels, > 0: central symmetry, `w_s`.
+    pub fairness: f64,
+    /// Nearness to surface and boundary, > 0: `w_c`, `w_cf`, `w_bd`, `w_k`.
+    pub closeness: f64,
+    /// Room within panels, > 0: the barrier `w_b`.
+    pub clearance: f64,
+}
+
+impl Default for Dials {
+    fn default() -> Self {
+        Self {
+            fairness: 1.0,
+            closeness: 1.0,
+            clearance: 1.0,
+        }
+    }
+}
+
+impl Dials {
+    /// Multiplies the weights of the options.
+    pub fn turn(&self, options: &mut OptimiseOptions) {
+        options.fairness *= self.fairness;
+        options.vertex_closeness *= self.closeness;
+        options.centre_closeness *= self.closeness;
+        options.boundary_closeness *= self.closeness;
+        options.corner_closeness *= self.closeness;
+        // The barrier is relative to the closeness of vertices.
+        options.barrier *= self.clearance / self.closeness;
     }
 }
 

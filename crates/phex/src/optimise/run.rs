@@ -4,7 +4,7 @@ use super::barrier::{Barrier, clearance};
 use super::closeness::ClosenessWeights;
 use super::energy::{PanelEnergy, PlanarityConstraints, Setting, Weights};
 use super::inspect::{Offender, inspect};
-use super::options::{OptimiseError, OptimiseOptions, StartKind};
+use super::options::{OptimiseError, OptimiseOptions, Solver, StartKind};
 use super::panels::{Panels, Shape};
 use super::simple::{area, is_simple};
 use super::start::Start;
@@ -31,8 +31,8 @@ const NEARLY_PLANAR: f64 = 1e-3;
 
 /// Factorisations and memory, shared by all runs on one mesh.
 pub(super) struct Solvers {
-    energy_assembly: Assembly,
-    energy: DampedSolver,
+    pub energy_assembly: Assembly,
+    pub energy: DampedSolver,
     constraint_assembly: Assembly,
     constraints: Option<MinimumNorm>,
 }
@@ -105,14 +105,22 @@ impl Run {
 }
 
 /// Tells of iterations and hears of cancelling.
-struct Reporter<'a> {
+pub(super) struct Reporter<'a> {
     progress: &'a dyn Progress,
     iteration: usize,
     limit: usize,
 }
 
-impl Reporter<'_> {
-    fn observe(&mut self, record: &Record) -> ControlFlow<()> {
+impl<'a> Reporter<'a> {
+    pub fn new(progress: &'a dyn Progress, limit: usize) -> Self {
+        Self {
+            progress,
+            iteration: 0,
+            limit,
+        }
+    }
+
+    pub fn observe(&mut self, record: &Record) -> ControlFlow<()> {
         self.iteration += 1;
         self.progress.report(&Event::Iteration {
             stage: "optimise",
@@ -151,6 +159,9 @@ impl Stage<'_> {
         options: &OptimiseOptions,
         progress: &dyn Progress,
     ) -> Run {
+        if options.solver == Solver::Tetrahedra {
+            return self.run_tetrahedra(solvers, kind, start, options, progress);
+        }
         let setting = self.setting(&start.x);
         let mut path = Path::new(&setting, solvers, &start.x, options, progress);
         for &penalty in &options.penalties {
@@ -183,7 +194,8 @@ impl Stage<'_> {
         let setting = self.setting(x);
         let given = Reached::at(&setting, x.to_vec());
         let mut path = Path::new(&setting, solvers, x, options, progress);
-        if given.planarity <= NEARLY_PLANAR {
+        let by_barrier = options.solver == Solver::Barrier;
+        if given.planarity <= NEARLY_PLANAR && (by_barrier || given.is_planar(options)) {
             let projected = path.project(options.clearance_margin);
             let deviation = path.energy.deviation(&projected.x);
             let outcome = path.outcome;
@@ -213,7 +225,7 @@ impl Stage<'_> {
         self.run(solvers, StartKind::AsGiven, &start, options, progress)
     }
 
-    fn conclude(
+    pub fn conclude(
         &self,
         kind: StartKind,
         start_faults: usize,
@@ -254,14 +266,14 @@ impl Stage<'_> {
 }
 
 /// Positions and what they are judged by on the way.
-struct Reached {
+pub(super) struct Reached {
     x: Vec<f64>,
     planarity: f64,
     clearance: f64,
 }
 
 impl Reached {
-    fn at(setting: &Setting<'_>, x: Vec<f64>) -> Self {
+    pub fn at(setting: &Setting<'_>, x: Vec<f64>) -> Self {
         let shape = Shape::at(setting.panels, &x);
         let faces = 0..setting.panels.n_faces();
         let clearances = faces.map(|f| clearance(shape.face(setting.panels, f)));
@@ -319,11 +331,9 @@ impl<'a> Path<'a> {
         options: &'a OptimiseOptions,
         progress: &'a dyn Progress,
     ) -> Self {
-        let reporter = Reporter {
-            progress,
-            iteration: 0,
-            limit: options.penalties.len() * options.max_iterations + options.projection_iterations,
-        };
+        let limit =
+            options.penalties.len() * options.max_iterations + options.projection_iterations;
+        let reporter = Reporter::new(progress, limit);
         Self {
             energy: panel_energy(setting, &solvers.energy_assembly, start, options),
             minimiser: &mut solvers.energy,

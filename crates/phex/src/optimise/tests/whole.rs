@@ -7,8 +7,8 @@ use crate::layout::{Layout, VertexKind};
 use crate::optimise::panels::{Panels, Shape as Faces, unknowns};
 use crate::optimise::simple::is_simple;
 use crate::optimise::{
-    Fault, OptimiseError, OptimiseOptions, Optimised, ShapeTarget, StartKind, Starts, Target,
-    TargetPoint, optimise, planarize,
+    Fault, OptimiseError, OptimiseOptions, Optimised, ShapeTarget, Solver, StartKind, Starts,
+    Target, TargetPoint, optimise, planarize,
 };
 use crate::progress::{Event, Progress, Silent};
 use nalgebra::Rotation3;
@@ -501,4 +501,33 @@ fn unusable_input_is_refused() {
             value: 0.0
         }
     );
+}
+
+/// The paper's formulation: as planar, where the start is good; where panels would cross, nothing stops them, and they are named.
+#[test]
+fn tetrahedra_flatten_panels_and_say_which_ones_cross() {
+    let options = OptimiseOptions {
+        solver: Solver::Tetrahedra,
+        starts: Starts::SmoothedCells,
+        ..OptimiseOptions::default()
+    };
+    for shape in [Shape::Torus(1.0), Shape::Wave] {
+        let wall = match shape {
+            Shape::Torus(_) => brick_wall(shape, 40, 14),
+            _ => brick_wall(shape, 25, 12),
+        };
+        let start = layout(wall, &shape);
+        let result = optimise(&start, &shape, &options, &Silent).unwrap();
+        let ours = run(&start, &shape);
+        assert!(result.quality.planarity < 1e-6, "{:?}", result.quality);
+        assert!(ours.is_sound() && ours.quality.clearance > result.quality.clearance);
+        let named = result.offenders.iter().any(|o| o.fault == Fault::NotSimple);
+        assert_eq!(all_simple(&result.mesh), !named);
+        println!(
+            "{shape:?} {:?} {:?} {}",
+            result.quality,
+            result.outcome.status,
+            result.offenders.len()
+        );
+    }
 }

@@ -1,0 +1,156 @@
+//! Holding vertices, dials, warm starts and sizes from files.
+
+mod common;
+
+use common::Workshop;
+
+/// A height field on a grid, with `n` squares a side of length 10.
+fn hill(n: usize) -> String {
+    let at = |i: usize| 10.0 * i as f64 / n as f64 - 5.0;
+    let mut text = String::new();
+    for j in 0..=n {
+        for i in 0..=n {
+            let (x, y) = (at(i), at(j));
+            let z = 2.0 - 0.05 * (x * x + 0.7 * y * y);
+            text += &format!("v {x} {y} {z}\n");
+        }
+    }
+    for j in 0..n {
+        for i in 0..n {
+            let a = j * (n + 1) + i + 1;
+            text += &format!("f {} {} {} {}\n", a, a + 1, a + n + 2, a + n + 1);
+        }
+    }
+    text
+}
+
+fn vertices(text: &str) -> Vec<[f64; 3]> {
+    let lines = text.lines().filter_map(|l| l.strip_prefix("v "));
+    let point = |l: &str| {
+        let n: Vec<f64> = l.split_whitespace().map(|w| w.parse().unwrap()).collect();
+        [n[0], n[1], n[2]]
+    };
+    lines.map(point).collect()
+}
+
+fn read(shop: &Workshop, name: &str) -> Vec<[f64; 3]> {
+    vertices(&String::from_utf8(shop.read(name)).unwrap())
+}
+
+#[test]
+fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
+    let shop = Workshop::new();
+    shop.write("hill.obj", hill(20));
+    shop.write("points.txt", "# a column\n0.1 0.2 1.95\n-2.5, 1.25, 1.6\n");
+    shop.succeed("mesh hill.obj -o held.obj -n 60 --fix points.txt --report run.json");
+    let held = read(&shop, "held.obj");
+    for p in [[0.1, 0.2, 1.95], [-2.5, 1.25, 1.6]] {
+        assert!(held.contains(&p), "{p:?}");
+    }
+    let report = shop.json("run.json");
+    assert_eq!(report["verdict"], "pass");
+    let fixed = &report["settings"]["stages"]["steering"]["fixed_points"];
+    assert_eq!(fixed.as_array().unwrap().len(), 2);
+
+    // A warm start, with vertices by number, and from a job file.
+    shop.write("ids.txt", "0\n7\n");
+    shop.write(
+        "job.toml",
+        "[steering]\nfix = 'IDS'\ncloseness = 4\n"
+            .replace("IDS", &shop.path("ids.txt").display().to_string()),
+    );
+    shop.succeed("mesh hill.obj -o again.obj --start held.obj --config job.toml");
+    let again = read(&shop, "again.obj");
+    assert_eq!(again.len(), held.len());
+    assert_eq!((again[0], again[7]), (held[0], held[7]));
+    assert!(again != held);
+    shop.succeed("planarize held.obj -o flat.obj --surface hill.obj --refit --config job.toml");
+    let flat = read(&shop, "flat.obj");
+    assert_eq!((flat[0], flat[7]), (held[0], held[7]));
+    shop.phex("mesh hill.obj -o no.obj -n 60 --fix ids.txt")
+        .refuses(4, &["--fix", "no numbers"]);
+}
+
+#[test]
+fn the_ground_is_met_exactly() {
+    let shop = Workshop::new();
+    // A dome: its rim is level to rounding only.
+    shop.succeed("shape torus -o torus.obj --triangles 100");
+    shop.write("hill.obj", hill(20));
+    shop.succeed("mesh hill.obj -o hill-phex.obj -n 80");
+    let lowest = |points: &[[f64; 3]]| points.iter().map(|p| p[1]).fold(f64::MAX, f64::min);
+    let before = lowest(&read(&shop, "hill-phex.obj"));
+    shop.succeed(
+        "planarize hill-phex.obj -o wall.obj --surface hill.obj --ground 0,-5,0,0,1,0 --ground-reach 0.4",
+    );
+    let on_plane = read(&shop, "wall.obj")
+        .iter()
+        .filter(|p| p[1] == -5.0)
+        .count();
+    assert!(on_plane >= 5, "{on_plane}, lowest before {before}");
+    shop.phex("planarize hill-phex.obj -o no.obj --ground 99")
+        .refuses(4, &["ground plane"]);
+    shop.phex("planarize hill-phex.obj -o no.obj --ground 1,2")
+        .refuses(2, &["1,2"]);
+}
+
+#[test]
+fn wrong_files_are_refused_with_line_and_cause() {
+    let shop = Workshop::new();
+    shop.write("hill.obj", hill(6));
+    shop.write("bad.txt", "0 0 0\n1 2\n");
+    shop.phex("mesh hill.obj -o a.obj -n 20 --fix bad.txt")
+        .refuses(4, &["bad.txt:2", "x y z"]);
+    shop.write("word.txt", "0 0 zero\n");
+    shop.phex("mesh hill.obj -o a.obj -n 20 --anchors word.txt")
+        .refuses(4, &["word.txt:1"]);
+    shop.write("far.txt", "500 0 0\n");
+    shop.phex("mesh hill.obj -o a.obj -n 20 --fix far.txt")
+        .refuses(4, &["fixed point 0"]);
+    shop.write("none.obj", "v 0 0 0\n");
+    shop.phex("mesh hill.obj -o a.obj -n 20 --curve none.obj")
+        .refuses(4, &["no polyline"]);
+    shop.write("sizes.txt", "1\n".repeat(48));
+    shop.phex("mesh hill.obj -o a.obj --size-field sizes.txt")
+        .refuses(4, &["48 sizes", "49 vertices"]);
+    shop.write("sizes.txt", "1\n".repeat(48) + "0\n");
+    shop.phex("mesh hill.obj -o a.obj --size-field sizes.txt")
+        .refuses(4, &["sizes.txt:49", "positive"]);
+    shop.phex("mesh hill.obj -o a.obj --fairness 0")
+        .refuses(2, &["fairness"]);
+}
+
+#[test]
+fn sizes_from_a_file_are_edge_lengths() {
+    let shop = Workshop::new();
+    shop.write("hill.obj", hill(20));
+    // Half as long on the right.
+    let sizes: String = (0..441)
+        .map(|v| if v % 21 < 10 { "1.2\n" } else { "0.6\n" })
+        .collect();
+    shop.write("sizes.txt", sizes);
+    shop.succeed("mesh hill.obj -o sized.obj --size-field sizes.txt --report run.json");
+    let points = read(&shop, "sized.obj");
+    let right = points.iter().filter(|p| p[0] > 1.0).count() as f64;
+    let left = points.iter().filter(|p| p[0] < -1.0).count() as f64;
+    assert!(right > 1.3 * left, "{right} {left}");
+    let faces = shop.json("run.json")["measures"]["faces"].as_u64().unwrap();
+    // 50 / (2.6 * 1.44) + 50 / (2.6 * 0.36) = 67
+    assert!((50..90).contains(&faces), "{faces}");
+}
+
+#[test]
+fn the_paper_s_solver_is_there_to_compare() {
+    let shop = Workshop::new();
+    shop.write("hill.obj", hill(20));
+    shop.phex("mesh hill.obj -o a.obj -n 60 --solver tetrahedra --keep-invalid --report run.json");
+    let report = shop.json("run.json");
+    assert_eq!(
+        report["settings"]["stages"]["optimise"]["solver"],
+        "tetrahedra"
+    );
+    let planarity = report["measures"]["planarity"]["max"].as_f64().unwrap();
+    assert!(planarity < 1e-6, "{planarity:e}");
+    shop.phex("mesh hill.obj -o b.obj -n 60 --solver magic")
+        .refuses(2, &["magic", "tetrahedra"]);
+}

@@ -1,0 +1,111 @@
+//! Steering after the layout, and warm starts: a mesh that exists is brought to the smooth surface again, with vertices held.
+//!
+//! Held vertices refer to the mesh as it is delivered, so they come last, after the boundary is trimmed, in model coordinates.
+
+use super::repair::between_panels;
+use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, moved};
+use crate::layout::LayoutStatistics;
+use crate::optimise::{self, Optimised, SurfaceTarget};
+use crate::progress::Progress;
+use crate::target::{self, Similarity, SmoothTarget, TargetKind};
+use phex_mesh::{HexMesh, TriangleSurface};
+
+/// Holds the vertices that the options say, in a finished run.
+pub(super) fn steered(
+    run: MeshRun,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<MeshRun, PipelineError> {
+    if options.steering.is_empty() || progress.is_cancelled() {
+        return Ok(run);
+    }
+    let mut clock = Clock::new(progress);
+    clock.stages = run.stages.clone();
+    let target = SurfaceTarget::new(&run.target);
+    let held = clock.timed("optimise", || {
+        let close = Some(&target as &dyn optimise::Target);
+        optimise::steer(
+            &run.mesh,
+            close,
+            &options.steering,
+            &options.optimise,
+            progress,
+        )
+    })?;
+    Ok(with_result(run, held, clock))
+}
+
+/// Brings an earlier panelling, in model coordinates, to the smooth surface through the vertices of `surface`: a warm start,
+/// as after a change of weights, of the surface, or of what is held. Nothing is laid out.
+///
+/// # Errors
+/// If the mesh or an option can't be used. A mesh that did not become valid is returned, with its offenders.
+pub fn refit_surface(
+    earlier: &HexMesh,
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<MeshRun, PipelineError> {
+    let mut clock = Clock::new(progress);
+    let panels = earlier.topology().n_faces();
+    let similarity = Similarity::normalising(surface);
+    let normalised = moved(surface, |p| similarity.normalise(p));
+    let density = options.cell_density.max(options.field_density);
+    let vertices = (density * panels as f64) as usize;
+    let smooth = clock.stage("target", || {
+        target::smooth_target(&normalised, vertices, &options.target)
+    })?;
+    let close_to = match options.target.kind {
+        TargetKind::Facets => surface.clone(),
+        _ => moved(smooth.finest(), |p| similarity.restore(p)),
+    };
+    let target = SurfaceTarget::new(&close_to);
+    let refitted = clock.stage("optimise", || {
+        let close = Some(&target as &dyn optimise::Target);
+        optimise::refit(
+            earlier,
+            close,
+            &options.steering,
+            &options.optimise,
+            progress,
+        )
+    })??;
+    let run = MeshRun {
+        mesh: earlier.clone(),
+        start: Some(earlier.to_soup()),
+        target: close_to,
+        outcome: refitted.outcome.clone(),
+        offenders: Vec::new(),
+        violations: Vec::new(),
+        statistics: statistics(panels, &smooth),
+        stages: Vec::new(),
+    };
+    Ok(with_result(run, refitted, clock))
+}
+
+fn with_result(mut run: MeshRun, result: Optimised, mut clock: Clock<'_>) -> MeshRun {
+    run.violations = clock.timed("validate", || between_panels(&result.mesh, &run.target));
+    run.statistics.factorisations += result.outcome.factorisations;
+    run.statistics.runs.extend(result.runs);
+    run.mesh = result.mesh;
+    run.outcome = result.outcome;
+    run.offenders = result.offenders;
+    run.stages = clock.stages;
+    run
+}
+
+fn statistics(panels: usize, smooth: &SmoothTarget) -> Statistics {
+    let levels = smooth.levels.iter();
+    Statistics {
+        panels_asked: panels,
+        target_vertices: levels.map(|l| l.positions().len()).collect(),
+        interpolation_error: smooth.interpolation_error,
+        layout: LayoutStatistics::default(),
+        brick_wall: None,
+        classical: None,
+        runs: Vec::new(),
+        factorisations: 0,
+        repairs: Vec::new(),
+        tried: Vec::new(),
+    }
+}
