@@ -1,19 +1,20 @@
 //! What the dials do, and what the paper's own formulation does, measured on two surfaces: the table of `docs/steering.md`.
 
-use phex::optimise::{
-    Dials, OptimiseOptions, Optimised, Solver, Steering, SurfaceTarget, refit,
-};
+use phex::optimise::{Dials, OptimiseOptions, Optimised, Solver, Steering, SurfaceTarget, refit};
 use phex::{MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
-use phex_mesh::shapes::{Shape, ShapeMeshOptions};
+use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{HexMesh, measure};
 
 const FACTORS: [f64; 2] = [0.1, 10.0];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    println!("| surface | setting | planarity | not simple | deviation max, rms % | least clearance | least angle | asymmetry |");
+    println!(
+        "| surface | setting | planarity | not simple | deviation max, rms % | least clearance | least angle | asymmetry |"
+    );
     println!("|---|---|---|---|---|---|---|---|");
     for name in ["wave", "ellipsoid"] {
-        let surface = Shape::from_name(name, &[])?.triangulate(&ShapeMeshOptions::default())?;
+        let shape = Shape::from_name(name, &[])?;
+        let surface = triangulate(&shape, &TriangulationOptions::default())?;
         let options = MeshOptions {
             size: PanelSize::Panels(300),
             ..MeshOptions::default()
@@ -59,7 +60,13 @@ fn again(
     let start = run.start.as_ref().ok_or("a run has a start")?;
     let mesh = HexMesh::from_soup(start)?;
     let target = SurfaceTarget::new(&run.target);
-    Ok(refit(&mesh, Some(&target), &Steering::default(), options, &Silent)?)
+    Ok(refit(
+        &mesh,
+        Some(&target),
+        &Steering::default(),
+        options,
+        &Silent,
+    )?)
 }
 
 fn row(run: &MeshRun, result: &Optimised) -> String {
@@ -80,7 +87,11 @@ fn row(run: &MeshRun, result: &Optimised) -> String {
 /// Root mean square distance of the corners of hexagons to the images of their opposite corners in the centre, mean edges.
 fn asymmetry(mesh: &HexMesh) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
-    for f in mesh.topology().faces().filter(|&f| mesh.topology().valence(f) == 6) {
+    for f in mesh
+        .topology()
+        .faces()
+        .filter(|&f| mesh.topology().valence(f) == 6)
+    {
         let corners: Vec<_> = mesh.corners(f).collect();
         for i in 0..3 {
             let image = mesh.centre(f) * 2.0 - corners[i + 3];
