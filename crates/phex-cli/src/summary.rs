@@ -2,6 +2,7 @@
 
 use crate::units::Unit;
 use phex::report::{Assessment, Check, ElementKind, RunReport, Verdict};
+use phex_mesh::ElementId;
 use phex_mesh::measure::{Deviation, MeshMeasures};
 use std::fmt::Write;
 
@@ -33,11 +34,10 @@ pub fn of_assessment(assessment: &Assessment, unit: Unit, every_check: bool) -> 
     let measures = &assessment.measures;
     table.row("panels", panels(measures));
     table.row("planarity", planarity(measures, unit));
-    table.row("simple", simple(measures));
-    table.row(
-        "clearance",
-        format!("least {:.3} mean edges", measures.clearance.min),
-    );
+    table.row("", planarity_by_diagonals(measures));
+    table.row("simple", simple(assessment));
+    table.row("sound", sound(assessment));
+    table.row("clearance", clearance(measures));
     table.row("edges", edges(measures, unit));
     if let Some(deviation) = &assessment.deviation_smooth {
         table.row(
@@ -100,15 +100,70 @@ fn panels(measures: &MeshMeasures) -> String {
 fn planarity(measures: &MeshMeasures, unit: Unit) -> String {
     let (relative, length) = (&measures.planarity, &measures.planarity_length);
     format!(
-        "max {:.1e}, mean {:.1e} mean edges; max {:.1e} {unit}",
-        relative.max, relative.mean, length.max
+        "max {:.1e}, mean {:.1e} mean edges; max {:.1e} {unit}{}",
+        relative.max,
+        relative.mean,
+        length.max,
+        worst("face", &relative.worst)
     )
 }
 
-fn simple(measures: &MeshMeasures) -> String {
-    match measures.faces_not_simple {
-        0 => "every face".to_owned(),
-        n => format!("{n} faces are NOT simple"),
+/// The measure of PH-CPF and others.
+fn planarity_by_diagonals(measures: &MeshMeasures) -> String {
+    let by = &measures.planarity_diagonals;
+    format!(
+        "max {:.1e}, mean {:.1e} mean diagonals, by their distance{}",
+        by.max,
+        by.mean,
+        worst("face", &by.worst)
+    )
+}
+
+/// The worst element of a figure.
+fn worst<I: ElementId>(kind: &str, worst: &[I]) -> String {
+    let named = worst.first().map(|id| format!(" ({kind} {})", id.index()));
+    named.unwrap_or_default()
+}
+
+fn clearance(measures: &MeshMeasures) -> String {
+    let (room, angle) = (&measures.clearance, &measures.angle);
+    format!(
+        "least {:.3} mean edges{}; least angle {:.1} degrees{}",
+        room.min,
+        worst("face", &room.worst),
+        angle.min,
+        worst("face", &angle.worst)
+    )
+}
+
+/// What concerns several faces: each kind with its number, or that there is none.
+fn sound(assessment: &Assessment) -> String {
+    const KINDS: [(&str, &str); 5] = [
+        ("flipped_faces", "flipped faces"),
+        ("wrong_fans", "vertex fans that do not go round once"),
+        ("wrong_degree", "inner vertices without three faces"),
+        ("crossings", "edges that cross faces"),
+        ("folds", "folded edges"),
+    ];
+    let count = |(name, text): &(&str, &str)| {
+        let check = assessment.checks.iter().find(|c| c.name == *name)?;
+        let first = check.ids.first()?;
+        Some(format!("{} {text} (first {first})", check.ids.len()))
+    };
+    let found: Vec<String> = KINDS.iter().filter_map(count).collect();
+    if found.is_empty() {
+        "no flips, folds or crossings between faces; every fan goes round once".to_owned()
+    } else {
+        found.join(", ")
+    }
+}
+
+fn simple(assessment: &Assessment) -> String {
+    let mut checks = assessment.checks.iter();
+    let crossed = checks.find(|c| c.name == "faces_not_simple");
+    match crossed.map_or(&[][..], |c| &c.ids) {
+        [] => "every face, by exact predicates".to_owned(),
+        ids => format!("{} faces are NOT simple (first {})", ids.len(), ids[0]),
     }
 }
 
@@ -119,18 +174,32 @@ fn edges(measures: &MeshMeasures, unit: Unit) -> String {
         ..
     } = measures;
     format!(
-        "mean {mean_edge:.4} {unit}, from {:.2} to {:.2} of it",
-        edge_length.min, edge_length.max
+        "mean {mean_edge:.4} {unit}, from {:.2}{} to {:.2} of it",
+        edge_length.min,
+        worst("edge", &edge_length.worst),
+        edge_length.max
     )
 }
 
 fn distance(deviation: &Deviation, unit: Unit) -> String {
     let length = deviation.deviation_max * deviation.diagonal;
     format!(
-        "max {}, rms {} of the diagonal; max {length:.4} {unit}",
+        "max {}, rms {} of the diagonal, back {}; max {length:.4} {unit}{}",
         percent(deviation.deviation_max),
-        percent(deviation.deviation_rms)
+        percent(deviation.deviation_rms),
+        percent(deviation.coverage_max),
+        farthest(deviation)
     )
+}
+
+/// The vertex or face centre that is farthest from the surface.
+fn farthest(deviation: &Deviation) -> String {
+    let (vertices, centres) = (&deviation.vertices, &deviation.face_centres);
+    if vertices.max >= centres.max {
+        worst("vertex", &vertices.worst)
+    } else {
+        worst("face", &centres.worst)
+    }
 }
 
 fn percent(fraction: f64) -> String {

@@ -281,3 +281,53 @@ fn report_is_one_file_that_names_the_command() {
         ["bent.html", "bent.obj", "flat.html", "flat.obj"]
     );
 }
+
+/// Every figure of the certificate names its worst element.
+#[test]
+fn check_certifies_each_figure_with_its_worst_element() {
+    let shop = Workshop::new();
+    // The corner that only the first panel holds is lifted, and pulled towards its neighbour.
+    let bent = honeycomb(4, 5, |i, [x, y, z]| {
+        if i == 0 {
+            [x, y + 0.3, z + 0.1]
+        } else {
+            [x, y, z]
+        }
+    });
+    shop.write("bent.obj", bent);
+    let run = shop.phex("check bent.obj");
+    assert_eq!(run.code, Some(3));
+    let line = |label: &str| {
+        let found = run.stdout.lines().find(|l| l.starts_with(label));
+        found
+            .unwrap_or_else(|| panic!("{label}: {}", run.stdout))
+            .to_owned()
+    };
+    assert!(line("planarity").contains("(face 0)"), "{}", run.stdout);
+    assert!(
+        run.stdout
+            .contains("mean diagonals, by their distance (face 0)"),
+        "{}",
+        run.stdout
+    );
+    assert!(
+        line("clearance").contains("degrees (face"),
+        "{}",
+        run.stdout
+    );
+    assert!(line("edges").contains("(edge "), "{}", run.stdout);
+    assert!(line("sound").contains("no flips"), "{}", run.stdout);
+    // Turned over, the first panel is named among what is not sound.
+    let crossed = honeycomb(
+        4,
+        5,
+        |i, [x, y, z]| if i == 0 { [x, y + 2.5, z] } else { [x, y, z] },
+    );
+    shop.write("crossed.obj", crossed);
+    let run = shop.phex("check crossed.obj");
+    assert!(
+        run.stdout.contains("1 faces are NOT simple (first 0)"),
+        "{}",
+        run.stdout
+    );
+}

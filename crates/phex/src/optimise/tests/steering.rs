@@ -1,13 +1,14 @@
 //! Held vertices: exactly where they are to be, and the mesh planar all the same.
 
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid};
-use super::whole::assert_sound;
+use super::whole::{CancelAfter, all_simple, assert_sound};
 use crate::optimise::{
     Anchor, GroundPlane, OptimiseError, OptimiseOptions, Optimised, Steering, SteeringError, refit,
     steer,
 };
 use crate::progress::Silent;
 use phex_mesh::{FaceId, HexMesh, Vec3, VertexId};
+use phex_numeric::Status;
 
 fn steered(mesh: &HexMesh, shape: Shape, steering: &Steering) -> Optimised {
     steer(
@@ -366,4 +367,35 @@ fn renumbering_renumbers_the_result() {
         .map(apart)
         .fold(0.0, f64::max);
     assert!(most < 1e-7 * wall.mean_edge(), "{most:e}");
+}
+
+/// Cancelled wherever it is, a steered run has its vertices in place and its panels simple.
+#[test]
+fn cancelled_at_any_iteration_held_vertices_are_in_place() {
+    let wall = brick_wall(Shape::Wave, 11, 6);
+    let point = wall.positions[VertexId::new(20)] + Vec3::new(0.02, 0.01, 0.03);
+    let ground = GroundPlane {
+        point: Some([0.0, -2.0, 0.0]),
+        normal: [0.0, 1.0, 0.0],
+        reach: 0.1,
+    };
+    let steering = Steering {
+        fixed_points: vec![point.into()],
+        grounds: vec![ground],
+        ..Default::default()
+    };
+    let low = |v: &VertexId| wall.positions[*v].y == -2.0;
+    let low: Vec<VertexId> = rim(&wall).into_iter().filter(low).collect();
+    for limit in 0..200 {
+        let progress = CancelAfter::new(limit);
+        let options = OptimiseOptions::default();
+        let result = steer(&wall, Some(&Shape::Wave), &steering, &options, &progress).unwrap();
+        assert!(all_simple(&result.mesh), "after {limit}");
+        assert_eq!(result.mesh.positions[VertexId::new(20)], point);
+        assert!(low.iter().all(|&v| result.mesh.positions[v].y == -2.0));
+        if result.outcome.status != Status::Cancelled {
+            return;
+        }
+    }
+    panic!("never finished");
 }
