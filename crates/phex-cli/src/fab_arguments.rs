@@ -4,7 +4,7 @@ use crate::args::Talk;
 use crate::exit::EXIT_CODES;
 use crate::units::{Quantity, Unit};
 use clap::{Args, ValueEnum};
-use phex_fab::{Rotations, Side};
+use phex_fab::{FabOptions, Rotations, Side};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -49,6 +49,14 @@ pub struct FabCommand {
     /// How panels may be turned on a sheet: `free`, or angles in degrees, e.g. `0,180`
     #[arg(long, value_name = "LIST", default_value = "free", value_parser = rotations, allow_hyphen_values = true, help_heading = "Sheets")]
     pub rotations: Rotations,
+    /// Rounds of exchanges that make each sheet fuller: more take longer, 0 is quickest
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = FabOptions::default().nest_effort,
+        help_heading = "Sheets"
+    )]
+    pub nest_effort: u32,
     /// Largest height of engraved text; a plain number is in millimetres
     #[arg(
         long,

@@ -105,7 +105,7 @@ fn placed(stroke: &Stroke, placement: &Placement) -> Stroke {
 }
 
 fn title(fabrication: &Fabrication, number: usize) -> String {
-    let [width, height] = fabrication.options.sheet_mm;
+    let [width, height] = fabrication.options.sheet_mm.map(short);
     let panels = fabrication.sheets[number].len();
     let (sheets, used) = (
         fabrication.sheets.len(),
@@ -114,8 +114,13 @@ fn title(fabrication: &Fabrication, number: usize) -> String {
     format!(
         "SHEET {}/{sheets}  {width} X {height} MM  {} MM THICK  {panels} PANELS  USE {used:.1}%",
         number + 1,
-        fabrication.options.thickness * fabrication.options.unit_mm
+        short(fabrication.options.thickness * fabrication.options.unit_mm)
     )
+}
+
+/// Without the digits that products of decimal numbers end in.
+fn short(millimetres: f64) -> f64 {
+    (millimetres * 1e3).round() / 1e3
 }
 
 /// A drawing as DXF R12.
@@ -157,4 +162,13 @@ pub fn svg(strokes: &[Stroke]) -> String {
         text += "</g>\n";
     }
     text + "</svg>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn titles_have_short_numbers() {
+        assert_eq!(super::short(0.0007 * 3.0 * 1e3).to_string(), "2.1");
+        assert_eq!(super::short(1219.2).to_string(), "1219.2");
+    }
 }

@@ -56,6 +56,8 @@ pub struct FabOptions {
     pub spacing_mm: f64,
     /// How panels may be turned.
     pub rotations: Rotations,
+    /// How many rounds of exchanges make each sheet fuller; time grows in proportion, the sheets' use slowly. 0: none. Default 60.
+    pub nest_effort: u32,
     /// Largest distance of corners up to which panels are congruent, and largest spread of one length of edges, in mm.
     /// Default 1.
     pub tolerance_mm: f64,
@@ -77,6 +79,7 @@ impl Default for FabOptions {
             sheet_mm: [2500.0, 1250.0],
             spacing_mm: 5.0,
             rotations: Rotations::default(),
+            nest_effort: 60,
             tolerance_mm: 1.0,
             angle_tolerance: 0.1_f64.to_radians(),
             text_mm: 25.0,

@@ -13,8 +13,8 @@ import {
   Vector3,
 } from "three";
 import type { Rgb } from "./colours";
-import { floats, mesh, numbers, type Mesh, type Packed, type PackedCurves } from "./data";
-import { lines, Polygons } from "./polygons";
+import { faceCorners, faceCount, floats, mesh, numbers, type Mesh, type Packed, type PackedCurves } from "./data";
+import { faceNormal, lines, Polygons } from "./polygons";
 
 export const START_COLOURS = 0x8a4fd0;
 const CURVE_COLOURS = [0x0072b2, 0xd55e00];
@@ -72,6 +72,22 @@ const REACH = 2.5;
 /** Half the side of a cube whose corners are a little outside of the unit sphere. */
 const BOX = 0.62;
 
+/** How far inside of the sphere panels are drawn where curvature is negative: they cover it a second time, the other way round. */
+const SECOND_SHEET = 0.14;
+
+/** Share of the panels at each vertex whose Gauss image has the opposite orientation. */
+function reversed(base: Mesh, directions: Float32Array): Float32Array {
+  const [all, turned] = [0, 0].map(() => new Float32Array(directions.length / 3));
+  for (let face = 0; face < faceCount(base); face++) {
+    const opposite = faceNormal(base, base.positions, face).dot(faceNormal(base, directions, face)) < 0;
+    for (const v of faceCorners(base, face)) {
+      all[v]++;
+      if (opposite) turned[v]++;
+    }
+  }
+  return turned.map((count, v) => count / Math.max(all[v], 1));
+}
+
 /** The Gauss image beside the model, with the unit sphere. */
 export class GaussImage {
   readonly group = new Group();
@@ -84,16 +100,19 @@ export class GaussImage {
     const centre = new Vector3(1.7, 1, 0).setLength(model.radius + 1.35 * radius).add(model.center);
     const directions = floats(gauss.directions);
     const positions = new Float32Array(directions.length);
+    const turned = reversed(base, directions);
     for (let i = 0; i < directions.length; i += 3) {
       const n = new Vector3().fromArray(directions, i).clampLength(0, REACH);
-      n.multiplyScalar(radius).add(centre).toArray(positions, i);
+      n.multiplyScalar(radius * (1 - SECOND_SHEET * turned[i / 3])).add(centre).toArray(positions, i);
     }
     this.polygons = new Polygons({ ...base, positions });
     this.polygons.edges.material.linewidth = 0.7;
     const corner = (k: number) => [1, 2, 4].map((bit, axis) => centre.getComponent(axis) + (k & bit ? 1 : -1) * BOX * radius);
     this.extent = new Float32Array(Array.from({ length: 8 }, (_, k) => corner(k)).flat());
     const material = new MeshStandardMaterial({ color: 0xffffff, transparent: true, opacity: 0.25, depthWrite: false });
-    const sphere = new Surface(new SphereGeometry(0.985 * radius, 64, 40), material);
+    // Inside of both sheets, where there are two.
+    const inner = 0.985 * (turned.some((share) => share > 0) ? 1 - SECOND_SHEET : 1);
+    const sphere = new Surface(new SphereGeometry(inner * radius, 64, 40), material);
     sphere.position.copy(centre);
     this.group.add(this.polygons.group, sphere);
   }

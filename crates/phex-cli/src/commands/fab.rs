@@ -50,6 +50,7 @@ fn options(command: &FabCommand, mesh: &HexMesh) -> FabOptions {
         sheet_mm: command.sheet.millimetres(),
         spacing_mm: millimetres(command.spacing),
         rotations: command.rotations.clone(),
+        nest_effort: command.nest_effort,
         tolerance_mm: millimetres(command.tolerance),
         angle_tolerance: command.angle_tolerance.to_radians(),
         text_mm: millimetres(command.text),

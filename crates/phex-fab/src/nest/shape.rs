@@ -1,5 +1,6 @@
 //! One panel as the nesting sees it.
 
+use super::body::Body;
 use super::candidates::{Zone, cheapest};
 use super::convex::convex_pieces;
 use super::engine::{Engine, Margins, Refusal, item};
@@ -69,6 +70,12 @@ impl Shape {
             rotations: angles(&exact, rotations),
             is_free: *rotations == Rotations::Free,
         })
+    }
+
+    /// The panel as a body that can be pushed.
+    pub fn body(&self) -> Body {
+        let angles = (!self.is_free).then(|| self.rotations.clone());
+        Body::new(&self.pieces, angles)
     }
 
     /// Where it may lie first on an empty sheet: in the rotations in which it reaches least far.

@@ -66,10 +66,10 @@ def check_triangle_formats(program, folder, mesh, vertices, faces):
     triangles = sum(len(f) - 2 for f in faces)
     edges = {tuple(sorted((f[i - 1], f[i]))) for f in faces for i in range(len(f))}
     size = np.ptp(vertices, axis=0).max()
-    for extension in ["stl", "glb"]:
+    for extension in ["stl", "glb", "3mf"]:
         phex(program, "convert", mesh, folder / f"mesh.{extension}")
     area = trimesh.load(folder / "mesh.stl", force="mesh").area
-    for extension in ["stl"]:
+    for extension in ["stl", "3mf"]:
         found = trimesh.load(folder / f"mesh.{extension}", force="mesh")
         assert len(found.faces) == triangles, extension
         distance = np.linalg.norm(found.vertices[:, None] - vertices[None], axis=2)
@@ -237,7 +237,7 @@ def main():
     check_triangle_formats(program, folder, mesh, vertices, faces)
     check_dxf_mesh(program, folder, mesh, vertices, faces)
     for gap in (0, 4):
-        summary = check_fabrication(program, folder, mesh, vertices, faces, gap)
+        summary = check_fabrication(program, folder, mesh, vertices, faces, gap, ["--nest-effort", 4])
         print(f"{summary['panels']} panels on {summary['sheets']} sheets, use {summary['use_percent']:.1f} %,",
               f"{summary['use_without_last_offcut_percent']:.1f} % without the last offcut")
     print("all files are read by other programs, and agree")
