@@ -1,5 +1,5 @@
 //! A sheet made fuller: panels are added to it, and exchanged for larger ones of those that are still left, as long as all
-//! can be [pushed apart](super::separate).
+//! can be pushed apart.
 
 use super::body::Body;
 use super::separate::Crowd;

@@ -10,8 +10,8 @@
 //! 2007; here a source of candidates only). The first that [jagua-rs](https://crates.io/crates/jagua-rs) finds free of
 //! collisions, by growing cost, is taken.
 //!
-//! Then the sheet is made [fuller](exchange) by exchanging panels with those that are left, and the last one
-//! [shorter](squeeze); both push overlapping panels apart, and jagua-rs has the last word.
+//! Then the sheet is made fuller by exchanging panels with those that are left, and the last one
+//! shorter; both push overlapping panels apart, and jagua-rs has the last word.
 //!
 //! *Guaranteed*: [`nest`] ends with an independent check in double precision of both faces of all panels. The same for any
 //! number of threads: the random choices have fixed seeds.
