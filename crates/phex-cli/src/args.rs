@@ -208,7 +208,7 @@ pub struct PlanarizeCommand {
     /// What is held, and the dials.
     #[command(flatten)]
     pub steering: SteeringSettings,
-    /// Optimise the whole way even if the mesh is planar already: a warm start
+    /// Optimise the whole way even if the mesh is planar already: a warm start; a dial implies it
     #[arg(long)]
     pub refit: bool,
     /// Read `[steering]` and `[stages.optimise]` from a job file of `phex mesh`; the command line comes first

@@ -24,7 +24,7 @@ pub struct SteeringSettings {
         value_name = "Z|X,Y,Z,NX,NY,NZ",
         num_args = 0..=1,
         default_missing_value = "lowest",
-        allow_hyphen_values = true,
+        allow_negative_numbers = true,
         help_heading = "Steering"
     )]
     pub ground: Option<TypedPlane>,
@@ -161,6 +161,12 @@ impl SteeringSettings {
             None => {}
         }
         Ok(())
+    }
+
+    /// Whether a dial stands at a number.
+    pub fn has_dials(&self) -> bool {
+        let dials = [self.fairness, self.closeness, self.clearance];
+        dials.iter().any(Option::is_some)
     }
 
     fn turn_dials(&self, options: &mut OptimiseOptions) {

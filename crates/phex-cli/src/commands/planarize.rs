@@ -70,7 +70,7 @@ fn planarization(command: &PlanarizeCommand) -> Result<Planarization, Failure> {
     Ok(Planarization {
         options,
         steering,
-        refit: command.refit,
+        refit: command.refit || typed.has_dials(),
     })
 }
 

@@ -62,7 +62,7 @@ mod tetrahedra;
 pub(crate) mod tests;
 
 use crate::layout::{Layout, VertexKind};
-use crate::progress::Progress;
+use crate::progress::{Event, Progress};
 use closeness::Reference;
 use guard::Guard;
 use holds::Holds;
@@ -263,6 +263,9 @@ fn from_mesh(
         true => stage.run_as_given(&mut solvers, &x, options, progress),
         false => stage.run_from(&mut solvers, &x, options, progress),
     };
+    if let Some(message) = steering::blame(&stage.holds, &panels, &run.offenders) {
+        progress.report(&Event::Note { message });
+    }
     Ok(better(mesh, run, None))
 }
 

@@ -5,6 +5,7 @@
 
 use super::OptimiseError;
 use super::holds::{Anchored, Hold, Holds};
+use super::inspect::{Fault, Offender};
 use super::panels::{Panels, Shape, flatten, points, unknowns};
 use super::simple::is_simple;
 use phex_mesh::{BoundaryCurve, FaceId, FacePlane, HexMesh, Vec3, VertexId};
@@ -441,4 +442,22 @@ fn refuse_impossible_faces(holds: &Holds, panels: &Panels, x: &[f64]) -> Result<
         }
     }
     Ok(())
+}
+
+/// Which of the held faces is farthest from planar, as a sentence; `None` if all are planar.
+pub(super) fn blame(holds: &Holds, panels: &Panels, offenders: &[Offender]) -> Option<String> {
+    let held = |f: FaceId| {
+        let corners = panels.vertices(f.index()).iter();
+        corners.filter(|v| holds.held.contains_key(v)).count()
+    };
+    let off = offenders.iter().filter_map(|o| match o.fault {
+        Fault::NotPlanar { distance } => Some((o.face, distance, held(o.face))),
+        _ => None,
+    });
+    let worst = off.filter(|&(_, _, held)| held > 0);
+    let (face, distance, held) = worst.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let corners = panels.valence(face.index());
+    Some(format!(
+        "face {face} stays {distance:.1e} mean edges off its plane: {held} of its {corners} corners are held"
+    ))
 }

@@ -6,7 +6,7 @@ use crate::optimise::{
     Anchor, GroundPlane, OptimiseError, OptimiseOptions, Optimised, Steering, SteeringError, refit,
     steer,
 };
-use crate::progress::Silent;
+use crate::progress::{Event, Progress, Silent};
 use phex_mesh::{FaceId, HexMesh, Vec3, VertexId};
 use phex_numeric::Status;
 
@@ -398,4 +398,42 @@ fn cancelled_at_any_iteration_held_vertices_are_in_place() {
         }
     }
     panic!("never finished");
+}
+
+/// Notes of a run.
+#[derive(Default)]
+struct Notes(std::sync::Mutex<Vec<String>>);
+
+impl Progress for Notes {
+    fn report(&self, event: &Event) {
+        if let Event::Note { message } = event {
+            self.0.lock().unwrap().push(message.clone());
+        }
+    }
+}
+
+/// Three corners of a panel on a curve in a plane, the others off it: it can't be planar, and is named.
+#[test]
+fn a_panel_that_its_holds_bend_is_named() {
+    let wall = brick_wall(Shape::Wave, 15, 8);
+    let at = |k: i32| {
+        let x = 0.05 * f64::from(k);
+        [x, -2.0, 0.3 * x.sin() + 0.2 * (-2.0f64).sin()]
+    };
+    let steering = Steering {
+        curves: vec![(-50..=50).map(at).collect()],
+        ..Default::default()
+    };
+    let notes = Notes::default();
+    let options = OptimiseOptions::default();
+    let result = steer(&wall, Some(&Shape::Wave), &steering, &options, &notes).unwrap();
+    assert!(!result.is_sound());
+    let notes = notes.0.into_inner().unwrap();
+    assert!(
+        notes
+            .iter()
+            .any(|n| n.contains("of its 6 corners are held")),
+        "{notes:?}"
+    );
+    assert!(all_simple(&result.mesh));
 }
