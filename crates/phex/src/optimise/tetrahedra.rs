@@ -255,6 +255,12 @@ impl Stage<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Reference;
+    use super::super::guard::Guard;
+    use super::super::holds::{Hold, Holds};
+    use super::super::panels::{Panels, unknowns};
+    use super::super::run::energy_assembly;
+    use super::super::tests::fixtures::{Shape as Surface, brick_wall, jittered};
     use super::*;
 
     #[test]
@@ -279,5 +285,48 @@ mod tests {
                 assert!((slope - slopes[k][c]).abs() < 1e-12, "{k} {c}");
             }
         }
+    }
+
+    /// Gradient by central differences; a fixed vertex has none, and its rows of the Hessian are those of the identity.
+    #[test]
+    fn gradient_is_right_and_held_vertices_are_left_out() {
+        let shape = Surface::Wave;
+        let mesh = jittered(&brick_wall(shape, 7, 3), 0.1, 2);
+        let panels = Panels::new(mesh.topology());
+        let mut x = unknowns(&mesh);
+        let mut holds = Holds::default();
+        holds.held.insert(4, Hold::At(point(&x, 4)));
+        let setting = Setting {
+            panels: &panels,
+            reference: &Reference::Surface(&shape),
+            guard: &Guard::new(mesh.topology(), None, 0.1),
+            rim: &[],
+            corner: &vec![false; panels.n_vertices()],
+            holds: &holds,
+            mean_edge: panels.mean_edge(&x),
+        };
+        let assembly = energy_assembly(&panels);
+        let mut energy = Tetrahedra::new(&setting, &assembly, &OptimiseOptions::default(), &x);
+        energy.weight = 3.0;
+        let mut gradient = vec![0.0; x.len()];
+        let mut hessian = SymmetricMatrix::zeros(assembly.pattern().clone());
+        energy.linearise(&x, &mut gradient, &mut hessian);
+        for i in 0..x.len() {
+            let step = 1e-5 * setting.mean_edge;
+            let at = x[i];
+            let mut energy_at = |value| {
+                x[i] = value;
+                energy.energy(&x)
+            };
+            let slope = (energy_at(at + step) - energy_at(at - step)) / (2.0 * step);
+            x[i] = at;
+            let expected = if i / 3 == 4 { 0.0 } else { slope };
+            assert!((gradient[i] - expected).abs() < 1e-6, "{i}");
+        }
+        let mut unit = vec![0.0; x.len()];
+        let mut product = unit.clone();
+        unit[12] = 1.0;
+        hessian.mul(&unit, &mut product);
+        assert_eq!(product, unit);
     }
 }
