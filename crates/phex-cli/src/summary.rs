@@ -1,9 +1,11 @@
 //! The short table on standard output.
 
 use crate::units::Unit;
+use phex::report::maps::FeatureSizes;
 use phex::report::{Assessment, Check, ElementKind, RunReport, Verdict};
 use phex_mesh::ElementId;
 use phex_mesh::measure::{Deviation, MeshMeasures};
+use phex_mesh::{HexMesh, TriangleSurface};
 use std::fmt::Write;
 
 /// How many offenders of a check are listed; the report holds all of them.
@@ -55,6 +57,22 @@ pub fn of_assessment(assessment: &Assessment, unit: Unit, every_check: bool) -> 
         table.row(if check.pass { "ok" } else { "FAILED" }, said(check));
     }
     table.row("verdict", verdict(assessment.verdict));
+    table.into_text()
+}
+
+/// Panels that are too large for the surface's features, if there are any; kept in the report too.
+pub fn of_features(
+    report: &mut RunReport,
+    mesh: &HexMesh,
+    surface: Option<&TriangleSurface>,
+) -> String {
+    let sizes = surface.map(|surface| FeatureSizes::new(mesh, surface));
+    let mut table = Table::default();
+    if let Some(warning) = sizes.as_ref().and_then(FeatureSizes::warning) {
+        table.row("WARNING", &warning);
+        report.notes.push(warning);
+    }
+    report.feature_sizes = sizes;
     table.into_text()
 }
 

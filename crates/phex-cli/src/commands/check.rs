@@ -46,8 +46,9 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     if let Some(metric) = indicatrix.as_ref().filter(|m| m.all.count > 0) {
         table += &inscribed(metric);
     }
-    tell(command.talk.quiet || command.json, &table)?;
     let mut report = assessed.1;
+    table += &summary::of_features(&mut report, &mesh, facets.as_ref());
+    tell(command.talk.quiet || command.json, &table)?;
     report.statistics = json!({ "indicatrix": indicatrix });
     if dropped > 0 {
         let note = format!("{dropped} vertices belong to no face; vertex ids count the others");

@@ -86,8 +86,12 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         given: Some(&facets),
         mesh: &mesh,
     };
+    let features = summary::of_features(&mut report, &mesh, shown.surface);
     write(command, &shown, smooth.as_ref(), &mut report)?;
-    tell(command.talk.quiet, &(table + &summary::of_outputs(&report)))?;
+    tell(
+        command.talk.quiet,
+        &(table + &features + &summary::of_outputs(&report)),
+    )?;
     Ok(exit_of(report.verdict))
 }
 

@@ -42,10 +42,11 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
         start: start.as_ref(),
         ..Shown::of(&mesh)
     };
+    let features = summary::of_features(&mut report, &mesh, facets.as_ref());
     html::write(&command.html, &shown, &report)?;
     let table = summary::of_assessment(&assessment, command.limits.unit, command.talk.verbose);
     let line = format!("written      {}\n", command.html.display());
-    tell(command.talk.quiet, &(table + &line))?;
+    tell(command.talk.quiet, &(table + &features + &line))?;
     Ok(if report.verdict == Verdict::Pass {
         Exit::Success
     } else {

@@ -1,5 +1,6 @@
 //! The JSON report of a run.
 
+use super::maps::FeatureSizes;
 use super::{Assessment, Check, Verdict};
 use phex_mesh::measure::{Deviation, MeshMeasures};
 use phex_mesh::validate::Violation;
@@ -93,6 +94,8 @@ pub struct RunReport {
     pub deviation_smooth: Option<Deviation>,
     /// Distance to the original facets.
     pub deviation_facets: Option<Deviation>,
+    /// How large panels are for the surface's curvature; `null` without a surface.
+    pub feature_sizes: Option<FeatureSizes>,
     /// Everything that is wrong, located.
     pub violations: Vec<Violation>,
     /// What was noticed on the way.
@@ -121,6 +124,7 @@ impl RunReport {
             measures: assessment.measures,
             deviation_smooth: assessment.deviation_smooth,
             deviation_facets: assessment.deviation_facets,
+            feature_sizes: None,
             violations: assessment.violations,
             notes: Vec::new(),
             outputs: Vec::new(),

@@ -10,13 +10,16 @@
 //! | [`Map::EdgeLength`] | edge | over the mean edge | 1/4 to 4, logarithmic |
 //! | [`Map::Dihedral`] | edge | angle between the panels, degrees; less than 180 is convex | 160 to 200 |
 //! | [`Map::Curvature`] | face | `k1 / k2` with `abs(k1) <= abs(k2)`: has the sign of `K`, 0 is parabolic | -1 to 1 |
+//! | [`Map::FeatureSize`] | face | panel's diameter times largest curvature under it ([`FeatureSizes`]) | 0 to 2 |
 //! | [`Map::Valence`] | face | number of corners, hexagons convex or concave | classes |
 //! | [`Map::Validity`] | face | what holds of the panel | classes |
 
+mod feature_size;
 mod ramps;
 mod scale;
 mod values;
 
+pub use feature_size::FeatureSizes;
 pub use scale::{Class, Continuous, Histogram, Rgb, Scale};
 pub use values::{Subject, principal_at_panels};
 
@@ -37,6 +40,8 @@ pub enum Map {
     Dihedral,
     /// Sign of the Gauss curvature, with the band where it is nearly 0.
     Curvature,
+    /// Size of the panels over that of the surface's features.
+    FeatureSize,
     /// Numbers of corners.
     #[default]
     Valence,
@@ -46,7 +51,7 @@ pub enum Map {
 
 impl Map {
     /// All maps, in the order in which they are offered.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Valence,
         Self::Validity,
         Self::Planarity,
@@ -54,6 +59,7 @@ impl Map {
         Self::EdgeLength,
         Self::Dihedral,
         Self::Curvature,
+        Self::FeatureSize,
     ];
 
     /// Name as it is typed.
@@ -64,6 +70,7 @@ impl Map {
             Self::EdgeLength => "edge-length",
             Self::Dihedral => "dihedral",
             Self::Curvature => "curvature",
+            Self::FeatureSize => "feature-size",
             Self::Valence => "valence",
             Self::Validity => "validity",
         }
@@ -77,6 +84,7 @@ impl Map {
             Self::EdgeLength => "Edge length",
             Self::Dihedral => "Dihedral angle",
             Self::Curvature => "Sign of curvature",
+            Self::FeatureSize => "Feature size",
             Self::Valence => "Valence",
             Self::Validity => "Pass or fail",
         }
@@ -90,6 +98,7 @@ impl Map {
             Self::EdgeLength => "edge length, mean edges",
             Self::Dihedral => "dihedral angle, degrees",
             Self::Curvature => "k1 / k2, sign of gauss curvature",
+            Self::FeatureSize => "panel length times largest curvature",
             Self::Valence => "number of corners",
             Self::Validity => "what the checks say of each panel",
         }
@@ -170,6 +179,10 @@ fn scale(map: Map, subject: &Subject<'_>) -> Scale {
         Map::Curvature => Scale::Continuous(Continuous {
             band: Some((PARABOLIC, ramps::PARABOLIC)),
             ..continuous(-1.0, 1.0, false, ramps::DIVERGING)
+        }),
+        Map::FeatureSize => Scale::Continuous(Continuous {
+            limit: Some(feature_size::BOUND),
+            ..continuous(0.0, 2.0, false, ramps::SEQUENTIAL)
         }),
         Map::Valence => Scale::Classes(palette::classes()),
         Map::Validity => Scale::Classes(values::VALIDITY.to_vec()),

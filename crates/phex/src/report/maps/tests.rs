@@ -133,3 +133,29 @@ fn histogram_counts_every_value_once() {
     let planarity = map(&corner([1.0; 2]), Map::Planarity).histogram();
     assert_eq!((planarity.counts[0], planarity.below), (3, 3));
 }
+
+#[test]
+fn panels_longer_than_the_radius_of_curvature_are_too_large() {
+    let sphere = Shape::from_name("sphere", &[]).unwrap();
+    let fine = |triangles| {
+        let options = TriangulationOptions {
+            triangles,
+            ..Default::default()
+        };
+        triangulate(&sphere, &options).unwrap()
+    };
+    let (surface, panels) = (fine(8000), fine(1000));
+    let positions = panels.positions().as_slice().to_vec();
+    let small = HexMesh::new(positions, &panels.topology().face_lists()).unwrap();
+    let lengths = small.topology().edges().map(|e| small.edge_length(e));
+    let longest = lengths.fold(0.0, f64::max);
+    let sizes = FeatureSizes::new(&small, &surface);
+    assert!((sizes.max / longest - 1.0).abs() < 0.05, "the radius is 1");
+    assert!(sizes.coarse.is_empty() && sizes.warning().is_none());
+
+    let octant = vec![Vec3::x(), Vec3::y(), Vec3::z()];
+    let large = HexMesh::new(octant, &[[0, 1, 2]]).unwrap();
+    let sizes = FeatureSizes::new(&large, &surface);
+    assert_eq!(sizes.coarse, [0], "the square root of 2");
+    assert!(sizes.warning().unwrap().contains("below the panel size"));
+}

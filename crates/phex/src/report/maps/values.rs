@@ -1,6 +1,6 @@
 //! The values that maps show.
 
-use super::{Class, Coloured, Map};
+use super::{Class, Coloured, FeatureSizes, Map};
 use crate::curvature::{self, Curvature, CurvatureOptions, Principal};
 use crate::report::{Assessment, picture::palette};
 use phex_mesh::{ElementId, FaceId, HexMesh, PerFace, TriangleSurface};
@@ -51,6 +51,10 @@ pub fn values(map: Map, subject: &Subject<'_>) -> Option<(Coloured, Vec<f64>)> {
             (Edge, degrees.collect())
         }
         Map::Curvature => (Face, curvature_ratios(subject)?),
+        Map::FeatureSize => {
+            let sizes = FeatureSizes::new(subject.mesh, subject.surface?);
+            (Face, sizes.per_face)
+        }
         Map::Valence => (Face, palette::class_numbers(subject.mesh)),
         Map::Validity => (Face, validity(subject)),
     })
@@ -153,7 +157,8 @@ fn own_surface(mesh: &HexMesh) -> Option<TriangleSurface> {
     TriangleSurface::new(positions, &triangles).ok()
 }
 
-fn principal_at(
+/// Principal curvatures and directions at a point of the surface.
+pub(super) fn principal_at(
     surface: &TriangleSurface,
     curvature: &Curvature,
     point: &phex_mesh::SurfacePoint,
