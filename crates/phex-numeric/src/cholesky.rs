@@ -130,6 +130,16 @@ impl Cholesky {
         self.refine(&b, rhs);
     }
 
+    /// Solves `A x = b` without refinement, as a preconditioner does.
+    ///
+    /// # Panics
+    /// If the length of `b` is not the dimension.
+    pub fn precondition(&self, b: &[f64]) -> Vec<f64> {
+        let mut x = b.to_vec();
+        self.solve_unrefined(&mut x, 1);
+        x
+    }
+
     /// Solves for many right-hand sides in place; the same solutions as one by one, but faster.
     ///
     /// # Panics

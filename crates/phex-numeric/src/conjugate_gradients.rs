@@ -1,4 +1,4 @@
-//! Conjugate gradients with the Jacobi preconditioner, for `A x = b` with `A` positive definite.
+//! Conjugate gradients for `A x = b` with `A` positive definite, with the Jacobi or any other preconditioner.
 
 use crate::outcome::Status;
 
@@ -36,25 +36,38 @@ pub struct ConjugateGradientResult {
 /// # Panics
 /// If the lengths differ.
 pub fn conjugate_gradients(
-    mut apply: impl FnMut(&[f64], &mut [f64]),
+    apply: impl FnMut(&[f64], &mut [f64]),
     diagonal: &[f64],
     b: &[f64],
     x: &mut [f64],
     options: &ConjugateGradientOptions,
 ) -> ConjugateGradientResult {
-    assert!(
-        diagonal.len() == b.len() && x.len() == b.len(),
-        "equal lengths"
-    );
+    assert_eq!(diagonal.len(), b.len(), "equal lengths");
+    let jacobi = |r: &[f64]| -> Vec<f64> {
+        let scale = |(r, d): (&f64, &f64)| if *d > 0.0 { r / d } else { *r };
+        r.iter().zip(diagonal).map(scale).collect()
+    };
+    preconditioned_conjugate_gradients(apply, jacobi, b, x, options)
+}
+
+/// As [`conjugate_gradients`], with `precondition(r)` for an approximate solution of `A z = r`, symmetric positive definite in
+/// `r` (the factorisation of a matrix near `A`, say).
+///
+/// # Panics
+/// If the lengths differ.
+pub fn preconditioned_conjugate_gradients(
+    mut apply: impl FnMut(&[f64], &mut [f64]),
+    precondition: impl Fn(&[f64]) -> Vec<f64>,
+    b: &[f64],
+    x: &mut [f64],
+    options: &ConjugateGradientOptions,
+) -> ConjugateGradientResult {
+    assert_eq!(x.len(), b.len(), "equal lengths");
     let size = dot(b, b).sqrt();
     let goal = options.tolerance * size;
     let mut product = vec![0.0; b.len()];
     apply(x, &mut product);
     let mut residual: Vec<f64> = b.iter().zip(&product).map(|(b, y)| b - y).collect();
-    let precondition = |r: &[f64]| -> Vec<f64> {
-        let scale = |(r, d): (&f64, &f64)| if *d > 0.0 { r / d } else { *r };
-        r.iter().zip(diagonal).map(scale).collect()
-    };
     let mut z = precondition(&residual);
     let mut direction = z.clone();
     let mut rz = dot(&residual, &z);

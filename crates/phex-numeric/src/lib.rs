@@ -7,6 +7,7 @@
 //! | [`cholesky`] | `A = L L^T` with the symbolic part reused, residual refined |
 //! | [`assembly`] | sums of dense element blocks on a fixed pattern |
 //! | [`mod@conjugate_gradients`] | `A x = b` from products with `A` alone |
+//! | [`schur`] | sequential quadratic programming on the dual, factorisations reused |
 //! | [`damped`] | descent whose damping follows the collision step |
 //! | [`projection`] | minimum-norm projection onto constraints, guarded |
 //! | [`outcome`] | how an iteration ended |
@@ -19,15 +20,18 @@ pub mod damped;
 pub mod error;
 pub mod outcome;
 pub mod projection;
+pub mod schur;
 pub mod symmetric;
 
 pub use assembly::Assembly;
 pub use cholesky::Cholesky;
 pub use conjugate_gradients::{
     ConjugateGradientOptions, ConjugateGradientResult, conjugate_gradients,
+    preconditioned_conjugate_gradients,
 };
 pub use damped::{DampedOptions, DampedProblem, DampedSolver, Damping};
 pub use error::NumericError;
 pub use outcome::{Outcome, Record, Status};
 pub use projection::{Constraints, MinimumNorm, ProjectionOptions};
+pub use schur::{LaggedCholesky, SchurOptions, SchurProblem, SchurSqp};
 pub use symmetric::{Pattern, SymmetricMatrix};

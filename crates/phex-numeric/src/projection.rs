@@ -77,6 +77,11 @@ impl MinimumNorm {
         }
     }
 
+    /// Gives factorisation and matrix back.
+    pub fn into_parts(self) -> (Cholesky, SymmetricMatrix) {
+        (self.cholesky, self.normal)
+    }
+
     /// Number of factorisations so far.
     pub fn factorisations(&self) -> usize {
         self.cholesky.factorisations()

@@ -119,7 +119,8 @@ impl Feet {
         self.rim = reference.on_boundary(&self.rim_points).unwrap_or_default();
     }
 
-    fn residual(&self, k: usize) -> Vec3 {
+    /// From the foot point to the point: vertices, then face centres.
+    pub fn residual(&self, k: usize) -> Vec3 {
         self.points[k] - self.feet[k].position
     }
 

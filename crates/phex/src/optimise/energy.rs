@@ -228,14 +228,6 @@ impl<'a> PanelEnergy<'a> {
             add_block(block, 0, 0, &hessian);
         }
     }
-
-    /// Distances of vertices and face centres to the reference: largest, and root mean square.
-    pub fn deviation(&mut self, x: &[f64]) -> (f64, f64) {
-        let shape = Shape::at(self.setting.panels, x);
-        let mut feet = Feet::default();
-        feet.update(self.setting.reference, &shape, x, &[]);
-        feet.deviation()
-    }
 }
 
 impl DampedProblem for PanelEnergy<'_> {
@@ -280,8 +272,16 @@ impl DampedProblem for PanelEnergy<'_> {
     }
 }
 
+/// Distances of vertices and face centres to the reference: largest, and root mean square.
+pub(super) fn deviation(setting: &Setting<'_>, x: &[f64]) -> (f64, f64) {
+    let shape = Shape::at(setting.panels, x);
+    let mut feet = Feet::default();
+    feet.update(setting.reference, &shape, x, &[]);
+    feet.deviation()
+}
+
 /// Largest displacement of a vertex.
-fn longest(step: &[f64]) -> f64 {
+pub(super) fn longest(step: &[f64]) -> f64 {
     let squares = step.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum());
     squares.fold(0.0, f64::max).sqrt()
 }

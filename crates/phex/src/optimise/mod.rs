@@ -11,7 +11,7 @@
 //!   + w_t/2 sum |x - x_0|^2              anchor, w_k at the corners of the boundary
 //! ```
 //!
-//! by damped Gauss-Newton steps that end before the first collision within a face and never leave the region where every
+//! along the **feasible path**: damped Gauss-Newton steps that end before the first collision within a face and never leave the region where every
 //! panel is simple. A projection of minimum norm onto the exact constraints `Q^T h = 0`, guarded in the same way, then
 //! takes planarity to the floor of rounding.
 //!
@@ -23,6 +23,10 @@
 //! | `w_p` | [`OptimiseOptions::penalties`] | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
+//!
+//! Before it the **fast path** ([`fast`]) is tried where the tangent planes of the panels meet in a start that is nearly planar, as on
+//! conjugate layouts: the same closeness under exact planarity, one factorisation of a matrix half the size. Its result is taken
+//! only if it has converged, is valid, and has clearance; [`RunSummary::path`] tells which path it was.
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3, with the plane eliminated; the
 //! feasible path and its barrier after Li et al., "Incremental potential contact" (2020), within each face's plane.
@@ -44,15 +48,19 @@ mod barrier;
 mod closeness;
 mod energy;
 mod fairness;
+mod fast;
 mod guard;
 mod holds;
 mod inspect;
+mod jacobian;
 mod options;
 mod panels;
 mod planarity;
 mod run;
 mod shape_target;
+mod shortcut;
 mod simple;
+mod solvers;
 mod start;
 mod steering;
 mod surface_target;
@@ -67,14 +75,16 @@ use closeness::Reference;
 use guard::Guard;
 use holds::Holds;
 use panels::{Panels, Shape, points, unknowns};
-use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3};
+use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
-use run::{Run, Solvers};
+use run::Run;
 use serde::Serialize;
+use solvers::Solvers;
+use start::TangentCells;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
-pub use options::{Dials, OptimiseError, OptimiseOptions, Solver, StartKind, Starts};
+pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind, Starts};
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, SteeringError};
 pub use surface_target::SurfaceTarget;
@@ -111,6 +121,8 @@ pub trait Target: Sync {
 pub struct RunSummary {
     /// The start.
     pub start: StartKind,
+    /// The path taken.
+    pub path: PathKind,
     /// Panels of the start that were not simple or not on their side.
     pub start_faults: usize,
     /// How it ended.
@@ -170,20 +182,25 @@ pub fn optimise(
     let cancelled = || progress.is_cancelled();
     let (panels, guard) = (&stage.panels, &stage.guard);
     let cells = start::smoothed_cells(layout, target, panels, guard, options.smoothing, cancelled);
+    let tangents = TangentCells::of(layout);
     let mut solvers = Solvers::new(panels)?;
+    if let Some(run) = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress)
+    {
+        return Ok(better(&layout.mesh, run, None));
+    }
     let mut from = |kind: StartKind| {
         let start = match kind {
-            StartKind::Circumcentres => &start::circumcentres(layout, panels, guard, &cells),
+            StartKind::Circumcentres => &start::circumcentres(&tangents, panels, guard, &cells),
             _ => &cells,
         };
         stage.run(&mut solvers, kind, start, options, progress)
     };
     if options.starts == Starts::Circumcentres {
-        return Ok(better(&layout.mesh, from(StartKind::Circumcentres), None));
+        return Ok(better(&layout.mesh, from(StartKind::Circumcentres)?, None));
     }
-    let first = from(StartKind::SmoothedCells);
+    let first = from(StartKind::SmoothedCells)?;
     let again = wants_second(options, &first, stage.diagonal);
-    let second = again.then(|| from(StartKind::Circumcentres));
+    let second = again.then(|| from(StartKind::Circumcentres)).transpose()?;
     Ok(better(&layout.mesh, first, second))
 }
 
@@ -260,8 +277,8 @@ fn from_mesh(
     let x = steering::put_in_place(&stage.holds, &panels, mesh)?;
     let mut solvers = Solvers::new(&panels)?;
     let run = match only_project {
-        true => stage.run_as_given(&mut solvers, &x, options, progress),
-        false => stage.run_from(&mut solvers, &x, options, progress),
+        true => stage.run_as_given(&mut solvers, &x, options, progress)?,
+        false => stage.run_from(&mut solvers, &x, options, progress)?,
     };
     if let Some(message) = steering::blame(&stage.holds, &panels, &run.offenders) {
         progress.report(&Event::Note { message });
@@ -271,6 +288,7 @@ fn from_mesh(
 
 /// What all runs on one mesh share.
 struct Stage<'a> {
+    topology: &'a Topology,
     panels: Panels,
     guard: Guard,
     reference: Reference<'a>,
@@ -282,7 +300,7 @@ struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     fn new(
-        mesh: &HexMesh,
+        mesh: &'a HexMesh,
         reference: Reference<'a>,
         side: Option<Vec<Vec3>>,
         kinds: &PerVertex<VertexKind>,
@@ -292,6 +310,7 @@ impl<'a> Stage<'a> {
             .enumerate()
             .filter(|(_, k)| **k == VertexKind::Boundary);
         Self {
+            topology: mesh.topology(),
             panels: Panels::new(mesh.topology()),
             guard: Guard::new(mesh.topology(), side, options.least_side),
             reference,

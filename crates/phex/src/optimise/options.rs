@@ -41,6 +41,20 @@ pub enum StartKind {
     AsGiven,
 }
 
+/// The way from a start to planar panels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PathKind {
+    /// Projection alone: the mesh was nearly planar.
+    Projection,
+    /// Sequential quadratic programming on the dual from the circumcentres.
+    Fast,
+    /// Rising penalties with the barrier, then the projection.
+    Feasible,
+    /// The paper's solver.
+    Tetrahedra,
+}
+
 /// Options of [`optimise`](super::optimise) and [`planarize`](super::planarize).
 ///
 /// All weights are relative to that of the closeness of vertices; energies are squares of lengths. The defaults

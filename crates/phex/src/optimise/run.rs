@@ -2,19 +2,17 @@
 
 use super::barrier::{Barrier, clearance};
 use super::closeness::ClosenessWeights;
-use super::energy::{PanelEnergy, PlanarityConstraints, Setting, Weights};
+use super::energy::{PanelEnergy, Setting, Weights, deviation};
 use super::inspect::{Offender, inspect};
-use super::options::{OptimiseError, OptimiseOptions, Solver, StartKind};
+use super::options::{OptimiseError, OptimiseOptions, PathKind, Solver, StartKind};
 use super::panels::{Panels, Shape};
+use super::shortcut::Projection;
 use super::simple::{area, is_simple};
+use super::solvers::{Dual, Reporter, Solvers};
 use super::start::Start;
 use super::{RunSummary, Stage};
-use crate::progress::{Event, Progress};
-use phex_numeric::{
-    Assembly, Cholesky, DampedOptions, DampedSolver, Damping, MinimumNorm, Outcome,
-    ProjectionOptions, Record, Status, SymmetricMatrix,
-};
-use std::ops::ControlFlow;
+use crate::progress::Progress;
+use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
 
 /// Area of a regular hexagon over the square of its edge.
 const HEXAGON: f64 = 2.598_076_211_353_316;
@@ -22,65 +20,8 @@ const HEXAGON: f64 = 2.598_076_211_353_316;
 /// Factor of the barriers of panels that have come out with too little clearance.
 const STRONGER: f64 = 4.0;
 
-/// Fraction of the planarity that is demanded at which the projection stops. It converges quadratically, so the last step
-/// mostly ends at the floor of rounding.
-const GOAL: f64 = 0.05;
-
 /// Planarity up to which a mesh is projected without being optimised first.
 const NEARLY_PLANAR: f64 = 1e-3;
-
-/// Factorisations and memory, shared by all runs on one mesh.
-pub(super) struct Solvers {
-    pub energy_assembly: Assembly,
-    pub energy: DampedSolver,
-    constraint_assembly: Assembly,
-    constraints: Option<MinimumNorm>,
-}
-
-impl Solvers {
-    pub fn new(panels: &Panels) -> Result<Self, OptimiseError> {
-        let energy_assembly = energy_assembly(panels);
-        let (cholesky, matrix) = system(&energy_assembly, 3)?;
-        let energy = DampedSolver::new(cholesky, matrix);
-        let elements = PlanarityConstraints::elements(panels);
-        let count = PlanarityConstraints::count(panels);
-        let constraint_assembly = Assembly::new(count, &elements);
-        let constraints = if count == 0 {
-            None
-        } else {
-            let (cholesky, matrix) = system(&constraint_assembly, 1)?;
-            Some(MinimumNorm::new(cholesky, matrix))
-        };
-        Ok(Self {
-            energy_assembly,
-            energy,
-            constraint_assembly,
-            constraints,
-        })
-    }
-}
-
-/// The assembly of the energy's Hessian: a block for every face and then one for every vertex.
-pub(super) fn energy_assembly(panels: &Panels) -> Assembly {
-    let unknowns = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
-    let face = |f| {
-        let vertices = panels.vertices(f).iter();
-        vertices.flat_map(|&v| unknowns(v)).collect()
-    };
-    let faces = (0..panels.n_faces()).map(face);
-    let vertices = (0..panels.n_vertices() as u32).map(|v| unknowns(v).to_vec());
-    let elements: Vec<Vec<u32>> = faces.chain(vertices).collect();
-    Assembly::new(3 * panels.n_vertices(), &elements)
-}
-
-/// An analysed factorisation and a matrix on the pattern of an assembly.
-pub(super) fn system(
-    assembly: &Assembly,
-    block: usize,
-) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
-    let cholesky = Cholesky::analyse(assembly.pattern(), block)?;
-    Ok((cholesky, SymmetricMatrix::zeros(assembly.pattern().clone())))
-}
 
 /// What came of one start.
 pub(super) struct Run {
@@ -104,38 +45,6 @@ impl Run {
     }
 }
 
-/// Tells of iterations and hears of cancelling.
-pub(super) struct Reporter<'a> {
-    progress: &'a dyn Progress,
-    iteration: usize,
-    limit: usize,
-}
-
-impl<'a> Reporter<'a> {
-    pub fn new(progress: &'a dyn Progress, limit: usize) -> Self {
-        Self {
-            progress,
-            iteration: 0,
-            limit,
-        }
-    }
-
-    pub fn observe(&mut self, record: &Record) -> ControlFlow<()> {
-        self.iteration += 1;
-        self.progress.report(&Event::Iteration {
-            stage: "optimise",
-            iteration: self.iteration,
-            limit: self.limit.max(self.iteration),
-            residual: record.residual,
-        });
-        if self.progress.is_cancelled() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    }
-}
-
 impl Stage<'_> {
     /// The stage at given positions.
     pub fn setting(&self, x: &[f64]) -> Setting<'_> {
@@ -150,7 +59,7 @@ impl Stage<'_> {
         }
     }
 
-    /// Optimises one start.
+    /// Optimises one start along the feasible path.
     pub fn run(
         &self,
         solvers: &mut Solvers,
@@ -158,12 +67,12 @@ impl Stage<'_> {
         start: &Start,
         options: &OptimiseOptions,
         progress: &dyn Progress,
-    ) -> Run {
+    ) -> Result<Run, OptimiseError> {
         if options.solver == Solver::Tetrahedra {
             return self.run_tetrahedra(solvers, kind, start, options, progress);
         }
         let setting = self.setting(&start.x);
-        let mut path = Path::new(&setting, solvers, &start.x, options, progress);
+        let mut path = Path::new(&setting, solvers, &start.x, options, progress)?;
         for &penalty in &options.penalties {
             path.descend(penalty);
         }
@@ -177,31 +86,41 @@ impl Stage<'_> {
         if !path.is_over() && !best.is_planar(options) {
             best = better(best, path.project(options.least_clearance));
         }
-        let deviation = path.energy.deviation(&best.x);
-        let outcome = path.outcome;
-        self.conclude(kind, start.n_bad, best, outcome, deviation, options)
+        let way = Way {
+            kind,
+            path: PathKind::Feasible,
+            outcome: path.outcome,
+        };
+        Ok(self.conclude(start.n_bad, best, way, options))
     }
 
-    /// Makes a mesh planar as it is: nothing if it is sound, a projection if that is enough, else the whole path.
+    /// Makes a mesh planar as it is: nothing if it is sound, a projection if that is enough, then the fast path, else the
+    /// feasible one.
     pub fn run_as_given(
         &self,
         solvers: &mut Solvers,
         x: &[f64],
         options: &OptimiseOptions,
         progress: &dyn Progress,
-    ) -> Run {
-        let kind = StartKind::AsGiven;
-        let setting = self.setting(x);
-        let given = Reached::at(&setting, x.to_vec());
-        let mut path = Path::new(&setting, solvers, x, options, progress);
+    ) -> Result<Run, OptimiseError> {
+        let start = self.start_at(x);
+        let planarity = Shape::at(&self.panels, x).max_height() / self.panels.mean_edge(x);
         let by_barrier = options.solver == Solver::Barrier;
-        if given.planarity <= NEARLY_PLANAR && (by_barrier || given.is_planar(options)) {
-            let projected = path.project(options.clearance_margin);
-            let deviation = path.energy.deviation(&projected.x);
-            let outcome = path.outcome;
-            let run = self.conclude(kind, 0, projected, outcome, deviation, options);
+        let planar = planarity <= options.planarity_tolerance;
+        if planarity <= NEARLY_PLANAR && (by_barrier || planar) {
+            let run = self.run_projection(solvers, &start, options, progress);
             if run.offenders.is_empty() || run.is_cancelled() {
-                return run;
+                return Ok(run);
+            }
+        }
+        if by_barrier && self.holds.held.is_empty() {
+            let kinked = self.kinked(&start);
+            if let Some(run) = self.run_fast(solvers, &kinked, options, progress) {
+                return Ok(run);
+            }
+            if kinked.n_bad == 0 && self.is_flatter(&kinked, &start) {
+                let kind = StartKind::Circumcentres;
+                return self.run(solvers, kind, &kinked, options, progress);
             }
         }
         self.run_from(solvers, x, options, progress)
@@ -214,26 +133,36 @@ impl Stage<'_> {
         x: &[f64],
         options: &OptimiseOptions,
         progress: &dyn Progress,
-    ) -> Run {
-        let shape = Shape::at(&self.panels, x);
-        let simple = |f: &usize| is_simple(shape.face(&self.panels, *f));
-        let n_bad = (0..self.panels.n_faces()).filter(|f| !simple(f)).count();
-        let start = Start {
-            x: x.to_vec(),
-            n_bad,
-        };
+    ) -> Result<Run, OptimiseError> {
+        let start = self.start_at(x);
         self.run(solvers, StartKind::AsGiven, &start, options, progress)
     }
 
+    fn start_at(&self, x: &[f64]) -> Start {
+        let shape = Shape::at(&self.panels, x);
+        let simple = |f: &usize| is_simple(shape.face(&self.panels, *f));
+        let n_bad = (0..self.panels.n_faces()).filter(|f| !simple(f)).count();
+        Start {
+            x: x.to_vec(),
+            n_bad,
+        }
+    }
+
+    fn is_flatter(&self, one: &Start, other: &Start) -> bool {
+        let bend = |start: &Start| Shape::at(&self.panels, &start.x).max_height();
+        bend(one) < bend(other)
+    }
+
+    /// Judges what a run has reached.
     pub fn conclude(
         &self,
-        kind: StartKind,
         start_faults: usize,
         reached: Reached,
-        mut outcome: Outcome,
-        deviation: (f64, f64),
+        way: Way,
         options: &OptimiseOptions,
     ) -> Run {
+        let mut outcome = way.outcome;
+        let deviation = deviation(&self.setting(&reached.x), &reached.x);
         let (quality, offenders) =
             inspect(&self.panels, &self.guard, &reached.x, deviation, options);
         let planar = quality.planarity <= options.planarity_tolerance;
@@ -247,7 +176,8 @@ impl Stage<'_> {
             + quality.deviation_max / (2e-3 * self.diagonal)
             + 0.1 / quality.clearance.max(1e-3);
         let summary = RunSummary {
-            start: kind,
+            start: way.kind,
+            path: way.path,
             start_faults,
             status: outcome.status,
             iterations: outcome.iterations,
@@ -263,6 +193,13 @@ impl Stage<'_> {
             summary,
         }
     }
+}
+
+/// How a result came about.
+pub(super) struct Way {
+    pub kind: StartKind,
+    pub path: PathKind,
+    pub outcome: Outcome,
 }
 
 /// Positions and what they are judged by on the way.
@@ -315,7 +252,7 @@ struct Path<'a> {
     options: &'a OptimiseOptions,
     energy: PanelEnergy<'a>,
     minimiser: &'a mut DampedSolver,
-    projector: Option<&'a mut MinimumNorm>,
+    dual: &'a mut Option<Dual>,
     constraint_assembly: &'a Assembly,
     reporter: Reporter<'a>,
     damping: Damping,
@@ -330,22 +267,22 @@ impl<'a> Path<'a> {
         start: &[f64],
         options: &'a OptimiseOptions,
         progress: &'a dyn Progress,
-    ) -> Self {
+    ) -> Result<Self, OptimiseError> {
         let limit =
             options.penalties.len() * options.max_iterations + options.projection_iterations;
-        let reporter = Reporter::new(progress, limit);
-        Self {
-            energy: panel_energy(setting, &solvers.energy_assembly, start, options),
-            minimiser: &mut solvers.energy,
-            projector: solvers.constraints.as_mut(),
+        let (assembly, minimiser) = solvers.energy.prepare(setting.panels)?;
+        Ok(Self {
+            energy: panel_energy(setting, assembly, start, options),
+            minimiser,
+            dual: &mut solvers.constraints,
             constraint_assembly: &solvers.constraint_assembly,
             setting,
             options,
-            reporter,
+            reporter: Reporter::new(progress, limit),
             damping: Damping::default(),
             outcome: Outcome::empty(Status::Converged),
             x: start.to_vec(),
-        }
+        })
     }
 
     fn is_over(&self) -> bool {
@@ -379,22 +316,14 @@ impl<'a> Path<'a> {
     /// Projects a copy of the positions onto the planarity constraints.
     fn project(&mut self, margin: f64) -> Reached {
         let mut x = self.x.clone();
-        if let (Some(projector), false) = (
-            self.projector.as_mut(),
-            self.outcome.status == Status::Cancelled,
-        ) {
-            let least = margin * self.setting.panels.mean_edge(&x);
-            let mut constraints =
-                PlanarityConstraints::new(self.setting, self.constraint_assembly, &x, least);
-            let options = ProjectionOptions {
-                max_iterations: self.options.projection_iterations,
-                goal: GOAL * self.options.planarity_tolerance,
-                tolerance: self.options.planarity_tolerance,
-                phase: f64::INFINITY,
+        if !self.is_over() {
+            let projection = Projection {
+                setting: self.setting,
+                assembly: self.constraint_assembly,
+                options: self.options,
+                margin,
             };
-            let reporter = &mut self.reporter;
-            let observe = |record: &Record| reporter.observe(record);
-            let outcome = projector.project(&mut constraints, &mut x, &options, observe);
+            let outcome = projection.project(self.dual, &mut x, &mut self.reporter);
             self.outcome.append(outcome);
         }
         Reached::at(self.setting, x)

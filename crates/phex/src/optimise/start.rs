@@ -13,6 +13,7 @@ use super::Target;
 use super::barrier::clearance;
 use super::guard::{Breach, Guard};
 use super::panels::{Panels, Shape, flatten, points};
+use super::simple::area;
 use crate::layout::{Layout, VertexKind};
 use nalgebra::Matrix3;
 use phex_mesh::{Topology, Vec3, VertexId};
@@ -108,16 +109,55 @@ fn smooth(positions: &mut [Vec3], stencils: &[Vec<u32>], layout: &Layout, target
     }
 }
 
+/// Tangent planes of the cells, and what moves between them.
+pub(super) struct TangentCells<'a> {
+    pub topology: &'a Topology,
+    /// Unit normal of each face.
+    pub normal: &'a [Vec3],
+    /// Point of each face's tangent plane.
+    pub point: &'a [Vec3],
+    /// Extent of each face.
+    pub length: &'a [f64],
+}
+
+impl<'a> TangentCells<'a> {
+    /// Those of a layout: planes that touch the surface.
+    pub fn of(layout: &'a Layout) -> Self {
+        Self {
+            topology: layout.mesh.topology(),
+            normal: layout.face_normal.as_slice(),
+            point: layout.face_point.as_slice(),
+            length: layout.face_length.as_slice(),
+        }
+    }
+}
+
+/// A start moved towards the circumcentres of the best planes of its own faces.
+pub(super) fn kinked(topology: &Topology, panels: &Panels, guard: &Guard, given: &Start) -> Start {
+    let shape = Shape::at(panels, &given.x);
+    let faces = || 0..panels.n_faces();
+    let normal: Vec<Vec3> = faces().map(|f| shape.normal(f)).collect();
+    let point: Vec<Vec3> = faces().map(|f| shape.frames[f].plane.centre).collect();
+    let extent = |f: usize| area(shape.face(panels, f)).abs().sqrt();
+    let tangents = TangentCells {
+        topology,
+        normal: &normal,
+        point: &point,
+        length: &faces().map(extent).collect::<Vec<f64>>(),
+    };
+    circumcentres(&tangents, panels, guard, given)
+}
+
 /// Moves a start towards its circumcentres.
 pub(super) fn circumcentres(
-    layout: &Layout,
+    tangents: &TangentCells<'_>,
     panels: &Panels,
     guard: &Guard,
     cells: &Start,
 ) -> Start {
     let mean_edge = panels.mean_edge(&cells.x);
     let before = points(&cells.x);
-    let steps = circumcentre_steps(layout, &before);
+    let steps = circumcentre_steps(tangents, &before);
     let (bad_before, shape) = bad_faces(panels, guard, &cells.x);
     let allowed = |f: usize| bad_before.binary_search(&f).is_ok();
     let least: Vec<f64> = (0..panels.n_faces())
@@ -158,16 +198,16 @@ struct TangentPlanes {
 
 impl TangentPlanes {
     /// Of an interior vertex of degree 3 at `position`.
-    fn at(layout: &Layout, v: VertexId, position: Vec3) -> Option<Self> {
-        let topology = layout.mesh.topology();
+    fn at(tangents: &TangentCells<'_>, v: VertexId, position: Vec3) -> Option<Self> {
+        let topology = tangents.topology;
         if topology.is_boundary_vertex(v) || topology.face_degree(v) != 3 {
             return None;
         }
         let (mut matrix, mut rhs) = (Matrix3::zeros(), Vec3::zeros());
-        for f in topology.outgoing(v).map(|h| topology.face(h)) {
-            let n = layout.face_normal[f];
+        for f in topology.outgoing(v).map(|h| topology.face(h).index()) {
+            let n = tangents.normal[f];
             matrix += n * n.transpose();
-            rhs += n * n.dot(&(layout.face_point[f] - position));
+            rhs += n * n.dot(&(tangents.point[f] - position));
         }
         let mut squares = matrix.symmetric_eigenvalues();
         squares.as_mut_slice().sort_by(f64::total_cmp);
@@ -189,9 +229,9 @@ impl TangentPlanes {
 }
 
 /// Step of each vertex to its regularised circumcentre; zero on the boundary.
-fn circumcentre_steps(layout: &Layout, positions: &[Vec3]) -> Vec<Vec3> {
-    let topology = layout.mesh.topology();
-    let planes = |v: VertexId| TangentPlanes::at(layout, v, positions[v.index()]);
+fn circumcentre_steps(tangents: &TangentCells<'_>, positions: &[Vec3]) -> Vec<Vec3> {
+    let topology = tangents.topology;
+    let planes = |v: VertexId| TangentPlanes::at(tangents, v, positions[v.index()]);
     let systems: Vec<_> = topology.vertices().map(planes).collect();
     let mut middles: Vec<f64> = systems.iter().flatten().map(|s| s.middle).collect();
     middles.sort_by(f64::total_cmp);
@@ -200,8 +240,8 @@ fn circumcentre_steps(layout: &Layout, positions: &[Vec3]) -> Vec<Vec3> {
         let Some(system) = system else {
             return Vec3::zeros();
         };
-        let faces = topology.outgoing(v).map(|h| topology.face(h));
-        let lengths: f64 = faces.map(|f| layout.face_length[f]).sum();
+        let faces = topology.outgoing(v).map(|h| topology.face(h).index());
+        let lengths: f64 = faces.map(|f| tangents.length[f]).sum();
         let longest = 0.8 * lengths / 3.0;
         let step = system.step(typical);
         step * (longest / step.norm().max(longest))

@@ -14,9 +14,10 @@ use super::Stage;
 use super::closeness::Feet;
 use super::energy::Setting;
 use super::holds::restrict;
-use super::options::{OptimiseOptions, StartKind};
+use super::options::{OptimiseError, OptimiseOptions, PathKind, StartKind};
 use super::panels::{Shape, add_block, point};
-use super::run::{Reached, Reporter, Run, Solvers};
+use super::run::{Reached, Run, Way};
+use super::solvers::{Reporter, Solvers};
 use super::start::Start;
 use crate::progress::Progress;
 use nalgebra::Matrix3;
@@ -232,24 +233,20 @@ impl Stage<'_> {
         start: &Start,
         options: &OptimiseOptions,
         progress: &dyn Progress,
-    ) -> Run {
+    ) -> Result<Run, OptimiseError> {
         let setting = self.setting(&start.x);
         let mut x = start.x.clone();
-        let mut energy = Tetrahedra::new(&setting, &solvers.energy_assembly, options, &x);
+        let (assembly, minimiser) = solvers.energy.prepare(&self.panels)?;
+        let mut energy = Tetrahedra::new(&setting, assembly, options, &x);
         let mut reporter = Reporter::new(progress, WEIGHTS.2 * options.max_iterations);
         let observe = |record: &Record| reporter.observe(record);
-        let outcome = penalise(&mut energy, &mut solvers.energy, &mut x, options, observe);
-        let mut feet = Feet::default();
-        feet.update(setting.reference, &Shape::at(&self.panels, &x), &x, &[]);
-        let reached = Reached::at(&setting, x);
-        self.conclude(
+        let outcome = penalise(&mut energy, minimiser, &mut x, options, observe);
+        let way = Way {
             kind,
-            start.n_bad,
-            reached,
+            path: PathKind::Tetrahedra,
             outcome,
-            feet.deviation(),
-            options,
-        )
+        };
+        Ok(self.conclude(start.n_bad, Reached::at(&setting, x), way, options))
     }
 }
 

@@ -25,10 +25,11 @@ mod tangent;
 
 use self::constraints::angle_assembly;
 use self::path::AnglePath;
+use super::energy::deviation;
 use super::inspect::{Offender, Quality, inspect};
 use super::options::{OptimiseError, OptimiseOptions};
 use super::panels::{Panels, Shape, points, unknowns};
-use super::run::energy_assembly;
+use super::solvers::energy_assembly;
 use super::{Reference, Stage, Target, check_mesh, kinds_of};
 use crate::progress::Progress;
 use phex_mesh::{HexMesh, PerVertex};
@@ -107,7 +108,7 @@ pub fn satisfy_angle_condition(
     let setting = stage.setting(&x);
     let assemblies = [energy_assembly(&panels), angle_assembly(&panels)];
     let mut path = AnglePath::new(&setting, &assemblies, &x, options, progress)?;
-    let before = (path.constraints.defect(&x), path.energy.deviation(&x).0);
+    let before = (path.constraints.defect(&x), deviation(&setting, &x).0);
     if !path.is_met(&x) {
         path.project(&mut x);
         if path.outcome.status == Status::Converged {
@@ -115,19 +116,19 @@ pub fn satisfy_angle_condition(
         }
     }
     let after = path.constraints.defect(&x);
-    let deviation = path.energy.deviation(&x);
+    let reached = deviation(&setting, &x);
     let (quality, offenders) = inspect(
         setting.panels,
         setting.guard,
         &x,
-        deviation,
+        reached,
         &options.optimise,
     );
     Ok(AngleOptimised {
         mesh: mesh.with_positions(PerVertex::from_vec(points(&x))),
         outcome: path.outcome,
         angle_defect: [before.0, after],
-        deviation: [before.1, deviation.0],
+        deviation: [before.1, reached.0],
         quality,
         offenders,
     })

@@ -5,7 +5,8 @@ use super::constraints::AngleConstraints;
 use super::tangent::Tangent;
 use crate::optimise::energy::{PanelEnergy, Setting};
 use crate::optimise::options::OptimiseError;
-use crate::optimise::run::{panel_energy, system};
+use crate::optimise::run::panel_energy;
+use crate::optimise::solvers::system;
 use crate::progress::{Event, Progress};
 use phex_numeric::{
     Assembly, Constraints, DampedProblem, MinimumNorm, Outcome, ProjectionOptions, Record, Status,

@@ -6,7 +6,9 @@ use crate::optimise::closeness::{ClosenessWeights, Reference};
 use crate::optimise::energy::{PanelEnergy, PlanarityConstraints, Setting, Weights};
 use crate::optimise::guard::Guard;
 use crate::optimise::holds::Holds;
+use crate::optimise::jacobian::Jacobian;
 use crate::optimise::panels::{Panels, unknowns};
+use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
 
@@ -279,9 +281,43 @@ fn normal_matrix_is_the_product_of_the_jacobian() {
             assert!((product - column[j]).abs() < 1e-14, "{i} {j}");
         }
     }
+    the_jacobian_agrees(&panels, &assembly, &x, &rows);
     // The sum of squared constraints is the sum of squared heights.
     let shape = crate::optimise::panels::Shape::at(&panels, &x);
     let heights: f64 = shape.corners.iter().map(|c| c.height * c.height).sum();
     let squares: f64 = values.iter().map(|c| c * c).sum();
     assert!((heights - squares).abs() < 1e-12 * heights);
+}
+
+/// `J d`, `W J^T y` and `J W J^T` of a [`Jacobian`] against its rows, with metrics that differ from vertex to vertex.
+fn the_jacobian_agrees(panels: &Panels, assembly: &Assembly, x: &[f64], rows: &[Vec<f64>]) {
+    let n = panels.n_vertices();
+    let mut jacobian = Jacobian::new(panels, assembly);
+    let mut values = vec![0.0; rows.len()];
+    jacobian.linearise(&crate::optimise::panels::Shape::at(panels, x), &mut values);
+    let metric = |v: usize| {
+        let axis = Vec3::new((v as f64).sin(), (v as f64).cos(), 0.3);
+        Matrix3::from_diagonal_element(0.2) + axis * axis.transpose()
+    };
+    jacobian.metric = (0..n).map(metric).collect();
+    let mut normal = SymmetricMatrix::zeros(assembly.pattern().clone());
+    jacobian.normal_matrix(&mut normal);
+    for i in (0..rows.len()).step_by(17) {
+        let mut unit = vec![0.0; rows.len()];
+        unit[i] = 1.0;
+        let (mut spread, mut column) = (vec![0.0; x.len()], vec![0.0; rows.len()]);
+        jacobian.spread(&unit, &mut spread);
+        for (v, moved) in spread.chunks_exact(3).enumerate() {
+            let row = Vec3::from_column_slice(&rows[i][3 * v..3 * v + 3]);
+            let expected = metric(v) * row;
+            assert!((Vec3::from_column_slice(moved) - expected).norm() < 1e-14);
+        }
+        jacobian.product(&spread, &mut values);
+        normal.mul(&unit, &mut column);
+        for (j, row) in rows.iter().enumerate() {
+            let along: f64 = row.iter().zip(&spread).map(|(a, b)| a * b).sum();
+            assert!((along - values[j]).abs() < 1e-13, "{i} {j}");
+            assert!((along - column[j]).abs() < 1e-13, "{i} {j}");
+        }
+    }
 }

@@ -7,8 +7,8 @@ use crate::layout::{Layout, VertexKind};
 use crate::optimise::panels::{Panels, Shape as Faces, unknowns};
 use crate::optimise::simple::is_simple;
 use crate::optimise::{
-    Fault, OptimiseError, OptimiseOptions, Optimised, ShapeTarget, Solver, StartKind, Starts,
-    Target, TargetPoint, optimise, planarize,
+    Fault, OptimiseError, OptimiseOptions, Optimised, PathKind, ShapeTarget, Solver, StartKind,
+    Starts, Target, TargetPoint, optimise, planarize,
 };
 use crate::progress::{Event, Progress, Silent};
 use nalgebra::Rotation3;
@@ -49,6 +49,38 @@ fn brick_walls_become_planar_and_stay_simple() {
         assert!(result.quality.deviation_max < 0.02, "{:?}", result.quality);
         assert!(result.quality.clearance > 0.15, "{:?}", result.quality);
     }
+}
+
+/// Rows of bricks along lines of curvature: one factorisation takes the circumcentres to a stationary point.
+#[test]
+fn a_conjugate_layout_takes_the_fast_path() {
+    let shape = Shape::Torus(1.0);
+    let wall = brick_wall(shape, 80, 28);
+    let on_layout = run(&layout(wall.clone(), &shape), &shape);
+    let options = OptimiseOptions::default();
+    let on_itself = planarize(&wall, None, &options, &Silent).unwrap();
+    let on_surface = planarize(&wall, Some(&shape), &options, &Silent).unwrap();
+    for result in [on_layout, on_itself, on_surface] {
+        assert_eq!(result.runs.len(), 1);
+        assert_eq!(result.runs[0].path, PathKind::Fast);
+        assert!(result.outcome.factorisations <= 2, "{:?}", result.outcome);
+        let last = result.outcome.history.last().unwrap();
+        assert!(last.step < 1e-8, "{last:?}");
+        assert_sound(&result, 1e-13);
+        assert!(result.quality.clearance > 0.5, "{:?}", result.quality);
+    }
+}
+
+/// Bricks where the curvature across rows changes sign are no good start: the feasible path is taken, and says so.
+#[test]
+fn a_layout_that_is_not_conjugate_takes_the_feasible_path() {
+    let wall = brick_wall(Shape::Wave, 41, 20);
+    let result = planarize(&wall, None, &OptimiseOptions::default(), &Silent).unwrap();
+    assert_eq!(result.runs[0].path, PathKind::Feasible);
+    assert_sound(&result, 1e-13);
+    let again = planarize(&result.mesh, None, &OptimiseOptions::default(), &Silent).unwrap();
+    assert_eq!(again.runs[0].path, PathKind::Projection);
+    assert_eq!(again.mesh.positions, result.mesh.positions);
 }
 
 /// A built-in shape as target: what comes out touches the shape itself, not a triangulation of it.

@@ -1,0 +1,165 @@
+//! The fast path: sequential quadratic programming from a start that is nearly planar, on the dual.
+//!
+//! The start is the mesh with every vertex moved to where the tangent planes of its faces meet (Dupin duality; on rows of bricks
+//! this is the kink). From there
+//!
+//! ```text
+//! E = w_c/2 sum |x - p(x) + b r|^2 + w_c/2 sum |x - x_0|^2   under   Q^T h = 0
+//! ```
+//!
+//! is minimised, `W = (w_c n n^T + w_c I)^-1`. The hold on the start is as strong as closeness: with a weak one vertices slide far
+//! along the surface where constraints nearly depend on each other, and the iteration swings. Where faces are convex their centres stand off by `r`; shifting the vertices by
+//! `b r`, `b = w_cf / (2 w_c + w_cf)`, balances both. There is neither barrier nor fairness: on a conjugate layout
+//! none is needed, and elsewhere the result is not accepted. Then, and where the iteration does not converge, the feasible
+//! path is taken instead.
+
+use super::closeness::{ClosenessWeights, Feet};
+use super::energy::{Setting, collision_bound, longest};
+use super::guard::Armed;
+use super::jacobian::Jacobian;
+use super::options::OptimiseOptions;
+use super::panels::{Shape, point};
+use nalgebra::Matrix3;
+use phex_mesh::{Vec2, Vec3};
+use phex_numeric::{Assembly, SchurProblem, SymmetricMatrix};
+
+/// Longest step, in mean edges.
+const LONGEST: f64 = 0.3;
+
+/// Closeness under planarity, as a problem for `phex_numeric::SchurSqp`.
+pub(super) struct NearlyPlanar<'a> {
+    setting: &'a Setting<'a>,
+    jacobian: Jacobian<'a>,
+    weights: ClosenessWeights,
+    hold: f64,
+    anchor: Vec<f64>,
+    /// What vertices are to keep from the surface.
+    shift: Vec<Vec3>,
+    feet: Feet,
+    armed: Armed,
+    linearised: Shape,
+    trial: Shape,
+    corner_motion: Vec<Vec2>,
+}
+
+impl<'a> NearlyPlanar<'a> {
+    /// The problem anchored at `start`.
+    pub fn new(
+        setting: &'a Setting<'a>,
+        assembly: &'a Assembly,
+        start: &[f64],
+        options: &OptimiseOptions,
+    ) -> Self {
+        let panels = setting.panels;
+        let shape = Shape::at(panels, start);
+        let mut feet = Feet::default();
+        feet.update(setting.reference, &shape, start, setting.rim);
+        let weights = ClosenessWeights {
+            vertex: options.vertex_closeness,
+            centre: options.centre_closeness,
+            rim: options.boundary_closeness,
+        };
+        let mut armed = setting.guard.arm(panels, &shape, start);
+        let least = options.clearance_margin * setting.mean_edge;
+        armed.keep_clear(panels, &shape, least);
+        Self {
+            shift: shifts(setting, &feet, &weights),
+            jacobian: Jacobian::new(panels, assembly),
+            hold: options.vertex_closeness,
+            anchor: start.to_vec(),
+            armed,
+            trial: shape.clone(),
+            linearised: shape,
+            corner_motion: vec![Vec2::zeros(); panels.n_corners()],
+            weights,
+            feet,
+            setting,
+        }
+    }
+
+    /// Planarity of the start, in mean edges.
+    pub fn planarity(&self) -> f64 {
+        self.trial.max_height() / self.setting.mean_edge
+    }
+
+    /// Metric and free step.
+    fn weigh(&mut self, x: &[f64], free: &mut [f64]) {
+        let setting = self.setting;
+        let mut rim = setting.rim.iter().enumerate().peekable();
+        for v in 0..setting.panels.n_vertices() {
+            let term = match rim.next_if(|(_, r)| **r as usize == v) {
+                Some((k, _)) => self.feet.rim_vertex(k, v, &self.weights),
+                None => self.feet.vertex(v, self.weights.vertex),
+            };
+            let pull = (point(x, v) - point(&self.anchor, v)) * self.hold;
+            let gradient = term.gradient + self.shift[v] * self.weights.vertex + pull;
+            let hessian = term.hessian + Matrix3::from_diagonal_element(self.hold);
+            let metric = hessian.try_inverse().unwrap_or_else(Matrix3::identity);
+            let step = -metric * gradient;
+            self.jacobian.metric[v] = metric;
+            free[3 * v..3 * v + 3].copy_from_slice(step.as_slice());
+        }
+    }
+}
+
+/// `b r` at each vertex: the mean of what its face centres stand off more than their corners.
+fn shifts(setting: &Setting<'_>, feet: &Feet, weights: &ClosenessWeights) -> Vec<Vec3> {
+    let panels = setting.panels;
+    let n = panels.n_vertices();
+    let share = weights.centre / (2.0 * weights.vertex + weights.centre);
+    let sagitta = |f: usize| {
+        let corners = panels.vertices(f);
+        let mean: Vec3 = corners.iter().map(|&v| feet.residual(v as usize)).sum();
+        feet.residual(n + f) - mean / corners.len() as f64
+    };
+    let sagittas: Vec<Vec3> = (0..panels.n_faces()).map(sagitta).collect();
+    let shift = |v: usize| {
+        let corners = panels.corners_at(v);
+        let sum: Vec3 = corners.iter().map(|&c| sagittas[panels.face_of(c)]).sum();
+        sum * (share / corners.len() as f64)
+    };
+    (0..n).map(shift).collect()
+}
+
+impl SchurProblem for NearlyPlanar<'_> {
+    fn linearise(
+        &mut self,
+        x: &[f64],
+        values: &mut [f64],
+        free: &mut [f64],
+        schur: &mut SymmetricMatrix,
+    ) {
+        let setting = self.setting;
+        std::mem::swap(&mut self.linearised, &mut self.trial);
+        self.feet
+            .update(setting.reference, &self.linearised, x, setting.rim);
+        self.weigh(x, free);
+        self.jacobian.linearise(&self.linearised, values);
+        self.jacobian.normal_matrix(schur);
+    }
+
+    fn product(&self, d: &[f64], values: &mut [f64]) {
+        self.jacobian.product(d, values);
+    }
+
+    fn spread(&self, y: &[f64], d: &mut [f64]) {
+        self.jacobian.spread(y, d);
+    }
+
+    fn step_bound(&mut self, step: &[f64]) -> f64 {
+        let motion = &mut self.corner_motion;
+        let bound = collision_bound(self.setting, &self.armed, &self.linearised, step, motion);
+        bound.min(LONGEST / self.step_length(step).max(f64::MIN_POSITIVE))
+    }
+
+    fn admissible(&mut self, x: &[f64]) -> Option<f64> {
+        let (setting, panels) = (self.setting, self.setting.panels);
+        self.trial.update(panels, x);
+        let held = setting.guard.holds(&self.armed, panels, &self.trial, x);
+        held.then(|| self.trial.max_height() / setting.mean_edge)
+    }
+
+    fn step_length(&self, step: &[f64]) -> f64 {
+        longest(step) / self.setting.mean_edge
+    }
+}

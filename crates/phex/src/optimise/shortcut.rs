@@ -1,0 +1,151 @@
+//! Shorter ways than the feasible path: the projection alone, and the fast path.
+
+use super::Stage;
+use super::energy::{PlanarityConstraints, Setting};
+use super::fast::NearlyPlanar;
+use super::options::{OptimiseOptions, PathKind, StartKind, Starts};
+use super::run::{Reached, Run, Way};
+use super::solvers::{Dual, Reporter, Solvers};
+use super::start::{Start, TangentCells, circumcentres, kinked};
+use crate::progress::Progress;
+use phex_numeric::{
+    Assembly, MinimumNorm, Outcome, ProjectionOptions, Record, SchurOptions, SchurSqp, Status,
+};
+
+/// Fraction of the planarity that is demanded at which the projection stops. It converges quadratically, so the last step
+/// mostly ends at the floor of rounding.
+const GOAL: f64 = 0.05;
+
+/// Iterations of the fast path at the most.
+const FAST_ITERATIONS: usize = 40;
+/// Step of the fast path, in mean edges, that counts as none.
+const FAST_STEP: f64 = 1e-8;
+/// Clearance, in mean edges, below which a result of the fast path is not accepted: the barrier would do better.
+const FAST_CLEARANCE: f64 = 0.2;
+/// Planarity of a start, in mean edges, beyond which the fast path is not tried.
+const FAST_START: f64 = 5e-2;
+
+/// The projection of minimum norm onto the planarity constraints.
+pub(super) struct Projection<'a> {
+    pub setting: &'a Setting<'a>,
+    pub assembly: &'a Assembly,
+    pub options: &'a OptimiseOptions,
+    /// Clearance to keep, in mean edges.
+    pub margin: f64,
+}
+
+impl Projection<'_> {
+    /// Projects `x` in place.
+    pub fn project(
+        &self,
+        dual: &mut Option<Dual>,
+        x: &mut [f64],
+        reporter: &mut Reporter<'_>,
+    ) -> Outcome {
+        let Some((cholesky, matrix)) = dual.take() else {
+            return Outcome::empty(Status::Converged);
+        };
+        let least = self.margin * self.setting.panels.mean_edge(x);
+        let mut constraints = PlanarityConstraints::new(self.setting, self.assembly, x, least);
+        let options = ProjectionOptions {
+            max_iterations: self.options.projection_iterations,
+            goal: GOAL * self.options.planarity_tolerance,
+            tolerance: self.options.planarity_tolerance,
+            phase: f64::INFINITY,
+        };
+        let mut projector = MinimumNorm::new(cholesky, matrix);
+        let observe = |record: &Record| reporter.observe(record);
+        let outcome = projector.project(&mut constraints, x, &options, observe);
+        *dual = Some(projector.into_parts());
+        outcome
+    }
+}
+
+impl Stage<'_> {
+    /// Only projects a start.
+    pub fn run_projection(
+        &self,
+        solvers: &mut Solvers,
+        start: &Start,
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Run {
+        let setting = self.setting(&start.x);
+        let projection = Projection {
+            setting: &setting,
+            assembly: &solvers.constraint_assembly,
+            options,
+            margin: options.clearance_margin,
+        };
+        let mut x = start.x.clone();
+        let mut reporter = Reporter::new(progress, options.projection_iterations);
+        let outcome = projection.project(&mut solvers.constraints, &mut x, &mut reporter);
+        let way = Way {
+            kind: StartKind::AsGiven,
+            path: PathKind::Projection,
+            outcome,
+        };
+        self.conclude(start.n_bad, Reached::at(&setting, x), way, options)
+    }
+
+    /// A start with its vertices moved to where the planes of its faces meet.
+    pub fn kinked(&self, start: &Start) -> Start {
+        kinked(self.topology, &self.panels, &self.guard, start)
+    }
+
+    /// Takes the fast path from the circumcentres of a layout, unless another start is asked for.
+    pub fn run_fast_on_layout(
+        &self,
+        solvers: &mut Solvers,
+        tangents: &TangentCells<'_>,
+        cells: &Start,
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Option<Run> {
+        if options.starts != Starts::Auto || cells.n_bad > 0 {
+            return None;
+        }
+        let closer = |start: &Start| circumcentres(tangents, &self.panels, &self.guard, start);
+        // Each round is regularised, so that it only goes part of the way where planes hardly meet.
+        let start = closer(&closer(&closer(cells)));
+        self.run_fast(solvers, &start, options, progress)
+    }
+
+    /// Takes the fast path from a start; `None` if the result is not good.
+    pub fn run_fast(
+        &self,
+        solvers: &mut Solvers,
+        start: &Start,
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Option<Run> {
+        let setting = self.setting(&start.x);
+        let mut problem =
+            NearlyPlanar::new(&setting, &solvers.constraint_assembly, &start.x, options);
+        if start.n_bad > 0 || problem.planarity() > FAST_START {
+            return None;
+        }
+        let (cholesky, matrix) = solvers.constraints.take()?;
+        let mut x = start.x.clone();
+        let mut reporter = Reporter::new(progress, FAST_ITERATIONS);
+        let rounding = 4.0 * f64::EPSILON * self.diagonal / setting.mean_edge;
+        let limits = SchurOptions {
+            max_iterations: FAST_ITERATIONS,
+            tolerance: (GOAL * options.planarity_tolerance).max(rounding),
+            step_tolerance: FAST_STEP,
+            phase: f64::INFINITY,
+        };
+        let mut solver = SchurSqp::new(cholesky, matrix);
+        let observe = |record: &Record| reporter.observe(record);
+        let outcome = solver.minimise(&mut problem, &mut x, &limits, observe);
+        solvers.constraints = Some(solver.into_parts());
+        let way = Way {
+            kind: StartKind::Circumcentres,
+            path: PathKind::Fast,
+            outcome,
+        };
+        let run = self.conclude(start.n_bad, Reached::at(&setting, x), way, options);
+        let clear = run.summary.quality.clearance >= FAST_CLEARANCE;
+        (run.is_cancelled() || (clear && run.is_good(options, self.diagonal))).then_some(run)
+    }
+}

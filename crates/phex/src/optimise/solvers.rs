@@ -1,0 +1,112 @@
+//! Factorisations and memory that the runs on one mesh share, and what hears of their iterations.
+
+use super::energy::PlanarityConstraints;
+use super::options::OptimiseError;
+use super::panels::Panels;
+use crate::progress::{Event, Progress};
+use phex_numeric::{Assembly, Cholesky, DampedSolver, Record, SymmetricMatrix};
+use std::ops::ControlFlow;
+
+/// Factorisations and memory, shared by all runs on one mesh. What belongs to the energy is made when it is first needed.
+pub(super) struct Solvers {
+    pub energy: EnergySolver,
+    pub constraint_assembly: Assembly,
+    pub constraints: Option<Dual>,
+}
+
+/// Factorisation and matrix on the constraints, handed from one solver to the next; absent if there are no constraints.
+pub(super) type Dual = (Cholesky, SymmetricMatrix);
+
+/// Assembly and factorisation of the energy's Hessian.
+#[derive(Default)]
+pub(super) struct EnergySolver(Option<(Assembly, DampedSolver)>);
+
+impl Solvers {
+    pub fn new(panels: &Panels) -> Result<Self, OptimiseError> {
+        let count = PlanarityConstraints::count(panels);
+        let constraint_assembly = Assembly::new(count, &PlanarityConstraints::elements(panels));
+        let constraints = match count {
+            0 => None,
+            _ => Some(system(&constraint_assembly, 1)?),
+        };
+        Ok(Self {
+            energy: EnergySolver::default(),
+            constraint_assembly,
+            constraints,
+        })
+    }
+}
+
+impl EnergySolver {
+    /// Makes it ready.
+    pub fn prepare(
+        &mut self,
+        panels: &Panels,
+    ) -> Result<(&Assembly, &mut DampedSolver), OptimiseError> {
+        let made = match self.0.take() {
+            Some(made) => made,
+            None => {
+                let assembly = energy_assembly(panels);
+                let (cholesky, matrix) = system(&assembly, 3)?;
+                (assembly, DampedSolver::new(cholesky, matrix))
+            }
+        };
+        let (assembly, solver) = self.0.insert(made);
+        Ok((assembly, solver))
+    }
+}
+
+/// The assembly of the energy's Hessian: a block for every face and then one for every vertex.
+pub(super) fn energy_assembly(panels: &Panels) -> Assembly {
+    let unknowns = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
+    let face = |f| {
+        let vertices = panels.vertices(f).iter();
+        vertices.flat_map(|&v| unknowns(v)).collect()
+    };
+    let faces = (0..panels.n_faces()).map(face);
+    let vertices = (0..panels.n_vertices() as u32).map(|v| unknowns(v).to_vec());
+    let elements: Vec<Vec<u32>> = faces.chain(vertices).collect();
+    Assembly::new(3 * panels.n_vertices(), &elements)
+}
+
+/// An analysed factorisation and a matrix on the pattern of an assembly.
+pub(super) fn system(
+    assembly: &Assembly,
+    block: usize,
+) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
+    let cholesky = Cholesky::analyse(assembly.pattern(), block)?;
+    Ok((cholesky, SymmetricMatrix::zeros(assembly.pattern().clone())))
+}
+
+/// Tells of iterations and hears of cancelling.
+pub(super) struct Reporter<'a> {
+    progress: &'a dyn Progress,
+    iteration: usize,
+    limit: usize,
+}
+
+impl<'a> Reporter<'a> {
+    /// `limit` iterations are expected at the most.
+    pub fn new(progress: &'a dyn Progress, limit: usize) -> Self {
+        Self {
+            progress,
+            iteration: 0,
+            limit,
+        }
+    }
+
+    pub fn observe(&mut self, record: &Record) -> ControlFlow<()> {
+        self.iteration += 1;
+        self.progress.report(&Event::Iteration {
+            stage: "optimise",
+            iteration: self.iteration,
+            limit: self.limit.max(self.iteration),
+            residual: record.residual,
+        });
+        if self.progress.is_cancelled() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
