@@ -24,7 +24,7 @@
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
 //!
-//! Before it the **fast path** ([`fast`]) is tried where the tangent planes of the panels meet in a start that is nearly planar, as on
+//! Before it the **fast path** (`fast.rs`) is tried where the tangent planes of the panels meet in a start that is nearly planar, as on
 //! conjugate layouts: the same closeness under exact planarity, one factorisation of a matrix half the size. Its result is taken
 //! only if it has converged, is valid, and has clearance; [`RunSummary::path`] tells which path it was.
 //!

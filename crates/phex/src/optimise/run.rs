@@ -20,6 +20,9 @@ const HEXAGON: f64 = 2.598_076_211_353_316;
 /// Factor of the barriers of panels that have come out with too little clearance.
 const STRONGER: f64 = 4.0;
 
+/// Hold on the start that never keeps panels from becoming planar.
+const WEAK_HOLD: f64 = 1e-4;
+
 /// Planarity up to which a mesh is projected without being optimised first.
 const NEARLY_PLANAR: f64 = 1e-3;
 
@@ -73,10 +76,12 @@ impl Stage<'_> {
         }
         let setting = self.setting(&start.x);
         let mut path = Path::new(&setting, solvers, &start.x, options, progress)?;
-        for &penalty in &options.penalties {
-            path.descend(penalty);
-        }
+        path.descend_all();
         let mut best = path.project(options.clearance_margin);
+        if !path.is_over() && !best.is_planar(options) && path.loosen(&start.x) {
+            path.descend_all();
+            best = better(best, path.project(options.clearance_margin));
+        }
         if !path.is_over() && best.is_tight(options) {
             best = better(best, path.strengthen());
         }
@@ -118,10 +123,6 @@ impl Stage<'_> {
             if let Some(run) = self.run_fast(solvers, &kinked, options, progress) {
                 return Ok(run);
             }
-            if kinked.n_bad == 0 && self.is_flatter(&kinked, &start) {
-                let kind = StartKind::Circumcentres;
-                return self.run(solvers, kind, &kinked, options, progress);
-            }
         }
         self.run_from(solvers, x, options, progress)
     }
@@ -146,11 +147,6 @@ impl Stage<'_> {
             x: x.to_vec(),
             n_bad,
         }
-    }
-
-    fn is_flatter(&self, one: &Start, other: &Start) -> bool {
-        let bend = |start: &Start| Shape::at(&self.panels, &start.x).max_height();
-        bend(one) < bend(other)
     }
 
     /// Judges what a run has reached.
@@ -287,6 +283,24 @@ impl<'a> Path<'a> {
 
     fn is_over(&self) -> bool {
         self.outcome.status == Status::Cancelled
+    }
+
+    /// All phases.
+    fn descend_all(&mut self) {
+        let options = self.options;
+        options.penalties.iter().for_each(|&w| self.descend(w));
+    }
+
+    /// Weakens a strong hold on the start, which may keep panels from becoming planar, and goes back there; false if it is weak
+    /// already.
+    fn loosen(&mut self, start: &[f64]) -> bool {
+        let strong = self.energy.weights.anchor > WEAK_HOLD;
+        if strong {
+            self.energy.weights.anchor = WEAK_HOLD;
+            self.damping = Damping::default();
+            self.x.copy_from_slice(start);
+        }
+        strong
     }
 
     /// One phase: minimises the energy with a weight of planarity.
