@@ -293,8 +293,8 @@ mod tests {
         ) {
             values[0] = 0.5 * (dot(x, x) - 1.0);
             self.gradient = [x[0], x[1]];
-            for i in 0..2 {
-                free[i] = self.goal[i] - x[i];
+            for (i, free) in free.iter_mut().enumerate() {
+                *free = self.goal[i] - x[i];
             }
             let sum = (0..2).map(|i| x[i] * x[i] / self.weight[i]).sum();
             schur.values_mut()[0] = sum;
@@ -303,8 +303,8 @@ mod tests {
             values[0] = dot(&self.gradient, d);
         }
         fn spread(&self, y: &[f64], d: &mut [f64]) {
-            for i in 0..2 {
-                d[i] = self.gradient[i] / self.weight[i] * y[0];
+            for (i, d) in d.iter_mut().enumerate() {
+                *d = self.gradient[i] / self.weight[i] * y[0];
             }
         }
         fn step_bound(&mut self, _step: &[f64]) -> f64 {

@@ -98,3 +98,9 @@ fn crate_wall(n: usize) -> HexMesh {
     let points = used.iter().map(|&v| place(v as usize)).collect();
     HexMesh::new(points, &renumbered).expect("a patch")
 }
+
+#[divan::bench(args = CASES, sample_count = 3, sample_size = 1)]
+fn bricks_to_planar(bencher: Bencher, case: &str) {
+    let mesh = wall(case);
+    bencher.bench_local(|| planar(&mesh));
+}

@@ -23,7 +23,7 @@ const FAST_STEP: f64 = 1e-8;
 /// Clearance, in mean edges, below which a result of the fast path is not accepted: the barrier would do better.
 const FAST_CLEARANCE: f64 = 0.2;
 /// Planarity of a start, in mean edges, beyond which the fast path is not tried.
-const FAST_START: f64 = 5e-2;
+const FAST_START: f64 = 1e-2;
 
 /// The projection of minimum norm onto the planarity constraints.
 pub(super) struct Projection<'a> {
