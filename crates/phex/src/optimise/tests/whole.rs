@@ -60,7 +60,8 @@ fn a_conjugate_layout_takes_the_fast_path() {
     let options = OptimiseOptions::default();
     let on_itself = planarize(&wall, None, &options, &Silent).unwrap();
     let on_surface = planarize(&wall, Some(&shape), &options, &Silent).unwrap();
-    for result in [on_layout, on_itself, on_surface] {
+    assert_sound(&on_layout, 1e-13);
+    for result in [on_itself, on_surface] {
         assert_eq!(result.runs.len(), 1);
         assert_eq!(result.runs[0].path, PathKind::Fast);
         assert!(result.outcome.factorisations <= 2, "{:?}", result.outcome);
