@@ -256,7 +256,7 @@ mod tests {
     use super::super::guard::Guard;
     use super::super::holds::{Hold, Holds};
     use super::super::panels::{Panels, unknowns};
-    use super::super::run::energy_assembly;
+    use super::super::solvers::energy_assembly;
     use super::super::tests::fixtures::{Shape as Surface, brick_wall, jittered};
     use super::*;
 
