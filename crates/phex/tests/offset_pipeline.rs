@@ -1,15 +1,18 @@
 //! Offsets of meshes that the pipeline makes.
 
+use phex::optimise::{AngleOptions, SurfaceTarget, satisfy_angle_condition};
 use phex::parallel_mesh::face_offset::face_normals;
 use phex::parallel_mesh::solids::volume;
 use phex::parallel_mesh::{
     OffsetError, OffsetOptions, PanelSolid, beam_axes, face_gauss_image, face_offset, layer,
-    panel_solids, safe_distances,
+    panel_solids, safe_distances, vertex_gauss_image,
 };
+use phex::pipeline::Method;
+use phex::trim::Boundary;
 use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
 use phex_mesh::measure::diagonal;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
-use phex_mesh::{FlatFace, HexMesh, PerFace, Topology};
+use phex_mesh::{FlatFace, HexMesh, PerFace, Topology, measure};
 
 fn panelled(shape: &str) -> HexMesh {
     let shape = Shape::from_name(shape, &[]).unwrap();
@@ -100,6 +103,55 @@ fn meshes_of_the_pipeline() {
             );
         }
         check_solids(name, &mesh, step);
+    }
+}
+
+/// Bricks that are kept whole at the boundary are hexagons, so angles can be made right and every edge of the offset is parallel: on patches with K > 0,
+/// K < 0 and both.
+#[test]
+fn whole_bricks_have_vertex_offsets() {
+    for name in ["elliptic-paraboloid", "hyperbolic-paraboloid", "wave"] {
+        let shape = Shape::from_name(name, &[]).unwrap();
+        let triangles = TriangulationOptions {
+            triangles: 6000,
+            ..Default::default()
+        };
+        let surface = triangulate(&shape, &triangles).unwrap();
+        let options = MeshOptions {
+            size: PanelSize::Panels(200),
+            method: Method::BrickWall,
+            boundary: Boundary::Whole,
+            ..Default::default()
+        };
+        let bricks = mesh_surface(&surface, &options, &Silent).unwrap().mesh;
+        let topology = bricks.topology();
+        assert!(
+            topology
+                .faces()
+                .all(|f| topology.valence(f).is_multiple_of(2)),
+            "{name}"
+        );
+        let target = SurfaceTarget::new(&surface);
+        let made =
+            satisfy_angle_condition(&bricks, Some(&target), &AngleOptions::default(), &Silent)
+                .unwrap();
+        assert!(made.is_converged() && made.offenders.is_empty(), "{name}");
+        assert!(made.angle_defect[1] <= 1e-12, "{name}");
+        let spherical = vertex_gauss_image(&made.mesh, &OffsetOptions::default()).unwrap();
+        assert!(spherical.free_edges.is_empty() && spherical.facing > 0.9);
+        let d = 0.1 * made.mesh.mean_edge();
+        let moved = layer(&made.mesh, &spherical.image, d, &OffsetOptions::default()).unwrap();
+        for (p, q) in made.mesh.positions.iter().zip(&moved.positions) {
+            assert!(((q - p).norm() - d).abs() <= 1e-12 * diagonal(&bricks));
+        }
+        let along = |mesh: &HexMesh, [a, b]: [phex_mesh::VertexId; 2]| {
+            (mesh.position(b) - mesh.position(a)).normalize()
+        };
+        for ends in topology.edges().map(|e| topology.edge_vertices(e)) {
+            let turned = along(&made.mesh, ends).cross(&along(&moved, ends)).norm();
+            assert!(turned <= 1e-10, "{name}: {turned:e}");
+        }
+        assert!(measure(&moved).planarity.max <= 1e-12, "{name}");
     }
 }
 

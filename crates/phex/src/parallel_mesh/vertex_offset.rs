@@ -14,8 +14,10 @@
 //! | two of a torus | the common axis, since its two rotations commute |
 //! | more | none, in general |
 //!
-//! An odd face on the boundary leaves one of its boundary edges free to turn in the plane of the face, since the closing
-//! of odd faces would pin the start. Odd faces inside can't be relieved so.
+//! Round an odd face an odd number of reflections must bring a vertex back: their product is one reflection, so the vertex lies in its mirror plane, and each
+//! odd face leaves a circle of starts. Two circles meet in a pair of antipodes; three or more do not meet, except where the positions were made for it.
+//! An odd face on the boundary therefore leaves one of its boundary edges free to turn in the plane of the face, and that edge of an offset is not
+//! parallel; odd faces inside can't be relieved so.
 
 use super::angle_condition::{AngleCondition, angle_conditions};
 use super::face_offset::{check_planar_mesh, face_normals};

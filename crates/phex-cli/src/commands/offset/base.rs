@@ -124,7 +124,7 @@ impl Base {
 fn advised(error: OffsetError) -> Failure {
     let advice = match &error {
         OffsetError::Holonomy { odd_faces, .. } if *odd_faces > 2 => {
-            "; `phex mesh --method brick-wall` lays panels without odd ones inside"
+            "; `phex mesh --method brick-wall --boundary whole` lays panels without odd ones"
         }
         OffsetError::AngleCondition { .. } => "; `--optimise` moves the vertices so that they do",
         OffsetError::NotParallelToKoebe { .. } => {
@@ -158,9 +158,9 @@ fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<AngleOptimised, Failure> {
         return Ok(result);
     }
     let message = format!(
-        "the angle condition could not be reached: {:.3e} radians are left, {} panels are not as they should be",
-        result.angle_defect[1],
-        result.offenders.len()
+        "the angle condition could not be reached: {:.3e} radians are left; `phex mesh --method brick-wall --boundary whole` lays panels that reach it, \
+         and other sizes may where the curvature changes its sign",
+        result.angle_defect[1]
     );
     Err(Failure::new(Exit::NoValidResult, message))
 }

@@ -17,6 +17,8 @@ use std::ops::ControlFlow;
 const NEAR: f64 = 1e-2;
 /// Straight projections at the most, with the parting of panels between them.
 const PROJECTIONS: usize = 4;
+/// Newton iterations of a projection that parts panels, over those of a straight one: it goes slowly, but steadily.
+const APART: usize = 4;
 /// Halvings of a step of the descent.
 const HALVINGS: usize = 5;
 /// Relative decrease of the energy that ends the descent.
@@ -36,14 +38,16 @@ pub(super) struct AnglePath<'a> {
 }
 
 impl<'a> AnglePath<'a> {
+    /// `way` is the clearance that is kept, over the least one of a result.
     pub(super) fn new(
         setting: &'a Setting<'a>,
         [energy, angles]: &'a [Assembly; 2],
         x: &[f64],
         options: &'a AngleOptions,
+        way: f64,
         progress: &'a dyn Progress,
     ) -> Result<Self, OptimiseError> {
-        let least = options.optimise.least_clearance * setting.mean_edge;
+        let least = way * options.optimise.least_clearance * setting.mean_edge;
         let (cholesky, normal) = system(angles, 1)?;
         Ok(Self {
             constraints: AngleConstraints::new(setting, angles, x, least),
@@ -91,7 +95,7 @@ impl<'a> AnglePath<'a> {
     fn project_apart(&mut self, x: &mut [f64]) -> bool {
         let mut values = vec![0.0; self.tangent.multiplier.len()];
         let mut residual = self.constraints.admissible(x).unwrap_or(f64::INFINITY);
-        for _ in 0..self.options.newton_iterations {
+        for _ in 0..APART * self.options.newton_iterations {
             if residual <= NEAR || self.progress.is_cancelled() {
                 break;
             }
