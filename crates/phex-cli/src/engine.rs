@@ -164,7 +164,9 @@ fn value(of: &impl Serialize) -> Result<Value, Failure> {
 fn pipeline_failure(error: PipelineError) -> Failure {
     let exit = match error {
         PipelineError::Cancelled => return Failure::interrupted(),
-        PipelineError::Size(_) | PipelineError::Components(_) => Exit::InputUnusable,
+        PipelineError::Size(_) | PipelineError::Components(_) | PipelineError::Cones(_) => {
+            Exit::InputUnusable
+        }
         PipelineError::Optimise(OptimiseError::Steering(_)) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Domain(_)) => Exit::InputUnusable,

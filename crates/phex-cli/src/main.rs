@@ -6,6 +6,7 @@ mod dual_arguments;
 mod engine;
 mod exit;
 mod fab_arguments;
+mod guides;
 mod html;
 mod input;
 mod method_summary;

@@ -1,6 +1,7 @@
 //! What is wanted of a mesh: one list of settings for the command line and the job file.
 
 use crate::exit::Failure;
+use crate::guides::GuideSettings;
 use crate::steering::SteeringSettings;
 use crate::units::{Quantity, Unit};
 use clap::Args;
@@ -72,6 +73,9 @@ pub struct MeshSettings {
     /// What is held, and the dials; in a job file the table `[steering]`.
     #[command(flatten)]
     pub steering: SteeringSettings,
+    /// Lines that rows run along, and cones; in a job file the table `[guides]`.
+    #[command(flatten)]
+    pub guides: GuideSettings,
     /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of them.
     #[arg(skip)]
     pub stages: MeshOptions,
@@ -230,6 +234,7 @@ impl MeshSettings {
             seed: self.seed.or(file.seed),
             threads: self.threads.or(file.threads),
             steering: self.steering.over(file.steering),
+            guides: self.guides.over(file.guides),
             stages: file.stages,
         }
     }

@@ -104,7 +104,7 @@ fn indicatrices_are_written_and_panels_measured_against_them() {
     shop.succeed("render mesh.obj -o picture.png --curves inscribed.obj --size 200x150");
     let run = shop.succeed("check mesh.obj --surface torus.obj --report check.json");
     assert!(run.stdout.contains("indicatrix"), "{}", run.stdout);
-    let mean = shop.json("check.json")["statistics"]["indicatrix"]["mean"]
+    let mean = shop.json("check.json")["statistics"]["indicatrix"]["all"]["mean"]
         .as_f64()
         .unwrap();
     assert!(mean > 1e-4 && mean < 0.1, "{mean}");

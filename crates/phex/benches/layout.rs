@@ -7,8 +7,12 @@ use divan::Bencher;
 
 fn main() {
     for case in CASES {
-        let (seeds, statistics) = Prepared::new(case).seeds();
-        println!("{case:?}: {} panels, {statistics:?}", seeds.len());
+        let placed = Prepared::new(case).seeds();
+        println!(
+            "{case:?}: {} panels, {:?}",
+            placed.seeds.len(),
+            placed.statistics
+        );
     }
     divan::main();
 }
@@ -22,6 +26,6 @@ fn lattice(bencher: Bencher, case: (&'static str, usize)) {
 #[divan::bench(args = CASES, sample_count = 5, sample_size = 1)]
 fn cells(bencher: Bencher, case: (&'static str, usize)) {
     let prepared = Prepared::new(case);
-    let (seeds, _) = prepared.seeds();
+    let seeds = prepared.seeds().seeds;
     bencher.bench_local(|| prepared.panelling(&seeds));
 }

@@ -22,7 +22,7 @@ fn main() {
 }
 
 fn layout(prepared: &Prepared) -> Layout {
-    prepared.panelling(&prepared.seeds().0)
+    prepared.panelling(&prepared.seeds().seeds)
 }
 
 fn planar(prepared: &Prepared, layout: &Layout) -> Optimised {

@@ -26,8 +26,9 @@ fn lay_out(name: &str, panel_length_rel: f64) -> Result<Layout, Box<dyn std::err
     let length = panel_length_rel * surface.diagonal();
     let curvature = curvature(&surface, length, &CurvatureOptions::default());
     let field = directions(&surface, &curvature, length, &DirectionOptions::default())?;
-    let (seeds, statistics) = place_seeds(surface.topology(), &field, &LayoutOptions::default())?;
-    println!("{name}: {} seeds, {statistics:?}", seeds.len());
+    let placed = place_seeds(surface.topology(), &field, &LayoutOptions::default())?;
+    let count = placed.seeds.len();
+    println!("{name}: {count} seeds, {:?}", placed.statistics);
     let corners = HashSet::new();
     let cells = CellSurface {
         surface: &surface.with_normals(curvature.normal),
@@ -35,5 +36,5 @@ fn lay_out(name: &str, panel_length_rel: f64) -> Result<Layout, Box<dyn std::err
         mesh: &field.intrinsic,
         corners: &corners,
     };
-    Ok(panelling(&cells, &seeds)?)
+    Ok(panelling(&cells, &placed.seeds)?)
 }

@@ -18,6 +18,8 @@ pub use subdivide::{Level, subdivide};
 
 use crate::curvature::CurvatureOptions;
 use crate::directions::DirectionOptions;
+use crate::directions::cones::ConeError;
+use crate::directions::guides::{Cone, Guides};
 use crate::directions::size::SizeOptions;
 use crate::ground::Ground;
 use crate::layout::brick_wall::{BrickWallOptions, BrickWallStatistics};
@@ -137,6 +139,16 @@ impl Default for MeshOptions {
     }
 }
 
+impl MeshOptions {
+    /// The options for the normalised surface.
+    fn normalised(&self, surface: &TriangleSurface, similarity: &Similarity) -> Self {
+        let mut options = self.clone();
+        let guides = self.directions.guides.moved(|p| similarity.normalise(p));
+        options.directions.guides = guides.with_creases(surface);
+        options
+    }
+}
+
 /// Most panels that one run is asked for: the refined surface has 25 vertices and more for each, and memory ends.
 pub const MAX_PANELS: usize = 200_000;
 
@@ -153,6 +165,9 @@ pub enum PipelineError {
     /// A linear system could not be solved.
     #[error("the equations of the direction field could not be solved: {0}")]
     Numeric(#[from] NumericError),
+    /// The prescribed cones can't be.
+    #[error(transparent)]
+    Cones(#[from] ConeError),
     /// No panelling exists.
     #[error(transparent)]
     Layout(#[from] LayoutError),
@@ -186,6 +201,8 @@ pub struct RepairRound {
     pub panels: usize,
     /// Panels that were invalid, or if there were none, tight, and lost their seeds.
     pub dropped: usize,
+    /// Seeds that were added where the surface stood off from panels.
+    pub added: usize,
 }
 
 /// What the stages did, for the report.
@@ -199,6 +216,8 @@ pub struct Statistics {
     pub interpolation_error: f64,
     /// The lattice.
     pub layout: LayoutStatistics,
+    /// The cones of the lattice's direction field, model units.
+    pub cones: Vec<Cone>,
     /// The brick wall, if that was the method.
     pub brick_wall: Option<BrickWallStatistics>,
     /// The method by planes and poles, if that was one.
@@ -295,6 +314,7 @@ fn mesh_with_panels(
     let mut clock = Clock::new(progress);
     let similarity = Similarity::normalising(surface);
     let normalised = moved(surface, |p| similarity.normalise(p));
+    let options = &options.normalised(&normalised, &similarity);
     let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
     let mut tried = Vec::new();
     let mut best: Option<Attempt> = None;
@@ -322,6 +342,9 @@ fn mesh_with_panels(
         target_vertices: levels.map(|l| l.positions().len()).collect(),
         interpolation_error: ground.smooth.interpolation_error,
         layout: best.layout,
+        cones: Guides::of_cones(best.cones)
+            .moved(|p| similarity.restore(p))
+            .cones,
         brick_wall: None,
         classical: None,
         runs: best.result.runs.clone(),

@@ -5,6 +5,8 @@ mod common;
 use common::{Stages, genus_two, punched_plane, shape, shape_with};
 use phex::curvature::tangent_frame;
 use phex::directions::DirectionOptions;
+use phex::directions::cones::prescribed_faces;
+use phex::directions::guides::{Cone, Guides};
 use phex::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use std::f64::consts::{FRAC_PI_3, PI};
@@ -265,7 +267,11 @@ fn the_rotate_option_turns_the_field() {
 /// The matching across an edge is the same from both sides, and its rest is at most half a sixth.
 #[test]
 fn matchings_are_smallest() {
-    let stages = Stages::new(&shape("wave", 1000), 60);
+    let options = DirectionOptions {
+        cancel_reach: 0.0,
+        ..Default::default()
+    };
+    let stages = Stages::with(&shape("wave", 1000), 60, &options);
     let (topology, d) = (stages.topology(), &stages.directions);
     for e in topology.edges() {
         let rest = d.rest(topology, e);
@@ -317,4 +323,87 @@ fn wild_metrics_are_mended() {
         let angles: f64 = topology.face_half_edges(f).map(|h| mesh.corner[h]).sum();
         assert!((angles - PI).abs() < 1e-9);
     }
+}
+
+/// Rows run along a line, whatever it is drawn on; where nothing else is wished the whole field follows it.
+#[test]
+fn rows_follow_a_line() {
+    let along = Vec3::new(1.0, 0.4, 0.0);
+    let line = [-along, along].map(|p| [p.x, p.y, p.z]).to_vec();
+    let options = DirectionOptions {
+        boundary_alignment: 0.0,
+        guides: Guides {
+            lines: vec![line],
+            ..Default::default()
+        },
+        ..Default::default()
+    };
+    let stages = Stages::with(&shape("plane", 1000), 80, &options);
+    for v in stages.topology().vertices() {
+        let angle = lattice_angle(&stages, v, along).to_degrees();
+        assert!(angle.abs() < 1.0, "{v}: {angle}");
+    }
+}
+
+fn with_cones(name: &str, cones: &[([f64; 3], i32)]) -> Stages {
+    let cone = |&(position, index): &([f64; 3], i32)| Cone { position, index };
+    let options = DirectionOptions {
+        guides: Guides::of_cones(cones.iter().map(cone).collect()),
+        ..Default::default()
+    };
+    Stages::with(&shape(name, 1000), 80, &options)
+}
+
+/// Six cones of two sixths at the ends of the axes instead of the twelve that a sphere would have.
+#[test]
+fn cones_are_where_they_are_prescribed() {
+    let sphere = Stages::new(&shape("sphere", 1000), 80).surface;
+    let distance = sphere.positions().iter().map(|p| p.norm());
+    let r = distance.fold(0.0, f64::max);
+    let ends = [
+        [r, 0.0, 0.0],
+        [-r, 0.0, 0.0],
+        [0.0, r, 0.0],
+        [0.0, -r, 0.0],
+        [0.0, 0.0, r],
+        [0.0, 0.0, -r],
+    ];
+    let stages = with_cones("sphere", &ends.map(|p| (p, 2)));
+    let cones: Vec<_> = stages
+        .directions
+        .cone
+        .enumerate()
+        .filter(|(_, i)| **i != 0)
+        .collect();
+    assert_eq!(cones.len(), 6);
+    for (f, index) in cones {
+        assert_eq!(*index, 2);
+        let middle = stages.surface.corners(f).iter().sum::<Vec3>() / 3.0;
+        let near = ends.iter().map(|p| (Vec3::from(*p) - middle).norm());
+        assert!(near.fold(f64::INFINITY, f64::min) < 0.2 * r);
+    }
+}
+
+/// On an open surface what is left over goes out of the boundary.
+#[test]
+fn an_open_surface_takes_any_cones() {
+    let stages = with_cones("plane", &[([0.1, 0.1, 0.0], 1), ([-0.2, 0.1, 0.0], 1)]);
+    assert_eq!(cone_sum(&stages), 2);
+    assert_eq!(
+        stages.directions.cone.iter().filter(|c| **c != 0).count(),
+        2
+    );
+}
+
+#[test]
+fn impossible_cones_are_refused() {
+    let surface = shape("sphere", 1000);
+    let cone = |x: f64, index| Cone {
+        position: [x, 0.0, 0.0],
+        index,
+    };
+    let message = |cones: &[Cone]| prescribed_faces(&surface, cones).unwrap_err().to_string();
+    assert!(message(&[cone(1.0, 5)]).contains("add up to 5 sixths"));
+    assert!(message(&[cone(1.0, 6), cone(1.0, 6)]).contains("0 and 1 lie in the same place"));
+    assert!(prescribed_faces(&surface, &[]).unwrap().is_empty());
 }

@@ -187,7 +187,7 @@ fn an_exact_lattice_gives_regular_hexagons() {
     assert_eq!(flat.dislocations(&offsets.jump), 0);
     let layout = flat
         .stages
-        .panelling(&seeds(flat.topology(), mesh, &offsets))
+        .panelling(&seeds(flat.topology(), mesh, &flat.charts, &offsets))
         .unwrap();
     let topology = layout.mesh.topology();
     let mut interior = 0;
@@ -422,9 +422,9 @@ fn sharp_corners_are_corners_of_panels() {
 fn a_torus_is_all_hexagons() {
     let stages = Stages::new(&shape("torus", 2000), 150);
     assert!(stages.directions.cone.iter().all(|c| *c == 0));
-    let (seeds, statistics) = stages.seeds();
-    assert_eq!(statistics.annihilation.kept, 0);
-    let layout = stages.panelling(&seeds).unwrap();
+    let placed = stages.seeds();
+    assert_eq!(placed.statistics.annihilation.kept, 0);
+    let layout = stages.panelling(&placed.seeds).unwrap();
     let count = layout.mesh.topology().n_faces();
     assert_eq!(valences(&layout.mesh), BTreeMap::from([(6, count)]));
 }
@@ -460,7 +460,7 @@ fn the_same_seed_gives_the_same_seeds() {
         };
         place_seeds(stages.topology(), &stages.directions, &options)
             .unwrap()
-            .0
+            .seeds
     };
     assert_eq!(place(0), place(0));
     assert_ne!(place(0), place(1));
@@ -470,7 +470,7 @@ fn the_same_seed_gives_the_same_seeds() {
 #[test]
 fn impossible_panellings_are_refused() {
     let stages = Stages::new(&shape("torus", 1000), 60);
-    let (seeds, _) = stages.seeds();
+    let seeds = stages.seeds().seeds;
     let message = |seeds: &[Seed]| stages.panelling(seeds).err().map(|e| e.to_string());
     assert!(message(&[]).unwrap().contains("no panel"));
     if let Some(text) = message(&seeds[..1]) {

@@ -50,6 +50,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let mut settings = settings.complete(panels);
     let stages = &mut settings.stages;
     (settings.steering).apply(&mut stages.steering, &mut stages.optimise)?;
+    settings.guides.apply(&mut stages.directions.guides)?;
     check_steering(command, &parts.components, &settings)?;
     let runs = match &command.start {
         Some(path) => vec![refit(path, &facets, &settings, &reporter)?],
@@ -109,6 +110,7 @@ fn inputs(command: &MeshCommand) -> Vec<&Path> {
         .chain(command.config.as_deref())
         .chain(command.start.as_deref())
         .chain(command.settings.steering.inputs())
+        .chain(command.settings.guides.inputs())
         .chain(command.settings.size_field.as_deref())
         .collect()
 }

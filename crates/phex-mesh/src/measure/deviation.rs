@@ -45,6 +45,9 @@ pub struct Deviation {
     /// Distance of each surface vertex to the mesh, in model units; not serialised.
     #[serde(skip)]
     pub coverage_distance: PerVertex<f64>,
+    /// Surface vertices that count for `coverage_inner_max`; not serialised.
+    #[serde(skip)]
+    pub inside: PerVertex<bool>,
 }
 
 /// Measures the distance between a mesh and a surface, both ways. The mesh's faces count as their ear-clipped triangles.
@@ -60,6 +63,8 @@ pub fn deviation(mesh: &HexMesh, surface: &TriangleSurface) -> Deviation {
         .collect();
     let coverage_distance = to_mesh(surface, mesh);
     let coverage = metric(&coverage_distance, diagonal);
+    let inside = inside(surface, 2.0 * mesh.mean_edge());
+    let inner = coverage_distance.iter().zip(&inside).filter(|(_, i)| **i);
     Deviation {
         diagonal,
         deviation_max: both.iter().copied().fold(0.0, f64::max),
@@ -68,13 +73,13 @@ pub fn deviation(mesh: &HexMesh, surface: &TriangleSurface) -> Deviation {
         face_centres: metric(&face_distance, diagonal),
         coverage_max: coverage.max,
         coverage_p99: sorted_quantile(&coverage_distance, 0.99) / diagonal,
-        coverage_inner_max: inner_max(surface, &coverage_distance, 2.0 * mesh.mean_edge())
-            / diagonal,
+        coverage_inner_max: inner.map(|(d, _)| *d).fold(0.0, f64::max) / diagonal,
         coverage,
         same_topology: topology_key(mesh.topology()) == topology_key(surface.topology()),
         vertex_distance,
         face_distance,
         coverage_distance,
+        inside,
     }
 }
 
@@ -103,19 +108,15 @@ fn sorted_quantile(values: &PerVertex<f64>, q: f64) -> f64 {
     quantile(&sorted, q)
 }
 
-/// Largest distance among the surface vertices farther than `margin` from the boundary.
-fn inner_max(surface: &TriangleSurface, distance: &PerVertex<f64>, margin: f64) -> f64 {
+/// Surface vertices farther than `margin` from the boundary.
+fn inside(surface: &TriangleSurface, margin: f64) -> PerVertex<bool> {
     let boundary = boundary_polyline(surface);
-    let inside = |p: Vec3| match &boundary {
-        Some(b) => b.distance_to_local_point(to_parry(p), false) > margin,
+    let far = |p: &Vec3| match &boundary {
+        Some(b) => b.distance_to_local_point(to_parry(*p), false) > margin,
         None => true,
     };
     let points = surface.positions().as_slice();
-    let distances = points.par_iter().zip(distance.as_slice());
-    distances
-        .filter(|(p, _)| inside(**p))
-        .map(|(_, &d)| d)
-        .reduce(|| 0.0, f64::max)
+    PerVertex::from_vec(points.par_iter().map(far).collect())
 }
 
 fn boundary_polyline(surface: &TriangleSurface) -> Option<Polyline> {

@@ -5,7 +5,7 @@ use phex::curvature::{Curvature, curvature};
 use phex::directions::{Directions, directions};
 use phex::layout::lattice::CELL;
 use phex::layout::seeds::Seed;
-use phex::layout::{CellSurface, Layout, LayoutStatistics, panelling, place_seeds};
+use phex::layout::{CellSurface, Layout, Placed, panelling, place_seeds};
 use phex::target::{Similarity, SmoothTarget, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{TriangleSurface, VertexId};
@@ -76,7 +76,7 @@ impl Prepared {
         }
     }
 
-    pub fn seeds(&self) -> (Vec<Seed>, LayoutStatistics) {
+    pub fn seeds(&self) -> Placed {
         place_seeds(
             self.surface.topology(),
             &self.directions,

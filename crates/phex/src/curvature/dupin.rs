@@ -10,7 +10,7 @@
 //!
 //! The theorem speaks of panels whose corners lie on the surface. Where the panel so inscribed would have a very short edge, as between two parabolic curves of
 //! different families, panels are held open instead and leave the indicatrix by a share that does not fall with their size. [`free_panels`] are the
-//! others; for them the mean falls at first order, for all panels the median does.
+//! others; for them the mean falls nearly at first order, for all panels the median does.
 //!
 //! Guaranteed: 0 for corners on a homothetic copy, also after rotation, translation, scaling of the model. Not defined where the surface is flat
 //! (`None`), and no test of anything for fewer than five corners.

@@ -22,15 +22,18 @@
 //! one intrinsic length. Fails: never; where the metric violates triangle inequalities it is blended towards them.
 
 pub mod boundary;
-pub mod cancel;
+pub mod cones;
 pub mod conformal;
+pub mod guides;
 pub mod intrinsic;
 pub mod metric;
 pub mod network;
 pub mod rosy;
 pub mod size;
+pub mod turns;
 
 use crate::curvature::{Curvature, Principal};
+use guides::Guides;
 use intrinsic::IntrinsicMesh;
 use nalgebra::Matrix3;
 use phex_mesh::{EdgeId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface};
@@ -58,9 +61,14 @@ pub struct DirectionOptions {
     pub rotate: f64,
     /// Weight of the alignment of a lattice row with the boundary, per panel length of it (0: the boundary is ignored).
     pub boundary_alignment: f64,
-    /// Distance, in panels, up to which opposite cones are cancelled (0: none are). 4 gives up to five more hexagons in a
-    /// hundred on bodies with bumps, but larger panels where they are strongly curved.
+    /// Distance, in panels, up to which opposite cones are cancelled (0: none are). More of them give fewer irregular panels, and
+    /// larger ones where the surface is strongly curved.
     pub cancel_reach: f64,
+    /// Distance, in panels, up to which cones are moved off the bands round parabolic curves where rows must be aligned (0: none
+    /// are).
+    pub band_reach: f64,
+    /// Lines that rows run along, and prescribed cones.
+    pub guides: Guides,
 }
 
 impl Default for DirectionOptions {
@@ -74,7 +82,9 @@ impl Default for DirectionOptions {
             conformal_limit: 0.6,
             rotate: 0.0,
             boundary_alignment: 0.5,
-            cancel_reach: 0.0,
+            cancel_reach: 4.0,
+            band_reach: 0.0,
+            guides: Guides::default(),
         }
     }
 }
@@ -94,13 +104,15 @@ pub struct Directions {
     pub cone: PerFace<i32>,
     /// Pairs of opposite cones that were cancelled.
     pub cancelled: usize,
+    /// Cones that were moved off parabolic curves.
+    pub pushed: usize,
 }
 
 impl Directions {
     /// The same metric with other angles, and the smallest turns along edges.
     pub fn with_angles(mut self, topology: &Topology, angle: PerVertex<f64>) -> Self {
-        self.turn = cancel::smallest_turns(topology, &self.intrinsic, &angle);
-        self.cone = cancel::cones(topology, &self.intrinsic, &angle, &self.turn);
+        self.turn = turns::smallest_turns(topology, &self.intrinsic, &angle);
+        self.cone = turns::cones(topology, &self.intrinsic, &angle, &self.turn);
         self.angle = angle;
         self
     }
@@ -139,8 +151,11 @@ pub fn directions_sized(
 ) -> Result<Directions, NumericError> {
     let principal = curvature.principal();
     let tensor = metric::metric(surface, curvature, &principal, panel_length, options);
-    let weight = metric::alignment_weight(&principal, curvature, options);
-    in_metric(surface, tensor, &principal, &weight, options)
+    let mut weight = metric::alignment_weight(&principal, curvature, options);
+    let mut wished = principal;
+    let guides = &options.guides;
+    guides.align(surface, &mut wished, &mut weight, options.alignment);
+    in_metric(surface, tensor, &wished, &weight, options)
 }
 
 /// Directions for a given metric, which the conformal factor may change: the field follows the smaller curvature of `principal` as
@@ -158,7 +173,7 @@ pub fn in_metric(
     let mut intrinsic = IntrinsicMesh::new(surface, &tensor);
     let field = |intrinsic: &IntrinsicMesh, tensor: &PerVertex<Matrix3<f64>>| {
         let field = rosy::field(surface, intrinsic, tensor, principal, weight, options)?;
-        cancel::cancel(surface.topology(), intrinsic, field, options.cancel_reach)
+        cones::settle_cones(surface, intrinsic, field, weight, options)
     };
     let mut turned = field(&intrinsic, &tensor)?;
     if options.conformal_limit > 0.0 {
@@ -176,5 +191,6 @@ pub fn in_metric(
         turn: turned.turn,
         cone: turned.cone,
         cancelled: turned.cancelled,
+        pushed: turned.pushed,
     })
 }

@@ -92,7 +92,8 @@ fn split(
     split(surface, &path[i + 1..], middle, to, outline);
 }
 
-fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
+/// Distance of a point to a segment.
+pub(super) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
     let (d, q) = (b - a, p - a);
     let t = (q.dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     (q - d * t).norm()

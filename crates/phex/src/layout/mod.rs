@@ -6,6 +6,7 @@
 //! 3. [`seeds`]: one seed vertex per lattice point; [`voronoi`]: geodesic cells in the metric, on a finer mesh.
 //! 4. [`cells`]: discs whose outlines are the panels; triangles with three labels are vertices, so every interior vertex
 //!    has degree 3 by construction.
+//! 5. [`flips`], [`glide`], [`halves`]: edges turn and cut panels are joined where that makes the panels more regular.
 //!
 //! Guaranteed: the panelling has the Euler characteristic and the boundary loops of the surface, every interior vertex has
 //! degree 3, sharp boundary corners are kept as corners of one panel. Fails, with an error that says so: where panels are
@@ -18,7 +19,10 @@ pub mod cells;
 pub mod domain;
 pub mod dual_subdivision;
 pub mod duality;
+pub mod flips;
 pub mod forecast;
+pub mod glide;
+pub mod halves;
 pub mod lattice;
 pub mod polish;
 pub mod power_diagram;
@@ -116,10 +120,21 @@ pub struct LayoutStatistics {
     pub cones: usize,
     /// Pairs of opposite cones that were cancelled.
     pub cancelled: usize,
+    /// Cones that were moved off parabolic curves.
+    pub pushed: usize,
     /// What became of the dislocations.
     pub annihilation: Annihilation,
     /// 95 % quantile of the edges' distortion.
     pub distortion_p95: f64,
+}
+
+/// The panels' seeds and the lattice that they lie on.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    /// One seed per panel, in the order of their vertices.
+    pub seeds: Vec<Seed>,
+    /// What was reached.
+    pub statistics: LayoutStatistics,
 }
 
 /// Seed vertices of the panels.
@@ -130,7 +145,7 @@ pub fn place_seeds(
     topology: &Topology,
     directions: &Directions,
     options: &LayoutOptions,
-) -> Result<(Vec<Seed>, LayoutStatistics), LayoutError> {
+) -> Result<Placed, LayoutError> {
     let mesh = &directions.intrinsic;
     let charts = Charts::new(topology, directions);
     let pins = boundary::pins(topology, directions, options.boundary_phase);
@@ -150,10 +165,14 @@ pub fn place_seeds(
     let statistics = LayoutStatistics {
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
         cancelled: directions.cancelled,
+        pushed: directions.pushed,
         annihilation,
         distortion_p95,
     };
-    Ok((seeds::seeds(topology, mesh, &offsets), statistics))
+    Ok(Placed {
+        seeds: seeds::seeds(topology, mesh, &charts, &offsets),
+        statistics,
+    })
 }
 
 /// Shorter limits for the paths of dislocations, tried where all of them vanishing distorts too much.
@@ -236,6 +255,12 @@ pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, Layou
         .map_err(|reason| LayoutError::Topology { reason })?;
     boundary_nodes::follow_boundary(fine.surface, &mut complex);
     record(fine, &complex, |node| place(fine.surface, node))
+}
+
+/// The layout with panels made more regular where turning edges or joining halves can: for the optimiser, which finds them
+/// good places; methods that need the cells' own neighbours do without.
+pub fn calmed(layout: Layout) -> Layout {
+    flips::turn_edges(halves::join_halves(flips::turn_edges(layout)))
 }
 
 fn centroids(
@@ -336,4 +361,85 @@ fn same_topology(surface: &Topology, panels: &Topology) -> Result<(), String> {
         "the panels have Euler characteristic {} and {} boundary loops, the surface {} and {}",
         got.0, got.1, want.0, want.1
     ))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Regular hexagons in a rhombus of `n` by `n`.
+    pub fn lattice_patch(n: i32) -> Layout {
+        let mut index = std::collections::HashMap::new();
+        let mut positions = Vec::new();
+        let mut faces = Vec::new();
+        let mut middle = Vec::new();
+        for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
+            let c = Vec3::new(
+                f64::from(i) + 0.5 * f64::from(k),
+                lattice::CELL * f64::from(k),
+                0.0,
+            );
+            let corner = |m: u32| {
+                let a = std::f64::consts::FRAC_PI_3 * (f64::from(m) + 0.5);
+                c + Vec3::new(a.cos(), a.sin(), 0.0) / 3.0_f64.sqrt()
+            };
+            let face = (0..6).map(corner).map(|p| {
+                let key = [p.x, p.y].map(|x| (x * 1e6).round() as i64);
+                *index.entry(key).or_insert_with(|| {
+                    positions.push(p);
+                    positions.len() as u32 - 1
+                })
+            });
+            faces.push(face.collect::<Vec<u32>>());
+            middle.push(c);
+        }
+        let mesh = HexMesh::new(positions, &faces).expect("a patch of a lattice");
+        let topology = mesh.topology();
+        let kind = |v| match topology.is_boundary_vertex(v) {
+            true => VertexKind::Boundary,
+            false => VertexKind::Interior,
+        };
+        Layout {
+            vertex_kind: PerVertex::from_vec(topology.vertices().map(kind).collect()),
+            face_normal: PerFace::filled(faces.len(), Vec3::z()),
+            face_length: PerFace::filled(faces.len(), 1.0),
+            face_seed: PerFace::from_vec((0..faces.len() as u32).map(VertexId::new).collect()),
+            face_point: PerFace::from_vec(middle),
+            mesh,
+        }
+    }
+
+    /// The layout with a panel cut from the middle of one edge to the middle of the opposite one.
+    pub fn cut_in_two(layout: &Layout, f: phex_mesh::FaceId) -> Layout {
+        let topology = layout.mesh.topology();
+        let ring: Vec<VertexId> = topology.face_vertices(f).to_vec();
+        let mut faces = topology.face_lists();
+        let mut positions = layout.mesh.positions.as_slice().to_vec();
+        let new = [0, 1].map(|k| (positions.len() + k) as u32);
+        let id = |i: usize| ring[i].index() as u32;
+        for (k, i) in [0, 3].into_iter().enumerate() {
+            positions
+                .push((layout.mesh.position(ring[i]) + layout.mesh.position(ring[i + 1])) * 0.5);
+            let across = faces.iter_mut().enumerate().find(|(g, face)| {
+                *g != f.index() && face.contains(&id(i)) && face.contains(&id(i + 1))
+            });
+            let face = across.expect("a panel across").1;
+            let at = face.iter().position(|w| *w == id(i)).expect("its corner");
+            face.insert(at, new[k]);
+        }
+        faces[f.index()] = vec![new[0], id(1), id(2), id(3), new[1]];
+        faces.push(vec![new[1], id(4), id(5), id(0), new[0]]);
+        let mut cut = layout.clone();
+        let mut kinds = cut.vertex_kind.into_vec();
+        kinds.extend([VertexKind::Interior; 2]);
+        cut.vertex_kind = PerVertex::from_vec(kinds);
+        let again =
+            |v: &PerFace<Vec3>| PerFace::from_vec(v.iter().copied().chain([v[f]]).collect());
+        cut.face_point = again(&cut.face_point);
+        cut.face_normal = again(&cut.face_normal);
+        cut.face_length = PerFace::filled(faces.len(), 1.0);
+        cut.face_seed = PerFace::from_vec((0..faces.len() as u32).map(VertexId::new).collect());
+        cut.mesh = HexMesh::new(positions, &faces).expect("a cut patch");
+        cut
+    }
 }

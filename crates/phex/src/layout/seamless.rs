@@ -49,6 +49,16 @@ impl Offsets {
         self
     }
 
+    /// Whether the ends of each edge name the same lattice point, or points nearer to each other than `distance`: the offsets
+    /// about a cone do not close, so that a point beside it is seen twice.
+    pub fn same_point(&self, topology: &Topology, charts: &Charts, distance: f64) -> PerEdge<bool> {
+        PerEdge::from_fn(topology.n_edges(), |e| {
+            let [i, j] = topology.edge_vertices(e);
+            let apart = charts.edge(e).apply(self.position[j]) - self.position[i];
+            self.jump[e] == Eisenstein::ZERO || apart.norm() < distance
+        })
+    }
+
     /// Largest and median distortion: what is left of the edges' offsets over their lengths, per edge.
     pub fn distortion(
         &self,

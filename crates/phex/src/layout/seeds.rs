@@ -1,10 +1,10 @@
 //! Clusters of vertices that name the same lattice point, and a seed vertex for each.
 
-use super::lattice::CELL;
+use super::lattice::{CELL, Charts};
 use super::seamless::Offsets;
 use super::voronoi;
 use crate::directions::intrinsic::IntrinsicMesh;
-use phex_mesh::{PerVertex, Topology, VertexId};
+use phex_mesh::{PerEdge, PerVertex, Topology, VertexId};
 
 /// Clusters smaller than this share of a lattice cell get no seed.
 const MIN_AREA: f64 = 0.35;
@@ -12,6 +12,9 @@ const MIN_AREA: f64 = 0.35;
 const MIN_BOUNDARY_AREA: f64 = 0.25;
 /// Clusters larger than this many cells are split.
 const SPLIT_AREA: f64 = 1.75;
+
+/// Lattice points nearer to each other than this are one point, seen twice across a cone.
+const SAME_POINT: f64 = 0.6;
 
 /// Vertices nearer to a lattice point than this start in its cell, at the distance that the lattice says.
 pub(super) const CORE: f64 = 0.45;
@@ -36,8 +39,14 @@ impl Seed {
 }
 
 /// One seed per panel, in the order of their vertices.
-pub fn seeds(topology: &Topology, mesh: &IntrinsicMesh, offsets: &Offsets) -> Vec<Seed> {
-    let label = clusters(topology, offsets);
+pub fn seeds(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    offsets: &Offsets,
+) -> Vec<Seed> {
+    let same = offsets.same_point(topology, charts, SAME_POINT);
+    let label = clusters(topology, &same);
     let count = label.iter().map(|l| *l as usize + 1).max().unwrap_or(0);
     let mut area = vec![0.0; count];
     let mut touches_boundary = vec![false; count];
@@ -94,8 +103,8 @@ fn fill_cores(topology: &Topology, offsets: &Offsets, label: &PerVertex<u32>, se
     }
 }
 
-/// Number of the cluster of each vertex: connected by edges without jump.
-fn clusters(topology: &Topology, offsets: &Offsets) -> PerVertex<u32> {
+/// Number of the cluster of each vertex: connected by edges whose ends name the same point.
+fn clusters(topology: &Topology, same: &PerEdge<bool>) -> PerVertex<u32> {
     const NONE: u32 = u32::MAX;
     let mut label = PerVertex::filled(topology.n_vertices(), NONE);
     let mut count = 0;
@@ -114,8 +123,7 @@ fn clusters(topology: &Topology, offsets: &Offsets) -> PerVertex<u32> {
                     } else {
                         topology.origin(h)
                     };
-                    let joined = offsets.jump[topology.edge(h)] == super::lattice::Eisenstein::ZERO;
-                    if joined && label[other] == NONE {
+                    if same[topology.edge(h)] && label[other] == NONE {
                         label[other] = count;
                         stack.push(other);
                     }

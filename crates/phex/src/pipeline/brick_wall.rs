@@ -112,6 +112,7 @@ pub(super) fn mesh_with_panels(
     let mesh = trimmed.mesh;
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let statistics = Statistics {
+        cones: Vec::new(),
         panels_asked: panels,
         target_vertices: (ground.smooth.levels.iter())
             .map(|l| l.positions().len())

@@ -69,6 +69,7 @@ pub(super) fn mesh_with_panels(
     let mut clock = Clock::new(progress);
     let similarity = Similarity::normalising(input);
     let normalised = moved(input, |p| similarity.normalise(p));
+    let options = &options.normalised(&normalised, &similarity);
     let ground = clock.stage("target", || match options.method {
         Method::DualSubdivision => subdivision::ground(&normalised, panels, options),
         _ => Ground::new(&normalised, panels, options),
@@ -92,6 +93,7 @@ pub(super) fn mesh_with_panels(
         .centre
         .map(|c| similarity.restore(c.into()).into());
     let statistics = Statistics {
+        cones: Vec::new(),
         panels_asked: panels,
         target_vertices: ground
             .smooth
@@ -247,7 +249,7 @@ impl<'a> Start<'a> {
         let weight = PerVertex::filled(principal.len(), 0.0);
         let area: f64 = IntrinsicMesh::new(self.surface, &metric).area.iter().sum();
         scale(&mut metric, CELL * ground.panels as f64 / area);
-        let (directions, seeds, statistics) = counted_lattice(ground.panels, |ratio| {
+        let (directions, placed) = counted_lattice(ground.panels, |ratio| {
             scale(&mut metric, 1.0 / ratio);
             let directions = clock.stage("directions", || {
                 directions::in_metric(self.surface, metric.clone(), &principal, &weight, &settings)
@@ -258,8 +260,7 @@ impl<'a> Start<'a> {
             level: self.level,
             curvature: self.curvature.clone(),
             directions,
-            seeds,
-            statistics,
+            placed,
         })
     }
 }
@@ -304,7 +305,7 @@ fn projective_dual(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
         ground,
         mesh,
         fine,
-        field.statistics,
+        field.placed.statistics,
         None,
         classical,
     ))
@@ -341,7 +342,7 @@ fn support_function(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipe
         ground,
         mesh,
         fine,
-        field.statistics,
+        field.placed.statistics,
         None,
         classical,
     ))
@@ -366,7 +367,7 @@ fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipeli
         let mesh = envelope(&layout.mesh, &planes).map_err(LayoutError::from)?;
         (mesh, None)
     };
-    let statistics = field.statistics;
+    let statistics = field.placed.statistics;
     Ok(Made::of(
         ground, mesh, fine, statistics, optimised, classical,
     ))
@@ -379,7 +380,9 @@ fn cells(
     clock: &mut Clock<'_>,
 ) -> Result<(FineSurface, Layout), PipelineError> {
     let fine = FineSurface::new(ground, field);
-    let layout = clock.stage("layout", || layout::panelling(&fine.cells(), &field.seeds))??;
+    let layout = clock.stage("layout", || {
+        layout::panelling(&fine.cells(), &field.placed.seeds)
+    })??;
     Ok((fine, layout))
 }
 

@@ -2,13 +2,13 @@
 
 use super::{Clock, MeshOptions, PipelineError};
 use crate::curvature::{self, Curvature};
+use crate::directions::guides::Cone;
 use crate::directions::intrinsic::IntrinsicMesh;
-use crate::directions::size;
 use crate::directions::{self, DirectionOptions, Directions};
+use crate::directions::{cones, size};
 use crate::ground::Ground;
 use crate::layout::lattice::CELL;
-use crate::layout::seeds::Seed;
-use crate::layout::{self, CellSurface, LayoutOptions, LayoutStatistics};
+use crate::layout::{self, CellSurface, LayoutOptions, Placed};
 use crate::target::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -19,8 +19,7 @@ pub(super) struct Field {
     pub level: usize,
     pub curvature: Curvature,
     pub directions: Directions,
-    pub seeds: Vec<Seed>,
-    pub statistics: LayoutStatistics,
+    pub placed: Placed,
 }
 
 /// Deviation from the number of panels asked for that is corrected by another lattice.
@@ -44,8 +43,9 @@ impl Field {
         let curvature = clock.stage("curvature", || {
             curvature::curvature(surface, length, &options.curvature)
         })?;
+        cones::prescribed_faces(surface, &settings.guides.cones)?;
         let mut length = panel_lengths(smooth, level, &curvature, length, panels, options)?;
-        let (directions, seeds, statistics) = counted_lattice(panels, |ratio| {
+        let (directions, placed) = counted_lattice(panels, |ratio| {
             length.iter_mut().for_each(|l| *l *= ratio.sqrt());
             let directions = clock.stage("directions", || {
                 directions::directions_sized(surface, &curvature, &length, settings)
@@ -56,14 +56,24 @@ impl Field {
             level,
             curvature,
             directions,
-            seeds,
-            statistics,
+            placed,
         })
+    }
+
+    /// Cones of the direction field.
+    pub(super) fn cones(&self, smooth: &SmoothTarget) -> Vec<Cone> {
+        let surface = &smooth.levels[self.level];
+        let cones = self.directions.cone.enumerate().filter(|(_, i)| **i != 0);
+        let cone = |(f, index): (_, &i32)| Cone {
+            position: (surface.corners(f).iter().sum::<Vec3>() / 3.0).into(),
+            index: *index,
+        };
+        cones.map(cone).collect()
     }
 }
 
-/// A lattice: its directions, its seeds, and how they were found.
-pub(super) type Lattice = (Directions, Vec<Seed>, LayoutStatistics);
+/// A lattice: its directions and its seeds.
+pub(super) type Lattice = (Directions, Placed);
 
 /// The lattice whose number of panels is nearest to what is asked for, of a few. `lattice` is told by which factor the last one had
 /// too many panels, 1 at first.
@@ -75,7 +85,7 @@ pub(super) fn counted_lattice(
     let mut ratio = 1.0;
     for _ in 0..COUNT_TRIES {
         let found = lattice(ratio)?;
-        ratio = found.1.len().max(1) as f64 / panels as f64;
+        ratio = found.1.seeds.len().max(1) as f64 / panels as f64;
         let error = ratio.ln().abs();
         if best.as_ref().is_none_or(|b| error < b.0) {
             best = Some((error, found));
@@ -94,10 +104,10 @@ pub(super) fn with_seeds(
     options: &LayoutOptions,
     clock: &mut Clock<'_>,
 ) -> Result<Lattice, PipelineError> {
-    let (seeds, statistics) = clock.stage("layout", || {
+    let placed = clock.stage("layout", || {
         layout::place_seeds(topology, &directions, options)
     })??;
-    Ok((directions, seeds, statistics))
+    Ok((directions, placed))
 }
 
 /// Screening that keeps varying sizes against the conformal factor, which would even them out.

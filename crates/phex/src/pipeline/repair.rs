@@ -2,13 +2,15 @@
 
 use super::field::{Field, FineSurface, direction_options};
 use super::{Clock, MeshOptions, PipelineError, RepairRound};
+use crate::directions::guides::Cone;
 use crate::ground::Ground;
 use crate::layout::seeds::Seed;
-use crate::layout::{self, Layout, LayoutStatistics};
+use crate::layout::{self, Layout, LayoutError, LayoutStatistics};
 use crate::optimise::{self, Fault, Offender, Optimised, SurfaceTarget};
 use crate::trim::{self, Boundary, Trimmed};
 use phex_mesh::{
-    FaceId, FlatFace, HexMesh, PolygonSoup, TriangleSurface, ValidateOptions, VertexId, Violation,
+    Deviation, FaceId, FlatFace, HexMesh, PolygonSoup, TriangleSurface, ValidateOptions, Vec3,
+    VertexId, Violation,
 };
 use serde::Serialize;
 use std::collections::{BTreeSet, HashSet};
@@ -22,6 +24,8 @@ pub struct AttemptSummary {
     pub invalid: usize,
     /// Share of hexagons among the panels inside.
     pub hex: f64,
+    /// Panels inside that are no hexagons, beyond those that the topology of a closed surface asks for.
+    pub irregular: usize,
     /// Largest distance between panels and surface either way, away from the boundary, over the diagonal.
     pub deviation: f64,
     /// Least clearance, mean edges.
@@ -33,6 +37,8 @@ pub(super) struct Attempt {
     pub summary: AttemptSummary,
     planar: bool,
     pub layout: LayoutStatistics,
+    /// Cones of the direction field, normalised.
+    pub cones: Vec<Cone>,
     pub result: Optimised,
     pub left: Left,
     pub reported: TriangleSurface,
@@ -44,7 +50,15 @@ impl Attempt {
     /// Whether nothing else needs to be tried.
     pub(super) fn is_good(&self, options: &MeshOptions) -> bool {
         let s = &self.summary;
-        s.invalid == 0 && s.deviation <= GOOD_DEVIATION && s.clearance >= options.good_clearance
+        let close = s.deviation <= GOOD_DEVIATION && s.clearance >= options.good_clearance;
+        let regular =
+            self.irregular_share() <= GOOD_IRREGULAR && self.layout.annihilation.kept == 0;
+        s.invalid == 0 && close && regular
+    }
+
+    fn irregular_share(&self) -> f64 {
+        let panels = self.left.trimmed.mesh.topology().n_faces();
+        self.summary.irregular as f64 / panels as f64
     }
 
     /// What attempts are compared by, smaller is better: valid first, then close, clear and regular.
@@ -53,23 +67,35 @@ impl Attempt {
         let invalid = if self.planar { 0.0 } else { 1e6 } + 100.0 * s.invalid as f64;
         let far = 10.0 * (s.deviation / GOOD_DEVIATION - 1.0).max(0.0);
         let tight = (0.15 / s.clearance.max(1e-3) - 1.0).max(0.0);
-        invalid + far + tight + (1.0 - s.hex) + s.deviation / GOOD_DEVIATION * 0.1
+        let irregular = 10.0 * self.irregular_share();
+        invalid + far + tight + irregular + s.deviation / GOOD_DEVIATION * 0.1
     }
 }
 
 /// Deviation, over the diagonal, with which no other anisotropy is tried: a little below the usual tolerance of 0.5 %.
 const GOOD_DEVIATION: f64 = 4.5e-3;
 
+/// Share of panels that are irregular without need, up to which no other anisotropy is tried.
+const GOOD_IRREGULAR: f64 = 0.025;
+
 /// What rounds of the repair loop are compared by, the first difference counts.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Badness {
     not_planar: bool,
     invalid: usize,
+    bare: usize,
     tight: usize,
 }
 
-/// Rounds of the repair loop at the most that only give tight panels more room.
-const MAX_POLISHES: usize = 2;
+/// Rounds of the repair loop at the most on a mesh that is valid: they add panels where the surface stands off, or give tight
+/// panels more room.
+const MAX_POLISHES: usize = 3;
+/// Share of the panels up to which a round adds panels, and a number that is always allowed: where the surface stands off in more
+/// places than that, panels are too large everywhere, and more of them here and there only spoil the rows.
+const MAX_ADDED_SHARE: f64 = 0.02;
+const MAX_ADDED: usize = 2;
+/// Distance of these places from each other, mean edges.
+const ADDED_APART: f64 = 3.0;
 
 /// Layout, optimiser and the repair loop for one anisotropy.
 pub(super) fn attempt(
@@ -81,8 +107,8 @@ pub(super) fn attempt(
     let settings = direction_options(options, anisotropy);
     let field = Field::new(&ground.smooth, ground.panels, options, &settings, clock)?;
     let fine = FineSurface::new(ground, &field);
-    let mut seeds = field.seeds.clone();
-    let mut layout = clock.stage("layout", || layout::panelling(&fine.cells(), &seeds))??;
+    let mut seeds = field.placed.seeds.clone();
+    let mut layout = clock.stage("layout", || calm_panels(&fine, &seeds))??;
     let target = SurfaceTarget::new(ground.close_to(&fine.surface));
     let reported = ground.reported(&fine.surface);
     let mut repairs = Vec::new();
@@ -99,9 +125,12 @@ pub(super) fn attempt(
         let offenders = offenders_left(&result.offenders, &trimmed);
         let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
         let tight = tight_panels(&trimmed, options);
+        let deviation = clock.timed("validate", || phex_mesh::deviation(&trimmed.mesh, reported));
+        let bare = bare_places(&trimmed.mesh, reported, &deviation);
         let badness = Badness {
             not_planar: !is_planar(&offenders),
             invalid: invalid.len(),
+            bare: bare.len(),
             tight: tight.len(),
         };
         if best.as_ref().is_none_or(|b| badness < b.0) {
@@ -110,34 +139,37 @@ pub(super) fn attempt(
                 trimmed,
                 offenders,
                 violations,
+                deviation: deviation.deviation_max.max(deviation.coverage_inner_max),
             };
             best = Some((badness, result, left));
         }
-        let dropped = if invalid.is_empty() { tight } else { invalid };
+        let edit = Edit::new(invalid, bare, tight);
         polished += usize::from(badness.invalid == 0);
         let over = polished > MAX_POLISHES || repairs.len() >= options.max_repairs;
-        if dropped.is_empty() || over || progress.is_cancelled() {
+        if edit.is_empty() || over || progress.is_cancelled() {
             break;
         }
-        let before = seeds.len();
-        drop_seeds(&mut seeds, &layout, &dropped);
-        repairs.push(RepairRound {
-            panels: layout.mesh.topology().n_faces(),
-            dropped: before - seeds.len(),
-        });
-        match clock.timed("layout", || layout::panelling(&fine.cells(), &seeds)) {
+        repairs.push(edit.apply(&mut seeds, &layout, &fine.surface));
+        match clock.timed("layout", || calm_panels(&fine, &seeds)) {
             Ok(next) => layout = next,
             Err(_) => break,
         }
     }
     let (badness, result, left) = best.expect("the loop runs at least once");
-    let summary = clock.timed("validate", || {
-        summarise(&left.trimmed.mesh, reported, anisotropy, badness.invalid)
-    });
+    let measures = phex_mesh::measure(&left.trimmed.mesh);
+    let summary = AttemptSummary {
+        anisotropy,
+        invalid: badness.invalid,
+        hex: measures.hex.unwrap_or(1.0),
+        irregular: irregular_panels(&left.trimmed.mesh),
+        deviation: left.deviation,
+        clearance: measures.clearance.min,
+    };
     Ok(Attempt {
         summary,
         planar: !badness.not_planar,
-        layout: field.statistics,
+        layout: field.placed.statistics,
+        cones: field.cones(&ground.smooth),
         result,
         left,
         reported: reported.clone(),
@@ -146,21 +178,18 @@ pub(super) fn attempt(
     })
 }
 
-fn summarise(
-    mesh: &HexMesh,
-    surface: &TriangleSurface,
-    anisotropy: f64,
-    invalid: usize,
-) -> AttemptSummary {
-    let measures = phex_mesh::measure(mesh);
-    let deviation = phex_mesh::deviation(mesh, surface);
-    AttemptSummary {
-        anisotropy,
-        invalid,
-        hex: measures.hex.unwrap_or(1.0),
-        deviation: deviation.deviation_max.max(deviation.coverage_inner_max),
-        clearance: measures.clearance.min,
-    }
+fn calm_panels(fine: &FineSurface, seeds: &[Seed]) -> Result<Layout, LayoutError> {
+    layout::panelling(&fine.cells(), seeds).map(layout::calmed)
+}
+
+/// Panels inside that are no hexagons, beyond those that the topology asks for.
+fn irregular_panels(mesh: &HexMesh) -> usize {
+    let topology = mesh.topology();
+    let inside = topology.faces().filter(|f| !topology.is_boundary_face(*f));
+    let irregular = inside.filter(|f| topology.valence(*f) != 6).count();
+    let closed = topology.boundary_loops().is_empty();
+    let needed = 6 * topology.euler_characteristic().unsigned_abs() as usize;
+    irregular.saturating_sub(if closed { needed } else { 0 })
 }
 
 /// What a round of the repair loop leaves.
@@ -169,6 +198,8 @@ pub(super) struct Left {
     pub trimmed: Trimmed,
     pub offenders: Vec<Offender>,
     pub violations: Vec<Violation>,
+    /// Largest distance between panels and surface either way, away from the boundary, over the diagonal.
+    deviation: f64,
 }
 
 /// The panels of a layout of which something is left.
@@ -245,6 +276,80 @@ fn offenders_left(offenders: &[Offender], trimmed: &Trimmed) -> Vec<Offender> {
 fn is_planar(offenders: &[Offender]) -> bool {
     let planar = |o: &Offender| !matches!(o.fault, Fault::NotPlanar { .. });
     offenders.iter().all(planar)
+}
+
+/// What a round of the repair loop changes.
+struct Edit {
+    drop: BTreeSet<FaceId>,
+    add: Vec<Vec3>,
+}
+
+impl Edit {
+    /// Invalid panels come first, then places where the surface stands off, then tight panels.
+    fn new(invalid: BTreeSet<FaceId>, bare: Vec<Vec3>, tight: BTreeSet<FaceId>) -> Self {
+        match (invalid.is_empty(), bare.is_empty()) {
+            (false, _) => Self::dropping(invalid),
+            (true, true) => Self::dropping(tight),
+            (true, false) => Self {
+                drop: BTreeSet::new(),
+                add: bare,
+            },
+        }
+    }
+
+    fn dropping(drop: BTreeSet<FaceId>) -> Self {
+        Self {
+            drop,
+            add: Vec::new(),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.drop.is_empty() && self.add.is_empty()
+    }
+
+    fn apply(&self, seeds: &mut Vec<Seed>, layout: &Layout, fine: &TriangleSurface) -> RepairRound {
+        let before = seeds.len();
+        drop_seeds(seeds, layout, &self.drop);
+        let dropped = before - seeds.len();
+        let before = seeds.len();
+        let known: HashSet<VertexId> = seeds.iter().map(|s| s.vertex).collect();
+        let places = fine.closest_points(&self.add).into_iter();
+        let corners = places.map(|p| fine.topology().face_vertices(p.triangle)[0]);
+        seeds.extend(corners.filter(|v| !known.contains(v)).map(Seed::at));
+        seeds.sort_by_key(|s| s.vertex);
+        seeds.dedup_by_key(|s| s.vertex);
+        RepairRound {
+            panels: layout.mesh.topology().n_faces(),
+            dropped,
+            added: seeds.len() - before,
+        }
+    }
+}
+
+/// Places where the surface stands off from the panels farther than is good, the farthest first.
+fn bare_places(mesh: &HexMesh, surface: &TriangleSurface, deviation: &Deviation) -> Vec<Vec3> {
+    let limit = GOOD_DEVIATION * deviation.diagonal;
+    let distances = deviation.coverage_distance.enumerate();
+    let mut far: Vec<(VertexId, f64)> = distances
+        .filter(|(v, d)| **d > limit && deviation.inside[*v])
+        .map(|(v, d)| (v, *d))
+        .collect();
+    far.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let apart = ADDED_APART * mesh.mean_edge();
+    let panels = mesh.topology().n_faces() as f64;
+    let most = MAX_ADDED.max((MAX_ADDED_SHARE * panels) as usize);
+    let mut places: Vec<Vec3> = Vec::new();
+    for (v, _) in far {
+        let p = surface.positions()[v];
+        if places.iter().all(|q| (p - q).norm() > apart) {
+            places.push(p);
+        }
+        if places.len() > most {
+            return Vec::new();
+        }
+    }
+    places
 }
 
 /// Drops the seeds of invalid panels, never those of two neighbours in one round: one of them grows into the gap.

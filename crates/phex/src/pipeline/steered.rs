@@ -97,6 +97,7 @@ fn with_result(mut run: MeshRun, result: Optimised, mut clock: Clock<'_>) -> Mes
 fn statistics(panels: usize, smooth: &SmoothTarget) -> Statistics {
     let levels = smooth.levels.iter();
     Statistics {
+        cones: Vec::new(),
         panels_asked: panels,
         target_vertices: levels.map(|l| l.positions().len()).collect(),
         interpolation_error: smooth.interpolation_error,

@@ -6,7 +6,7 @@ use phex::curvature::{Curvature, curvature};
 use phex::directions::{DirectionOptions, Directions, directions};
 use phex::layout::seeds::Seed;
 use phex::layout::{
-    CellSurface, Layout, LayoutError, LayoutOptions, LayoutStatistics, panelling, place_seeds,
+    CellSurface, Layout, LayoutError, LayoutOptions, Placed, panelling, place_seeds,
 };
 use phex::target::{Similarity, SmoothTarget, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
@@ -217,7 +217,7 @@ impl Stages {
         self.surface.topology()
     }
 
-    pub fn seeds(&self) -> (Vec<Seed>, LayoutStatistics) {
+    pub fn seeds(&self) -> Placed {
         place_seeds(self.topology(), &self.directions, &LayoutOptions::default()).unwrap()
     }
 
@@ -232,7 +232,7 @@ impl Stages {
     }
 
     pub fn layout(&self) -> Layout {
-        self.panelling(&self.seeds().0).unwrap()
+        self.panelling(&self.seeds().seeds).unwrap()
     }
 }
 

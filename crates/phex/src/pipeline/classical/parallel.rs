@@ -44,7 +44,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
         reported: ground.reported(&fine.surface).clone(),
         mesh: fitted.mesh,
         fine: Some(fine),
-        layout: field.statistics,
+        layout: field.placed.statistics,
         outcome,
         optimised: None,
         classical,

@@ -52,7 +52,7 @@ pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     })?;
     let (mesh, flips) = finest.map_err(LayoutError::from)?;
     classical.flips = classical.flips.map(|coarse| coarse + flips);
-    let statistics = field.statistics;
+    let statistics = field.placed.statistics;
     Ok(Made::of(coarse, mesh, fine, statistics, None, classical))
 }
 

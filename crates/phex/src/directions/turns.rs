@@ -1,15 +1,14 @@
-//! Opposite cones that lie close together are cancelled.
+//! Whole turns of a direction field along edges, the cones they make, and cones that move.
 //!
-//! The smoothest field has pairs of cones of index `+1/6` and `-1/6` wherever the metric's own curvature changes quickly; each
-//! costs irregular panels and gives nothing back. With the turns `p` of the field along edges as unknowns of their own, a
-//! cone moves across an edge when its turn changes by one. Moved into its opposite both vanish, and with the turns fixed
-//! the angles are the solution of one linear system,
+//! With the turns `p` of the field along edges as unknowns of their own, a cone moves across an edge when its turn changes by
+//! one. Moved into its opposite, or out of the boundary, it vanishes. With the turns fixed the angles are the solution of one
+//! linear system,
 //!
 //! ```text
 //! min  sum_e w_e (t_j - t_i - r_e - p_e pi/3)^2  +  sum_v a_v (t_v - wish_v)^2 .
 //! ```
 //!
-//! Source: trivial connections (Crane, Desbrun, Schroeder 2010), with the cones of a field instead of chosen ones.
+//! Source: trivial connections (Crane, Desbrun, Schroeder 2010).
 
 use super::intrinsic::{Distance, IntrinsicMesh, row};
 use super::rosy::Field;
@@ -25,55 +24,97 @@ const SOLVES: usize = 3;
 /// Hold on the last angles, over the area, which decides where there is no wish.
 const HOLD: f64 = 1e-6;
 
-/// Angles of a field and its turns along edges.
-pub struct TurnedField {
-    /// Angle at each vertex, radians.
-    pub angle: PerVertex<f64>,
+/// Turns along edges and the cones that they make.
+pub struct Turns {
     /// Turns along each edge from its origin to its target, sixths.
     pub turn: PerEdge<i32>,
     /// Index in each triangle, sixths.
     pub cone: PerFace<i32>,
-    /// Pairs that were cancelled.
-    pub cancelled: usize,
 }
 
-/// Cancels opposite cones at most `reach` lattice spacings apart, the closest first.
-///
-/// # Errors
-/// If the linear system can't be solved.
-pub fn cancel(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    field: Field,
-    reach: f64,
-) -> Result<TurnedField, NumericError> {
-    let mut turn = smallest_turns(topology, mesh, &field.angle);
-    let mut cone = cones(topology, mesh, &field.angle, &turn);
-    let mut pairs = pairs(topology, mesh, &cone, reach);
-    pairs.sort_by(|a, b| a.length.total_cmp(&b.length));
-    let mut cancelled = 0;
-    for pair in pairs {
-        if cone[pair.from].signum() * cone[pair.to].signum() == -1 {
-            let sign = cone[pair.from].signum();
-            for (f, e) in pair.path {
-                turn[e] += sign * side(topology, f, e);
-            }
-            cone[pair.from] -= sign;
-            cone[pair.to] += sign;
-            cancelled += 1;
+impl Turns {
+    /// The turns with the smallest rest for given angles.
+    pub fn smallest(topology: &Topology, mesh: &IntrinsicMesh, angle: &PerVertex<f64>) -> Self {
+        let turn = smallest_turns(topology, mesh, angle);
+        Self {
+            cone: cones(topology, mesh, angle, &turn),
+            turn,
         }
     }
-    let angle = if cancelled == 0 {
-        field.angle
-    } else {
-        settle(topology, mesh, &field, &turn)?
-    };
-    Ok(TurnedField {
-        cone: cones(topology, mesh, &angle, &turn),
-        angle,
-        turn,
-        cancelled,
-    })
+
+    /// Carries an index from the beginning of a route to its end.
+    pub fn carry(&mut self, topology: &Topology, route: &Route, index: i32) {
+        for &(f, e) in &route.path {
+            self.turn[e] += index * side(topology, f, e);
+        }
+        self.cone[route.from] -= index;
+        if let Some(to) = route.to {
+            self.cone[to] += index;
+        }
+    }
+}
+
+/// A way over triangles, each with the edge to leave it by.
+pub struct Route {
+    /// Length, lattice spacings.
+    pub length: f64,
+    /// The first triangle.
+    pub from: FaceId,
+    /// The last one, or none: out of the boundary.
+    pub to: Option<FaceId>,
+    path: Vec<(FaceId, EdgeId)>,
+}
+
+/// The shortest ways from a triangle to those within `reach` lattice spacings that `wanted` names, and, where `leaving`, out
+/// of the boundary; the shortest first.
+pub fn routes(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    from: FaceId,
+    reach: f64,
+    leaving: bool,
+    wanted: impl Fn(FaceId) -> bool,
+) -> Vec<Route> {
+    let mut known = Reached::new();
+    known.insert(from, (0.0, None));
+    let mut heap = BinaryHeap::from([Reverse((Distance(0.0), from))]);
+    let mut found = Vec::new();
+    while let Some(Reverse((Distance(length), f))) = heap.pop() {
+        if length > known[&f].0 {
+            continue;
+        }
+        if wanted(f) {
+            found.push(Route {
+                length,
+                from,
+                to: Some(f),
+                path: path_to(&known, f),
+            });
+        }
+        for h in topology.face_half_edges(f) {
+            let Some(twin) = topology.twin(h) else {
+                if leaving {
+                    let mut path = path_to(&known, f);
+                    path.push((f, topology.edge(h)));
+                    found.push(Route {
+                        length: length + mesh.half_crossing(f),
+                        from,
+                        to: None,
+                        path,
+                    });
+                }
+                continue;
+            };
+            let g = topology.face(twin);
+            let next = length + mesh.half_crossing(f) + mesh.half_crossing(g);
+            if next <= reach && known.get(&g).is_none_or(|k| next < k.0) {
+                known.insert(g, (next, Some((f, topology.edge(h)))));
+                heap.push(Reverse((Distance(next), g)));
+            }
+        }
+    }
+    found.sort_by(|a, b| a.length.total_cmp(&b.length));
+    found
 }
 
 /// Turns of the field along each edge with the smallest rest, in sixths.
@@ -121,61 +162,6 @@ pub fn cones(
     })
 }
 
-/// Two opposite cones and the way between them: triangles with the edges to leave them by.
-struct Pair {
-    length: f64,
-    from: FaceId,
-    to: FaceId,
-    path: Vec<(FaceId, EdgeId)>,
-}
-
-fn pairs(topology: &Topology, mesh: &IntrinsicMesh, cone: &PerFace<i32>, reach: f64) -> Vec<Pair> {
-    let positive = topology.faces().filter(|f| cone[*f] > 0);
-    positive
-        .flat_map(|f| opposites(topology, mesh, cone, f, reach))
-        .collect()
-}
-
-/// The negative cones within reach of a positive one, by the shortest dual paths.
-fn opposites(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    cone: &PerFace<i32>,
-    from: FaceId,
-    reach: f64,
-) -> Vec<Pair> {
-    let mut known = Reached::new();
-    known.insert(from, (0.0, None));
-    let mut heap = BinaryHeap::from([Reverse((Distance(0.0), from))]);
-    let mut found = Vec::new();
-    while let Some(Reverse((Distance(d), f))) = heap.pop() {
-        if d > known[&f].0 {
-            continue;
-        }
-        if cone[f] < 0 {
-            let path = path_to(&known, f);
-            found.push(Pair {
-                length: d,
-                from,
-                to: f,
-                path,
-            });
-        }
-        for h in topology.face_half_edges(f) {
-            let Some(twin) = topology.twin(h) else {
-                continue;
-            };
-            let g = topology.face(twin);
-            let next = d + mesh.half_crossing(f) + mesh.half_crossing(g);
-            if next <= reach && known.get(&g).is_none_or(|k| next < k.0) {
-                known.insert(g, (next, Some((f, topology.edge(h)))));
-                heap.push(Reverse((Distance(next), g)));
-            }
-        }
-    }
-    found
-}
-
 /// Distance of each triangle reached, and the triangle and edge before it.
 type Reached = BTreeMap<FaceId, (f64, Option<(FaceId, EdgeId)>)>;
 
@@ -191,7 +177,7 @@ fn path_to(known: &Reached, to: FaceId) -> Vec<(FaceId, EdgeId)> {
 }
 
 /// The angles that fit fixed turns best.
-fn settle(
+pub fn settle(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     field: &Field,

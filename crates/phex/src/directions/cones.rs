@@ -1,0 +1,199 @@
+//! Cones where they do no harm: opposites that lie close together cancelled, the others kept off parabolic curves, or all of them
+//! where they are prescribed.
+//!
+//! The smoothest field has pairs of cones of index `+1/6` and `-1/6` wherever the metric's own curvature changes quickly; each
+//! costs irregular panels and gives nothing back. Near parabolic curves (`|k1| rho^2 / |k2| < 1/3`) rows must follow the
+//! direction of smaller curvature, so a cone has no good place there.
+
+use super::DirectionOptions;
+use super::guides::Cone;
+use super::intrinsic::IntrinsicMesh;
+use super::rosy::Field;
+use super::turns::{Route, Turns, cones, routes, settle};
+use phex_mesh::{FaceId, PerEdge, PerFace, PerVertex, TriangleSurface, Vec3};
+use phex_numeric::NumericError;
+use thiserror::Error;
+
+/// Share of the compulsory alignment from which on a triangle lies in the band round a parabolic curve.
+const BAND: f64 = 0.8;
+
+/// Angles of a field and its turns along edges.
+pub struct TurnedField {
+    /// Angle at each vertex, radians.
+    pub angle: PerVertex<f64>,
+    /// Turns along each edge from its origin to its target, sixths.
+    pub turn: PerEdge<i32>,
+    /// Index in each triangle, sixths.
+    pub cone: PerFace<i32>,
+    /// Pairs that were cancelled.
+    pub cancelled: usize,
+    /// Cones that were moved off parabolic curves.
+    pub pushed: usize,
+}
+
+/// Why prescribed cones can't be.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum ConeError {
+    /// The indices do not add up.
+    #[error(
+        "the prescribed cones have indices that add up to {found} sixths; on a closed surface of this topology they must add up to {needed}"
+    )]
+    Sum {
+        /// Sum of the indices, sixths.
+        found: i64,
+        /// Six times the Euler characteristic.
+        needed: i64,
+    },
+    /// Two cones lie in one triangle of the refined surface.
+    #[error("the prescribed cones {first} and {second} lie in the same place (counted from 0)")]
+    SamePlace {
+        /// The first of them.
+        first: usize,
+        /// The second.
+        second: usize,
+    },
+}
+
+/// The field with its cones where they should be. `weight` is that of the alignment at each vertex.
+///
+/// # Errors
+/// If a linear system can't be solved.
+pub fn settle_cones(
+    surface: &TriangleSurface,
+    mesh: &IntrinsicMesh,
+    field: Field,
+    weight: &PerVertex<f64>,
+    options: &DirectionOptions,
+) -> Result<TurnedField, NumericError> {
+    let topology = surface.topology();
+    let mut turns = Turns::smallest(topology, mesh, &field.angle);
+    let (mut cancelled, mut pushed) = (0, 0);
+    let mut moved = 0;
+    match prescribed_faces(surface, &options.guides.cones) {
+        Ok(wanted) if !wanted.is_empty() => moved = prescribe(surface, mesh, &mut turns, &wanted),
+        _ => {
+            cancelled = cancel(surface, mesh, &mut turns, options.cancel_reach);
+            pushed = push_off(surface, mesh, &mut turns, weight, options);
+        }
+    }
+    let angle = if cancelled + pushed + moved == 0 {
+        field.angle
+    } else {
+        settle(topology, mesh, &field, &turns.turn)?
+    };
+    Ok(TurnedField {
+        cone: cones(topology, mesh, &angle, &turns.turn),
+        angle,
+        turn: turns.turn,
+        cancelled,
+        pushed,
+    })
+}
+
+/// Cancels opposite cones at most `reach` lattice spacings apart, the closest first; how many pairs.
+fn cancel(surface: &TriangleSurface, mesh: &IntrinsicMesh, turns: &mut Turns, reach: f64) -> usize {
+    let topology = surface.topology();
+    let cone = turns.cone.clone();
+    let positive = topology.faces().filter(|f| cone[*f] > 0);
+    let mut pairs: Vec<Route> = positive
+        .flat_map(|f| routes(topology, mesh, f, reach, false, |g| cone[g] < 0))
+        .collect();
+    pairs.sort_by(|a, b| a.length.total_cmp(&b.length));
+    let mut cancelled = 0;
+    for pair in pairs {
+        let Some(to) = pair.to else { continue };
+        if turns.cone[pair.from] > 0 && turns.cone[to] < 0 {
+            turns.carry(topology, &pair, 1);
+            cancelled += 1;
+        }
+    }
+    cancelled
+}
+
+/// Moves cones out of the band round parabolic curves to the nearest place outside; how many.
+fn push_off(
+    surface: &TriangleSurface,
+    mesh: &IntrinsicMesh,
+    turns: &mut Turns,
+    weight: &PerVertex<f64>,
+    options: &DirectionOptions,
+) -> usize {
+    let topology = surface.topology();
+    let in_band = |f: FaceId| {
+        let mut corners = topology.face_vertices(f).iter();
+        corners.any(|v| weight[*v] > BAND * options.alignment)
+    };
+    let inside: Vec<FaceId> = topology
+        .faces()
+        .filter(|f| turns.cone[*f] != 0 && in_band(*f))
+        .collect();
+    let mut pushed = 0;
+    for f in inside {
+        let free = |g: FaceId| turns.cone[g] == 0 && !in_band(g);
+        let ways = routes(topology, mesh, f, options.band_reach, false, free);
+        if let Some(way) = ways.first() {
+            let index = turns.cone[f];
+            turns.carry(topology, way, index);
+            pushed += 1;
+        }
+    }
+    pushed
+}
+
+/// The triangles of prescribed cones with their indices.
+///
+/// # Errors
+/// If they can't be.
+pub fn prescribed_faces(
+    surface: &TriangleSurface,
+    cones: &[Cone],
+) -> Result<Vec<(FaceId, i32)>, ConeError> {
+    let topology = surface.topology();
+    let points: Vec<Vec3> = cones.iter().map(|c| Vec3::from(c.position)).collect();
+    let faces = surface.closest_points(&points).into_iter();
+    let placed: Vec<(FaceId, i32)> = faces
+        .zip(cones)
+        .map(|(p, c)| (p.triangle, c.index))
+        .collect();
+    for (second, (f, _)) in placed.iter().enumerate() {
+        if let Some(first) = placed[..second].iter().position(|(g, _)| f == g) {
+            return Err(ConeError::SamePlace { first, second });
+        }
+    }
+    let found = cones.iter().map(|c| i64::from(c.index)).sum();
+    let needed = 6 * topology.euler_characteristic();
+    let closed = topology.boundary_loops().is_empty();
+    if closed && found != needed && !cones.is_empty() {
+        return Err(ConeError::Sum { found, needed });
+    }
+    Ok(placed)
+}
+
+/// Carries indices, one sixth at a time and the shortest way, until the cones are those that are wanted; how many.
+fn prescribe(
+    surface: &TriangleSurface,
+    mesh: &IntrinsicMesh,
+    turns: &mut Turns,
+    wanted: &[(FaceId, i32)],
+) -> usize {
+    let topology = surface.topology();
+    let mut excess = turns.cone.clone();
+    for (f, index) in wanted {
+        excess[*f] -= index;
+    }
+    let open = !topology.boundary_loops().is_empty();
+    let mut moved = 0;
+    while let Some(f) = topology.faces().find(|f| excess[*f] != 0) {
+        let sign = excess[f].signum();
+        let opposite = |g: FaceId| excess[g].signum() == -sign;
+        let ways = routes(topology, mesh, f, f64::INFINITY, open, opposite);
+        let Some(way) = ways.first() else { break };
+        turns.carry(topology, way, sign);
+        excess[f] -= sign;
+        if let Some(to) = way.to {
+            excess[to] += sign;
+        }
+        moved += 1;
+    }
+    moved
+}

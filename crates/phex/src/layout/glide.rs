@@ -1,0 +1,185 @@
+//! Short sequences of turned edges that make panels more regular though their first steps do not.
+//!
+//! A pentagon and a heptagon side by side are a dislocation; turning an edge beside it lets it glide by one panel at no cost.
+//! Gliding into a cone or into its opposite it vanishes. The search is exhaustive up to a few steps round each irregular panel,
+//! on the dual triangulation, where a turn is an edge flip.
+
+use phex_mesh::{FaceId, Topology};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Most steps of a sequence.
+const STEPS: usize = 4;
+/// Rings of panels round an irregular one that a sequence may change.
+const REACH: usize = 4;
+/// Least and largest number of corners on the way.
+const CORNERS: [usize; 2] = [4, 8];
+
+/// Panels on the sides of an edge that turns.
+pub type Sides = [FaceId; 2];
+
+/// Sequences of turns, each of which makes the panels inside more regular; no two of them change the same panel.
+pub fn sequences(topology: &Topology) -> Vec<Vec<Sides>> {
+    let irregular = |f: &FaceId| !topology.is_boundary_face(*f) && topology.valence(*f) != 6;
+    let mut taken = BTreeSet::new();
+    let mut found = Vec::new();
+    for f in topology.faces().filter(irregular) {
+        let mut patch = Patch::around(topology, f, &taken);
+        for steps in 1..=STEPS {
+            let mut path = Vec::new();
+            if patch.search(steps, 0, &mut path) {
+                taken.extend(patch.changed(topology, &path));
+                found.push(path);
+                break;
+            }
+        }
+    }
+    found
+}
+
+/// A piece of the dual triangulation: the neighbours of each panel in the order of its outline.
+struct Patch {
+    ring: BTreeMap<FaceId, Vec<FaceId>>,
+}
+
+impl Patch {
+    /// The panels inside within reach of `centre`, without those in `taken`.
+    fn around(topology: &Topology, centre: FaceId, taken: &BTreeSet<FaceId>) -> Self {
+        let mut ring = BTreeMap::new();
+        let mut front = vec![centre];
+        for _ in 0..=REACH {
+            let mut next = Vec::new();
+            for f in front {
+                let free = !topology.is_boundary_face(f) && !taken.contains(&f);
+                if !free || ring.contains_key(&f) {
+                    continue;
+                }
+                let around: Vec<FaceId> = topology
+                    .face_half_edges(f)
+                    .filter_map(|h| topology.twin(h).map(|t| topology.face(t)))
+                    .collect();
+                next.extend(&around);
+                ring.insert(f, around);
+            }
+            front = next;
+        }
+        Self { ring }
+    }
+
+    fn corners(&self, f: FaceId) -> usize {
+        self.ring[&f].len()
+    }
+
+    fn irregular(&self) -> Vec<FaceId> {
+        let faces = self.ring.keys().copied();
+        faces.filter(|f| self.corners(*f) != 6).collect()
+    }
+
+    /// Looks for a sequence of at most `steps` turns more whose gain, with the `gain` so far, is positive.
+    fn search(&mut self, steps: usize, gain: i32, path: &mut Vec<Sides>) -> bool {
+        if gain > 0 {
+            return true;
+        }
+        if steps == 0 {
+            return false;
+        }
+        for sides in self.candidates() {
+            let Some((ends, change)) = self.turn_at(sides) else {
+                continue;
+            };
+            if gain + change < 0 {
+                continue;
+            }
+            self.turn(sides, ends);
+            path.push(sides);
+            if self.search(steps - 1, gain + change, path) {
+                return true;
+            }
+            path.pop();
+            self.turn(ends, [sides[1], sides[0]]);
+        }
+        false
+    }
+
+    /// Edges whose turn takes a corner from a panel with many or gives one to a panel with few.
+    fn candidates(&self) -> Vec<Sides> {
+        let mut list = Vec::new();
+        for f in self.irregular() {
+            let ring = &self.ring[&f];
+            for (i, &g) in ring.iter().enumerate() {
+                let next = ring[(i + 1) % ring.len()];
+                list.push(if ring.len() > 6 { [f, g] } else { [g, next] });
+            }
+        }
+        list
+    }
+
+    /// The panels at the ends of the edge between two panels, and what its turn gains; `None` if it can't turn.
+    fn turn_at(&self, [a, b]: Sides) -> Option<(Sides, i32)> {
+        let at = |f: FaceId, g: FaceId| self.ring.get(&f)?.iter().position(|x| *x == g);
+        let (i, _) = (at(a, b)?, at(b, a)?);
+        let ring = &self.ring[&a];
+        let n = ring.len();
+        let ends = [ring[(i + n - 1) % n], ring[(i + 1) % n]];
+        let [c, d] = ends;
+        let known = ends.iter().all(|f| self.ring.contains_key(f));
+        if !known || c == d || at(c, d).is_some() {
+            return None;
+        }
+        // Panels that touch twice are left alone.
+        let pairs = [(a, b), (a, c), (a, d), (b, c), (b, d)];
+        let once = |f: FaceId, g: FaceId| self.ring[&f].iter().filter(|x| **x == g).count() == 1;
+        if !pairs.iter().all(|&(f, g)| once(f, g) && once(g, f)) {
+            return None;
+        }
+        let mut gain = 0;
+        for (f, change) in [(a, -1), (b, -1), (ends[0], 1), (ends[1], 1)] {
+            let before = self.corners(f) as i32;
+            let after = before + change;
+            if !(CORNERS[0] as i32..=CORNERS[1] as i32).contains(&after) {
+                return None;
+            }
+            gain += (before - 6).pow(2) - (after - 6).pow(2);
+        }
+        Some((ends, gain))
+    }
+
+    /// Parts `a` and `b` and joins the panels at the ends, of which the first precedes `b` round `a`.
+    fn turn(&mut self, [a, b]: Sides, [c, d]: Sides) {
+        let mut edit = |f: FaceId, change: &mut dyn FnMut(&mut Vec<FaceId>)| {
+            change(self.ring.get_mut(&f).expect("a panel of the patch"));
+        };
+        edit(a, &mut |ring| ring.retain(|x| *x != b));
+        edit(b, &mut |ring| ring.retain(|x| *x != a));
+        edit(c, &mut |ring| insert_after(ring, b, d, a));
+        edit(d, &mut |ring| insert_after(ring, a, c, b));
+    }
+
+    /// Panels whose corners or neighbours a sequence changes.
+    fn changed(&self, topology: &Topology, path: &[Sides]) -> BTreeSet<FaceId> {
+        let before = |f: FaceId| {
+            let around = topology.face_half_edges(f);
+            around.filter_map(|h| topology.twin(h).map(|t| topology.face(t)))
+        };
+        let sides = path.iter().flatten().copied();
+        sides
+            .flat_map(|f| {
+                before(f)
+                    .chain([f])
+                    .chain(self.ring[&f].clone())
+                    .collect::<Vec<_>>()
+            })
+            .collect()
+    }
+}
+
+/// Puts `new` between `first` and `second`, which follow each other in one order or the other.
+fn insert_after(ring: &mut Vec<FaceId>, first: FaceId, new: FaceId, second: FaceId) {
+    let n = ring.len();
+    let i = ring.iter().position(|x| *x == first).expect("a neighbour");
+    let at = if ring[(i + 1) % n] == second {
+        i + 1
+    } else {
+        i
+    };
+    ring.insert(at, new);
+}

@@ -1,0 +1,152 @@
+//! Panels that a cone has cut in two are joined.
+//!
+//! About a cone the lattice's offsets do not close, and the lattice point at its apex may be named twice; its panel then comes
+//! out as two small pentagons side by side with a heptagon at one end. Two neighbouring panels inside that together are about
+//! as large as one should be become one where that makes the panels more regular.
+
+use super::lattice::CELL;
+use super::{Layout, VertexKind};
+use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, VertexId};
+use std::collections::BTreeSet;
+
+/// Largest area of a half, and of both together, over that of a panel of the size wanted there.
+const HALF: f64 = 0.75;
+const BOTH: f64 = 1.3;
+
+/// Joins halves, one pair after the other in the order of their edges.
+pub fn join_halves(mut layout: Layout) -> Layout {
+    while let Some(next) = first_pair(&layout).and_then(|p| joined(&layout, &p)) {
+        layout = next;
+    }
+    layout
+}
+
+/// Two panels, the panels at the ends of their common edge, and that edge's ends.
+struct Pair {
+    halves: [FaceId; 2],
+    at_ends: [FaceId; 2],
+    ends: [VertexId; 2],
+}
+
+fn first_pair(layout: &Layout) -> Option<Pair> {
+    let topology = layout.mesh.topology();
+    let pairs = topology.edges().filter_map(|e| pair(topology, e));
+    let mut better = pairs.filter(|p| gain(topology, p) > 0);
+    better.find(|p| are_halves(layout, p))
+}
+
+fn pair(topology: &Topology, e: EdgeId) -> Option<Pair> {
+    let h = topology.edge_half_edge(e);
+    let back = topology.twin(h)?;
+    let across = |h| topology.twin(h).map(|t| topology.face(t));
+    let at_ends = [across(topology.prev(h))?, across(topology.next(h))?];
+    let halves = [topology.face(h), topology.face(back)];
+    let all: BTreeSet<FaceId> = halves.iter().chain(&at_ends).copied().collect();
+    let inside = all.iter().all(|f| !topology.is_boundary_face(*f));
+    (all.len() == 4 && inside).then_some(Pair {
+        halves,
+        at_ends,
+        ends: topology.edge_vertices(e),
+    })
+}
+
+fn corners(topology: &Topology, faces: [FaceId; 2]) -> [i32; 2] {
+    faces.map(|f| topology.valence(f) as i32)
+}
+
+/// By how much the sum of `(n - 6)^2` falls.
+fn gain(topology: &Topology, pair: &Pair) -> i32 {
+    let irregular = |n: i32| (n - 6).pow(2);
+    let [a, b] = corners(topology, pair.halves);
+    let [c, d] = corners(topology, pair.at_ends);
+    let before = [a, b, c, d].map(irregular).iter().sum::<i32>();
+    let after = [a + b - 4, c - 1, d - 1].map(irregular).iter().sum::<i32>();
+    if c.min(d) > 4 { before - after } else { 0 }
+}
+
+fn are_halves(layout: &Layout, pair: &Pair) -> bool {
+    let [a, b] = pair.halves.map(|f| area(layout, f));
+    a.max(b) < HALF && a + b < BOTH
+}
+
+/// Area of a panel over that of a cell of its size.
+fn area(layout: &Layout, f: FaceId) -> f64 {
+    FlatFace::of(&layout.mesh, f).area() / (CELL * layout.face_length[f].powi(2))
+}
+
+/// The layout with the second half given to the first, whose seed stays.
+fn joined(layout: &Layout, pair: &Pair) -> Option<Layout> {
+    let topology = layout.mesh.topology();
+    let [first, second] = pair.halves;
+    let [u, v] = pair.ends;
+    let mut faces = topology.face_lists();
+    let mut outline = after_edge(topology.face_vertices(first), u, v);
+    outline.extend(after_edge(topology.face_vertices(second), v, u));
+    faces[first.index()] = outline.iter().map(|w| w.index() as u32).collect();
+    let gone = [u, v].map(|w| w.index() as u32);
+    for f in pair.at_ends {
+        faces[f.index()].retain(|w| !gone.contains(w));
+    }
+    faces.remove(second.index());
+    let left = |v: &VertexId| !pair.ends.contains(v);
+    let vertices: Vec<VertexId> = topology.vertices().filter(left).collect();
+    for w in faces.iter_mut().flatten() {
+        *w -= gone.iter().filter(|g| **g < *w).count() as u32;
+    }
+    let kept: Vec<FaceId> = topology.faces().filter(|f| *f != second).collect();
+    let positions = vertices.iter().map(|v| layout.mesh.position(*v)).collect();
+    let kinds: Vec<VertexKind> = vertices.iter().map(|v| layout.vertex_kind[*v]).collect();
+    let mut face_point = layout.face_point.clone();
+    face_point[first] = (face_point[first] + face_point[second]) * 0.5;
+    Some(Layout {
+        mesh: HexMesh::new(positions, &faces).ok()?,
+        vertex_kind: PerVertex::from_vec(kinds),
+        face_point: of_faces(&face_point, &kept),
+        face_normal: of_faces(&layout.face_normal, &kept),
+        face_length: of_faces(&layout.face_length, &kept),
+        face_seed: of_faces(&layout.face_seed, &kept),
+    })
+}
+
+fn of_faces<T: Copy>(values: &PerFace<T>, faces: &[FaceId]) -> PerFace<T> {
+    PerFace::from_vec(faces.iter().map(|f| values[*f]).collect())
+}
+
+/// The corners of an outline behind the edge from `u` to `v`, without its ends.
+fn after_edge(outline: &[VertexId], u: VertexId, v: VertexId) -> Vec<VertexId> {
+    let n = outline.len();
+    let at = (0..n).find(|i| outline[*i] == u && outline[(i + 1) % n] == v);
+    let start = at.map_or(0, |i| i + 2);
+    (0..n - 2).map(|k| outline[(start + k) % n]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::tests::{cut_in_two, lattice_patch};
+
+    /// A panel of a lattice cut in two: its halves are joined, and all is as before.
+    #[test]
+    fn a_panel_cut_in_two_is_whole_again() {
+        let layout = lattice_patch(5);
+        let cut = cut_in_two(&layout, FaceId::new(12));
+        assert_eq!(cut.mesh.topology().n_faces(), 26);
+        let after = join_halves(cut);
+        assert_eq!(after.mesh.topology().n_faces(), 25);
+        let topology = after.mesh.topology();
+        // The patch has rim panels with fewer neighbours, but all are hexagons.
+        assert!(topology.faces().all(|f| topology.valence(f) == 6));
+        assert_eq!(after.vertex_kind.len(), topology.n_vertices());
+    }
+
+    /// Panels of a lattice are no halves.
+    #[test]
+    fn whole_panels_stay() {
+        let layout = lattice_patch(4);
+        let after = join_halves(layout.clone());
+        assert_eq!(
+            after.mesh.topology().face_lists(),
+            layout.mesh.topology().face_lists()
+        );
+    }
+}
