@@ -73,7 +73,10 @@ fn figures(said: &Said) -> String {
         let words = said.row(row).and_then(|r| r.split_whitespace().nth(n));
         words.unwrap_or("?").trim_end_matches(',').to_owned()
     };
-    let invalid = if said.row("simple") == Some("every face") {
+    let invalid = if said
+        .row("simple")
+        .is_some_and(|row| row.starts_with("every face"))
+    {
         "0".to_owned()
     } else {
         format!("**{}**", word("simple", 0))
