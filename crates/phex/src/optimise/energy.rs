@@ -5,6 +5,7 @@
 use super::barrier::{self, Barrier};
 use super::closeness::{ClosenessWeights, Feet, Reference};
 use super::guard::{Armed, Guard};
+use super::guarded::GuardedSteps;
 use super::holds::{Holds, restrict};
 use super::panels::{Panels, Shape, add_block};
 use super::planarity::{self, ConstraintBases};
@@ -317,12 +318,9 @@ pub(super) struct PlanarityConstraints<'a> {
     setting: &'a Setting<'a>,
     assembly: &'a Assembly,
     bases: ConstraintBases,
-    armed: Armed,
-    linearised: Shape,
+    steps: GuardedSteps<'a>,
     /// Where held vertices can move to.
     freedoms: BTreeMap<u32, Matrix3<f64>>,
-    trial: Shape,
-    corner_motion: Vec<Vec2>,
     blocks: Vec<f64>,
 }
 
@@ -335,16 +333,10 @@ impl<'a> PlanarityConstraints<'a> {
         least_clearance: f64,
     ) -> Self {
         let panels = setting.panels;
-        let shape = Shape::at(panels, start);
-        let mut armed = setting.guard.arm(panels, &shape, start);
-        armed.keep_clear(panels, &shape, least_clearance);
         Self {
             bases: ConstraintBases::new(panels),
-            armed,
-            trial: shape.clone(),
-            linearised: shape,
+            steps: GuardedSteps::new(setting, start, least_clearance),
             freedoms: BTreeMap::new(),
-            corner_motion: vec![Vec2::zeros(); panels.n_corners()],
             blocks: vec![0.0; assembly.n_block_entries()],
             setting,
             assembly,
@@ -380,13 +372,13 @@ impl<'a> PlanarityConstraints<'a> {
         let mut at = range.start;
         for (m, &c) in corners.iter().enumerate() {
             let f = panels.face_of(c);
-            let normal = self.linearised.normal(f);
+            let normal = self.steps.linearised.normal(f);
             let normal = freedom.map_or(normal, |t| t * normal);
             for a in 0..panels.valence(f) - 3 {
                 let entry = self.basis_entry(c, a);
                 for (l, &d) in corners[..=m].iter().enumerate() {
                     let g = panels.face_of(d);
-                    let normals = normal.dot(&self.linearised.normal(g));
+                    let normals = normal.dot(&self.steps.linearised.normal(g));
                     let last = if l == m { a + 1 } else { panels.valence(g) - 3 };
                     for b in 0..last {
                         self.blocks[at] = entry * self.basis_entry(d, b) * normals;
@@ -401,11 +393,11 @@ impl<'a> PlanarityConstraints<'a> {
 impl Constraints for PlanarityConstraints<'_> {
     fn linearise(&mut self, x: &[f64], values: &mut [f64], normal: &mut SymmetricMatrix) {
         let panels = self.setting.panels;
-        self.linearised.update(panels, x);
+        self.steps.linearised.update(panels, x);
         self.freedoms = self.setting.holds.freedoms(x).collect();
-        self.bases.update(panels, &self.linearised);
+        self.bases.update(panels, &self.steps.linearised);
         for f in 0..panels.n_faces() {
-            let corners = self.linearised.face(panels, f);
+            let corners = self.steps.linearised.face(panels, f);
             for (a, i) in self.bases.of_face(f).enumerate() {
                 let row = self.bases.row(f, a, corners.len()).iter();
                 values[i] = row.zip(corners).map(|(q, c)| q * c.height).sum();
@@ -425,7 +417,7 @@ impl Constraints for PlanarityConstraints<'_> {
                 let along: f64 = constraints
                     .map(|(a, i)| self.basis_entry(c, a) * y[i])
                     .sum();
-                sum += self.linearised.normal(f) * along;
+                sum += self.steps.linearised.normal(f) * along;
             }
             if let Some(freedom) = self.freedoms.get(&(v as u32)) {
                 sum = freedom * sum;
@@ -435,21 +427,15 @@ impl Constraints for PlanarityConstraints<'_> {
     }
 
     fn step_bound(&mut self, _x: &[f64], step: &[f64]) -> f64 {
-        const LONGEST: f64 = 0.3;
-        let motion = &mut self.corner_motion;
-        let bound = collision_bound(self.setting, &self.armed, &self.linearised, step, motion);
-        bound.min(LONGEST / self.step_length(step).max(f64::MIN_POSITIVE))
+        self.steps.bound(step)
     }
 
     fn admissible(&mut self, x: &[f64]) -> Option<f64> {
-        let (setting, panels) = (self.setting, self.setting.panels);
-        self.trial.update(panels, x);
-        let held = setting.guard.holds(&self.armed, panels, &self.trial, x);
-        held.then(|| self.trial.max_height() / setting.mean_edge)
+        self.steps.admits(x).then(|| self.steps.planarity())
     }
 
     fn step_length(&self, step: &[f64]) -> f64 {
-        longest(step) / self.setting.mean_edge
+        self.steps.length(step)
     }
 
     fn retract(&self, x: &mut [f64]) {

@@ -14,17 +14,14 @@
 //! path is taken instead.
 
 use super::closeness::{ClosenessWeights, Feet};
-use super::energy::{Setting, collision_bound, longest};
-use super::guard::Armed;
+use super::energy::Setting;
+use super::guarded::GuardedSteps;
 use super::jacobian::Jacobian;
 use super::options::OptimiseOptions;
 use super::panels::{Shape, point};
 use nalgebra::Matrix3;
-use phex_mesh::{Vec2, Vec3};
+use phex_mesh::Vec3;
 use phex_numeric::{Assembly, SchurProblem, SymmetricMatrix};
-
-/// Longest step, in mean edges.
-const LONGEST: f64 = 0.3;
 
 /// Closeness under planarity, as a problem for `phex_numeric::SchurSqp`.
 pub(super) struct NearlyPlanar<'a> {
@@ -36,10 +33,7 @@ pub(super) struct NearlyPlanar<'a> {
     /// What vertices are to keep from the surface.
     shift: Vec<Vec3>,
     feet: Feet,
-    armed: Armed,
-    linearised: Shape,
-    trial: Shape,
-    corner_motion: Vec<Vec2>,
+    steps: GuardedSteps<'a>,
 }
 
 impl<'a> NearlyPlanar<'a> {
@@ -59,18 +53,13 @@ impl<'a> NearlyPlanar<'a> {
             centre: options.centre_closeness,
             rim: options.boundary_closeness,
         };
-        let mut armed = setting.guard.arm(panels, &shape, start);
         let least = options.clearance_margin * setting.mean_edge;
-        armed.keep_clear(panels, &shape, least);
         Self {
             shift: shifts(setting, &feet, &weights),
             jacobian: Jacobian::new(panels, assembly),
             hold: options.vertex_closeness,
             anchor: start.to_vec(),
-            armed,
-            trial: shape.clone(),
-            linearised: shape,
-            corner_motion: vec![Vec2::zeros(); panels.n_corners()],
+            steps: GuardedSteps::new(setting, start, least),
             weights,
             feet,
             setting,
@@ -79,7 +68,7 @@ impl<'a> NearlyPlanar<'a> {
 
     /// Planarity of the start, in mean edges.
     pub fn planarity(&self) -> f64 {
-        self.trial.max_height() / self.setting.mean_edge
+        self.steps.planarity()
     }
 
     /// Metric and free step.
@@ -130,11 +119,11 @@ impl SchurProblem for NearlyPlanar<'_> {
         schur: &mut SymmetricMatrix,
     ) {
         let setting = self.setting;
-        std::mem::swap(&mut self.linearised, &mut self.trial);
+        std::mem::swap(&mut self.steps.linearised, &mut self.steps.trial);
         self.feet
-            .update(setting.reference, &self.linearised, x, setting.rim);
+            .update(setting.reference, &self.steps.linearised, x, setting.rim);
         self.weigh(x, free);
-        self.jacobian.linearise(&self.linearised, values);
+        self.jacobian.linearise(&self.steps.linearised, values);
         self.jacobian.normal_matrix(schur);
     }
 
@@ -147,19 +136,14 @@ impl SchurProblem for NearlyPlanar<'_> {
     }
 
     fn step_bound(&mut self, step: &[f64]) -> f64 {
-        let motion = &mut self.corner_motion;
-        let bound = collision_bound(self.setting, &self.armed, &self.linearised, step, motion);
-        bound.min(LONGEST / self.step_length(step).max(f64::MIN_POSITIVE))
+        self.steps.bound(step)
     }
 
     fn admissible(&mut self, x: &[f64]) -> Option<f64> {
-        let (setting, panels) = (self.setting, self.setting.panels);
-        self.trial.update(panels, x);
-        let held = setting.guard.holds(&self.armed, panels, &self.trial, x);
-        held.then(|| self.trial.max_height() / setting.mean_edge)
+        self.steps.admits(x).then(|| self.steps.planarity())
     }
 
     fn step_length(&self, step: &[f64]) -> f64 {
-        longest(step) / self.setting.mean_edge
+        self.steps.length(step)
     }
 }

@@ -50,6 +50,7 @@ mod energy;
 mod fairness;
 mod fast;
 mod guard;
+mod guarded;
 mod holds;
 mod inspect;
 mod jacobian;

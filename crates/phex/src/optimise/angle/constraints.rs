@@ -1,7 +1,7 @@
 //! The `4 F` constraints: planarity of every panel, and the alternating sum of the angles of even ones.
 
-use crate::optimise::energy::{Setting, collision_bound};
-use crate::optimise::guard::Armed;
+use crate::optimise::energy::Setting;
+use crate::optimise::guarded::GuardedSteps;
 use crate::optimise::panels::{Corner, FaceFrame, Panels, Shape, point};
 use crate::optimise::planarity::ConstraintBases;
 use nalgebra::Matrix3;
@@ -23,10 +23,7 @@ pub(super) struct AngleConstraints<'a> {
     rows: Vec<Vec3>,
     /// Alternating sum of angles that an even face is to have.
     branch: Vec<Option<f64>>,
-    armed: Armed,
-    linearised: Shape,
-    trial: Shape,
-    corner_motion: Vec<Vec2>,
+    steps: GuardedSteps<'a>,
     blocks: Vec<f64>,
 }
 
@@ -94,9 +91,7 @@ impl<'a> AngleConstraints<'a> {
         least: f64,
     ) -> Self {
         let panels = setting.panels;
-        let shape = Shape::at(panels, x);
-        let mut armed = setting.guard.arm(panels, &shape, x);
-        armed.keep_clear(panels, &shape, least);
+        let steps = GuardedSteps::new(setting, x, least);
         let start = constraint_starts(panels);
         let mut row_start = vec![0];
         for f in 0..panels.n_faces() {
@@ -104,7 +99,8 @@ impl<'a> AngleConstraints<'a> {
         }
         let branch = |f: usize| {
             let nearest = |sum: f64| (sum / TAU).round() * TAU;
-            has_angle(panels.valence(f)).then(|| nearest(alternating_sum(shape.face(panels, f))))
+            has_angle(panels.valence(f))
+                .then(|| nearest(alternating_sum(steps.trial.face(panels, f))))
         };
         Self {
             bases: ConstraintBases::new(panels),
@@ -112,10 +108,7 @@ impl<'a> AngleConstraints<'a> {
             start,
             row_start,
             branch: (0..panels.n_faces()).map(branch).collect(),
-            armed,
-            trial: shape.clone(),
-            linearised: shape,
-            corner_motion: vec![Vec2::zeros(); panels.n_corners()],
+            steps,
             blocks: vec![0.0; assembly.n_block_entries()],
             setting,
             assembly,
@@ -136,8 +129,8 @@ impl<'a> AngleConstraints<'a> {
 
     /// Largest defect of the condition at `x`, in radians.
     pub(super) fn defect(&mut self, x: &[f64]) -> f64 {
-        self.trial.update(self.setting.panels, x);
-        0.5 * self.largest_angle(&self.trial)
+        self.steps.trial.update(self.setting.panels, x);
+        0.5 * self.largest_angle(&self.steps.trial)
     }
 
     fn unit(&self) -> f64 {
@@ -146,10 +139,13 @@ impl<'a> AngleConstraints<'a> {
 
     pub(super) fn update_rows(&mut self, x: &[f64]) {
         let (panels, unit) = (self.setting.panels, self.unit());
-        self.linearised.update(panels, x);
-        self.bases.update(panels, &self.linearised);
+        self.steps.linearised.update(panels, x);
+        self.bases.update(panels, &self.steps.linearised);
         for f in 0..panels.n_faces() {
-            let (frame, corners) = (&self.linearised.frames[f], self.linearised.face(panels, f));
+            let (frame, corners) = (
+                &self.steps.linearised.frames[f],
+                self.steps.linearised.face(panels, f),
+            );
             let (k, m) = (corners.len(), self.start[f + 1] - self.start[f]);
             for i in 0..k {
                 let rows = &mut self.rows[self.row_start[f] + i * m..][..m];
@@ -222,7 +218,7 @@ impl Constraints for AngleConstraints<'_> {
         self.update_rows(x);
         let panels = self.setting.panels;
         for f in 0..panels.n_faces() {
-            let corners = self.linearised.face(panels, f);
+            let corners = self.steps.linearised.face(panels, f);
             for (a, value) in values[self.start[f]..self.start[f + 1]]
                 .iter_mut()
                 .enumerate()
@@ -231,7 +227,7 @@ impl Constraints for AngleConstraints<'_> {
                     let row = self.bases.row(f, a, corners.len()).iter();
                     row.zip(corners).map(|(q, c)| q * c.height).sum()
                 } else {
-                    self.unit() * self.angle_residual(&self.linearised, f)
+                    self.unit() * self.angle_residual(&self.steps.linearised, f)
                 };
             }
         }
@@ -255,22 +251,16 @@ impl Constraints for AngleConstraints<'_> {
     }
 
     fn step_bound(&mut self, _x: &[f64], step: &[f64]) -> f64 {
-        const LONGEST: f64 = 0.3;
-        let motion = &mut self.corner_motion;
-        let bound = collision_bound(self.setting, &self.armed, &self.linearised, step, motion);
-        bound.min(LONGEST / self.step_length(step).max(f64::MIN_POSITIVE))
+        self.steps.bound(step)
     }
 
     fn admissible(&mut self, x: &[f64]) -> Option<f64> {
-        let (setting, panels) = (self.setting, self.setting.panels);
-        self.trial.update(panels, x);
-        let held = setting.guard.holds(&self.armed, panels, &self.trial, x);
-        let planarity = self.trial.max_height() / setting.mean_edge;
-        held.then(|| planarity.max(0.5 * self.largest_angle(&self.trial)))
+        let held = self.steps.admits(x);
+        let angle = || 0.5 * self.largest_angle(&self.steps.trial);
+        held.then(|| self.steps.planarity().max(angle()))
     }
 
     fn step_length(&self, step: &[f64]) -> f64 {
-        let squares = step.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum());
-        squares.fold(0.0, f64::max).sqrt() / self.setting.mean_edge
+        self.steps.length(step)
     }
 }
