@@ -8,6 +8,7 @@ use anyhow::Context;
 use phex::directions::network::Curve;
 use phex::report::RunReport;
 use phex::{Event, MeshOptions, PanelSize, Progress};
+use phex_fab::PanelIds;
 use phex_html::{CurveFamily, Report, Viewer, page};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use std::path::Path;
@@ -60,11 +61,13 @@ pub fn write(path: &Path, shown: &Shown<'_>, report: &RunReport) -> Result<(), F
     let named = named.or(report.inputs.first().map(|input| input.path.as_str()));
     let title = Path::new(named.unwrap_or("mesh")).file_name();
     let title = title.map_or_else(|| "mesh".into(), |name| name.to_string_lossy());
+    let names = names(shown.mesh);
     let content = Report {
         title: &title,
         command: &typed_command(),
         run: report,
         mesh: shown.mesh,
+        names: Some(&names),
         surface: shown.surface,
         start: shown.start,
         curves: &curves,
@@ -72,6 +75,19 @@ pub fn write(path: &Path, shown: &Shown<'_>, report: &RunReport) -> Result<(), F
     };
     let html = page(&content, Viewer::embedded()).context("the HTML report")?;
     write_text(path, &html)
+}
+
+/// A line for the table where the report has no interactive view; else nothing.
+pub fn without_view() -> Option<&'static str> {
+    let reason = "pictures and tables only: the program was built without npm, which makes the interactive view";
+    Viewer::embedded().is_none().then_some(reason)
+}
+
+/// The names that `phex fab` gives the panels.
+fn names(mesh: &HexMesh) -> Vec<String> {
+    let ids = PanelIds::new(mesh);
+    let faces = mesh.topology().faces();
+    faces.map(|face| ids.panel(face).to_owned()).collect()
 }
 
 /// The conjugate curves of the surface, or why there are none.

@@ -129,6 +129,7 @@ fn sentence(event: &Event) -> String {
         } => {
             format!("{stage}: {iteration} of at most {limit}, residual {residual:.1e}")
         }
+        Event::Counted { stage, done, total } => format!("{stage}: {done} of {total}"),
         Event::Note { message } => message.clone(),
     }
 }

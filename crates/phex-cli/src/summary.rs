@@ -1,5 +1,6 @@
 //! The short table on standard output.
 
+use crate::html;
 use crate::units::Unit;
 use phex::report::maps::FeatureSizes;
 use phex::report::{Assessment, Check, ElementKind, RunReport, Verdict};
@@ -79,14 +80,23 @@ pub fn of_features(
 /// The files that were written, or why the mesh was not.
 pub fn of_outputs(report: &RunReport) -> String {
     let mut table = Table::default();
-    for output in &report.outputs {
-        table.row("written", &output.path);
-    }
     if !report.outputs.iter().any(|output| output.content == "mesh") {
         table.row(
             "NOT WRITTEN",
             "the mesh, since it is not valid (--keep-invalid writes it)",
         );
+    }
+    of_files(report) + &table.into_text()
+}
+
+/// The files that were written.
+pub fn of_files(report: &RunReport) -> String {
+    let mut table = Table::default();
+    for output in &report.outputs {
+        table.row("written", &output.path);
+        if let Some(note) = html::without_view().filter(|_| output.content == "report") {
+            table.row("", note);
+        }
     }
     table.into_text()
 }

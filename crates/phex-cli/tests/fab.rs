@@ -33,7 +33,8 @@ fn a_honeycomb_is_named_by_rows_and_is_one_panel_twelve_times() {
     let shop = with_honeycomb();
     let run = shop.succeed("fab m.obj --thickness 10mm --planarity 1e-9 -o out");
     assert!(
-        run.stdout.contains("12, 1 distinct (named by rows)"),
+        run.stdout
+            .contains("12, 1 distinct (named by rows, A1 to C4), "),
         "{}",
         run.stdout
     );
@@ -50,9 +51,11 @@ fn a_honeycomb_is_named_by_rows_and_is_one_panel_twelve_times() {
     let drawing = String::from_utf8(shop.read("out/sheets/sheet-01.dxf")).unwrap();
     assert_eq!(drawing.matches("POLYLINE\n8\nCUT\n").count(), 12);
     let first = shop.read("out/schedules.xlsx");
-    shop.succeed(
-        "fab m.obj --thickness 10mm --planarity 1e-9 -o out -t 1 --keep-ids out/panels.csv",
+    let again = shop.succeed(
+        "fab m.obj --thickness 10mm --planarity 1e-9 -o out -t 1 --keep-ids out/panels.csv --progress json",
     );
+    let counted = r#"{"event":"counted","stage":"panels on sheets","done":12,"total":12}"#;
+    assert!(again.stderr.contains(counted), "{}", again.stderr);
     assert_eq!(
         shop.read("out/schedules.xlsx"),
         first,

@@ -62,6 +62,9 @@ pub enum FabError {
         /// What it says.
         cause: String,
     },
+    /// The caller wanted the run to end.
+    #[error("cancelled")]
+    Cancelled,
     /// A file's content can't be made.
     #[error("{name}: {cause}")]
     Content {

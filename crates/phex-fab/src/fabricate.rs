@@ -7,6 +7,7 @@ use crate::labels::{self, PanelText, SideText};
 use crate::nest::{Placement, SheetLayout, nest};
 use crate::options::FabOptions;
 use crate::plate::{Plate, PlateSide};
+use phex::Progress;
 use phex::parallel_mesh::{
     GaussImage, OffsetError, OffsetOptions, PanelSolid, face_gauss_image, layer, panel_solids,
     safe_distances,
@@ -111,11 +112,12 @@ pub fn valid_mesh(
 ///
 /// # Errors
 /// If an option is out of range, the thickness goes past the safe offset, the gap eats up a panel, or a panel does not fit
-/// on a sheet; panels are named.
+/// on a sheet; panels are named. Also if `progress` cancels.
 pub fn fabricate(
     mesh: ValidHexMesh,
     ids: PanelIds,
     options: FabOptions,
+    progress: &dyn Progress,
 ) -> Result<Fabrication, FabError> {
     check(&options)?;
     let solids = solids(&mesh, &ids, &options)?;
@@ -124,7 +126,7 @@ pub fn fabricate(
         .map(|s| Plate::new(&mesh, s, options.unit_mm))
         .collect();
     let name = |k: usize| ids.panel(plates[k].face).to_owned();
-    let sheets = nest(&plates, &options, name)?;
+    let sheets = nest(&plates, &options, name, progress)?;
     let texts = plates
         .par_iter()
         .map(|plate| texts(plate, &ids, options.text_mm))

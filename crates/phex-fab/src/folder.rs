@@ -13,6 +13,7 @@
 use crate::drawing::{dxf, sheet, svg};
 use crate::error::FabError;
 use crate::fabricate::Fabrication;
+use crate::plate::Plate;
 use crate::schedule::{csv, tables, xlsx};
 use phex::parallel_mesh::joined;
 use phex_mesh::io::{
@@ -120,6 +121,7 @@ pub fn summary(fabrication: &Fabrication) -> Value {
         "options": fabrication.options,
         "rows": fabrication.ids.has_rows(),
         "panels": topology.n_faces(),
+        "area_m2": 1e-6 * fabrication.plates.iter().map(Plate::area).sum::<f64>(),
         "edges": topology.n_edges(),
         "nodes": topology.n_vertices(),
         "sheets": fabrication.sheets.len(),

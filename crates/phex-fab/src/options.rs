@@ -56,7 +56,8 @@ pub struct FabOptions {
     pub spacing_mm: f64,
     /// How panels may be turned.
     pub rotations: Rotations,
-    /// How many rounds of exchanges make each sheet fuller; time grows in proportion, the sheets' use slowly. 0: none. Default 60.
+    /// How many rounds of exchanges make each sheet fuller, fewer in proportion where more than 20 panels are on it; time grows
+    /// in proportion, the sheets' use slowly. 0: none. Default 60.
     pub nest_effort: u32,
     /// Largest distance of corners up to which panels are congruent, and largest spread of one length of edges, in mm.
     /// Default 1.

@@ -4,10 +4,11 @@
 //! a face, +3 to its twin. The directions are carried from face to face; crossing direction 0 is a step `(1, 0)` in lattice
 //! coordinates, 1 is `(0, 1)`, 2 is `(-1, 1)` and the others are their opposites. The faces have rows of family `k`
 //! (along direction `k`) if this contradicts itself nowhere: every inner face is a hexagon, and the coordinate across the
-//! rows closes round every hole. Faces on the boundary may have any number of corners.
+//! rows closes round every hole, or misses by multiples of one number, as round the tube of a torus: then that is the number
+//! of rows. Faces on the boundary may have any number of corners.
 //!
 //! Of the families that exist the one whose rows run most level and straight is taken (in a level mesh the one nearest to the x axis). Rows are counted upwards (in y
-//! where the mesh is level), the panels of a row towards positive x; closed rings start at the most negative x.
+//! where the mesh is level; from the lowest where they close to a ring), the panels of a row towards positive x; closed rings start at the most negative x.
 
 use phex_mesh::{FaceId, HalfEdgeId, HexMesh, PerFace, PerHalfEdge, Vec3};
 use std::collections::VecDeque;
@@ -22,10 +23,17 @@ const LEVEL_TIE: f64 = 1e-3;
 /// Scores closer than this are equal.
 const SAME_SCORE: f64 = 1e-6;
 
+/// Least number of rows one after the other in a ring: fewer would be spirals.
+const LEAST_ROWS: i64 = 3;
+
 /// Row and place in the row of each face, from 0; `None` where there are no rows.
 pub fn rows(mesh: &HexMesh) -> Option<PerFace<[usize; 2]>> {
     let lattice = Lattice::of(mesh)?;
-    let families = (0..3).filter(|&k| lattice.closes(mesh, ACROSS[k]));
+    let separate = |&k: &usize| {
+        let period = lattice.period(mesh, ACROSS[k]);
+        period == 0 || period >= LEAST_ROWS
+    };
+    let families = (0..3).filter(separate);
     let scored = families.map(|k| (k, lattice.score(mesh, k)));
     let better = |a: (usize, f64), b: (usize, f64)| if b.1 < a.1 - SAME_SCORE { b } else { a };
     let (family, _) = scored.reduce(better)?;
@@ -117,16 +125,16 @@ impl Lattice {
             .filter_map(|h| Some((h, topology.twin(h)?)))
     }
 
-    /// Whether a linear function of the coordinates changes across every edge as its direction says.
-    fn closes(&self, mesh: &HexMesh, factors: [i64; 2]) -> bool {
+    /// The number up to whose multiples a linear function of the coordinates changes across every edge as its direction
+    /// says; 0 if it does so exactly.
+    fn period(&self, mesh: &HexMesh, factors: [i64; 2]) -> i64 {
         let topology = mesh.topology();
-        self.steps(mesh).all(|(h, twin)| {
-            let Some(direction) = self.direction[h] else {
-                return true;
-            };
+        let miss = |(h, twin): (HalfEdgeId, HalfEdgeId)| {
+            let step = STEPS[usize::from(self.direction[h]?)];
             let [from, to] = [h, twin].map(|h| self.coordinates[topology.face(h)]);
-            dot(factors, to) - dot(factors, from) == dot(factors, STEPS[usize::from(direction)])
-        })
+            Some(dot(factors, to) - dot(factors, from) - dot(factors, step))
+        };
+        self.steps(mesh).filter_map(miss).fold(0, divisor)
     }
 
     /// Pairs of neighbours in rows of a family, in its direction.
@@ -160,11 +168,22 @@ impl Lattice {
 
     fn numbered(&self, mesh: &HexMesh, family: usize) -> PerFace<[usize; 2]> {
         let topology = mesh.topology();
-        let across = |f: FaceId| dot(ACROSS[family], self.coordinates[f]);
+        let across = self.row_levels(mesh, family);
+        let across = |f: FaceId| across[f];
         let up = ascending(mesh, topology.faces().map(|f| (f, across(f))), [2, 1, 0]);
         let mut levels: Vec<i64> = topology.faces().map(|f| up * across(f)).collect();
         levels.sort_unstable();
         levels.dedup();
+        if self.period(mesh, ACROSS[family]) > 0 {
+            let height = |level: i64| {
+                let faces = topology.faces().filter(|&f| up * across(f) == level);
+                let heights: Vec<f64> = faces.map(|f| mesh.centre(f).z).collect();
+                heights.iter().sum::<f64>() / heights.len() as f64
+            };
+            let lowest =
+                (0..levels.len()).min_by(|&a, &b| height(levels[a]).total_cmp(&height(levels[b])));
+            levels.rotate_left(lowest.unwrap_or(0));
+        }
         let mut numbers = PerFace::filled(topology.n_faces(), [0, 0]);
         for (row, &level) in levels.iter().enumerate() {
             let faces: Vec<FaceId> = topology
@@ -178,9 +197,18 @@ impl Lattice {
         numbers
     }
 
+    /// The coordinate across the rows of each face.
+    fn row_levels(&self, mesh: &HexMesh, family: usize) -> PerFace<i64> {
+        let period = self.period(mesh, ACROSS[family]);
+        self.coordinates.map(|&c| match dot(ACROSS[family], c) {
+            level if period == 0 => level,
+            level => level.rem_euclid(period),
+        })
+    }
+
     /// The faces of one row, along it.
     fn ordered(&self, mesh: &HexMesh, family: usize, mut faces: Vec<FaceId>) -> Vec<FaceId> {
-        if self.closes(mesh, ALONG[family]) {
+        if self.period(mesh, ALONG[family]) == 0 {
             let along = |f: FaceId| dot(ALONG[family], self.coordinates[f]);
             let all = mesh.topology().faces().map(|f| (f, along(f)));
             let right = ascending(mesh, all, [0, 1, 2]);
@@ -235,6 +263,11 @@ fn add(a: [i64; 2], b: [i64; 2]) -> [i64; 2] {
     [a[0] + b[0], a[1] + b[1]]
 }
 
+/// Greatest common divisor, at least 0.
+fn divisor(a: i64, b: i64) -> i64 {
+    if b == 0 { a.abs() } else { divisor(b, a % b) }
+}
+
 fn dot(a: [i64; 2], b: [i64; 2]) -> i64 {
     a[0] * b[0] + a[1] * b[1]
 }
@@ -261,6 +294,66 @@ mod tests {
         for f in mesh.topology().faces() {
             assert_eq!(rows[f], [2 - f.index() / 4, f.index() % 4]);
         }
+    }
+
+    /// Hexagons on a torus, `rows` of them round the tube; `shift` of them are skipped after one turn round the axis.
+    fn torus(columns: usize, rows: usize, shift: usize) -> HexMesh {
+        let wrapped = |i: isize, j: isize| {
+            let (turn, i) = (
+                i.div_euclid(columns as isize),
+                i.rem_euclid(columns as isize),
+            );
+            let j = (j - turn * shift as isize).rem_euclid(rows as isize);
+            (i as usize * rows + j as usize) as u32
+        };
+        let (up, down) = (|i, j| 2 * wrapped(i, j), |i, j| 2 * wrapped(i, j) + 1);
+        let cells = (0..columns as isize).flat_map(|i| (0..rows as isize).map(move |j| (i, j)));
+        let face = |(i, j): (isize, isize)| {
+            [
+                up(i, j),
+                down(i - 1, j),
+                up(i - 1, j),
+                down(i - 1, j - 1),
+                up(i, j - 1),
+                down(i, j - 1),
+            ]
+        };
+        let faces: Vec<[u32; 6]> = cells.map(face).collect();
+        let at = |k: usize| {
+            let (u, v) = (
+                (k / 2 / rows) as f64,
+                (k / 2 % rows) as f64 + 0.4 * (k % 2) as f64,
+            );
+            let (u, v) =
+                ([u / columns as f64, v / rows as f64].map(|t| t * std::f64::consts::TAU)).into();
+            let radius = 3.0 + f64::cos(v);
+            Vec3::new(radius * f64::cos(u), radius * f64::sin(u), f64::sin(v))
+        };
+        let positions = (0..2 * rows * columns).map(at).collect();
+        HexMesh::new(positions, &faces).unwrap()
+    }
+
+    #[test]
+    fn rows_close_to_rings_on_a_torus() {
+        let mesh = torus(12, 7, 0);
+        let rows = rows(&mesh).unwrap();
+        for f in mesh.topology().faces() {
+            let (ring, face) = (f.index() % 7, |k: usize| FaceId::new(k as u32));
+            assert_eq!(rows[f][0], rows[face(ring)][0], "one ring");
+            let next = rows[face((ring + 1) % 7)][0];
+            let apart = next.abs_diff(rows[f][0]);
+            assert!(apart == 1 || apart == 6, "rings {ring} and the next");
+        }
+        let low = mesh.topology().faces().filter(|&f| rows[f][0] == 0);
+        let low: Vec<FaceId> = low.collect();
+        assert!(low.iter().all(|&f| mesh.centre(f).z < -0.8));
+        let mut places: Vec<usize> = low.iter().map(|&f| rows[f][1]).collect();
+        places.sort_unstable();
+        assert_eq!(places, (0..12).collect::<Vec<_>>());
+        // Of one family one row would wind round the axis seven times; the rows of another close.
+        let rows = super::rows(&torus(13, 7, 1)).unwrap();
+        let last = |k: usize| rows.iter().map(|r| r[k]).max();
+        assert_eq!([last(0), last(1)], [Some(6), Some(12)]);
     }
 
     #[test]

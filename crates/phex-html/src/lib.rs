@@ -36,6 +36,8 @@ pub struct Report<'a> {
     pub run: &'a RunReport,
     /// The panels.
     pub mesh: &'a HexMesh,
+    /// Names of the panels, as in the workshop files; without them they have their numbers.
+    pub names: Option<&'a [String]>,
     /// The surface that they stand for.
     pub surface: Option<&'a TriangleSurface>,
     /// The mesh before the last step, for comparison.
@@ -44,6 +46,14 @@ pub struct Report<'a> {
     pub curves: &'a [CurveFamily],
     /// Why there are no curves.
     pub no_curves: Option<&'a str>,
+}
+
+impl Report<'_> {
+    /// Name of a panel.
+    fn panel(&self, face: usize) -> String {
+        self.names
+            .map_or_else(|| face.to_string(), |names| names[face].clone())
+    }
 }
 
 /// Curves that belong together.

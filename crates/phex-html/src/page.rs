@@ -215,7 +215,12 @@ fn offender_list(report: &Report<'_>) -> String {
         .iter()
         .map(|o| {
             let class = if o.loud { "loud" } else { "warn" };
-            format!("<li class=\"{class}\">{}</li>\n", escaped(&o.text))
+            let name = report.panel(o.faces[0]);
+            format!(
+                "<li class=\"{class}\">Panel {}: {}</li>\n",
+                escaped(&name),
+                escaped(&o.text)
+            )
         })
         .collect();
     let more = if list.len() == MOST_OFFENDERS {

@@ -53,6 +53,7 @@ fn made(mesh: &HexMesh, viewer: Option<Viewer>) -> String {
         command: "phex report '</script><b>'",
         run: &run,
         mesh,
+        names: None,
         surface: None,
         start: None,
         curves: &[],
@@ -199,6 +200,7 @@ fn layers_are_there_when_they_are_given() {
     let surface = TriangleSurface::new(mesh.positions.as_slice().to_vec(), &triangles).unwrap();
     let run = run(&mesh, Some(&surface));
     let start = corner(1.2).to_soup();
+    let names = ["A1", "A2", "B1"].map(str::to_owned);
     let curves = [CurveFamily {
         name: "rows".to_owned(),
         curves: vec![vec![Vec3::zeros(), Vec3::x()], vec![Vec3::y(); 3]],
@@ -208,12 +210,14 @@ fn layers_are_there_when_they_are_given() {
         command: "phex",
         run: &run,
         mesh: &mesh,
+        names: Some(&names),
         surface: Some(&surface),
         start: Some(&start),
         curves: &curves,
         no_curves: None,
     };
     let packed = data(&page(&report, Some(Viewer::from_script(VIEWER))).unwrap());
+    assert_eq!(packed["names"], serde_json::json!(names));
     assert_eq!(floats(&packed["surface"]["positions"]).len(), 21);
     assert_eq!(floats(&packed["curves"][0]["points"]).len(), 15);
     assert_eq!(floats(&packed["start"]["planarity"]).len(), 3);

@@ -27,6 +27,15 @@ pub enum Event {
         /// What is driven to zero (planarity in mean edges, say).
         residual: f64,
     },
+    /// A part of the work is done.
+    Counted {
+        /// Name of the stage.
+        stage: &'static str,
+        /// How many are done.
+        done: usize,
+        /// How many there are.
+        total: usize,
+    },
     /// Something that the user should know.
     Note {
         /// The message.

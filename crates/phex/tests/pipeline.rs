@@ -212,6 +212,7 @@ fn a_run_can_be_repeated_and_watched() {
                 ..
             } => assert!(open == Some(*stage) && (1..=*limit).contains(iteration)),
             Event::Note { message } => assert!(!message.is_empty()),
+            Event::Counted { done, total, .. } => assert!(done <= total),
         }
     }
     let flow = [

@@ -3,7 +3,7 @@
 import { Box3, BufferAttribute, type Object3D, Sphere, Vector3 } from "three";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { colour } from "./colours";
-import { faceCorners, faceCount, floats, mesh, numbers, type Packed, type PackedMap } from "./data";
+import { faceCorners, faceCount, floats, mesh, numbers, panelName, type Packed, type PackedMap } from "./data";
 import { button, figure, h } from "./dom";
 import { curvesLayer, GaussImage, Offset, Start, surfaceLayer } from "./layers";
 import { counted, legend } from "./legend";
@@ -19,6 +19,8 @@ const LOUD = 0xd4006a;
 const CLICK = 5;
 /** As many offenders as a report lists. */
 const MOST_OFFENDERS = 500;
+/** How far lines on the surface are drawn before it, in mean edges. */
+const LIFT = 0.3;
 /** How far round a panel is seen that is zoomed to, in its radii. */
 const CLOSE_UP = 5;
 
@@ -38,6 +40,7 @@ export class App {
   private gauss: GaussImage | null = null;
   private current: Facts["maps"][number];
   private shownMesh = "after";
+  private readonly onSurface: Object3D[] = [];
 
   constructor(
     private readonly packed: Packed,
@@ -53,7 +56,7 @@ export class App {
     this.polygons = new Polygons(base);
     this.picker = new Picker(this.stage.renderer, this.stage.camera, this.polygons.faces.geometry);
     const normals = faces.map((face) => faceNormal(base, base.positions, face));
-    this.tags = new Tags(this.stage.camera, this.centres, this.radii, normals);
+    this.tags = new Tags(this.stage.camera, this.centres, this.radii, normals, (face) => panelName(packed, face));
     this.part("canvas").append(this.tags.canvas);
     const box = new Box3().setFromBufferAttribute(new BufferAttribute(base.positions, 3));
     this.model = box.getBoundingSphere(new Sphere());
@@ -151,7 +154,7 @@ export class App {
     this.lazy("offset", "Offset", sound, (gauss) => this.makeOffset(gauss));
     this.lazy("gauss", "Gauss image", packed.gauss, (gauss) => this.makeGauss(gauss), () => this.fit(true));
     const families = packed.curves.length > 0 ? packed.curves : null;
-    this.lazy("curves", families?.map((c) => c.name).join(", ") ?? "Conjugate curves", families, curvesLayer);
+    this.lazy("curves", families?.map((c) => c.name).join(", ") ?? "Conjugate curves", families, (packed) => this.lifted(curvesLayer(packed)));
   }
 
   /** A layer that is made when it is first switched on. */
@@ -190,6 +193,11 @@ export class App {
     const line = h("label", missing ? { class: "off" } : {}, box, h("span", {}, label));
     if (reason) line.append(h("small", {}, reason));
     this.part("layers").append(line);
+  }
+
+  private lifted<T extends Object3D>(object: T): T {
+    this.onSurface.push(object);
+    return object;
   }
 
   private makeOffset(gauss: NonNullable<Packed["gauss"]>): Object3D {
@@ -242,7 +250,7 @@ export class App {
       choose.dataset.compare = mode;
       this.part("compare").append(choose);
     }
-    this.stage.scene.add(this.start.polygons.group, this.start.wires);
+    this.stage.scene.add(this.start.polygons.group, this.lifted(this.start.wires));
     this.compare("after");
   }
 
@@ -273,7 +281,7 @@ export class App {
     const entries = offenders.map((offender) => {
       const open = button("", "Show the panel", () => this.zoom(offender.faces[0]));
       open.className = offender.loud ? "loud" : "warn";
-      open.append(h("b", {}, `Panel ${offender.faces[0]}`), h("span", {}, offender.text));
+      open.append(h("b", {}, `Panel ${panelName(this.packed, offender.faces[0])}`), h("span", {}, offender.text));
       return h("li", {}, open);
     });
     box.append(h("ol", {}, ...entries));
@@ -345,6 +353,7 @@ export class App {
     window.addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.select(null);
     });
+    this.stage.beforeDraw.push(() => this.lift());
     this.stage.beforeDraw.push(() => this.polygons.fade(this.stage.pixels(this.packed.meanEdge)));
     this.stage.onResize.push(() => this.resize());
     this.stage.onDraw.push(() => {
@@ -352,6 +361,17 @@ export class App {
       this.tags.draw(this.stage.size, () => this.picker.map(x, y));
     });
     this.resize();
+  }
+
+  /** Lines on the surface are drawn a little nearer to the eye, so that panels that bulge over them do not hide them. */
+  private lift(): void {
+    const { camera } = this.stage;
+    const share = Math.min(0.5, (LIFT * this.packed.meanEdge) / this.stage.direction().length());
+    for (const object of this.onSurface) {
+      // A motion towards the eye that changes depths only.
+      object.scale.setScalar(1 - share);
+      object.position.copy(camera.position).multiplyScalar(share);
+    }
   }
 
   private pick(event: MouseEvent): number | null {
@@ -378,7 +398,7 @@ export class App {
     if (face === null) return;
     const { map, values } = this.current;
     const value = map.element === "face" ? ` · ${shown(map, values[face])}` : "";
-    tip.textContent = `Panel ${face}${value}`;
+    tip.textContent = `Panel ${panelName(this.packed, face)}${value}`;
     tip.style.transform = `translate(${x + 14}px, ${y + 14}px)`;
   }
 

@@ -56,6 +56,8 @@ export interface Packed {
   unit: string;
   meanEdge: number;
   mesh: PackedMesh;
+  /** Names of the panels, as in the workshop files. */
+  names: string[] | null;
   area: string;
   planarity: string;
   angles: string;
@@ -111,6 +113,9 @@ export const faceCount = (mesh: Mesh): number => mesh.faceStart.length - 1;
 /** Vertex numbers of a face. */
 export const faceCorners = (mesh: Mesh, face: number): Uint32Array =>
   mesh.corners.subarray(mesh.faceStart[face], mesh.faceStart[face + 1]);
+
+/** Name of a panel. */
+export const panelName = (packed: Packed, face: number): string => packed.names?.[face] ?? String(face);
 
 /** The data in the page, or nothing if there are none. */
 export function readPage(): Packed | null {

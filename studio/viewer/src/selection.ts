@@ -1,6 +1,6 @@
 /** What is known of the picked panel. */
 
-import { NO_FACE, faceCorners, type Mesh, type Packed, type PackedMap } from "./data";
+import { NO_FACE, faceCorners, panelName, type Mesh, type Packed, type PackedMap } from "./data";
 import { figure, h } from "./dom";
 
 export interface Facts {
@@ -11,22 +11,37 @@ export interface Facts {
   angles: Float32Array;
   concave: Uint32Array;
   maps: { map: PackedMap; values: Float32Array }[];
-  neighbours: number[][];
+  /** The face across each side of each face, in the order of its corners; null at the boundary. */
+  neighbours: (number | null)[][];
 }
 
 /** Most faults that are told of one panel. */
 const NOTES = 3;
 
-/** The faces across each face's edges, by face. */
-export function neighbours(mesh: Mesh, faces: number): number[][] {
-  const out: number[][] = Array.from({ length: faces }, () => []);
+/** The face across each side of each face, in the order of its corners. */
+export function neighbours(mesh: Mesh, faces: number): (number | null)[][] {
+  const key = (v: number, w: number) => `${Math.min(v, w)} ${Math.max(v, w)}`;
+  const beside = new Map<string, [number, number]>();
   for (let e = 0; e < mesh.edges.length / 2; e++) {
-    const [a, b] = [mesh.edgeFaces[2 * e], mesh.edgeFaces[2 * e + 1]];
-    if (b === NO_FACE) continue;
-    out[a].push(b);
-    out[b].push(a);
+    beside.set(key(mesh.edges[2 * e], mesh.edges[2 * e + 1]), [mesh.edgeFaces[2 * e], mesh.edgeFaces[2 * e + 1]]);
   }
-  return out;
+  const across = (face: number, v: number, w: number): number | null => {
+    const [a, b] = beside.get(key(v, w)) ?? [face, NO_FACE];
+    const other = a === face ? b : a;
+    return other === NO_FACE ? null : other;
+  };
+  return Array.from({ length: faces }, (_, face) => sides(mesh, face).map(([v, w]) => across(face, v, w)));
+}
+
+/** The vertices at the two ends of each side. */
+function sides(mesh: Mesh, face: number): [number, number][] {
+  const corners = Array.from(faceCorners(mesh, face));
+  return corners.map((v, k) => [v, corners[(k + 1) % corners.length]]);
+}
+
+function length(mesh: Mesh, [v, w]: [number, number]): number {
+  const difference = [0, 1, 2].map((axis) => mesh.positions[3 * v + axis] - mesh.positions[3 * w + axis]);
+  return Math.hypot(...difference);
 }
 
 /** The card of a panel; `go` is called with a neighbour that is clicked. */
@@ -34,8 +49,6 @@ export function card(facts: Facts, face: number, go: (face: number) => void): HT
   const { packed, mesh } = facts;
   const unit = packed.unit;
   const corners = faceCorners(mesh, face);
-  const first = mesh.faceStart[face];
-  const angles = Array.from(corners, (_, k) => `${facts.angles[first + k].toFixed(1)}°`);
   const list = h("dl", {});
   const row = (name: string, field: string, ...value: (Node | string)[]): void => {
     list.append(h("dt", {}, name), h("dd", { "data-field": field }, ...value));
@@ -43,15 +56,32 @@ export function card(facts: Facts, face: number, go: (face: number) => void): HT
   row("Shape", "shape", `${corners.length} corners, ${facts.concave[face] ? "concave" : "convex"}`);
   row("Area", "area", `${figure(facts.area[face])} ${unit}²`);
   row("Planarity", "planarity", `${figure(facts.planarity[face])} ${unit}`);
-  row("Angles", "angles", angles.join("  "));
   for (const { map, values } of facts.maps) {
     if (map.element === "face" && map.name !== "planarity") row(map.title, map.name, shown(map, values[face]));
   }
-  row("Neighbours", "neighbours", ...links(facts.neighbours[face], go));
+  row("Face", "face", `${face} (counted from 0)`);
   const said = packed.offenders.filter((o) => o.faces.includes(face));
   const notes = said.slice(0, NOTES).map((o) => h("p", { class: o.loud ? "loud" : "warn" }, o.text));
   if (said.length > NOTES) notes.push(h("p", { class: "none" }, `and ${said.length - NOTES} more, see the offenders`));
-  return h("div", {}, h("h3", {}, "Panel ", h("span", { "data-field": "id" }, String(face))), ...notes, list);
+  return h("div", {}, h("h3", {}, "Panel ", h("span", { "data-field": "id" }, panelName(packed, face))), ...notes, list, sideTable(facts, face, go));
+}
+
+/** Length, angle at its start and neighbour of each side. */
+function sideTable(facts: Facts, face: number, go: (face: number) => void): HTMLElement {
+  const { packed, mesh } = facts;
+  const rows = sides(mesh, face).map((ends, k) => {
+    const other = facts.neighbours[face][k];
+    return h(
+      "tr",
+      {},
+      h("td", {}, String(k + 1)),
+      h("td", { "data-field": "length" }, figure(length(mesh, ends))),
+      h("td", { "data-field": "angle" }, `${facts.angles[mesh.faceStart[face] + k].toFixed(1)}°`),
+      h("td", { "data-field": "neighbour" }, other === null ? "–" : link(packed, other, go)),
+    );
+  });
+  const head = ["Side", `Length, ${packed.unit}`, "Angle", "Neighbour"].map((text) => h("th", {}, text));
+  return h("table", { class: "sides" }, h("thead", {}, h("tr", {}, ...head)), h("tbody", {}, ...rows));
 }
 
 /** A value of a map in words. */
@@ -62,10 +92,8 @@ export function shown(map: PackedMap, value: number): string {
   return figure(value) + percent;
 }
 
-function links(faces: number[], go: (face: number) => void): HTMLElement[] {
-  return faces.map((face) => {
-    const link = h("button", { type: "button", class: "link" }, String(face));
-    link.addEventListener("click", () => go(face));
-    return link;
-  });
+function link(packed: Packed, face: number, go: (face: number) => void): HTMLElement {
+  const open = h("button", { type: "button", class: "link" }, panelName(packed, face));
+  open.addEventListener("click", () => go(face));
+  return open;
 }

@@ -1,8 +1,8 @@
-/** Panel numbers written on the panels that are seen and large enough. */
+/** Names written on the panels that are seen and large enough. */
 
 import type { PerspectiveCamera, Vector2, Vector3 } from "three";
 
-/** Smallest size of a panel on the screen that has room for its number, in pixels. */
+/** Smallest size of a panel on the screen that has room for its name, in pixels. */
 const ROOM = 22;
 /** Height of a line of text in pixels. */
 const LINE = 12;
@@ -17,11 +17,12 @@ export class Tags {
     private readonly centres: Vector3[],
     private readonly radii: number[],
     private readonly normals: Vector3[],
+    private readonly name: (face: number) => string,
   ) {
     this.canvas.className = "tags";
   }
 
-  /** Writes the numbers; `seen` says which panel is at a place of the view. */
+  /** Writes the names; `seen` says which panel is at a place of the view. */
   draw(size: Vector2, seen: () => (u: number, v: number) => number | null): void {
     const scale = Math.min(window.devicePixelRatio, 2);
     this.canvas.width = size.x * scale;
@@ -40,12 +41,13 @@ export class Tags {
     const at = seen();
     const taken: { x: number; y: number; half: number }[] = [];
     for (const { face, x, y } of near) {
-      const half = pen.measureText(String(face)).width / 2 + 2;
+      const name = this.name(face);
+      const half = pen.measureText(name).width / 2 + 2;
       const clear = taken.every((t) => Math.abs(t.x - x) > t.half + half || Math.abs(t.y - y) > LINE);
       if (!clear || at(x / size.x, y / size.y) !== face) continue;
       taken.push({ x, y, half });
-      pen.strokeText(String(face), x, y);
-      pen.fillText(String(face), x, y);
+      pen.strokeText(name, x, y);
+      pen.fillText(name, x, y);
     }
   }
 

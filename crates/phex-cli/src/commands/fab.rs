@@ -4,14 +4,14 @@ use super::{tell, use_threads};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::fab_arguments::{FabCommand, millimetres};
 use crate::input::MeshFile;
-use crate::progress::{is_interrupted, while_writing};
+use crate::progress::{Reporter, is_interrupted, while_writing};
+use crate::summary::Table;
 use crate::units::Unit;
 use phex_fab::folder::{check_place, files, summary, write};
 use phex_fab::schedule::panel_centres;
 use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mesh};
 use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, ValidateOptions};
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// Runs the command.
@@ -26,7 +26,10 @@ pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     let options = options(command, &mesh);
     let ids = ids(command.keep_ids.as_deref(), &mesh, options.unit_mm)?;
     let valid = valid_mesh(mesh, &ids, &options.validity).map_err(failure)?;
-    let fabrication = fabricate(valid, ids, options).map_err(failure)?;
+    let reporter = Reporter::new(&command.talk);
+    let fabrication = fabricate(valid, ids, options, &reporter);
+    reporter.finish();
+    let fabrication = fabrication.map_err(failure)?;
     let files = files(&fabrication).map_err(failure)?;
     if is_interrupted() {
         return Err(Failure::interrupted());
@@ -78,6 +81,7 @@ fn ids(previous: Option<&Path>, mesh: &HexMesh, unit_mm: f64) -> Result<PanelIds
 fn failure(error: FabError) -> Failure {
     let exit = match error {
         FabError::Offset { .. } => Exit::NoValidResult,
+        FabError::Cancelled => return Failure::interrupted(),
         FabError::Content { .. } | FabError::Nest { .. } => Exit::Internal,
         _ => Exit::InputUnusable,
     };
@@ -87,48 +91,85 @@ fn failure(error: FabError) -> Failure {
     }
 }
 
+/// Most panels that a line of the table names; the `panels` schedule has all.
+const NAMED: usize = 6;
+
 fn text(fabrication: &Fabrication, folder: &Path) -> String {
     let summary = summary(fabrication);
     let number = |name: &str| summary[name].as_f64().unwrap_or(f64::NAN);
-    let mut text = String::new();
-    let _ = writeln!(
-        text,
-        "panels       {}, {} distinct ({})",
-        number("panels"),
-        number("distinct_panels"),
-        if fabrication.ids.has_rows() {
-            "named by rows"
-        } else {
-            "without rows"
-        }
+    let mut table = Table::default();
+    table.row(
+        "panels",
+        format!(
+            "{}, {} distinct ({}), {:.1} m2",
+            number("panels"),
+            number("distinct_panels"),
+            naming(fabrication),
+            number("area_m2")
+        ),
     );
-    let _ = writeln!(
-        text,
-        "edges        {}, {} distinct lengths, {} distinct dihedral angles",
-        number("edges"),
-        number("distinct_lengths"),
-        number("distinct_dihedral_angles")
+    table.row(
+        "edges",
+        format!(
+            "{}, {} distinct lengths, {} distinct dihedral angles, {}",
+            number("edges"),
+            number("distinct_lengths"),
+            number("distinct_dihedral_angles"),
+            mitres(fabrication)
+        ),
     );
-    let _ = writeln!(
-        text,
-        "sheets       {}, used to {:.1} % ({:.1} % without the last one's offcut)",
-        number("sheets"),
-        number("use_percent"),
-        number("use_without_last_offcut_percent")
+    let [length, width] = fabrication.options.sheet_mm;
+    table.row(
+        "sheets",
+        format!(
+            "{} of {width} x {length} mm, used to {:.1} % ({:.1} % without the last one's offcut)",
+            number("sheets"),
+            number("use_percent"),
+            number("use_without_last_offcut_percent")
+        ),
     );
-    for (k, texts) in fabrication
-        .texts
-        .iter()
-        .enumerate()
-        .filter(|(_, t)| !t.left_out.is_empty())
-    {
-        let panel = fabrication.ids.panel(fabrication.plates[k].face);
-        let _ = writeln!(
-            text,
-            "no room      on panel {panel} for {}",
-            texts.left_out.join(", ")
-        );
+    if let Some(line) = without_room(fabrication) {
+        table.row("no room", line);
     }
-    let _ = writeln!(text, "written      {}", folder.display());
-    text
+    table.row("written", folder.display());
+    table.into_text()
+}
+
+/// How panels are named.
+fn naming(fabrication: &Fabrication) -> String {
+    let name = |k: usize| fabrication.ids.panel(fabrication.plates[k].face);
+    let (first, last) = (name(0), name(fabrication.plates.len() - 1));
+    let rows = if fabrication.ids.has_rows() {
+        "named by rows, "
+    } else {
+        ""
+    };
+    format!("{rows}{first} to {last}")
+}
+
+fn mitres(fabrication: &Fabrication) -> String {
+    let sides = fabrication.plates.iter().flat_map(|p| &p.sides);
+    let degrees = sides.map(|s| s.mitre.to_degrees());
+    let (low, high) = degrees.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| {
+        (low.min(m), high.max(m))
+    });
+    format!("mitres {low:+.1} to {high:+.1} degrees")
+}
+
+/// The panels that are too small for a text, if there are any.
+fn without_room(fabrication: &Fabrication) -> Option<String> {
+    let panels = fabrication.texts.iter().zip(&fabrication.plates);
+    let names: Vec<&str> = panels
+        .filter(|(text, _)| !text.left_out.is_empty())
+        .map(|(_, plate)| fabrication.ids.panel(plate.face))
+        .collect();
+    let first = names[..names.len().min(NAMED)].join(", ");
+    let all = match names.len() {
+        0 => return None,
+        n if n > NAMED => format!("{n} panels, {first} ..."),
+        _ => first,
+    };
+    Some(format!(
+        "for every label on {all} (column labels_left_out of panels.csv)"
+    ))
 }

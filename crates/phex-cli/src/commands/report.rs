@@ -45,8 +45,8 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
     let features = summary::of_features(&mut report, &mesh, facets.as_ref());
     html::write(&command.html, &shown, &report)?;
     let table = summary::of_assessment(&assessment, command.limits.unit, command.talk.verbose);
-    let line = format!("written      {}\n", command.html.display());
-    tell(command.talk.quiet, &(table + &features + &line))?;
+    let files = summary::of_files(&report);
+    tell(command.talk.quiet, &(table + &features + &files))?;
     Ok(if report.verdict == Verdict::Pass {
         Exit::Success
     } else {

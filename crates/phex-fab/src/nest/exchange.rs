@@ -13,6 +13,8 @@ use rayon::prelude::*;
 const BATCH: u64 = 8;
 /// Share of a sheet that panels never fill.
 const FULL: f64 = 0.95;
+/// Panels on a sheet up to which it gets all rounds; a try takes longer in proportion to their number.
+const USUAL: usize = 20;
 /// Large panels first: they find no place later.
 const VALUE: f64 = 1.3;
 
@@ -22,8 +24,8 @@ pub struct Exchange<'a> {
     pub bodies: &'a [Body],
     /// The sheet.
     pub border: &'a Border,
-    /// Batches of changes that are tried for a sheet.
-    pub rounds: u64,
+    /// Batches of changes that are tried for a sheet of few panels.
+    pub effort: u64,
     /// Overlap that does not matter, in mm.
     pub tolerance: f64,
 }
@@ -37,7 +39,7 @@ struct Change {
 impl Exchange<'_> {
     /// The sheet with more on it. `left` are the panels that are on no sheet; `number` is the sheet's, the seed.
     pub fn fill(&self, mut sheet: SheetLayout, mut left: Vec<usize>, number: u64) -> SheetLayout {
-        for round in 0..self.rounds {
+        for round in 0..self.rounds(sheet.len()) {
             if left.is_empty() {
                 break;
             }
@@ -61,6 +63,11 @@ impl Exchange<'_> {
             }
         }
         sheet
+    }
+
+    /// Batches of changes that are tried for a sheet with so many panels.
+    pub fn rounds(&self, panels: usize) -> u64 {
+        (self.effort * USUAL as u64).div_ceil(panels.max(USUAL) as u64)
     }
 
     fn value(&self, plates: &[usize]) -> f64 {

@@ -39,6 +39,7 @@ use engine::{Engine, Margins, Refusal};
 use exchange::Exchange;
 use grow::Sheet;
 use left::Left;
+use phex::{Event, Progress};
 use phex_mesh::Vec2;
 use rayon::prelude::*;
 use shape::{Place, Shape};
@@ -70,14 +71,15 @@ impl Placement {
 /// The panels of one sheet, in the order in which they were placed.
 pub type SheetLayout = Vec<Placement>;
 
-/// Puts all panels on sheets. `name` gives the name of a panel for messages.
+/// Puts all panels on sheets. `name` gives the name of a panel for messages; `progress` counts the panels that lie.
 ///
 /// # Errors
-/// If a panel does not fit on an empty sheet, or a shape is refused.
+/// If a panel does not fit on an empty sheet, a shape is refused, or `progress` cancels.
 pub fn nest(
     plates: &[Plate],
     options: &FabOptions,
     name: impl Fn(usize) -> String,
+    progress: &dyn Progress,
 ) -> Result<Vec<SheetLayout>, FabError> {
     let margins = Margins::new(options.sheet_mm, options.spacing_mm);
     let refused = |k: usize, cause: String| FabError::Nest {
@@ -92,7 +94,7 @@ pub fn nest(
     let exchange = Exchange {
         bodies: &bodies,
         border: &border,
-        rounds: options.nest_effort.into(),
+        effort: options.nest_effort.into(),
         tolerance: 0.5 * margins.rounding,
     };
     let stock = Stock {
@@ -108,6 +110,9 @@ pub fn nest(
             let cause = "there is no place for it on an empty sheet".into();
             return Err(refused(first, cause));
         };
+        if progress.is_cancelled() {
+            return Err(FabError::Cancelled);
+        }
         let number = sheets.len() as u64;
         let fuller = exchange.fill(grown.clone(), others, number);
         let mut layout = stock.sound(fuller, grown);
@@ -117,6 +122,11 @@ pub fn nest(
         }
         layout.iter().for_each(|p| left.take(p.plate));
         sheets.push(layout);
+        progress.report(&Event::Counted {
+            stage: "panels on sheets",
+            done: plates.len() - left.iter().count(),
+            total: plates.len(),
+        });
     }
     check::check(plates, &sheets, options)
         .map_err(|cause| refused(cause.plate, cause.to_string()))?;

@@ -18,7 +18,7 @@ const STARTS: u64 = 4;
 /// Panels on a shorter part of the sheet.
 pub fn squeeze(mut sheet: SheetLayout, exchange: &Exchange) -> SheetLayout {
     let mut step = STEPS[0];
-    for round in 0..exchange.rounds {
+    for round in 0..exchange.rounds(sheet.len()) {
         let shorter = (0..STARTS).into_par_iter().find_map_first(|k| {
             let mut random = ChaCha8Rng::seed_from_u64(round);
             random.set_stream(k);

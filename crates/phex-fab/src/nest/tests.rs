@@ -36,7 +36,7 @@ fn exchange<'a>(bodies: &'a [Body], border: &'a Border) -> Exchange<'a> {
     Exchange {
         bodies,
         border,
-        rounds: 40,
+        effort: 40,
         tolerance: TOLERANCE,
     }
 }
