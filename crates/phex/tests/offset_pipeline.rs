@@ -30,7 +30,7 @@ fn panelled(shape: &str) -> HexMesh {
     run.mesh
 }
 
-/// The figures of the issue: faces at the distance, planar, to 1e-12.
+/// Faces at the distance, and planar, to 1e-12.
 fn check_distance(name: &str, mesh: &HexMesh, d: f64) {
     let image = face_gauss_image(mesh, &OffsetOptions::default()).unwrap();
     let normals = face_normals(mesh).unwrap();

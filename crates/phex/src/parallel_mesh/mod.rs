@@ -34,8 +34,8 @@
 //! layer at every place that was looked at ([`safe_distances`]). Error estimates of vertex normals cover rounding.
 //!
 //! *Fails*: for face offsets only where a vertex has not three faces, or faces that lie in one plane are asked to part.
-//! Vertex offsets need the angle condition (`optimise::satisfy_angle_condition` makes it hold near a mesh), and a start that
-//! closes, which many odd faces or several holes forbid.
+//! Vertex offsets need the angle condition and, round odd faces inside and round loops, a start that closes
+//! (`optimise::satisfy_angle_condition` makes both hold near a mesh).
 //!
 //! *Differences from the paper*: the vertex normal is the best of four formulas, since the paper's loses its digits at folded
 //! edges and where two faces lie in one plane; the angle condition is taken modulo pi; on an annulus it is sufficient, too.

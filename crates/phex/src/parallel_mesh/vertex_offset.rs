@@ -11,13 +11,14 @@
 //! |---|---|
 //! | none (a disc or a sphere) | all |
 //! | one (an annulus) | the axis of its rotation, since an even number of reflections is one; so this is always possible, but it may not face the normals |
-//! | two of a torus | the common axis, since its two rotations commute |
-//! | more | none, in general |
+//! | two of a torus | the common axis, since its two rotations commute; it may not face the normals |
+//! | more | none, except where the positions were made for it |
 //!
 //! Round an odd face an odd number of reflections must bring a vertex back: their product is one reflection, so the vertex lies in its mirror plane, and each
-//! odd face leaves a circle of starts. Two circles meet in a pair of antipodes; three or more do not meet, except where the positions were made for it.
-//! An odd face on the boundary therefore leaves one of its boundary edges free to turn in the plane of the face, and that edge of an offset is not
-//! parallel; odd faces inside can't be relieved so.
+//! odd face leaves a circle of starts. Two circles meet in a pair of antipodes; three or more do not meet, except where the positions were made for it:
+//! `optimise::satisfy_angle_condition` does that, for odd faces and for loops, with a start that faces the normals.
+//! An odd face on the boundary leaves one of its boundary edges free to turn in the plane of the face, and that edge of an offset is not
+//! parallel.
 
 use super::angle_condition::{AngleCondition, angle_conditions};
 use super::face_offset::{check_planar_mesh, face_normals};

@@ -123,10 +123,9 @@ impl Base {
 /// Where there is no such offset, what to do about it.
 fn advised(error: OffsetError) -> Failure {
     let advice = match &error {
-        OffsetError::Holonomy { odd_faces, .. } if *odd_faces > 2 => {
-            "; `phex mesh --method brick-wall --boundary whole` lays panels without odd ones"
+        OffsetError::Holonomy { .. } | OffsetError::AngleCondition { .. } => {
+            "; `--optimise` moves the vertices so that they do"
         }
-        OffsetError::AngleCondition { .. } => "; `--optimise` moves the vertices so that they do",
         OffsetError::NotParallelToKoebe { .. } => {
             "; `phex koebe` and `phex parallel` make meshes that are"
         }
@@ -158,9 +157,9 @@ fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<AngleOptimised, Failure> {
         return Ok(result);
     }
     let message = format!(
-        "the angle condition could not be reached: {:.3e} radians are left; `phex mesh --method brick-wall --boundary whole` lays panels that reach it, \
-         and other sizes may where the curvature changes its sign",
-        result.angle_defect[1]
+        "no vertex offset was reached: the angle condition is off by {:.1e} radians, reflections by {:.1e}; other panel sizes may reach it where the \
+         curvature changes its sign, and `phex mesh --method brick-wall --boundary whole` lays panels that are easier",
+        result.angle_defect[1], result.closing_defect[1]
     );
     Err(Failure::new(Exit::NoValidResult, message))
 }

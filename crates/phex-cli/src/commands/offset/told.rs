@@ -42,6 +42,8 @@ impl Told<'_> {
             "angle_condition": base.optimised.as_ref().map(|o| json!({
                 "defect_before": o.angle_defect[0],
                 "defect_after": o.angle_defect[1],
+                "closing_before": o.closing_defect[0],
+                "closing_after": o.closing_defect[1],
                 "deviation": o.deviation[1],
             })),
             "gauss_image": gauss_image(&base.motion),

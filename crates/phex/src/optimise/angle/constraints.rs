@@ -1,5 +1,7 @@
-//! The `4 F` constraints: planarity of every panel, and the alternating sum of the angles of even ones.
+//! The `4 F` constraints: planarity of every panel, the alternating sum of the angles of even ones, and the closing equations.
 
+use super::closing::Closing;
+use super::walks::Walks;
 use crate::optimise::energy::Setting;
 use crate::optimise::guarded::GuardedSteps;
 use crate::optimise::panels::{Corner, FaceFrame, Panels, Shape, point};
@@ -10,7 +12,7 @@ use phex_mesh::{Vec2, Vec3};
 use phex_numeric::{Assembly, Constraints, SymmetricMatrix};
 use std::f64::consts::TAU;
 
-/// Planarity of all faces and the angle condition of the even ones.
+/// Planarity of all faces, the angle condition of the even ones, and what odd ones and loops need to close.
 pub(super) struct AngleConstraints<'a> {
     setting: &'a Setting<'a>,
     assembly: &'a Assembly,
@@ -23,6 +25,7 @@ pub(super) struct AngleConstraints<'a> {
     rows: Vec<Vec3>,
     /// Alternating sum of angles that an even face is to have.
     branch: Vec<Option<f64>>,
+    closing: Closing<'a>,
     steps: GuardedSteps<'a>,
     blocks: Vec<f64>,
 }
@@ -45,15 +48,20 @@ fn has_angle(valence: usize) -> bool {
 }
 
 /// The assembly of `J J^T`: an element for each vertex.
-pub(super) fn angle_assembly(panels: &Panels) -> Assembly {
+pub(super) fn angle_assembly(panels: &Panels, walks: &Walks) -> Assembly {
     let start = constraint_starts(panels);
+    let of_faces = start[panels.n_faces()];
     let of_corner = |&c: &u32| {
         let f = panels.face_of(c);
         (start[f]..start[f + 1]).map(|i| i as u32)
     };
-    let of_vertex = |v| panels.corners_at(v).iter().flat_map(of_corner).collect();
+    let of_vertex = |v| {
+        let closing = walks.at(v).iter().map(|&k| of_faces as u32 + k);
+        let faces = panels.corners_at(v).iter().flat_map(of_corner);
+        faces.chain(closing).collect()
+    };
     let elements: Vec<Vec<u32>> = (0..panels.n_vertices()).map(of_vertex).collect();
-    Assembly::new(start[panels.n_faces()], &elements)
+    Assembly::new(of_faces + walks.n_equations(), &elements)
 }
 
 /// `t_0 - t_1 + t_2 - ...` of a face in its plane.
@@ -87,6 +95,7 @@ impl<'a> AngleConstraints<'a> {
     pub(super) fn new(
         setting: &'a Setting<'a>,
         assembly: &'a Assembly,
+        walks: &'a Walks,
         x: &[f64],
         least: f64,
     ) -> Self {
@@ -108,6 +117,7 @@ impl<'a> AngleConstraints<'a> {
             start,
             row_start,
             branch: (0..panels.n_faces()).map(branch).collect(),
+            closing: Closing::new(walks, panels, &steps.trial, x),
             steps,
             blocks: vec![0.0; assembly.n_block_entries()],
             setting,
@@ -127,10 +137,16 @@ impl<'a> AngleConstraints<'a> {
         sizes.fold(0.0, |m, r| if r > m || r.is_nan() { r } else { m })
     }
 
-    /// Largest defect of the condition at `x`, in radians.
-    pub(super) fn defect(&mut self, x: &[f64]) -> f64 {
+    /// Largest defect of the condition at `x`, in radians, and what fails to close, by reflection.
+    pub(super) fn defects(&mut self, x: &[f64]) -> [f64; 2] {
         self.steps.trial.update(self.setting.panels, x);
-        0.5 * self.largest_angle(&self.steps.trial)
+        let angle = 0.5 * self.largest_angle(&self.steps.trial);
+        [angle, self.closing.defect(x)]
+    }
+
+    /// Number of the equations of the faces; the closing equations follow.
+    fn of_faces(&self) -> usize {
+        self.start[self.start.len() - 1]
     }
 
     fn unit(&self) -> f64 {
@@ -139,6 +155,7 @@ impl<'a> AngleConstraints<'a> {
 
     pub(super) fn update_rows(&mut self, x: &[f64]) {
         let (panels, unit) = (self.setting.panels, self.unit());
+        self.closing.linearise(x, unit);
         self.steps.linearised.update(panels, x);
         self.bases.update(panels, &self.steps.linearised);
         for f in 0..panels.n_faces() {
@@ -181,10 +198,8 @@ impl<'a> AngleConstraints<'a> {
         let mut blocks = std::mem::take(&mut self.blocks);
         for v in 0..panels.n_vertices() {
             let corners = panels.corners_at(v).iter();
-            let rows: Vec<Vec3> = corners
-                .flat_map(|&c| self.corner_rows(c).1)
-                .copied()
-                .collect();
+            let faces = corners.flat_map(|&c| self.corner_rows(c).1);
+            let rows: Vec<Vec3> = faces.chain(self.closing.rows_at(v)).copied().collect();
             let w = metric(v);
             let mut entries = blocks[self.assembly.block(v)].iter_mut();
             for (a, row) in rows.iter().enumerate() {
@@ -198,16 +213,24 @@ impl<'a> AngleConstraints<'a> {
         self.assembly.assemble(&self.blocks, normal);
     }
 
+    /// Every equation that a vertex has a part in, with its derivative.
+    fn rows_at(&self, v: usize) -> impl Iterator<Item = (usize, &Vec3)> + '_ {
+        let corners = self.setting.panels.corners_at(v).iter();
+        let faces = corners.flat_map(|&c| {
+            let (first, rows) = self.corner_rows(c);
+            (first..).zip(rows)
+        });
+        let first = self.of_faces();
+        let equations = self.closing.at(v).iter().map(move |&k| first + k as usize);
+        faces.chain(equations.zip(self.closing.rows_at(v)))
+    }
+
     /// `J d`.
     pub(super) fn applied(&self, d: &[f64], values: &mut [f64]) {
         values.fill(0.0);
-        let panels = self.setting.panels;
-        for v in 0..panels.n_vertices() {
-            for &c in panels.corners_at(v) {
-                let (first, rows) = self.corner_rows(c);
-                for (value, row) in values[first..].iter_mut().zip(rows) {
-                    *value += row.dot(&point(d, v));
-                }
+        for v in 0..self.setting.panels.n_vertices() {
+            for (k, row) in self.rows_at(v) {
+                values[k] += row.dot(&point(d, v));
             }
         }
     }
@@ -231,21 +254,13 @@ impl Constraints for AngleConstraints<'_> {
                 };
             }
         }
+        values[self.of_faces()..].copy_from_slice(self.closing.values());
         self.assemble(|_| Matrix3::identity(), normal);
     }
 
     fn transposed(&self, y: &[f64], d: &mut [f64]) {
-        let panels = self.setting.panels;
-        for v in 0..panels.n_vertices() {
-            let mut sum = Vec3::zeros();
-            for &c in panels.corners_at(v) {
-                let (first, rows) = self.corner_rows(c);
-                sum += rows
-                    .iter()
-                    .zip(&y[first..])
-                    .map(|(r, y)| r * *y)
-                    .sum::<Vec3>();
-            }
+        for v in 0..self.setting.panels.n_vertices() {
+            let sum: Vec3 = self.rows_at(v).map(|(k, row)| row * y[k]).sum();
             d[3 * v..3 * v + 3].copy_from_slice(sum.as_slice());
         }
     }
@@ -257,7 +272,12 @@ impl Constraints for AngleConstraints<'_> {
     fn admissible(&mut self, x: &[f64]) -> Option<f64> {
         let held = self.steps.admits(x);
         let angle = || 0.5 * self.largest_angle(&self.steps.trial);
-        held.then(|| self.steps.planarity().max(angle()))
+        held.then(|| {
+            self.steps
+                .planarity()
+                .max(angle())
+                .max(self.closing.defect(x))
+        })
     }
 
     fn step_length(&self, step: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
-//! Planar panels that also satisfy the angle condition (4.1), so that the mesh has a vertex-distance offset.
+//! Planar panels that also satisfy the angle condition (4.1) and what odd panels and loops need to close, so that the mesh has a vertex-distance offset.
 //!
-//! Two steps: a projection of minimum norm onto planarity *and* angles, `4 F` equations in all (where tight panels stop it, in
+//! Two steps: a projection of minimum norm onto planarity, angles *and* closing equations, about `4 F` in all (where tight panels stop it, in
 //! the metric `W` below until it is near); then a descent of closeness, fairness and barrier within them,
 //!
 //! ```text
@@ -16,15 +16,20 @@
 //! | `J` | `AngleConstraints::rows`, a vector for each corner and constraint |
 //! | `g`, `H` | gradient and diagonal blocks of `PanelEnergy` |
 //!
-//! *Guaranteed*: as in the whole stage, simple panels stay simple. *Fails* on closed surfaces and on meshes with many odd
-//! panels, where there may be no such mesh near; [`AngleOptimised::is_converged`] tells.
+//! | `R x = x` | `Closing`: one equation for each odd panel inside, up to two for each loop that is no panel (`Walks`) |
+//!
+//! *Guaranteed*: as in the whole stage, simple panels stay simple. *Fails* where some panels would have to turn their angles by a
+//! radian, as they may where curvature changes its sign; [`AngleOptimised::is_converged`] tells.
 
+mod closing;
 mod constraints;
 mod path;
 mod tangent;
+mod walks;
 
 use self::constraints::angle_assembly;
 use self::path::AnglePath;
+use self::walks::Walks;
 use super::energy::{Setting, deviation};
 use super::inspect::{Offender, Quality, inspect};
 use super::options::{OptimiseError, OptimiseOptions};
@@ -74,6 +79,8 @@ pub struct AngleOptimised {
     pub outcome: Outcome,
     /// Largest defect of the condition before and after, in radians.
     pub angle_defect: [f64; 2],
+    /// Largest failure of reflections to close round odd faces inside and round loops, before and after, over the number of reflections.
+    pub closing_defect: [f64; 2],
     /// Largest distance to the surface (or to the start) before and after, in the unit of the model.
     pub deviation: [f64; 2],
     /// Figures of the mesh.
@@ -90,8 +97,8 @@ impl AngleOptimised {
 }
 
 /// Moves the vertices of a mesh until its faces are planar and its even ones satisfy the angle condition, close to
-/// `target` or, without one, to where they are. Odd faces are only made planar. A mesh that meets this is returned
-/// unchanged.
+/// `target` or, without one, to where they are, and reflections along the edges close round odd faces inside and round loops (if the
+/// mesh is in one piece). Odd faces on the boundary are only made planar. A mesh that meets this is returned unchanged.
 ///
 /// # Errors
 /// If the mesh or an option can't be used; what can't be *reached* is told by the result.
@@ -110,11 +117,20 @@ pub fn satisfy_angle_condition(
     let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
     let stage = Stage::new(mesh, reference, side, &kinds_of(mesh), &options.optimise);
     let setting = stage.setting(&start);
-    let assemblies = [energy_assembly(&panels), angle_assembly(&panels)];
+    let walks = Walks::of(mesh);
+    let assemblies = [energy_assembly(&panels), angle_assembly(&panels, &walks)];
     let allowed = n_violations(mesh, options);
     let mut best: Option<(usize, AngleOptimised)> = None;
     for way in WAYS {
-        let mut path = AnglePath::new(&setting, &assemblies, &start, options, way, progress)?;
+        let mut path = AnglePath::new(
+            &setting,
+            &assemblies,
+            &walks,
+            &start,
+            options,
+            way,
+            progress,
+        )?;
         let made = attempt(mesh, &mut path, &setting, options);
         let wrong =
             made.offenders.len() + n_violations(&made.mesh, options).saturating_sub(allowed);
@@ -150,14 +166,14 @@ fn attempt(
     options: &AngleOptions,
 ) -> AngleOptimised {
     let mut x = unknowns(mesh);
-    let before = (path.constraints.defect(&x), deviation(setting, &x).0);
+    let (before, moved) = (path.constraints.defects(&x), deviation(setting, &x).0);
     if !path.is_met(&x) {
         path.project(&mut x);
         if path.outcome.status == Status::Converged {
             path.descend(&mut x);
         }
     }
-    let after = path.constraints.defect(&x);
+    let after = path.constraints.defects(&x);
     let reached = deviation(setting, &x);
     let (quality, offenders) = inspect(
         setting.panels,
@@ -169,8 +185,9 @@ fn attempt(
     AngleOptimised {
         mesh: mesh.with_positions(PerVertex::from_vec(points(&x))),
         outcome: path.outcome.clone(),
-        angle_defect: [before.0, after],
-        deviation: [before.1, reached.0],
+        angle_defect: [before[0], after[0]],
+        closing_defect: [before[1], after[1]],
+        deviation: [moved, reached.0],
         quality,
         offenders,
     }

@@ -3,6 +3,7 @@
 use super::AngleOptions;
 use super::constraints::AngleConstraints;
 use super::tangent::Tangent;
+use super::walks::Walks;
 use crate::optimise::energy::{PanelEnergy, Setting};
 use crate::optimise::options::OptimiseError;
 use crate::optimise::run::panel_energy;
@@ -42,6 +43,7 @@ impl<'a> AnglePath<'a> {
     pub(super) fn new(
         setting: &'a Setting<'a>,
         [energy, angles]: &'a [Assembly; 2],
+        walks: &'a Walks,
         x: &[f64],
         options: &'a AngleOptions,
         way: f64,
@@ -50,7 +52,7 @@ impl<'a> AnglePath<'a> {
         let least = way * options.optimise.least_clearance * setting.mean_edge;
         let (cholesky, normal) = system(angles, 1)?;
         Ok(Self {
-            constraints: AngleConstraints::new(setting, angles, x, least),
+            constraints: AngleConstraints::new(setting, angles, walks, x, least),
             projector: MinimumNorm::new(cholesky, normal),
             tangent: Tangent::new(energy, angles, x.len())?,
             energy: panel_energy(setting, energy, x, &options.optimise),
