@@ -4,6 +4,7 @@ use crate::dual_arguments::{DualCommand, DupinCommand, PowerCommand, SubdivideCo
 use crate::exit::EXIT_CODES;
 use crate::fab_arguments::FabCommand;
 use crate::offset_arguments::OffsetCommand;
+use crate::parallel_arguments::ParallelCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
 use crate::settings::MeshSettings;
 use crate::steering::SteeringSettings;
@@ -49,7 +50,7 @@ pub enum Command {
     Shape(ShapeCommand),
     /// Make the convex mesh with a given graph whose edges all touch the unit sphere
     Koebe(KoebeCommand),
-    /// Make the mesh that has the edge directions of a given one and is closest to a surface
+    /// Make meshes that have the edge directions of a given one: closest to a surface, or with edge lengths as wished; measure their space
     Parallel(ParallelCommand),
     /// Dualise a mesh: faces become vertices, vertices faces; twice gives the mesh back
     Dual(DualCommand),
@@ -364,52 +365,6 @@ pub struct KoebeCommand {
     /// Angle in degrees between the middle of an open mesh and its boundary, seen from the centre (0 to 180)
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0)]
     pub opening: f64,
-    /// Report and picture.
-    #[command(flatten)]
-    pub extras: Extras,
-    /// Progress and messages.
-    #[command(flatten)]
-    pub talk: Talk,
-}
-
-/// Where the fit of a parallel mesh begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum ParallelStart {
-    /// Where the surface has the mesh's normals
-    #[default]
-    Normals,
-    /// Where the surface is closest to the mesh
-    Positions,
-}
-
-/// Arguments of `phex parallel`.
-#[derive(Debug, Args)]
-#[command(after_help = EXIT_CODES)]
-pub struct ParallelCommand {
-    /// Mesh with planar faces: OBJ, PLY or OFF
-    #[arg(value_name = "MESH")]
-    pub input: PathBuf,
-    /// Surface to come close to
-    #[arg(long, value_name = "SURFACE")]
-    pub surface: PathBuf,
-    /// Mesh to write
-    #[arg(short, long, value_name = "MESH")]
-    pub output: PathBuf,
-    /// Where the fit begins
-    #[arg(long, value_enum, default_value_t)]
-    pub start: ParallelStart,
-    /// Shortest edge allowed, over the mean edge (0 to 1)
-    #[arg(long, value_name = "X", default_value_t = 0.05)]
-    pub least_edge: f64,
-    /// Weight of edge lengths in proportion to the input's, over that of closeness
-    #[arg(long, value_name = "X", default_value_t = 1e-3)]
-    pub fairness: f64,
-    /// Weight of one mean curvature for all faces, over that of closeness
-    #[arg(long, value_name = "X", default_value_t = 0.0)]
-    pub constant_mean_curvature: f64,
-    /// Limits.
-    #[command(flatten)]
-    pub limits: Limits,
     /// Report and picture.
     #[command(flatten)]
     pub extras: Extras,

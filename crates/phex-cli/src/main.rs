@@ -13,6 +13,7 @@ mod method_summary;
 mod offset_arguments;
 mod output;
 mod panel_size;
+mod parallel_arguments;
 mod picture_arguments;
 mod progress;
 mod settings;

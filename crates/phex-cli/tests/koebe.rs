@@ -68,3 +68,29 @@ fn edge_offsets_of_other_meshes_are_refused_by_edge() {
     assert_eq!(run.code, Some(4));
     assert!(run.stderr.contains("least_edge"), "{}", run.stderr);
 }
+
+/// A cube has the bricks for its parallel meshes: three dimensions, and longer edges take their whole bundle with them.
+#[test]
+fn the_space_of_parallel_meshes_and_wishes_in_it() {
+    let shop = Workshop::new();
+    shop.write("cube.off", CUBE);
+    let run = shop.succeed("parallel cube.off --basis basis.csv");
+    assert!(run.stdout.contains("3 dimensions"), "{}", run.stdout);
+    let basis = String::from_utf8(shop.read("basis.csv")).unwrap();
+    // Three bundles of four parallel edges.
+    assert_eq!(basis.lines().count(), 1 + 12, "{basis}");
+
+    shop.write("lengths.txt", "# one bundle\n0 1 3\n3 2 3\n4 5 3\n7 6 3\n");
+    shop.succeed("parallel cube.off --lengths lengths.txt -o brick.obj");
+    let brick = String::from_utf8(shop.read("brick.obj")).unwrap();
+    let x = brick.lines().filter_map(|l| l.strip_prefix("v "));
+    let x = x.map(|l| l.split(' ').next().unwrap().parse::<f64>().unwrap());
+    let (low, high) = x.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
+    assert!((high - low - 3.0).abs() < 1e-12, "{brick}");
+
+    shop.write("diagonal.txt", "0 6 3\n");
+    let run = shop.phex("parallel cube.off --lengths diagonal.txt -o other.obj");
+    run.refuses(4, &["diagonal.txt:1", "an edge between two vertices"]);
+    let run = shop.phex("parallel cube.off --lengths lengths.txt");
+    run.refuses(2, &["--output"]);
+}

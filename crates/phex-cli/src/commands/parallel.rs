@@ -1,67 +1,120 @@
-//! `phex parallel`: the mesh parallel to a given one that is closest to a surface.
+//! `phex parallel`: meshes parallel to a given one: the closest to a surface or to edge lengths, and the space of all of them.
+
+mod space;
 
 use super::tell;
-use crate::args::{ParallelCommand, ParallelStart};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::input::{MeshFile, whole};
-use crate::output::{Content, check_writable, write_mesh};
+use crate::output::{Content, check_writable, write_mesh, write_text};
+use crate::parallel_arguments::{ParallelCommand, ParallelStart};
 use crate::progress::{Reporter, is_interrupted};
 use crate::summary::{self, Table};
 use crate::verdict::{TypedLimits, written};
 use anyhow::Context;
 use phex::parallel_mesh::fit::{FitOptions, FitStart, Fitted, fit_parallel};
-use phex::report::{References, RunReport, Verdict};
-use phex_mesh::HexMesh;
-use serde_json::json;
+use phex::report::{InputFile, References, RunReport, Verdict};
+use phex_mesh::{HexMesh, TriangleSurface};
+use serde_json::{Value, json};
 use std::path::Path;
+
+/// A parallel mesh, with what there is to say of it.
+struct Made {
+    mesh: HexMesh,
+    surface: Option<TriangleSurface>,
+    /// The surface's file.
+    input: Option<InputFile>,
+    settings: Value,
+    statistics: Value,
+    table: Table,
+    /// The basis, as CSV.
+    basis: Option<String>,
+}
 
 /// Runs the command.
 ///
 /// # Errors
 /// If an input can't be used, or the output can't be written.
 pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
-    check_writable(&outputs(command), &[&command.input, &command.surface])?;
-    let reporter = Reporter::new(&command.talk);
-    let (file, surface_file) = (
-        MeshFile::read(&command.input)?,
-        MeshFile::read(&command.surface)?,
-    );
+    check_writable(&outputs(command), &inputs(command))?;
+    let file = MeshFile::read(&command.input)?;
     let (mesh, _) = file.polygon_mesh()?;
-    let surface = whole(&surface_file.surfaces()?.components)?;
-    let options = options(command);
-    let fitted = fit_parallel(&mesh, &surface, &options, &reporter)
-        .with_context(|| command.input.display().to_string())
-        .or_exit(Exit::InputUnusable)?;
-    reporter.finish();
+    let made = match &command.surface {
+        Some(surface) => fitted(command, &mesh, surface)?,
+        None => space::made(command, mesh)?,
+    };
     if is_interrupted() {
         return Err(Failure::interrupted());
     }
     let limits = TypedLimits::from(&command.limits);
     let references = References {
         smooth: None,
-        facets: Some(&surface),
+        facets: made.surface.as_ref(),
     };
-    let assessment = limits.judge(&fitted.mesh, references);
+    let assessment = limits.judge(&made.mesh, references);
     let summary = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
     let mut report = RunReport::new("parallel", assessment);
     report.unit = limits.unit.to_string();
-    report.settings = json!({ "parallel": options });
-    report.statistics = json!({
-        "status": fitted.status,
-        "rounds": fitted.rounds,
-        "edges_at_bound": fitted.edges_at_bound,
-        "mean_curvature": fitted.mean_curvature,
-        "mean_curvature_spread": fitted.mean_curvature_spread,
-    });
-    report.inputs = vec![file.record, surface_file.record];
-    write(command, &fitted.mesh, &mut report)?;
-    let text = summary + &table(&fitted) + &summary::of_outputs(&report);
+    report.settings = json!({ "parallel": made.settings });
+    report.statistics = made.statistics.clone();
+    report.inputs = std::iter::once(file.record)
+        .chain(made.input.clone())
+        .collect();
+    write(command, &made, &mut report)?;
+    let text = summary + &made.table.into_text() + &summary::of_outputs(&report);
     tell(command.talk.quiet, &text)?;
     // The file is written in any case: a coarse mesh may have folds that panels must not have.
     Ok(match report.verdict {
         Verdict::Pass => Exit::Success,
         Verdict::OutsideTolerance | Verdict::Invalid => Exit::OutsideTolerance,
+    })
+}
+
+fn inputs(command: &ParallelCommand) -> Vec<&Path> {
+    let more = [&command.surface, &command.lengths];
+    let more = more.into_iter().flatten().map(AsRef::as_ref);
+    std::iter::once(command.input.as_path())
+        .chain(more)
+        .collect()
+}
+
+fn outputs(command: &ParallelCommand) -> Vec<(&Path, Content)> {
+    let mesh = command.output.as_deref().map(|p| (p, Content::Mesh));
+    let basis = command.basis.as_deref().map(|p| (p, Content::Other));
+    mesh.into_iter()
+        .chain(basis)
+        .chain(command.extras.outputs())
+        .collect()
+}
+
+/// The parallel mesh that is closest to a surface.
+fn fitted(command: &ParallelCommand, mesh: &HexMesh, surface: &Path) -> Result<Made, Failure> {
+    let reporter = Reporter::new(&command.talk);
+    let file = MeshFile::read(surface)?;
+    let surface = whole(&file.surfaces()?.components)?;
+    let options = options(command);
+    let fitted = fit_parallel(mesh, &surface, &options, &reporter)
+        .with_context(|| command.input.display().to_string())
+        .or_exit(Exit::InputUnusable)?;
+    reporter.finish();
+    Ok(Made {
+        settings: json!(options),
+        statistics: json!({
+            "status": fitted.status,
+            "rounds": fitted.rounds,
+            "edges_at_bound": fitted.edges_at_bound,
+            "mean_curvature": fitted.mean_curvature,
+            "mean_curvature_spread": fitted.mean_curvature_spread,
+        }),
+        table: table(&fitted),
+        basis: command
+            .basis
+            .is_some()
+            .then(|| space::of(mesh).map(|space| space::basis(&space)))
+            .transpose()?,
+        mesh: fitted.mesh,
+        surface: Some(surface),
+        input: Some(file.record),
     })
 }
 
@@ -78,19 +131,19 @@ fn options(command: &ParallelCommand) -> FitOptions {
     }
 }
 
-fn outputs(command: &ParallelCommand) -> Vec<(&Path, Content)> {
-    std::iter::once((command.output.as_path(), Content::Mesh))
-        .chain(command.extras.outputs())
-        .collect()
+fn write(command: &ParallelCommand, made: &Made, report: &mut RunReport) -> Result<(), Failure> {
+    if let Some(path) = &command.output {
+        write_mesh(path, &made.mesh.to_soup())?;
+        report.outputs.push(written("mesh", path));
+    }
+    if let (Some(path), Some(text)) = (&command.basis, &made.basis) {
+        write_text(path, text)?;
+        report.outputs.push(written("basis", path));
+    }
+    command.extras.write(&Shown::of(&made.mesh), report)
 }
 
-fn write(command: &ParallelCommand, mesh: &HexMesh, report: &mut RunReport) -> Result<(), Failure> {
-    write_mesh(&command.output, &mesh.to_soup())?;
-    report.outputs.push(written("mesh", &command.output));
-    command.extras.write(&Shown::of(mesh), report)
-}
-
-fn table(fitted: &Fitted) -> String {
+fn table(fitted: &Fitted) -> Table {
     let mut table = Table::default();
     table.row(
         "fit",
@@ -110,5 +163,5 @@ fn table(fitted: &Fitted) -> String {
             fitted.mean_curvature
         ),
     );
-    table.into_text()
+    table
 }

@@ -21,7 +21,7 @@
 //! | [`koebe`] | polyhedra and patches whose edges touch the unit sphere |
 //! | [`edge_gauss_image`](mod@edge_gauss_image) | the Koebe mesh that a given mesh is parallel to, if there is one |
 //! | [`edge_offset`] | offsets at constant edge distance, of meshes parallel to a Koebe mesh |
-//! | [`space`], [`fit`] | the linear space of parallel meshes, and those in it close to a surface |
+//! | [`space`], `basis`, [`fit`] | the linear space of parallel meshes, a sparse basis, and those in it close to a surface |
 //! | [`inheritance`] | what an offset takes over from its mesh, and what is new and therefore wrong |
 //! | [`layers`] | offsets that have been checked, and how far one may go |
 //! | [`accuracy`] | how far the distances of a finished offset are from what was asked for |
@@ -42,6 +42,7 @@
 
 pub mod accuracy;
 pub mod angle_condition;
+mod basis;
 pub mod beams;
 mod contact;
 pub mod edge_gauss_image;
@@ -67,6 +68,7 @@ mod tests;
 
 pub use accuracy::{distance_error, face_distance_error};
 pub use angle_condition::{AngleCondition, angle_conditions};
+pub use basis::LengthChange;
 pub use beams::{BeamAxis, NodeAxis, beam_axes, node_axes};
 pub use edge_gauss_image::{EdgeGaussImage, edge_gauss_image};
 pub use error::OffsetError;

@@ -19,7 +19,8 @@
 //!
 //! *Guaranteed*: the rank is decided by singular values accurate to rounding, and the gap between those that count as zero and
 //! the others is told; projections are orthogonal, and closed (parallel) to rounding. On a closed mesh with vertices of degree 3
-//! the dimension is the number of faces less 3, and [`ParallelSpace::plane_shift`] is a sparse basis up to translations.
+//! the dimension is the number of faces less 3, and [`ParallelSpace::plane_shift`] spans the space. [`ParallelSpace::basis`] is a sparse basis
+//! for any mesh.
 //!
 //! *Fails* for a face that is not planar or an edge of length zero; both are named.
 
@@ -123,6 +124,11 @@ impl ParallelSpace {
     /// Unit normal of a face of the given mesh.
     pub fn normal(&self, f: FaceId) -> Vec3 {
         self.normals[f]
+    }
+
+    /// Two rows per face, and those of the generators, in the lengths of the edges.
+    pub(super) fn closure_rows(&self) -> &Rows {
+        &self.closure.rows
     }
 
     /// Two rows per edge: the components of `x_b - x_a` perpendicular to it, in the coordinates of the vertices.

@@ -1,0 +1,63 @@
+//! What can be typed after `phex parallel`.
+
+use crate::args::{Extras, Limits, Talk};
+use crate::exit::EXIT_CODES;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Where the fit of a parallel mesh begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ParallelStart {
+    /// Where the surface has the mesh's normals
+    #[default]
+    Normals,
+    /// Where the surface is closest to the mesh
+    Positions,
+}
+
+/// Arguments of `phex parallel`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct ParallelCommand {
+    /// Mesh with planar faces: OBJ, PLY or OFF
+    #[arg(value_name = "MESH")]
+    pub input: PathBuf,
+    /// Surface to come close to
+    #[arg(long, value_name = "SURFACE", requires = "output")]
+    pub surface: Option<PathBuf>,
+    /// Edge lengths to come close to: lines of `from to length` with the numbers of two vertices, counted from 0; other edges keep theirs
+    #[arg(
+        long,
+        value_name = "LENGTHS.TXT",
+        requires = "output",
+        conflicts_with = "surface"
+    )]
+    pub lengths: Option<PathBuf>,
+    /// Mesh to write
+    #[arg(short, long, value_name = "MESH")]
+    pub output: Option<PathBuf>,
+    /// Write a sparse basis of the space of parallel meshes: changes of edge lengths after which every face still closes
+    #[arg(long, value_name = "BASIS.CSV", help_heading = "Files")]
+    pub basis: Option<PathBuf>,
+    /// Where the fit begins
+    #[arg(long, value_enum, default_value_t)]
+    pub start: ParallelStart,
+    /// Shortest edge allowed, over the mean edge (0 to 1)
+    #[arg(long, value_name = "X", default_value_t = 0.05)]
+    pub least_edge: f64,
+    /// Weight of edge lengths in proportion to the input's, over that of closeness
+    #[arg(long, value_name = "X", default_value_t = 1e-3)]
+    pub fairness: f64,
+    /// Weight of one mean curvature for all faces, over that of closeness
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    pub constant_mean_curvature: f64,
+    /// Limits.
+    #[command(flatten)]
+    pub limits: Limits,
+    /// Report and picture.
+    #[command(flatten)]
+    pub extras: Extras,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
