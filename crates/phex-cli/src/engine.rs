@@ -7,7 +7,7 @@ use phex::layout::LayoutError;
 use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
 use phex::pipeline::{self, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
-use phex::{MeshOptions, MeshRun, PipelineError, Progress, mesh_surface};
+use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, mesh_surface};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
@@ -22,6 +22,8 @@ pub struct Reached {
     pub start: Option<PolygonSoup>,
     /// The smooth surface that it was fitted to, in model coordinates.
     pub smooth: Option<TriangleSurface>,
+    /// The surface continued beyond its boundary, in model coordinates, if panels were kept whole.
+    pub beyond: Option<Beyond>,
     /// How the computation ended.
     pub outcome: Value,
     /// Time of each stage.
@@ -71,6 +73,7 @@ fn reached(run: MeshRun) -> Result<Reached, Failure> {
         mesh: run.mesh,
         start: run.start,
         smooth: Some(run.target),
+        beyond: run.beyond,
     })
 }
 
@@ -128,6 +131,7 @@ pub fn planarize(
         start: Some(mesh.to_soup()),
         mesh: run.mesh,
         smooth: None,
+        beyond: None,
     })
 }
 

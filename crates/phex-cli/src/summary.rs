@@ -5,7 +5,7 @@ use crate::units::Unit;
 use phex::report::maps::FeatureSizes;
 use phex::report::{Assessment, Check, ElementKind, RunReport, Verdict};
 use phex_mesh::ElementId;
-use phex_mesh::measure::{Deviation, MeshMeasures};
+use phex_mesh::measure::{BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures};
 use phex_mesh::{HexMesh, TriangleSurface};
 use std::fmt::Write;
 
@@ -53,6 +53,10 @@ pub fn of_assessment(assessment: &Assessment, unit: Unit, every_check: bool) -> 
             "deviation",
             format!("{} from the given facets", distance(deviation, unit)),
         );
+    }
+    if let Some(fit) = &assessment.boundary {
+        table.row("boundary", boundary(fit));
+        table.row("", rim(fit));
     }
     for check in assessment.checks.iter().filter(|c| every_check || !c.pass) {
         table.row(if check.pass { "ok" } else { "FAILED" }, said(check));
@@ -228,6 +232,46 @@ fn farthest(deviation: &Deviation) -> String {
     } else {
         worst("face", &centres.worst)
     }
+}
+
+/// How the mesh ends where the surface ends.
+fn boundary(fit: &BoundaryFit) -> String {
+    let mut text = format!(
+        "{} of the area covered, {} of the panels' area beyond; distance {}, back {} of the diagonal",
+        percent(fit.covered_area),
+        percent(fit.overhang_area),
+        percent(fit.to_curve_max),
+        percent(fit.from_curve_max)
+    );
+    if fit.corners > 0 {
+        let _ = write!(
+            text,
+            "; {} corners within {}",
+            fit.corners,
+            percent(fit.corner_max)
+        );
+    }
+    text
+}
+
+/// The smallest panels at the boundary.
+fn rim(fit: &BoundaryFit) -> String {
+    let area = &fit.rim_area;
+    let mut text = format!(
+        "{} panels at the boundary, the smallest has {:.2} of the mean area{}",
+        area.count,
+        area.min,
+        worst("face", &area.worst)
+    );
+    if let Some(first) = fit.small.first() {
+        let _ = write!(
+            text,
+            "; {} have less than {LEAST_RIM_AREA} (first face {})",
+            fit.small.len(),
+            first.index()
+        );
+    }
+    text
 }
 
 fn percent(fraction: f64) -> String {

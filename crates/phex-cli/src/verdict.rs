@@ -7,11 +7,18 @@ use crate::output::{self, Content};
 use crate::settings::MeshSettings;
 use crate::units::{Quantity, Unit};
 use anyhow::Context;
+use phex::Boundary;
+use phex::pipeline::Method;
 use phex::report::picture::{PictureOptions, draw};
-use phex::report::{Assessment, OutputFile, References, RunReport, Tolerances, Verdict};
+use phex::report::{
+    Assessment, BoundaryLimit, OutputFile, References, RunReport, Tolerances, Verdict,
+};
 use phex_mesh::validate::ValidateOptions;
 use phex_mesh::{HexMesh, TriangleSurface};
 use std::path::Path;
+
+/// Share of the surface's area that whole panels cover at least.
+const WHOLE_COVERAGE: f64 = 0.97;
 
 /// Limits as they were typed.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +29,8 @@ pub struct TypedLimits {
     pub max_deviation: Quantity,
     /// The model's unit.
     pub unit: Unit,
+    /// What panels were to do at the boundary, where the method keeps to it.
+    pub boundary: Option<Boundary>,
 }
 
 impl From<&Limits> for TypedLimits {
@@ -34,16 +43,19 @@ impl From<&Limits> for TypedLimits {
             planarity: limits.planarity,
             max_deviation: settings.max_deviation(),
             unit: limits.unit,
+            boundary: None,
         }
     }
 }
 
 impl From<&MeshSettings> for TypedLimits {
     fn from(settings: &MeshSettings) -> Self {
+        let keeps_to_boundary = matches!(settings.stages.method, Method::Lattice);
         Self {
             planarity: settings.planarity,
             max_deviation: settings.max_deviation(),
             unit: settings.unit.unwrap_or_default(),
+            boundary: keeps_to_boundary.then_some(settings.stages.boundary),
         }
     }
 }
@@ -58,12 +70,18 @@ impl TypedLimits {
             let diagonal = surface.diagonal();
             self.max_deviation.length(self.unit, diagonal) / diagonal
         };
+        let deviation_rel = surface.map(relative);
+        let boundary = self.boundary.zip(deviation_rel);
         Tolerances {
+            boundary: boundary.map(|(how, distance)| match how {
+                Boundary::Whole => BoundaryLimit::Covers(WHOLE_COVERAGE),
+                _ => BoundaryLimit::Follows(distance),
+            }),
             validity: ValidateOptions {
                 planarity,
                 ..default
             },
-            deviation_rel: surface.map(relative),
+            deviation_rel,
         }
     }
 

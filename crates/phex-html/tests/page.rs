@@ -28,8 +28,8 @@ fn corner(x: f64) -> HexMesh {
 
 fn run(mesh: &HexMesh, surface: Option<&TriangleSurface>) -> RunReport {
     let references = References {
-        smooth: None,
         facets: surface,
+        ..Default::default()
     };
     let mut run = RunReport::new(
         "report",

@@ -38,7 +38,10 @@ pub use ear_clip::ear_clip;
 pub use flat_face::FlatFace;
 pub use hex_mesh::HexMesh;
 pub use ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
-pub use measure::{Deviation, MeshMeasures, Metric, deviation, measure};
+pub use measure::{
+    BoundaryFit, Deviation, MeshMeasures, Metric, boundary_fit, deviation, deviation_beyond,
+    measure, small_rim_faces,
+};
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;
 pub use surface::{SurfacePoint, TriangleSurface};

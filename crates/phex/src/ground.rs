@@ -1,11 +1,11 @@
 //! What panels are laid out on, and how they come back to the boundary.
 
 use crate::layout::lattice::CELL;
-use crate::pipeline::MeshOptions;
+use crate::pipeline::{MeshOptions, moved};
 use crate::target::extend::{self, Extension};
 use crate::target::{self, SmoothTarget, TargetKind};
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
-use phex_mesh::{HexMesh, PerFace, TriangleSurface};
+use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths.
 const WHOLE_STRIP: f64 = 1.5;
@@ -24,6 +24,25 @@ pub(crate) struct Ground {
     pub panels: usize,
     /// Options as they apply to it.
     pub options: MeshOptions,
+}
+
+/// A surface continued beyond its boundary.
+#[derive(Clone)]
+pub struct Beyond {
+    /// The smooth surface that panels were kept close to.
+    pub smooth: TriangleSurface,
+    /// The input's facets and the strip that was added to them.
+    pub facets: TriangleSurface,
+}
+
+impl Beyond {
+    /// The same with all points mapped by a similarity.
+    pub(crate) fn moved(&self, map: impl Fn(Vec3) -> Vec3) -> Self {
+        Self {
+            smooth: moved(&self.smooth, &map),
+            facets: moved(&self.facets, &map),
+        }
+    }
 }
 
 /// What panels are trimmed to.
@@ -85,6 +104,15 @@ impl Ground {
             (Some(trimming), TargetKind::Facets) => &trimming.facets,
             (Some(trimming), _) => trimming.smooth.finest(),
         }
+    }
+
+    /// The surface beyond the boundary, where panels that stay whole may stick out.
+    pub fn beyond(&self, fine: &TriangleSurface) -> Option<Beyond> {
+        let whole = self.options.boundary == Boundary::Whole;
+        (whole && self.trimming.is_some()).then(|| Beyond {
+            smooth: self.close_to(fine).clone(),
+            facets: self.facets.clone(),
+        })
     }
 
     /// Panels brought back to the boundary.

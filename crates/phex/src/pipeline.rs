@@ -7,6 +7,7 @@ mod brick_wall;
 mod classical;
 mod field;
 mod repair;
+mod rim;
 mod steered;
 mod subdivide;
 
@@ -21,7 +22,7 @@ use crate::directions::DirectionOptions;
 use crate::directions::cones::ConeError;
 use crate::directions::guides::{Cone, Guides};
 use crate::directions::size::SizeOptions;
-use crate::ground::Ground;
+use crate::ground::{Beyond, Ground};
 use crate::layout::brick_wall::{BrickWallOptions, BrickWallStatistics};
 use crate::layout::duality::DualOptions;
 use crate::layout::lattice::CELL;
@@ -241,6 +242,8 @@ pub struct MeshRun {
     pub start: Option<PolygonSoup>,
     /// The surface that the panels were kept close to, in model coordinates.
     pub target: TriangleSurface,
+    /// That surface continued beyond its boundary, in model coordinates, if panels were kept whole and may stick out.
+    pub beyond: Option<Beyond>,
     /// How the optimiser ended.
     pub outcome: Outcome,
     /// Panels that are not as they should be; empty if the mesh is sound.
@@ -358,6 +361,7 @@ fn mesh_with_panels(
         start: Some(restored(best.left.start, &similarity)),
         mesh: mesh.with_positions(positions),
         target: moved(&best.reported, |p| similarity.restore(p)),
+        beyond: best.beyond.map(|b| b.moved(|p| similarity.restore(p))),
         outcome: best.result.outcome,
         offenders: best.left.offenders,
         violations: best.left.violations,
@@ -416,7 +420,7 @@ fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, Pipe
     Ok(count.round() as usize)
 }
 
-fn moved(
+pub(crate) fn moved(
     surface: &TriangleSurface,
     f: impl Fn(phex_mesh::Vec3) -> phex_mesh::Vec3,
 ) -> TriangleSurface {

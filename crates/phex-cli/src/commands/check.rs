@@ -82,8 +82,8 @@ pub(super) fn judged(
 ) -> (Assessment, RunReport) {
     let limits = TypedLimits::from(limits);
     let references = References {
-        smooth: None,
         facets,
+        ..Default::default()
     };
     let assessment = limits.judge(mesh, references);
     let mut report = RunReport::new(command, assessment.clone());

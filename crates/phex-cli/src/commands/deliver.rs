@@ -47,8 +47,8 @@ impl Delivery<'_> {
     /// If something can't be written.
     pub fn send(self) -> Result<Exit, Failure> {
         let references = References {
-            smooth: None,
             facets: self.surface,
+            ..Default::default()
         };
         let assessment = self.limits.judge(self.mesh, references);
         let figures = summary::of_assessment(&assessment, self.limits.unit, self.talk.verbose);

@@ -66,10 +66,7 @@ fn outputs(command: &KoebeCommand) -> Vec<(&Path, Content)> {
 
 fn report(made: &Koebe, options: &KoebeOptions, command: &KoebeCommand) -> RunReport {
     let limits = TypedLimits::from(&Limits::default());
-    let none = References {
-        smooth: None,
-        facets: None,
-    };
+    let none = References::default();
     let mut report = RunReport::new("koebe", limits.judge(&made.mesh, none));
     report.settings =
         json!({ "koebe": options, "unit": "sphere of radius 1", "verbose": command.talk.verbose });

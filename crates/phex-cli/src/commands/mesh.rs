@@ -65,11 +65,16 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     reporter.finish();
     let mesh = joined_mesh(&runs)?;
     let smooth = joined_target(&runs)?;
+    let beyond = joined_beyond(&runs, &parts.components)?;
 
-    let limits = TypedLimits::from(&settings);
+    let mut limits = TypedLimits::from(&settings);
+    if command.start.is_some() {
+        limits.boundary = None;
+    }
     let references = References {
         smooth: smooth.as_ref(),
         facets: Some(&facets),
+        beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
     };
     let assessment = limits.judge(&mesh, references);
     let told = |run: &Reached| of_method(run.classical.as_ref());
@@ -242,6 +247,27 @@ fn joined_target(runs: &[Reached]) -> Result<Option<TriangleSurface>, Failure> {
     let targets: Option<Vec<&TriangleSurface>> =
         runs.iter().map(|run| run.smooth.as_ref()).collect();
     targets.map(joined).transpose()
+}
+
+/// The smooth surfaces and the facets, continued beyond their boundaries where panels were kept whole; nothing if they were
+/// nowhere.
+fn joined_beyond(
+    runs: &[Reached],
+    components: &[SurfaceComponent],
+) -> Result<Option<[TriangleSurface; 2]>, Failure> {
+    if runs.iter().all(|run| run.beyond.is_none()) {
+        return Ok(None);
+    }
+    let smooth = runs.iter().filter_map(|run| match &run.beyond {
+        Some(beyond) => Some(&beyond.smooth),
+        None => run.smooth.as_ref(),
+    });
+    let facets = runs.iter().zip(components);
+    let facets = facets.map(|(run, part)| match &run.beyond {
+        Some(beyond) => &beyond.facets,
+        None => &part.surface,
+    });
+    Ok(Some([joined(smooth)?, joined(facets)?]))
 }
 
 /// Fills in how the mesh came about.

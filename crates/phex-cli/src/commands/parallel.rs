@@ -48,8 +48,8 @@ pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
     }
     let limits = TypedLimits::from(&command.limits);
     let references = References {
-        smooth: None,
         facets: made.surface.as_ref(),
+        ..Default::default()
     };
     let assessment = limits.judge(&made.mesh, references);
     let summary = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);

@@ -36,8 +36,8 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let limits = TypedLimits::from(&command.limits);
     let facets = surface.or_else(|| files.own_surface());
     let references = References {
-        smooth: None,
         facets: facets.as_ref(),
+        ..Default::default()
     };
     let assessment = limits.judge(&reached.mesh, references);
     let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);

@@ -34,8 +34,8 @@ pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
         .map(|file| whole(&file.surfaces()?.components))
         .transpose()?;
     let references = References {
-        smooth: None,
         facets: facets.as_ref(),
+        ..Default::default()
     };
     let assessment = TypedLimits::from(&command.limits).judge(&mesh, references);
     let subject = Subject {

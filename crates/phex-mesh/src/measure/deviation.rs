@@ -52,10 +52,20 @@ pub struct Deviation {
 
 /// Measures the distance between a mesh and a surface, both ways. The mesh's faces count as their ear-clipped triangles.
 pub fn deviation(mesh: &HexMesh, surface: &TriangleSurface) -> Deviation {
+    deviation_beyond(mesh, surface, surface)
+}
+
+/// The same where panels may stick out beyond the boundary of `surface`: `beyond` is the surface continued there, and the
+/// distance of the mesh is that to the continued surface.
+pub fn deviation_beyond(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    beyond: &TriangleSurface,
+) -> Deviation {
     let diagonal = surface.diagonal();
     let centres: Vec<Vec3> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
-    let vertex_distance = to_surface(surface, mesh.positions.as_slice());
-    let face_distance: PerFace<f64> = to_surface(surface, &centres);
+    let vertex_distance = to_surface(beyond, mesh.positions.as_slice());
+    let face_distance: PerFace<f64> = to_surface(beyond, &centres);
     let both: Vec<f64> = vertex_distance
         .iter()
         .chain(&face_distance)

@@ -19,10 +19,12 @@
 //! The two planarities are both in use and differ: 1 % by the diagonals is 1 to 2.5 % of an edge. A planar face that
 //! intersects itself has planarity 0 by either, so planarity and simplicity are always to be reported together.
 
+mod boundary_fit;
 mod deviation;
 mod metric;
 
-pub use deviation::{Deviation, deviation};
+pub use boundary_fit::{BoundaryFit, LEAST_RIM_AREA, boundary_fit, small_rim_faces};
+pub use deviation::{Deviation, deviation, deviation_beyond};
 pub use metric::{BINS, Histogram, Metric, WORST};
 
 use crate::polygon::{interior_angles, is_simple};

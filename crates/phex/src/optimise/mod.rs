@@ -54,6 +54,7 @@ mod guarded;
 mod holds;
 mod inspect;
 mod jacobian;
+mod on_boundary;
 mod options;
 mod panels;
 mod planarity;
@@ -85,6 +86,7 @@ use start::TangentCells;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
+pub use on_boundary::{BoundaryHold, onto_boundary};
 pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind, Starts};
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, SteeringError};

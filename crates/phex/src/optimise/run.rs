@@ -139,7 +139,7 @@ impl Stage<'_> {
         self.run(solvers, StartKind::AsGiven, &start, options, progress)
     }
 
-    fn start_at(&self, x: &[f64]) -> Start {
+    pub fn start_at(&self, x: &[f64]) -> Start {
         let shape = Shape::at(&self.panels, x);
         let simple = |f: &usize| is_simple(shape.face(&self.panels, *f));
         let n_bad = (0..self.panels.n_faces()).filter(|f| !simple(f)).count();

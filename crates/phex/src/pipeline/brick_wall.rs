@@ -131,6 +131,7 @@ pub(super) fn mesh_with_panels(
         start: Some(restored(layout.mesh.to_soup(), &similarity)),
         mesh: mesh.with_positions(positions),
         target: moved(reported, |p| similarity.restore(p)),
+        beyond: (ground.beyond(&site.surface)).map(|b| b.moved(|p| similarity.restore(p))),
         outcome: result.outcome,
         offenders: result.offenders,
         violations,

@@ -85,6 +85,7 @@ pub(super) fn mesh_with_panels(
         None => made.mesh,
     };
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
+    let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(&fine.surface));
     let mut classical = made.classical;
     let map = |p: Vec3| similarity.restore(p);
     let outside = classical.outside.take().map(|e| e.mapped(map).to_string());
@@ -123,7 +124,8 @@ pub(super) fn mesh_with_panels(
     Ok(MeshRun {
         start: None,
         mesh: mesh.with_positions(positions),
-        target: moved(reported, |p| similarity.restore(p)),
+        target: moved(reported, map),
+        beyond: beyond.map(|b| b.moved(map)),
         outcome: made.outcome,
         offenders: optimised.map_or_else(Vec::new, |o| o.offenders),
         violations,

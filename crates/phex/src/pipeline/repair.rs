@@ -1,13 +1,13 @@
 //! Layout, optimiser and the repair loop for one anisotropy.
 
 use super::field::{Field, FineSurface, direction_options};
-use super::{Clock, MeshOptions, PipelineError, RepairRound};
+use super::{Clock, MeshOptions, PipelineError, RepairRound, rim};
 use crate::directions::guides::Cone;
-use crate::ground::Ground;
+use crate::ground::{Beyond, Ground};
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, LayoutStatistics};
 use crate::optimise::{self, Fault, Offender, Optimised, SurfaceTarget};
-use crate::trim::{self, Boundary, Trimmed};
+use crate::trim::{Boundary, Trimmed};
 use phex_mesh::{
     Deviation, FaceId, FlatFace, HexMesh, PolygonSoup, TriangleSurface, ValidateOptions, Vec3,
     VertexId, Violation,
@@ -42,6 +42,7 @@ pub(super) struct Attempt {
     pub result: Optimised,
     pub left: Left,
     pub reported: TriangleSurface,
+    pub beyond: Option<Beyond>,
     pub factorisations: usize,
     pub repairs: Vec<RepairRound>,
 }
@@ -111,6 +112,8 @@ pub(super) fn attempt(
     let mut layout = clock.stage("layout", || calm_panels(&fine, &seeds))??;
     let target = SurfaceTarget::new(ground.close_to(&fine.surface));
     let reported = ground.reported(&fine.surface);
+    let beyond = ground.beyond(&fine.surface);
+    let reach = beyond.as_ref().map_or(reported, |b| &b.smooth);
     let mut repairs = Vec::new();
     let mut factorisations = 0;
     let mut best: Option<(Badness, Optimised, Left)> = None;
@@ -125,8 +128,10 @@ pub(super) fn attempt(
         let offenders = offenders_left(&result.offenders, &trimmed);
         let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
         let tight = tight_panels(&trimmed, options);
-        let deviation = clock.timed("validate", || phex_mesh::deviation(&trimmed.mesh, reported));
-        let bare = bare_places(&trimmed.mesh, reported, &deviation);
+        let deviation = clock.timed("validate", || {
+            phex_mesh::deviation_beyond(&trimmed.mesh, reported, reach)
+        });
+        let bare = bare_places(&trimmed.mesh, reported, &deviation, options);
         let badness = Badness {
             not_planar: !is_planar(&offenders),
             invalid: invalid.len(),
@@ -139,7 +144,7 @@ pub(super) fn attempt(
                 trimmed,
                 offenders,
                 violations,
-                deviation: deviation.deviation_max.max(deviation.coverage_inner_max),
+                deviation: inner_deviation(&deviation),
             };
             best = Some((badness, result, left));
         }
@@ -155,7 +160,11 @@ pub(super) fn attempt(
             Err(_) => break,
         }
     }
-    let (badness, result, left) = best.expect("the loop runs at least once");
+    let (badness, mut result, mut left) = best.expect("the loop runs at least once");
+    let held = clock.timed("optimise", || {
+        rim::to_boundary(&mut left, reported, options, progress)
+    })?;
+    result.runs.extend(held);
     let measures = phex_mesh::measure(&left.trimmed.mesh);
     let summary = AttemptSummary {
         anisotropy,
@@ -173,6 +182,7 @@ pub(super) fn attempt(
         result,
         left,
         reported: reported.clone(),
+        beyond,
         factorisations,
         repairs,
     })
@@ -199,7 +209,12 @@ pub(super) struct Left {
     pub offenders: Vec<Offender>,
     pub violations: Vec<Violation>,
     /// Largest distance between panels and surface either way, away from the boundary, over the diagonal.
-    deviation: f64,
+    pub deviation: f64,
+}
+
+/// Largest distance between panels and surface either way, away from the boundary.
+pub(super) fn inner_deviation(deviation: &Deviation) -> f64 {
+    deviation.deviation_max.max(deviation.coverage_inner_max)
 }
 
 /// The panels of a layout of which something is left.
@@ -232,7 +247,7 @@ fn invalid_panels(
     let mut invalid: BTreeSet<FaceId> = offenders.iter().filter(crooked).map(|o| o.face).collect();
     invalid.extend(located.flat_map(|v| v.faces(topology)));
     if boundary != Boundary::Whole {
-        invalid.extend(trim::small_rim_panels(&trimmed.mesh));
+        invalid.extend(phex_mesh::small_rim_faces(&trimmed.mesh));
     }
     if invalid.is_empty() {
         invalid.extend(farthest_from_planar(offenders));
@@ -328,13 +343,19 @@ impl Edit {
 }
 
 /// Places where the surface stands off from the panels farther than is good, the farthest first.
-fn bare_places(mesh: &HexMesh, surface: &TriangleSurface, deviation: &Deviation) -> Vec<Vec3> {
+fn bare_places(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    deviation: &Deviation,
+    options: &MeshOptions,
+) -> Vec<Vec3> {
     let limit = GOOD_DEVIATION * deviation.diagonal;
     let distances = deviation.coverage_distance.enumerate();
     let mut far: Vec<(VertexId, f64)> = distances
         .filter(|(v, d)| **d > limit && deviation.inside[*v])
         .map(|(v, d)| (v, *d))
         .collect();
+    far.extend(rim::bare_rim(mesh, surface, options, limit));
     far.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     let apart = ADDED_APART * mesh.mean_edge();
     let panels = mesh.topology().n_faces() as f64;

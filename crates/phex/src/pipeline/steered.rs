@@ -74,6 +74,7 @@ pub fn refit_surface(
         mesh: earlier.clone(),
         start: Some(earlier.to_soup()),
         target: close_to,
+        beyond: None,
         outcome: refitted.outcome.clone(),
         offenders: Vec::new(),
         violations: Vec::new(),

@@ -1,6 +1,8 @@
 //! Measures, checks and verdict of a mesh.
 
-use phex_mesh::measure::{Deviation, MeshMeasures, deviation, measure};
+use phex_mesh::measure::{
+    BoundaryFit, Deviation, MeshMeasures, boundary_fit, deviation_beyond, measure,
+};
 use phex_mesh::validate::{ValidateOptions, Violation, planarity_floor, violations};
 use phex_mesh::{HexMesh, TriangleSurface};
 use serde::{Deserialize, Serialize};
@@ -14,6 +16,18 @@ pub struct Tolerances {
     /// Largest distance between mesh and reference surface, over the diagonal of the surface's bounding box; `None` does
     /// not limit it. PH-CPF allows 0.005.
     pub deviation_rel: Option<f64>,
+    /// What the mesh must keep to at the boundary of an open surface; `None` does not limit it.
+    pub boundary: Option<BoundaryLimit>,
+}
+
+/// What a mesh must keep to at the boundary of an open surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BoundaryLimit {
+    /// The two boundaries lie within this distance of each other, over the diagonal of the surface's bounding box.
+    Follows(f64),
+    /// Panels cover at least this share of the surface's area.
+    Covers(f64),
 }
 
 /// The surfaces that a mesh stands for, in its coordinates.
@@ -23,6 +37,8 @@ pub struct References<'a> {
     pub smooth: Option<&'a TriangleSurface>,
     /// The input's facets.
     pub facets: Option<&'a TriangleSurface>,
+    /// Both continued beyond the boundary, where panels may stick out: their distance is measured to these.
+    pub beyond: Option<[&'a TriangleSurface; 2]>,
 }
 
 impl<'a> References<'a> {
@@ -51,7 +67,7 @@ pub enum ElementKind {
 pub struct Check {
     /// Name, as in the table of the documentation.
     pub name: &'static str,
-    /// The limit; a smallest one for `edge_length` and `clearance`, else a largest one.
+    /// The limit; a smallest one for `edge_length`, `clearance` and `covered_area`, else a largest one.
     pub limit: f64,
     /// The figure; for checks that count, the number of offenders.
     pub value: f64,
@@ -90,6 +106,8 @@ pub struct Assessment {
     pub deviation_smooth: Option<Deviation>,
     /// Distance to the original facets.
     pub deviation_facets: Option<Deviation>,
+    /// How the mesh ends where the surface ends; `None` without a surface, or if one of the two is closed.
+    pub boundary: Option<BoundaryFit>,
     /// Everything that is wrong, located.
     pub violations: Vec<Violation>,
 }
@@ -99,11 +117,16 @@ impl Assessment {
     pub fn new(mesh: &HexMesh, references: References<'_>, tolerances: &Tolerances) -> Self {
         let measures = measure(mesh);
         let violations = violations(mesh, references.judge(), &tolerances.validity);
-        let deviation_smooth = references.smooth.map(|s| deviation(mesh, s));
-        let deviation_facets = references.facets.map(|s| deviation(mesh, s));
+        let away = |s, k: usize| deviation_beyond(mesh, s, references.beyond.map_or(s, |b| b[k]));
+        let deviation_smooth = references.smooth.map(|s| away(s, 0));
+        let deviation_facets = references.facets.map(|s| away(s, 1));
+        let boundary = references.judge().and_then(|s| boundary_fit(mesh, s));
         let mut checks = validity_checks(mesh, &measures, &violations, &tolerances.validity);
         if let Some(deviation) = deviation_smooth.as_ref().or(deviation_facets.as_ref()) {
             checks.extend(surface_checks(mesh, deviation, tolerances));
+        }
+        if let (Some(fit), Some(limit)) = (&boundary, tolerances.boundary) {
+            checks.push(boundary_check(fit, limit));
         }
         Self {
             verdict: verdict(&checks),
@@ -111,6 +134,7 @@ impl Assessment {
             measures,
             deviation_smooth,
             deviation_facets,
+            boundary,
             violations,
         }
     }
@@ -275,6 +299,28 @@ fn surface_checks(mesh: &HexMesh, deviation: &Deviation, tolerances: &Tolerances
     checks
 }
 
+fn boundary_check(fit: &BoundaryFit, limit: BoundaryLimit) -> Check {
+    let (name, limit, value, pass) = match limit {
+        BoundaryLimit::Follows(limit) => {
+            let distance = fit.distance_max();
+            ("boundary", limit, distance, distance <= limit)
+        }
+        BoundaryLimit::Covers(limit) => {
+            let covered = fit.covered_area;
+            ("covered_area", limit, covered, covered >= limit)
+        }
+    };
+    Check {
+        name,
+        limit,
+        value,
+        pass,
+        decisive: false,
+        element: ElementKind::Mesh,
+        ids: Vec::new(),
+    }
+}
+
 fn topology_check(deviation: &Deviation) -> Check {
     Check {
         name: "same_topology",
@@ -356,7 +402,7 @@ mod tests {
         let surface = TriangleSurface::new(positions, &[[0, 1, 2], [0, 2, 3]]).unwrap();
         let references = References {
             facets: Some(&surface),
-            smooth: None,
+            ..Default::default()
         };
         let judged = |limit| {
             let tolerances = Tolerances {

@@ -19,5 +19,7 @@ pub mod maps;
 pub mod picture;
 mod run_report;
 
-pub use assessment::{Assessment, Check, ElementKind, References, Tolerances, Verdict};
+pub use assessment::{
+    Assessment, BoundaryLimit, Check, ElementKind, References, Tolerances, Verdict,
+};
 pub use run_report::{InputFile, OutputFile, RunReport, SCHEMA_VERSION, StageTime, Tool};

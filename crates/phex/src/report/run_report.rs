@@ -2,7 +2,7 @@
 
 use super::maps::FeatureSizes;
 use super::{Assessment, Check, Verdict};
-use phex_mesh::measure::{Deviation, MeshMeasures};
+use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures};
 use phex_mesh::validate::Violation;
 use serde::Serialize;
 use serde_json::Value;
@@ -94,6 +94,8 @@ pub struct RunReport {
     pub deviation_smooth: Option<Deviation>,
     /// Distance to the original facets.
     pub deviation_facets: Option<Deviation>,
+    /// How the mesh ends where the surface ends; `null` without a surface, or if one of the two is closed.
+    pub boundary: Option<BoundaryFit>,
     /// How large panels are for the surface's curvature; `null` without a surface.
     pub feature_sizes: Option<FeatureSizes>,
     /// Everything that is wrong, located.
@@ -124,6 +126,7 @@ impl RunReport {
             measures: assessment.measures,
             deviation_smooth: assessment.deviation_smooth,
             deviation_facets: assessment.deviation_facets,
+            boundary: assessment.boundary,
             feature_sizes: None,
             violations: assessment.violations,
             notes: Vec::new(),
@@ -139,6 +142,7 @@ impl RunReport {
             measures: self.measures.clone(),
             deviation_smooth: self.deviation_smooth.clone(),
             deviation_facets: self.deviation_facets.clone(),
+            boundary: self.boundary.clone(),
             violations: self.violations.clone(),
         }
     }

@@ -6,9 +6,12 @@
 //! the panel has.
 
 use super::curve::{Curve, Place};
+use super::follow::is_simple;
 use super::{Domain, TrimError, Trimmed, compact, near_boundary};
-use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerEdge, PerFace, Vec3, polygon};
+use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerEdge, PerFace, Vec3};
 
+/// Largest distance between the boundary curve and the edges that stand for it, diagonals.
+const TOLERANCE: f64 = 1e-3;
 /// Intervals into which an edge is divided to find where it crosses the boundary.
 const INTERVALS: usize = 16;
 /// Bisections that locate a crossing.
@@ -48,31 +51,29 @@ struct Cut<'a> {
     positions: Vec<Vec3>,
     edges: PerEdge<CutEdge>,
     curve: Curve,
+    domain: &'a Domain<'a>,
+    /// Distance over which a crossing is never moved.
+    near_length: f64,
 }
 
 impl<'a> Cut<'a> {
-    fn new(mesh: &'a HexMesh, domain: &Domain<'_>, near: &[bool]) -> Self {
+    fn new(mesh: &'a HexMesh, domain: &'a Domain<'a>, near: &[bool]) -> Self {
         let topology = mesh.topology();
         let mut positions = mesh.positions.as_slice().to_vec();
-        let diagonal = domain.original.diagonal();
+        let near_length = NEAR_LENGTH * domain.original.diagonal();
         let edges = PerEdge::from_fn(topology.n_edges(), |e: EdgeId| {
             let h = topology.edge_half_edge(e);
             let sides = [Some(h), topology.twin(h)].into_iter().flatten();
             let close = sides.map(|h| topology.face(h)).any(|f| near[f.index()]);
-            cut_edge(
-                mesh,
-                domain,
-                e,
-                close,
-                NEAR_LENGTH * diagonal,
-                &mut positions,
-            )
+            cut_edge(mesh, domain, e, close, near_length, &mut positions)
         });
         Self {
             mesh,
             positions,
             edges,
-            curve: Curve::of(domain.original, domain.corner_angle, diagonal),
+            curve: Curve::of(domain.original, domain.corner_angle, TOLERANCE),
+            domain,
+            near_length,
         }
     }
 
@@ -85,7 +86,45 @@ impl<'a> Cut<'a> {
         let runs = runs(&vertices, &inside);
         let corners: Vec<Vec3> = self.mesh.corners(f).collect();
         let plane = FacePlane::fit(&corners);
-        self.joined(&runs, &plane)
+        let parts = self.joined(&runs, &plane);
+        if parts.iter().all(|p| p.is_simple(self, &plane)) {
+            return parts.into_iter().map(|p| p.outline).collect();
+        }
+        // A corner that reaches to the curve between two cuts, or over it, parts the panel.
+        let split = self.split_at_curve(&runs);
+        let split = self.joined(&split, &plane);
+        let sound = |parts: &[Part]| {
+            let simple = parts.iter().filter(|p| p.is_simple(self, &plane));
+            simple.map(|p| p.outline.len()).sum::<usize>()
+        };
+        let parts = if sound(&split) > sound(&parts) {
+            split
+        } else {
+            parts
+        };
+        let kept = parts.into_iter().filter_map(|p| p.sound(self, &plane));
+        kept.collect()
+    }
+
+    /// Runs cut at the vertices that lie on the curve or beyond it.
+    fn split_at_curve(&self, runs: &[Vec<u32>]) -> Vec<Vec<u32>> {
+        let reaches = |v: u32| {
+            let p = self.positions[v as usize];
+            let distance = (self.curve.at(self.curve.closest(p)) - p).norm();
+            distance < self.near_length || !self.domain.contains(p)
+        };
+        let mut split = Vec::new();
+        for run in runs {
+            let mut part = vec![run[0]];
+            for (i, &v) in run.iter().enumerate().skip(1) {
+                part.push(v);
+                if i + 1 < run.len() && reaches(v) {
+                    split.push(std::mem::replace(&mut part, vec![v]));
+                }
+            }
+            split.push(part);
+        }
+        split
     }
 
     /// A panel's outline with all cuts, and whether the piece after each vertex is inside.
@@ -107,7 +146,7 @@ impl<'a> Cut<'a> {
     }
 
     /// Joins runs along the boundary curve: from the end of each to the start of the one that comes next on the curve.
-    fn joined(&mut self, runs: &[Vec<u32>], plane: &FacePlane) -> Vec<Vec<u32>> {
+    fn joined(&mut self, runs: &[Vec<u32>], plane: &FacePlane) -> Vec<Part> {
         let place = |v: u32| self.curve.closest(self.positions[v as usize]);
         let starts: Vec<Place> = runs.iter().map(|r| place(r[0])).collect();
         let ends: Vec<Place> = runs.iter().map(|r| place(r[r.len() - 1])).collect();
@@ -129,7 +168,10 @@ impl<'a> Cut<'a> {
                 at = next;
             }
             if !part.is_empty() {
-                parts.extend(self.simple(part, bare, plane));
+                parts.push(Part {
+                    outline: part,
+                    bare,
+                });
             }
         }
         parts
@@ -145,20 +187,26 @@ impl<'a> Cut<'a> {
             self.positions.push(flat);
         }
     }
+}
+
+/// A part of a panel.
+struct Part {
+    outline: Vec<u32>,
+    /// The same without its vertices along the curve.
+    bare: Vec<u32>,
+}
+
+impl Part {
+    fn is_simple(&self, cut: &Cut<'_>, plane: &FacePlane) -> bool {
+        is_simple(&self.outline, &cut.positions, plane)
+    }
 
     /// The part if it is a simple polygon, else without its vertices along the curve, else nothing.
-    fn simple(&self, part: Vec<u32>, bare: Vec<u32>, plane: &FacePlane) -> Option<Vec<u32>> {
-        let flat = |face: &Vec<u32>| {
-            let points = face
-                .iter()
-                .map(|v| plane.project(self.positions[*v as usize]));
-            points.collect::<Vec<_>>()
-        };
-        let sound = |face: &Vec<u32>| {
-            let points = flat(face);
-            face.len() >= 3 && polygon::is_simple(&points) && polygon::signed_area(&points) > 0.0
-        };
-        [part, bare].into_iter().find(sound)
+    fn sound(self, cut: &Cut<'_>, plane: &FacePlane) -> Option<Vec<u32>> {
+        let either = [self.outline, self.bare].into_iter();
+        either
+            .into_iter()
+            .find(|face| is_simple(face, &cut.positions, plane))
     }
 }
 

@@ -2,8 +2,6 @@
 
 use phex_mesh::{TriangleSurface, Vec3};
 
-/// Largest distance between the curve and the vertices that stand for it, diagonals.
-const TOLERANCE: f64 = 1e-3;
 /// Vertices nearer than this to the ends of a stretch are left out, diagonals.
 const SPACING: f64 = 2e-3;
 
@@ -20,11 +18,15 @@ pub(super) struct Curve {
     loops: Vec<Vec<Vec3>>,
     corners: Vec<Vec<bool>>,
     diagonal: f64,
+    /// Largest distance between the curve and the vertices that stand for it.
+    tolerance: f64,
 }
 
 impl Curve {
-    /// The boundary of a surface; vertices where it turns by more than `corner_angle` are always kept.
-    pub fn of(surface: &TriangleSurface, corner_angle: f64, diagonal: f64) -> Self {
+    /// The boundary of a surface; vertices where it turns by more than `corner_angle` are always kept, others where what stands
+    /// for the curve would be farther from it than `tolerance`, in diagonals.
+    pub fn of(surface: &TriangleSurface, corner_angle: f64, tolerance: f64) -> Self {
+        let diagonal = surface.diagonal();
         let points = |l: &Vec<_>| l.iter().map(|&v| surface.positions()[v]).collect();
         let loops: Vec<Vec<Vec3>> = surface.boundary_loops().iter().map(points).collect();
         let is_corner = |l: &[Vec3], i: usize| {
@@ -39,6 +41,7 @@ impl Curve {
             corners: corners.collect(),
             loops,
             diagonal,
+            tolerance: tolerance * diagonal,
         }
     }
 
@@ -117,7 +120,7 @@ impl Curve {
             distance_to_segment(points[path[i]], begin, end) + bonus
         };
         let farthest = (0..path.len()).max_by(|&i, &k| distance(i).total_cmp(&distance(k)));
-        let Some(i) = farthest.filter(|&i| distance(i) > TOLERANCE * self.diagonal) else {
+        let Some(i) = farthest.filter(|&i| distance(i) > self.tolerance) else {
             return;
         };
         let middle = points[path[i]];
@@ -127,7 +130,7 @@ impl Curve {
     }
 }
 
-fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
+pub(super) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
     let (d, q) = (b - a, p - a);
     let t = (q.dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     (q - d * t).norm()

@@ -12,17 +12,17 @@
 //! A point is inside if its foot point on the extended surface lies on a triangle of the input's part.
 //!
 //! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one connected manifold. Fails, with
-//! an error, where nothing is left. Clipping can leave panels that are too small: [`small_rim_panels`] lists them, and the
-//! repair loop drops their seeds.
+//! an error, where nothing is left. Clipping can leave panels that are too small: they are joined to a neighbour in the same plane (`merge`), where there is
+//! one; [`phex_mesh::small_rim_faces`] lists the others, and the repair loop drops their seeds.
 
 mod clip;
 mod curve;
+pub(crate) mod follow;
+mod merge;
 mod whole;
 
 use crate::target::extend::Extension;
-use phex_mesh::{
-    BoundaryCurve, FaceId, FlatFace, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3,
-};
+use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -39,9 +39,6 @@ pub enum Boundary {
     #[default]
     Snap,
 }
-
-/// Least area of a panel at the boundary, in mean areas.
-pub const LEAST_RIM_AREA: f64 = 0.25;
 
 /// Why nothing was trimmed.
 #[derive(Clone, Debug, Error)]
@@ -92,19 +89,10 @@ impl Domain<'_> {
 /// If nothing or no manifold is left.
 pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<Trimmed, TrimError> {
     let trimmed = match boundary {
-        Boundary::Clip => clip::clipped(mesh, domain)?,
+        Boundary::Clip => merge::without_slivers(clip::clipped(mesh, domain)?)?,
         Boundary::Whole | Boundary::Snap => whole::whole_panels(mesh, domain)?,
     };
     largest_part(trimmed)
-}
-
-/// Panels at the boundary with less than [`LEAST_RIM_AREA`] of the mean area.
-pub fn small_rim_panels(mesh: &HexMesh) -> Vec<FaceId> {
-    let topology = mesh.topology();
-    let area: Vec<f64> = FlatFace::all(mesh).iter().map(FlatFace::area).collect();
-    let least = LEAST_RIM_AREA * area.iter().sum::<f64>() / area.len() as f64;
-    let small = |f: &FaceId| area[f.index()] < least && topology.is_boundary_face(*f);
-    topology.faces().filter(small).collect()
 }
 
 /// Faces and the positions they use, renumbered in the order of use.

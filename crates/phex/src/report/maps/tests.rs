@@ -84,7 +84,7 @@ fn curvature_has_the_sign_of_the_surface() {
         .unwrap();
         let references = References {
             facets: Some(&surface),
-            smooth: None,
+            ..Default::default()
         };
         let assessment = Assessment::new(&mesh, references, &Tolerances::default());
         let subject = Subject {

@@ -1,0 +1,105 @@
+//! Corners that panels get where the boundary curve stands off from their edges along it.
+//!
+//! They lie in the plane of their panel, over the curve, so the panel stays planar. An edge gets them only if its panel stays
+//! simple.
+
+use super::curve::{Curve, distance_to_segment};
+use phex_mesh::{FacePlane, HalfEdgeId, HexMesh, TriangleSurface, Vec3, polygon};
+
+/// Largest distance between the curve and an edge along it, diagonals.
+const TOLERANCE: f64 = 2.5e-3;
+
+/// Largest share of the distance between curve and edge that a new corner leaves.
+const GAIN: f64 = 0.7;
+
+/// The mesh with more corners along the boundary of `surface`; vertices where that turns by more than `corner_angle`, radians,
+/// become corners of a panel where they are not yet.
+pub(crate) fn followed(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    corner_angle: f64,
+) -> Option<HexMesh> {
+    let topology = mesh.topology();
+    let curve = Curve::of(surface, corner_angle, TOLERANCE);
+    let mut positions = mesh.positions.as_slice().to_vec();
+    let mut faces = topology.face_lists();
+    let rim = topology
+        .half_edges()
+        .filter(|h| topology.twin(*h).is_none());
+    for h in rim.collect::<Vec<HalfEdgeId>>() {
+        let [from, to] = [topology.origin(h), topology.target(h)];
+        let (begin, end) = (mesh.position(from), mesh.position(to));
+        let way = curve.between(curve.closest(begin), curve.closest(end), begin, end);
+        if way.is_empty() {
+            continue;
+        }
+        let f = topology.face(h);
+        let plane = FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
+        // Where the curve leaves the plane, corners in the plane bring nothing.
+        let gains = |p: &Vec3| plane.height(*p).abs() < GAIN * distance_to_segment(*p, begin, end);
+        let first = positions.len();
+        let over = way.into_iter().filter(gains);
+        positions.extend(over.map(|p| p - plane.normal * plane.height(p)));
+        if positions.len() == first {
+            continue;
+        }
+        let face = &faces[f.index()];
+        let at = face.iter().position(|v| *v == from.index() as u32)?;
+        let new = first as u32..positions.len() as u32;
+        let longer: Vec<u32> = (face[..=at].iter().copied())
+            .chain(new)
+            .chain(face[at + 1..].iter().copied())
+            .collect();
+        if is_simple(&longer, &positions, &plane) {
+            faces[f.index()] = longer;
+        } else {
+            positions.truncate(first);
+        }
+    }
+    let grown = positions.len() > mesh.positions.len();
+    grown
+        .then(|| HexMesh::new(positions, &faces).ok())
+        .flatten()
+}
+
+/// Whether a face is simple and wound the right way in a plane.
+pub(super) fn is_simple(face: &[u32], positions: &[Vec3], plane: &FacePlane) -> bool {
+    let points: Vec<_> = face
+        .iter()
+        .map(|v| plane.project(positions[*v as usize]))
+        .collect();
+    face.len() >= 3 && polygon::is_simple(&points) && polygon::signed_area(&points) > 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phex_mesh::boundary_fit;
+    use std::f64::consts::TAU;
+
+    /// A disc of radius 1 and four panels in it with their outer corners on the circle.
+    fn disc() -> (HexMesh, TriangleSurface) {
+        let n = 96;
+        let at = |i: usize, of: usize| {
+            let (s, c) = (TAU * i as f64 / of as f64).sin_cos();
+            Vec3::new(c, s, 0.0)
+        };
+        let fan = |n: usize| (0..n).map(move |i| [0, 1 + i as u32, 1 + ((i + 1) % n) as u32]);
+        let points = |n: usize| std::iter::once(Vec3::zeros()).chain((0..n).map(move |i| at(i, n)));
+        let surface = TriangleSurface::new(points(n).collect(), &fan(n).collect::<Vec<_>>());
+        let mesh = HexMesh::new(points(4).collect(), &fan(4).collect::<Vec<_>>());
+        (mesh.unwrap(), surface.unwrap())
+    }
+
+    #[test]
+    fn edges_that_cut_off_a_curve_get_corners_on_it() {
+        let (mesh, surface) = disc();
+        let before = boundary_fit(&mesh, &surface).unwrap();
+        assert!(before.distance_max() > 0.1);
+        let followed = followed(&mesh, &surface, 0.7).unwrap();
+        assert_eq!(followed.topology().n_faces(), 4);
+        let after = boundary_fit(&followed, &surface).unwrap();
+        assert!(after.distance_max() <= TOLERANCE && after.vertices_max < 1e-12);
+        assert!(super::followed(&followed, &surface, 0.7).is_none());
+    }
+}
