@@ -23,9 +23,11 @@ use phex_numeric::{Outcome, Status};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rounds of letting go at the most.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 8;
 /// Mean edges that a vertex may move.
 const MOST_MOVE: f64 = 0.35;
+/// Mean edges by which a vertex of the boundary may get farther from the curve.
+const MOST_DRIFT: f64 = 0.04;
 /// Mean edges within which a vertex of the boundary is put on a corner of the curve.
 const CORNER_REACH: f64 = 0.3;
 /// Panels are let go that are farther from planar than this share of the worst one.
@@ -76,11 +78,16 @@ pub fn onto_boundary(
             break;
         };
         let run = stage.run_projection(&mut solvers, &stage.start_at(&start), options, progress);
-        let harmed = harmed(mesh, &run, &before);
+        let harmed = harmed(mesh, &run, &before, hold.curves);
         if harmed.is_empty() {
             return Ok((!run.is_cancelled()).then(|| better(mesh, run, None)));
         }
-        if !let_go(&mut held, &harmed) && !let_go(&mut held, &beside(mesh, &harmed)) {
+        let around = beside(mesh, &harmed);
+        let farther = beside(mesh, &around);
+        if ![harmed, around, farther]
+            .iter()
+            .any(|corners| let_go(&mut held, corners))
+        {
             break;
         }
     }
@@ -145,7 +152,7 @@ fn holds(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
 }
 
 /// Vertices of panels that holding has harmed; none if the result can be used.
-fn harmed(mesh: &HexMesh, run: &Run, before: &Quality) -> BTreeSet<u32> {
+fn harmed(mesh: &HexMesh, run: &Run, before: &Quality, curves: &BoundaryCurve) -> BTreeSet<u32> {
     let topology = mesh.topology();
     let mut faces: BTreeSet<FaceId> = BTreeSet::new();
     let off = |o: &Offender| match o.fault {
@@ -168,9 +175,29 @@ fn harmed(mesh: &HexMesh, run: &Run, before: &Quality) -> BTreeSet<u32> {
         let after = mesh.with_positions(PerVertex::from_vec(points(&run.x)));
         faces.extend(squeezed(&after, run, before));
         faces.extend(grown_small(mesh, &after));
+        let drifted = drifted(mesh, &after, curves).into_iter();
+        faces.extend(
+            drifted
+                .flat_map(|v| topology.outgoing(v))
+                .map(|h| topology.face(h)),
+        );
     }
     let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
     corners.map(|v| v.index() as u32).collect()
+}
+
+/// Vertices of the boundary that nothing holds, and that have moved off the curve.
+fn drifted(before: &HexMesh, after: &HexMesh, curves: &BoundaryCurve) -> Vec<VertexId> {
+    let topology = before.topology();
+    let distance = |p: Vec3| (curves.closest_point(p).position - p).norm();
+    let off = |v: &VertexId| {
+        distance(after.position(*v))
+            > distance(before.position(*v)) + MOST_DRIFT * before.mean_edge()
+    };
+    let rim = topology
+        .vertices()
+        .filter(|v| topology.is_boundary_vertex(*v));
+    rim.filter(off).collect()
 }
 
 /// Panels at the boundary that have become too small, where none was.

@@ -38,6 +38,11 @@ pub(super) fn clipped(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimmed, Tr
     })
 }
 
+/// The curve along which panels are cut.
+pub(super) fn curve(domain: &Domain<'_>) -> Curve {
+    Curve::of(domain.original, domain.corner_angle, TOLERANCE)
+}
+
 /// An edge between its cuts: vertices in the direction of its half-edge, and whether each piece between them is inside.
 #[derive(Clone, Debug)]
 struct CutEdge {
@@ -71,7 +76,7 @@ impl<'a> Cut<'a> {
             mesh,
             positions,
             edges,
-            curve: Curve::of(domain.original, domain.corner_angle, TOLERANCE),
+            curve: curve(domain),
             domain,
             near_length,
         }

@@ -89,6 +89,11 @@ impl Curve {
         (position(to) - position(from)).rem_euclid(n)
     }
 
+    /// Segments of the loop that a place is on.
+    pub fn length_of(&self, place: Place) -> f64 {
+        self.loops[place.of].len() as f64
+    }
+
     /// Vertices that stand for the curve between two places, without the places; none if the way is a long detour.
     pub fn between(&self, from: Place, to: Place, begin: Vec3, end: Vec3) -> Vec<Vec3> {
         let ahead = self.ahead(from, to);

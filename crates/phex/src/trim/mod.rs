@@ -12,11 +12,13 @@
 //! A point is inside if its foot point on the extended surface lies on a triangle of the input's part.
 //!
 //! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one connected manifold. Fails, with
-//! an error, where nothing is left. Clipping can leave panels that are too small: they are joined to a neighbour in the same plane (`merge`), where there is
-//! one; [`phex_mesh::small_rim_faces`] lists the others, and the repair loop drops their seeds.
+//! an error, where nothing is left. Clipping can leave panels that are too small: they are joined to a neighbour in the same plane (`merge`), or the
+//! plane of a neighbour is continued over them (`dissolve`); [`phex_mesh::small_rim_faces`] lists those that are left, and the repair loop
+//! drops their seeds.
 
 mod clip;
 mod curve;
+mod dissolve;
 pub(crate) mod follow;
 mod merge;
 mod whole;
@@ -89,7 +91,10 @@ impl Domain<'_> {
 /// If nothing or no manifold is left.
 pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<Trimmed, TrimError> {
     let trimmed = match boundary {
-        Boundary::Clip => merge::without_slivers(clip::clipped(mesh, domain)?)?,
+        Boundary::Clip => {
+            let merged = merge::without_slivers(clip::clipped(mesh, domain)?)?;
+            dissolve::without_slivers(merged, domain, &clip::curve(domain))
+        }
         Boundary::Whole | Boundary::Snap => whole::whole_panels(mesh, domain)?,
     };
     largest_part(trimmed)

@@ -1,0 +1,337 @@
+//! Slivers taken over by the panels behind them.
+//!
+//! A sliver at the boundary whose neighbours lie in other planes goes if a neighbour's plane is continued over it: the edges
+//! that ended at the sliver's inner corners go on along their lines, in which two planes meet, to the boundary curve, and
+//! the boundary is followed in the neighbour's plane. So panels stay planar exactly, and interior vertices keep their degree.
+
+use super::curve::Curve;
+use super::follow::is_simple;
+use super::{Domain, Trimmed, compact};
+use phex_mesh::{
+    FaceId, FacePlane, FlatFace, HalfEdgeId, HexMesh, PerFace, Vec3, VertexId, small_rim_faces,
+};
+use std::collections::BTreeSet;
+
+/// Share of the sliver's area by which the area may change.
+const SPARE: f64 = 0.3;
+/// How far an edge goes on, in lengths of the sliver's edge beside it.
+const REACH: f64 = 3.0;
+/// Steps in which the place is sought where it leaves the surface, and bisections that locate it.
+const STEPS: usize = 24;
+const BISECTIONS: usize = 40;
+
+/// Lets neighbours take over small panels at the boundary, where there are fewer small ones afterwards.
+pub(super) fn without_slivers(mut trimmed: Trimmed, domain: &Domain<'_>, curve: &Curve) -> Trimmed {
+    let mut tried: BTreeSet<FaceId> = BTreeSet::new();
+    loop {
+        let small = small_rim_faces(&trimmed.mesh);
+        let open = small.iter().find(|f| !tried.contains(&trimmed.parent[**f]));
+        let Some(&sliver) = open else {
+            return trimmed;
+        };
+        tried.insert(trimmed.parent[sliver]);
+        let heirs = heirs(&trimmed.mesh, sliver);
+        let taken = heirs
+            .iter()
+            .filter_map(|heir| heir.take_over(&trimmed, domain, curve));
+        let better = |next: &Trimmed| small_rim_faces(&next.mesh).len() < small.len();
+        if let Some(next) = taken.into_iter().find(better) {
+            trimmed = next;
+        }
+    }
+}
+
+/// A neighbour that could take over a sliver.
+struct Heir {
+    sliver: FaceId,
+    /// The sliver's edge to it.
+    edge: HalfEdgeId,
+    /// The sliver's edge before that, to a neighbour at the boundary, if there is one; and the one after it.
+    sides: [Option<HalfEdgeId>; 2],
+}
+
+/// Who could take over a sliver with one stretch of boundary: whoever has the middle of the edges inside.
+fn heirs(mesh: &HexMesh, sliver: FaceId) -> Vec<Heir> {
+    let topology = mesh.topology();
+    let ring: Vec<HalfEdgeId> = topology.face_half_edges(sliver).collect();
+    let n = ring.len();
+    let inside = |i: usize| topology.twin(ring[i % n]).is_some();
+    let mut starts = (0..n).filter(|&i| inside(i) && !inside(i + n - 1));
+    let (Some(start), None) = (starts.next(), starts.next()) else {
+        return Vec::new();
+    };
+    let chain: Vec<HalfEdgeId> = (start..start + n)
+        .take_while(|i| inside(*i))
+        .map(|i| ring[i % n])
+        .collect();
+    let heir = |j: usize| Heir {
+        sliver,
+        edge: chain[j],
+        sides: [
+            j.checked_sub(1).map(|i| chain[i]),
+            chain.get(j + 1).copied(),
+        ],
+    };
+    match chain.len() {
+        1 => vec![heir(0)],
+        2 => vec![heir(0), heir(1)],
+        3 => vec![heir(1)],
+        _ => Vec::new(),
+    }
+}
+
+/// Positions and faces that are being changed.
+struct Draft<'a> {
+    mesh: &'a HexMesh,
+    curve: &'a Curve,
+    positions: Vec<Vec3>,
+    faces: Vec<Vec<u32>>,
+}
+
+impl Heir {
+    /// The mesh without the sliver; `None` where that gives no sound panels.
+    fn take_over(&self, trimmed: &Trimmed, domain: &Domain<'_>, curve: &Curve) -> Option<Trimmed> {
+        let mesh = &trimmed.mesh;
+        let topology = mesh.topology();
+        let across = |h: HalfEdgeId| topology.twin(h).map(|t| topology.face(t));
+        let heir = across(self.edge)?;
+        if !self.is_free(mesh) {
+            return None;
+        }
+        let [before, after] = self.sides;
+        let sides = [
+            before.map(|h| (h, topology.target(h), topology.origin(h))),
+            after.map(|h| (h, topology.origin(h), topology.target(h))),
+        ];
+        let mut draft = Draft {
+            mesh,
+            curve,
+            positions: mesh.positions.as_slice().to_vec(),
+            faces: topology.face_lists(),
+        };
+        let mut ends =
+            [topology.origin(self.edge), topology.target(self.edge)].map(|v| v.index() as u32);
+        let mut changed = vec![heir];
+        for (k, side) in sides.into_iter().enumerate() {
+            let Some((h, corner, rim)) = side else {
+                continue;
+            };
+            let neighbour = across(h).filter(|f| *f != heir)?;
+            let end = self.lengthened(mesh, domain, corner, rim)?;
+            let w = draft.add(end);
+            draft.move_end(neighbour, [corner, rim], w, k == 0)?;
+            replace(&mut draft.faces[heir.index()], ends[k], w);
+            ends[k] = w;
+            changed.push(neighbour);
+        }
+        draft.follow(heir, ends[1], ends[0])?;
+        let plane = |f: FaceId| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
+        let simple = |f: &FaceId| is_simple(&draft.faces[f.index()], &draft.positions, &plane(*f));
+        if !changed.iter().all(simple) || !draft.fills(self.sliver, &changed) {
+            return None;
+        }
+        draft.without(self.sliver, &trimmed.parent)
+    }
+
+    /// Whether nobody but the sliver and a neighbour meet where its stretch of boundary ends.
+    fn is_free(&self, mesh: &HexMesh) -> bool {
+        let topology = mesh.topology();
+        let corners = topology.face_vertices(self.sliver).iter();
+        let mut rim = corners.filter(|v| topology.is_boundary_vertex(**v));
+        rim.all(|v| topology.face_degree(*v) <= 2)
+    }
+
+    /// Where the edge that ends at an inner corner of the sliver meets the boundary if it goes on.
+    fn lengthened(
+        &self,
+        mesh: &HexMesh,
+        domain: &Domain<'_>,
+        corner: VertexId,
+        rim: VertexId,
+    ) -> Option<Vec3> {
+        let topology = mesh.topology();
+        let own = topology.face_vertices(self.sliver);
+        let around = topology.neighbours(corner);
+        let mut others = around.iter().filter(|v| !own.contains(v));
+        let (behind, None) = (others.next()?, others.next()) else {
+            return None;
+        };
+        let start = mesh.position(corner);
+        let way = (start - mesh.position(*behind)).try_normalize(0.0)?;
+        let reach = REACH * (mesh.position(rim) - start).norm();
+        let inside = |t: f64| domain.contains(start + way * (t * reach));
+        let at = |i: usize| i as f64 / STEPS as f64;
+        let i = (0..STEPS).find(|&i| inside(at(i)) && !inside(at(i + 1)))?;
+        let (mut low, mut high) = (at(i), at(i + 1));
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if inside(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(start + way * (0.5 * (low + high) * reach))
+    }
+}
+
+impl Draft<'_> {
+    fn add(&mut self, p: Vec3) -> u32 {
+        self.positions.push(p);
+        self.positions.len() as u32 - 1
+    }
+
+    /// Moves the end of a neighbour's edge from the sliver's inner corner to the boundary, and takes out the corner that it had
+    /// there; `next`: the boundary follows after it, else it comes before.
+    fn move_end(
+        &mut self,
+        f: FaceId,
+        [corner, rim]: [VertexId; 2],
+        w: u32,
+        next: bool,
+    ) -> Option<()> {
+        let [corner, rim] = [corner, rim].map(|v| v.index() as u32);
+        let face = &mut self.faces[f.index()];
+        let (n, i) = (face.len(), face.iter().position(|v| *v == rim)?);
+        let beyond = if next {
+            face[(i + 1) % n]
+        } else {
+            face[(i + n - 1) % n]
+        };
+        let place = |v: u32| self.curve.closest(self.positions[v as usize]);
+        // The new end lies between the ends of the two panels' stretches of boundary.
+        let other = self.curve.closest(self.positions[rim as usize]);
+        let [to_end, to_beyond] = if next {
+            [
+                self.curve.ahead(place(w), place(beyond)),
+                self.curve.ahead(other, place(beyond)),
+            ]
+        } else {
+            [
+                self.curve.ahead(place(beyond), place(w)),
+                self.curve.ahead(place(beyond), other),
+            ]
+        };
+        let half = 0.5 * self.curve.length_of(other);
+        if !(to_end < half && to_beyond < half) {
+            return None;
+        }
+        replace(face, corner, w);
+        face.retain(|v| *v != rim);
+        let ends = if next { [w, beyond] } else { [beyond, w] };
+        self.follow(f, ends[0], ends[1])
+    }
+
+    /// Gives a face corners along the curve between two that follow each other.
+    fn follow(&mut self, f: FaceId, from: u32, to: u32) -> Option<()> {
+        let [begin, end] = [from, to].map(|v| self.positions[v as usize]);
+        let [a, b] = [begin, end].map(|p| self.curve.closest(p));
+        let plane = FacePlane::fit(&self.mesh.corners(f).collect::<Vec<_>>());
+        let way = self.curve.between(a, b, begin, end);
+        let first = self.positions.len() as u32;
+        self.positions
+            .extend(way.iter().map(|p| p - plane.normal * plane.height(*p)));
+        let new = first..self.positions.len() as u32;
+        let face = &mut self.faces[f.index()];
+        let at = face.iter().position(|v| *v == from)?;
+        face.splice(at + 1..at + 1, new);
+        Some(())
+    }
+
+    /// Whether the changed faces have the area that they and the sliver had.
+    fn fills(&self, sliver: FaceId, changed: &[FaceId]) -> bool {
+        let area = |corners: Vec<Vec3>| FlatFace::new(&corners).area();
+        let before = |f: &FaceId| area(self.mesh.corners(*f).collect());
+        let after = |f: &FaceId| {
+            let corners = self.faces[f.index()].iter();
+            area(corners.map(|v| self.positions[*v as usize]).collect())
+        };
+        let gone = before(&sliver);
+        let gained =
+            changed.iter().map(after).sum::<f64>() - changed.iter().map(before).sum::<f64>();
+        (gained - gone).abs() < SPARE * gone
+    }
+
+    /// The mesh without a face.
+    fn without(&self, sliver: FaceId, parent: &PerFace<FaceId>) -> Option<Trimmed> {
+        let kept = self.mesh.topology().faces().filter(|f| *f != sliver);
+        let kept: Vec<FaceId> = kept.collect();
+        let faces: Vec<Vec<u32>> = kept.iter().map(|f| self.faces[f.index()].clone()).collect();
+        Some(Trimmed {
+            mesh: compact(&self.positions, &faces).ok()?,
+            parent: PerFace::from_vec(kept.iter().map(|f| parent[*f]).collect()),
+        })
+    }
+}
+
+fn replace(face: &mut [u32], old: u32, new: u32) {
+    face.iter_mut()
+        .filter(|v| **v == old)
+        .for_each(|v| *v = new);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::target::extend;
+    use phex_mesh::{TriangleSurface, measure};
+
+    /// A flat square from 0 to 3 as a domain, and panels on it: two in the lower row, one behind, and between the two in
+    /// front a narrow one with its inner end at `(1.5, 0.4)`.
+    fn panels() -> Trimmed {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let positions = vec![
+            p(0.0, 0.0),
+            p(1.4, 0.0),
+            p(1.6, 0.0),
+            p(3.0, 0.0),
+            p(1.5, 0.4),
+            p(1.5, 1.5),
+            p(0.0, 1.5),
+            p(3.0, 1.5),
+            p(3.0, 3.0),
+            p(0.0, 3.0),
+        ];
+        let faces: [&[u32]; 4] = [
+            &[0, 1, 4, 5, 6],
+            &[1, 2, 4],
+            &[2, 3, 7, 5, 4],
+            &[6, 5, 7, 8, 9],
+        ];
+        let mesh = HexMesh::new(positions, &faces).unwrap();
+        let parent = PerFace::from_vec(mesh.topology().faces().collect());
+        Trimmed { mesh, parent }
+    }
+
+    fn square() -> TriangleSurface {
+        let n = 12;
+        let at = |v: u32| Vec3::new(f64::from(v % (n + 1)), f64::from(v / (n + 1)), 0.0) * 0.25;
+        let cells = (0..n * n).map(|c| c % n + (c / n) * (n + 1));
+        let triangles: Vec<[u32; 3]> = cells
+            .flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]])
+            .collect();
+        TriangleSurface::new((0..(n + 1) * (n + 1)).map(at).collect(), &triangles).unwrap()
+    }
+
+    #[test]
+    fn a_neighbour_takes_a_sliver_over() {
+        let original = square();
+        let extension = extend::extend(&original, 0.5).unwrap();
+        let domain = Domain {
+            extended: &extension.surface,
+            extension: &extension,
+            levels: 0,
+            original: &original,
+            corner_angle: 0.7,
+        };
+        let curve = Curve::of(&original, 0.7, 1e-3);
+        let after = without_slivers(panels(), &domain, &curve);
+        assert_eq!(after.mesh.topology().n_faces(), 3);
+        assert_eq!(small_rim_faces(&after.mesh), []);
+        assert!((measure(&after.mesh).area - 9.0).abs() < 1e-9);
+        // The edge between the two in front goes on to the boundary.
+        let end = Vec3::new(1.5, 0.0, 0.0);
+        let nearest = after.mesh.positions.iter().map(|p| (p - end).norm());
+        assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-9);
+    }
+}
