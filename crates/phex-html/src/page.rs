@@ -183,7 +183,7 @@ fn pictures(report: &Report<'_>, maps: &[ColourMap], interactive: bool) -> Strin
     } else {
         (
             " open",
-            "<p class=\"note\">This report has pictures instead of the interactive view: the program was built without npm, which builds the viewer (<code>cargo xtask viewer</code>).</p>\n",
+            "<p class=\"note\">This report has pictures instead of the interactive view: the program was built without npm, which makes that view.</p>\n",
         )
     };
     format!(

@@ -97,7 +97,7 @@ impl Map {
             Self::Deviation => "distance to the surface, % of its diagonal",
             Self::EdgeLength => "edge length, mean edges",
             Self::Dihedral => "dihedral angle, degrees",
-            Self::Curvature => "k1 / k2, sign of gauss curvature",
+            Self::Curvature => "k1 / k2, saddles below 0, parabolic band at 0",
             Self::FeatureSize => "panel length times largest curvature",
             Self::Valence => "number of corners",
             Self::Validity => "what the checks say of each panel",

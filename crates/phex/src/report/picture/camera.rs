@@ -79,12 +79,15 @@ impl Camera {
             principal: Vec2::zeros(),
             ground: 0.0,
         };
-        camera.fit(mesh, options);
+        let size = Vec2::new(options.width as f64, options.height as f64);
+        camera.fit(mesh, [Vec2::zeros(), size]);
         camera
     }
 
-    /// Chooses focal length and principal point so that the projected model fills the picture up to the margin.
-    fn fit(&mut self, mesh: &HexMesh, options: &PictureOptions) {
+    /// Chooses focal length and principal point so that the projected model fills a part of the picture (upper left and
+    /// lower right corner, in pixels) up to the margin.
+    pub fn fit(&mut self, mesh: &HexMesh, frame: [Vec2; 2]) {
+        (self.focal, self.principal) = (1.0, Vec2::zeros());
         let (mut low, mut high, mut ground) =
             (Vec2::repeat(f64::MAX), Vec2::repeat(f64::MIN), f64::MAX);
         for &p in &mesh.positions {
@@ -95,13 +98,13 @@ impl Camera {
             );
             ground = ground.min(self.normalised(p).z);
         }
-        let size = Vec2::new(options.width as f64, options.height as f64);
+        let size = frame[1] - frame[0];
         let free = size - Vec2::repeat(2.0 * MARGIN * size.min());
         let extent = (high - low).map(|x| x.max(1e-9));
         self.focal = (free.x / extent.x)
             .min(free.y / extent.y)
             .min(size.max() * EYE_DISTANCE);
-        self.principal = size / 2.0 - (low + high) / 2.0 * self.focal;
+        self.principal = frame[0] + size / 2.0 - (low + high) / 2.0 * self.focal;
         self.ground = ground;
     }
 

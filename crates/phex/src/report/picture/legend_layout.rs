@@ -7,6 +7,9 @@ use phex_mesh::Vec2;
 
 /// Distance of two lines of the legend over the picture's height.
 const LINE_REL: f64 = 0.027;
+/// Distance of two lines that can be read, in pixels, and what it may be at most over the height of a small picture.
+const LEGIBLE: f64 = 24.0;
+const MOST_REL: f64 = 0.042;
 /// Unit of the alphabet over the distance of two lines.
 const UNIT_REL: f64 = 0.07;
 /// Length of a strip of colours in lines.
@@ -62,7 +65,7 @@ pub struct LegendLayout {
 impl LegendLayout {
     /// Lays a legend out for a picture of the given height in pixels.
     pub fn new(legend: &Legend, height: f64) -> Self {
-        let step = LINE_REL * height;
+        let step = (LINE_REL * height).max(LEGIBLE.min(MOST_REL * height));
         let (items, size) = match legend {
             Legend::Classes(lines) => classes(lines, step),
             Legend::Strip(strip) => strip_items(strip, step),
@@ -76,6 +79,13 @@ impl LegendLayout {
 
     /// Upper left end of the legend in the corner of the picture where it hides least.
     pub fn place(&self, picture: Vec2, hidden: impl Fn(Vec2, Vec2) -> usize) -> Vec2 {
+        let places = self.places(picture).into_iter();
+        let best = places.min_by_key(|[low, high]| hidden(*low, *high));
+        best.map(|[low, _]| low).unwrap_or_default()
+    }
+
+    /// Where the legend may stand: upper left and lower right end in each corner of the picture.
+    pub fn places(&self, picture: Vec2) -> [[Vec2; 2]; 4] {
         let near = Vec2::repeat(self.margin);
         let far = picture - self.size - near;
         let corners = [
@@ -84,9 +94,12 @@ impl LegendLayout {
             (near.x, near.y),
             (far.x, near.y),
         ];
-        let corners = corners.map(|(x, y)| Vec2::new(x, y));
-        let hidden = |corner: &Vec2| hidden(*corner, corner + self.size);
-        corners.into_iter().min_by_key(hidden).unwrap_or_default()
+        corners.map(|(x, y)| [Vec2::new(x, y), Vec2::new(x, y) + self.size])
+    }
+
+    /// Width and height with the distance from the picture's border.
+    pub fn room(&self) -> Vec2 {
+        self.size + Vec2::repeat(self.margin)
     }
 }
 

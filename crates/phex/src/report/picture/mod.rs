@@ -9,6 +9,7 @@
 mod camera;
 mod covering;
 mod curves;
+mod framing;
 mod legend;
 mod legend_layout;
 mod light;
@@ -19,7 +20,6 @@ mod strokes;
 mod vector;
 
 use crate::report::maps::ColourMap;
-use crate::report::picture::camera::Camera;
 use crate::report::picture::light::Shading;
 use crate::report::picture::paint::Paint;
 use crate::report::picture::raster::{PanelRaster, Sheet};
@@ -126,7 +126,7 @@ fn draw_paint(
     options: &PictureOptions,
 ) -> Picture {
     let options = options.clamped();
-    let camera = Camera::facing(mesh, &options);
+    let camera = framing::camera(mesh, paint, &options);
     let shading = Shading::new(mesh, &camera, paint, options.ground);
     let panels = PanelRaster::new(mesh, &camera, paint, options.supersampling);
     let mut sheet = Sheet::draw(&panels, &shading, &options);

@@ -7,6 +7,7 @@
 use super::PictureOptions;
 use super::camera::{Camera, Seen, panel_plane};
 use super::covering::Covering;
+use super::framing;
 use super::legend_layout::{Item, LegendLayout};
 use super::light::Shading;
 use super::paint::Paint;
@@ -26,7 +27,7 @@ const FONT: f64 = 9.0;
 
 /// Draws a mesh as SVG.
 pub fn draw(mesh: &HexMesh, paint: &Paint, options: &PictureOptions) -> String {
-    let camera = Camera::facing(mesh, options);
+    let camera = framing::camera(mesh, paint, options);
     let shading = Shading::new(mesh, &camera, paint, false);
     let raster = PanelRaster::new(mesh, &camera, paint, 1);
     let covering = Covering::new(&raster, options);
