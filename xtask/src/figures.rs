@@ -32,7 +32,7 @@ pub struct Maker<'a> {
 /// Rows of the program's table that are shown under a picture.
 const ROWS: [&str; 8] = [
     "dual",
-    "hull",
+    "flips",
     "forecast",
     "panels",
     "planarity",
@@ -127,7 +127,7 @@ Colours: convex hexagons cream, concave ones green, pentagons blue, heptagons or
 const TABLE: &str = "## Method by surface
 
 Each cell: planarity (mean edges), number of self-intersecting panels, largest deviation; about 200 panels. `lattice` and `brick-wall` are ours. Classical methods
-refuse surfaces outside their domain; where `K > 0` they join their planes as the convex hull of the poles; *forced* is what `--any-domain` makes of them all the same. `blob` is `|x|^3.5 + |y/0.9|^3.5 + |z/0.7|^3.5 = 1`, convex with
+refuse surfaces outside their domain; where `K > 0` they join their planes as the convex hull of the poles, where `K < 0` by the sign rule; *forced* is what `--any-domain` makes of them all the same. `blob` is `|x|^3.5 + |y/0.9|^3.5 + |z/0.7|^3.5 = 1`, convex with
 nearly flat parts.
 
 ";

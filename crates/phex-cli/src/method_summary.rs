@@ -1,6 +1,7 @@
 //! What the methods by planes and poles met with, as lines of the table.
 
 use crate::summary::Table;
+use phex::layout::domain::CurvatureSign;
 use phex::layout::projective_dual::DualDefects;
 use phex::pipeline::ClassicalStatistics;
 
@@ -23,11 +24,22 @@ pub fn of_method(classical: Option<&ClassicalStatistics>) -> String {
         table.row("dual", dual(defects));
     }
     if let Some(flips) = told.flips {
-        table.row("hull", format!("{flips} edges flipped to make it convex"));
+        let why = match told.curvature {
+            CurvatureSign::Elliptic => "to make the dual convex",
+            _ => "by the sign rule",
+        };
+        let taken_out = match told.taken_out {
+            0 => String::new(),
+            n => format!(", {n} panels taken out whose planes cut nothing off"),
+        };
+        table.row("flips", format!("{flips} edges flipped {why}{taken_out}"));
     }
     if let Some(panels) = told.forecast {
-        let rule = "panels cross themselves by the sign rule, the rim apart";
-        table.row("forecast", format!("{panels} {rule}"));
+        let doubt = told.in_doubt.unwrap_or(0);
+        table.row(
+            "forecast",
+            format!("{panels} panels cross themselves by the sign rule, {doubt} more may (third order), the rim apart"),
+        );
     }
     if let Some(edges) = told.edges_at_bound.filter(|n| *n > 0) {
         table.row("bound", format!("{edges} edges as short as is allowed"));

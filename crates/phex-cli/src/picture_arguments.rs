@@ -30,6 +30,9 @@ pub struct RenderCommand {
     /// Curves to draw over the panels: an OBJ file with polylines, as `network` and `dupin` write them; for PNG
     #[arg(long, value_name = "CURVES.OBJ")]
     pub curves: Option<PathBuf>,
+    /// Leave out the panels' edges: a fine triangle mesh then looks like the surface that it stands for
+    #[arg(long)]
+    pub no_edges: bool,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "1600x1200", value_parser = size)]
     pub size: (usize, usize),
@@ -103,6 +106,7 @@ impl RenderCommand {
             height: self.size.1,
             azimuth,
             elevation,
+            edges: !self.no_edges,
             legend: !self.no_legend,
             ..Default::default()
         }

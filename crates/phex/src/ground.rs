@@ -55,16 +55,27 @@ struct Trimming {
 
 impl Ground {
     pub fn new(facets: &TriangleSurface, panels: usize, options: &MeshOptions) -> Self {
+        let length = (facets.area() / (CELL * panels as f64)).sqrt();
+        let width = match options.boundary {
+            Boundary::Snap => 0.0,
+            Boundary::Whole => WHOLE_STRIP * length,
+            Boundary::Clip => CLIP_STRIP * length,
+        };
+        Self::with_strip(facets, panels, options, width)
+    }
+
+    /// The same with a strip of another width beyond the boundary, 0 for none.
+    pub fn with_strip(
+        facets: &TriangleSurface,
+        panels: usize,
+        options: &MeshOptions,
+        width: f64,
+    ) -> Self {
         let density = options.cell_density.max(options.field_density);
         let smooth = |surface: &TriangleSurface, panels: usize| {
             target::smooth_target(surface, (density * panels as f64) as usize, &options.target)
         };
-        let length = (facets.area() / (CELL * panels as f64)).sqrt();
-        let extension = match options.boundary {
-            Boundary::Snap => None,
-            Boundary::Whole => extend::extend(facets, WHOLE_STRIP * length),
-            Boundary::Clip => extend::extend(facets, CLIP_STRIP * length),
-        };
+        let extension = extend::extend(facets, width);
         let Some(extension) = extension else {
             return Self {
                 smooth: smooth(facets, panels),
@@ -87,6 +98,11 @@ impl Ground {
                 extension,
             }),
         }
+    }
+
+    /// The smooth surface without the strip.
+    pub fn given(&self) -> &SmoothTarget {
+        self.trimming.as_ref().map_or(&self.smooth, |t| &t.smooth)
     }
 
     /// The surface that panels are kept close to.

@@ -6,7 +6,8 @@ use phex::layout::LayoutError;
 use phex::layout::domain::DomainError;
 use phex::pipeline::Method;
 use phex::{MeshOptions, MeshRun, PanelSize, PipelineError, Silent, mesh_surface};
-use phex_mesh::{Violation, measure};
+use phex_mesh::polygon::is_simple;
+use phex_mesh::{FlatFace, Violation, measure};
 
 fn options(method: Method) -> MeshOptions {
     MeshOptions {
@@ -62,11 +63,8 @@ fn planar_and_simple_on_their_domain() {
             let measures = measure(&run.mesh);
             let planarity = measures.planarity.max;
             assert!(planarity < 1e-12, "{method:?} on {shape}: {planarity}");
-            // A rule of subdivision knows nothing of the sign rule: where K < 0 a panel at an irregular one may cross itself.
-            let hyperbolic = shape == "hyperbolic-paraboloid";
-            let allowed = usize::from(hyperbolic && method == Method::DualSubdivision);
             let crossed = measures.faces_not_simple;
-            assert!(crossed <= allowed, "{method:?} on {shape}: {crossed}");
+            assert_eq!(crossed, 0, "{method:?} on {shape}");
             assert_eq!(measures.degree3, 1.0);
             assert!(
                 (80..=160).contains(&measures.faces),
@@ -80,7 +78,9 @@ fn planar_and_simple_on_their_domain() {
                 )
             };
             let turned = run.violations.iter().any(flipped);
-            assert!(crossed > 0 || !turned, "{method:?} on {shape}");
+            // Rules of subdivision know nothing of the sign rule: where K < 0 a panel at an irregular one may fold over.
+            let subdivided = shape == "hyperbolic-paraboloid" && method == Method::DualSubdivision;
+            assert!(subdivided || !turned, "{method:?} on {shape}");
         }
     }
 }
@@ -138,6 +138,53 @@ fn other_surfaces_are_refused_and_the_place_is_named() {
     // The normals of x^3 - 3 x y^2 are even.
     let sum = first.position.xy() + second.position.xy();
     assert!(sum.norm() < 0.2, "{monkey}");
+}
+
+#[test]
+fn a_flat_point_between_saddles_is_refused_and_named_by_a_vertex_of_the_input() {
+    let surface = common::shape("monkey-saddle", 3000);
+    for method in [
+        Method::ProjectiveDual,
+        Method::DualSubdivision,
+        Method::Parallel,
+    ] {
+        let error = domain_error("monkey-saddle", method);
+        let DomainError::FlatPoint { place, .. } = &error else {
+            panic!("{error}");
+        };
+        let p = surface.positions()[place.vertex];
+        assert!((p - place.position).norm() < 1e-9, "{error}");
+        assert!(p.norm() < 0.2, "{error}");
+        let mut options = options(method);
+        options.dual.any_domain = true;
+        let told = run("monkey-saddle", &[], &options)
+            .unwrap()
+            .statistics
+            .classical;
+        assert!(told.unwrap().outside_domain.unwrap().contains("flat"));
+    }
+}
+
+#[test]
+fn panels_whose_planes_cut_nothing_off_are_taken_out() {
+    // A convex surface with nearly flat parts, whose dual has ridges: the butterfly rule leaves poles inside the hull.
+    let sphere = common::shape("sphere", 3000);
+    let superellipsoid = |p: &phex_mesh::Vec3| {
+        let sum: f64 = p.iter().map(|x| x.abs().powf(3.5)).sum();
+        p * sum.powf(-1.0 / 3.5)
+    };
+    let positions = sphere.positions().iter().map(superellipsoid).collect();
+    let blob = phex_mesh::TriangleSurface::new(positions, &common::triangles(&sphere)).unwrap();
+    let options = MeshOptions {
+        size: PanelSize::Panels(240),
+        ..options(Method::DualSubdivision)
+    };
+    let run = mesh_surface(&blob, &options, &Silent).unwrap();
+    let measures = measure(&run.mesh);
+    assert_eq!((measures.faces_not_simple, measures.faces_concave), (0, 0));
+    assert!(measures.planarity.max < 1e-12);
+    let told = run.statistics.classical.unwrap();
+    assert!(told.flips.unwrap() > 0 && told.taken_out > 0, "{told:?}");
 }
 
 #[test]
@@ -226,6 +273,21 @@ fn forecast_agrees_with_what_becomes_of_the_planes() {
         assert!(
             forecast <= 2 && forecast.abs_diff(crossed) <= 1,
             "{shape}: {forecast} {crossed}"
+        );
+    }
+    // Near parabolic curves terms of third order decide: the rule is too low, but says where it is in doubt.
+    for shape in ["wave", "b-spline"] {
+        let run = run(shape, &[], &options(Method::TangentPlanes)).unwrap();
+        let topology = run.mesh.topology();
+        let inner = topology.faces().filter(|f| !topology.is_boundary_face(*f));
+        let simple = |f| is_simple(&FlatFace::of(&run.mesh, f).polygon);
+        let crossed = inner.filter(|f| !simple(*f)).count();
+        let told = run.statistics.classical.as_ref().unwrap();
+        let (sure, doubt) = (told.forecast.unwrap(), told.in_doubt.unwrap());
+        let bounds = sure..=sure + doubt;
+        assert!(
+            bounds.contains(&crossed),
+            "{shape}: {crossed} in {bounds:?}"
         );
     }
     // A regular triangulation of the dual that is obtuse in the metric II.

@@ -32,7 +32,7 @@ pub const FIGURES: [Figure; 12] = [
     },
     Figure {
         number: 6,
-        sentence: "A torus by a regular triangulation of its projective dual, and that dual: it has cusps, covers itself, and runs through infinity (cut off here).",
+        sentence: "A torus by a regular triangulation of its projective dual, and that dual: the outer half becomes the spindle, whose tips are the cusps, the inner half the waist round it, which runs through infinity (cut off here).",
         make: torus_dual,
     },
     Figure {
@@ -95,7 +95,7 @@ fn ellipsoid_and_torus(m: &mut Maker<'_>) -> Result<(), String> {
     )?;
     m.measured(
         "Torus",
-        &format!("mesh {WORK}/torus.obj -o {WORK}/torus-phex.obj --method brick-wall -n 600"),
+        &format!("mesh {WORK}/torus.obj -o {WORK}/torus-phex.obj --method brick-wall -n 650"),
     )?;
     m.draw(
         "ellipsoid-phex.obj",
@@ -199,16 +199,19 @@ fn torus_dual(m: &mut Maker<'_>) -> Result<(), String> {
         "dual {WORK}/torus-dual-phex.obj -o {WORK}/torus-dual.obj --centre=0,0,0"
     ))?;
     let dual = Obj::read(&m.phex.work("torus-dual.obj"))?;
-    let near = |c: [f64; 3]| c.iter().all(|x| x.abs() < 5.0);
-    let long = |f: &Vec<usize>| {
-        (0..f.len()).any(|k| distance(dual.points[f[k]], dual.points[f[(k + 1) % f.len()]]) > 3.0)
+    let point = |k: usize| dual.points[k];
+    let shown = |f: &&Vec<usize>| {
+        let near = f.iter().all(|&v| point(v).iter().all(|x| x.abs() < 3.0));
+        let mut edges = (0..f.len()).map(|k| distance(point(f[k]), point(f[(k + 1) % f.len()])));
+        near && edges.all(|length| length < 1.2)
     };
     let cut = Obj {
         points: dual.points.clone(),
-        faces: dual.faces.iter().filter(|f| !long(f)).cloned().collect(),
+        faces: dual.faces.iter().filter(shown).cloned().collect(),
     };
-    cut.part(near).write(&m.phex.work("torus-dual-cut.obj"))?;
-    m.note("torus-dual-cut.obj is the part of it within the cube |x|, |y|, |z| < 5");
+    cut.part(|_| true)
+        .write(&m.phex.work("torus-dual-cut.obj"))?;
+    m.note("torus-dual-cut.obj is what lies within the cube |x|, |y|, |z| < 3, without edges longer than 1.2");
     m.draw(
         "torus-dual-phex.obj",
         "figure-06-torus",
@@ -271,7 +274,7 @@ fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Resu
     // A third of the panels' curves: all of them hide the surface.
     let sparse = panels / 3;
     let config = m.phex.work("unoptimised.toml");
-    let text = "[stages.optimise]\npenalties = []\nprojection_iterations = 0\n";
+    let text = "[stages.optimise]\nstarts = \"smoothed_cells\"\npenalties = []\nprojection_iterations = 0\n";
     std::fs::write(&config, text).map_err(|e| e.to_string())?;
     m.run(&format!(
         "network {WORK}/{surface}.obj -o {WORK}/{surface}-network.obj -n {sparse}"
@@ -279,7 +282,7 @@ fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Resu
     m.run(&format!(
         "shape {surface} --triangles 60000 -o {WORK}/{surface}-smooth.obj -q"
     ))?;
-    m.note("unoptimised.toml: [stages.optimise] penalties = [], projection_iterations = 0");
+    m.note("unoptimised.toml: [stages.optimise] starts = \"smoothed_cells\", penalties = [], projection_iterations = 0");
     let made = format!("mesh {WORK}/{surface}.obj --method brick-wall -n {panels} --keep-invalid");
     m.measured(
         "Shifted",
@@ -290,7 +293,7 @@ fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Resu
         &format!("{surface}-smooth.obj"),
         &format!("figure-{number:02}-network"),
         "conjugate network",
-        &format!("--curves {WORK}/{surface}-network.obj --no-legend --size 400x300"),
+        &format!("--curves {WORK}/{surface}-network.obj --no-legend --no-edges"),
     )?;
     m.draw(
         &format!("{surface}-shifted.obj"),

@@ -1,14 +1,19 @@
 //! Where a classical method applies, and what is said where it does not.
 
-use crate::curvature::{Curvature, Principal};
-use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
+use crate::curvature::{Curvature, Principal, large_curvature, tangent_frame};
+use phex_mesh::{FaceId, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 use thiserror::Error;
 
 /// Curvatures whose ratio is below this do not tell the sign of the Gauss curvature: estimates are no better.
 const SIGN_RATIO: f64 = 0.05;
 /// Curvatures below this share of the surface's large ones do not either.
 const SIGN_FLOOR: f64 = 0.02;
+
+/// Share of the surface's area on which a sign must be clear to count: a few bad triangles are no region.
+const SIGN_SHARE: f64 = 0.005;
 
 /// A vertex of the surface and its position, in the words of an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,22 +96,37 @@ pub enum DomainError {
     },
     /// The quadric that fits is another one.
     #[error(
-        "{method} makes spheres and ellipsoids only, but the quadric through the surface is {found} (near {place})"
+        "{method} makes spheres and ellipsoids only, but the quadric that fits the surface is {found}: {place} is {distance:.3} diagonals off \
+         the sphere that fits best"
     )]
     OtherQuadric {
         /// The method.
         method: &'static str,
         /// What kind it is.
         found: &'static str,
-        /// A vertex of it.
+        /// The vertex that is farthest off.
         place: Place,
+        /// Its distance, over the diagonal of the bounding box.
+        distance: f64,
+    },
+    /// A flat point of a surface with `K < 0` else.
+    #[error(
+        "{method} needs Gauss curvature of one sign everywhere, but the surface is flat at {place}, where its principal directions have no limit: {consequence}"
+    )]
+    FlatPoint {
+        /// The method.
+        method: &'static str,
+        /// A vertex next to the point.
+        place: Place,
+        /// What fails there.
+        consequence: &'static str,
     },
 }
 
 impl DomainError {
-    /// The same error with its places mapped, to model coordinates say.
-    pub fn mapped(mut self, map: impl Fn(Vec3) -> Vec3) -> Self {
-        let move_to = |p: &mut Place| p.position = map(p.position);
+    /// The same error with its places mapped, to vertices of the model say.
+    pub fn mapped(mut self, map: impl Fn(Place) -> Place) -> Self {
+        let move_to = |p: &mut Place| *p = map(*p);
         match &mut self {
             Self::MixedCurvature {
                 positive: a,
@@ -123,7 +143,8 @@ impl DomainError {
             }
             Self::NoCentre { place, .. }
             | Self::NotAnEllipsoid { place, .. }
-            | Self::OtherQuadric { place, .. } => move_to(place),
+            | Self::OtherQuadric { place, .. }
+            | Self::FlatPoint { place, .. } => move_to(place),
         }
         self
     }
@@ -154,7 +175,7 @@ impl SignedPlaces {
     /// Looks for both signs among the vertices of a surface.
     pub fn find(surface: &TriangleSurface, curvature: &Curvature) -> Self {
         let principal = curvature.principal();
-        let floor = SIGN_FLOOR * crate::directions::metric::large_curvature(&principal);
+        let floor = SIGN_FLOOR * large_curvature(&principal);
         Self {
             positive: extreme(surface, &principal, floor, 1.0),
             negative: extreme(surface, &principal, floor, -1.0),
@@ -191,27 +212,121 @@ impl SignedPlaces {
     }
 }
 
-/// The vertex where the ratio of the curvatures is largest in the sense of `sign`, if it is beyond the noise.
+/// The vertex where the ratio of the curvatures is largest in the sense of `sign`, if enough of the surface is beyond the noise in that sense. The least ratio
+/// among a vertex and its neighbours counts, away from the boundary: there estimates see one side only.
 fn extreme(
     surface: &TriangleSurface,
     principal: &PerVertex<Principal>,
     floor: f64,
     sign: f64,
 ) -> Option<Place> {
-    let ratio = |p: &Principal| {
+    let topology = surface.topology();
+    let ratio = |v: VertexId| {
+        let p = &principal[v];
         let curved = p.large.abs() > floor && p.large != 0.0;
-        if curved {
+        if curved && !topology.is_boundary_vertex(v) {
             sign * p.small / p.large
         } else {
             0.0
         }
     };
-    let best = principal
-        .enumerate()
-        .map(|(v, p)| (v, ratio(p)))
+    let least = |v: VertexId| {
+        let ring = topology.outgoing(v).map(|h| ratio(topology.target(h)));
+        ring.fold(ratio(v), f64::min)
+    };
+    let all = topology.vertices().map(|v| (v, least(v)));
+    let sure: Vec<(VertexId, f64)> = all.filter(|v| v.1 > SIGN_RATIO).collect();
+    let area = |v: VertexId| -> f64 {
+        let around = topology.outgoing(v).map(|h| topology.face(h));
+        around.map(|f| surface.area_vector(f).norm() / 3.0).sum()
+    };
+    let share = sure.iter().map(|v| area(v.0)).sum::<f64>() / surface.area();
+    let best = sure
+        .into_iter()
         .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
-    (best.1 > SIGN_RATIO).then(|| Place {
+    (share > SIGN_SHARE).then(|| Place {
         vertex: best.0,
         position: surface.positions()[best.0],
     })
+}
+
+/// Curvature below this share of that [`FLAT_RINGS`] edges away is that of a flat point.
+const FLAT: f64 = 0.35;
+/// See [`FLAT`].
+const FLAT_RINGS: usize = 4;
+
+/// A vertex next to a flat point of a surface with `K < 0` else: the principal directions turn by a multiple of a half-turn round a triangle, and the
+/// curvature falls towards it. Umbilics, round which they turn elsewhere, need `K > 0`.
+pub fn flat_point(surface: &TriangleSurface, curvature: &Curvature) -> Option<Place> {
+    let topology = surface.topology();
+    let principal = curvature.principal();
+    let curved = |v: &VertexId| principal[*v].large.abs();
+    let found = topology.faces().find_map(|f| {
+        if !turns(surface, &principal, f) {
+            return None;
+        }
+        let corners = topology.face_vertices(f).iter();
+        let vertex = *corners.min_by(|a, b| curved(a).total_cmp(&curved(b)))?;
+        let ring = ring(topology, vertex)?;
+        let around = ring.iter().map(curved).sum::<f64>() / ring.len() as f64;
+        (curved(&vertex) < FLAT * around).then_some(vertex)
+    })?;
+    Some(Place {
+        vertex: found,
+        position: surface.positions()[found],
+    })
+}
+
+/// The vertices [`FLAT_RINGS`] edges away; `None` near a boundary.
+fn ring(topology: &Topology, centre: VertexId) -> Option<Vec<VertexId>> {
+    let mut seen = BTreeSet::from([centre]);
+    let mut rim = vec![centre];
+    for _ in 0..FLAT_RINGS {
+        if rim.iter().any(|v| topology.is_boundary_vertex(*v)) {
+            return None;
+        }
+        let next = rim.iter().flat_map(|v| topology.outgoing(*v));
+        let next: BTreeSet<VertexId> = next.map(|h| topology.target(h)).collect();
+        rim = next.into_iter().filter(|v| seen.insert(*v)).collect();
+    }
+    (!rim.is_empty()).then_some(rim)
+}
+
+/// Whether the principal directions turn round a triangle.
+fn turns(surface: &TriangleSurface, principal: &PerVertex<Principal>, f: FaceId) -> bool {
+    let corners = surface.topology().face_vertices(f);
+    let axes = tangent_frame(surface.area_vector(f).normalize());
+    // Twice the angle, since a direction is a line.
+    let angle = |v: &VertexId| {
+        let d = principal[*v].large_direction;
+        2.0 * d.dot(&axes[1]).atan2(d.dot(&axes[0]))
+    };
+    let angles: Vec<f64> = corners.iter().map(angle).collect();
+    let wrapped = |x: f64| x - TAU * (x / TAU).round();
+    let sum: f64 = (0..3)
+        .map(|k| wrapped(angles[(k + 1) % 3] - angles[k]))
+        .sum();
+    sum.abs() > 1.0
+}
+
+/// That there is none on a surface of one sign.
+///
+/// # Errors
+/// If there is one and the curvature is negative else.
+pub fn no_flat_point(
+    sign: CurvatureSign,
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    method: &'static str,
+    consequence: &'static str,
+) -> Result<CurvatureSign, DomainError> {
+    let hyperbolic = sign == CurvatureSign::Hyperbolic;
+    match flat_point(surface, curvature).filter(|_| hyperbolic) {
+        None => Ok(sign),
+        Some(place) => Err(DomainError::FlatPoint {
+            method,
+            place,
+            consequence,
+        }),
+    }
 }

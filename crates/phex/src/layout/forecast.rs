@@ -11,44 +11,105 @@
 //! in general, and where triangles with `K` of both signs meet in a panel, its outline is tested. `Q` of an edge is the difference of the normals at its ends
 //! along it.
 //!
-//! Guaranteed: exact for lattices on a quadratic surface, leading order in the size of the panels else, so too low near parabolic curves, where planes
-//! meet badly and terms of third order decide; panels at the boundary, which have no triangle of touching points at some vertices, are not forecast.
+//! The difference of the normals is the mean of two one-sided values, twice the height of each end over the plane of the other, which differ by terms of third order.
+//! Where a panel crosses itself with one of them but not with the mean, it is *in doubt*: so it is near parabolic curves, where planes meet badly.
+//!
+//! Guaranteed: exact and without doubt for lattices on a quadratic surface, leading order in the size of the panels else; panels at the boundary, which have no
+//! triangle of touching points at some vertices, are not forecast.
 
 use super::Layout;
 use crate::curvature::tangent_frame;
 use phex_mesh::polygon::{is_simple, signed_area};
 use phex_mesh::{FaceId, Vec2, Vec3, VertexId};
 
-/// Panels that will cross themselves, in order.
-pub fn crossing_panels(layout: &Layout) -> Vec<FaceId> {
+/// Panels that will cross themselves, and panels that may, each in order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Forecast {
+    /// Panels that the sign rule says will cross themselves.
+    pub crossing: Vec<FaceId>,
+    /// Panels of which it says they will not, but where terms of third order may decide otherwise.
+    pub in_doubt: Vec<FaceId>,
+}
+
+/// The forecast for a layout whose panels get the tangent planes at their points.
+pub fn forecast(layout: &Layout) -> Forecast {
     let topology = layout.mesh.topology();
-    let crosses = |f: &FaceId| {
-        let corners = topology.face_vertices(*f).iter();
-        let corners: Option<Vec<Vec3>> = corners.map(|v| circumcentre(layout, *v)).collect();
-        corners.is_some_and(|corners| !is_simple_along(&corners, layout.face_normal[*f]))
-    };
-    topology.faces().filter(crosses).collect()
+    let corners: Vec<Option<Corner>> = topology.vertices().map(|v| corner(layout, v)).collect();
+    let mut told = Forecast::default();
+    for f in topology.faces() {
+        let around = topology.face_vertices(f).iter();
+        let around: Option<Vec<&Corner>> = around.map(|v| corners[v.index()].as_ref()).collect();
+        let Some(around) = around else { continue };
+        let simple = |outline: &[Vec3]| is_simple_along(outline, layout.face_normal[f]);
+        let outline: Vec<Vec3> = around.iter().map(|c| c.place).collect();
+        if !simple(&outline) {
+            told.crossing.push(f);
+        } else if !with_one_other(outline, &around).all(|o| simple(&o)) {
+            told.in_doubt.push(f);
+        }
+    }
+    told
+}
+
+/// The outline with each of its corners in each of its other places.
+fn with_one_other<'a>(
+    outline: Vec<Vec3>,
+    corners: &'a [&Corner],
+) -> impl Iterator<Item = Vec<Vec3>> + 'a {
+    let each = corners.iter().enumerate();
+    each.flat_map(|(i, c)| c.others.iter().map(move |p| (i, *p)))
+        .map(move |(i, p)| {
+            let mut moved = outline.clone();
+            moved[i] = p;
+            moved
+        })
+}
+
+/// Where the panels at an inner vertex will meet.
+struct Corner {
+    /// To second order.
+    place: Vec3,
+    /// With one-sided values of `Q`, as seen from each of the panels.
+    others: [Vec3; 3],
 }
 
 /// The circumcentre, in `q`, of the touching points of the panels at an inner vertex.
-fn circumcentre(layout: &Layout, v: VertexId) -> Option<Vec3> {
+fn corner(layout: &Layout, v: VertexId) -> Option<Corner> {
     let topology = layout.mesh.topology();
     if topology.is_boundary_vertex(v) {
         return None;
     }
     let faces: Vec<FaceId> = topology.outgoing(v).map(|h| topology.face(h)).collect();
     let faces: [FaceId; 3] = faces.try_into().ok()?;
-    let form = |[f, g]: [FaceId; 2]| {
-        let along = layout.face_point[g] - layout.face_point[f];
-        along.dot(&(layout.face_normal[g] - layout.face_normal[f]))
+    let points = faces.map(|f| layout.face_point[f]);
+    // Twice the height of each end under the plane of the other, and the mean for the panel opposite.
+    let seen_from = |panel: usize, [i, j]: [usize; 2]| {
+        let along = points[j] - points[i];
+        let [from_i, from_j] = [j, i].map(|k| along.dot(&layout.face_normal[faces[k]]));
+        match panel {
+            k if k == i => 2.0 * from_i,
+            k if k == j => -2.0 * from_j,
+            _ => from_i - from_j,
+        }
     };
-    let q = [[1, 2], [2, 0], [0, 1]].map(|ends| form(ends.map(|i| faces[i])));
+    let forms = |panel: usize| EDGES.map(|e| seen_from(panel, e));
+    Some(Corner {
+        place: circumcentre(points, forms(NOBODY)),
+        others: [0, 1, 2].map(|k| circumcentre(points, forms(k))),
+    })
+}
+
+/// Sees an edge from neither end.
+const NOBODY: usize = 3;
+/// Edges of a triangle, each opposite to its corner.
+const EDGES: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
+
+/// The circumcentre of a triangle by the forms of its edges, each opposite to its corner.
+fn circumcentre(points: [Vec3; 3], q: [f64; 3]) -> Vec3 {
     let weight = |i: usize| q[i] * (q[(i + 1) % 3] + q[(i + 2) % 3] - q[i]);
     let weights = [0, 1, 2].map(weight);
-    let sum: Vec3 = (0..3)
-        .map(|i| layout.face_point[faces[i]] * weights[i])
-        .sum();
-    Some(sum / weights.iter().sum::<f64>())
+    let sum: Vec3 = (0..3).map(|i| points[i] * weights[i]).sum();
+    sum / weights.iter().sum::<f64>()
 }
 
 /// Whether a polygon is simple and counter-clockwise, seen from the tip of a direction; one with a corner at infinity is not.

@@ -1,6 +1,7 @@
 //! What the layout hands to the optimiser, and what the repair loop edits.
 
-use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3, VertexId};
+use super::duality::Flipped;
+use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 
 /// Where a vertex of the panelling lies.
@@ -30,4 +31,26 @@ pub struct Layout {
     pub face_length: PerFace<f64>,
     /// Vertex of the refined surface that each cell grew from; the repair loop drops seeds of panels that stay invalid.
     pub face_seed: PerFace<VertexId>,
+}
+
+impl Layout {
+    /// The layout with its panels joined otherwise; vertices of its mesh are where they are in that one.
+    pub fn joined(&self, flipped: &Flipped) -> Self {
+        let (faces, vertices) = (&flipped.faces, &flipped.vertices);
+        Self {
+            mesh: flipped.mesh.clone(),
+            vertex_kind: PerVertex::from_vec(
+                vertices.iter().map(|v| self.vertex_kind[*v]).collect(),
+            ),
+            face_point: kept(&self.face_point, faces),
+            face_normal: kept(&self.face_normal, faces),
+            face_length: kept(&self.face_length, faces),
+            face_seed: kept(&self.face_seed, faces),
+        }
+    }
+}
+
+/// The values of the faces that are left.
+fn kept<T: Copy>(values: &PerFace<T>, faces: &[FaceId]) -> PerFace<T> {
+    PerFace::from_vec(faces.iter().map(|f| values[*f]).collect())
 }

@@ -16,18 +16,18 @@ use crate::curvature::{self, Curvature};
 use crate::directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::ground::Ground;
-use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces};
-use crate::layout::duality::{Plane, convex_panels, envelope};
-use crate::layout::forecast::crossing_panels;
+use crate::layout::domain::{CurvatureSign, DomainError, Place, SignedPlaces};
+use crate::layout::duality::{Flipped, convex_panels, envelope, saddle_flips, uncrossing_flips};
+use crate::layout::forecast::forecast;
 use crate::layout::lattice::CELL;
 use crate::layout::projective_dual::{self, DualDefects, SurfaceDual};
 use crate::layout::tangent_planes::{regularised, tangent_planes as tangent_planes_of};
 use crate::layout::{self, Layout, LayoutError, LayoutStatistics, support_function};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
-use crate::target::Similarity;
+use crate::target::{Similarity, SmoothTarget};
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3};
+use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
 
@@ -49,14 +49,33 @@ pub struct ClassicalStatistics {
     pub clearness: Option<f64>,
     /// Singular points and duplicates of the dual surface.
     pub defects: Option<DualDefects>,
-    /// Flips that made the panels those of a convex hull.
+    /// Flips that joined the panels as their planes want it: as the convex hull where `K > 0`, by the sign rule where `K < 0`.
     pub flips: Option<usize>,
+    /// Panels that were taken out on the way, because their planes cut nothing off.
+    pub taken_out: usize,
     /// Class `(m, n)` of the Goldberg polyhedron.
     pub goldberg: Option<(u32, u32)>,
     /// Edges of a parallel mesh that are as short as is allowed.
     pub edges_at_bound: Option<usize>,
-    /// Panels that the sign rule says will cross themselves; nothing where the rule does not apply.
+    /// Panels that the sign rule says will cross themselves; nothing where there is no layout to ask.
     pub forecast: Option<usize>,
+    /// Panels of which it says they will not, but where terms of third order may decide otherwise.
+    pub in_doubt: Option<usize>,
+}
+
+impl ClassicalStatistics {
+    /// Adds what flips did to a mesh with so many panels.
+    fn count(&mut self, flipped: &Flipped, panels: usize) {
+        let taken_out = panels - flipped.faces.len();
+        self.flips = Some(self.flips.unwrap_or(0) + flipped.steps - taken_out);
+        self.taken_out += taken_out;
+    }
+
+    fn foresee(&mut self, layout: &Layout) {
+        let told = forecast(layout);
+        self.forecast = Some(told.crossing.len());
+        self.in_doubt = Some(told.in_doubt.len());
+    }
 }
 
 /// Panels by one of the methods.
@@ -74,7 +93,11 @@ pub(super) fn mesh_with_panels(
         Method::DualSubdivision => subdivision::ground(&normalised, panels, options),
         _ => Ground::new(&normalised, panels, options),
     })?;
-    let made = make(&ground, &mut clock).map_err(|e| in_model(e, &similarity))?;
+    let model = Model {
+        normalised: &normalised,
+        similarity,
+    };
+    let made = make(&ground, &mut clock).map_err(|e| model.error(e))?;
     let reported = &made.reported;
     let mesh = match &made.fine {
         Some(fine) => {
@@ -87,9 +110,8 @@ pub(super) fn mesh_with_panels(
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(&fine.surface));
     let mut classical = made.classical;
-    let map = |p: Vec3| similarity.restore(p);
-    let outside = classical.outside.take().map(|e| e.mapped(map).to_string());
-    classical.outside_domain = outside;
+    let outside = classical.outside.take();
+    classical.outside_domain = outside.map(|e| e.mapped(|p| model.place(p)).to_string());
     classical.centre = classical
         .centre
         .map(|c| similarity.restore(c.into()).into());
@@ -191,10 +213,17 @@ struct Start<'a> {
 
 impl<'a> Start<'a> {
     fn new(ground: &'a Ground, clock: &mut Clock<'_>) -> Result<Self, PipelineError> {
-        let level = ground
-            .smooth
-            .level_with(ground.options.field_density * ground.panels as f64);
-        let surface = &ground.smooth.levels[level];
+        Self::on(&ground.smooth, ground, clock)
+    }
+
+    /// On another surface than that of the ground.
+    fn on(
+        smooth: &'a SmoothTarget,
+        ground: &Ground,
+        clock: &mut Clock<'_>,
+    ) -> Result<Self, PipelineError> {
+        let level = smooth.level_with(ground.options.field_density * ground.panels as f64);
+        let surface = &smooth.levels[level];
         let length = panel_length(surface, ground.panels);
         let curvature = clock.stage("curvature", || {
             curvature::curvature(surface, length, &ground.options.curvature)
@@ -232,9 +261,11 @@ impl<'a> Start<'a> {
             clearness: None,
             defects: None,
             flips: None,
+            taken_out: 0,
             goldberg: None,
             edges_at_bound: None,
             forecast: None,
+            in_doubt: None,
         }
     }
 
@@ -298,35 +329,51 @@ fn projective_dual(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     classical.defects = Some(projective_dual::inspect(surface, curvature, &dual));
     let metric = dual.metric(surface, curvature);
     let field = start.field(ground, metric, clock)?;
-    let (fine, mut layout) = cells(ground, &field, clock)?;
-    let planes = tangent_planes_of(&layout);
-    layout.mesh = hull_panels(ground, &layout, &planes, &mut classical)?;
-    classical.forecast = Some(crossing_panels(&layout).len());
-    let mesh = envelope(&layout.mesh, &planes).map_err(LayoutError::from)?;
-    Ok(Made::of(
-        ground,
-        mesh,
-        fine,
-        field.placed.statistics,
-        None,
-        classical,
-    ))
+    tangent_panels(ground, &field, classical, clock)
 }
 
-/// The panels of a layout, where `K > 0` joined as the poles of their planes are in their hull.
-fn hull_panels(
+/// The panels of a lattice, joined as their tangent planes want it, in these planes.
+fn tangent_panels(
     ground: &Ground,
-    layout: &Layout,
-    planes: &PerFace<Plane>,
+    field: &Field,
+    mut classical: ClassicalStatistics,
+    clock: &mut Clock<'_>,
+) -> Result<Made, PipelineError> {
+    let (fine, layout) = cells(ground, field, clock)?;
+    let layout = joined(ground, layout, &mut classical)?;
+    classical.foresee(&layout);
+    let planes = tangent_planes_of(&layout);
+    let mesh = envelope(&layout.mesh, &planes).map_err(LayoutError::from)?;
+    let statistics = field.placed.statistics;
+    Ok(Made::of(ground, mesh, fine, statistics, None, classical))
+}
+/// The layout with its panels joined as the poles of their planes are in their hull where `K > 0`; where `K < 0` by the sign rule, and then so that fewer
+/// panels cross themselves.
+fn joined(
+    ground: &Ground,
+    layout: Layout,
     classical: &mut ClassicalStatistics,
-) -> Result<HexMesh, LayoutError> {
-    let elliptic = classical.curvature == CurvatureSign::Elliptic;
-    if !elliptic || !ground.options.dual.hull {
-        return Ok(layout.mesh.clone());
+) -> Result<Layout, LayoutError> {
+    if !ground.options.dual.hull {
+        return Ok(layout);
     }
-    let (panels, flips) = convex_panels(&layout.mesh, planes, &layout.face_point)?;
-    classical.flips = Some(flips);
-    Ok(panels)
+    let planes = tangent_planes_of(&layout);
+    let (mesh, points) = (&layout.mesh, &layout.face_point);
+    match classical.curvature {
+        CurvatureSign::Elliptic => {
+            let convex = convex_panels(mesh, &planes, points)?;
+            classical.count(&convex, planes.len());
+            Ok(layout.joined(&convex))
+        }
+        CurvatureSign::Hyperbolic => {
+            let ruled = saddle_flips(mesh, &planes, points);
+            let simple = uncrossing_flips(&envelope(&ruled.mesh, &planes)?, &planes);
+            classical.count(&ruled, planes.len());
+            classical.count(&simple, planes.len());
+            Ok(layout.joined(&ruled).joined(&simple))
+        }
+        CurvatureSign::Mixed => Ok(layout),
+    }
 }
 
 fn support_function(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
@@ -336,18 +383,7 @@ fn support_function(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipe
     classical.outside = refusal(checked, ground)?;
     let metric = support_function::metric(&start.curvature);
     let field = start.field(ground, metric, clock)?;
-    let (fine, layout) = cells(ground, &field, clock)?;
-    let planes = tangent_planes_of(&layout);
-    let panels = hull_panels(ground, &layout, &planes, &mut classical)?;
-    let mesh = envelope(&panels, &planes).map_err(LayoutError::from)?;
-    Ok(Made::of(
-        ground,
-        mesh,
-        fine,
-        field.placed.statistics,
-        None,
-        classical,
-    ))
+    tangent_panels(ground, &field, classical, clock)
 }
 
 fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
@@ -355,7 +391,7 @@ fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipeli
     let (start, field) = Start::with_lattice(ground, clock)?;
     let mut classical = start.statistics(Method::TangentPlanes);
     let (fine, mut layout) = cells(ground, &field, clock)?;
-    classical.forecast = Some(crossing_panels(&layout).len());
+    classical.foresee(&layout);
     let (mesh, optimised) = if options.dual.regularisation > 0.0 {
         layout.mesh = regularised(&layout, options.dual.regularisation);
         let target = SurfaceTarget::new(ground.close_to(&fine.surface));
@@ -388,12 +424,33 @@ fn cells(
     Ok((fine, layout))
 }
 
-/// An error with its places in model coordinates.
-fn in_model(error: PipelineError, similarity: &Similarity) -> PipelineError {
-    let map = |p: Vec3| similarity.restore(p);
-    match error {
-        PipelineError::Layout(LayoutError::Domain(e)) => LayoutError::from(e.mapped(map)).into(),
-        PipelineError::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(map)).into(),
-        other => other,
+/// What errors say of places: in the user's coordinates, and by the user's vertices.
+struct Model<'a> {
+    normalised: &'a TriangleSurface,
+    similarity: Similarity,
+}
+
+impl Model<'_> {
+    /// The vertex of the input that is nearest to a place on the refined surface.
+    fn place(&self, place: Place) -> Place {
+        let distance = |p: &Vec3| (p - place.position).norm_squared();
+        let all = self.normalised.positions().enumerate();
+        let nearest = all.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+        nearest.map_or(place, |(vertex, p)| Place {
+            vertex,
+            position: self.similarity.restore(*p),
+        })
+    }
+
+    fn error(&self, error: PipelineError) -> PipelineError {
+        match error {
+            PipelineError::Layout(LayoutError::Domain(e)) => {
+                LayoutError::from(e.mapped(|p| self.place(p))).into()
+            }
+            PipelineError::Layout(LayoutError::Duality(e)) => {
+                LayoutError::from(e.mapped(|p| self.similarity.restore(p))).into()
+            }
+            other => other,
+        }
     }
 }

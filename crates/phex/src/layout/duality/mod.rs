@@ -28,15 +28,17 @@ mod flips;
 mod hull;
 mod mesh_dual;
 mod options;
+mod panels;
 mod plane;
 mod quadric;
 
 pub use centre::clear_centre;
 pub use envelope::envelope;
-pub use flips::{convex_flips, convex_panels, hull_about};
+pub use flips::{convex_flips, convex_panels, hull_about, saddle_flips, uncrossing_flips};
 pub use hull::{HullError, convex_hull};
 pub use mesh_dual::{MeshDual, dual_mesh};
 pub use options::DualOptions;
+pub use panels::Flipped;
 pub use plane::{Plane, meet};
 pub use quadric::Quadric;
 
@@ -57,8 +59,8 @@ pub enum DualityError {
     },
     /// Planes that do not meet in one point.
     #[error(
-        "the planes of the panels at vertex {vertex}, near ({:.4}, {:.4}, {:.4}), do not meet in one point: the surface is \
-         flat or developable there", near.x, near.y, near.z
+        "the planes of the panels near ({:.4}, {:.4}, {:.4}) do not meet in one point: the surface is flat or developable there",
+        near.x, near.y, near.z
     )]
     NoMeet {
         /// The vertex.

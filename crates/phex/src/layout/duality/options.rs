@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct DualOptions {
     /// Go on where the surface is outside the method's domain, to see what becomes of it; what fails is told by the statistics.
     pub any_domain: bool,
-    /// Where `K > 0`, join panels as the poles of their planes are in their convex hull: then all of them are convex. Without it
-    /// the classical methods keep the regular triangulation, whose panels may cross themselves.
+    /// Where `K > 0`, join panels as the poles of their planes are in their convex hull: then all of them are convex. Where `K < 0`, flip edges whose triangles
+    /// break the sign rule. Without it the classical methods keep the regular triangulation, whose panels may cross themselves.
     pub hull: bool,
     /// `lambda` of `tangent-planes`, a pure number >= 0: 0 lets the planes meet exactly; from 0.05 to 0.5 vertices are held back where
     /// planes meet badly, and the optimiser makes the panels planar.

@@ -45,6 +45,13 @@ impl Quadric {
         &self.matrix
     }
 
+    /// The centre, pole of the plane at infinity; `None` if that is at infinity too, as for a paraboloid.
+    pub fn centre(&self) -> Option<Vec3> {
+        let x = self.matrix.column(3).into_owned();
+        let scale = x.xyz().amax();
+        (x.w.abs() > AT_INFINITY * scale && x.w != 0.0).then(|| x.xyz() / x.w)
+    }
+
     /// The pole of a plane; `None` if it is at infinity.
     pub fn pole(&self, plane: &Plane) -> Option<Vec3> {
         let n = plane.normal;

@@ -1,7 +1,7 @@
 //! Whether a surface is an ellipsoid, or a piece of one.
 
 use crate::layout::domain::{DomainError, Place};
-use nalgebra::{DMatrix, Matrix3, SMatrix, SVector, SymmetricEigen};
+use nalgebra::{DMatrix, Matrix3, Matrix4, SMatrix, SVector, SymmetricEigen, Vector4};
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
 
 /// Name in messages.
@@ -46,24 +46,51 @@ pub fn fit_ellipsoid(surface: &TriangleSurface) -> Result<Ellipsoid, DomainError
         vertex,
         position: surface.positions()[vertex],
     };
-    let other = |found| DomainError::OtherQuadric {
-        method: METHOD,
-        found,
-        place: place(VertexId::new(0)),
+    let farthest = |e: &Ellipsoid| {
+        let distance = |v: VertexId| e.distance(surface.positions()[v]) / surface.diagonal();
+        let vertices = surface.topology().vertices().map(|v| (distance(v), v));
+        let farthest = vertices.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+        farthest.map_or((0.0, place(VertexId::new(0))), |(d, v)| (d, place(v)))
     };
-    let coefficients = quadric(surface.positions().as_slice()).ok_or(other("not determined"))?;
-    let ellipsoid = canonical(&coefficients).map_err(other)?;
-    let diagonal = surface.diagonal();
-    let distance = |v: VertexId| ellipsoid.distance(surface.positions()[v]) / diagonal;
-    let vertices = surface.topology().vertices();
-    let farthest = vertices.max_by(|a, b| distance(*a).total_cmp(&distance(*b)).then(b.cmp(a)));
-    match farthest {
-        Some(v) if distance(v) > TOLERANCE => Err(DomainError::NotAnEllipsoid {
+    let points = surface.positions().as_slice();
+    let found = quadric(points).ok_or("not determined");
+    let ellipsoid = found.and_then(|c| canonical(&c)).map_err(|found| {
+        let (distance, place) = farthest(&sphere(points));
+        DomainError::OtherQuadric {
             method: METHOD,
-            place: place(v),
-            distance: distance(v),
+            found,
+            place,
+            distance,
+        }
+    })?;
+    match farthest(&ellipsoid) {
+        (distance, place) if distance > TOLERANCE => Err(DomainError::NotAnEllipsoid {
+            method: METHOD,
+            place,
+            distance,
         }),
         _ => Ok(ellipsoid),
+    }
+}
+
+/// The sphere that fits points best: `2 c . p + d = |p|^2` in the sense of least squares.
+fn sphere(points: &[Vec3]) -> Ellipsoid {
+    let middle = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
+    let (mut matrix, mut rhs) = (Matrix4::zeros(), Vector4::zeros());
+    for p in points.iter().map(|p| p - middle) {
+        let row = (2.0 * p).push(1.0);
+        matrix += row * row.transpose();
+        rhs += row * p.norm_squared();
+    }
+    // Points in a plane leave the height of the centre open: the least one is taken.
+    let least = 1e-12 * matrix.norm();
+    let solved = matrix.svd(true, true).solve(&rhs, least);
+    let solved = solved.unwrap_or_default();
+    let centre = solved.xyz();
+    let radius = (solved.w + centre.norm_squared()).max(0.0).sqrt();
+    Ellipsoid {
+        centre: middle + centre,
+        shape: Matrix3::identity() * radius,
     }
 }
 
@@ -205,5 +232,12 @@ mod tests {
         assert!(error("elliptic-paraboloid").contains("paraboloid"));
         assert!(error("torus").contains("off the ellipsoid") || error("torus").contains("quadric"));
         assert!(fit_ellipsoid(&surface("sphere")).is_ok());
+        // The place is where the surface is farthest from being a sphere: at the waist of a tower.
+        let tower = surface("hyperboloid");
+        let Err(DomainError::OtherQuadric { place, .. }) = fit_ellipsoid(&tower) else {
+            panic!("a hyperboloid is no ellipsoid");
+        };
+        assert_eq!(place.position, tower.positions()[place.vertex]);
+        assert!(place.position.z.abs() < 0.1, "{place}");
     }
 }

@@ -18,7 +18,7 @@
 //! surfaces whose dual is not too anisotropic (ratio of the curvatures of `S` in the metric of `S'` below 3). Refused where
 //! tangent planes pass through every centre, and where `K` changes its sign, unless asked to go on.
 
-use super::domain::{DomainError, Place, SignedPlaces};
+use super::domain::{DomainError, Place, SignedPlaces, no_flat_point};
 use super::duality::{Plane, clear_centre};
 use crate::curvature::Curvature;
 use nalgebra::{Matrix3, SMatrix};
@@ -29,7 +29,7 @@ use std::collections::HashMap;
 /// Name in messages.
 pub const METHOD: &str = "projective-dual";
 /// Least distance of the centre to the tangent planes, over the largest, with which the affine dual is used.
-const CLEAR: f64 = 0.02;
+pub const CLEAR: f64 = 0.02;
 /// Poles nearer than this share of the dual's mean edge, of points farther apart than [`FAR`] mean edges, are duplicates.
 const SAME: f64 = 0.25;
 /// See [`SAME`].
@@ -149,14 +149,17 @@ pub(super) fn with_floor(
 /// Whether a method that works in the dual, `method` in messages, applies.
 ///
 /// # Errors
-/// Where tangent planes pass through every centre, or `K` changes its sign.
+/// Where tangent planes pass through every centre, `K` changes its sign, or `K < 0` but for a flat point.
 pub fn check(
     surface: &TriangleSurface,
     curvature: &Curvature,
     dual: &SurfaceDual,
     method: &'static str,
 ) -> Result<(), DomainError> {
-    SignedPlaces::find(surface, curvature).one_sign(method, "the dual surface has a cusp")?;
+    let places = SignedPlaces::find(surface, curvature);
+    let sign = places.one_sign(method, "the dual surface has a cusp")?;
+    let consequence = "the dual surface winds round a branch point there";
+    no_flat_point(sign, surface, curvature, method, consequence)?;
     if dual.is_affine() {
         return Ok(());
     }

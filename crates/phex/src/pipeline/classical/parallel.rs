@@ -2,9 +2,9 @@
 //! about the unit sphere, the lattice's discrete Gauss image; where `K < 0` the tangent planes' mesh itself, because edges there run against those of
 //! their Gauss image.
 
-use super::{ClassicalStatistics, Made, Start, cells, refusal};
+use super::{ClassicalStatistics, Made, Start, cells, joined, refusal};
 use crate::ground::Ground;
-use crate::layout::domain::{CurvatureSign, SignedPlaces};
+use crate::layout::domain::{CurvatureSign, SignedPlaces, no_flat_point};
 use crate::layout::duality::{Plane, convex_panels, envelope};
 use crate::layout::tangent_planes::tangent_planes;
 use crate::layout::{Layout, LayoutError};
@@ -13,18 +13,26 @@ use crate::pipeline::{Clock, Method, PipelineError};
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
 use phex_numeric::Outcome;
 
+/// Name in messages.
+const METHOD: &str = "parallel";
+
 pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
     let (start, field) = Start::with_lattice(ground, clock)?;
     let mut classical = start.statistics(Method::Parallel);
     let places = SignedPlaces::find(start.surface, &start.curvature);
-    let checked = places.one_sign("parallel", "edges of the Gauss image vanish and turn round");
+    let consequence = "edges of the Gauss image vanish and turn round";
+    let checked = places.one_sign(METHOD, consequence);
+    let (surface, curvature) = (start.surface, &start.curvature);
+    let checked =
+        checked.and_then(|sign| no_flat_point(sign, surface, curvature, METHOD, consequence));
     classical.outside = refusal(checked, ground)?;
     let (fine, layout) = cells(ground, &field, clock)?;
     let elliptic = classical.curvature == CurvatureSign::Elliptic;
     let given = if elliptic {
         gauss_image(&layout, &fine.surface, ground, &mut classical)
     } else {
-        envelope(&layout.mesh, &tangent_planes(&layout)).map_err(LayoutError::from)
+        joined(ground, layout, &mut classical)
+            .and_then(|layout| Ok(envelope(&layout.mesh, &tangent_planes(&layout))?))
     }?;
     let fit = FitOptions {
         start: if elliptic {
@@ -59,16 +67,23 @@ fn gauss_image(
     ground: &Ground,
     classical: &mut ClassicalStatistics,
 ) -> Result<HexMesh, LayoutError> {
-    let planes = layout.face_normal.map(|n| Plane {
-        normal: *n,
-        offset: 1.0,
-    });
-    let mut given = layout.mesh.clone();
+    let touching = |layout: &Layout| {
+        layout.face_normal.map(|n| Plane {
+            normal: *n,
+            offset: 1.0,
+        })
+    };
+    let planes = touching(layout);
+    let mut layout = layout.clone();
     if ground.options.dual.hull {
-        let (convex, flips) = convex_panels(&given, &planes, &layout.face_normal)?;
-        (given, classical.flips) = (convex, Some(flips));
+        let convex = convex_panels(&layout.mesh, &planes, &layout.face_normal)?;
+        classical.count(&convex, layout.mesh.topology().n_faces());
+        layout = layout.joined(&convex);
     }
-    let feet = surface.closest_points(given.positions.as_slice());
+    let feet = surface.closest_points(layout.mesh.positions.as_slice());
     let near = PerVertex::from_vec(feet.iter().map(|f| f.normal).collect());
-    Ok(envelope(&given.with_positions(near), &planes)?)
+    Ok(envelope(
+        &layout.mesh.with_positions(near),
+        &touching(&layout),
+    )?)
 }

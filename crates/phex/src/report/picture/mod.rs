@@ -40,6 +40,8 @@ pub struct PictureOptions {
     pub azimuth: Option<f64>,
     /// Height of the eye above the horizon, degrees (-90 to 90); 35 is the isometric view's, 90 looks straight down.
     pub elevation: f64,
+    /// Whether the edges of the panels are drawn; without them a fine triangle mesh looks like the surface that it stands for.
+    pub edges: bool,
     /// Whether it is said what the colours mean.
     pub legend: bool,
     /// Whether the model stands on a ground, with shadows where panels are close, or evenly lit before plain white.
@@ -54,6 +56,7 @@ impl Default for PictureOptions {
             supersampling: 3,
             azimuth: None,
             elevation: 35.0,
+            edges: true,
             legend: true,
             ground: true,
         }
@@ -128,7 +131,10 @@ fn draw_paint(
     let options = options.clamped();
     let camera = framing::camera(mesh, paint, &options);
     let shading = Shading::new(mesh, &camera, paint, options.ground);
-    let panels = PanelRaster::new(mesh, &camera, paint, options.supersampling);
+    let mut panels = PanelRaster::new(mesh, &camera, paint, options.supersampling);
+    if !options.edges {
+        panels = panels.without_edges();
+    }
     let mut sheet = Sheet::draw(&panels, &shading, &options);
     if options.ground {
         sheet.darken(&shading.occlusion(&sheet, &camera));
@@ -172,6 +178,16 @@ mod tests {
     fn pixel(picture: &Picture, x: usize, y: usize) -> [u8; 3] {
         let at = 4 * (y * picture.width + x);
         [picture.rgba[at], picture.rgba[at + 1], picture.rgba[at + 2]]
+    }
+
+    #[test]
+    fn edges_are_drawn_or_left_out() {
+        let least_blue = |edges: bool| {
+            let options = PictureOptions { edges, ..options() };
+            let picture = draw(&chevron(), &options);
+            picture.rgba.chunks(4).map(|p| p[2]).min()
+        };
+        assert!(least_blue(true) < least_blue(false));
     }
 
     #[test]

@@ -110,6 +110,12 @@ impl PanelRaster {
             samples,
         }
     }
+
+    /// The panels alone.
+    pub fn without_edges(mut self) -> Self {
+        self.lines.clear();
+        self
+    }
 }
 
 fn scaled(seen: Seen, samples: f64) -> Seen {

@@ -42,8 +42,9 @@ pub fn draw(mesh: &HexMesh, paint: &Paint, options: &PictureOptions) -> String {
     let see = |p: Vec3| camera.see(camera.normalised(p));
     for f in order {
         let outline: Vec<Seen> = mesh.corners(f).map(see).collect();
-        svg.panel(f, &outline, rgb(shading.panels[f]), paint.edges.is_some());
-        if paint.edges.is_some() {
+        let seams_only = paint.edges.is_some() || !options.edges;
+        svg.panel(f, &outline, rgb(shading.panels[f]), seams_only);
+        if paint.edges.is_some() && options.edges {
             svg.edges(mesh, f, &see, |e| rgb(paint.ink(e)));
         }
     }
