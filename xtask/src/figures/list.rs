@@ -109,7 +109,7 @@ fn ellipsoid_and_torus(m: &mut Maker<'_>) -> Result<(), String> {
 fn strips(m: &mut Maker<'_>) -> Result<(), String> {
     let torus = Obj::read(&m.phex.work("torus-phex.obj"))?;
     let face = torus
-        .hexagon_near([0.95, 0.95, 0.3])
+        .hexagon_near([1.0, -0.9, 0.3])
         .ok_or("the torus has no hexagon")?;
     let strips = torus.strips(face);
     write_curves(&m.phex.work("strips.obj"), &strips)?;
@@ -216,7 +216,7 @@ fn torus_dual(m: &mut Maker<'_>) -> Result<(), String> {
         "torus-dual-phex.obj",
         "figure-06-torus",
         "self-intersecting panels in red",
-        "--color validity",
+        "--color validity --size 540x405",
     )?;
     m.draw(
         "torus-dual-cut.obj",
@@ -293,7 +293,7 @@ fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Resu
         &format!("{surface}-smooth.obj"),
         &format!("figure-{number:02}-network"),
         "conjugate network",
-        &format!("--curves {WORK}/{surface}-network.obj --no-legend --no-edges"),
+        &format!("--curves {WORK}/{surface}-network.obj --no-legend --no-edges --size 480x360"),
     )?;
     m.draw(
         &format!("{surface}-shifted.obj"),

@@ -83,7 +83,7 @@ pub enum DualityError {
     #[error("the matrix of the quadric is singular or not finite, so it defines no polarity")]
     SingularQuadric,
     /// The dual is no manifold.
-    #[error("the dual is no manifold: {0}")]
+    #[error("the dual is no manifold")]
     Topology(#[from] TopologyError),
 }
 

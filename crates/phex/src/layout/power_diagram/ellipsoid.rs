@@ -26,14 +26,20 @@ impl Ellipsoid {
         self.centre + self.shape * unit
     }
 
-    /// Distance of a point to the ellipsoid, to first order.
+    /// Distance of a point to the ellipsoid: to first order, or towards the centre if that is less.
     pub fn distance(&self, p: Vec3) -> f64 {
         let Some(inverse) = self.shape.try_inverse() else {
             return f64::INFINITY;
         };
-        let unit = inverse * (p - self.centre);
+        let from_centre = p - self.centre;
+        let unit = inverse * from_centre;
         let gradient = inverse * unit * 2.0;
-        (unit.norm_squared() - 1.0).abs() / gradient.norm().max(f64::MIN_POSITIVE)
+        let level = unit.norm();
+        if level < f64::EPSILON {
+            return self.shape.norm();
+        }
+        let radial = from_centre.norm() * (1.0 - level.recip()).abs();
+        radial.min((level * level - 1.0).abs() / gradient.norm())
     }
 }
 
@@ -238,6 +244,17 @@ mod tests {
             panic!("a hyperboloid is no ellipsoid");
         };
         assert_eq!(place.position, tower.positions()[place.vertex]);
+        let sphere = Ellipsoid {
+            centre: Vec3::x(),
+            shape: Matrix3::identity() * 2.0,
+        };
+        for (x, distance) in [(1.01, 1.99), (3.5, 0.5), (-0.5, 0.5)] {
+            let found = sphere.distance(Vec3::new(x, 0.0, 0.0));
+            assert!(
+                found <= distance + 1e-12 && found > 0.5 * distance,
+                "{found}"
+            );
+        }
         assert!(place.position.z.abs() < 0.1, "{place}");
     }
 }

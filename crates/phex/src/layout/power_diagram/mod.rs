@@ -46,7 +46,7 @@ pub struct Site {
 #[non_exhaustive]
 pub enum PowerError {
     /// Too few sites, or all on one line or circle.
-    #[error("the sites have no power diagram with bounded cells: {0}")]
+    #[error("the sites, with the cap, have no power diagram with bounded cells")]
     Hull(#[from] HullError),
     /// A weight so large that the plane of the site does not face the sphere.
     #[error(
@@ -74,7 +74,7 @@ pub enum PowerError {
         largest: u32,
     },
     /// The diagram is no manifold.
-    #[error("the diagram is no mesh: {0}")]
+    #[error("the diagram is no mesh")]
     Topology(#[from] TopologyError),
     /// Planes that do not meet.
     #[error(transparent)]
