@@ -110,6 +110,7 @@ pub(super) fn mesh_with_panels(
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(&fine.surface));
     let mut classical = made.classical;
+    let map = |p: Vec3| similarity.restore(p);
     let outside = classical.outside.take();
     classical.outside_domain = outside.map(|e| e.mapped(|p| model.place(p)).to_string());
     classical.centre = classical
