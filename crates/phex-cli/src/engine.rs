@@ -5,7 +5,7 @@ use anyhow::Context;
 use phex::directions::network::NetworkError;
 use phex::layout::LayoutError;
 use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
-use phex::pipeline::{self, ClassicalStatistics, NetworkCurves, network_curves};
+use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
 use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, mesh_surface};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
@@ -32,6 +32,8 @@ pub struct Reached {
     pub statistics: Value,
     /// What a method by planes and poles met with.
     pub classical: Option<ClassicalStatistics>,
+    /// The ways of the portfolio that were tried.
+    pub tried: Vec<AttemptSummary>,
 }
 
 /// Covers a connected surface with panels.
@@ -70,6 +72,7 @@ fn reached(run: MeshRun) -> Result<Reached, Failure> {
         stages: times.collect(),
         statistics: value(&run.statistics)?,
         classical: run.statistics.classical,
+        tried: run.statistics.tried,
         mesh: run.mesh,
         start: run.start,
         smooth: Some(run.target),
@@ -128,6 +131,7 @@ pub fn planarize(
         }],
         statistics: value(&run.runs)?,
         classical: None,
+        tried: Vec::new(),
         start: Some(mesh.to_soup()),
         mesh: run.mesh,
         smooth: None,

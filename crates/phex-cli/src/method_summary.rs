@@ -1,9 +1,49 @@
-//! What the methods by planes and poles met with, as lines of the table.
+//! What the portfolio tried, and what the methods by planes and poles met with, as lines of the table.
 
 use crate::summary::Table;
 use phex::layout::domain::CurvatureSign;
 use phex::layout::projective_dual::DualDefects;
-use phex::pipeline::ClassicalStatistics;
+use phex::pipeline::{AttemptSummary, ClassicalStatistics, Method};
+
+/// The lines of a portfolio.
+pub fn of_portfolio(tried: &[AttemptSummary]) -> String {
+    let mut table = Table::default();
+    members(tried)
+        .iter()
+        .for_each(|line| table.row("portfolio", line));
+    table.into_text()
+}
+
+/// A sentence on each member of a portfolio of which more than one was tried.
+pub fn members(tried: &[AttemptSummary]) -> Vec<String> {
+    let several = tried.iter().filter(|_| tried.len() > 1);
+    several
+        .map(|summary| format!("tried: {}", member(summary)))
+        .collect()
+}
+
+fn member(summary: &AttemptSummary) -> String {
+    let candidate = &summary.candidate;
+    let way = match (candidate.method, candidate.seamless) {
+        (Method::BrickWall, _) => "brick wall".to_owned(),
+        (_, true) => format!("seamless lattice, anisotropy {}", candidate.anisotropy),
+        (_, false) => format!("lattice, anisotropy {}", candidate.anisotropy),
+    };
+    let state = match (summary.planar, summary.invalid) {
+        (true, 0) => "valid".to_owned(),
+        (true, n) => format!("{n} invalid"),
+        (false, _) => "not planar".to_owned(),
+    };
+    format!(
+        "{way}: {state}, {} of {} panels irregular without need, deviation {:.3} %, clearance {:.3}, angle {:.1}{}",
+        summary.irregular,
+        summary.panels,
+        100.0 * summary.deviation,
+        summary.clearance,
+        summary.least_angle,
+        if summary.kept { " (kept)" } else { "" }
+    )
+}
 
 /// The lines of a run; none for other methods.
 pub fn of_method(classical: Option<&ClassicalStatistics>) -> String {

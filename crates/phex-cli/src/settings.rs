@@ -87,6 +87,8 @@ pub struct MeshSettings {
 pub enum Layout {
     /// A hexagonal lattice, on any surface
     Lattice,
+    /// All ways of the portfolio side by side, lattices and a brick wall; the best is kept
+    Best,
     /// A brick wall on the lines of curvature, where the surface has a network of them without singular points
     BrickWall,
     /// A Goldberg polyhedron; for spheres, ellipsoids and pieces of them
@@ -107,6 +109,7 @@ impl From<Layout> for Method {
     fn from(layout: Layout) -> Self {
         match layout {
             Layout::Lattice => Self::Lattice,
+            Layout::Best => Self::Best,
             Layout::BrickWall => Self::BrickWall,
             Layout::ProjectiveDual => Self::ProjectiveDual,
             Layout::SupportFunction => Self::SupportFunction,
@@ -122,6 +125,7 @@ impl From<Method> for Layout {
     fn from(method: Method) -> Self {
         match method {
             Method::Lattice => Self::Lattice,
+            Method::Best => Self::Best,
             Method::BrickWall => Self::BrickWall,
             Method::ProjectiveDual => Self::ProjectiveDual,
             Method::SupportFunction => Self::SupportFunction,

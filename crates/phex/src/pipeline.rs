@@ -6,6 +6,7 @@
 mod brick_wall;
 mod classical;
 mod field;
+mod portfolio;
 mod repair;
 mod rim;
 mod steered;
@@ -13,16 +14,16 @@ mod subdivide;
 
 pub use brick_wall::{NetworkCurves, network_curves};
 pub use classical::ClassicalStatistics;
-pub use repair::AttemptSummary;
+pub use portfolio::{AttemptSummary, Candidate};
 pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
 
 use crate::curvature::CurvatureOptions;
 use crate::directions::DirectionOptions;
 use crate::directions::cones::ConeError;
-use crate::directions::guides::{Cone, Guides};
+use crate::directions::guides::Cone;
 use crate::directions::size::SizeOptions;
-use crate::ground::{Beyond, Ground};
+use crate::ground::Beyond;
 use crate::layout::brick_wall::{BrickWallOptions, BrickWallStatistics};
 use crate::layout::duality::DualOptions;
 use crate::layout::lattice::CELL;
@@ -35,7 +36,7 @@ use crate::trim::{Boundary, TrimError};
 use field::panel_length;
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Violation};
 use phex_numeric::{NumericError, Outcome};
-use repair::{Attempt, attempt, between_panels};
+use repair::between_panels;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 use thiserror::Error;
@@ -54,9 +55,12 @@ pub enum PanelSize {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// A hexagonal lattice in the metric of the second fundamental form, on any surface.
+    /// A hexagonal lattice in the metric of the second fundamental form, on any surface; others of the portfolio's lattices where
+    /// that gives no good result.
     #[default]
     Lattice,
+    /// All of the portfolio, side by side; the best is kept.
+    Best,
     /// A brick wall on a conjugate curve network, where the surface has one.
     BrickWall,
     /// A Goldberg polyhedron on the ellipsoid that the surface is.
@@ -93,8 +97,8 @@ pub struct MeshOptions {
     pub directions: DirectionOptions,
     /// How panels are laid out.
     pub method: Method,
-    /// Anisotropies that are tried where the one of `directions` gives no good result; the best is kept.
-    pub portfolio: Vec<f64>,
+    /// What is tried where the lattice of these options gives no good result, or beside it; the best is kept.
+    pub portfolio: Vec<Candidate>,
     /// Layout by a lattice.
     pub layout: LayoutOptions,
     /// Layout as a brick wall.
@@ -126,7 +130,7 @@ impl Default for MeshOptions {
             curvature: CurvatureOptions::default(),
             directions: DirectionOptions::default(),
             method: Method::default(),
-            portfolio: vec![1.5, 1.0],
+            portfolio: Candidate::others(),
             layout: LayoutOptions::default(),
             brick_wall: BrickWallOptions::default(),
             dual: DualOptions::default(),
@@ -229,7 +233,7 @@ pub struct Statistics {
     pub factorisations: usize,
     /// The repair loop.
     pub repairs: Vec<RepairRound>,
-    /// The anisotropies that were tried, the first first; the best was kept.
+    /// The ways of the portfolio that were tried, the first first; the best was kept.
     pub tried: Vec<AttemptSummary>,
 }
 
@@ -307,78 +311,12 @@ fn mesh_with_panels(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    match options.method {
-        Method::Lattice => {}
-        Method::BrickWall => {
-            return brick_wall::mesh_with_panels(surface, panels, options, progress);
-        }
-        _ => return classical::mesh_with_panels(surface, panels, options, progress),
-    }
-    let mut clock = Clock::new(progress);
-    let similarity = Similarity::normalising(surface);
-    let normalised = moved(surface, |p| similarity.normalise(p));
-    let options = &options.normalised(&normalised, &similarity);
-    let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
-    let mut tried = Vec::new();
-    let mut best: Option<Attempt> = None;
-    for anisotropy in portfolio(&ground.options) {
-        let attempt = match attempt(&ground, anisotropy, &mut clock) {
-            Ok(attempt) => attempt,
-            // Another anisotropy may do better than the one without a panelling, but not than a mesh.
-            Err(PipelineError::Layout(_)) if best.is_some() => continue,
-            Err(PipelineError::Cancelled) if best.is_some() => break,
-            Err(error) => return Err(error),
-        };
-        tried.push(attempt.summary.clone());
-        let good = attempt.is_good(&ground.options);
-        if best.as_ref().is_none_or(|b| attempt.cost() < b.cost()) {
-            best = Some(attempt);
-        }
-        if good || progress.is_cancelled() {
-            break;
-        }
-    }
-    let best = best.expect("the first anisotropy gives a mesh or an error");
-    let levels = ground.smooth.levels.iter();
-    let statistics = Statistics {
-        panels_asked: panels,
-        target_vertices: levels.map(|l| l.positions().len()).collect(),
-        interpolation_error: ground.smooth.interpolation_error,
-        layout: best.layout,
-        cones: Guides::of_cones(best.cones)
-            .moved(|p| similarity.restore(p))
-            .cones,
-        brick_wall: None,
-        classical: None,
-        runs: best.result.runs.clone(),
-        factorisations: best.factorisations,
-        repairs: best.repairs,
-        tried,
+    let make = match options.method {
+        Method::Lattice | Method::Best => portfolio::mesh_with_panels,
+        Method::BrickWall => brick_wall::mesh_with_panels,
+        _ => classical::mesh_with_panels,
     };
-    let mesh = best.left.trimmed.mesh;
-    let positions = mesh.positions.map(|p| similarity.restore(*p));
-    Ok(MeshRun {
-        start: Some(restored(best.left.start, &similarity)),
-        mesh: mesh.with_positions(positions),
-        target: moved(&best.reported, |p| similarity.restore(p)),
-        beyond: best.beyond.map(|b| b.moved(|p| similarity.restore(p))),
-        outcome: best.result.outcome,
-        offenders: best.left.offenders,
-        violations: best.left.violations,
-        statistics,
-        stages: clock.stages,
-    })
-}
-
-/// Anisotropies in the order in which they are tried.
-fn portfolio(options: &MeshOptions) -> Vec<f64> {
-    let mut list = vec![options.directions.anisotropy];
-    for &other in &options.portfolio {
-        if !list.contains(&other) {
-            list.push(other);
-        }
-    }
-    list
+    make(surface, panels, options, progress)
 }
 
 /// The same polygons in model coordinates.
@@ -450,6 +388,19 @@ impl<'a> Clock<'a> {
         }
     }
 
+    /// Adds what another clock measured.
+    fn add(&mut self, stages: &[StageSeconds]) {
+        for StageSeconds { stage, seconds } in stages {
+            match self.stages.iter_mut().find(|s| s.stage == *stage) {
+                Some(s) => s.seconds += seconds,
+                None => self.stages.push(StageSeconds {
+                    stage,
+                    seconds: *seconds,
+                }),
+            }
+        }
+    }
+
     /// A stage before there is a mesh: a cancelled run ends here.
     fn stage<T>(
         &mut self,
@@ -469,10 +420,7 @@ impl<'a> Clock<'a> {
         let result = work();
         let seconds = start.elapsed().as_secs_f64();
         self.progress.report(&Event::StageFinished { stage });
-        match self.stages.iter_mut().find(|s| s.stage == stage) {
-            Some(s) => s.seconds += seconds,
-            None => self.stages.push(StageSeconds { stage, seconds }),
-        }
+        self.add(&[StageSeconds { stage, seconds }]);
         result
     }
 }

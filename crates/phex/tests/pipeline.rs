@@ -3,6 +3,7 @@
 mod common;
 
 use common::{figures, mapped, rotation, shape, two_components};
+use phex::pipeline::Method;
 use phex::{Event, MeshOptions, MeshRun, PanelSize, PipelineError, Progress, Silent, mesh_surface};
 use phex_mesh::{HexMesh, MeshMeasures, TriangleSurface, Vec3, deviation, measure};
 use phex_numeric::Status;
@@ -91,6 +92,49 @@ fn a_b_spline_is_meshed() {
 #[test]
 fn a_plane_is_meshed() {
     check("plane", &shape("plane", 500), 80);
+}
+
+/// Convex bodies need 12 pentagons and get no other irregular panel, not even where they are pointed; all panels are convex.
+#[test]
+fn ellipsoids_have_twelve_pentagons() {
+    for [a, b, c] in [[1.5, 1.0, 0.7], [3.0, 1.0, 1.0]] {
+        let ellipsoid = mapped(&shape("sphere", 4000), |p| {
+            Vec3::new(a * p.x, b * p.y, c * p.z)
+        });
+        let mesh = run(&ellipsoid, 250).mesh;
+        let topology = mesh.topology();
+        let of = |n: usize| {
+            topology
+                .faces()
+                .filter(|f| topology.valence(*f) == n)
+                .count()
+        };
+        assert_eq!((of(5), of(6)), (12, topology.n_faces() - 12), "{a}:{b}:{c}");
+        assert_eq!(measure(&mesh).faces_concave, 0);
+    }
+}
+
+/// Side by side, a brick wall and all lattices are judged, and the one that is kept is what comes out.
+#[test]
+fn the_best_of_the_portfolio_is_kept() {
+    let torus = shape("torus", 2000);
+    let options = MeshOptions {
+        method: Method::Best,
+        ..panels(120)
+    };
+    let run = mesh_surface(&torus, &options, &Silent).unwrap();
+    let tried = &run.statistics.tried;
+    assert_eq!(tried.len(), 1 + options.portfolio.len());
+    assert!(
+        tried
+            .iter()
+            .any(|t| t.candidate.method == Method::BrickWall)
+    );
+    let kept: Vec<_> = tried.iter().filter(|t| t.kept).collect();
+    assert_eq!(kept.len(), 1);
+    assert_eq!(kept[0].panels, run.mesh.topology().n_faces());
+    assert_eq!(kept[0].irregular, 0);
+    assert!(run.is_sound());
 }
 
 fn relative(m: &MeshMeasures) -> [f64; 6] {

@@ -6,7 +6,7 @@ use crate::engine::{self, Reached};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::input::{MeshFile, joined, sentences, whole};
-use crate::method_summary::of_method;
+use crate::method_summary::{members, of_method, of_portfolio};
 use crate::output::{Content, check_writable, write_mesh};
 use crate::panel_size::{self, shares};
 use crate::progress::{Reporter, is_interrupted};
@@ -77,13 +77,16 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
     };
     let assessment = limits.judge(&mesh, references);
-    let told = |run: &Reached| of_method(run.classical.as_ref());
+    let told = |run: &Reached| of_portfolio(&run.tried) + &of_method(run.classical.as_ref());
     let methods: String = runs.iter().map(told).collect();
     let table = methods + &summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
     let mut report = RunReport::new("mesh", assessment);
     report.inputs = vec![file.record];
     report.threads = threads;
     report.notes = notes;
+    report
+        .notes
+        .extend(runs.iter().flat_map(|run| members(&run.tried)));
     let start = joined_start(&runs);
     describe(&mut report, &settings, runs)?;
     let shown = Shown {

@@ -53,6 +53,14 @@ fn glided(layout: &Layout) -> Option<Layout> {
     Some(layout)
 }
 
+/// The layout after turns of the edges between these panels, one after the other; `None` if one can't be.
+pub(super) fn turned_between(layout: Layout, sides: &[glide::Sides]) -> Option<Layout> {
+    sides.iter().try_fold(layout, |layout, s| {
+        let turn = turn_between(layout.mesh.topology(), *s)?;
+        turned(&layout, &[turn])
+    })
+}
+
 fn turn_between(topology: &Topology, [a, b]: [FaceId; 2]) -> Option<Turn> {
     let mut around = topology.face_half_edges(a);
     let h = around.find(|h| face_across(topology, *h) == Some(b))?;

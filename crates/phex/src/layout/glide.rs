@@ -14,8 +14,21 @@ const REACH: usize = 4;
 /// Least and largest number of corners on the way.
 const CORNERS: [usize; 2] = [4, 8];
 
+/// Most steps of a sequence that follows two panels' becoming one.
+const STEPS_AFTER_JOIN: usize = 3;
+
 /// Panels on the sides of an edge that turns.
 pub type Sides = [FaceId; 2];
+
+/// Turns after which the panels inside are more regular than before, if first the second of `sides` becomes part of the first;
+/// `None` if there are none.
+pub fn turns_after_join(topology: &Topology, sides: Sides) -> Option<Vec<Sides>> {
+    let mut patch = Patch::around(topology, sides[0], &BTreeSet::new());
+    let gain = patch.join(sides)?;
+    let mut path = Vec::new();
+    let mut found = |steps| patch.search(steps, gain, gain.min(0), &mut path);
+    (0..=STEPS_AFTER_JOIN).any(&mut found).then_some(path)
+}
 
 /// Sequences of turns, each of which makes the panels inside more regular; no two of them change the same panel.
 pub fn sequences(topology: &Topology) -> Vec<Vec<Sides>> {
@@ -26,7 +39,7 @@ pub fn sequences(topology: &Topology) -> Vec<Vec<Sides>> {
         let mut patch = Patch::around(topology, f, &taken);
         for steps in 1..=STEPS {
             let mut path = Vec::new();
-            if patch.search(steps, 0, &mut path) {
+            if patch.search(steps, 0, 0, &mut path) {
                 taken.extend(patch.changed(topology, &path));
                 found.push(path);
                 break;
@@ -74,8 +87,9 @@ impl Patch {
         faces.filter(|f| self.corners(*f) != 6).collect()
     }
 
-    /// Looks for a sequence of at most `steps` turns more whose gain, with the `gain` so far, is positive.
-    fn search(&mut self, steps: usize, gain: i32, path: &mut Vec<Sides>) -> bool {
+    /// Looks for a sequence of at most `steps` turns more whose gain, with the `gain` so far, is positive, and never less than
+    /// `floor` on the way.
+    fn search(&mut self, steps: usize, gain: i32, floor: i32, path: &mut Vec<Sides>) -> bool {
         if gain > 0 {
             return true;
         }
@@ -86,12 +100,12 @@ impl Patch {
             let Some((ends, change)) = self.turn_at(sides) else {
                 continue;
             };
-            if gain + change < 0 {
+            if gain + change < floor {
                 continue;
             }
             self.turn(sides, ends);
             path.push(sides);
-            if self.search(steps - 1, gain + change, path) {
+            if self.search(steps - 1, gain + change, floor, path) {
                 return true;
             }
             path.pop();
@@ -141,6 +155,39 @@ impl Patch {
             gain += (before - 6).pow(2) - (after - 6).pow(2);
         }
         Some((ends, gain))
+    }
+
+    /// Makes `b` part of `a`; what that gains, or `None` if a panel would have too many corners or too few.
+    fn join(&mut self, [a, b]: Sides) -> Option<i32> {
+        let ([c, d], _) = self.turn_at([a, b])?;
+        let behind = |ring: &[FaceId], f: FaceId| -> Vec<FaceId> {
+            let at = ring.iter().position(|x| *x == f).expect("a neighbour");
+            (1..ring.len())
+                .map(|k| ring[(at + k) % ring.len()])
+                .collect()
+        };
+        let mut ring = behind(&self.ring[&a], b);
+        let others = behind(&self.ring[&b], a);
+        let inner = &others[1..others.len() - 1];
+        ring.extend(inner);
+        let irregular = |n: usize| (n as i32 - 6).pow(2);
+        let sum = |patch: &Self, faces: &[FaceId]| -> i32 {
+            faces.iter().map(|f| irregular(patch.corners(*f))).sum()
+        };
+        let before = sum(self, &[a, b, c, d]);
+        for f in inner {
+            let own = self.ring.get_mut(f)?;
+            own.iter_mut().filter(|x| **x == b).for_each(|x| *x = a);
+        }
+        for f in [c, d] {
+            self.ring.get_mut(&f)?.retain(|x| *x != b);
+        }
+        self.ring.insert(a, ring);
+        self.ring.remove(&b);
+        let allowed = [a, c, d]
+            .iter()
+            .all(|f| (CORNERS[0]..=CORNERS[1]).contains(&self.corners(*f)));
+        allowed.then(|| before - sum(self, &[a, c, d]))
     }
 
     /// Parts `a` and `b` and joins the panels at the ends, of which the first precedes `b` round `a`.

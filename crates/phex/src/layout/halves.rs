@@ -1,24 +1,39 @@
-//! Panels that a cone has cut in two are joined.
+//! Pairs of small panels that are better one.
 //!
 //! About a cone the lattice's offsets do not close, and the lattice point at its apex may be named twice; its panel then comes
-//! out as two small pentagons side by side with a heptagon at one end. Two neighbouring panels inside that together are about
-//! as large as one should be become one where that makes the panels more regular.
+//! out as two small pentagons with a heptagon beside them, next to each other or one panel apart. Two neighbours inside that
+//! together are hardly larger than one should be become one where that, with a few edges turned afterwards, makes the panels
+//! more regular: a dislocation climbs by one panel.
 
 use super::lattice::CELL;
-use super::{Layout, VertexKind};
+use super::{Layout, VertexKind, flips, glide};
 use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, VertexId};
 use std::collections::BTreeSet;
 
-/// Largest area of a half, and of both together, over that of a panel of the size wanted there.
-const HALF: f64 = 0.75;
-const BOTH: f64 = 1.3;
+/// Largest area of one of them, and of both together, over that of a panel of the size wanted there.
+const HALF: f64 = 1.2;
+const BOTH: f64 = 1.8;
 
-/// Joins halves, one pair after the other in the order of their edges.
+/// Joins pairs, one after the other in the order of their edges.
 pub fn join_halves(mut layout: Layout) -> Layout {
-    while let Some(next) = first_pair(&layout).and_then(|p| joined(&layout, &p)) {
+    while let Some(next) = joined_once(&layout) {
         layout = next;
     }
     layout
+}
+
+/// The layout with the first pair joined that makes it more regular.
+fn joined_once(layout: &Layout) -> Option<Layout> {
+    let topology = layout.mesh.topology();
+    let pairs = topology.edges().filter_map(|e| pair(topology, e));
+    let mut small = pairs.filter(|p| has_pentagon(topology, p) && are_halves(layout, p));
+    small.find_map(|p| {
+        let turns = glide::turns_after_join(topology, p.halves)?;
+        let second = p.halves[1];
+        let renumbered = |f: FaceId| FaceId::new((f.index() - usize::from(f > second)) as u32);
+        let turns: Vec<_> = turns.iter().map(|s| s.map(renumbered)).collect();
+        flips::turned_between(joined(layout, &p)?, &turns)
+    })
 }
 
 /// Two panels, the panels at the ends of their common edge, and that edge's ends.
@@ -26,13 +41,6 @@ struct Pair {
     halves: [FaceId; 2],
     at_ends: [FaceId; 2],
     ends: [VertexId; 2],
-}
-
-fn first_pair(layout: &Layout) -> Option<Pair> {
-    let topology = layout.mesh.topology();
-    let pairs = topology.edges().filter_map(|e| pair(topology, e));
-    let mut better = pairs.filter(|p| gain(topology, p) > 0);
-    better.find(|p| are_halves(layout, p))
 }
 
 fn pair(topology: &Topology, e: EdgeId) -> Option<Pair> {
@@ -50,18 +58,8 @@ fn pair(topology: &Topology, e: EdgeId) -> Option<Pair> {
     })
 }
 
-fn corners(topology: &Topology, faces: [FaceId; 2]) -> [i32; 2] {
-    faces.map(|f| topology.valence(f) as i32)
-}
-
-/// By how much the sum of `(n - 6)^2` falls.
-fn gain(topology: &Topology, pair: &Pair) -> i32 {
-    let irregular = |n: i32| (n - 6).pow(2);
-    let [a, b] = corners(topology, pair.halves);
-    let [c, d] = corners(topology, pair.at_ends);
-    let before = [a, b, c, d].map(irregular).iter().sum::<i32>();
-    let after = [a + b - 4, c - 1, d - 1].map(irregular).iter().sum::<i32>();
-    if c.min(d) > 4 { before - after } else { 0 }
+fn has_pentagon(topology: &Topology, pair: &Pair) -> bool {
+    pair.halves.iter().any(|f| topology.valence(*f) < 6)
 }
 
 fn are_halves(layout: &Layout, pair: &Pair) -> bool {

@@ -1,7 +1,7 @@
 //! The lattice of a surface: curvature, metric and seeds on the level where it is computed, and the fine surface for its cells.
 
 use super::{Clock, MeshOptions, PipelineError};
-use crate::curvature::{self, Curvature};
+use crate::curvature::{self, Curvature, Principal};
 use crate::directions::guides::Cone;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::{self, DirectionOptions, Directions};
@@ -60,6 +60,16 @@ impl Field {
         })
     }
 
+    /// Whether a lattice on the surface could do without any irregular panel but those that topology asks for: it is closed, and
+    /// its Euler characteristic is 0, or its Gauss curvature positive everywhere.
+    pub(super) fn regular_possible(&self, smooth: &SmoothTarget) -> bool {
+        let topology = smooth.levels[self.level].topology();
+        let elliptic = |p: &Principal| p.small * p.large > 0.0;
+        let closed = topology.boundary_loops().is_empty();
+        let flat = topology.euler_characteristic() == 0;
+        closed && (flat || self.curvature.principal().iter().all(elliptic))
+    }
+
     /// Cones of the direction field.
     pub(super) fn cones(&self, smooth: &SmoothTarget) -> Vec<Cone> {
         let surface = &smooth.levels[self.level];
@@ -108,6 +118,32 @@ pub(super) fn with_seeds(
         layout::place_seeds(topology, &directions, options)
     })??;
     Ok((directions, placed))
+}
+
+/// How far a lattice may follow the curvature, and whether its panels may change their size so far that it needs no dislocations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub anisotropy: f64,
+    pub seamless: bool,
+}
+
+/// What the conformal factor's screening and limit are multiplied by for a seamless lattice.
+const SEAMLESS_SCREENING: f64 = 0.05;
+const SEAMLESS_LIMIT: f64 = 2.0;
+
+impl Way {
+    /// Options for a lattice of this kind. A seamless one is computed on a fine level: about cones it must be exact.
+    pub fn options(self, options: &MeshOptions) -> MeshOptions {
+        let mut options = options.clone();
+        options.directions.anisotropy = self.anisotropy;
+        if self.seamless {
+            options.directions.conformal_screening *= SEAMLESS_SCREENING;
+            options.directions.conformal_limit *= SEAMLESS_LIMIT;
+            options.layout.max_distortion = f64::MAX;
+            options.field_density = options.field_density.max(options.cell_density);
+        }
+        options
+    }
 }
 
 /// Screening that keeps varying sizes against the conformal factor, which would even them out.

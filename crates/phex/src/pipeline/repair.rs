@@ -1,6 +1,7 @@
-//! Layout, optimiser and the repair loop for one anisotropy.
+//! Layout, optimiser and the repair loop for a lattice of one kind.
 
-use super::field::{Field, FineSurface, direction_options};
+use super::field::{Field, FineSurface, Way, direction_options};
+use super::portfolio::GOOD_DEVIATION;
 use super::{Clock, MeshOptions, PipelineError, RepairRound, rim};
 use crate::directions::guides::Cone;
 use crate::ground::{Beyond, Ground};
@@ -12,33 +13,18 @@ use phex_mesh::{
     Deviation, FaceId, FlatFace, HexMesh, PolygonSoup, TriangleSurface, ValidateOptions, Vec3,
     VertexId, Violation,
 };
-use serde::Serialize;
 use std::collections::{BTreeSet, HashSet};
 
-/// One member of the portfolio, for the report.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AttemptSummary {
-    /// Largest ratio of panel lengths along the principal directions.
-    pub anisotropy: f64,
+/// A panelling made in one way.
+pub(super) struct Attempt {
     /// Panels that are not as they should be.
     pub invalid: usize,
-    /// Share of hexagons among the panels inside.
-    pub hex: f64,
-    /// Panels inside that are no hexagons, beyond those that the topology of a closed surface asks for.
-    pub irregular: usize,
-    /// Largest distance between panels and surface either way, away from the boundary, over the diagonal.
-    pub deviation: f64,
-    /// Least clearance, mean edges.
-    pub clearance: f64,
-}
-
-/// A panelling for one anisotropy.
-pub(super) struct Attempt {
-    pub summary: AttemptSummary,
-    planar: bool,
+    pub planar: bool,
     pub layout: LayoutStatistics,
     /// Cones of the direction field, normalised.
     pub cones: Vec<Cone>,
+    /// See [`Field::regular_possible`].
+    pub regular_possible: bool,
     pub result: Optimised,
     pub left: Left,
     pub reported: TriangleSurface,
@@ -46,38 +32,6 @@ pub(super) struct Attempt {
     pub factorisations: usize,
     pub repairs: Vec<RepairRound>,
 }
-
-impl Attempt {
-    /// Whether nothing else needs to be tried.
-    pub(super) fn is_good(&self, options: &MeshOptions) -> bool {
-        let s = &self.summary;
-        let close = s.deviation <= GOOD_DEVIATION && s.clearance >= options.good_clearance;
-        let regular =
-            self.irregular_share() <= GOOD_IRREGULAR && self.layout.annihilation.kept == 0;
-        s.invalid == 0 && close && regular
-    }
-
-    fn irregular_share(&self) -> f64 {
-        let panels = self.left.trimmed.mesh.topology().n_faces();
-        self.summary.irregular as f64 / panels as f64
-    }
-
-    /// What attempts are compared by, smaller is better: valid first, then close, clear and regular.
-    pub(super) fn cost(&self) -> f64 {
-        let s = &self.summary;
-        let invalid = if self.planar { 0.0 } else { 1e6 } + 100.0 * s.invalid as f64;
-        let far = 10.0 * (s.deviation / GOOD_DEVIATION - 1.0).max(0.0);
-        let tight = (0.15 / s.clearance.max(1e-3) - 1.0).max(0.0);
-        let irregular = 10.0 * self.irregular_share();
-        invalid + far + tight + irregular + s.deviation / GOOD_DEVIATION * 0.1
-    }
-}
-
-/// Deviation, over the diagonal, with which no other anisotropy is tried: a little below the usual tolerance of 0.5 %.
-const GOOD_DEVIATION: f64 = 4.5e-3;
-
-/// Share of panels that are irregular without need, up to which no other anisotropy is tried.
-const GOOD_IRREGULAR: f64 = 0.025;
 
 /// What rounds of the repair loop are compared by, the first difference counts.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -98,14 +52,14 @@ const MAX_ADDED: usize = 2;
 /// Distance of these places from each other, mean edges.
 const ADDED_APART: f64 = 3.0;
 
-/// Layout, optimiser and the repair loop for one anisotropy.
+/// Layout, optimiser and the repair loop for a lattice of one kind.
 pub(super) fn attempt(
     ground: &Ground,
-    anisotropy: f64,
+    way: Way,
     clock: &mut Clock<'_>,
 ) -> Result<Attempt, PipelineError> {
-    let (options, progress) = (&ground.options, clock.progress);
-    let settings = direction_options(options, anisotropy);
+    let (options, progress) = (&way.options(&ground.options), clock.progress);
+    let settings = direction_options(options, way.anisotropy);
     let field = Field::new(&ground.smooth, ground.panels, options, &settings, clock)?;
     let fine = FineSurface::new(ground, &field);
     let mut seeds = field.placed.seeds.clone();
@@ -165,20 +119,12 @@ pub(super) fn attempt(
         rim::to_boundary(&mut left, reported, options, progress)
     })?;
     result.runs.extend(held);
-    let measures = phex_mesh::measure(&left.trimmed.mesh);
-    let summary = AttemptSummary {
-        anisotropy,
-        invalid: badness.invalid,
-        hex: measures.hex.unwrap_or(1.0),
-        irregular: irregular_panels(&left.trimmed.mesh),
-        deviation: left.deviation,
-        clearance: measures.clearance.min,
-    };
     Ok(Attempt {
-        summary,
+        invalid: badness.invalid,
         planar: !badness.not_planar,
         layout: field.placed.statistics,
         cones: field.cones(&ground.smooth),
+        regular_possible: field.regular_possible(&ground.smooth),
         result,
         left,
         reported: reported.clone(),
@@ -190,16 +136,6 @@ pub(super) fn attempt(
 
 fn calm_panels(fine: &FineSurface, seeds: &[Seed]) -> Result<Layout, LayoutError> {
     layout::panelling(&fine.cells(), seeds).map(layout::calmed)
-}
-
-/// Panels inside that are no hexagons, beyond those that the topology asks for.
-fn irregular_panels(mesh: &HexMesh) -> usize {
-    let topology = mesh.topology();
-    let inside = topology.faces().filter(|f| !topology.is_boundary_face(*f));
-    let irregular = inside.filter(|f| topology.valence(*f) != 6).count();
-    let closed = topology.boundary_loops().is_empty();
-    let needed = 6 * topology.euler_characteristic().unsigned_abs() as usize;
-    irregular.saturating_sub(if closed { needed } else { 0 })
 }
 
 /// What a round of the repair loop leaves.
