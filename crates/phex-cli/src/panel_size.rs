@@ -77,7 +77,7 @@ pub fn hexagon_area(edge: f64) -> f64 {
 }
 
 /// Edge of a regular hexagon of an area.
-fn edge_length(area: f64) -> f64 {
+pub fn edge_length(area: f64) -> f64 {
     (area / hexagon_area(1.0)).sqrt()
 }
 

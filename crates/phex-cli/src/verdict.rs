@@ -8,6 +8,7 @@ use crate::settings::MeshSettings;
 use crate::units::{Quantity, Unit};
 use anyhow::Context;
 use phex::Boundary;
+use phex::optimise::OptimiseOptions;
 use phex::pipeline::Method;
 use phex::report::picture::{PictureOptions, draw};
 use phex::report::{
@@ -61,6 +62,16 @@ impl From<&MeshSettings> for TypedLimits {
 }
 
 impl TypedLimits {
+    /// Tells the optimiser what is demanded of a mesh with edges of length `edge` and diagonal `extent`, model units; percentages of
+    /// the deviation refer to the diagonal `whole`.
+    pub fn demand(&self, options: &mut OptimiseOptions, edge: f64, extent: f64, whole: f64) {
+        if let Some(planarity) = self.planarity {
+            options.planarity_tolerance = planarity.fraction(self.unit, edge);
+        }
+        let most = self.max_deviation.length(self.unit, whole) / extent;
+        options.max_deviation = (most > 0.0).then_some(most);
+    }
+
     fn tolerances(&self, mesh: &HexMesh, surface: Option<&TriangleSurface>) -> Tolerances {
         let default = ValidateOptions::default();
         let planarity = self.planarity.map_or(default.planarity, |q| {

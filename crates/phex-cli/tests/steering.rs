@@ -71,6 +71,42 @@ fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
         .refuses(4, &["--fix", "no numbers"]);
 }
 
+/// Two hills side by side: what is held goes to the nearest, the ground holds both, and a warm start takes both.
+#[test]
+fn surfaces_of_several_parts_are_held_too() {
+    let shop = Workshop::new();
+    let one = hill(12);
+    let count = vertices(&one).len();
+    let mut both = one.clone();
+    for line in one.lines() {
+        let numbers: Vec<f64> = (line.split_whitespace().skip(1))
+            .map(|w| w.parse().unwrap())
+            .collect();
+        match line.strip_prefix("v ") {
+            Some(_) => both += &format!("v {} {} {}\n", numbers[0] + 20.0, numbers[1], numbers[2]),
+            None => {
+                let shifted = numbers.iter().map(|n| format!(" {}", *n as usize + count));
+                both += &format!("f{}\n", shifted.collect::<String>());
+            }
+        }
+    }
+    shop.write("two.obj", both);
+    shop.write("points.txt", "0.1 0.2 1.95\n20.1 0.2 1.95\n");
+    shop.succeed(
+        "mesh two.obj -o held.obj -n 80 --all-components --fix points.txt --ground=0,-5,0,0,1,0",
+    );
+    let held = read(&shop, "held.obj");
+    for p in [[0.1, 0.2, 1.95], [20.1, 0.2, 1.95]] {
+        assert!(held.contains(&p), "{p:?}");
+    }
+    let on_ground = |p: &&[f64; 3], side: bool| p[1] == -5.0 && (p[0] > 10.0) == side;
+    for side in [false, true] {
+        assert!(held.iter().filter(|p| on_ground(p, side)).count() >= 3);
+    }
+    shop.succeed("mesh two.obj -o warm.obj --all-components --start held.obj");
+    assert_eq!(read(&shop, "warm.obj").len(), held.len());
+}
+
 #[test]
 fn the_ground_is_met_exactly() {
     let shop = Workshop::new();

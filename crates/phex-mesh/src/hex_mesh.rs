@@ -73,6 +73,15 @@ impl HexMesh {
         t.edges().map(|e| self.edge_length(e)).sum::<f64>() / t.n_edges() as f64
     }
 
+    /// Diagonal of the bounding box of the vertices.
+    pub fn diagonal(&self) -> f64 {
+        let first = self.positions.as_slice().first().copied();
+        let first = first.unwrap_or_default();
+        let bounds = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lo.inf(p), hi.sup(p));
+        let (lo, hi) = self.positions.iter().fold((first, first), bounds);
+        (hi - lo).norm()
+    }
+
     /// Position of a vertex.
     pub fn position(&self, v: VertexId) -> Vec3 {
         self.positions[v]

@@ -8,13 +8,14 @@ use crate::html::Shown;
 use crate::input::{MeshFile, joined, sentences, whole};
 use crate::method_summary::{members, of_method, of_portfolio};
 use crate::output::{Content, check_writable, write_mesh};
-use crate::panel_size::{self, shares};
+use crate::panel_size::{self, edge_length, shares};
 use crate::progress::{Reporter, is_interrupted};
 use crate::settings::MeshSettings;
 use crate::size_field::SizeField;
 use crate::summary;
 use crate::verdict::{TypedLimits, exit_of, written};
 use anyhow::Context;
+use phex::MeshOptions;
 use phex::report::{References, RunReport, StageTime, Verdict};
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, TriangleSurface};
 use serde_json::Value;
@@ -51,16 +52,18 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let stages = &mut settings.stages;
     (settings.steering).apply(&mut stages.steering, &mut stages.optimise)?;
     settings.guides.apply(&mut stages.directions.guides)?;
-    check_steering(command, &parts.components, &settings)?;
+    check_steering(command, &settings)?;
+    let job = Job {
+        components: &parts.components,
+        facets: &facets,
+        panels,
+        field: field.as_ref(),
+        settings: &settings,
+        reporter: &reporter,
+    };
     let runs = match &command.start {
-        Some(path) => vec![refit(path, &facets, &settings, &reporter)?],
-        None => mesh_each(
-            &parts.components,
-            panels,
-            field.as_ref(),
-            &settings,
-            &reporter,
-        )?,
+        Some(path) => vec![job.refit(path)?],
+        None => job.mesh_each()?,
     };
     reporter.finish();
     let mesh = joined_mesh(&runs)?;
@@ -159,19 +162,9 @@ fn check_components(
     )))
 }
 
-/// What is held refers to one connected surface, and numbers of vertices to a mesh that is known.
-fn check_steering(
-    command: &MeshCommand,
-    components: &[SurfaceComponent],
-    settings: &MeshSettings,
-) -> Result<(), Failure> {
-    let steering = &settings.stages.steering;
-    if components.len() > 1 && (command.start.is_some() || !steering.is_empty()) {
-        return Err(Failure::input(
-            "vertices can be held, and an earlier mesh taken as start, on a surface of one connected part only",
-        ));
-    }
-    if command.start.is_none() && !steering.fixed_vertices.is_empty() {
+/// Numbers of vertices refer to a mesh that is known.
+fn check_steering(command: &MeshCommand, settings: &MeshSettings) -> Result<(), Failure> {
+    if command.start.is_none() && !settings.stages.steering.fixed_vertices.is_empty() {
         return Err(Failure::input(
             "--fix: vertices have no numbers before there is a mesh; give points x y z, or an earlier mesh with --start",
         ));
@@ -179,44 +172,60 @@ fn check_steering(
     Ok(())
 }
 
-/// An earlier mesh, brought to the surface again.
-fn refit(
-    path: &Path,
-    surface: &TriangleSurface,
-    settings: &MeshSettings,
-    reporter: &Reporter,
-) -> Result<Reached, Failure> {
-    let (earlier, _) = MeshFile::read(path)?.polygon_mesh()?;
-    let reached = engine::refit(&earlier, surface, &settings.stages, reporter)?;
+/// What is to be covered, and how.
+struct Job<'a> {
+    components: &'a [SurfaceComponent],
+    /// All components.
+    facets: &'a TriangleSurface,
+    panels: u64,
+    field: Option<&'a SizeField>,
+    settings: &'a MeshSettings,
+    reporter: &'a Reporter,
+}
+
+impl Job<'_> {
+    /// An earlier mesh, brought to the surface again.
+    fn refit(&self, path: &Path) -> Result<Reached, Failure> {
+        let (earlier, _) = MeshFile::read(path)?.polygon_mesh()?;
+        let mut options = self.settings.stages.clone();
+        self.demand(&mut options, self.facets, earlier.mean_edge());
+        let reached = engine::refit(&earlier, self.facets, &options, self.reporter)?;
+        uninterrupted(reached)
+    }
+
+    fn mesh_each(&self) -> Result<Vec<Reached>, Failure> {
+        let areas: Vec<f64> = self.components.iter().map(|c| c.surface.area()).collect();
+        let edge = edge_length(areas.iter().sum::<f64>() / self.panels as f64);
+        let surfaces: Vec<TriangleSurface> =
+            self.components.iter().map(|c| c.surface.clone()).collect();
+        let steering = self.settings.stages.steering.shared(&surfaces, edge);
+        let counts = shares(self.panels, &areas);
+        let mesh = |(k, (part, &count)): (usize, (&SurfaceComponent, &u64))| {
+            let mut options = self.settings.options(count);
+            options.steering = steering[k].clone();
+            self.demand(&mut options, &part.surface, edge);
+            if let Some(field) = self.field {
+                options.size_field = Some(field.of(k).to_vec());
+            }
+            uninterrupted(engine::mesh(&part.surface, &options, self.reporter)?)
+        };
+        let parts = self.components.iter().zip(&counts).enumerate();
+        parts.map(mesh).collect()
+    }
+
+    /// Tells the optimiser of the limits, on a surface with panels of edge length `edge`.
+    fn demand(&self, options: &mut MeshOptions, surface: &TriangleSurface, edge: f64) {
+        let limits = TypedLimits::from(self.settings);
+        let (extent, whole) = (surface.diagonal(), self.facets.diagonal());
+        limits.demand(&mut options.optimise, edge, extent, whole);
+    }
+}
+
+fn uninterrupted(reached: Reached) -> Result<Reached, Failure> {
     match is_interrupted() {
         true => Err(Failure::interrupted()),
         false => Ok(reached),
     }
-}
-
-fn mesh_each(
-    components: &[SurfaceComponent],
-    panels: u64,
-    field: Option<&SizeField>,
-    settings: &MeshSettings,
-    reporter: &Reporter,
-) -> Result<Vec<Reached>, Failure> {
-    let areas: Vec<f64> = components.iter().map(|c| c.surface.area()).collect();
-    let counts = shares(panels, &areas);
-    let mesh = |(k, (part, &count)): (usize, (&SurfaceComponent, &u64))| {
-        let mut options = settings.options(count);
-        if let Some(field) = field {
-            options.size_field = Some(field.of(k).to_vec());
-        }
-        let reached = engine::mesh(&part.surface, &options, reporter)?;
-        if is_interrupted() {
-            Err(Failure::interrupted())
-        } else {
-            Ok(reached)
-        }
-    };
-    let parts = components.iter().zip(&counts).enumerate();
-    parts.map(mesh).collect()
 }
 
 fn joined_mesh(runs: &[Reached]) -> Result<HexMesh, Failure> {

@@ -27,13 +27,17 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let files = Files::read(command)?;
     let (start, dropped) = files.mesh.polygon_mesh()?;
     let surface = files.surface()?;
-    let how = planarization(command)?;
+    let mut how = planarization(command)?;
+    let limits = TypedLimits::from(&command.limits);
+    let whole = surface
+        .as_ref()
+        .map_or_else(|| start.diagonal(), TriangleSurface::diagonal);
+    limits.demand(&mut how.options, start.mean_edge(), start.diagonal(), whole);
     let reached = engine::planarize(&start, surface.as_ref(), &how, &reporter)?;
     reporter.finish();
     if is_interrupted() {
         return Err(Failure::interrupted());
     }
-    let limits = TypedLimits::from(&command.limits);
     let facets = surface.or_else(|| files.own_surface());
     let references = References {
         facets: facets.as_ref(),

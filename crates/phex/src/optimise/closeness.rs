@@ -5,7 +5,7 @@
 //! Vertices of the boundary are drawn to the boundary curve too, Hessian `w (I - t t^T)`. Beyond the rim the foot point
 //! lies on the curve, so there the surface term takes the same form.
 
-use super::panels::{Panels, Shape, point};
+use super::panels::{Panels, Shape, extent, point};
 use super::{CurvePoint, Target, TargetPoint};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
@@ -39,6 +39,19 @@ impl<'a> Reference<'a> {
         Self::Start { planes }
     }
 
+    /// What some of the `n` vertices and some faces are kept close to.
+    pub fn part(&self, n: usize, vertices: &[u32], faces: &[u32]) -> Reference<'a> {
+        match self {
+            Self::Surface(target) => Reference::Surface(*target),
+            Self::Start { planes } => {
+                let vertices = vertices.iter().map(|&v| planes[v as usize]);
+                let centres = faces.iter().map(|&f| planes[n + f as usize]);
+                let planes = vertices.chain(centres).collect();
+                Reference::Start { planes }
+            }
+        }
+    }
+
     /// Foot points of vertices and then of face centres.
     fn feet(&self, points: &[Vec3], last: &[TargetPoint]) -> Vec<TargetPoint> {
         match self {
@@ -63,14 +76,6 @@ impl<'a> Reference<'a> {
 
 /// Share of the extent of the mesh within which a point lies on the boundary curve.
 const ON_CURVE: f64 = 1e-10;
-
-/// Diagonal of the bounding box.
-fn extent(points: &[Vec3]) -> f64 {
-    let first = points.first().copied().unwrap_or_default();
-    let box_of = |(low, high): (Vec3, Vec3), p: &Vec3| (low.inf(p), high.sup(p));
-    let (low, high) = points.iter().fold((first, first), box_of);
-    (high - low).norm()
-}
 
 /// Foot points at some positions; asked for once and used for energy, gradient and Hessian.
 #[derive(Clone, Debug, Default)]
@@ -112,7 +117,7 @@ impl Feet {
         self.rim_points.clear();
         let rim = rim_vertices.iter().map(|&v| self.points[v as usize]);
         self.rim_points.extend(rim);
-        self.on_curve = ON_CURVE * extent(&self.points);
+        self.on_curve = ON_CURVE * extent(x);
         let centres = shape.frames.iter().map(|frame| frame.plane.centre);
         self.points.extend(centres);
         self.feet = reference.feet(&self.points, &self.feet);
@@ -172,10 +177,9 @@ impl Feet {
         term
     }
 
-    /// Largest distance of a vertex or a face centre to its foot point, and the root mean square.
-    pub fn deviation(&self) -> (f64, f64) {
-        let squares = (0..self.points.len()).map(|k| self.residual(k).norm_squared());
-        let (most, sum) = squares.fold((0.0, 0.0), |(m, s): (f64, f64), d| (m.max(d), s + d));
-        (most.sqrt(), (sum / self.points.len().max(1) as f64).sqrt())
+    /// Distances of vertices, then of face centres, to their foot points.
+    pub fn distances(&self) -> Vec<f64> {
+        let all = 0..self.points.len();
+        all.map(|k| self.residual(k).norm()).collect()
     }
 }

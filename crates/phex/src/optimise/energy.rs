@@ -1,20 +1,18 @@
-//! The energy that is minimised, and the planarity constraints, both over the vertices alone.
+//! The energy that is minimised, over the vertices alone.
 //!
 //! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the guard is broken.
 
 use super::barrier::{self, Barrier};
 use super::closeness::{ClosenessWeights, Feet, Reference};
 use super::guard::{Armed, Guard};
-use super::guarded::GuardedSteps;
 use super::holds::{Holds, restrict};
 use super::panels::{Panels, Shape, add_block};
-use super::planarity::{self, ConstraintBases};
+use super::planarity;
 use super::simple::collision;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
-use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
-use std::collections::BTreeMap;
+use phex_numeric::{Assembly, DampedProblem, SymmetricMatrix};
 
 /// Fraction of the way to the first collision that a step may go.
 const COLLISION_FRACTION: f64 = 0.85;
@@ -273,12 +271,20 @@ impl DampedProblem for PanelEnergy<'_> {
     }
 }
 
-/// Distances of vertices and face centres to the reference: largest, and root mean square.
-pub(super) fn deviation(setting: &Setting<'_>, x: &[f64]) -> (f64, f64) {
+/// Distances of vertices, then of face centres, to the reference.
+pub(super) fn distances(setting: &Setting<'_>, x: &[f64]) -> Vec<f64> {
     let shape = Shape::at(setting.panels, x);
     let mut feet = Feet::default();
     feet.update(setting.reference, &shape, x, &[]);
-    feet.deviation()
+    feet.distances()
+}
+
+/// Distances of vertices and face centres to the reference: largest, and root mean square.
+pub(super) fn deviation(setting: &Setting<'_>, x: &[f64]) -> (f64, f64) {
+    let distances = distances(setting, x);
+    let both = |(most, sum): (f64, f64), d: &f64| (most.max(*d), sum + d * d);
+    let (most, sum) = distances.iter().fold((0.0, 0.0), both);
+    (most, (sum / distances.len().max(1) as f64).sqrt())
 }
 
 /// Largest displacement of a vertex.
@@ -310,135 +316,5 @@ pub(super) fn collision_bound(
         COLLISION_FRACTION * bound
     } else {
         1.0
-    }
-}
-
-/// The planarity constraints of all faces.
-pub(super) struct PlanarityConstraints<'a> {
-    setting: &'a Setting<'a>,
-    assembly: &'a Assembly,
-    bases: ConstraintBases,
-    steps: GuardedSteps<'a>,
-    /// Where held vertices can move to.
-    freedoms: BTreeMap<u32, Matrix3<f64>>,
-    blocks: Vec<f64>,
-}
-
-impl<'a> PlanarityConstraints<'a> {
-    /// The unknowns of `assembly` are the constraints, its elements the vertices.
-    pub fn new(
-        setting: &'a Setting<'a>,
-        assembly: &'a Assembly,
-        start: &[f64],
-        least_clearance: f64,
-    ) -> Self {
-        let panels = setting.panels;
-        Self {
-            bases: ConstraintBases::new(panels),
-            steps: GuardedSteps::new(setting, start, least_clearance),
-            freedoms: BTreeMap::new(),
-            blocks: vec![0.0; assembly.n_block_entries()],
-            setting,
-            assembly,
-        }
-    }
-
-    /// Constraints that each vertex takes part in, as elements of the assembly of `J J^T`.
-    pub fn elements(panels: &Panels) -> Vec<Vec<u32>> {
-        let bases = ConstraintBases::new(panels);
-        let of_corner = |&c: &u32| bases.of_face(panels.face_of(c)).map(|i| i as u32);
-        let of_vertex = |v| panels.corners_at(v).iter().flat_map(of_corner).collect();
-        (0..panels.n_vertices()).map(of_vertex).collect()
-    }
-
-    /// Number of constraints.
-    pub fn count(panels: &Panels) -> usize {
-        ConstraintBases::new(panels).n_constraints()
-    }
-
-    /// Entry of `Q` of constraint `a` of the face of a corner, at that corner.
-    fn basis_entry(&self, corner: u32, a: usize) -> f64 {
-        let panels = self.setting.panels;
-        let face = panels.face_of(corner);
-        let local = corner as usize - panels.corners(face).start;
-        self.bases.row(face, a, panels.valence(face))[local]
-    }
-
-    fn add_vertex(&mut self, v: usize) {
-        let panels = self.setting.panels;
-        let range = self.assembly.block(v);
-        let corners = panels.corners_at(v);
-        let freedom = self.freedoms.get(&(v as u32)).copied();
-        let mut at = range.start;
-        for (m, &c) in corners.iter().enumerate() {
-            let f = panels.face_of(c);
-            let normal = self.steps.linearised.normal(f);
-            let normal = freedom.map_or(normal, |t| t * normal);
-            for a in 0..panels.valence(f) - 3 {
-                let entry = self.basis_entry(c, a);
-                for (l, &d) in corners[..=m].iter().enumerate() {
-                    let g = panels.face_of(d);
-                    let normals = normal.dot(&self.steps.linearised.normal(g));
-                    let last = if l == m { a + 1 } else { panels.valence(g) - 3 };
-                    for b in 0..last {
-                        self.blocks[at] = entry * self.basis_entry(d, b) * normals;
-                        at += 1;
-                    }
-                }
-            }
-        }
-    }
-}
-
-impl Constraints for PlanarityConstraints<'_> {
-    fn linearise(&mut self, x: &[f64], values: &mut [f64], normal: &mut SymmetricMatrix) {
-        let panels = self.setting.panels;
-        self.steps.linearised.update(panels, x);
-        self.freedoms = self.setting.holds.freedoms(x).collect();
-        self.bases.update(panels, &self.steps.linearised);
-        for f in 0..panels.n_faces() {
-            let corners = self.steps.linearised.face(panels, f);
-            for (a, i) in self.bases.of_face(f).enumerate() {
-                let row = self.bases.row(f, a, corners.len()).iter();
-                values[i] = row.zip(corners).map(|(q, c)| q * c.height).sum();
-            }
-        }
-        (0..panels.n_vertices()).for_each(|v| self.add_vertex(v));
-        self.assembly.assemble(&self.blocks, normal);
-    }
-
-    fn transposed(&self, y: &[f64], d: &mut [f64]) {
-        let panels = self.setting.panels;
-        for v in 0..panels.n_vertices() {
-            let mut sum = Vec3::zeros();
-            for &c in panels.corners_at(v) {
-                let f = panels.face_of(c);
-                let constraints = self.bases.of_face(f).enumerate();
-                let along: f64 = constraints
-                    .map(|(a, i)| self.basis_entry(c, a) * y[i])
-                    .sum();
-                sum += self.steps.linearised.normal(f) * along;
-            }
-            if let Some(freedom) = self.freedoms.get(&(v as u32)) {
-                sum = freedom * sum;
-            }
-            d[3 * v..3 * v + 3].copy_from_slice(sum.as_slice());
-        }
-    }
-
-    fn step_bound(&mut self, _x: &[f64], step: &[f64]) -> f64 {
-        self.steps.bound(step)
-    }
-
-    fn admissible(&mut self, x: &[f64]) -> Option<f64> {
-        self.steps.admits(x).then(|| self.steps.planarity())
-    }
-
-    fn step_length(&self, step: &[f64]) -> f64 {
-        self.steps.length(step)
-    }
-
-    fn retract(&self, x: &mut [f64]) {
-        self.setting.holds.retract(x);
     }
 }

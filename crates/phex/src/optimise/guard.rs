@@ -72,6 +72,25 @@ impl Guard {
         }
     }
 
+    /// The demands on some faces, with numbers of their own for these and for `vertices`; both lists are in order.
+    pub fn part(&self, faces: &[u32], vertices: &[u32]) -> Self {
+        let fan = |fan: &Fan| {
+            Some(Fan {
+                vertex: local(vertices, fan.vertex)?,
+                neighbours: all_local(vertices, fan.neighbours)?,
+                faces: all_local(faces, fan.faces)?,
+            })
+        };
+        let of_face = |side: &Vec<Vec3>| faces.iter().map(|&f| side[f as usize]).collect();
+        let hinges = self.hinges.iter();
+        Self {
+            fans: self.fans.iter().filter_map(fan).collect(),
+            hinges: hinges.filter_map(|&h| all_local(faces, h)).collect(),
+            side: self.side.as_ref().map(of_face),
+            least_side: self.least_side,
+        }
+    }
+
     fn fan_goes_round_once(&self, fan: &Fan, shape: &Shape, x: &[f64]) -> bool {
         let axis: Vec3 = fan.faces.iter().map(|&f| shape.normal(f as usize)).sum();
         let centre = point(x, fan.vertex as usize);
@@ -172,6 +191,19 @@ impl Armed {
         let demands = (0..panels.n_faces()).map(|f| least.min(0.5 * now(f)));
         self.clearance = Some(demands.collect());
     }
+}
+
+/// Number of an element within a list.
+fn local(list: &[u32], number: u32) -> Option<u32> {
+    list.binary_search(&number).ok().map(|k| k as u32)
+}
+
+fn all_local<const N: usize>(list: &[u32], numbers: [u32; N]) -> Option<[u32; N]> {
+    let mut found = [0; N];
+    for (f, n) in found.iter_mut().zip(numbers) {
+        *f = local(list, n)?;
+    }
+    Some(found)
 }
 
 fn fan(topology: &Topology, v: VertexId) -> Fan {

@@ -61,6 +61,17 @@ impl Holds {
         }
     }
 
+    /// What holds those vertices that have other numbers in a part of the mesh.
+    pub fn part(&self, local: impl Fn(&u32) -> Option<u32>) -> Self {
+        let held = self.held.iter().filter_map(|(v, h)| Some((local(v)?, *h)));
+        let anchors = self.anchors.iter();
+        Self {
+            held: held.collect(),
+            anchors: anchors.filter_map(|(v, a)| Some((local(v)?, *a))).collect(),
+            curves: self.curves.clone(),
+        }
+    }
+
     /// Where a vertex at `p` is brought to.
     fn place(&self, hold: &Hold, p: Vec3) -> Vec3 {
         match hold {

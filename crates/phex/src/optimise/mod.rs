@@ -28,6 +28,9 @@
 //! conjugate layouts: the same closeness under exact planarity, one factorisation of a matrix half the size. Its result is taken
 //! only if it has converged, is valid, and has clearance; [`RunSummary::path`] tells which path it was.
 //!
+//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At its end panels that stand off by more than
+//! [`OptimiseOptions::max_deviation`] and tight ones are tried again, each with what is around it (`retry.rs`).
+//!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3, with the plane eliminated; the
 //! feasible path and its barrier after Li et al., "Incremental potential contact" (2020), within each face's plane.
 //! Differences: no auxiliary planes or tetrahedra; central symmetry instead of neighbour averaging; exact projection at the
@@ -40,12 +43,13 @@
 //!
 //! *Fails*: where the layout gives no simple start, where it folds (thin sheets, sharp creases: fans and folds are not prevented
 //! while the penalty rises), and in wrong local basins (a panel squeezed between its neighbours; a stronger barrier and
-//! higher penalties are then tried once). Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair
+//! higher penalties are then tried). Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair
 //! loop may drop their seeds.
 
 mod angle;
 mod barrier;
 mod closeness;
+mod constraints;
 mod energy;
 mod fairness;
 mod fast;
@@ -57,9 +61,13 @@ mod jacobian;
 mod on_boundary;
 mod options;
 mod panels;
+mod parts;
+mod path;
 mod planarity;
+mod retry;
 mod run;
 mod shape_target;
+mod share;
 mod shortcut;
 mod simple;
 mod solvers;
@@ -132,8 +140,10 @@ pub struct RunSummary {
     pub status: Status,
     /// Iterations, projection included.
     pub iterations: usize,
-    /// Factorisations.
+    /// Factorisations of the whole mesh's matrices.
     pub factorisations: usize,
+    /// Factorisations for parts of the mesh alone: large meshes are optimised part by part, tight panels with what is around them.
+    pub part_factorisations: usize,
     /// Number of offenders.
     pub offenders: usize,
     /// Figures of the result.
@@ -323,7 +333,7 @@ impl<'a> Stage<'a> {
                 .map(|k| *k == VertexKind::BoundaryCorner)
                 .collect(),
             holds: Holds::default(),
-            diagonal: diagonal(mesh),
+            diagonal: mesh.diagonal(),
         }
     }
 }
@@ -367,19 +377,12 @@ fn better(mesh: &HexMesh, first: Run, second: Option<Run>) -> Optimised {
     }
 }
 
-fn diagonal(mesh: &HexMesh) -> f64 {
-    let first = mesh.positions.as_slice()[0];
-    let bounds = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lo.inf(p), hi.sup(p));
-    let (low, high) = mesh.positions.iter().fold((first, first), bounds);
-    (high - low).norm()
-}
-
 fn check_mesh(mesh: &HexMesh) -> Result<(), OptimiseError> {
     let broken = |p: &&Vec3| !p.iter().all(|c| c.is_finite());
     if let Some((vertex, _)) = mesh.positions.enumerate().find(|(_, p)| broken(p)) {
         return Err(OptimiseError::NotFinite { vertex });
     }
-    if diagonal(mesh) > 0.0 {
+    if mesh.diagonal() > 0.0 {
         Ok(())
     } else {
         Err(OptimiseError::NoExtent)

@@ -98,8 +98,12 @@ pub struct OptimiseOptions {
     pub step_tolerance: f64,
     /// Iterations of the final projection at the most.
     pub projection_iterations: usize,
-    /// Largest distance of a corner to its face's plane, in mean edges, that counts as planar.
+    /// Largest distance of a corner to its face's plane, in mean edges, that counts as planar. The projection goes to the floor of
+    /// rounding where it can, whatever this is; where it can't, nothing else is tried once this is met.
     pub planarity_tolerance: f64,
+    /// Distance to the surface, over the diagonal of the mesh, that vertices and panel centres are not to exceed, > 0: panels that do
+    /// are optimised again with stronger closeness. `None`: no bound.
+    pub max_deviation: Option<f64>,
     /// Clearance, in mean edges, that the final projection keeps (or half of what a panel has, if that is less); a result
     /// below it is tried again with a stronger barrier.
     pub clearance_margin: f64,
@@ -134,6 +138,7 @@ impl Default for OptimiseOptions {
             step_tolerance: 1e-3,
             projection_iterations: 12,
             planarity_tolerance: 1e-12,
+            max_deviation: None,
             clearance_margin: 0.1,
             least_clearance: 0.05,
             least_side: 0.1,
@@ -198,6 +203,7 @@ impl OptimiseOptions {
             ("step_tolerance", self.step_tolerance),
         ];
         let penalties = self.penalties.iter().map(|&w| ("penalties", w));
+        let penalties = penalties.chain(self.max_deviation.map(|d| ("max_deviation", d)));
         let mut all = (positive.into_iter().chain(penalties).map(|p| (p, true)))
             .chain(not_negative.map(|p| (p, false)));
         let wrong = |&((_, value), strict): &((&str, f64), bool)| {

@@ -19,28 +19,45 @@ pub(super) struct Panels {
 
 impl Panels {
     pub fn new(topology: &Topology) -> Self {
+        let number = |v: &VertexId| v.index() as u32;
+        let faces = topology
+            .faces()
+            .map(|f| topology.face_vertices(f).iter().map(number));
+        let ends = |e| topology.edge_vertices(e).map(|v| number(&v));
+        let edges = topology.edges().map(ends).collect();
+        Self::of_faces(faces, edges, topology.n_vertices())
+    }
+
+    /// Some of the faces, all of whose vertices get other numbers.
+    pub fn part(&self, faces: &[u32], vertices: &[u32]) -> Self {
+        let local = |v: &u32| vertices.binary_search(v).ok().map(|v| v as u32);
+        let corners = |&f: &u32| self.vertices(f as usize).iter().filter_map(local);
+        let ends = |[a, b]: &[u32; 2]| Some([local(a)?, local(b)?]);
+        let edges = self.edges.iter().filter_map(ends).collect();
+        Self::of_faces(faces.iter().map(corners), edges, vertices.len())
+    }
+
+    /// Faces by the numbers of their vertices.
+    fn of_faces(
+        faces: impl Iterator<Item = impl Iterator<Item = u32>>,
+        edges: Vec<[u32; 2]>,
+        n_vertices: usize,
+    ) -> Self {
         let mut corner_start = vec![0];
-        let mut corner_vertex = Vec::with_capacity(topology.n_half_edges());
-        let mut corner_face = Vec::with_capacity(topology.n_half_edges());
-        for f in topology.faces() {
-            let corners = topology.face_vertices(f).iter();
-            corner_vertex.extend(corners.map(|v| v.index() as u32));
+        let (mut corner_vertex, mut corner_face) = (Vec::new(), Vec::new());
+        for (f, corners) in faces.enumerate() {
+            corner_vertex.extend(corners);
             corner_start.push(corner_vertex.len());
-            corner_face.resize(corner_vertex.len(), f.index() as u32);
+            corner_face.resize(corner_vertex.len(), f as u32);
         }
-        let (vertex_start, vertex_corner) = invert(&corner_vertex, topology.n_vertices());
-        let ends = |e| {
-            topology
-                .edge_vertices(e)
-                .map(|v: VertexId| v.index() as u32)
-        };
+        let (vertex_start, vertex_corner) = invert(&corner_vertex, n_vertices);
         Self {
             corner_start,
             corner_vertex,
             corner_face,
             vertex_start,
             vertex_corner,
-            edges: topology.edges().map(ends).collect(),
+            edges,
         }
     }
 
@@ -181,6 +198,15 @@ fn invert(corner_vertex: &[u32], n_vertices: usize) -> (Vec<usize>, Vec<u32>) {
 /// Position of a vertex in the vector of unknowns.
 pub(super) fn point(x: &[f64], vertex: usize) -> Vec3 {
     Vec3::new(x[3 * vertex], x[3 * vertex + 1], x[3 * vertex + 2])
+}
+
+/// Diagonal of the bounding box of all vertices.
+pub(super) fn extent(x: &[f64]) -> f64 {
+    let first = point(x, 0);
+    let box_of =
+        |(low, high): (Vec3, Vec3), v: usize| (low.inf(&point(x, v)), high.sup(&point(x, v)));
+    let (low, high) = (0..x.len() / 3).fold((first, first), box_of);
+    (high - low).norm()
 }
 
 /// Positions of a mesh as one vector of unknowns.

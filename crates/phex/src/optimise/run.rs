@@ -6,22 +6,16 @@ use super::energy::{PanelEnergy, Setting, Weights, deviation};
 use super::inspect::{Offender, inspect};
 use super::options::{OptimiseError, OptimiseOptions, PathKind, Solver, StartKind};
 use super::panels::{Panels, Shape};
-use super::shortcut::Projection;
+use super::path::Path;
 use super::simple::{area, is_simple};
-use super::solvers::{Dual, Reporter, Solvers};
+use super::solvers::Solvers;
 use super::start::Start;
 use super::{RunSummary, Stage};
 use crate::progress::Progress;
-use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
+use phex_numeric::{Assembly, Outcome, Status};
 
 /// Area of a regular hexagon over the square of its edge.
 const HEXAGON: f64 = 2.598_076_211_353_316;
-
-/// Factor of the barriers of panels that have come out with too little clearance.
-const STRONGER: f64 = 4.0;
-
-/// Hold on the start that never keeps panels from becoming planar.
-const WEAK_HOLD: f64 = 1e-4;
 
 /// Planarity up to which a mesh is projected without being optimised first.
 const NEARLY_PLANAR: f64 = 1e-3;
@@ -76,24 +70,28 @@ impl Stage<'_> {
         }
         let setting = self.setting(&start.x);
         let mut path = Path::new(&setting, solvers, &start.x, options, progress)?;
-        path.descend_all();
+        path.descend_all()?;
         let mut best = path.project(options.clearance_margin);
-        if !path.is_over() && !best.is_planar(options) && path.loosen(&start.x) {
-            path.descend_all();
+        if !path.is_over() && !best.is_planar(options) && path.loosen() {
+            path.descend_all()?;
             best = better(best, path.project(options.clearance_margin));
         }
         if !path.is_over() && best.is_tight(options) {
-            best = better(best, path.strengthen());
+            best = better(best, path.strengthen()?);
         }
         if !path.is_over() && !best.is_planar(options) {
-            best = better(best, path.insist());
+            best = better(best, path.insist()?);
         }
         if !path.is_over() && !best.is_planar(options) {
             best = better(best, path.project(options.least_clearance));
         }
+        if !path.is_over() && best.is_planar(options) {
+            best = path.retry(best)?;
+        }
         let way = Way {
             kind,
             path: PathKind::Feasible,
+            in_parts: path.in_parts,
             outcome: path.outcome,
         };
         Ok(self.conclude(start.n_bad, best, way, options))
@@ -178,6 +176,7 @@ impl Stage<'_> {
             status: outcome.status,
             iterations: outcome.iterations,
             factorisations: outcome.factorisations,
+            part_factorisations: way.in_parts,
             offenders: offenders.len(),
             quality,
             score,
@@ -195,12 +194,14 @@ impl Stage<'_> {
 pub(super) struct Way {
     pub kind: StartKind,
     pub path: PathKind,
+    /// Factorisations for parts of the mesh alone.
+    pub in_parts: usize,
     pub outcome: Outcome,
 }
 
 /// Positions and what they are judged by on the way.
 pub(super) struct Reached {
-    x: Vec<f64>,
+    pub x: Vec<f64>,
     planarity: f64,
     clearance: f64,
 }
@@ -242,134 +243,6 @@ fn better(a: Reached, b: Reached) -> Reached {
     if second { b } else { a }
 }
 
-/// The way from one start: the positions, the energy, and everything that is handed on from phase to phase.
-struct Path<'a> {
-    setting: &'a Setting<'a>,
-    options: &'a OptimiseOptions,
-    energy: PanelEnergy<'a>,
-    minimiser: &'a mut DampedSolver,
-    dual: &'a mut Option<Dual>,
-    constraint_assembly: &'a Assembly,
-    reporter: Reporter<'a>,
-    damping: Damping,
-    outcome: Outcome,
-    x: Vec<f64>,
-}
-
-impl<'a> Path<'a> {
-    fn new(
-        setting: &'a Setting<'a>,
-        solvers: &'a mut Solvers,
-        start: &[f64],
-        options: &'a OptimiseOptions,
-        progress: &'a dyn Progress,
-    ) -> Result<Self, OptimiseError> {
-        let limit =
-            options.penalties.len() * options.max_iterations + options.projection_iterations;
-        let (assembly, minimiser) = solvers.energy.prepare(setting.panels)?;
-        Ok(Self {
-            energy: panel_energy(setting, assembly, start, options),
-            minimiser,
-            dual: &mut solvers.constraints,
-            constraint_assembly: &solvers.constraint_assembly,
-            setting,
-            options,
-            reporter: Reporter::new(progress, limit),
-            damping: Damping::default(),
-            outcome: Outcome::empty(Status::Converged),
-            x: start.to_vec(),
-        })
-    }
-
-    fn is_over(&self) -> bool {
-        self.outcome.status == Status::Cancelled
-    }
-
-    /// All phases.
-    fn descend_all(&mut self) {
-        let options = self.options;
-        options.penalties.iter().for_each(|&w| self.descend(w));
-    }
-
-    /// Weakens a strong hold on the start, which may keep panels from becoming planar, and goes back there; false if it is weak
-    /// already.
-    fn loosen(&mut self, start: &[f64]) -> bool {
-        let strong = self.energy.weights.anchor > WEAK_HOLD;
-        if strong {
-            self.energy.weights.anchor = WEAK_HOLD;
-            self.damping = Damping::default();
-            self.x.copy_from_slice(start);
-        }
-        strong
-    }
-
-    /// One phase: minimises the energy with a weight of planarity.
-    fn descend(&mut self, penalty: f64) {
-        if self.is_over() {
-            return;
-        }
-        self.energy.weights.planarity = penalty;
-        self.energy.arm(&self.x);
-        let phase = DampedOptions {
-            max_iterations: self.options.max_iterations,
-            energy_tolerance: self.options.energy_tolerance,
-            step_tolerance: self.options.step_tolerance,
-            phase: penalty,
-        };
-        let reporter = &mut self.reporter;
-        let outcome = self.minimiser.minimise(
-            &mut self.energy,
-            &mut self.x,
-            &mut self.damping,
-            &phase,
-            |record| reporter.observe(record),
-        );
-        self.outcome.append(outcome);
-    }
-
-    /// Projects a copy of the positions onto the planarity constraints.
-    fn project(&mut self, margin: f64) -> Reached {
-        let mut x = self.x.clone();
-        if !self.is_over() {
-            let projection = Projection {
-                setting: self.setting,
-                assembly: self.constraint_assembly,
-                options: self.options,
-                margin,
-            };
-            let outcome = projection.project(self.dual, &mut x, &mut self.reporter);
-            self.outcome.append(outcome);
-        }
-        Reached::at(self.setting, x)
-    }
-
-    /// Goes on with higher penalties where the projection has not arrived.
-    fn insist(&mut self) -> Reached {
-        let last = self.options.penalties.iter().copied().fold(1.0, f64::max);
-        self.descend(10.0 * last);
-        self.descend(100.0 * last);
-        self.project(self.options.clearance_margin)
-    }
-
-    /// Repeats the last two phases with stronger barriers of the panels that have come out tight.
-    fn strengthen(&mut self) -> Reached {
-        const TIGHT: f64 = 1.5;
-        let panels = self.setting.panels;
-        let shape = Shape::at(panels, &self.x);
-        let limit = TIGHT * self.options.clearance_margin * panels.mean_edge(&self.x);
-        for (f, barrier) in self.energy.barriers.iter_mut().enumerate() {
-            if clearance(shape.face(panels, f)) < limit {
-                barrier.weight *= STRONGER;
-            }
-        }
-        let penalties = &self.options.penalties;
-        for &penalty in &penalties[penalties.len().saturating_sub(2)..] {
-            self.descend(penalty);
-        }
-        self.project(self.options.clearance_margin)
-    }
-}
-
 /// The energy with the weights of the options; `start` is the anchor.
 pub(super) fn panel_energy<'a>(
     setting: &'a Setting<'a>,
@@ -377,7 +250,13 @@ pub(super) fn panel_energy<'a>(
     start: &[f64],
     options: &OptimiseOptions,
 ) -> PanelEnergy<'a> {
-    let weights = Weights {
+    let barriers = barriers(setting.panels, start, options);
+    PanelEnergy::new(setting, assembly, weights(options), barriers, start)
+}
+
+/// Weights of the energy, that of planarity 0.
+pub(super) fn weights(options: &OptimiseOptions) -> Weights {
+    Weights {
         planarity: 0.0,
         closeness: ClosenessWeights {
             vertex: options.vertex_closeness,
@@ -387,13 +266,11 @@ pub(super) fn panel_energy<'a>(
         fairness: options.fairness,
         anchor: options.anchor,
         corner: options.corner_closeness,
-    };
-    let barriers = barriers(setting.panels, start, options);
-    PanelEnergy::new(setting, assembly, weights, barriers, start)
+    }
 }
 
 /// Barriers in proportion to each panel's own area, so that graded meshes are treated alike everywhere.
-fn barriers(panels: &Panels, start: &[f64], options: &OptimiseOptions) -> Vec<Barrier> {
+pub(super) fn barriers(panels: &Panels, start: &[f64], options: &OptimiseOptions) -> Vec<Barrier> {
     let shape = Shape::at(panels, start);
     let areas: Vec<f64> = (0..panels.n_faces())
         .map(|f| area(shape.face(panels, f)).abs())

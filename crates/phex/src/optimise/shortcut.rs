@@ -1,7 +1,8 @@
 //! Shorter ways than the feasible path: the projection alone, and the fast path.
 
 use super::Stage;
-use super::energy::{PlanarityConstraints, Setting};
+use super::constraints::PlanarityConstraints;
+use super::energy::Setting;
 use super::fast::NearlyPlanar;
 use super::options::{OptimiseOptions, PathKind, StartKind, Starts};
 use super::run::{Reached, Run, Way};
@@ -12,9 +13,9 @@ use phex_numeric::{
     Assembly, MinimumNorm, Outcome, ProjectionOptions, Record, SchurOptions, SchurSqp, Status,
 };
 
-/// Fraction of the planarity that is demanded at which the projection stops. It converges quadratically, so the last step
-/// mostly ends at the floor of rounding.
-const GOAL: f64 = 0.05;
+/// Planarity, in mean edges, at which the projection stops. It converges quadratically, so the last step mostly ends at the floor
+/// of rounding.
+const GOAL: f64 = 5e-14;
 
 /// Iterations of the fast path at the most.
 const FAST_ITERATIONS: usize = 40;
@@ -49,7 +50,7 @@ impl Projection<'_> {
         let mut constraints = PlanarityConstraints::new(self.setting, self.assembly, x, least);
         let options = ProjectionOptions {
             max_iterations: self.options.projection_iterations,
-            goal: GOAL * self.options.planarity_tolerance,
+            goal: GOAL.min(self.options.planarity_tolerance),
             tolerance: self.options.planarity_tolerance,
             phase: f64::INFINITY,
         };
@@ -83,6 +84,7 @@ impl Stage<'_> {
         let way = Way {
             kind: StartKind::AsGiven,
             path: PathKind::Projection,
+            in_parts: 0,
             outcome,
         };
         self.conclude(start.n_bad, Reached::at(&setting, x), way, options)
@@ -131,7 +133,7 @@ impl Stage<'_> {
         let rounding = 4.0 * f64::EPSILON * self.diagonal / setting.mean_edge;
         let limits = SchurOptions {
             max_iterations: FAST_ITERATIONS,
-            tolerance: (GOAL * options.planarity_tolerance).max(rounding),
+            tolerance: GOAL.min(options.planarity_tolerance).max(rounding),
             step_tolerance: FAST_STEP,
             phase: f64::INFINITY,
         };
@@ -142,6 +144,7 @@ impl Stage<'_> {
         let way = Way {
             kind: StartKind::Circumcentres,
             path: PathKind::Fast,
+            in_parts: 0,
             outcome,
         };
         let run = self.conclude(start.n_bad, Reached::at(&setting, x), way, options);

@@ -1,6 +1,6 @@
 //! Factorisations and memory that the runs on one mesh share, and what hears of their iterations.
 
-use super::energy::PlanarityConstraints;
+use super::constraints::PlanarityConstraints;
 use super::options::OptimiseError;
 use super::panels::Panels;
 use crate::progress::{Event, Progress};
@@ -85,6 +85,19 @@ pub(super) struct Reporter<'a> {
     limit: usize,
 }
 
+/// A run within a run is watched and cancelled like it; its iterations do not count.
+impl Progress for Reporter<'_> {
+    fn report(&self, event: &Event) {
+        if let Event::Iteration { residual, .. } = event {
+            self.tell(self.iteration, *residual);
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.progress.is_cancelled()
+    }
+}
+
 impl<'a> Reporter<'a> {
     /// `limit` iterations are expected at the most.
     pub fn new(progress: &'a dyn Progress, limit: usize) -> Self {
@@ -95,14 +108,18 @@ impl<'a> Reporter<'a> {
         }
     }
 
-    pub fn observe(&mut self, record: &Record) -> ControlFlow<()> {
-        self.iteration += 1;
+    fn tell(&self, iteration: usize, residual: f64) {
         self.progress.report(&Event::Iteration {
             stage: "optimise",
-            iteration: self.iteration,
-            limit: self.limit.max(self.iteration),
-            residual: record.residual,
+            iteration,
+            limit: self.limit.max(iteration),
+            residual,
         });
+    }
+
+    pub fn observe(&mut self, record: &Record) -> ControlFlow<()> {
+        self.iteration += 1;
+        self.tell(self.iteration, record.residual);
         if self.progress.is_cancelled() {
             ControlFlow::Break(())
         } else {

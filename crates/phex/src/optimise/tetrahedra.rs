@@ -244,6 +244,7 @@ impl Stage<'_> {
         let way = Way {
             kind,
             path: PathKind::Tetrahedra,
+            in_parts: 0,
             outcome,
         };
         Ok(self.conclude(start.n_bad, Reached::at(&setting, x), way, options))

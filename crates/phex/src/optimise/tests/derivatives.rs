@@ -3,7 +3,8 @@
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, turn_edge};
 use crate::optimise::barrier::Barrier;
 use crate::optimise::closeness::{ClosenessWeights, Reference};
-use crate::optimise::energy::{PanelEnergy, PlanarityConstraints, Setting, Weights};
+use crate::optimise::constraints::PlanarityConstraints;
+use crate::optimise::energy::{PanelEnergy, Setting, Weights};
 use crate::optimise::guard::Guard;
 use crate::optimise::holds::Holds;
 use crate::optimise::jacobian::Jacobian;

@@ -2,5 +2,6 @@
 
 mod derivatives;
 pub(crate) mod fixtures;
+mod parts;
 mod steering;
 mod whole;

@@ -1,0 +1,191 @@
+//! Large meshes, one part after the other: the same energy, minimised over the vertices of some thousand faces at a time while the
+//! others rest (block descent). Time grows with the number of faces alone, memory with the size of a part.
+//!
+//! Parts are made by bisection of the face centres and overlap by a few rings of faces. From phase to phase the cuts lie elsewhere, so that
+//! no place stays near one. The energy never rises and no panel is ever crossed, as with all vertices at once.
+
+use super::closeness::Reference;
+use super::energy::{PanelEnergy, Setting};
+use super::guard::Guard;
+use super::holds::{Hold, Holds};
+use super::options::OptimiseError;
+use super::panels::{Panels, Shape, point};
+use super::solvers::{Reporter, energy_assembly, system};
+use phex_mesh::Vec3;
+use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};
+
+/// Faces from which a mesh is minimised in parts.
+pub(super) const LARGE: usize = 8_000;
+/// Faces of a part at the most, without those that it shares with others.
+pub(super) const PART: usize = 1_000;
+/// Rings of faces around a part whose vertices move with it.
+const OVERLAP: usize = 2;
+/// Share of the faces on one side of a cut, by phases in turn.
+const SHARES: [f64; 2] = [0.5, 0.4];
+
+/// How a mesh is cut.
+pub(super) struct Cuts {
+    /// Faces of a part at the most, without those that it shares with others.
+    pub most: usize,
+    /// Number of the phase, on which depends where the cuts lie.
+    pub phase: usize,
+}
+
+/// Some faces of a mesh with numbers of their own, their outer vertices at rest.
+pub(super) struct Part<'a> {
+    faces: Vec<u32>,
+    vertices: Vec<u32>,
+    pub panels: Panels,
+    pub guard: Guard,
+    reference: Reference<'a>,
+    rim: Vec<u32>,
+    corner: Vec<bool>,
+    holds: Holds,
+}
+
+impl<'a> Part<'a> {
+    /// The faces around `core` and [`OVERLAP`] rings more move, with the positions `x` of the whole mesh.
+    pub fn around(whole: &Setting<'a>, core: &[u32], x: &[f64]) -> Self {
+        let mut faces = core.to_vec();
+        (0..OVERLAP).for_each(|_| faces = with_neighbours(whole.panels, &faces));
+        let moving = vertices_of(whole.panels, &faces);
+        faces = with_neighbours(whole.panels, &faces);
+        let vertices = vertices_of(whole.panels, &faces);
+        let local = |v: &u32| vertices.binary_search(v).ok().map(|v| v as u32);
+        let mut holds = whole.holds.part(local);
+        for (k, v) in vertices.iter().enumerate() {
+            if moving.binary_search(v).is_err() {
+                holds.held.insert(k as u32, Hold::At(point(x, *v as usize)));
+            }
+        }
+        Self {
+            panels: whole.panels.part(&faces, &vertices),
+            guard: whole.guard.part(&faces, &vertices),
+            reference: whole
+                .reference
+                .part(whole.panels.n_vertices(), &vertices, &faces),
+            rim: whole.rim.iter().filter_map(local).collect(),
+            corner: vertices.iter().map(|&v| whole.corner[v as usize]).collect(),
+            holds,
+            faces,
+            vertices,
+        }
+    }
+
+    pub fn setting(&self, mean_edge: f64) -> Setting<'_> {
+        Setting {
+            panels: &self.panels,
+            reference: &self.reference,
+            guard: &self.guard,
+            rim: &self.rim,
+            corner: &self.corner,
+            holds: &self.holds,
+            mean_edge,
+        }
+    }
+
+    /// The values of the part's faces.
+    pub fn of_faces<T: Clone>(&self, values: &[T]) -> Vec<T> {
+        let value = |&f: &u32| values[f as usize].clone();
+        self.faces.iter().map(value).collect()
+    }
+
+    /// Numbers of some faces within the part.
+    pub fn local_faces(&self, faces: &[u32]) -> Vec<usize> {
+        let local = |f: &u32| self.faces.binary_search(f).ok();
+        faces.iter().filter_map(local).collect()
+    }
+
+    /// The coordinates of the part's vertices.
+    pub fn of_vertices(&self, x: &[f64]) -> Vec<f64> {
+        let at = |&v: &u32| &x[3 * v as usize..3 * v as usize + 3];
+        self.vertices.iter().flat_map(at).copied().collect()
+    }
+
+    pub fn write_back(&self, part: &[f64], x: &mut [f64]) {
+        for (&v, p) in self.vertices.iter().zip(part.chunks_exact(3)) {
+            x[3 * v as usize..3 * v as usize + 3].copy_from_slice(p);
+        }
+    }
+}
+
+/// Minimises an energy, one part after the other. `energy` makes it for a part.
+pub(super) fn minimise_in_parts(
+    whole: &Setting<'_>,
+    energy: impl for<'b> Fn(&'b Setting<'b>, &'b Assembly, &Part<'_>) -> PanelEnergy<'b>,
+    x: &mut [f64],
+    cuts: &Cuts,
+    limits: &DampedOptions,
+    reporter: &mut Reporter<'_>,
+) -> Result<Outcome, OptimiseError> {
+    let mut outcome = Outcome::empty(Status::Converged);
+    for core in cores(whole.panels, x, cuts) {
+        let part = Part::around(whole, &core, x);
+        let setting = part.setting(whole.mean_edge);
+        let assembly = energy_assembly(&part.panels);
+        let (cholesky, matrix) = system(&assembly, 3)?;
+        let mut problem = energy(&setting, &assembly, &part);
+        let mut y = part.of_vertices(x);
+        problem.arm(&y);
+        let observe = |record: &Record| reporter.observe(record);
+        let mut damping = Damping::default();
+        let mut minimiser = DampedSolver::new(cholesky, matrix);
+        outcome.append(minimiser.minimise(&mut problem, &mut y, &mut damping, limits, observe));
+        part.write_back(&y, x);
+        if outcome.status == Status::Cancelled {
+            break;
+        }
+    }
+    Ok(outcome)
+}
+
+/// All faces in compact groups; those that are too large are cut along their longest extent.
+fn cores(panels: &Panels, x: &[f64], cuts: &Cuts) -> Vec<Vec<u32>> {
+    let share = SHARES[cuts.phase % SHARES.len()];
+    let shape = Shape::at(panels, x);
+    let centres: Vec<Vec3> = shape.frames.iter().map(|f| f.plane.centre).collect();
+    let (mut open, mut done) = (
+        vec![(0..panels.n_faces() as u32).collect::<Vec<_>>()],
+        Vec::new(),
+    );
+    while let Some(mut group) = open.pop() {
+        if group.len() <= cuts.most.max(1) {
+            group.sort_unstable();
+            done.push(group);
+            continue;
+        }
+        let axis = longest_axis(&centres, &group);
+        let along = |f: &u32| centres[*f as usize][axis];
+        group.sort_by(|f, g| along(f).total_cmp(&along(g)).then(f.cmp(g)));
+        let rest = group.split_off(((share * group.len() as f64) as usize).max(1));
+        open.extend([rest, group]);
+    }
+    done
+}
+
+fn longest_axis(centres: &[Vec3], group: &[u32]) -> usize {
+    let first = centres[group[0] as usize];
+    let all = group.iter().map(|&f| centres[f as usize]);
+    let (low, high) = all.fold((first, first), |(l, h), p| (l.inf(&p), h.sup(&p)));
+    (high - low).imax()
+}
+
+/// Faces and those that share a vertex with one of them, in order.
+pub(super) fn with_neighbours(panels: &Panels, faces: &[u32]) -> Vec<u32> {
+    let around = |&v: &u32| panels.corners_at(v as usize).iter();
+    let vertices = vertices_of(panels, faces);
+    sorted((vertices.iter().flat_map(around)).map(|&c| panels.face_of(c) as u32))
+}
+
+/// Vertices of faces, in order.
+fn vertices_of(panels: &Panels, faces: &[u32]) -> Vec<u32> {
+    let of_face = |&f: &u32| panels.vertices(f as usize).iter().copied();
+    sorted(faces.iter().flat_map(of_face))
+}
+
+fn sorted(numbers: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut numbers: Vec<u32> = numbers.collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers
+}

@@ -1,0 +1,228 @@
+//! The feasible path from one start: phases of rising penalties, and what is tried where they do not lead to planar panels.
+
+use super::barrier::{Barrier, clearance};
+use super::energy::{PanelEnergy, Setting, Weights};
+use super::options::{OptimiseError, OptimiseOptions};
+use super::panels::Shape;
+use super::parts::{Cuts, LARGE, PART, minimise_in_parts};
+use super::run::{Reached, barriers, weights};
+use super::shortcut::Projection;
+use super::solvers::{Dual, Reporter, Solvers};
+use crate::progress::Progress;
+use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
+
+/// Factor of the barriers of panels that have come out with too little clearance.
+const STRONGER: f64 = 4.0;
+
+/// Hold on the start that never keeps panels from becoming planar.
+const WEAK_HOLD: f64 = 1e-4;
+
+/// The positions, the energy, and everything that is handed on from phase to phase.
+pub(super) struct Path<'a> {
+    pub setting: &'a Setting<'a>,
+    pub options: &'a OptimiseOptions,
+    descent: Descent<'a>,
+    dual: &'a mut Option<Dual>,
+    constraint_assembly: &'a Assembly,
+    pub reporter: Reporter<'a>,
+    pub outcome: Outcome,
+    /// Factorisations for parts of the mesh alone.
+    pub in_parts: usize,
+    pub weights: Weights,
+    pub barriers: Vec<Barrier>,
+    pub start: &'a [f64],
+    x: Vec<f64>,
+    phases: usize,
+}
+
+/// How a phase is minimised.
+enum Descent<'a> {
+    /// All vertices at once.
+    Whole(Box<Whole<'a>>),
+    /// One part of a large mesh after the other.
+    Parts,
+}
+
+struct Whole<'a> {
+    energy: PanelEnergy<'a>,
+    minimiser: &'a mut DampedSolver,
+    damping: Damping,
+}
+
+impl<'a> Path<'a> {
+    pub fn new(
+        setting: &'a Setting<'a>,
+        solvers: &'a mut Solvers,
+        start: &'a [f64],
+        options: &'a OptimiseOptions,
+        progress: &'a dyn Progress,
+    ) -> Result<Self, OptimiseError> {
+        let limit =
+            options.penalties.len() * options.max_iterations + options.projection_iterations;
+        let (weights, barriers) = (weights(options), barriers(setting.panels, start, options));
+        let descent = if setting.panels.n_faces() > LARGE {
+            Descent::Parts
+        } else {
+            let (assembly, minimiser) = solvers.energy.prepare(setting.panels)?;
+            Descent::Whole(Box::new(Whole {
+                energy: PanelEnergy::new(setting, assembly, weights, barriers.clone(), start),
+                minimiser,
+                damping: Damping::default(),
+            }))
+        };
+        Ok(Self {
+            descent,
+            dual: &mut solvers.constraints,
+            constraint_assembly: &solvers.constraint_assembly,
+            setting,
+            options,
+            reporter: Reporter::new(progress, limit),
+            outcome: Outcome::empty(Status::Converged),
+            in_parts: 0,
+            weights,
+            barriers,
+            start,
+            x: start.to_vec(),
+            phases: 0,
+        })
+    }
+
+    pub fn is_over(&self) -> bool {
+        self.outcome.status == Status::Cancelled
+    }
+
+    /// All phases.
+    pub fn descend_all(&mut self) -> Result<(), OptimiseError> {
+        let penalties = &self.options.penalties;
+        penalties.iter().try_for_each(|&w| self.descend(w))
+    }
+
+    /// Weakens a strong hold on the start, which may keep panels from becoming planar, and goes back there; false if it is weak
+    /// already.
+    pub fn loosen(&mut self) -> bool {
+        let strong = self.weights.anchor > WEAK_HOLD;
+        if strong {
+            self.weights.anchor = WEAK_HOLD;
+            self.x.copy_from_slice(self.start);
+            if let Descent::Whole(whole) = &mut self.descent {
+                whole.damping = Damping::default();
+            }
+        }
+        strong
+    }
+
+    /// One phase: minimises the energy with a weight of planarity.
+    fn descend(&mut self, penalty: f64) -> Result<(), OptimiseError> {
+        if self.is_over() {
+            return Ok(());
+        }
+        self.weights.planarity = penalty;
+        let limits = DampedOptions {
+            max_iterations: self.options.max_iterations,
+            energy_tolerance: self.options.energy_tolerance,
+            step_tolerance: self.options.step_tolerance,
+            phase: penalty,
+        };
+        let mut outcome = match &mut self.descent {
+            Descent::Whole(whole) => whole.minimise(
+                self.weights,
+                &self.barriers,
+                &mut self.x,
+                &limits,
+                &mut self.reporter,
+            ),
+            Descent::Parts => minimise_in_parts(
+                self.setting,
+                |s, assembly, part| {
+                    let barriers = part.of_faces(&self.barriers);
+                    let anchor = part.of_vertices(self.start);
+                    PanelEnergy::new(s, assembly, self.weights, barriers, &anchor)
+                },
+                &mut self.x,
+                &Cuts {
+                    most: PART,
+                    phase: self.phases,
+                },
+                &limits,
+                &mut self.reporter,
+            )?,
+        };
+        if matches!(self.descent, Descent::Parts) {
+            self.in_parts += std::mem::take(&mut outcome.factorisations);
+        }
+        self.phases += 1;
+        self.outcome.append(outcome);
+        Ok(())
+    }
+
+    /// The last `count` phases from `x`, and the projection.
+    pub fn again(&mut self, x: &[f64], count: usize) -> Result<Vec<f64>, OptimiseError> {
+        self.x.copy_from_slice(x);
+        self.descend_last(count)?;
+        Ok(self.project(self.options.clearance_margin).x)
+    }
+
+    fn descend_last(&mut self, count: usize) -> Result<(), OptimiseError> {
+        let penalties = &self.options.penalties;
+        let last = &penalties[penalties.len().saturating_sub(count)..];
+        last.iter().try_for_each(|&w| self.descend(w))
+    }
+
+    /// Projects a copy of the positions onto the planarity constraints.
+    pub fn project(&mut self, margin: f64) -> Reached {
+        let mut x = self.x.clone();
+        if !self.is_over() {
+            let projection = Projection {
+                setting: self.setting,
+                assembly: self.constraint_assembly,
+                options: self.options,
+                margin,
+            };
+            let outcome = projection.project(self.dual, &mut x, &mut self.reporter);
+            self.outcome.append(outcome);
+        }
+        Reached::at(self.setting, x)
+    }
+
+    /// Goes on with higher penalties where the projection has not arrived.
+    pub fn insist(&mut self) -> Result<Reached, OptimiseError> {
+        if let Some(last) = self.options.penalties.iter().copied().reduce(f64::max) {
+            self.descend(10.0 * last)?;
+            self.descend(100.0 * last)?;
+        }
+        Ok(self.project(self.options.clearance_margin))
+    }
+
+    /// Repeats the last two phases with stronger barriers of the panels that have come out tight.
+    pub fn strengthen(&mut self) -> Result<Reached, OptimiseError> {
+        const TIGHT: f64 = 1.5;
+        let panels = self.setting.panels;
+        let shape = Shape::at(panels, &self.x);
+        let limit = TIGHT * self.options.clearance_margin * panels.mean_edge(&self.x);
+        for (f, barrier) in self.barriers.iter_mut().enumerate() {
+            if clearance(shape.face(panels, f)) < limit {
+                barrier.weight *= STRONGER;
+            }
+        }
+        self.descend_last(2)?;
+        Ok(self.project(self.options.clearance_margin))
+    }
+}
+
+impl Whole<'_> {
+    fn minimise(
+        &mut self,
+        weights: Weights,
+        barriers: &[Barrier],
+        x: &mut [f64],
+        limits: &DampedOptions,
+        reporter: &mut Reporter<'_>,
+    ) -> Outcome {
+        self.energy.weights = weights;
+        self.energy.barriers.copy_from_slice(barriers);
+        self.energy.arm(x);
+        let observe = |record: &_| reporter.observe(record);
+        self.minimiser
+            .minimise(&mut self.energy, x, &mut self.damping, limits, observe)
+    }
+}

@@ -1,0 +1,256 @@
+//! Retries at the end, around panels that stand off the surface by more than is allowed, and around tight ones.
+//!
+//! The phases end when the energy of the whole hardly falls, and one panel counts little in it: it may come out tight where its neighbours
+//! would have given way. Around each such panel some rings of faces go through the last phases again, everything else at rest,
+//! with stronger closeness or with a stronger barrier that reaches farther, and are projected. The result is taken if it is
+//! planar, better in what was wanted, breaks nothing, and costs nothing else that counts.
+
+use super::barrier::clearance;
+use super::energy::{Setting, distances};
+use super::options::OptimiseError;
+use super::panels::{Panels, Shape, extent};
+use super::parts::{Part, with_neighbours};
+use super::path::Path;
+use super::run::Reached;
+use super::simple::area;
+use super::solvers::Solvers;
+
+/// Clearance, in mean edges, up to which a panel is tight.
+const ROOMY: f64 = 0.31;
+/// Area, over the mean, below which a panel needs less.
+const SMALL: f64 = 0.4;
+/// Rings of faces around a panel that count as its surroundings; two more move along.
+const RINGS: usize = 2;
+/// Rounds for a group of panels, and the factor of barriers or closeness from each to the next.
+const ROUNDS: usize = 3;
+const STRONGER: f64 = 4.0;
+/// Reach of the barriers of tight panels, over the reach that is usual.
+const FARTHER: f64 = 1.4;
+/// Deviation, in mean edges, that more room may always cost, and clearance that nearness may.
+const NEAR: f64 = 0.018;
+const ROOM: f64 = 0.15;
+/// Phases that are gone through again.
+const PHASES: usize = 3;
+
+/// Clearance that each face should have; less where faces are small.
+fn wanted(panels: &Panels, shape: &Shape, mean_edge: f64) -> Vec<f64> {
+    let areas = (0..panels.n_faces()).map(|f| area(shape.face(panels, f)).abs());
+    let areas: Vec<f64> = areas.collect();
+    let small = SMALL * areas.iter().sum::<f64>() / areas.len().max(1) as f64;
+    let of_area = |a: &f64| ROOMY * mean_edge * (a / small).sqrt().min(1.0);
+    areas.iter().map(of_area).collect()
+}
+
+/// Groups of faces that hang together.
+fn groups(panels: &Panels, mut faces: Vec<u32>) -> Vec<Vec<u32>> {
+    let mut groups = Vec::new();
+    while let Some(first) = faces.pop() {
+        let mut group = vec![first];
+        loop {
+            let around = with_neighbours(panels, &group);
+            let (near, far) = faces.iter().partition(|f| around.binary_search(f).is_ok());
+            faces = far;
+            let near: Vec<u32> = near;
+            if near.is_empty() {
+                break;
+            }
+            group.extend(near);
+        }
+        group.sort_unstable();
+        groups.push(group);
+    }
+    groups
+}
+
+/// What is wanted of a part. Lengths are in the unit of the mesh.
+enum Demand {
+    /// A clearance of each face; the deviation may grow up to `limit`.
+    Room { clearance: Vec<f64>, limit: f64 },
+    /// Distances to the surface of `limit` at the most; clearances may shrink to `least`.
+    Nearness { limit: f64, least: f64 },
+}
+
+impl Demand {
+    fn of_part(&self, part: &Part<'_>) -> Self {
+        match self {
+            Self::Room { clearance, limit } => Self::Room {
+                clearance: part.of_faces(clearance),
+                limit: *limit,
+            },
+            Self::Nearness { limit, least } => Self::Nearness {
+                limit: *limit,
+                least: *least,
+            },
+        }
+    }
+
+    /// How much is missing; 0 if nothing is.
+    fn shortfall(&self, clearances: &[f64], distances: &[f64]) -> f64 {
+        let squared = |excess: f64| excess.max(0.0).powi(2);
+        match self {
+            Self::Room { clearance, .. } => {
+                let pairs = clearances.iter().zip(clearance);
+                pairs.map(|(c, wanted)| squared(1.0 - c / wanted)).sum()
+            }
+            Self::Nearness { limit, .. } => {
+                distances.iter().map(|d| squared(d / limit - 1.0)).sum()
+            }
+        }
+    }
+
+    /// Whether `now` costs too much against `before` in the other respect.
+    fn costs_too_much(&self, now: &Judged, before: &Judged) -> bool {
+        match self {
+            Self::Room { limit, .. } => now.deviation > limit.max(before.deviation),
+            Self::Nearness { least, .. } => now.clearance < least.min(before.clearance),
+        }
+    }
+
+    /// Asks for more of what is wanted of some faces, in a round.
+    fn insist(&self, path: &mut Path<'_>, faces: &[usize], round: usize) {
+        match self {
+            Self::Room { .. } => {
+                for &f in faces {
+                    let barrier = &mut path.barriers[f];
+                    match round {
+                        0 => barrier.reach *= FARTHER,
+                        _ => barrier.weight *= STRONGER,
+                    }
+                }
+            }
+            Self::Nearness { .. } => {
+                let closeness = &mut path.weights.closeness;
+                closeness.vertex *= STRONGER;
+                closeness.centre *= STRONGER;
+                closeness.rim *= STRONGER;
+            }
+        }
+    }
+}
+
+impl Path<'_> {
+    /// Draws panels that stand off too far nearer, and gives tight panels more room.
+    pub fn retry(&mut self, reached: Reached) -> Result<Reached, OptimiseError> {
+        let setting = self.setting;
+        let (panels, mut x) = (setting.panels, reached.x);
+        let edge = setting.mean_edge;
+        let allowed = self.options.max_deviation.map(|share| share * extent(&x));
+        if let Some(limit) = allowed {
+            let least = ROOM * edge;
+            let far = far_faces(setting, &x, limit);
+            self.retry_around(far, &Demand::Nearness { limit, least }, &mut x)?;
+        }
+        let shape = Shape::at(panels, &x);
+        let clearance = wanted(panels, &shape, panels.mean_edge(&x));
+        let clear = clearances(panels, &shape);
+        let tight = |&f: &u32| clear[f as usize] < clearance[f as usize];
+        let tight = (0..panels.n_faces() as u32).filter(tight).collect();
+        let farthest = largest(&distances(setting, &x));
+        let limit = farthest.max((NEAR * edge).min(allowed.unwrap_or(f64::MAX)));
+        self.retry_around(tight, &Demand::Room { clearance, limit }, &mut x)?;
+        Ok(Reached::at(setting, x))
+    }
+
+    fn retry_around(
+        &mut self,
+        faces: Vec<u32>,
+        demand: &Demand,
+        x: &mut [f64],
+    ) -> Result<(), OptimiseError> {
+        for group in groups(self.setting.panels, faces) {
+            if !self.is_over() {
+                self.retry_group(&group, demand, x)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn retry_group(
+        &mut self,
+        group: &[u32],
+        demand: &Demand,
+        x: &mut [f64],
+    ) -> Result<(), OptimiseError> {
+        let mut core = group.to_vec();
+        (0..RINGS).for_each(|_| core = with_neighbours(self.setting.panels, &core));
+        let part = Part::around(self.setting, &core, x);
+        let setting = part.setting(self.setting.mean_edge);
+        let (mut solvers, anchor) = (Solvers::new(&part.panels)?, part.of_vertices(self.start));
+        let (options, progress) = (self.options, &self.reporter);
+        let mut path = Path::new(&setting, &mut solvers, &anchor, options, progress)?;
+        path.weights = self.weights;
+        path.barriers = part.of_faces(&self.barriers);
+        let (group, demand) = (part.local_faces(group), demand.of_part(&part));
+        let mut best = Judged::at(&setting, &demand, part.of_vertices(x));
+        for round in 0..ROUNDS {
+            demand.insist(&mut path, &group, round);
+            let now = Judged::at(&setting, &demand, path.again(&best.x, PHASES)?);
+            let dear = demand.costs_too_much(&now, &best);
+            if path.is_over() || dear {
+                break;
+            }
+            if now.planarity <= options.planarity_tolerance && now.is_better(&best) {
+                best = now;
+            }
+            if best.shortfall == 0.0 {
+                break;
+            }
+        }
+        self.in_parts += path.in_parts + path.outcome.factorisations;
+        if path.is_over() {
+            self.outcome.status = path.outcome.status;
+        }
+        part.write_back(&best.x, x);
+        Ok(())
+    }
+}
+
+/// Faces of which a corner or the centre is farther than `limit` from the surface.
+fn far_faces(setting: &Setting<'_>, x: &[f64], limit: f64) -> Vec<u32> {
+    let (panels, distances) = (setting.panels, distances(setting, x));
+    let far = |k: usize| distances[k] > limit;
+    let is_far = |&f: &u32| {
+        let mut corners = panels.vertices(f as usize).iter();
+        far(panels.n_vertices() + f as usize) || corners.any(|&v| far(v as usize))
+    };
+    (0..panels.n_faces() as u32).filter(is_far).collect()
+}
+
+fn clearances(panels: &Panels, shape: &Shape) -> Vec<f64> {
+    let faces = 0..panels.n_faces();
+    faces.map(|f| clearance(shape.face(panels, f))).collect()
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, f64::max)
+}
+
+/// What a part is judged by.
+struct Judged {
+    x: Vec<f64>,
+    planarity: f64,
+    shortfall: f64,
+    clearance: f64,
+    deviation: f64,
+    breaches: usize,
+}
+
+impl Judged {
+    fn at(setting: &Setting<'_>, demand: &Demand, x: Vec<f64>) -> Self {
+        let shape = Shape::at(setting.panels, &x);
+        let clearances = clearances(setting.panels, &shape);
+        let distances = distances(setting, &x);
+        Self {
+            planarity: shape.max_height() / setting.mean_edge,
+            shortfall: demand.shortfall(&clearances, &distances),
+            clearance: clearances.into_iter().fold(f64::INFINITY, f64::min),
+            deviation: largest(&distances),
+            breaches: setting.guard.breaches(setting.panels, &shape, &x).len(),
+            x,
+        }
+    }
+
+    fn is_better(&self, other: &Self) -> bool {
+        self.breaches <= other.breaches && self.shortfall < other.shortfall
+    }
+}

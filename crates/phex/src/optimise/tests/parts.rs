@@ -1,0 +1,141 @@
+//! Large meshes part by part, retries around single panels, and what is shared out among surfaces.
+
+use super::fixtures::{Shape, brick_wall, layout};
+use super::whole::{all_simple, assert_sound};
+use crate::optimise::closeness::Reference;
+use crate::optimise::energy::PanelEnergy;
+use crate::optimise::panels::{points, unknowns};
+use crate::optimise::parts::{Cuts, minimise_in_parts};
+use crate::optimise::run::{barriers, panel_energy, weights};
+use crate::optimise::solvers::{Reporter, energy_assembly};
+use crate::optimise::{
+    Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, optimise, planarize,
+};
+use crate::progress::Silent;
+use phex_mesh::{PerVertex, TriangleSurface, Vec3};
+use phex_numeric::{DampedOptions, DampedProblem};
+
+/// The rest is at rest while a part moves, and nothing ever gets worse for the whole.
+#[test]
+fn part_by_part_the_energy_falls_and_panels_stay_simple() {
+    let shape = Shape::Wave;
+    let wall = brick_wall(shape, 20, 18);
+    let options = OptimiseOptions::default();
+    let reference = Reference::Surface(&shape);
+    let stage = Stage::new(&wall, reference, None, &kinds_of(&wall), &options);
+    let start = unknowns(&wall);
+    let setting = stage.setting(&start);
+    let assembly = energy_assembly(setting.panels);
+    let energy = |x: &[f64], penalty: f64| {
+        let mut whole = panel_energy(&setting, &assembly, &start, &options);
+        whole.weights.planarity = penalty;
+        whole.energy(x)
+    };
+    let (barriers, mut x) = (barriers(setting.panels, &start, &options), start.clone());
+    for (phase, &penalty) in options.penalties.iter().enumerate() {
+        let mut weights = weights(&options);
+        weights.planarity = penalty;
+        let limits = DampedOptions {
+            max_iterations: 15,
+            energy_tolerance: 3e-2,
+            step_tolerance: 1e-3,
+            phase: penalty,
+        };
+        let before = energy(&x, penalty);
+        let outcome = minimise_in_parts(
+            &setting,
+            |s, assembly, part| {
+                let anchor = part.of_vertices(&start);
+                PanelEnergy::new(s, assembly, weights, part.of_faces(&barriers), &anchor)
+            },
+            &mut x,
+            &Cuts { most: 70, phase },
+            &limits,
+            &mut Reporter::new(&Silent, 0),
+        )
+        .unwrap();
+        assert!(outcome.factorisations >= 3, "{outcome:?}");
+        assert!(energy(&x, penalty) < before, "phase {phase}");
+        let mesh = wall.with_positions(PerVertex::from_vec(points(&x)));
+        assert!(all_simple(&mesh), "phase {phase}");
+    }
+    // What comes out is close to planar, as after the same phases on the whole.
+    let planarity = |x: &[f64]| {
+        let shape = crate::optimise::panels::Shape::at(setting.panels, x);
+        shape.max_height() / setting.mean_edge
+    };
+    assert!(planarity(&x) < 1e-3 && planarity(&x) < 0.1 * planarity(&start));
+}
+
+/// A bound on the deviation that the default misses is met, or at least approached, with panels as planar and simple as ever.
+#[test]
+fn a_bound_on_the_deviation_draws_panels_nearer() {
+    let shape = Shape::MonkeySaddle;
+    let start = layout(brick_wall(shape, 19, 9), &shape);
+    let free = optimise(&start, &shape, &OptimiseOptions::default(), &Silent).unwrap();
+    let share = free.quality.deviation_max / free.mesh.diagonal();
+    let options = OptimiseOptions {
+        max_deviation: Some(0.8 * share),
+        ..OptimiseOptions::default()
+    };
+    let bound = optimise(&start, &shape, &options, &Silent).unwrap();
+    assert_sound(&bound, 1e-13);
+    assert!(
+        bound.quality.deviation_max < 0.95 * free.quality.deviation_max,
+        "{:?} {:?}",
+        free.quality,
+        bound.quality
+    );
+}
+
+/// Every brick of an egg-crate gets room, though curvature across the rows changes sign.
+#[test]
+fn tight_panels_get_room() {
+    let wall = brick_wall(Shape::Wave, 41, 20);
+    let result = planarize(&wall, None, &OptimiseOptions::default(), &Silent).unwrap();
+    assert_sound(&result, 1e-13);
+    assert!(result.quality.clearance >= 0.28, "{:?}", result.quality);
+}
+
+fn square(corner: Vec3) -> TriangleSurface {
+    let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+    let positions = corners.map(|[x, y]| corner + Vec3::new(x, y, 0.0));
+    TriangleSurface::new(positions.to_vec(), &[[0, 1, 2], [0, 2, 3]]).unwrap()
+}
+
+/// Two squares: each gets what is nearest.
+#[test]
+fn what_is_held_goes_to_the_nearest_surface() {
+    let surfaces = [square(Vec3::zeros()), square(Vec3::new(20.0, 0.0, 5.0))];
+    let steering = Steering {
+        fixed_vertices: vec![3],
+        fixed_points: vec![[19.0, 0.0, 5.0], [1.0, 0.0, 0.0]],
+        anchors: vec![Anchor {
+            point: [21.0, 0.0, 5.0],
+            weight: 2.0,
+        }],
+        curves: vec![vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]],
+        grounds: vec![GroundPlane {
+            point: None,
+            normal: [0.0, 0.0, 1.0],
+            reach: 0.5,
+        }],
+    };
+    let shares = steering.shared(&surfaces, 0.1);
+    assert_eq!(shares[0].fixed_points, [[1.0, 0.0, 0.0]]);
+    assert_eq!(shares[1].fixed_points, [[19.0, 0.0, 5.0]]);
+    assert_eq!([shares[0].anchors.len(), shares[1].anchors.len()], [0, 1]);
+    assert_eq!([shares[0].curves.len(), shares[1].curves.len()], [1, 0]);
+    assert_eq!([shares[0].grounds.len(), shares[1].grounds.len()], [1, 0]);
+    assert!(shares.iter().all(|s| s.fixed_vertices.is_empty()));
+    let nowhere = Steering {
+        grounds: vec![GroundPlane {
+            point: Some([0.0, 0.0, -9.0]),
+            normal: [0.0, 0.0, 1.0],
+            reach: 0.5,
+        }],
+        ..Steering::default()
+    };
+    let shares = nowhere.shared(&surfaces, 0.1);
+    assert!(shares.iter().all(|s| s.grounds.len() == 1), "to be refused");
+}
