@@ -100,6 +100,7 @@ impl Stage<'_> {
         let way = Way {
             kind: StartKind::AsGiven,
             path: PathKind::Projection,
+            in_parts: 0,
             outcome: Outcome::empty(Status::Converged),
         };
         let reached = Reached::at(&self.setting(x), x.to_vec());
