@@ -15,8 +15,10 @@ use super::run::Reached;
 use super::simple::area;
 use super::solvers::Solvers;
 
-/// Clearance, in mean edges, up to which a panel is tight.
+/// Clearance, in mean edges, that a panel should have, and the share of it below which it is tight. Retries end half-way to a
+/// minimum and enlarge rounding, to 1e-4 of a clearance: where nothing is tight they are not worth that.
 const ROOMY: f64 = 0.31;
+const TIGHT: f64 = 0.65;
 /// Area, over the mean, below which a panel needs less.
 const SMALL: f64 = 0.4;
 /// Rings of faces around a panel that count as its surroundings; two more move along.
@@ -143,7 +145,7 @@ impl Path<'_> {
         let shape = Shape::at(panels, &x);
         let clearance = wanted(panels, &shape, panels.mean_edge(&x));
         let clear = clearances(panels, &shape);
-        let tight = |&f: &u32| clear[f as usize] < clearance[f as usize];
+        let tight = |&f: &u32| clear[f as usize] < TIGHT * clearance[f as usize];
         let tight = (0..panels.n_faces() as u32).filter(tight).collect();
         let farthest = largest(&distances(setting, &x));
         let limit = farthest.max((NEAR * edge).min(allowed.unwrap_or(f64::MAX)));
