@@ -30,7 +30,7 @@ pub struct TypedLimits {
     pub max_deviation: Quantity,
     /// The model's unit.
     pub unit: Unit,
-    /// What panels were to do at the boundary, where the method keeps to it.
+    /// What panels were to do at the boundary, where the method keeps to it and nothing is held.
     pub boundary: Option<Boundary>,
 }
 
@@ -51,12 +51,15 @@ impl From<&Limits> for TypedLimits {
 
 impl From<&MeshSettings> for TypedLimits {
     fn from(settings: &MeshSettings) -> Self {
-        let keeps_to_boundary = matches!(settings.stages.method, Method::Lattice);
+        let stages = &settings.stages;
+        // Steering comes last, and what is held may draw the rim along with it.
+        let keeps_to_boundary =
+            matches!(stages.method, Method::Lattice | Method::Best) && stages.steering.is_empty();
         Self {
             planarity: settings.planarity,
             max_deviation: settings.max_deviation(),
             unit: settings.unit.unwrap_or_default(),
-            boundary: keeps_to_boundary.then_some(settings.stages.boundary),
+            boundary: keeps_to_boundary.then_some(stages.boundary),
         }
     }
 }
