@@ -94,14 +94,15 @@ fn a_plane_is_meshed() {
     check("plane", &shape("plane", 500), 80);
 }
 
-/// Convex bodies need 12 pentagons and get no other irregular panel, not even where they are pointed; all panels are convex.
+/// Convex bodies need 12 pentagons and get no other irregular panel, not even where they are pointed; all panels are convex. With as many panels as here
+/// this takes halves that are joined, and a seamless lattice.
 #[test]
 fn ellipsoids_have_twelve_pentagons() {
     for [a, b, c] in [[1.5, 1.0, 0.7], [3.0, 1.0, 1.0]] {
         let ellipsoid = mapped(&shape("sphere", 4000), |p| {
             Vec3::new(a * p.x, b * p.y, c * p.z)
         });
-        let mesh = run(&ellipsoid, 250).mesh;
+        let mesh = run(&ellipsoid, 600).mesh;
         let topology = mesh.topology();
         let of = |n: usize| {
             topology

@@ -92,6 +92,7 @@ use serde::Serialize;
 use solvers::Solvers;
 use start::TangentCells;
 
+pub(crate) use angle::free_edges;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
 pub use on_boundary::{BoundaryHold, onto_boundary};

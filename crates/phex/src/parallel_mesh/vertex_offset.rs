@@ -24,6 +24,7 @@ use super::angle_condition::{AngleCondition, angle_conditions};
 use super::face_offset::{check_planar_mesh, face_normals};
 use super::gauss_image::{GaussImage, OffsetKind};
 use super::{OffsetError, OffsetOptions};
+use crate::optimise::free_edges;
 use nalgebra::{Matrix3, SymmetricEigen};
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerVertex, Topology, Vec3, VertexId};
 use serde::Serialize;
@@ -116,7 +117,7 @@ pub fn spherical_mesh(mesh: &HexMesh) -> Result<SphericalMesh, OffsetError> {
     check_connected(mesh)?;
     let topology = mesh.topology();
     let normals = vertex_directions(mesh)?;
-    let free_edges = free_edges(mesh);
+    let free_edges: Vec<EdgeId> = free_edges(mesh).into_iter().map(|(_, e)| e).collect();
     let tree = SpanningTree::new(mesh, &free_edges);
     let products = tree.products(mesh);
     let (start, starts) = tree.best_start(mesh, &products, &normals);
@@ -161,18 +162,6 @@ fn n_loops(topology: &Topology) -> usize {
 
 fn odd_faces(topology: &Topology) -> impl Iterator<Item = FaceId> + '_ {
     topology.faces().filter(|&f| topology.valence(f) % 2 == 1)
-}
-
-/// The longest boundary edge of every odd face on the boundary.
-fn free_edges(mesh: &HexMesh) -> Vec<EdgeId> {
-    let topology = mesh.topology();
-    let longest = |f| {
-        let edges = topology.face_half_edges(f).map(|h| topology.edge(h));
-        edges
-            .filter(|&e| topology.is_boundary_edge(e))
-            .max_by(|&a, &b| mesh.edge_length(a).total_cmp(&mesh.edge_length(b)))
-    };
-    odd_faces(topology).filter_map(longest).collect()
 }
 
 /// Sums of the unit normals of the faces at each vertex.

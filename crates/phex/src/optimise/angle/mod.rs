@@ -30,6 +30,7 @@ mod walks;
 use self::constraints::angle_assembly;
 use self::path::AnglePath;
 use self::walks::Walks;
+pub(crate) use self::walks::free_edges;
 use super::energy::{Setting, deviation};
 use super::inspect::{Offender, Quality, inspect};
 use super::options::{OptimiseError, OptimiseOptions};

@@ -221,7 +221,7 @@ impl Tree {
 }
 
 /// The longest boundary edge of every odd face on the boundary.
-fn free_edges(mesh: &HexMesh) -> Vec<(FaceId, EdgeId)> {
+pub(crate) fn free_edges(mesh: &HexMesh) -> Vec<(FaceId, EdgeId)> {
     let topology = mesh.topology();
     let longest = |f| {
         let edges = topology.face_half_edges(f).map(|h| topology.edge(h));
