@@ -100,6 +100,12 @@ impl Ground {
         }
     }
 
+    /// The level on which directions and lattice are computed.
+    pub fn field_level(&self, options: &MeshOptions) -> usize {
+        let vertices = options.field_density * self.panels as f64;
+        self.smooth.level_with(vertices)
+    }
+
     /// The smooth surface without the strip.
     pub fn given(&self) -> &SmoothTarget {
         self.trimming.as_ref().map_or(&self.smooth, |t| &t.smooth)

@@ -31,13 +31,13 @@ const RIM_PANELS: f64 = 0.12;
 
 impl Field {
     pub(super) fn new(
-        smooth: &SmoothTarget,
-        panels: usize,
+        ground: &Ground,
+        level: usize,
         options: &MeshOptions,
         settings: &DirectionOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let level = smooth.level_with(options.field_density * panels as f64);
+        let (smooth, panels) = (&ground.smooth, ground.panels);
         let surface = &smooth.levels[level];
         let length = panel_length(surface, panels);
         let curvature = clock.stage("curvature", || {
@@ -80,6 +80,45 @@ impl Field {
         };
         cones.map(cone).collect()
     }
+}
+
+/// Longest edge of the surface on which a seamless lattice is computed, in lattice spacings: between vertices farther apart lattice
+/// points get lost.
+const LONGEST_EDGE: f64 = 0.35;
+/// Local refinements for that at the most.
+const LOCAL_REFINEMENTS: usize = 4;
+
+/// The ground of a seamless lattice: its last level is refined where the surface bends so fast that the lattice is finer than the
+/// triangles.
+pub(super) fn resolved(
+    ground: &Ground,
+    options: &MeshOptions,
+    settings: &DirectionOptions,
+    clock: &mut Clock<'_>,
+) -> Result<Ground, PipelineError> {
+    let (smooth, panels) = (&ground.smooth, ground.panels);
+    let mut level = ground.field_level(options);
+    let surface = &smooth.levels[level];
+    let uniform = panel_length(surface, panels);
+    let mut metric = clock.stage("directions", || {
+        let curvature = curvature::curvature(surface, uniform, &options.curvature);
+        let length = panel_lengths(smooth, level, &curvature, uniform, panels, options)?;
+        let found = directions::directions_sized(surface, &curvature, &length, settings)?;
+        Ok::<_, PipelineError>(found.metric)
+    })??;
+    let mut ground = ground.clone();
+    for _ in 0..LOCAL_REFINEMENTS {
+        let length = IntrinsicMesh::new(&ground.smooth.levels[level], &metric).length;
+        let limit = std::env::var("LIM").ok().and_then(|x| x.parse().ok()).unwrap_or(LONGEST_EDGE);
+        let Some(finer) = ground.smooth.split_longer(level, &length, limit) else {
+            break;
+        };
+        metric = finer.refinements[level].apply(&metric);
+        level += 1;
+        ground.smooth = finer;
+        eprintln!("level {level} {} vertices", ground.smooth.finest().positions().len());
+    }
+    Ok(ground)
 }
 
 /// A lattice: its directions and its seeds.

@@ -1,6 +1,6 @@
 //! Layout, optimiser and the repair loop for a lattice of one kind.
 
-use super::field::{Field, FineSurface, Way, direction_options};
+use super::field::{Field, FineSurface, Way, direction_options, resolved};
 use super::portfolio::GOOD_DEVIATION;
 use super::{Clock, MeshOptions, PipelineError, RepairRound, rim};
 use crate::directions::guides::Cone;
@@ -60,7 +60,16 @@ pub(super) fn attempt(
 ) -> Result<Attempt, PipelineError> {
     let (options, progress) = (&way.options(&ground.options), clock.progress);
     let settings = direction_options(options, way.anisotropy);
-    let field = Field::new(&ground.smooth, ground.panels, options, &settings, clock)?;
+    let seamless = match way.seamless {
+        true => Some(resolved(ground, options, &settings, clock)?),
+        false => None,
+    };
+    let ground = seamless.as_ref().unwrap_or(ground);
+    let level = match way.seamless {
+        true => ground.smooth.levels.len() - 1,
+        false => ground.field_level(options),
+    };
+    let field = Field::new(ground, level, options, &settings, clock)?;
     let fine = FineSurface::new(ground, &field);
     let mut seeds = field.placed.seeds.clone();
     let mut layout = clock.stage("layout", || calm_panels(&fine, &seeds))??;

@@ -16,6 +16,7 @@
 //! triangles) the control points that came closest to the input are used.
 
 pub mod extend;
+mod local;
 pub mod subdivide;
 
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};

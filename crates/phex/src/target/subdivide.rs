@@ -48,6 +48,24 @@ impl Refinement {
         (step, refined)
     }
 
+    /// The step that keeps all old vertices, with new ones half-way between `ends`, and the given triangles.
+    pub fn with_middles(
+        n_vertices: usize,
+        ends: impl Iterator<Item = [VertexId; 2]>,
+        faces: Vec<[u32; 3]>,
+    ) -> Self {
+        let mut step = Self {
+            faces,
+            start: vec![0],
+            source: Vec::new(),
+            weight: Vec::new(),
+        };
+        let old = (0..n_vertices as u32).map(VertexId::new);
+        old.for_each(|v| step.push(&[(v, 1.0)]));
+        ends.for_each(|[a, b]| step.push(&[(a, 0.5), (b, 0.5)]));
+        step
+    }
+
     fn push(&mut self, stencil: &[(VertexId, f64)]) {
         for &(v, w) in stencil {
             self.source.push(v.index() as u32);
