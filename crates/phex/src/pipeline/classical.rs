@@ -243,7 +243,13 @@ impl<'a> Start<'a> {
     ) -> Result<(Self, Field), PipelineError> {
         let options = &ground.options;
         let settings = direction_options(options, options.directions.anisotropy);
-        let field = Field::new(ground, ground.field_level(options), options, &settings, clock)?;
+        let field = Field::new(
+            ground,
+            ground.field_level(options),
+            options,
+            &settings,
+            clock,
+        )?;
         let start = Self {
             level: field.level,
             surface: &ground.smooth.levels[field.level],

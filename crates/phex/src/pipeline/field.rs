@@ -109,14 +109,12 @@ pub(super) fn resolved(
     let mut ground = ground.clone();
     for _ in 0..LOCAL_REFINEMENTS {
         let length = IntrinsicMesh::new(&ground.smooth.levels[level], &metric).length;
-        let limit = std::env::var("LIM").ok().and_then(|x| x.parse().ok()).unwrap_or(LONGEST_EDGE);
-        let Some(finer) = ground.smooth.split_longer(level, &length, limit) else {
+        let Some(finer) = ground.smooth.split_longer(level, &length, LONGEST_EDGE) else {
             break;
         };
         metric = finer.refinements[level].apply(&metric);
         level += 1;
         ground.smooth = finer;
-        eprintln!("level {level} {} vertices", ground.smooth.finest().positions().len());
     }
     Ok(ground)
 }

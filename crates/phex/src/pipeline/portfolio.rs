@@ -230,7 +230,7 @@ pub(super) fn mesh_with_panels(
 
 impl Task<'_> {
     /// One after the other until one is good. A seamless lattice is tried only where it can be regular: elsewhere sizes must change,
-    /// and dislocations are where they do.
+    /// and dislocations are where they do. So is a brick wall, which few surfaces have a network for.
     fn until_good(&self, clock: &mut Clock<'_>) -> Vec<Result<Judged, PipelineError>> {
         let options = &self.ground.options;
         let first = Candidate::first(options);
@@ -244,8 +244,8 @@ impl Task<'_> {
             if good || clock.progress.is_cancelled() {
                 break;
             }
-            let fits =
-                candidate.method == Method::Lattice && (regular_possible || !candidate.seamless);
+            let plain = candidate.method == Method::Lattice && !candidate.seamless;
+            let fits = regular_possible || plain;
             if fits && candidate != first {
                 let result = self.judged(candidate, clock.progress);
                 good = matches!(&result, Ok(judged) if judged.summary.is_good(options));

@@ -35,11 +35,7 @@ impl SmoothTarget {
         let mut refinements = self.refinements[..level].to_vec();
         let mut levels = self.levels[..=level].to_vec();
         levels.push(rebuilt(positions, &faces));
-        refinements.push(Refinement::with_middles(
-            topology.n_vertices(),
-            ends,
-            faces,
-        ));
+        refinements.push(Refinement::with_middles(topology.n_vertices(), ends, faces));
         Some(Self {
             levels,
             refinements,
@@ -106,10 +102,12 @@ fn curve_middle(surface: &TriangleSurface, e: EdgeId) -> Vec3 {
 mod tests {
     use super::*;
     use crate::target::{TargetOptions, smooth_target};
-    use phex_mesh::shapes;
+    use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 
     fn ball() -> SmoothTarget {
-        let ball = shapes::ellipsoid([1.0, 1.0, 1.0], 3).expect("a sphere");
+        let axes = [("a", 1.0), ("b", 1.0), ("c", 1.0)];
+        let ball = Shape::from_name("ellipsoid", &axes).unwrap();
+        let ball = triangulate(&ball, &TriangulationOptions::default()).unwrap();
         smooth_target(&ball, 1, &TargetOptions::default())
     }
 
@@ -135,7 +133,11 @@ mod tests {
         assert!(worst < 0.1 * sagitta, "{worst} of {sagitta}");
         let kept = finer.refinements[0].apply(&length_at_vertices(surface));
         assert_eq!(kept.len(), fine.topology().n_vertices());
-        assert!(finer.split_longer(1, &PerEdge::filled(fine.topology().n_edges(), 0.5), 1.0).is_none());
+        assert!(
+            finer
+                .split_longer(1, &PerEdge::filled(fine.topology().n_edges(), 0.5), 1.0)
+                .is_none()
+        );
     }
 
     fn length_at_vertices(surface: &TriangleSurface) -> phex_mesh::PerVertex<f64> {
