@@ -97,7 +97,7 @@ pub(super) fn resolved(
     clock: &mut Clock<'_>,
 ) -> Result<Ground, PipelineError> {
     let (smooth, panels) = (&ground.smooth, ground.panels);
-    let mut level = ground.field_level(options);
+    let level = ground.field_level(options);
     let surface = &smooth.levels[level];
     let uniform = panel_length(surface, panels);
     let mut metric = clock.stage("directions", || {
@@ -107,13 +107,12 @@ pub(super) fn resolved(
         Ok::<_, PipelineError>(found.metric)
     })??;
     let mut ground = ground.clone();
-    for _ in 0..LOCAL_REFINEMENTS {
+    for level in level..level + LOCAL_REFINEMENTS {
         let length = IntrinsicMesh::new(&ground.smooth.levels[level], &metric).length;
         let Some(finer) = ground.smooth.split_longer(level, &length, LONGEST_EDGE) else {
             break;
         };
         metric = finer.refinements[level].apply(&metric);
-        level += 1;
         ground.smooth = finer;
     }
     Ok(ground)
