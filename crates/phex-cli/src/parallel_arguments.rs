@@ -36,8 +36,8 @@ pub struct ParallelCommand {
     /// Mesh to write
     #[arg(short, long, value_name = "MESH")]
     pub output: Option<PathBuf>,
-    /// Write a sparse basis of the space of parallel meshes: changes of edge lengths after which every face still closes (300 panels take
-    /// half a second, from 1000 on minutes)
+    /// Write a sparse basis of the space of parallel meshes: changes of edge lengths after which every face still closes (1000 panels take
+    /// about a second)
     #[arg(long, value_name = "BASIS.CSV", help_heading = "Files")]
     pub basis: Option<PathBuf>,
     /// Where the fit begins

@@ -3,7 +3,10 @@
 use crate::mesh_data::{MeshData, numbers, points};
 use crate::thin::thinned;
 use crate::{CurveFamily, Report};
-use phex::parallel_mesh::{OffsetOptions, face_gauss_image, safe_distances};
+use phex::parallel_mesh::{
+    GaussImage, OffsetOptions, edge_gauss_image, face_gauss_image, safe_distances,
+    vertex_gauss_image,
+};
 use phex_mesh::{FlatFace, PolygonSoup, TriangleSurface, Vec3};
 use serde::Serialize;
 
@@ -18,11 +21,7 @@ pub struct Gauss {
 impl Gauss {
     /// The Gauss image of a planar mesh, or why there is none.
     pub fn new(report: &Report<'_>) -> Result<Self, String> {
-        let mut options = OffsetOptions::default();
-        let planarity = report.run.checks.iter().find(|c| c.name == "planarity");
-        if let Some(check) = planarity {
-            options.validity.planarity = check.limit;
-        }
+        let options = offset_options(report);
         let image = face_gauss_image(report.mesh, &options).map_err(|e| e.to_string())?;
         let safe = safe_distances(report.mesh, &image, &options);
         // A flat mesh may be offset without end; a mean edge is plenty to look at.
@@ -38,6 +37,28 @@ impl Gauss {
     pub fn has_offset(&self) -> bool {
         self.inward + self.outward > 0.0
     }
+}
+
+/// The Gauss images whose edges touch the unit sphere and whose vertices lie on it, by the names of their layers, or why there is none.
+pub fn other_gauss_images(report: &Report<'_>) -> [(&'static str, Result<String, String>); 2] {
+    let options = offset_options(report);
+    let directions = |image: GaussImage| points(&image.positions, Vec3::zeros());
+    let edges = edge_gauss_image(report.mesh, &options).map(|found| directions(found.image));
+    let vertices = vertex_gauss_image(report.mesh, &options).map(|found| directions(found.image));
+    [
+        ("gauss-edges", edges.map_err(|e| e.to_string())),
+        ("gauss-vertices", vertices.map_err(|e| e.to_string())),
+    ]
+}
+
+/// What counts as planar in the report counts here.
+fn offset_options(report: &Report<'_>) -> OffsetOptions {
+    let mut options = OffsetOptions::default();
+    let planarity = report.run.checks.iter().find(|c| c.name == "planarity");
+    if let Some(check) = planarity {
+        options.validity.planarity = check.limit;
+    }
+    options
 }
 
 /// The surface, thinned out where it is very fine.

@@ -1,7 +1,7 @@
 //! The data of the interactive view.
 
 use crate::Report;
-use crate::layers::{Curves, Gauss, Start, Surface};
+use crate::layers::{Curves, Gauss, Start, Surface, other_gauss_images};
 use crate::mesh_data::{MeshData, floats, numbers};
 use phex::report::maps::{ColourMap, Coloured, Scale};
 use phex::report::{Check, ElementKind};
@@ -27,6 +27,8 @@ pub struct ViewerData<'a> {
     maps: Vec<MapData>,
     offenders: Vec<Offender>,
     gauss: Option<Gauss>,
+    /// Gauss images of the other kinds, by the names of their layers.
+    spheres: BTreeMap<&'static str, String>,
     surface: Option<Surface>,
     curves: Vec<Curves<'a>>,
     start: Option<Start>,
@@ -52,6 +54,13 @@ impl<'a> ViewerData<'a> {
         if gauss.as_ref().is_ok_and(|g| !g.has_offset()) {
             missing.insert("offset", "no distance gives a sound offset".to_owned());
         }
+        let mut spheres = BTreeMap::new();
+        for (layer, image) in other_gauss_images(report) {
+            match image {
+                Ok(directions) => spheres.insert(layer, directions),
+                Err(reason) => missing.insert(layer, reason),
+            };
+        }
         if report.surface.is_none() {
             missing.insert("surface", "no surface was given".to_owned());
         }
@@ -71,6 +80,7 @@ impl<'a> ViewerData<'a> {
             maps: maps.iter().map(MapData::new).collect(),
             offenders: offenders(report),
             gauss: gauss.ok(),
+            spheres,
             surface: report.surface.map(|s| Surface::new(s, origin)),
             curves: report
                 .curves

@@ -155,6 +155,27 @@ fn whole_bricks_have_vertex_offsets() {
     }
 }
 
+/// Lattices of saddles start with angles that are off by up to a right one.
+#[test]
+fn lattices_of_saddles_have_vertex_offsets() {
+    for name in ["monkey-saddle", "roof"] {
+        let mesh = panelled(name);
+        let made = satisfy_angle_condition(&mesh, None, &AngleOptions::default(), &Silent).unwrap();
+        assert!(
+            made.angle_defect[0] > 0.5,
+            "{name}: {:?}",
+            made.angle_defect
+        );
+        assert!(made.is_converged() && made.offenders.is_empty(), "{name}");
+        let spherical = vertex_gauss_image(&made.mesh, &OffsetOptions::default()).unwrap();
+        assert!(spherical.facing > 0.5, "{name}: {}", spherical.facing);
+        let moved = spherical
+            .image
+            .offset(&made.mesh, 0.1 * made.mesh.mean_edge());
+        assert!(measure(&moved).planarity.max <= 1e-12, "{name}");
+    }
+}
+
 /// Distances of their own for all faces: where planes are not almost the same, every face is where it should be.
 #[test]
 fn a_distance_for_each_face() {

@@ -24,6 +24,9 @@ const LIFT = 0.3;
 /** How far round a panel is seen that is zoomed to, in its radii. */
 const CLOSE_UP = 5;
 
+/** Names of the Gauss images: by what touches the unit sphere. */
+const GAUSS_IMAGES = ["Gauss image: faces touch", "Gauss image: edges touch", "Gauss image: vertices on"];
+
 export class App {
   private readonly stage: Stage;
   private readonly facts: Facts;
@@ -37,7 +40,7 @@ export class App {
   private readonly loud: LineSegments2;
   private readonly start: Start | null;
   private offset: Offset | null = null;
-  private gauss: GaussImage | null = null;
+  private readonly gauss: GaussImage[] = [];
   private current: Facts["maps"][number];
   private shownMesh = "after";
   private readonly onSurface: Object3D[] = [];
@@ -124,7 +127,7 @@ export class App {
     const paint = (face: number) => (plain ? ([238, 236, 232] as [number, number, number]) : colour(map.scale, values[face]));
     this.polygons.colourFaces(paint);
     this.polygons.colourEdges(plain ? (edge) => colour(map.scale, values[edge]) : null);
-    this.gauss?.polygons.colourFaces(paint);
+    for (const image of this.gauss) image.polygons.colourFaces(paint);
     this.start?.colour(map.name === "planarity" ? (v) => colour(map.scale, v) : null);
     this.explain();
     for (const choose of this.part("maps").querySelectorAll<HTMLElement>("[data-map]")) {
@@ -152,7 +155,11 @@ export class App {
     this.lazy("surface", "Surface", packed.surface, surfaceLayer);
     const sound = packed.missing.offset ? null : packed.gauss;
     this.lazy("offset", "Offset", sound, (gauss) => this.makeOffset(gauss));
-    this.lazy("gauss", "Gauss image", packed.gauss, (gauss) => this.makeGauss(gauss), () => this.fit(true));
+    const none = { "gauss-edges": null, "gauss-vertices": null };
+    const images: Record<string, string | null> = { gauss: packed.gauss?.directions ?? null, ...none, ...packed.spheres };
+    Object.entries(images).forEach(([name, image], k) => {
+      this.lazy(name, GAUSS_IMAGES[k], image, (directions) => this.makeGauss(directions, k), () => this.fit(true));
+    });
     const families = packed.curves.length > 0 ? packed.curves : null;
     this.lazy("curves", families?.map((c) => c.name).join(", ") ?? "Conjugate curves", families, (packed) => this.lifted(curvesLayer(packed)));
   }
@@ -206,10 +213,11 @@ export class App {
     return this.offset.polygons.group;
   }
 
-  private makeGauss(gauss: NonNullable<Packed["gauss"]>): Object3D {
-    this.gauss = new GaussImage(this.facts.mesh, gauss, this.model);
+  private makeGauss(directions: string, side: number): Object3D {
+    const image = new GaussImage(this.facts.mesh, directions, this.model, side);
+    this.gauss.push(image);
     this.show(this.current.map.name);
-    return this.gauss.group;
+    return image.group;
   }
 
   private offsetSlider(gauss: NonNullable<Packed["gauss"]>): HTMLElement {
@@ -334,7 +342,8 @@ export class App {
   /** Everything that has to be seen. */
   private points(): Float32Array[] {
     const panels = this.facts.mesh.positions;
-    return this.gauss?.group.visible ? [panels, this.gauss.polygons.mesh.positions, this.gauss.extent] : [panels];
+    const seen = this.gauss.filter((image) => image.group.visible);
+    return [panels, ...seen.flatMap((image) => [image.polygons.mesh.positions, image.extent])];
   }
 
   private listen(): void {

@@ -65,6 +65,8 @@ export interface Packed {
   maps: PackedMap[];
   offenders: Offender[];
   gauss: { directions: string; inward: number; outward: number } | null;
+  /** Gauss images of the other kinds, by the names of their layers. */
+  spheres: Record<string, string>;
   surface: { positions: string; triangles: string } | null;
   curves: PackedCurves[];
   start: { mesh: PackedMesh; planarity: string } | null;

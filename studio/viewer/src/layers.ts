@@ -88,17 +88,24 @@ function reversed(base: Mesh, directions: Float32Array): Float32Array {
   return turned.map((count, v) => count / Math.max(all[v], 1));
 }
 
-/** The Gauss image beside the model, with the unit sphere. */
+/** Where the Gauss images of the kinds are, seen from the model. */
+const SIDES = [
+  [1.7, 1, 0],
+  [1.7, -1, 0],
+  [-1.7, 1, 0],
+] as const;
+
+/** A Gauss image beside the model, with the unit sphere. */
 export class GaussImage {
   readonly group = new Group();
   readonly polygons: Polygons;
   /** Corners of a box round the unit sphere. */
   readonly extent: Float32Array;
 
-  constructor(base: Mesh, gauss: NonNullable<Packed["gauss"]>, model: Sphere) {
+  constructor(base: Mesh, packed: string, model: Sphere, side: number) {
     const radius = 0.55 * model.radius;
-    const centre = new Vector3(1.7, 1, 0).setLength(model.radius + 1.35 * radius).add(model.center);
-    const directions = floats(gauss.directions);
+    const centre = new Vector3(...SIDES[side]).setLength(model.radius + 1.35 * radius).add(model.center);
+    const directions = floats(packed);
     const positions = new Float32Array(directions.length);
     const turned = reversed(base, directions);
     for (let i = 0; i < directions.length; i += 3) {

@@ -2,6 +2,7 @@
 //!
 //! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the guard is broken.
 
+use super::angle::AngleTerm;
 use super::barrier::{self, Barrier};
 use super::closeness::{ClosenessWeights, Feet, Reference};
 use super::guard::{Armed, Guard};
@@ -49,6 +50,8 @@ pub(super) struct Setting<'a> {
 pub(super) struct PanelEnergy<'a> {
     pub weights: Weights,
     pub barriers: Vec<Barrier>,
+    /// The angle condition of a vertex offset, where it is wanted.
+    pub angles: Option<AngleTerm<'a>>,
     setting: &'a Setting<'a>,
     assembly: &'a Assembly,
     armed: Armed,
@@ -81,6 +84,7 @@ impl<'a> PanelEnergy<'a> {
         Self {
             weights,
             barriers,
+            angles: None,
             armed: setting
                 .guard
                 .arm(panels, &shape, start)
@@ -139,12 +143,16 @@ impl<'a> PanelEnergy<'a> {
     fn panel_energy(&mut self) -> f64 {
         let (panels, shape) = (self.setting.panels, &self.shape);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
+        let angles = &self.angles;
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             let corners = shape.face(panels, f);
             *energy = planarity::energy(&shape.frames[f], weights.planarity)
                 + fairness::energy(corners, weights.fairness);
             if armed.is_simple(f) {
                 *energy += barrier::energy(corners, &barriers[f]);
+            }
+            if let Some(angles) = angles {
+                *energy += angles.energy(f, corners);
             }
         };
         let mut none = vec![(); panels.n_corners()];
@@ -178,6 +186,7 @@ impl<'a> PanelEnergy<'a> {
     fn linearise_faces(&mut self) {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
+        let angles = &self.angles;
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
             let (frame, k) = (&shape.frames[f], corners.len() as f64);
@@ -192,6 +201,9 @@ impl<'a> PanelEnergy<'a> {
             fairness::add(corners, weights.fairness, gradient, block);
             if armed.is_simple(f) {
                 barrier::add(frame, corners, &barriers[f], gradient, block);
+            }
+            if let Some(angles) = angles {
+                angles.add(f, frame, corners, gradient, block);
             }
         };
         let assembly = self.assembly;
@@ -239,7 +251,8 @@ impl DampedProblem for PanelEnergy<'_> {
         let near = self
             .feet
             .energy(self.setting.panels.n_vertices(), closeness);
-        self.panel_energy() + near + self.anchor_energy()
+        let closing = self.angles.as_ref().map_or(0.0, |a| a.closing_energy(x));
+        self.panel_energy() + near + self.anchor_energy() + closing
     }
 
     fn linearise(&mut self, x: &[f64], gradient: &mut [f64], hessian: &mut SymmetricMatrix) {
@@ -247,6 +260,10 @@ impl DampedProblem for PanelEnergy<'_> {
         self.linearised.clone_from(&self.shape);
         self.linearise_faces();
         self.linearise_vertices(gradient);
+        if let Some(angles) = &mut self.angles {
+            let first = self.setting.panels.n_faces() + self.setting.panels.n_vertices();
+            angles.add_closing(x, gradient, self.assembly, first, &mut self.blocks);
+        }
         let weight = self.weights.closeness.vertex;
         let (setting, assembly) = (self.setting, self.assembly);
         restrict(setting, assembly, weight, x, gradient, &mut self.blocks);

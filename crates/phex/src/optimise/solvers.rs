@@ -58,6 +58,14 @@ impl EnergySolver {
 
 /// The assembly of the energy's Hessian: a block for every face and then one for every vertex.
 pub(super) fn energy_assembly(panels: &Panels) -> Assembly {
+    energy_assembly_with(panels, [])
+}
+
+/// The same with a block for each of some more sets of vertices.
+pub(super) fn energy_assembly_with(
+    panels: &Panels,
+    more: impl IntoIterator<Item = Vec<u32>>,
+) -> Assembly {
     let unknowns = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
     let face = |f| {
         let vertices = panels.vertices(f).iter();
@@ -65,7 +73,10 @@ pub(super) fn energy_assembly(panels: &Panels) -> Assembly {
     };
     let faces = (0..panels.n_faces()).map(face);
     let vertices = (0..panels.n_vertices() as u32).map(|v| unknowns(v).to_vec());
-    let elements: Vec<Vec<u32>> = faces.chain(vertices).collect();
+    let more = more
+        .into_iter()
+        .map(|vertices| vertices.into_iter().flat_map(unknowns).collect());
+    let elements: Vec<Vec<u32>> = faces.chain(vertices).chain(more).collect();
     Assembly::new(3 * panels.n_vertices(), &elements)
 }
 

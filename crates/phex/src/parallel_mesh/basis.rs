@@ -1,17 +1,21 @@
 //! A sparse basis of the space of parallel meshes.
 //!
 //! Every edge in turn, numbered breadth first, is asked whether its length can change while only edges near it with lower numbers change
-//! too; *near* grows until enough have said yes. Vectors found so are independent, since each has a last edge of its own.
+//! too; *near* grows until they say yes. An elimination tells beforehand which edges can. Vectors found so are independent, since each has a last edge of its own.
 //! Source: Berry, Heath, Kaneko, Lawo, Plemmons, Ward, "An algorithm to compute a sparse basis of the null space" (1985): turnback.
 
 use super::null_space::{NullSpace, Rows};
 use super::space::ParallelSpace;
 use phex_mesh::{EdgeId, PerEdge};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Square of an edge's share in the closest vector, from which on it can change.
 const CAN_CHANGE: f64 = 1e-7;
+/// The same where there is nothing better.
+const CAN_HARDLY_CHANGE: f64 = 1e-12;
+/// Entry, over the largest of its column, up to which the elimination takes it for nothing.
+const DEPENDENT: f64 = 1e-9;
 /// Changes below this, over the largest, are none.
 const NONE: f64 = 1e-12;
 
@@ -25,24 +29,14 @@ impl ParallelSpace {
         let search = Search::new(self);
         let dimension = self.dimension();
         let mut found: BTreeMap<usize, LengthChange> = BTreeMap::new();
-        let mut radius = 1;
-        loop {
-            let open: Vec<usize> = (0..search.order.len())
-                .filter(|k| !found.contains_key(k))
-                .collect();
-            let tried: Vec<_> = open
-                .par_iter()
-                .map(|&last| (last, search.change(last, radius)))
-                .collect();
-            let yes = tried
-                .into_iter()
-                .filter_map(|(last, c)| c.map(|c| (last, c)));
-            found.extend(yes.take(dimension - found.len()));
-            if found.len() == dimension || radius > search.order.len() {
-                return found.into_values().collect();
-            }
-            radius += 1 + radius / 2;
-        }
+        let likely = search.dependent_columns();
+        search.extend(&mut found, &likely, dimension, CAN_CHANGE);
+        // Where faces have sharp corners, an edge may have to change little and others much.
+        search.extend(&mut found, &likely, dimension, CAN_HARDLY_CHANGE);
+        // Rounding may hide some from the elimination.
+        let all: Vec<usize> = (0..search.order.len()).collect();
+        search.extend(&mut found, &all, dimension, CAN_CHANGE);
+        found.into_values().collect()
     }
 }
 
@@ -88,13 +82,74 @@ impl Search {
         }
     }
 
+    /// Finds changes that end with one of `lasts` until there are as many as dimensions.
+    fn extend(
+        &self,
+        found: &mut BTreeMap<usize, LengthChange>,
+        lasts: &[usize],
+        dimension: usize,
+        least: f64,
+    ) {
+        let mut radius = 1;
+        while found.len() < dimension && radius <= 2 * self.order.len() {
+            let open: Vec<usize> = lasts
+                .iter()
+                .copied()
+                .filter(|k| !found.contains_key(k))
+                .collect();
+            let tried: Vec<_> = open
+                .par_iter()
+                .map(|&last| (last, self.change(last, radius, least)))
+                .collect();
+            let yes = tried
+                .into_iter()
+                .filter_map(|(last, c)| c.map(|c| (last, c)));
+            found.extend(yes.take(dimension - found.len()));
+            radius += 1 + radius / 2;
+        }
+    }
+
+    /// Edges, by number, whose column depends on those with lower numbers: left-looking elimination with partial pivoting.
+    fn dependent_columns(&self) -> Vec<usize> {
+        let mut pivots: Vec<Pivot> = Vec::new();
+        let mut pivot_of_row = BTreeMap::new();
+        let mut dependent = Vec::new();
+        for (number, e) in self.order.iter().enumerate() {
+            let mut column = Remainder::default();
+            for &(row, entry) in &self.columns[e.index()] {
+                column.add(row, entry, &pivot_of_row);
+            }
+            let size = column.largest().map_or(0.0, |(_, entry)| entry.abs());
+            while let Some(next) = column.due.pop_first() {
+                let pivot: &Pivot = &pivots[next];
+                let factor = column.entries.remove(&pivot.row).unwrap_or(0.0);
+                for &(row, entry) in &pivot.others {
+                    column.add(row, -factor * entry, &pivot_of_row);
+                }
+            }
+            match column.largest().filter(|(_, p)| p.abs() > DEPENDENT * size) {
+                Some((row, by)) => {
+                    column.entries.remove(&row);
+                    let others = column.entries.into_iter().map(|(r, x)| (r, x / by));
+                    pivot_of_row.insert(row, pivots.len());
+                    pivots.push(Pivot {
+                        row,
+                        others: others.collect(),
+                    });
+                }
+                None => dependent.push(number),
+            }
+        }
+        dependent
+    }
+
     /// The change that ends with an edge and reaches `radius` faces far at the most, if there is one.
-    fn change(&self, last: usize, radius: usize) -> Option<LengthChange> {
+    fn change(&self, last: usize, radius: usize, least: f64) -> Option<LengthChange> {
         let root = self.order[last];
         let mut seen = PerEdge::filled(self.order.len(), false);
         let mut near = within(&self.neighbours, root, radius, &mut seen);
         near.retain(|&e| self.number[e] <= last);
-        let change = |n: usize| self.change_of_first(&near[..n]);
+        let change = |n: usize| self.change_of_first(&near[..n], least);
         let mut found = change(near.len())?;
         // As few of them as will do: the change is then the only one there is.
         let mut range = 1..near.len();
@@ -109,14 +164,14 @@ impl Search {
     }
 
     /// The change of some edges that is closest to one of the first of them alone, if that can change.
-    fn change_of_first(&self, edges: &[EdgeId]) -> Option<LengthChange> {
+    fn change_of_first(&self, edges: &[EdgeId], least: f64) -> Option<LengthChange> {
         let space = NullSpace::new(self.rows(edges)).ok()?;
         let mut x = vec![0.0; edges.len()];
         x[0] = 1.0;
         space.project(&mut x);
         let own = x[0];
         let largest = x.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        (own > CAN_CHANGE).then(|| {
+        (own > least).then(|| {
             let changes = edges
                 .iter()
                 .zip(&x)
@@ -136,6 +191,32 @@ impl Search {
         let mut rows = Rows::new(edges.len());
         by_row.into_values().for_each(|row| rows.push(row));
         rows
+    }
+}
+
+/// A column of the elimination, over its entry in its own row.
+struct Pivot {
+    row: u32,
+    /// Entries in rows that were nobody's own.
+    others: Vec<(u32, f64)>,
+}
+
+/// What is left of a column, and which pivots it still has to be reduced by.
+#[derive(Default)]
+struct Remainder {
+    entries: BTreeMap<u32, f64>,
+    due: BTreeSet<usize>,
+}
+
+impl Remainder {
+    fn add(&mut self, row: u32, by: f64, pivot_of_row: &BTreeMap<u32, usize>) {
+        *self.entries.entry(row).or_insert(0.0) += by;
+        self.due.extend(pivot_of_row.get(&row));
+    }
+
+    fn largest(&self) -> Option<(u32, f64)> {
+        let entries = self.entries.iter().map(|(&row, &entry)| (row, entry));
+        entries.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
     }
 }
 

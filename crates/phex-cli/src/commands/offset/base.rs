@@ -7,12 +7,12 @@ use crate::input::{MeshFile, whole};
 use crate::offset_arguments::Kind;
 use crate::progress::{Reporter, is_interrupted};
 use phex::optimise::{
-    AngleOptimised, AngleOptions, SurfaceTarget, Target, satisfy_angle_condition,
+    AngleOptimised, AngleOptions, Fault, Offender, SurfaceTarget, Target, satisfy_angle_condition,
 };
 use phex::parallel_mesh::{
     EdgeGaussImage, GaussImage, Inheritance, OffsetError, SafeDistances, SphericalMesh,
-    distance_error, edge_gauss_image, face_distance_error, face_offset, layer, safe_distances,
-    vertex_gauss_image,
+    angle_conditions, distance_error, edge_gauss_image, face_distance_error, face_offset, layer,
+    safe_distances, spherical_mesh, vertex_gauss_image,
 };
 use phex_mesh::{FlatFace, HexMesh, PerFace, VertexId};
 
@@ -153,15 +153,67 @@ fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<AngleOptimised, Failure> {
     if is_interrupted() {
         return Err(Failure::interrupted());
     }
-    if result.is_converged() && result.offenders.is_empty() {
+    // A tight panel is valid; it is told.
+    let tight = |o: &Offender| matches!(o.fault, Fault::LowClearance { .. });
+    if result.is_converged() && result.offenders.iter().all(tight) {
         return Ok(result);
     }
-    let message = format!(
-        "no vertex offset was reached: the angle condition is off by {:.1e} radians, reflections by {:.1e}; other panel sizes may reach it where the \
-         curvature changes its sign, and `phex mesh --method brick-wall --boundary whole` lays panels that are easier",
-        result.angle_defect[1], result.closing_defect[1]
-    );
-    Err(Failure::new(Exit::NoValidResult, message))
+    Err(Failure::new(Exit::NoValidResult, unreached(&result)))
+}
+
+/// Panels that a refusal names.
+const NAMED: usize = 3;
+
+fn described(offender: &Offender) -> String {
+    let fault = match offender.fault {
+        Fault::NotSimple => "crosses itself",
+        Fault::LowClearance { .. } => "has corners that come too near to edges",
+        Fault::Flipped => "faces the other way",
+        Fault::WrongFan { .. } => "overlaps a neighbour",
+        Fault::Folded { .. } => "is folded against a neighbour",
+        Fault::NotPlanar { .. } => "is not planar",
+    };
+    format!("face {} {fault}", offender.face.index())
+}
+
+/// Which panels and loops keep a mesh from having a vertex offset.
+fn unreached(result: &AngleOptimised) -> String {
+    let advice = "other panel sizes may reach it where the curvature changes its sign";
+    if result.is_converged() {
+        let faults: Vec<String> = result.offenders.iter().map(described).collect();
+        let named = faults[..NAMED.min(faults.len())].join(", ");
+        return format!(
+            "no vertex offset was reached: where the angle condition holds {} panels are not as they should be ({named}); {advice}",
+            faults.len()
+        );
+    }
+    let tolerance = AngleOptions::default().tolerance;
+    let mut off = angle_conditions(&result.mesh);
+    off.retain(|c| c.defect.abs() > tolerance);
+    off.sort_by(|a, b| b.defect.abs().total_cmp(&a.defect.abs()));
+    let worst: Vec<String> = off
+        .iter()
+        .take(NAMED)
+        .map(|c| format!("face {} by {:.1e}", c.face.index(), c.defect.abs()))
+        .collect();
+    let angles = match off.len() {
+        0 => "the angle condition holds".to_owned(),
+        n => format!(
+            "{n} panels miss the angle condition, most of all {} radians",
+            worst.join(", ")
+        ),
+    };
+    let closing = spherical_mesh(&result.mesh).map_or(String::new(), |s| {
+        let h = s.holonomy;
+        format!(
+            "; reflections round {} odd panels inside and {} loops miss by {:.1e}, at edge {}",
+            h.odd_faces,
+            h.loops,
+            result.closing_defect[1],
+            h.edge.index()
+        )
+    });
+    format!("no vertex offset was reached: {angles}{closing}; {advice}")
 }
 
 /// One offset, with what was measured of it.

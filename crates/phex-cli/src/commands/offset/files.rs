@@ -159,7 +159,20 @@ fn layer_tags(own: bool, distances: &[f64]) -> Vec<String> {
     if own {
         return vec!["faces".to_owned()];
     }
-    distances.iter().map(|d| format!("{d:+}")).collect()
+    let tags = |digits| -> Vec<String> { distances.iter().map(|&d| rounded(d, digits)).collect() };
+    let distinct = |tags: &Vec<String>| tags.windows(2).all(|w| w[0] != w[1]);
+    let rough = (DIGITS..EXACT).map(tags).find(distinct);
+    rough.unwrap_or_else(|| tags(EXACT))
+}
+
+/// Digits of a distance in a file name, or as many more as tell layers apart; and all that a number has.
+const DIGITS: usize = 5;
+const EXACT: usize = 17;
+
+/// A distance with some digits, as short as it can be written.
+fn rounded(distance: f64, digits: usize) -> String {
+    let text = format!("{distance:.*e}", digits - 1);
+    format!("{:+}", text.parse().unwrap_or(distance))
 }
 
 /// Parts of file names that tell what lies between successive layers.
@@ -170,5 +183,19 @@ fn pair_tags(layers: &[String]) -> Vec<String> {
             .windows(2)
             .map(|w| format!("{}_{}", w[0], w[1]))
             .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::layer_tags;
+
+    #[test]
+    fn names_are_short_and_distinct() {
+        let tags = |d: &[f64]| layer_tags(false, d).join(" ");
+        assert_eq!(tags(&[-0.02, 0.05, 0.123_456_789]), "-0.02 +0.05 +0.12346");
+        assert_eq!(tags(&[1.0, 1.000_000_1]), "+1 +1.0000001");
+        assert_eq!(tags(&[0.1 + 0.2]), "+0.3");
+        assert_eq!(tags(&[1_234.567_89]), "+1234.6");
     }
 }

@@ -45,6 +45,7 @@ impl Told<'_> {
                 "closing_before": o.closing_defect[0],
                 "closing_after": o.closing_defect[1],
                 "deviation": o.deviation[1],
+                "tight_panels": o.offenders,
             })),
             "gauss_image": gauss_image(&base.motion),
             "inherited": base.inheritance.violations,
@@ -76,6 +77,13 @@ impl Told<'_> {
                 o.deviation[1]
             );
             table.row("angles", text);
+            if !o.offenders.is_empty() {
+                let (n, least) = (o.offenders.len(), o.quality.clearance);
+                table.row(
+                    "TIGHT",
+                    format!("{n} panels have little clearance, at least {least:.3} mean edges"),
+                );
+            }
         }
         table.row("gauss image", certainty(&base.motion));
         self.add_safe(&mut table);

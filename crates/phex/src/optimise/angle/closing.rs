@@ -18,7 +18,11 @@ const CLOSES: f64 = 1e-18;
 /// Cosine to the start that faces the normals best, from which on one that closes is as good.
 const AS_GOOD: f64 = 0.99;
 
+/// Mean square of what fails to close that weighs as much as facing the normals.
+const SOFT: f64 = 1e-2;
+
 /// The closing equations of a mesh in one piece.
+#[derive(Clone, Debug)]
 pub(super) struct Closing<'a> {
     walks: &'a Walks,
     start: Vec3,
@@ -66,6 +70,29 @@ impl<'a> Closing<'a> {
     /// Derivatives by a vertex of the equations [`Walks::at`] it.
     pub(super) fn rows_at(&self, vertex: usize) -> &[Vec3] {
         &self.rows[self.walks.places(vertex)]
+    }
+
+    /// Derivative of an equation by a vertex of its walk.
+    pub(super) fn row(&self, vertex: usize, equation: usize) -> &Vec3 {
+        &self.rows[self.walks.place(vertex, equation)]
+    }
+
+    /// All walks.
+    pub(super) fn walks(&self) -> &'a Walks {
+        self.walks
+    }
+
+    /// Sum of the squares of what fails to close at `x`.
+    pub(super) fn squares(&self, x: &[f64]) -> f64 {
+        let of_walk = |walk: &Walk| {
+            let end = walk
+                .steps()
+                .fold(self.start, |s, ends| reflected(x, ends, s));
+            let gap = end - self.start;
+            let along = |d: Vec3| d.dot(&gap).powi(2);
+            self.directions(walk, x).into_iter().map(along).sum::<f64>()
+        };
+        self.walks.walks.iter().map(of_walk).sum()
     }
 
     /// Numbers of the equations at a vertex.
@@ -153,7 +180,7 @@ fn mirror_normal(reflection: &Matrix3<f64>) -> Vec3 {
     doubled.column(largest).normalize()
 }
 
-/// The unit vector that faces the normals best when it is reflected to all vertices or, if about as good, one that closes.
+/// The unit vector that faces the normals best when it is reflected to all vertices and nearly closes or, if about as good, one that closes.
 fn best_start(walks: &Walks, panels: &Panels, shape: &Shape, x: &[f64]) -> Vec3 {
     let mut products = vec![Matrix3::identity(); panels.n_vertices()];
     for &[from, to] in &walks.tree {
@@ -182,7 +209,13 @@ fn best_start(walks: &Walks, panels: &Panels, shape: &Shape, x: &[f64]) -> Vec3 
         .map(|k| eigen.eigenvectors.column(k).into_owned())
         .map(|axis| axis * axis.dot(&facing))
         .sum();
-    closing.try_normalize(AS_GOOD).unwrap_or(facing)
+    let mean = squares / (SOFT * walks.walks.len().max(1) as f64);
+    let softened = (mean + Matrix3::identity())
+        .try_inverse()
+        .and_then(|soft| (soft * facing).try_normalize(0.0));
+    closing
+        .try_normalize(AS_GOOD)
+        .unwrap_or(softened.unwrap_or(facing))
 }
 
 #[cfg(test)]

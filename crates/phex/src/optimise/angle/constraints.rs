@@ -1,16 +1,15 @@
 //! The `4 F` constraints: planarity of every panel, the alternating sum of the angles of even ones, and the closing equations.
 
 use super::closing::Closing;
+use super::term::{ANGLE_UNIT, alternating_sum, angle_gradient, branches, has_angle};
 use super::walks::Walks;
 use crate::optimise::energy::Setting;
 use crate::optimise::guarded::GuardedSteps;
-use crate::optimise::panels::{Corner, FaceFrame, Panels, Shape, point};
+use crate::optimise::panels::{Panels, Shape, point};
 use crate::optimise::planarity::ConstraintBases;
 use nalgebra::Matrix3;
-use phex_mesh::polygon::interior_angles;
-use phex_mesh::{Vec2, Vec3};
+use phex_mesh::Vec3;
 use phex_numeric::{Assembly, Constraints, SymmetricMatrix};
-use std::f64::consts::TAU;
 
 /// Planarity of all faces, the angle condition of the even ones, and what odd ones and loops need to close.
 pub(super) struct AngleConstraints<'a> {
@@ -43,10 +42,6 @@ fn n_constraints(valence: usize) -> usize {
     valence - 3 + usize::from(has_angle(valence))
 }
 
-fn has_angle(valence: usize) -> bool {
-    valence.is_multiple_of(2)
-}
-
 /// The assembly of `J J^T`: an element for each vertex.
 pub(super) fn angle_assembly(panels: &Panels, walks: &Walks) -> Assembly {
     let start = constraint_starts(panels);
@@ -64,33 +59,6 @@ pub(super) fn angle_assembly(panels: &Panels, walks: &Walks) -> Assembly {
     Assembly::new(of_faces + walks.n_equations(), &elements)
 }
 
-/// `t_0 - t_1 + t_2 - ...` of a face in its plane.
-fn alternating_sum(corners: &[Corner]) -> f64 {
-    let flat: Vec<Vec2> = corners.iter().map(|c| c.flat).collect();
-    let signed = |(i, t): (usize, f64)| if i % 2 == 0 { t } else { -t };
-    interior_angles(&flat).enumerate().map(signed).sum()
-}
-
-/// Derivative of [`alternating_sum`] by each corner: `+-2 (n x e / |e|^2)` of both its edges.
-fn angle_gradient(frame: &FaceFrame, corners: &[Corner], i: usize) -> Vec3 {
-    let k = corners.len();
-    let turn = |from: usize, to: usize| {
-        let e = corners[to].flat - corners[from].flat;
-        Vec2::new(-e.y, e.x) / e.norm_squared()
-    };
-    let sum = (turn(i, (i + 1) % k) + turn((i + k - 1) % k, i)) * 2.0;
-    let [a, b] = frame.plane.axes;
-    let gradient = a * sum.x + b * sum.y;
-    if i.is_multiple_of(2) {
-        gradient
-    } else {
-        -gradient
-    }
-}
-
-/// Unit of the angle constraint, over the mean edge: its gradient is then about as long as those of planarity.
-const ANGLE_UNIT: f64 = 0.125;
-
 impl<'a> AngleConstraints<'a> {
     pub(super) fn new(
         setting: &'a Setting<'a>,
@@ -106,17 +74,12 @@ impl<'a> AngleConstraints<'a> {
         for f in 0..panels.n_faces() {
             row_start.push(row_start[f] + panels.valence(f) * (start[f + 1] - start[f]));
         }
-        let branch = |f: usize| {
-            let nearest = |sum: f64| (sum / TAU).round() * TAU;
-            has_angle(panels.valence(f))
-                .then(|| nearest(alternating_sum(steps.trial.face(panels, f))))
-        };
         Self {
             bases: ConstraintBases::new(panels),
             rows: vec![Vec3::zeros(); row_start[panels.n_faces()]],
             start,
             row_start,
-            branch: (0..panels.n_faces()).map(branch).collect(),
+            branch: branches(panels, &steps.trial),
             closing: Closing::new(walks, panels, &steps.trial, x),
             steps,
             blocks: vec![0.0; assembly.n_block_entries()],
@@ -142,6 +105,16 @@ impl<'a> AngleConstraints<'a> {
         self.steps.trial.update(self.setting.panels, x);
         let angle = 0.5 * self.largest_angle(&self.steps.trial);
         [angle, self.closing.defect(x)]
+    }
+
+    /// The same from the nearest branches.
+    pub(super) fn nearest_defects(&mut self, x: &[f64]) -> [f64; 2] {
+        let shape = Shape::at(self.setting.panels, x);
+        let nearest = branches(self.setting.panels, &shape);
+        let own = std::mem::replace(&mut self.branch, nearest);
+        let defects = self.defects(x);
+        self.branch = own;
+        defects
     }
 
     /// Number of the equations of the faces; the closing equations follow.

@@ -18,17 +18,25 @@
 //!
 //! | `R x = x` | `Closing`: one equation for each odd panel inside, up to two for each loop that is no panel (`Walks`) |
 //!
-//! *Guaranteed*: as in the whole stage, simple panels stay simple. *Fails* where some panels would have to turn their angles by a
-//! radian, as they may where curvature changes its sign; [`AngleOptimised::is_converged`] tells.
+//! Where the first step does not get there from the mesh as it is, it begins from a start that is eased towards the constraints (`ease`), with
+//! several weights of symmetry and room.
+//!
+//! *Guaranteed*: as in the whole stage, simple panels stay simple. *Fails* on closed surfaces where rows run along a parabolic curve whose points share
+//! their tangent plane: the Gauss image of the curve is a point then, and the circles through the vertices of rows of equal panels shrink
+//! towards it in a geometric sequence without passing it (a torus); and where panels can't be sound besides. [`AngleOptimised::is_converged`] tells.
 
 mod closing;
 mod constraints;
+mod ease;
 mod path;
 mod tangent;
+mod term;
 mod walks;
 
 use self::constraints::angle_assembly;
+use self::ease::eased;
 use self::path::AnglePath;
+pub(super) use self::term::AngleTerm;
 use self::walks::Walks;
 pub(crate) use self::walks::free_edges;
 use super::energy::{Setting, deviation};
@@ -42,9 +50,39 @@ use phex_mesh::{HexMesh, PerVertex, ValidateOptions, violations};
 use phex_numeric::{Outcome, Status};
 use serde::{Deserialize, Serialize};
 
-/// Clearances that are kept on the way, over the least one of a result, in the order in which they are tried: near parabolic curves some panels come
-/// through only where others may come close, and the descent opens them again.
-const WAYS: [f64; 3] = [1.0, 0.3, 0.1];
+/// A way to the constraints.
+struct Way {
+    /// From a start that is [`eased`] with these factors of fairness and barrier, or from the one that is given.
+    ease: Option<[f64; 2]>,
+    /// Clearances that are then kept, over the least one of a result, one after the other: near parabolic curves some panels come through only where
+    /// others may come close, and the descent opens them again.
+    clearances: &'static [f64],
+}
+
+impl Way {
+    const fn eased(fairness: f64, barrier: f64) -> Self {
+        Self {
+            ease: Some([fairness, barrier]),
+            clearances: &[1.0, 0.1],
+        }
+    }
+}
+
+/// The ways that are tried, one after the other.
+const WAYS: [Way; 6] = [
+    Way {
+        ease: None,
+        clearances: &[1.0],
+    },
+    Way::eased(3.0, 1.0),
+    Way::eased(30.0, 1.0),
+    Way::eased(10.0, 5.0),
+    Way::eased(100.0, 5.0),
+    Way {
+        ease: None,
+        clearances: &[0.3, 0.1],
+    },
+];
 
 /// Options of [`satisfy_angle_condition`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,7 +102,7 @@ impl Default for AngleOptions {
     fn default() -> Self {
         Self {
             optimise: OptimiseOptions::default(),
-            newton_iterations: 30,
+            newton_iterations: 60,
             descent_steps: 30,
             tolerance: 1e-12,
         }
@@ -121,33 +159,57 @@ pub fn satisfy_angle_condition(
     let walks = Walks::of(mesh);
     let assemblies = [energy_assembly(&panels), angle_assembly(&panels, &walks)];
     let allowed = n_violations(mesh, options);
-    let mut best: Option<(usize, AngleOptimised)> = None;
+    let mut best: Option<(Rank, AngleOptimised)> = None;
     for way in WAYS {
-        let mut path = AnglePath::new(
-            &setting,
-            &assemblies,
-            &walks,
-            &start,
-            options,
-            way,
-            progress,
-        )?;
-        let made = attempt(mesh, &mut path, &setting, options);
-        let wrong =
-            made.offenders.len() + n_violations(&made.mesh, options).saturating_sub(allowed);
-        let over = made.is_converged() && wrong == 0 || progress.is_cancelled();
-        let worse = |(old, b): &(usize, AngleOptimised)| {
-            let rank = |m: &AngleOptimised| !m.is_converged();
-            (rank(&made), wrong) < (rank(b), *old)
+        let (from, spent) = match way.ease {
+            None => (start.clone(), Outcome::empty(Status::Converged)),
+            Some(factors) => eased(&setting, &walks, &start, options, factors, progress)?,
         };
-        if best.as_ref().is_none_or(worse) {
-            best = Some((wrong, made));
-        }
-        if over {
-            break;
+        for &clearance in way.clearances {
+            let mut path = AnglePath::new(
+                &setting,
+                &assemblies,
+                &walks,
+                &from,
+                options,
+                clearance,
+                progress,
+            )?;
+            path.outcome = spent.clone();
+            let made = attempt(mesh, [&start, &from], &mut path, &setting, options);
+            let wrong = n_violations(&made.mesh, options).saturating_sub(allowed);
+            let rank = Rank::of(&made, wrong);
+            let over = rank.is_sound() || progress.is_cancelled();
+            if best.as_ref().is_none_or(|(old, _)| rank < *old) {
+                best = Some((rank, made));
+            }
+            if over {
+                return Ok(best.expect("there is a way").1);
+            }
         }
     }
     Ok(best.expect("there is a way").1)
+}
+
+/// How far a result is from what is wanted: constraints first, then panels.
+#[derive(PartialEq, PartialOrd)]
+struct Rank {
+    missed: f64,
+    wrong: usize,
+}
+
+impl Rank {
+    fn of(made: &AngleOptimised, wrong: usize) -> Self {
+        let defect = made.angle_defect[1].max(made.closing_defect[1]);
+        Self {
+            missed: if made.is_converged() { 0.0 } else { defect },
+            wrong: wrong + made.offenders.len(),
+        }
+    }
+
+    fn is_sound(&self) -> bool {
+        self.missed == 0.0 && self.wrong == 0
+    }
 }
 
 /// What is wrong with a mesh in itself.
@@ -159,15 +221,19 @@ fn n_violations(mesh: &HexMesh, options: &AngleOptions) -> usize {
     violations(mesh, None, &validity).len()
 }
 
-/// One way from the start.
+/// One way: the positions that were given, and those to start from.
 fn attempt(
     mesh: &HexMesh,
+    [given, from]: [&[f64]; 2],
     path: &mut AnglePath<'_>,
     setting: &Setting<'_>,
     options: &AngleOptions,
 ) -> AngleOptimised {
-    let mut x = unknowns(mesh);
-    let (before, moved) = (path.constraints.defects(&x), deviation(setting, &x).0);
+    let (before, moved) = (
+        path.constraints.nearest_defects(given),
+        deviation(setting, given).0,
+    );
+    let mut x = from.to_vec();
     if !path.is_met(&x) {
         path.project(&mut x);
         if path.outcome.status == Status::Converged {

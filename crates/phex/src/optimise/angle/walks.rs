@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 /// A closed walk from the root.
+#[derive(Debug)]
 pub(super) struct Walk {
     vertices: Vec<u32>,
     /// Its first equation.
@@ -24,12 +25,26 @@ impl Walk {
         self.n_steps() % 2 == 1
     }
 
+    /// Its vertices, each once, in ascending order.
+    pub(super) fn distinct(&self) -> Vec<u32> {
+        let mut distinct = self.vertices.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
+        distinct
+    }
+
+    /// Its equations.
+    pub(super) fn equations(&self) -> Range<usize> {
+        self.first..self.first + n_equations(self)
+    }
+
     pub(super) fn steps(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.vertices.windows(2).map(|w| [w[0], w[1]])
     }
 }
 
 /// All walks of a mesh, and which equations each vertex has a part in.
+#[derive(Debug)]
 pub(super) struct Walks {
     pub(super) walks: Vec<Walk>,
     /// Edges of the spanning tree, from the root.
