@@ -30,7 +30,7 @@ pub struct TypedLimits {
     pub max_deviation: Quantity,
     /// The model's unit.
     pub unit: Unit,
-    /// What panels were to do at the boundary, where the method keeps to it and nothing is held.
+    /// What panels were to do at the boundary, where the method keeps to it and neither curve nor ground plane says otherwise.
     pub boundary: Option<Boundary>,
 }
 
@@ -52,9 +52,10 @@ impl From<&Limits> for TypedLimits {
 impl From<&MeshSettings> for TypedLimits {
     fn from(settings: &MeshSettings) -> Self {
         let stages = &settings.stages;
-        // Steering comes last, and what is held may draw the rim along with it.
-        let keeps_to_boundary =
-            matches!(stages.method, Method::Lattice | Method::Best) && stages.steering.is_empty();
+        // A curve or a ground plane says where the boundary goes instead.
+        let steering = &stages.steering;
+        let free = steering.curves.is_empty() && steering.grounds.is_empty();
+        let keeps_to_boundary = matches!(stages.method, Method::Lattice | Method::Best) && free;
         Self {
             planarity: settings.planarity,
             max_deviation: settings.max_deviation(),

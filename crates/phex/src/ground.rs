@@ -7,10 +7,15 @@ use crate::target::{self, SmoothTarget, TargetKind};
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
 use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 
-/// Width of the strip beyond the boundary for whole panels, in panel lengths.
-const WHOLE_STRIP: f64 = 1.5;
+/// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that where rows run along the strip's edge
+/// they run along the boundary, too.
+const WHOLE_STRIP: f64 = 2.0 * CELL;
 /// The same for clipped panels: as much as is cut off a row that runs along the boundary.
 const CLIP_STRIP: f64 = 0.2;
+
+/// Holes no longer round than this many panel lengths are closed while panels are laid out, and cut out of them afterwards: rows can't go
+/// round a hole of a panel or two without slivers.
+const SMALL_HOLE: f64 = 7.0;
 
 /// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a strip beyond it.
 #[derive(Clone)]
@@ -75,7 +80,8 @@ impl Ground {
         let smooth = |surface: &TriangleSurface, panels: usize| {
             target::smooth_target(surface, (density * panels as f64) as usize, &options.target)
         };
-        let extension = extend::extend(facets, width);
+        let length = (facets.area() / (CELL * panels as f64)).sqrt();
+        let extension = extend::extend(facets, width, SMALL_HOLE * length);
         let Some(extension) = extension else {
             return Self {
                 smooth: smooth(facets, panels),
@@ -156,13 +162,9 @@ impl Ground {
     }
 }
 
-/// Options for the extended surface: sizes go on from the boundary, and a boundary that will not be seen means nothing.
+/// Options for the extended surface: sizes go on from the boundary.
 fn extended_options(options: &MeshOptions, extension: &Extension) -> MeshOptions {
     let mut options = options.clone();
-    if options.boundary == Boundary::Whole {
-        options.directions.boundary_alignment = 0.0;
-        options.layout.boundary_phase = 0.0;
-    }
     if let Some(values) = &mut options.size_field {
         let beyond = extension.origin.iter().skip(values.len());
         let beyond: Vec<f64> = beyond

@@ -5,6 +5,7 @@
 
 mod brick_wall;
 mod classical;
+mod cures;
 mod field;
 mod portfolio;
 mod repair;
@@ -204,10 +205,14 @@ pub struct StageSeconds {
 pub struct RepairRound {
     /// Panels before the round.
     pub panels: usize,
-    /// Panels that were invalid, or if there were none, tight, and lost their seeds.
+    /// Seeds that were dropped, or moved.
     pub dropped: usize,
-    /// Seeds that were added where the surface stood off from panels.
+    /// Seeds that were added, or moved.
     pub added: usize,
+    /// Places where seeds were changed, because panels were invalid or tight or the surface stood off.
+    pub places: usize,
+    /// Changes of the round before that had not helped and were taken back.
+    pub undone: usize,
 }
 
 /// What the stages did, for the report.

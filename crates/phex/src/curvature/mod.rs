@@ -63,13 +63,23 @@ pub fn curvature(
     panel_length: f64,
     options: &CurvatureOptions,
 ) -> Curvature {
-    let radius = options.radius_rel * panel_length;
+    let length = PerVertex::filled(surface.positions().len(), panel_length);
+    curvature_sized(surface, &length, options)
+}
+
+/// The same at the scale of panels whose length changes: one for each vertex.
+pub fn curvature_sized(
+    surface: &TriangleSurface,
+    panel_length: &PerVertex<f64>,
+    options: &CurvatureOptions,
+) -> Curvature {
     let fits: Vec<(jet::Jet, f64)> = (0..surface.positions().len())
         .into_par_iter()
         .map_init(
             || jet::Neighbourhood::new(surface),
             |hood, i| {
                 let v = phex_mesh::VertexId::new(i as u32);
+                let radius = options.radius_rel * panel_length[v];
                 let members = hood.collect(v, radius);
                 let fit = jet::fit(surface, v, members, f64::INFINITY);
                 let inner = jet::fit(surface, v, members, 0.6 * radius);

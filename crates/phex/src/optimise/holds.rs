@@ -7,7 +7,7 @@
 //! |---|---|
 //! | at a point | `0` |
 //! | in a plane | `I - n n^T` |
-//! | on a curve | `t t^T` |
+//! | on a curve, or the boundary | `t t^T` |
 
 use super::energy::Setting;
 use super::panels::{add_block, point};
@@ -25,6 +25,8 @@ pub(super) enum Hold {
     InPlane { point: Vec3, normal: Vec3 },
     /// It slides on the curves.
     OnCurve,
+    /// It slides on the boundary of the surface.
+    OnRim,
 }
 
 /// A pull of a vertex towards a point.
@@ -41,9 +43,18 @@ pub(super) struct Holds {
     pub held: BTreeMap<u32, Hold>,
     pub anchors: BTreeMap<u32, Anchored>,
     pub curves: Option<BoundaryCurve>,
+    pub rim: Option<BoundaryCurve>,
 }
 
 impl Holds {
+    /// Keeps vertices on the boundary that nothing else holds.
+    pub fn keep_rim(&mut self, held: &BTreeMap<u32, Hold>, curves: &BoundaryCurve) {
+        for (&v, &hold) in held {
+            self.held.entry(v).or_insert(hold);
+        }
+        self.rim = Some(curves.clone());
+    }
+
     /// The held vertices, in order, with the tangent spaces `T` at `x`.
     pub fn freedoms<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = (u32, Matrix3<f64>)> + 'a {
         let freedom = |(&v, hold): (&u32, &Hold)| (v, self.freedom(hold, point(x, v as usize)));
@@ -54,10 +65,8 @@ impl Holds {
         match hold {
             Hold::At(_) => Matrix3::zeros(),
             Hold::InPlane { normal, .. } => Matrix3::identity() - normal * normal.transpose(),
-            Hold::OnCurve => self.curves.as_ref().map_or_else(Matrix3::identity, |c| {
-                let tangent = c.closest_point(p).tangent;
-                tangent * tangent.transpose()
-            }),
+            Hold::OnCurve => along(self.curves.as_ref(), p),
+            Hold::OnRim => along(self.rim.as_ref(), p),
         }
     }
 
@@ -69,6 +78,7 @@ impl Holds {
             held: held.collect(),
             anchors: anchors.filter_map(|(v, a)| Some((local(v)?, *a))).collect(),
             curves: self.curves.clone(),
+            rim: self.rim.clone(),
         }
     }
 
@@ -77,10 +87,8 @@ impl Holds {
         match hold {
             Hold::At(q) => *q,
             Hold::InPlane { point, normal } => in_plane(p, *point, *normal),
-            Hold::OnCurve => {
-                let curves = self.curves.as_ref();
-                curves.map_or(p, |c| c.closest_point(p).position)
-            }
+            Hold::OnCurve => on(self.curves.as_ref(), p),
+            Hold::OnRim => on(self.rim.as_ref(), p),
         }
     }
 
@@ -98,6 +106,18 @@ impl Holds {
             x[at..at + 3].copy_from_slice(place.as_slice());
         }
     }
+}
+
+/// The tangent space of curves at their point closest to `p`.
+fn along(curves: Option<&BoundaryCurve>, p: Vec3) -> Matrix3<f64> {
+    curves.map_or_else(Matrix3::identity, |c| {
+        let tangent = c.closest_point(p).tangent;
+        tangent * tangent.transpose()
+    })
+}
+
+fn on(curves: Option<&BoundaryCurve>, p: Vec3) -> Vec3 {
+    curves.map_or(p, |c| c.closest_point(p).position)
 }
 
 /// The closest point of a plane; exact in the coordinate of an axis-parallel normal.

@@ -83,19 +83,20 @@ use crate::layout::{Layout, VertexKind};
 use crate::progress::{Event, Progress};
 use closeness::Reference;
 use guard::Guard;
-use holds::Holds;
+use holds::{Hold, Holds};
 use panels::{Panels, Shape, points, unknowns};
-use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, Vec3};
+use phex_mesh::{BoundaryCurve, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
 use run::Run;
 use serde::Serialize;
 use solvers::Solvers;
 use start::TangentCells;
+use std::collections::BTreeMap;
 
 pub(crate) use angle::free_edges;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
-pub use on_boundary::{BoundaryHold, onto_boundary};
+pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind, Starts};
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, SteeringError};
@@ -245,7 +246,7 @@ pub fn refit(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
-    from_mesh(mesh, target, steering, options, progress, false)
+    from_mesh(mesh, target, (steering, None), options, progress, false)
 }
 
 /// As [`planarize`], with vertices held where the user wants them: fixed ones to the last bit, those in a plane or on a curve
@@ -260,15 +261,30 @@ pub fn steer(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
+    steer_with(mesh, target, steering, None, options, progress)
+}
+
+/// Vertices that stay on the boundary, unless the user holds them, and the curves that it is.
+type Rim<'a> = Option<(&'a BTreeMap<u32, Hold>, &'a BoundaryCurve)>;
+
+fn steer_with(
+    mesh: &HexMesh,
+    target: Option<&dyn Target>,
+    steering: &Steering,
+    rim: Rim<'_>,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, OptimiseError> {
     let only_project = steering.anchors.is_empty();
-    from_mesh(mesh, target, steering, options, progress, only_project)
+    let what = (steering, rim);
+    from_mesh(mesh, target, what, options, progress, only_project)
 }
 
 /// `only_project`: a mesh that is nearly planar is not optimised otherwise.
 fn from_mesh(
     mesh: &HexMesh,
     target: Option<&dyn Target>,
-    steering: &Steering,
+    (steering, rim): (&Steering, Rim<'_>),
     options: &OptimiseOptions,
     progress: &dyn Progress,
     only_project: bool,
@@ -288,6 +304,9 @@ fn from_mesh(
     let kinds = kinds_of(mesh);
     let mut stage = Stage::new(mesh, reference, side, &kinds, options);
     stage.holds = steering::resolve(steering, mesh)?;
+    if let Some((held, curves)) = rim {
+        stage.holds.keep_rim(held, curves);
+    }
     let x = steering::put_in_place(&stage.holds, &panels, mesh)?;
     let mut solvers = Solvers::new(&panels)?;
     let run = match only_project {

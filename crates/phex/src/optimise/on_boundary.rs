@@ -13,7 +13,7 @@ use super::run::{Reached, Run, Way};
 use super::solvers::Solvers;
 use super::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,
-    Stage, StartKind, Target, better, check_mesh, kinds_of, steering,
+    Stage, StartKind, Steering, Target, better, check_mesh, kinds_of, steering,
 };
 use crate::progress::Progress;
 use phex_mesh::{
@@ -34,6 +34,9 @@ const CORNER_REACH: f64 = 0.3;
 const WORST: f64 = 0.3;
 /// Share of the clearance that must be left.
 const CLEARANCE_LEFT: f64 = 0.6;
+
+/// Diagonals within which a vertex lies on a curve.
+const ON_IT: f64 = 1e-7;
 
 /// The curves, and the points of them that vertices are put on.
 pub struct BoundaryHold<'a> {
@@ -73,6 +76,7 @@ pub fn onto_boundary(
             held: held.clone(),
             anchors: BTreeMap::new(),
             curves: Some(hold.curves.clone()),
+            rim: None,
         };
         let Ok(start) = steering::put_in_place(&stage.holds, &panels, mesh) else {
             break;
@@ -92,6 +96,64 @@ pub fn onto_boundary(
         }
     }
     Ok(None)
+}
+
+/// As [`steer`](super::steer), and vertices that lie on the boundary's curves or corners stay there where panels allow it: what
+/// the user holds comes first.
+///
+/// # Errors
+/// As [`steer`](super::steer).
+pub fn steer_on_boundary(
+    mesh: &HexMesh,
+    target: &dyn Target,
+    steering: &Steering,
+    hold: &BoundaryHold<'_>,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, OptimiseError> {
+    let mut held = already_there(mesh, hold);
+    for _ in 0..ROUNDS {
+        if held.is_empty() || progress.is_cancelled() {
+            break;
+        }
+        let rim = Some((&held, hold.curves));
+        let Ok(result) = super::steer_with(mesh, Some(target), steering, rim, options, progress)
+        else {
+            break;
+        };
+        if result.is_sound() {
+            return Ok(result);
+        }
+        let faces: BTreeSet<FaceId> = result.offenders.iter().map(|o| o.face).collect();
+        let corners = faces.iter().flat_map(|f| mesh.topology().face_vertices(*f));
+        let harmed: BTreeSet<u32> = corners.map(|v| v.index() as u32).collect();
+        let around = beside(mesh, &harmed);
+        if ![harmed, around].iter().any(|c| let_go(&mut held, c)) {
+            break;
+        }
+    }
+    super::steer(mesh, Some(target), steering, options, progress)
+}
+
+/// Vertices of the boundary that lie on the curves, and those at corners.
+fn already_there(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
+    let topology = mesh.topology();
+    let near = ON_IT * mesh.diagonal();
+    let hold_of = |v: VertexId| {
+        let p = mesh.position(v);
+        let at_corner = hold.corners.iter().any(|c| (c - p).norm() < near);
+        let on_curve = (hold.curves.closest_point(p).position - p).norm() < near;
+        match (at_corner, on_curve) {
+            (true, _) => Some(Hold::At(p)),
+            (_, true) => Some(Hold::OnRim),
+            _ => None,
+        }
+    };
+    let rim = topology
+        .vertices()
+        .filter(|v| topology.is_boundary_vertex(*v));
+    rim.filter_map(|v| Some((v.index() as u32, hold_of(v)?)))
+        .collect()
 }
 
 impl Stage<'_> {

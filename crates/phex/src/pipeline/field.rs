@@ -40,11 +40,10 @@ impl Field {
         let (smooth, panels) = (&ground.smooth, ground.panels);
         let surface = &smooth.levels[level];
         let length = panel_length(surface, panels);
-        let curvature = clock.stage("curvature", || {
-            curvature::curvature(surface, length, &options.curvature)
-        })?;
         cones::prescribed_faces(surface, &settings.guides.cones)?;
-        let mut length = panel_lengths(smooth, level, &curvature, length, panels, options)?;
+        let (curvature, mut length) = clock.stage("curvature", || {
+            sized_curvature(smooth, level, length, panels, options)
+        })??;
         let (directions, placed) = counted_lattice(panels, |ratio| {
             length.iter_mut().for_each(|l| *l *= ratio.sqrt());
             let directions = clock.stage("directions", || {
@@ -192,6 +191,33 @@ pub(super) fn direction_options(options: &MeshOptions, anisotropy: f64) -> Direc
         settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
     }
     settings
+}
+
+/// Rounds in which curvature is looked at from nearer where panels are smaller.
+const NEARER: usize = 2;
+
+/// Curvature at the scale of the panels, and their length at each vertex of a level. Where curvature makes panels smaller, it is
+/// estimated again at their scale: at that of large panels the tip of a horn is smoothed away.
+fn sized_curvature(
+    smooth: &SmoothTarget,
+    level: usize,
+    uniform: f64,
+    panels: usize,
+    options: &MeshOptions,
+) -> Result<(Curvature, PerVertex<f64>), PipelineError> {
+    let surface = &smooth.levels[level];
+    let mut curvature = curvature::curvature(surface, uniform, &options.curvature);
+    let mut length = panel_lengths(smooth, level, &curvature, uniform, panels, options)?;
+    let rounds = if options.sizes.adaptive.is_some() {
+        NEARER
+    } else {
+        0
+    };
+    for _ in 0..rounds {
+        curvature = curvature::curvature_sized(surface, &length, &options.curvature);
+        length = panel_lengths(smooth, level, &curvature, uniform, panels, options)?;
+    }
+    Ok((curvature, length))
 }
 
 /// Panel length at each vertex of a level.

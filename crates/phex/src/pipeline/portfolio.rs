@@ -107,6 +107,8 @@ pub struct AttemptSummary {
 pub(super) const GOOD_DEVIATION: f64 = 4.5e-3;
 /// Share of panels that are irregular without need, up to which nothing else is tried.
 const GOOD_IRREGULAR: f64 = 0.025;
+/// The same where sizes vary: every change of size costs a pair.
+const GOOD_IRREGULAR_SIZED: f64 = 0.08;
 
 impl AttemptSummary {
     /// What the mesh itself tells; the rest is for the caller to fill in.
@@ -131,8 +133,10 @@ impl AttemptSummary {
     /// Whether nothing else needs to be tried.
     fn is_good(&self, options: &MeshOptions) -> bool {
         let close = self.deviation <= GOOD_DEVIATION && self.clearance >= options.good_clearance;
+        let sized = options.sizes.adaptive.is_some() || options.size_field.is_some();
         let regular = match self.regular_possible {
             true => self.irregular == 0,
+            false if sized => self.irregular_share() <= GOOD_IRREGULAR_SIZED,
             false => self.irregular_share() <= GOOD_IRREGULAR && self.dislocations == 0,
         };
         self.invalid == 0 && close && regular

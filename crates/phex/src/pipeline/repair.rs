@@ -1,10 +1,12 @@
 //! Layout, optimiser and the repair loop for a lattice of one kind.
 
+use super::cures::{Cures, Ill, Place};
 use super::field::{Field, FineSurface, Way, direction_options, resolved};
 use super::portfolio::GOOD_DEVIATION;
 use super::{Clock, MeshOptions, PipelineError, RepairRound, rim};
 use crate::directions::guides::Cone;
 use crate::ground::{Beyond, Ground};
+use crate::layout::reseed::Neighbourhoods;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, LayoutStatistics};
 use crate::optimise::{self, Fault, Offender, Optimised, SurfaceTarget};
@@ -37,6 +39,7 @@ pub(super) struct Attempt {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Badness {
     not_planar: bool,
+    broken: usize,
     invalid: usize,
     bare: usize,
     tight: usize,
@@ -45,12 +48,22 @@ struct Badness {
 /// Rounds of the repair loop at the most on a mesh that is valid: they add panels where the surface stands off, or give tight
 /// panels more room.
 const MAX_POLISHES: usize = 3;
+/// Share of invalid panels above which they are too large for the surface, and rounds after which that is known.
+const HOPELESS: f64 = 0.1;
+const FEW_REPAIRS: usize = 2;
 /// Share of the panels up to which a round adds panels, and a number that is always allowed: where the surface stands off in more
 /// places than that, panels are too large everywhere, and more of them here and there only spoil the rows.
 const MAX_ADDED_SHARE: f64 = 0.02;
 const MAX_ADDED: usize = 2;
 /// Distance of these places from each other, mean edges.
 const ADDED_APART: f64 = 3.0;
+/// Panel lengths within which a place counts as the same.
+const SAME_PLACE: f64 = 2.5;
+/// What a place where the surface stands off counts, for each time that it is as far as is good, what a panel does that only folds
+/// over an edge or is small, and a tight one; any other invalid one counts 1.
+const BARE: f64 = 0.3;
+const MILD: f64 = 0.3;
+const TIGHT: f64 = 0.02;
 
 /// Layout, optimiser and the repair loop for a lattice of one kind.
 pub(super) fn attempt(
@@ -80,6 +93,7 @@ pub(super) fn attempt(
     let mut repairs = Vec::new();
     let mut factorisations = 0;
     let mut best: Option<(Badness, Optimised, Left)> = None;
+    let mut cures = Cures::default();
     let mut polished = 0;
     loop {
         let result = clock.timed("optimise", || {
@@ -90,6 +104,7 @@ pub(super) fn attempt(
         let violations = clock.timed("validate", || between_panels(&trimmed.mesh, reported));
         let offenders = offenders_left(&result.offenders, &trimmed);
         let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
+        let mild = mild(&invalid, &offenders, &trimmed, &violations);
         let tight = tight_panels(&trimmed, options);
         let deviation = clock.timed("validate", || {
             phex_mesh::deviation_beyond(&trimmed.mesh, reported, reach)
@@ -97,6 +112,7 @@ pub(super) fn attempt(
         let bare = bare_places(&trimmed.mesh, reported, &deviation, options);
         let badness = Badness {
             not_planar: !is_planar(&offenders),
+            broken: invalid.len() - mild.len(),
             invalid: invalid.len(),
             bare: bare.len(),
             tight: tight.len(),
@@ -111,13 +127,29 @@ pub(super) fn attempt(
             };
             best = Some((badness, result, left));
         }
-        let edit = Edit::new(invalid, bare, tight);
         polished += usize::from(badness.invalid == 0);
-        let over = polished > MAX_POLISHES || repairs.len() >= options.max_repairs;
-        if edit.is_empty() || over || progress.is_cancelled() {
+        let hopeless = invalid.len() as f64 > HOPELESS * layout.mesh.topology().n_faces() as f64;
+        let most = if hopeless {
+            FEW_REPAIRS
+        } else {
+            options.max_repairs
+        };
+        let over = polished > MAX_POLISHES || repairs.len() >= most;
+        if over || progress.is_cancelled() {
             break;
         }
-        repairs.push(edit.apply(&mut seeds, &layout, &fine.surface));
+        let wrong = Wrong {
+            invalid,
+            mild,
+            bare,
+            tight,
+        };
+        let places = wrong.places(&layout, &fine.surface);
+        let round = clock.timed("layout", || {
+            next_round(&mut cures, places, &mut seeds, &fine, &layout)
+        });
+        let Some(round) = round else { break };
+        repairs.push(round);
         match clock.timed("layout", || calm_panels(&fine, &seeds)) {
             Ok(next) => layout = next,
             Err(_) => break,
@@ -238,62 +270,135 @@ fn is_planar(offenders: &[Offender]) -> bool {
     offenders.iter().all(planar)
 }
 
-/// What a round of the repair loop changes.
-struct Edit {
-    drop: BTreeSet<FaceId>,
-    add: Vec<Vec3>,
+/// What is wrong with a round's panels, numbered as in the layout.
+struct Wrong {
+    invalid: BTreeSet<FaceId>,
+    /// Those of them that only fold over an edge, or are small.
+    mild: BTreeSet<FaceId>,
+    bare: Vec<(Vec3, f64)>,
+    tight: BTreeSet<FaceId>,
 }
 
-impl Edit {
-    /// Invalid panels come first, then places where the surface stands off, then tight panels.
-    fn new(invalid: BTreeSet<FaceId>, bare: Vec<Vec3>, tight: BTreeSet<FaceId>) -> Self {
-        match (invalid.is_empty(), bare.is_empty()) {
-            (false, _) => Self::dropping(invalid),
-            (true, true) => Self::dropping(tight),
-            (true, false) => Self {
-                drop: BTreeSet::new(),
-                add: bare,
-            },
+impl Wrong {
+    /// Places where something is wrong: tight panels count only where all are valid and close.
+    fn places(&self, layout: &Layout, fine: &TriangleSurface) -> Vec<Place> {
+        let weight = |f: &FaceId| if self.mild.contains(f) { MILD } else { 1.0 };
+        let mut places = of_panels(layout, &self.invalid, Ill::Invalid, weight);
+        let points: Vec<Vec3> = self.bare.iter().map(|b| b.0).collect();
+        let feet = fine.closest_points(&points);
+        let bare = self.bare.iter().zip(&feet);
+        places.extend(bare.map(|((at, excess), foot)| Place {
+            ill: Ill::Bare,
+            at: *at,
+            reach: SAME_PLACE * length_near(layout, *at),
+            cells: vec![fine.topology().face_vertices(foot.triangle)[0]],
+            weight: BARE * excess,
+        }));
+        if places.is_empty() {
+            places = of_panels(layout, &self.tight, Ill::Tight, |_| TIGHT);
         }
-    }
-
-    fn dropping(drop: BTreeSet<FaceId>) -> Self {
-        Self {
-            drop,
-            add: Vec::new(),
-        }
-    }
-
-    fn is_empty(&self) -> bool {
-        self.drop.is_empty() && self.add.is_empty()
-    }
-
-    fn apply(&self, seeds: &mut Vec<Seed>, layout: &Layout, fine: &TriangleSurface) -> RepairRound {
-        let before = seeds.len();
-        drop_seeds(seeds, layout, &self.drop);
-        let dropped = before - seeds.len();
-        let before = seeds.len();
-        let known: HashSet<VertexId> = seeds.iter().map(|s| s.vertex).collect();
-        let places = fine.closest_points(&self.add).into_iter();
-        let corners = places.map(|p| fine.topology().face_vertices(p.triangle)[0]);
-        seeds.extend(corners.filter(|v| !known.contains(v)).map(Seed::at));
-        seeds.sort_by_key(|s| s.vertex);
-        seeds.dedup_by_key(|s| s.vertex);
-        RepairRound {
-            panels: layout.mesh.topology().n_faces(),
-            dropped,
-            added: seeds.len() - before,
-        }
+        places
     }
 }
 
-/// Places where the surface stands off from the panels farther than is good, the farthest first.
+/// The invalid panels that have no fault but an edge over which they fold, or a small area at the boundary.
+fn mild(
+    invalid: &BTreeSet<FaceId>,
+    offenders: &[Offender],
+    trimmed: &Trimmed,
+    violations: &[Violation],
+) -> BTreeSet<FaceId> {
+    let topology = trimmed.mesh.topology();
+    let grave = violations
+        .iter()
+        .filter(|v| !matches!(v, Violation::Fold { .. } | Violation::NotPlanar { .. }));
+    let faces = grave.flat_map(|v| v.faces(topology));
+    let bad = |o: &&Offender| !matches!(o.fault, Fault::Folded { .. } | Fault::NotPlanar { .. });
+    let broken = faces.chain(offenders.iter().filter(bad).map(|o| o.face));
+    let broken: BTreeSet<FaceId> = broken.map(|f| trimmed.parent[f]).collect();
+    invalid.difference(&broken).copied().collect()
+}
+
+/// Length of the panel whose middle is nearest.
+fn length_near(layout: &Layout, p: Vec3) -> f64 {
+    let distances = layout.face_point.enumerate();
+    let nearest = distances.map(|(f, q)| ((q - p).norm_squared(), f));
+    let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map_or(0.0, |(_, f)| layout.face_length[f])
+}
+
+/// Groups of panels that hang together.
+fn of_panels(
+    layout: &Layout,
+    panels: &BTreeSet<FaceId>,
+    ill: Ill,
+    weight: impl Fn(&FaceId) -> f64,
+) -> Vec<Place> {
+    let topology = layout.mesh.topology();
+    let mut left = panels.clone();
+    let mut places = Vec::new();
+    while let Some(first) = left.pop_first() {
+        let mut group = vec![first];
+        let mut next = 0;
+        while next < group.len() {
+            let twins = topology.face_half_edges(group[next]);
+            let twins = twins.filter_map(|h| topology.twin(h));
+            let beside: Vec<FaceId> = twins.map(|t| topology.face(t)).collect();
+            group.extend(beside.into_iter().filter(|f| left.remove(f)));
+            next += 1;
+        }
+        let weight = group.iter().map(&weight).sum();
+        places.push(place_of(layout, &group, ill, weight));
+    }
+    places
+}
+
+fn place_of(layout: &Layout, group: &[FaceId], ill: Ill, weight: f64) -> Place {
+    let sum: Vec3 = group.iter().map(|f| layout.face_point[*f]).sum();
+    let at = sum / group.len() as f64;
+    let extent = group.iter().map(|f| (layout.face_point[*f] - at).norm());
+    let length = layout.face_length[group[0]];
+    Place {
+        ill,
+        at,
+        reach: extent.fold(0.0, f64::max) + SAME_PLACE * length,
+        cells: group.iter().map(|f| layout.face_seed[*f]).collect(),
+        weight,
+    }
+}
+
+/// Takes back what did not help and changes the seeds where something is wrong; `None` if there is nothing left to do.
+fn next_round(
+    cures: &mut Cures,
+    places: Vec<Place>,
+    seeds: &mut Vec<Seed>,
+    fine: &FineSurface,
+    layout: &Layout,
+) -> Option<RepairRound> {
+    let (open, undone) = cures.take_back(places, seeds);
+    let before = seeds.clone();
+    let cells = fine.cells();
+    cures.give(&open, &Neighbourhoods::new(&cells, &before), seeds);
+    let lost = |a: &[Seed], b: &[Seed]| {
+        let kept: HashSet<VertexId> = b.iter().map(|s| s.vertex).collect();
+        a.iter().filter(|s| !kept.contains(&s.vertex)).count()
+    };
+    (cures.count() > 0).then(|| RepairRound {
+        panels: layout.mesh.topology().n_faces(),
+        dropped: lost(&before, seeds),
+        added: lost(seeds, &before),
+        places: cures.count(),
+        undone,
+    })
+}
+
+/// Places where the surface stands off from the panels farther than is good, the farthest first, and how many times as far.
 fn bare_places(
     mesh: &HexMesh,
     surface: &TriangleSurface,
     deviation: &Deviation,
     options: &MeshOptions,
-) -> Vec<Vec3> {
+) -> Vec<(Vec3, f64)> {
     let limit = GOOD_DEVIATION * deviation.diagonal;
     let distances = deviation.coverage_distance.enumerate();
     let mut far: Vec<(VertexId, f64)> = distances
@@ -305,29 +410,15 @@ fn bare_places(
     let apart = ADDED_APART * mesh.mean_edge();
     let panels = mesh.topology().n_faces() as f64;
     let most = MAX_ADDED.max((MAX_ADDED_SHARE * panels) as usize);
-    let mut places: Vec<Vec3> = Vec::new();
-    for (v, _) in far {
+    let mut places: Vec<(Vec3, f64)> = Vec::new();
+    for (v, distance) in far {
         let p = surface.positions()[v];
-        if places.iter().all(|q| (p - q).norm() > apart) {
-            places.push(p);
+        if places.iter().all(|(q, _)| (p - q).norm() > apart) {
+            places.push((p, distance / limit));
         }
         if places.len() > most {
             return Vec::new();
         }
     }
     places
-}
-
-/// Drops the seeds of invalid panels, never those of two neighbours in one round: one of them grows into the gap.
-fn drop_seeds(seeds: &mut Vec<Seed>, layout: &Layout, invalid: &BTreeSet<FaceId>) {
-    let topology = layout.mesh.topology();
-    let mut chosen: BTreeSet<FaceId> = BTreeSet::new();
-    for &f in invalid {
-        let twins = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
-        if !twins.map(|t| topology.face(t)).any(|g| chosen.contains(&g)) {
-            chosen.insert(f);
-        }
-    }
-    let dropped: HashSet<VertexId> = chosen.iter().map(|f| layout.face_seed[*f]).collect();
-    seeds.retain(|s| !dropped.contains(&s.vertex));
 }

@@ -66,6 +66,39 @@ pub(super) fn bare_rim(
     distances.filter(|(_, d)| *d > limit).collect()
 }
 
+/// The mesh with vertices held as the user wants it, those on the boundary of `surface` staying there where that can be.
+pub(super) fn steered(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, PipelineError> {
+    let target = SurfaceTarget::new(surface);
+    let (steering, settings) = (&options.steering, &options.optimise);
+    let curves = match options.boundary {
+        Boundary::Whole => None,
+        _ => BoundaryCurve::of(surface),
+    };
+    let held = match curves {
+        None => optimise::steer(mesh, Some(&target), steering, settings, progress),
+        Some(curves) => {
+            let corners = corner_points(surface, options);
+            let hold = BoundaryHold {
+                curves: &curves,
+                corners: &corners,
+            };
+            optimise::steer_on_boundary(mesh, &target, steering, &hold, settings, progress)
+        }
+    };
+    Ok(held?)
+}
+
+/// Sharp corners of the boundary.
+fn corner_points(surface: &TriangleSurface, options: &MeshOptions) -> Vec<Vec3> {
+    let corners = boundary_corners(surface, options.target.corner_angle.to_radians());
+    corners.iter().map(|v| surface.positions()[*v]).collect()
+}
+
 /// The mesh with the ends of interior edges on the boundary, and vertices near its corners on these.
 fn on_curve(
     mesh: &HexMesh,
@@ -76,8 +109,7 @@ fn on_curve(
     let Some(curves) = BoundaryCurve::of(surface) else {
         return Ok(None);
     };
-    let corners = boundary_corners(surface, options.target.corner_angle.to_radians());
-    let corners: Vec<Vec3> = corners.iter().map(|v| surface.positions()[*v]).collect();
+    let corners = corner_points(surface, options);
     let hold = BoundaryHold {
         curves: &curves,
         corners: &corners,

@@ -1,9 +1,10 @@
 //! Steering after the layout, and warm starts: a mesh that exists is brought to the smooth surface again, with vertices held.
 //!
-//! Held vertices refer to the mesh as it is delivered, so they come last, after the boundary is trimmed, in model coordinates.
+//! Held vertices refer to the mesh as it is delivered, so they come last, after the boundary is trimmed, in model coordinates. Vertices that
+//! are on the boundary then stay on it, where neither the user nor planarity wants them elsewhere.
 
 use super::repair::between_panels;
-use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, moved};
+use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, moved, rim};
 use crate::layout::LayoutStatistics;
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
@@ -21,16 +22,8 @@ pub(super) fn steered(
     }
     let mut clock = Clock::new(progress);
     clock.stages = run.stages.clone();
-    let target = SurfaceTarget::new(&run.target);
     let held = clock.timed("optimise", || {
-        let close = Some(&target as &dyn optimise::Target);
-        optimise::steer(
-            &run.mesh,
-            close,
-            &options.steering,
-            &options.optimise,
-            progress,
-        )
+        rim::steered(&run.mesh, &run.target, options, progress)
     })?;
     Ok(with_result(run, held, clock))
 }

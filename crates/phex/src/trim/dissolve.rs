@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn a_neighbour_takes_a_sliver_over() {
         let original = square();
-        let extension = extend::extend(&original, 0.5).unwrap();
+        let extension = extend::extend(&original, 0.5, 0.0).unwrap();
         let domain = Domain {
             extended: &extension.surface,
             extension: &extension,

@@ -9,6 +9,9 @@
 //!   edge is computed once, on the edge, so it lies in both planes; between two cuts a panel gets vertices of its own
 //!   along the curve. Clipped panels are planar exactly, because they are parts of planar panels.
 //!
+//! Small holes are closed before panels are laid out, and cut out of them like that in the end, with `snap` too; a panel that holds all of
+//! one is parted first (`holes`).
+//!
 //! A point is inside if its foot point on the extended surface lies on a triangle of the input's part.
 //!
 //! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one connected manifold. Fails, with
@@ -20,6 +23,7 @@ mod clip;
 mod curve;
 mod dissolve;
 pub(crate) mod follow;
+mod holes;
 mod merge;
 mod whole;
 
@@ -85,17 +89,21 @@ impl Domain<'_> {
     }
 }
 
-/// Trims a planar mesh; [`Boundary::Snap`] needs none and must not be given.
+/// Trims a planar mesh; with [`Boundary::Snap`] only holes that were closed for the layout are cut.
 ///
 /// # Errors
 /// If nothing or no manifold is left.
 pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<Trimmed, TrimError> {
     let trimmed = match boundary {
-        Boundary::Clip => {
-            let merged = merge::without_slivers(clip::clipped(mesh, domain)?)?;
+        Boundary::Clip | Boundary::Snap => {
+            let parted = holes::parted(mesh, domain)?;
+            let mut clipped = clip::clipped(&parted.mesh, domain)?;
+            let parent = |f: &FaceId| parted.parent[*f];
+            clipped.parent = clipped.parent.map(parent);
+            let merged = merge::without_slivers(clipped)?;
             dissolve::without_slivers(merged, domain, &clip::curve(domain))
         }
-        Boundary::Whole | Boundary::Snap => whole::whole_panels(mesh, domain)?,
+        Boundary::Whole => whole::whole_panels(mesh, domain)?,
     };
     largest_part(trimmed)
 }

@@ -1,0 +1,212 @@
+//! Cures for what is wrong with panels, place by place.
+//!
+//! Every place has a list of cures of its own, mild ones first: drop a seed or add one, spread the seeds of a neighbourhood anew, spread
+//! more of them, or fewer. All places get one at a time and are judged apart, when the panels have been optimised again: where
+//! things have not become better, crossings with others included, the seeds are as they were before, and the next cure is tried.
+//! So what helps at one place is kept, whatever happens at another.
+
+use crate::layout::reseed::{Neighbourhoods, Reseeded};
+use crate::layout::seeds::Seed;
+use phex_mesh::{Vec3, VertexId};
+use std::collections::BTreeSet;
+
+/// What is wrong at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ill {
+    /// Panels have a wrong shape, cross others or are not planar.
+    Invalid,
+    /// The surface stands off.
+    Bare,
+    /// Panels are valid, but have little clearance.
+    Tight,
+}
+
+/// A place where something is wrong.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    pub ill: Ill,
+    pub at: Vec3,
+    /// How far it counts as the same place.
+    pub reach: f64,
+    /// Vertices in the cells of the panels that are wrong, or nearest to the place.
+    pub cells: Vec<VertexId>,
+    /// How bad it is.
+    pub weight: f64,
+}
+
+impl Place {
+    fn is_near(&self, other: &Place) -> bool {
+        (self.at - other.at).norm() <= self.reach.max(other.reach)
+    }
+}
+
+/// What is wrong near a place in all.
+fn weight_near(places: &[Place], place: &Place) -> f64 {
+    let near = places.iter().filter(|p| p.is_near(place));
+    near.map(|p| p.weight).sum()
+}
+
+/// A cure, and what was wrong before it.
+struct Cure {
+    place: Place,
+    before: f64,
+    change: Reseeded,
+}
+
+/// A place where cures have failed.
+struct Failed {
+    place: Place,
+    times: usize,
+}
+
+/// The cures of the last round, and where some have failed.
+#[derive(Default)]
+pub(super) struct Cures {
+    last: Vec<Cure>,
+    failed: Vec<Failed>,
+}
+
+/// A cure must take away this share of what is wrong.
+const GAIN: f64 = 0.02;
+/// Seeds over those that there were, in cures one after the other.
+const MORE: [f64; 2] = [1.6, 3.0];
+
+impl Cures {
+    /// Takes back what has not helped; left are the places that are to be cured now. `places` is what is wrong now.
+    pub fn take_back(&mut self, places: Vec<Place>, seeds: &mut Vec<Seed>) -> (Vec<Place>, usize) {
+        let mut open = Vec::new();
+        let mut undone = Vec::new();
+        for cure in std::mem::take(&mut self.last) {
+            if weight_near(&places, &cure.place) > (1.0 - GAIN) * cure.before {
+                cure.change.undo(seeds);
+                self.fail(&cure.place);
+                undone.push(cure.place.clone());
+                open.push(cure.place);
+            }
+        }
+        let elsewhere = |p: &Place| !undone.iter().any(|u| u.is_near(p));
+        open.extend(places.into_iter().filter(elsewhere));
+        (open, undone.len())
+    }
+
+    fn fail(&mut self, place: &Place) {
+        let known = self.failed.iter_mut().find(|f| f.place.is_near(place));
+        match known {
+            Some(failed) => failed.times += 1,
+            None => self.failed.push(Failed {
+                place: place.clone(),
+                times: 1,
+            }),
+        }
+    }
+
+    fn failures(&self, place: &Place) -> usize {
+        let known = self.failed.iter().find(|f| f.place.is_near(place));
+        known.map_or(0, |f| f.times)
+    }
+
+    /// Gives each place its next cure; those whose neighbourhoods meet wait for each other.
+    pub fn give(&mut self, places: &[Place], around: &Neighbourhoods<'_>, seeds: &mut Vec<Seed>) {
+        let mut taken: BTreeSet<u32> = BTreeSet::new();
+        for place in places {
+            let cells = place.cells.iter();
+            let core: BTreeSet<u32> = cells.filter_map(|v| around.seed_at(*v)).collect();
+            let reach = around.with_ring(&around.with_ring(&core));
+            if !reach.is_disjoint(&taken) {
+                continue;
+            }
+            let Some(change) = change(place, &core, self.failures(place), around) else {
+                continue;
+            };
+            change.apply(seeds);
+            taken.extend(reach);
+            self.last.push(Cure {
+                place: place.clone(),
+                before: weight_near(places, place),
+                change,
+            });
+        }
+    }
+
+    /// Places under treatment.
+    pub fn count(&self) -> usize {
+        self.last.len()
+    }
+}
+
+/// What is done at a place where so many cures have failed; `None` if there is nothing left.
+fn change(
+    place: &Place,
+    core: &BTreeSet<u32>,
+    failures: usize,
+    around: &Neighbourhoods<'_>,
+) -> Option<Reseeded> {
+    let moving = around.with_ring(core);
+    let times = |factor: f64| (factor * moving.len() as f64).round() as usize;
+    let spread = |count| around.spread(&moving, &[], count);
+    let here = &place.cells[..place.cells.len().min(1)];
+    let with_one = || around.spread(&moving, here, moving.len() + 1);
+    let finer = |k: usize| around.spread(&moving, here, times(MORE[k]).max(moving.len() + 2));
+    match (place.ill, failures) {
+        (Ill::Invalid | Ill::Tight, 0) => Some(around.dropped(core)),
+        (Ill::Invalid | Ill::Tight, 1) => Some(spread(moving.len())),
+        (Ill::Invalid, 2 | 3) => Some(spread(times(MORE[failures - 2]))),
+        (Ill::Invalid, 4) => Some(spread(moving.len().saturating_sub(1).max(1))),
+        (Ill::Bare, 0) => Some(around.added(*place.cells.first()?)),
+        (Ill::Bare, 1) => Some(with_one()),
+        (Ill::Bare, 2 | 3) => Some(finer(failures - 2)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(x: f64, weight: f64) -> Place {
+        Place {
+            ill: Ill::Invalid,
+            at: Vec3::new(x, 0.0, 0.0),
+            reach: 1.0,
+            cells: Vec::new(),
+            weight,
+        }
+    }
+
+    /// A cure that has replaced one seed by another.
+    fn cure(place: Place, before: u32, after: u32) -> Cure {
+        let seed = |v| vec![Seed::at(VertexId::new(v))];
+        Cure {
+            before: place.weight,
+            place,
+            change: Reseeded {
+                removed: seed(before),
+                added: seed(after),
+            },
+        }
+    }
+
+    #[test]
+    fn what_helps_at_one_place_is_kept_whatever_happens_at_another() {
+        let mut cures = Cures {
+            last: vec![cure(place(0.0, 2.0), 1, 2), cure(place(9.0, 2.0), 3, 4)],
+            failed: Vec::new(),
+        };
+        let mut seeds: Vec<Seed> = [2, 4].map(|v| Seed::at(VertexId::new(v))).to_vec();
+        // The first place is better, the second one worse by a crossing beside it, and a third one is new.
+        let now = vec![
+            place(0.2, 1.0),
+            place(9.3, 2.0),
+            place(8.9, 1.0),
+            place(20.0, 1.0),
+        ];
+        let (open, undone) = cures.take_back(now, &mut seeds);
+        assert_eq!(undone, 1);
+        let left: Vec<usize> = seeds.iter().map(|s| s.vertex.index()).collect();
+        assert_eq!(left, [2, 3]);
+        let at: Vec<f64> = open.iter().map(|p| p.at.x).collect();
+        assert_eq!(at, [9.0, 0.2, 20.0]);
+        assert_eq!(cures.failures(&place(9.1, 1.0)), 1);
+        assert_eq!(cures.failures(&place(0.0, 1.0)), 0);
+    }
+}
