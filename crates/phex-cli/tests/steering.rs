@@ -38,6 +38,23 @@ fn read(shop: &Workshop, name: &str) -> Vec<[f64; 3]> {
 }
 
 #[test]
+fn pulled_inside_the_rim_stays_on_the_boundary() {
+    let shop = Workshop::new();
+    shop.write("hill.obj", hill(20));
+    shop.write("pull.txt", "0.5 0.5 1.9 4\n-2 1 1.7\n");
+    let distance = |run: &str| {
+        let boundary = &shop.json(run)["boundary"];
+        let both = ["to_curve_max", "from_curve_max"].map(|k| boundary[k].as_f64().unwrap());
+        both[0].max(both[1])
+    };
+    shop.succeed("mesh hill.obj -o free.obj -n 60 --report free.json");
+    shop.succeed("mesh hill.obj -o pulled.obj -n 60 --anchors pull.txt --report pulled.json");
+    assert!(shop.read("pulled.obj") != shop.read("free.obj"));
+    let (free, pulled) = (distance("free.json"), distance("pulled.json"));
+    assert!(pulled < free + 1e-3, "{free} {pulled}");
+}
+
+#[test]
 fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
     let shop = Workshop::new();
     shop.write("hill.obj", hill(20));
@@ -51,6 +68,11 @@ fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
     assert_eq!(report["verdict"], "pass");
     let fixed = &report["settings"]["stages"]["steering"]["fixed_points"];
     assert_eq!(fixed.as_array().unwrap().len(), 2);
+    let checks = report["checks"].as_array().unwrap();
+    assert!(
+        checks.iter().any(|c| c["name"] == "boundary"),
+        "the rim is judged"
+    );
 
     // A warm start, with vertices by number, and from a job file.
     shop.write("ids.txt", "0\n7\n");
