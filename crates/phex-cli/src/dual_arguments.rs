@@ -90,6 +90,9 @@ pub struct PowerCommand {
     /// Semi-axes of the ellipsoid
     #[arg(long, value_name = "A,B,C", value_parser = three, default_value = "1,1,1")]
     pub axes: [f64; 3],
+    /// Any affine map of the sphere: the nine numbers of a 3x3 matrix, row by row, or the twelve of a 3x4 matrix, whose last column is the centre
+    #[arg(long, value_name = "A", value_parser = affine, allow_hyphen_values = true, conflicts_with = "axes")]
+    pub affine: Option<[f64; 12]>,
     /// Mesh to write
     #[arg(short, long, value_name = "MESH")]
     pub output: PathBuf,
@@ -149,6 +152,36 @@ fn three(text: &str) -> Result<[f64; 3], String> {
     finite(text, "X,Y,Z")
 }
 
-fn ten(text: &str) -> Result<[f64; 10], String> {
+pub(crate) fn ten(text: &str) -> Result<[f64; 10], String> {
     finite(text, "ten numbers: Q11,Q12,Q13,Q14,Q22,Q23,Q24,Q33,Q34,Q44")
+}
+
+/// A 3x4 matrix; a 3x3 one gets a last column of zeros.
+fn affine(text: &str) -> Result<[f64; 12], String> {
+    let form = "the nine numbers of a 3x3 matrix or the twelve of a 3x4 matrix, row by row";
+    if text.split(',').count() == 9 {
+        let m = finite::<9>(text, form)?;
+        return Ok(std::array::from_fn(|i| {
+            if i % 4 == 3 {
+                0.0
+            } else {
+                m[i / 4 * 3 + i % 4]
+            }
+        }));
+    }
+    finite(text, form)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn affine_maps_with_and_without_a_centre() {
+        let square = affine("1,2,3, 4,5,6, 7,8,9").unwrap();
+        let wanted = [1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0].map(f64::from);
+        assert_eq!(square, wanted);
+        assert_eq!(affine("1,2,3,-1,4,5,6,-2,7,8,9,-3").unwrap()[11], -3.0);
+        assert!(affine("1,2,3").is_err() && affine("1,2,3,4,5,6,7,8,inf").is_err());
+    }
 }

@@ -33,6 +33,10 @@ pub struct MeshSettings {
     /// Use the method where it is not made for the surface, to see what becomes of it
     #[arg(long)]
     pub any_domain: bool,
+    /// Quadric of `projective-dual`: the ten numbers of the upper triangle of its symmetric matrix Q, row by row [default: the unit sphere about a centre away from all
+    /// tangent planes]
+    #[arg(long, value_name = "Q", value_parser = crate::dual_arguments::ten, allow_hyphen_values = true)]
+    pub quadric: Option<[f64; 10]>,
     /// Hold back vertices where tangent planes meet badly (0.05 to 0.5), and leave planarity to the optimiser; for `tangent-planes`
     #[arg(long, value_name = "X", value_parser = positive)]
     pub regularise: Option<f64>,
@@ -225,6 +229,7 @@ impl MeshSettings {
             },
             method: self.method.or(file.method),
             any_domain: self.any_domain || file.any_domain,
+            quadric: self.quadric.or(file.quadric),
             regularise: self.regularise.or(file.regularise),
             rotate: self.rotate.or(file.rotate),
             adaptive: self.adaptive.or(file.adaptive),
@@ -269,6 +274,9 @@ impl MeshSettings {
             options.method = method.into();
         }
         options.dual.any_domain |= self.any_domain;
+        if self.quadric.is_some() {
+            options.dual.quadric = self.quadric;
+        }
         if let Some(x) = self.regularise {
             options.dual.regularisation = x;
         }

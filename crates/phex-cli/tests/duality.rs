@@ -51,6 +51,11 @@ fn goldberg_polyhedra_and_given_sites() {
         run.stdout,
         run.stderr
     );
+    shop.succeed("power-diagram --goldberg 2,1 --axes 2,1,0.5 -o axes.obj");
+    shop.succeed("power-diagram --goldberg 2,1 --affine=2,0,0,0,0,1,0,0,0,0,0.5,0 -o affine.obj");
+    assert_eq!(shop.read("axes.obj"), shop.read("affine.obj"));
+    let run = shop.phex("power-diagram --goldberg 2,1 --affine=1,0,0,0,1,0,1,1,0 -o flat.obj");
+    run.refuses(4, &["singular"]);
     shop.write("bad.txt", "0 0\n1 x\n");
     let run = shop.phex("power-diagram --sites bad.txt -o bad.obj");
     run.refuses(4, &["bad.txt:2", "1 x"]);
@@ -110,6 +115,58 @@ fn indicatrices_are_written_and_panels_measured_against_them() {
     assert!(mean > 1e-4 && mean < 0.1, "{mean}");
     let run = shop.phex("dupin torus.obj -o curves.ply");
     run.refuses(4, &["OBJ only"]);
+}
+
+#[test]
+fn the_projective_dual_takes_any_quadric() {
+    let shop = Workshop::new();
+    shop.succeed("shape ellipsoid -o surface.obj --triangles 2000");
+    let mesh = "mesh surface.obj --method projective-dual -n 100";
+    let run = shop.phex(&format!(
+        "{mesh} -o near.obj --quadric=1,0,0,0,1,0,0,1,0,-1"
+    ));
+    assert!(
+        run.stdout.contains("every face"),
+        "{} {}",
+        run.stdout,
+        run.stderr
+    );
+    // Another one: panels elsewhere.
+    let run = shop.phex(&format!(
+        "{mesh} -o far.obj --quadric=1,0,0,0.3,2,0,0,1,0.1,-1"
+    ));
+    assert!(
+        run.stdout.contains("every face"),
+        "{} {}",
+        run.stdout,
+        run.stderr
+    );
+    assert_ne!(shop.read("near.obj"), shop.read("far.obj"));
+    // A sphere about a point outside, through which tangent planes pass.
+    let run = shop.phex(&format!("{mesh} -o x.obj --quadric=-8,0,0,-3,1,0,0,1,0,-1"));
+    run.refuses(4, &["projective-dual", "centre", "vertex"]);
+    let run = shop.phex(&format!("{mesh} -o x.obj --quadric=0,0,0,0,0,0,0,0,0,0"));
+    run.refuses(4, &["singular"]);
+}
+
+#[test]
+fn open_meshes_are_subdivided_with_their_rim() {
+    let shop = Workshop::new();
+    shop.succeed("shape hyperbolic-paraboloid -o surface.obj --triangles 2000");
+    shop.phex("mesh surface.obj -o coarse.obj -n 40");
+    for rule in ["loop", "butterfly"] {
+        shop.phex(&format!(
+            "subdivide coarse.obj -o fine.obj --rule {rule} --report r.json"
+        ));
+        let measures = &shop.json("r.json")["measures"];
+        assert!(
+            measures["planarity"]["max"].as_f64().unwrap() < 1e-12,
+            "{rule}"
+        );
+        assert_eq!(measures["boundary_loops"], 1, "{rule}");
+        // The square has area 4, and more as it is curved.
+        assert!(measures["area"].as_f64().unwrap() > 4.0, "{rule}");
+    }
 }
 
 #[test]

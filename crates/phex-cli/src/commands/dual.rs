@@ -9,7 +9,6 @@ use crate::output::check_writable;
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use nalgebra::Matrix4;
 use phex::layout::dual_subdivision::clear_centre_of;
 use phex::layout::duality::{Quadric, dual_mesh};
 use phex_mesh::{HexMesh, Vec3, measure};
@@ -59,9 +58,8 @@ pub fn run(command: &DualCommand) -> Result<Exit, Failure> {
 }
 
 fn quadric(command: &DualCommand, mesh: &HexMesh, table: &mut Table) -> anyhow::Result<Quadric> {
-    if let Some([a, b, c, d, e, f, g, h, i, j]) = command.quadric {
-        let matrix = Matrix4::new(a, b, c, d, b, e, f, g, c, f, h, i, d, g, i, j);
-        return Ok(Quadric::new(matrix)?);
+    if let Some(upper) = command.quadric {
+        return Ok(Quadric::from_upper(upper)?);
     }
     let (centre, clearness) = match command.centre {
         Some(centre) => (Vec3::from(centre), None),

@@ -8,8 +8,9 @@ use crate::output::check_writable;
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
+use nalgebra::Matrix3x4;
 use phex::layout::power_diagram::{PowerDiagram, Site, goldberg, power_diagram};
-use phex_mesh::{Vec2, Vec3};
+use phex_mesh::{HexMesh, Vec2};
 use serde_json::json;
 use std::path::Path;
 
@@ -26,9 +27,7 @@ pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
         )));
     }
     let diagram = diagram(command)?;
-    let axes = Vec3::from(command.axes);
-    let positions = diagram.mesh.positions.map(|p| p.component_mul(&axes));
-    let mesh = diagram.mesh.with_positions(positions);
+    let mesh = placed(&diagram.mesh, &map(command))?;
     let mut table = Table::default();
     if !diagram.hidden.is_empty() {
         let first: Vec<String> = diagram
@@ -53,11 +52,39 @@ pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
         surface: None,
         panels: true,
         table,
-        settings: json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes }),
+        settings: json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes, "affine": command.affine }),
         statistics: json!({ "hidden": diagram.hidden }),
         inputs: Vec::new(),
     }
     .send()
+}
+
+/// The affine map of the sphere.
+fn map(command: &PowerCommand) -> Matrix3x4<f64> {
+    let [a, b, c] = command.axes;
+    let axes = || Matrix3x4::new(a, 0.0, 0.0, 0.0, 0.0, b, 0.0, 0.0, 0.0, 0.0, c, 0.0);
+    command
+        .affine
+        .map_or_else(axes, |m| Matrix3x4::from_row_slice(&m))
+}
+
+/// The image of a mesh on the unit sphere, its faces turned round if the map reflects.
+fn placed(mesh: &HexMesh, map: &Matrix3x4<f64>) -> Result<HexMesh, Failure> {
+    let linear = map.fixed_columns::<3>(0).into_owned();
+    let determinant = linear.determinant();
+    if determinant.abs() <= 1e-12 * linear.norm().powi(3) {
+        let message = format!(
+            "the affine map is singular (determinant {determinant:.1e}): the ellipsoid would be flat"
+        );
+        return Err(Failure::input(message));
+    }
+    let positions = mesh.positions.map(|p| map * p.push(1.0));
+    if determinant > 0.0 {
+        return Ok(mesh.with_positions(positions));
+    }
+    let mut faces = mesh.topology().face_lists();
+    faces.iter_mut().for_each(|f| f.reverse());
+    HexMesh::new(positions.as_slice().to_vec(), &faces).or_exit(Exit::Internal)
 }
 
 fn diagram(command: &PowerCommand) -> Result<PowerDiagram, Failure> {
@@ -117,6 +144,28 @@ fn site(line: &str) -> Option<Site> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use phex_mesh::{FlatFace, measure};
+
+    #[test]
+    fn affine_maps_keep_panels_planar_and_turned_outwards() {
+        let sphere = goldberg(2, 1).unwrap().mesh;
+        for sign in [1.0, -1.0] {
+            let map = Matrix3x4::new(
+                sign, 0.3, 0.0, 5.0, 0.0, 2.0, -0.4, 0.0, 0.1, 0.0, 0.7, -1.0,
+            );
+            let mesh = placed(&sphere, &map).ok().unwrap();
+            assert!(measure(&mesh).planarity.max < 1e-13);
+            let centre = map.column(3).into_owned();
+            let outwards = |f| {
+                FlatFace::of(&mesh, f)
+                    .normal()
+                    .dot(&(mesh.centre(f) - centre))
+                    > 0.0
+            };
+            assert!(mesh.topology().faces().all(outwards));
+        }
+        assert!(placed(&sphere, &Matrix3x4::zeros()).is_err());
+    }
 
     #[test]
     fn sites_with_and_without_weight() {

@@ -29,6 +29,7 @@ pub mod intrinsic;
 pub mod metric;
 pub mod network;
 pub mod rosy;
+pub mod saddle;
 pub mod size;
 pub mod turns;
 
@@ -67,6 +68,8 @@ pub struct DirectionOptions {
     /// Distance, in panels, up to which cones are moved off the bands round parabolic curves where rows must be aligned (0: none
     /// are).
     pub band_reach: f64,
+    /// Weight of the alignment that keeps the edges of a lattice off the asymptotic directions, for surfaces with `K < 0` (0: none); see [`saddle`].
+    pub saddle_alignment: f64,
     /// Lines that rows run along, and prescribed cones.
     pub guides: Guides,
 }
@@ -84,6 +87,7 @@ impl Default for DirectionOptions {
             boundary_alignment: 0.5,
             cancel_reach: 4.0,
             band_reach: 0.0,
+            saddle_alignment: 0.0,
             guides: Guides::default(),
         }
     }
@@ -153,6 +157,9 @@ pub fn directions_sized(
     let tensor = metric::metric(surface, curvature, &principal, panel_length, options);
     let mut weight = metric::alignment_weight(&principal, curvature, options);
     let mut wished = principal;
+    if options.saddle_alignment > 0.0 {
+        (wished, weight) = saddle::wishes(surface, curvature, &tensor, options.saddle_alignment);
+    }
     let guides = &options.guides;
     guides.align(surface, &mut wished, &mut weight, options.alignment);
     in_metric(surface, tensor, &wished, &weight, options)

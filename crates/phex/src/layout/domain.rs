@@ -1,7 +1,7 @@
 //! Where a classical method applies, and what is said where it does not.
 
 use crate::curvature::{Curvature, Principal, large_curvature, tangent_frame};
-use phex_mesh::{FaceId, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{EdgeId, FaceId, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -65,6 +65,16 @@ pub enum DomainError {
         /// Where the tangent plane of the best centre passes through it.
         place: Place,
     },
+    /// A tangent plane passes through the centre of the quadric that is to be used.
+    #[error(
+        "{method} needs a quadric whose centre no tangent plane passes through, but that at {place} does, or comes too near: its pole is at infinity"
+    )]
+    ThroughCentre {
+        /// The method.
+        method: &'static str,
+        /// Where the tangent plane touches.
+        place: Place,
+    },
     /// Two points of the surface have one normal.
     #[error(
         "{method} needs a Gauss map that is one to one, but {first} and {second} have the same normal ({pairs} such pairs among \
@@ -109,6 +119,32 @@ pub enum DomainError {
         /// Its distance, over the diagonal of the bounding box.
         distance: f64,
     },
+    /// Facets so coarse that they do not tell the curvature.
+    #[error(
+        "{method} needs Gauss curvature of one sign, but the sign is not known at {place}: the surface turns by {degrees:.0} degrees from one of its triangles \
+         to the next there, which is as good as a crease"
+    )]
+    Unresolved {
+        /// The method.
+        method: &'static str,
+        /// An end of the edge between the two triangles.
+        place: Place,
+        /// The angle between their normals, degrees.
+        degrees: f64,
+    },
+    /// A coarse mesh whose planes turn too far from one panel to the next.
+    #[error(
+        "{method} needs a coarse mesh that follows the surface where its curvature is negative, but its planes turn by {degrees:.0} degrees from one panel to the next at \
+         {place}: ask for more panels, or fewer levels"
+    )]
+    Coarse {
+        /// The method.
+        method: &'static str,
+        /// Where one of the two panels touches.
+        place: Place,
+        /// The angle between their planes, degrees.
+        degrees: f64,
+    },
     /// A flat point of a surface with `K < 0` else.
     #[error(
         "{method} needs Gauss curvature of one sign everywhere, but the surface is flat at {place}, where its principal directions have no limit: {consequence}"
@@ -142,8 +178,11 @@ impl DomainError {
                 move_to(b);
             }
             Self::NoCentre { place, .. }
+            | Self::ThroughCentre { place, .. }
             | Self::NotAnEllipsoid { place, .. }
             | Self::OtherQuadric { place, .. }
+            | Self::Unresolved { place, .. }
+            | Self::Coarse { place, .. }
             | Self::FlatPoint { place, .. } => move_to(place),
         }
         self
@@ -307,6 +346,36 @@ fn turns(surface: &TriangleSurface, principal: &PerVertex<Principal>, f: FaceId)
         .map(|k| wrapped(angles[(k + 1) % 3] - angles[k]))
         .sum();
     sum.abs() > 1.0
+}
+
+/// Angle between neighbouring triangles of a surface, degrees, from which on nothing is known of the curvature between them.
+const CREASE: f64 = 30.0;
+
+/// That the surface's triangles are small enough to tell its curvature.
+///
+/// # Errors
+/// If two neighbouring ones make an angle of 30 degrees or more: the place where it is largest.
+pub fn resolved(surface: &TriangleSurface, method: &'static str) -> Result<(), DomainError> {
+    let topology = surface.topology();
+    let turn = |e: EdgeId| {
+        let h = topology.edge_half_edge(e);
+        let [a, b] = [h, topology.twin(h)?].map(|h| surface.area_vector(topology.face(h)));
+        Some((topology.origin(h), a.angle(&b).to_degrees()))
+    };
+    let turns = topology.edges().filter_map(turn);
+    let sharpest = turns.max_by(|a, b| a.1.total_cmp(&b.1));
+    match sharpest.filter(|s| s.1 >= CREASE) {
+        None => Ok(()),
+        Some((vertex, degrees)) => {
+            let position = surface.positions()[vertex];
+            let place = Place { vertex, position };
+            Err(DomainError::Unresolved {
+                method,
+                place,
+                degrees,
+            })
+        }
+    }
 }
 
 /// That there is none on a surface of one sign.

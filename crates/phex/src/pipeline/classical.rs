@@ -7,17 +7,21 @@ mod subdivision;
 
 use super::brick_wall::kinked;
 use super::field::{
-    Field, FineSurface, counted_lattice, direction_options, panel_length, with_seeds,
+    Field, FineSurface, allow_sizes, boundary_length, counted_lattice, direction_options,
+    panel_length, with_seeds,
 };
 use super::{
     Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, between_panels, moved,
 };
 use crate::curvature::{self, Curvature};
-use crate::directions;
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::{self, saddle};
 use crate::ground::Ground;
-use crate::layout::domain::{CurvatureSign, DomainError, Place, SignedPlaces};
-use crate::layout::duality::{Flipped, convex_panels, envelope, saddle_flips, uncrossing_flips};
+use crate::layout::domain::{CurvatureSign, DomainError, Place, SignedPlaces, resolved};
+use crate::layout::duality::{
+    DualOptions, DualityError, Flipped, Plane, Quadric, convex_panels, envelope, saddle_flips,
+    uncrossing_flips, without_broken_rim,
+};
 use crate::layout::forecast::forecast;
 use crate::layout::lattice::CELL;
 use crate::layout::projective_dual::{self, DualDefects, SurfaceDual};
@@ -27,7 +31,7 @@ use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::target::{Similarity, SmoothTarget};
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3};
+use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
 
@@ -71,6 +75,16 @@ impl ClassicalStatistics {
         self.taken_out += taken_out;
     }
 
+    /// The mesh without panels at the boundary for which there is no room; outside a method's domain it stays as it is.
+    fn with_sound_rim(&mut self, mesh: HexMesh, planes: &PerFace<Plane>) -> HexMesh {
+        if self.curvature == CurvatureSign::Mixed {
+            return mesh;
+        }
+        let (left, kept) = without_broken_rim(&mesh, planes);
+        self.taken_out += planes.len() - kept.len();
+        left
+    }
+
     fn foresee(&mut self, layout: &Layout) {
         let told = forecast(layout);
         self.forecast = Some(told.crossing.len());
@@ -88,7 +102,9 @@ pub(super) fn mesh_with_panels(
     let mut clock = Clock::new(progress);
     let similarity = Similarity::normalising(input);
     let normalised = moved(input, |p| similarity.normalise(p));
-    let options = &options.normalised(&normalised, &similarity);
+    let mut options = options.normalised(&normalised, &similarity);
+    options.dual.quadric = quadric(&options.dual, &similarity)?;
+    let options = &options;
     let ground = clock.stage("target", || match options.method {
         Method::DualSubdivision => subdivision::ground(&normalised, panels, options),
         _ => Ground::new(&normalised, panels, options),
@@ -241,27 +257,42 @@ impl<'a> Start<'a> {
         ground: &'a Ground,
         clock: &mut Clock<'_>,
     ) -> Result<(Self, Field), PipelineError> {
-        let options = &ground.options;
-        let settings = direction_options(options, options.directions.anisotropy);
-        let field = Field::new(
-            ground,
-            ground.field_level(options),
-            options,
-            &settings,
-            clock,
-        )?;
-        let start = Self {
-            level: field.level,
-            surface: &ground.smooth.levels[field.level],
-            curvature: field.curvature.clone(),
-        };
+        let start = Self::new(ground, clock)?;
+        let options = start.saddle_options(&ground.options);
+        let settings = direction_options(&options, options.directions.anisotropy);
+        let level = ground.field_level(&options);
+        let field = Field::new(ground, level, &options, &settings, clock)?;
         Ok((start, field))
+    }
+
+    fn sign(&self) -> CurvatureSign {
+        SignedPlaces::find(self.surface, &self.curvature).sign()
+    }
+
+    /// Options for a lattice that keeps the sign rule with a margin where `K < 0`: its edges stay off the asymptotic directions, to which rows along the boundary may
+    /// come too near, and it has no dislocations.
+    fn saddle_options(&self, options: &MeshOptions) -> MeshOptions {
+        let mut options = options.clone();
+        if self.sign() == CurvatureSign::Hyperbolic {
+            options.directions.saddle_alignment = SADDLE_ALIGNMENT;
+            options.directions.boundary_alignment = 0.0;
+            allow_sizes(&mut options);
+        }
+        options
+    }
+
+    /// Whether the given facets tell the sign of the curvature where it is negative.
+    fn resolved(&self, ground: &Ground, method: &'static str) -> Result<(), DomainError> {
+        match self.sign() {
+            CurvatureSign::Hyperbolic => resolved(&ground.given().levels[0], method),
+            _ => Ok(()),
+        }
     }
 
     fn statistics(&self, method: Method) -> ClassicalStatistics {
         ClassicalStatistics {
             method,
-            curvature: SignedPlaces::find(self.surface, &self.curvature).sign(),
+            curvature: self.sign(),
             outside_domain: None,
             outside: None,
             centre: None,
@@ -283,16 +314,20 @@ impl<'a> Start<'a> {
         mut metric: PerVertex<Matrix3<f64>>,
         clock: &mut Clock<'_>,
     ) -> Result<Field, PipelineError> {
-        let options = &ground.options;
+        let options = &self.saddle_options(&ground.options);
         let settings = direction_options(options, 1.0);
-        let principal = self.curvature.principal();
-        let weight = PerVertex::filled(principal.len(), 0.0);
+        let (wished, weight) = saddle::wishes(
+            self.surface,
+            &self.curvature,
+            &metric,
+            options.directions.saddle_alignment,
+        );
         let area: f64 = IntrinsicMesh::new(self.surface, &metric).area.iter().sum();
         scale(&mut metric, CELL * ground.panels as f64 / area);
         let (directions, placed) = counted_lattice(ground.panels, |ratio| {
             scale(&mut metric, 1.0 / ratio);
             let directions = clock.stage("directions", || {
-                directions::in_metric(self.surface, metric.clone(), &principal, &weight, &settings)
+                directions::in_metric(self.surface, metric.clone(), &wished, &weight, &settings)
             })??;
             with_seeds(self.surface.topology(), directions, &options.layout, clock)
         })?;
@@ -304,6 +339,9 @@ impl<'a> Start<'a> {
         })
     }
 }
+
+/// Weight of the alignment where `K < 0`.
+const SADDLE_ALIGNMENT: f64 = 20.0;
 
 /// Scales all areas of a metric.
 fn scale(metric: &mut PerVertex<Matrix3<f64>>, factor: f64) {
@@ -325,18 +363,37 @@ fn refusal<T>(
 fn projective_dual(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
     let start = Start::new(ground, clock)?;
     let (surface, curvature) = (start.surface, &start.curvature);
-    let dual = SurfaceDual::of(surface, &curvature.normal);
+    let given = ground.options.dual.quadric.map(Quadric::from_upper);
+    let dual = match given.transpose().map_err(LayoutError::from)? {
+        Some(quadric) => SurfaceDual::about(surface, &curvature.normal, quadric),
+        None => SurfaceDual::of(surface, &curvature.normal),
+    };
+    let chosen = ground.options.dual.quadric.is_none();
     let mut classical = start.statistics(Method::ProjectiveDual);
-    classical.outside = refusal(
-        projective_dual::check(surface, curvature, &dual, projective_dual::METHOD),
-        ground,
-    )?;
-    classical.centre = Some(dual.centre.into());
+    let method = projective_dual::METHOD;
+    let checked = start.resolved(ground, method);
+    let checked =
+        checked.and_then(|()| projective_dual::check(surface, curvature, &dual, chosen, method));
+    classical.outside = refusal(checked, ground)?;
+    classical.centre = dual.quadric.centre().map(Into::into);
     classical.clearness = Some(dual.clearness);
     classical.defects = Some(projective_dual::inspect(surface, curvature, &dual));
     let metric = dual.metric(surface, curvature);
     let field = start.field(ground, metric, clock)?;
     tangent_panels(ground, &field, classical, clock)
+}
+
+/// The quadric that is asked for, in normalised coordinates.
+fn quadric(
+    options: &DualOptions,
+    similarity: &Similarity,
+) -> Result<Option<[f64; 10]>, LayoutError> {
+    let normalised = |upper| {
+        let quadric = Quadric::from_upper(upper)?;
+        let there = quadric.normalised(similarity.centre, similarity.scale)?;
+        Ok::<_, DualityError>(there.upper())
+    };
+    Ok(options.quadric.map(normalised).transpose()?)
 }
 
 /// The panels of a lattice, joined as their tangent planes want it, in these planes.
@@ -349,11 +406,18 @@ fn tangent_panels(
     let (fine, layout) = cells(ground, field, clock)?;
     let layout = joined(ground, layout, &mut classical)?;
     classical.foresee(&layout);
-    let planes = tangent_planes_of(&layout);
-    let mesh = envelope(&layout.mesh, &planes).map_err(LayoutError::from)?;
+    let mesh = met(&layout, &mut classical)?;
     let statistics = field.placed.statistics;
     Ok(Made::of(ground, mesh, fine, statistics, None, classical))
 }
+
+/// The mesh of a layout's tangent planes.
+fn met(layout: &Layout, classical: &mut ClassicalStatistics) -> Result<HexMesh, LayoutError> {
+    let planes = tangent_planes_of(layout);
+    let mesh = envelope(&layout.mesh, &planes)?;
+    Ok(classical.with_sound_rim(mesh, &planes))
+}
+
 /// The layout with its panels joined as the poles of their planes are in their hull where `K > 0`; where `K < 0` by the sign rule, and then so that fewer
 /// panels cross themselves.
 fn joined(
@@ -386,7 +450,8 @@ fn joined(
 fn support_function(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
     let start = Start::new(ground, clock)?;
     let mut classical = start.statistics(Method::SupportFunction);
-    let checked = support_function::check(start.surface, &start.curvature);
+    let checked = start.resolved(ground, support_function::METHOD);
+    let checked = checked.and_then(|()| support_function::check(start.surface, &start.curvature));
     classical.outside = refusal(checked, ground)?;
     let metric = support_function::metric(&start.curvature);
     let field = start.field(ground, metric, clock)?;
@@ -408,9 +473,7 @@ fn tangent_planes(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipeli
         })?;
         (optimised.mesh.clone(), Some(optimised))
     } else {
-        let planes = tangent_planes_of(&layout);
-        let mesh = envelope(&layout.mesh, &planes).map_err(LayoutError::from)?;
-        (mesh, None)
+        (met(&layout, &mut classical)?, None)
     };
     let statistics = field.placed.statistics;
     Ok(Made::of(

@@ -172,13 +172,18 @@ impl Way {
         let mut options = options.clone();
         options.directions.anisotropy = self.anisotropy;
         if self.seamless {
-            options.directions.conformal_screening *= SEAMLESS_SCREENING;
-            options.directions.conformal_limit *= SEAMLESS_LIMIT;
-            options.layout.max_distortion = f64::MAX;
+            allow_sizes(&mut options);
             options.field_density = options.field_density.max(options.cell_density);
         }
         options
     }
+}
+
+/// Lets the size of a lattice's panels change so far that it needs no dislocations.
+pub(super) fn allow_sizes(options: &mut MeshOptions) {
+    options.directions.conformal_screening *= SEAMLESS_SCREENING;
+    options.directions.conformal_limit *= SEAMLESS_LIMIT;
+    options.layout.max_distortion = f64::MAX;
 }
 
 /// Screening that keeps varying sizes against the conformal factor, which would even them out.
@@ -282,16 +287,19 @@ fn refined_sizes(
 
 /// Distance of neighbouring panel centres for a number of panels.
 pub(super) fn panel_length(surface: &TriangleSurface, panels: usize) -> f64 {
-    let topology = surface.topology();
-    let rim: f64 = topology
-        .edges()
-        .filter(|&e| topology.is_boundary_edge(e))
-        .map(|e| topology.edge_vertices(e))
-        .map(|[a, b]| (surface.positions()[a] - surface.positions()[b]).norm())
-        .sum();
+    let rim = boundary_length(surface);
     // area / (CELL L^2) + RIM_PANELS rim / L = panels
     let (a, b, n) = (surface.area() / CELL, RIM_PANELS * rim, panels as f64);
     (b + (b * b + 4.0 * n * a).sqrt()) / (2.0 * n)
+}
+
+/// Length of a surface's boundary.
+pub(super) fn boundary_length(surface: &TriangleSurface) -> f64 {
+    let topology = surface.topology();
+    let edges = topology.edges().filter(|&e| topology.is_boundary_edge(e));
+    let ends = edges.map(|e| topology.edge_vertices(e));
+    ends.map(|[a, b]| (surface.positions()[a] - surface.positions()[b]).norm())
+        .sum()
 }
 
 /// The finest level with everything that cells need.

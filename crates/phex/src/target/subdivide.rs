@@ -110,7 +110,8 @@ fn split_faces(topology: &Topology) -> Vec<[u32; 3]> {
     faces
 }
 
-fn vertex_stencil(topology: &Topology, v: VertexId) -> Vec<(VertexId, f64)> {
+/// Loop's stencil of an old vertex.
+pub(crate) fn vertex_stencil(topology: &Topology, v: VertexId) -> Vec<(VertexId, f64)> {
     let ring = topology.neighbours(v);
     if topology.is_boundary_vertex(v) {
         return vec![(v, 0.75), (ring[0], 0.125), (ring[ring.len() - 1], 0.125)];
@@ -122,7 +123,8 @@ fn vertex_stencil(topology: &Topology, v: VertexId) -> Vec<(VertexId, f64)> {
     stencil
 }
 
-fn edge_stencil(topology: &Topology, e: EdgeId) -> Vec<(VertexId, f64)> {
+/// Loop's stencil of the new vertex on an edge.
+pub(crate) fn edge_stencil(topology: &Topology, e: EdgeId) -> Vec<(VertexId, f64)> {
     let [a, b] = topology.edge_vertices(e);
     let h = topology.edge_half_edge(e);
     let opposite = |h| topology.origin(topology.prev(h));

@@ -1,10 +1,9 @@
 //! The modified butterfly rule.
 
+use super::rim::{self, Stencil};
 use crate::target::subdivide::Refinement;
 use phex_mesh::{EdgeId, HalfEdgeId, Topology, VertexId};
 use std::f64::consts::TAU;
-
-type Stencil = Vec<(VertexId, f64)>;
 
 /// One step: old vertices stay, new ones follow from their neighbourhood.
 pub(super) fn refinement(topology: &Topology) -> (Refinement, Topology) {
@@ -13,20 +12,22 @@ pub(super) fn refinement(topology: &Topology) -> (Refinement, Topology) {
 
 fn edge(topology: &Topology, e: EdgeId) -> Stencil {
     let h = topology.edge_half_edge(e);
-    let Some(twin) = topology.twin(h) else {
-        return boundary(topology, h);
-    };
-    let ends = [h, twin].map(|h| (h, irregularity(topology, topology.origin(h))));
-    match ends {
-        [(_, None), (_, None)] => regular(topology, [h, twin]),
-        [(from, Some(_)), (_, None)] | [(_, None), (from, Some(_))] => irregular(topology, from),
-        [(a, Some(_)), (b, Some(_))] => {
-            let both = [irregular(topology, a), irregular(topology, b)];
+    let sides = topology.twin(h).map(|twin| [h, twin]);
+    let ends = [topology.origin(h), topology.target(h)].map(|v| irregularity(topology, v));
+    match (sides, ends) {
+        (Some(sides), [None, None]) => {
+            regular(topology, sides).unwrap_or_else(|| at_rim(topology, h))
+        }
+        (Some([h, twin]), [Some(_), Some(_)]) => {
+            let both = [irregular(topology, h), irregular(topology, twin)];
             both.into_iter()
                 .flatten()
                 .map(|(v, w)| (v, 0.5 * w))
                 .collect()
         }
+        (Some([h, _]), [Some(_), None]) => irregular(topology, h),
+        (Some([_, twin]), [None, Some(_)]) => irregular(topology, twin),
+        (None, _) => at_rim(topology, h),
     }
 }
 
@@ -36,39 +37,36 @@ fn irregularity(topology: &Topology, v: VertexId) -> Option<usize> {
     (!topology.is_boundary_vertex(v) && valence != 6).then_some(valence)
 }
 
-/// Four points along the boundary: `(-1, 9, 9, -1) / 16`.
-fn boundary(topology: &Topology, h: HalfEdgeId) -> Stencil {
-    let (a, b) = (topology.origin(h), topology.target(h));
-    let after = |v: VertexId| topology.outgoing(v).next().map(|h| topology.target(h));
-    let before = topology.neighbours(a).last().copied();
-    let outer = [before, after(b)]
-        .into_iter()
-        .flatten()
-        .map(|v| (v, -1.0 / 16.0));
-    let mut stencil: Stencil = [(a, 9.0 / 16.0), (b, 9.0 / 16.0)]
-        .into_iter()
-        .chain(outer)
-        .collect();
-    normalise(&mut stencil);
-    stencil
-}
-
-/// Eight points: `(8, 8, 2, 2, -1, -1, -1, -1) / 16`; wings beyond the boundary are left out with their share.
-fn regular(topology: &Topology, sides: [HalfEdgeId; 2]) -> Stencil {
+/// Eight points: `(8, 8, 2, 2, -1, -1, -1, -1) / 16`, if they are all there.
+fn regular(topology: &Topology, sides: [HalfEdgeId; 2]) -> Option<Stencil> {
     let mut stencil = Stencil::new();
     for h in sides {
         let (next, previous) = (topology.next(h), topology.prev(h));
         stencil.push((topology.origin(h), 0.5));
         stencil.push((topology.origin(previous), 0.125));
-        for wing in [next, previous]
-            .into_iter()
-            .filter_map(|h| topology.twin(h))
-        {
+        for wing in [next, previous] {
+            let wing = topology.twin(wing)?;
             stencil.push((topology.origin(topology.prev(wing)), -1.0 / 16.0));
         }
     }
-    normalise(&mut stencil);
-    stencil
+    Some(stencil)
+}
+
+/// What the eight points would say of a quadratic function.
+fn at_rim(topology: &Topology, h: HalfEdgeId) -> Stencil {
+    let points = [
+        (0.0, 0.0, 0.5),
+        (1.0, 0.0, 0.5),
+        (0.0, 1.0, 0.125),
+        (1.0, -1.0, 0.125),
+        (1.0, 1.0, -0.0625),
+        (-1.0, 1.0, -0.0625),
+        (2.0, -1.0, -0.0625),
+        (0.0, -1.0, -0.0625),
+    ];
+    let rule = points.map(|(i, j, w)| (rim::lattice(i, j), w));
+    let ends = [topology.origin(h), topology.target(h)];
+    rim::stencil(topology, h, &rule).unwrap_or_else(|| ends.map(|v| (v, 0.5)).to_vec())
 }
 
 /// The rule round an irregular vertex, for the edge that leaves it.
@@ -96,12 +94,6 @@ fn irregular(topology: &Topology, from: HalfEdgeId) -> Stencil {
     };
     let around = (0..n).map(|j| (ring[(first + j) % n], weight(j)));
     std::iter::once((centre, 0.75)).chain(around).collect()
-}
-
-/// Weights that sum to 1.
-fn normalise(stencil: &mut Stencil) {
-    let sum: f64 = stencil.iter().map(|s| s.1).sum();
-    stencil.iter_mut().for_each(|s| s.1 /= sum);
 }
 
 #[cfg(test)]

@@ -16,17 +16,22 @@
 //! design tool is asked for in their section 5.
 //!
 //! Guaranteed: planar faces, degree 3 inside, the topology of the inside. Fails, with an error: where a face's plane passes through the centre.
-//! Nothing keeps faces simple where the dual is badly distorted; open meshes lose the row at the rim, whose vertices have no dual.
+//! Nothing keeps faces simple where the dual is badly distorted. At the rim of an open mesh, rules do to
+//! quadratic functions what they do inside, and boundary vertices stay as near to the given boundary as their planes let them.
 
 mod butterfly;
 mod chamfer;
+mod loop_rule;
+mod refined;
+mod rim;
 
 pub use chamfer::chamfer;
 
-use super::duality::{DualityError, Plane, Quadric, clear_centre, dual_mesh, meet};
-use crate::target::subdivide::Refinement;
-use phex_mesh::{FacePlane, HexMesh, PerVertex, Topology, Vec3, VertexId};
+use super::duality::{DualTriangles, DualityError, Plane, Quadric, clear_centre, envelope};
+use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
+use refined::{Refined, refined};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Rule of a triangle mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -78,41 +83,78 @@ pub fn dual_subdivision(
         let degree = topology.face_degree(vertex);
         return Err(DualityError::Degree { vertex, degree });
     }
-    let dual = dual_mesh(mesh, quadric)?.mesh;
-    let (mut topology, mut poles) = (dual.topology().clone(), dual.positions);
+    let pole = |face: FaceId| {
+        let fitted = FacePlane::fit(&mesh.corners(face).collect::<Vec<_>>());
+        let pole = quadric.pole(&Plane::through(fitted.centre, fitted.normal));
+        pole.ok_or(DualityError::PoleAtInfinity { face })
+    };
+    let poles: Result<Vec<Vec3>, _> = topology.faces().map(pole).collect();
+    let mut coarse = (mesh.clone(), PerFace::from_vec(poles?));
     let mut made = Vec::with_capacity(levels);
     for _ in 0..levels {
-        let (step, refined) = match rule {
-            SubdivisionRule::Loop => Refinement::of(&topology, &[]),
-            SubdivisionRule::Butterfly => butterfly::refinement(&topology),
-        };
-        (poles, topology) = (step.apply(&poles), refined);
-        made.push(from_poles(&topology, &poles, quadric)?);
+        coarse = level(&coarse.0, &coarse.1, quadric, rule)?;
+        made.push(coarse.0.clone());
     }
     Ok(made)
 }
 
-/// The mesh whose faces lie in the polar planes of the vertices of a triangle mesh.
-fn from_poles(
-    topology: &Topology,
-    poles: &PerVertex<Vec3>,
+/// The next mesh and its poles.
+fn level(
+    mesh: &HexMesh,
+    poles: &PerFace<Vec3>,
     quadric: &Quadric,
-) -> Result<HexMesh, DualityError> {
-    let triangles = HexMesh::new(poles.as_slice().to_vec(), &topology.face_lists())?;
-    let dual = dual_mesh(&triangles, quadric)?;
-    let place = |(i, near): (usize, &Vec3)| {
-        let corners = topology.face_vertices(dual.face_of_vertex[i]);
-        let planes: Option<Vec<Plane>> = corners.iter().map(|v| quadric.polar(poles[*v])).collect();
-        let vertex = VertexId::new(i as u32);
-        let found = planes.and_then(|planes| meet(&planes, *near));
-        found.ok_or(DualityError::NoMeet {
-            vertex,
-            near: *near,
-        })
+    rule: SubdivisionRule,
+) -> Result<(HexMesh, PerFace<Vec3>), DualityError> {
+    let finer = refined(mesh)?;
+    let poles = finer_poles(mesh.topology(), &finer, poles, rule)?;
+    let plane = |(face, pole): (FaceId, &Vec3)| {
+        quadric
+            .polar(*pole)
+            .ok_or(DualityError::PoleAtInfinity { face })
     };
-    let positions: Result<Vec<Vec3>, _> =
-        dual.mesh.positions.iter().enumerate().map(place).collect();
-    Ok(dual.mesh.with_positions(PerVertex::from_vec(positions?)))
+    let planes: Result<Vec<Plane>, _> = poles.enumerate().map(plane).collect();
+    Ok((envelope(&finer.mesh, &PerFace::from_vec(planes?))?, poles))
+}
+
+/// Poles by a rule. Panels with no vertex inside have no triangle in the dual: they keep theirs, and the panel between two such ones has the mean.
+fn finer_poles(
+    topology: &Topology,
+    finer: &Refined,
+    poles: &PerFace<Vec3>,
+    rule: SubdivisionRule,
+) -> Result<PerFace<Vec3>, DualityError> {
+    let dual = DualTriangles::of(topology)?;
+    let triangles = Topology::from_faces(dual.face_of_vertex.len(), &dual.triangles)?;
+    let (step, _) = match rule {
+        SubdivisionRule::Loop => loop_rule::refinement(&triangles),
+        SubdivisionRule::Butterfly => butterfly::refinement(&triangles),
+    };
+    let values = PerVertex::from_vec(dual.face_of_vertex.iter().map(|f| poles[*f]).collect());
+    let values = step.apply(&values);
+    let (old, new) = values.as_slice().split_at(triangles.n_vertices());
+    let mut made = poles.as_slice().to_vec();
+    for (f, pole) in dual.face_of_vertex.iter().zip(old) {
+        made[f.index()] = *pole;
+    }
+    let sides = |e: EdgeId| {
+        triangles
+            .edge_vertices(e)
+            .map(|v| dual.face_of_vertex[v.index()])
+    };
+    let pair = |[f, g]: [FaceId; 2]| [f.min(g), f.max(g)];
+    let of_pair: BTreeMap<[FaceId; 2], Vec3> = triangles
+        .edges()
+        .map(|e| pair(sides(e)))
+        .zip(new.iter().copied())
+        .collect();
+    made.extend(finer.edges.iter().map(|e| {
+        let h = topology.edge_half_edge(*e);
+        let faces =
+            [Some(h), topology.twin(h)].map(|h| h.map_or(FaceId::new(0), |h| topology.face(h)));
+        let mean = (poles[faces[0]] + poles[faces[1]]) * 0.5;
+        of_pair.get(&pair(faces)).copied().unwrap_or(mean)
+    }));
+    Ok(PerFace::from_vec(made))
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub fn clear_centre(planes: &[Plane], points: &[Vec3]) -> (Vec3, f64) {
         .iter()
         .fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
     let (middle, diagonal) = ((low + high) * 0.5, (high - low).norm());
-    let clearness = |c: Vec3| clearness(planes, c);
+    let clearness = |c: Vec3| clearness(planes.iter().map(|p| p.height(c)));
     let step = diagonal * (0.5 + REACH) / f64::from(GRID);
     let mut best = (middle, clearness(middle));
     for c in grid().map(|g| middle + g * step) {
@@ -52,9 +52,8 @@ fn directions() -> impl Iterator<Item = Vec3> {
     axes.into_iter().flat_map(|a| [a, -a])
 }
 
-/// Least signed distance over the largest, seen from the side on which most planes have the centre.
-fn clearness(planes: &[Plane], centre: Vec3) -> f64 {
-    let heights = planes.iter().map(|p| p.height(centre));
+/// The least of signed distances over the largest, with the sign of most of them.
+pub fn clearness(heights: impl Iterator<Item = f64>) -> f64 {
     let (low, high) = heights.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
     let (least, largest) = if low + high > 0.0 {
         (low, high)

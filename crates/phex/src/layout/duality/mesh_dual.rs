@@ -1,7 +1,7 @@
 //! The dual of a mesh with planar faces.
 
 use super::{DualityError, Plane, Quadric};
-use phex_mesh::{FaceId, FacePlane, HexMesh, Vec3, VertexId};
+use phex_mesh::{FaceId, FacePlane, HexMesh, Topology, Vec3, VertexId};
 
 /// The dual of a mesh, and where its elements come from.
 #[derive(Clone, Debug)]
@@ -22,29 +22,7 @@ pub struct MeshDual {
 /// # Errors
 /// If a pole is at infinity, there is no vertex inside, or the dual is no manifold (the original has vertices of degree 2).
 pub fn dual_mesh(mesh: &HexMesh, quadric: &Quadric) -> Result<MeshDual, DualityError> {
-    let topology = mesh.topology();
-    let inside: Vec<VertexId> = topology
-        .vertices()
-        .filter(|&v| !topology.is_boundary_vertex(v))
-        .collect();
-    if inside.is_empty() {
-        return Err(DualityError::NoInterior);
-    }
-    let ring = |v: VertexId| topology.outgoing(v).map(|h| topology.face(h));
-    let mut used = vec![false; topology.n_faces()];
-    inside
-        .iter()
-        .flat_map(|&v| ring(v))
-        .for_each(|f| used[f.index()] = true);
-    let face_of_vertex: Vec<FaceId> = topology.faces().filter(|f| used[f.index()]).collect();
-    let mut number = vec![0u32; topology.n_faces()];
-    for (i, f) in face_of_vertex.iter().enumerate() {
-        number[f.index()] = i as u32;
-    }
-    let faces: Vec<Vec<u32>> = inside
-        .iter()
-        .map(|&v| ring(v).map(|f| number[f.index()]).collect())
-        .collect();
+    let dual = DualTriangles::of(mesh.topology())?;
     let pole = |&face: &FaceId| {
         let plane = FacePlane::fit(&mesh.corners(face).collect::<Vec<_>>());
         let plane = Plane::through(plane.centre, plane.normal);
@@ -52,12 +30,51 @@ pub fn dual_mesh(mesh: &HexMesh, quadric: &Quadric) -> Result<MeshDual, DualityE
             .pole(&plane)
             .ok_or(DualityError::PoleAtInfinity { face })
     };
-    let positions: Vec<Vec3> = face_of_vertex.iter().map(pole).collect::<Result<_, _>>()?;
+    let positions: Result<Vec<Vec3>, _> = dual.face_of_vertex.iter().map(pole).collect();
     Ok(MeshDual {
-        mesh: HexMesh::new(positions, &faces)?,
-        face_of_vertex,
-        vertex_of_face: inside,
+        mesh: HexMesh::new(positions?, &dual.triangles)?,
+        face_of_vertex: dual.face_of_vertex,
+        vertex_of_face: dual.vertex_of_face,
     })
+}
+
+/// How the poles are joined: round every vertex inside, in triangles where three faces meet.
+pub struct DualTriangles {
+    /// The face that each vertex of the dual is the pole of: those with a vertex inside.
+    pub face_of_vertex: Vec<FaceId>,
+    /// The vertex that each face of the dual stands for.
+    pub vertex_of_face: Vec<VertexId>,
+    /// The faces of the dual.
+    pub triangles: Vec<Vec<u32>>,
+}
+
+impl DualTriangles {
+    /// The connectivity of a mesh's dual.
+    ///
+    /// # Errors
+    /// If there is no vertex inside.
+    pub fn of(topology: &Topology) -> Result<Self, DualityError> {
+        let inside = |v: &VertexId| !topology.is_boundary_vertex(*v);
+        let vertex_of_face: Vec<VertexId> = topology.vertices().filter(inside).collect();
+        if vertex_of_face.is_empty() {
+            return Err(DualityError::NoInterior);
+        }
+        let ring = |v: &VertexId| topology.outgoing(*v).map(|h| topology.face(h));
+        let mut used = vec![false; topology.n_faces()];
+        let around = vertex_of_face.iter().flat_map(ring);
+        around.for_each(|f| used[f.index()] = true);
+        let face_of_vertex: Vec<FaceId> = topology.faces().filter(|f| used[f.index()]).collect();
+        let mut number = vec![0u32; topology.n_faces()];
+        for (i, f) in face_of_vertex.iter().enumerate() {
+            number[f.index()] = i as u32;
+        }
+        let triangle = |v| ring(v).map(|f| number[f.index()]).collect();
+        Ok(Self {
+            triangles: vertex_of_face.iter().map(triangle).collect(),
+            face_of_vertex,
+            vertex_of_face,
+        })
+    }
 }
 
 #[cfg(test)]

@@ -31,16 +31,19 @@ mod options;
 mod panels;
 mod plane;
 mod quadric;
+mod rim;
 
-pub use centre::clear_centre;
+pub use centre::{clear_centre, clearness};
 pub use envelope::envelope;
 pub use flips::{convex_flips, convex_panels, hull_about, saddle_flips, uncrossing_flips};
 pub use hull::{HullError, convex_hull};
-pub use mesh_dual::{MeshDual, dual_mesh};
+pub use mesh_dual::{DualTriangles, MeshDual, dual_mesh};
+
 pub use options::DualOptions;
 pub use panels::Flipped;
 pub use plane::{Plane, meet};
 pub use quadric::Quadric;
+pub use rim::without_broken_rim;
 
 use phex_mesh::{FaceId, TopologyError, Vec3, VertexId};
 use thiserror::Error;
@@ -75,6 +78,14 @@ pub enum DualityError {
         vertex: VertexId,
         /// Number of its faces.
         degree: usize,
+    },
+    /// A vertex at the boundary with three faces or more.
+    #[error(
+        "vertex {vertex} at the boundary has more than two faces, so one of them has no part of the boundary there"
+    )]
+    Crowded {
+        /// The vertex.
+        vertex: VertexId,
     },
     /// An open mesh whose vertices all lie on the boundary.
     #[error("every vertex of the mesh lies on its boundary: only vertices inside have dual faces")]

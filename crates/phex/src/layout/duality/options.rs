@@ -12,6 +12,9 @@ pub struct DualOptions {
     /// Where `K > 0`, join panels as the poles of their planes are in their convex hull: then all of them are convex. Where `K < 0`, flip edges whose triangles
     /// break the sign rule. Without it the classical methods keep the regular triangulation, whose panels may cross themselves.
     pub hull: bool,
+    /// Quadric of `projective-dual`: the upper triangle of its symmetric matrix `Q`, row by row, model coordinates. Without one, the unit sphere about a centre away
+    /// from all tangent planes.
+    pub quadric: Option<[f64; 10]>,
     /// `lambda` of `tangent-planes`, a pure number >= 0: 0 lets the planes meet exactly; from 0.05 to 0.5 vertices are held back where
     /// planes meet badly, and the optimiser makes the panels planar.
     pub regularisation: f64,
@@ -26,6 +29,7 @@ impl Default for DualOptions {
         Self {
             any_domain: false,
             hull: true,
+            quadric: None,
             regularisation: 0.0,
             // Loop's rule pulls the dual in, and so the panels off the surface.
             rule: SubdivisionRule::Butterfly,

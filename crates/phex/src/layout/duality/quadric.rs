@@ -28,6 +28,45 @@ impl Quadric {
         Ok(Self { matrix, inverse })
     }
 
+    /// The quadric of a symmetric matrix by its upper triangle, row by row.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_upper(upper: [f64; 10]) -> Result<Self, DualityError> {
+        let [a, b, c, d, e, f, g, h, i, j] = upper;
+        Self::new(Matrix4::new(a, b, c, d, b, e, f, g, c, f, h, i, d, g, i, j))
+    }
+
+    /// The upper triangle of the matrix, row by row.
+    pub fn upper(&self) -> [f64; 10] {
+        let m = &self.matrix;
+        let at = [
+            (0, 0),
+            (0, 1),
+            (0, 2),
+            (0, 3),
+            (1, 1),
+            (1, 2),
+            (1, 3),
+            (2, 2),
+            (2, 3),
+            (3, 3),
+        ];
+        at.map(|i| m[i])
+    }
+
+    /// The image under `p -> (p - centre) / scale`: poles of moved planes are moved poles.
+    ///
+    /// # Errors
+    /// If the image is singular by rounding.
+    pub fn normalised(&self, centre: Vec3, scale: f64) -> Result<Self, DualityError> {
+        let mut map = Matrix4::from_diagonal_element(1.0 / scale);
+        map.fixed_view_mut::<3, 1>(0, 3)
+            .copy_from(&(-centre / scale));
+        map[(3, 3)] = 1.0;
+        Self::new(map * self.matrix * map.transpose())
+    }
+
     /// The sphere with a centre and a radius in model units: the plane `n . x = h` gets the pole
     /// `c + r^2 n / (h - n . c)`.
     ///
@@ -107,6 +146,21 @@ mod tests {
             assert_eq!(Quadric::new(matrix), Err(DualityError::SingularQuadric));
         }
         assert!(Quadric::sphere(Vec3::zeros(), 0.0).is_err());
+    }
+
+    #[test]
+    fn a_normalised_quadric_has_the_normalised_poles() {
+        let upper = [1.0, 0.2, -0.1, 0.1, 2.0, 0.3, -0.05, 1.5, 0.02, -1.2];
+        let quadric = Quadric::from_upper(upper).unwrap();
+        assert_eq!(quadric.upper(), upper);
+        let (centre, scale) = (Vec3::new(3.0, -1.0, 0.5), 4.0);
+        let there = |p: Vec3| (p - centre) / scale;
+        let point = Vec3::new(0.7, -0.2, 1.9);
+        let normal = Vec3::new(2.0, -1.0, 2.0) / 3.0;
+        let pole = quadric.pole(&Plane::through(point, normal)).unwrap();
+        let moved = quadric.normalised(centre, scale).unwrap();
+        let pole_there = moved.pole(&Plane::through(there(point), normal)).unwrap();
+        assert!((there(pole) - pole_there).norm() < 1e-13);
     }
 
     proptest! {

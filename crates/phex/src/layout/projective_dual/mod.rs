@@ -7,7 +7,7 @@
 //! `G = J^T J`, `J = (h II - n (II p)^T) / h^2` (affine, where no tangent plane passes through `c`), or
 //! `J` of `(n, h) / |(n, h)|` (projective, bounded everywhere)
 //!
-//! with `II` as a tangential tensor. Working on `S` with the metric of `S'` keeps the way back one to one where `S'` covers itself.
+//! with `II` as a tangential tensor; for any other quadric `Q` the same of the poles `Q (n, -n . p)`. Working on `S` with the metric of `S'` keeps the way back one to one where `S'` covers itself.
 //!
 //! Source: W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2, with its three problems: distortion, points of `S'`
 //! that belong to several points of `S`, and triangulations whose dual panels cross themselves. [`inspect`] finds the
@@ -19,9 +19,9 @@
 //! tangent planes pass through every centre, and where `K` changes its sign, unless asked to go on.
 
 use super::domain::{DomainError, Place, SignedPlaces, no_flat_point};
-use super::duality::{Plane, clear_centre};
+use super::duality::{Plane, Quadric, clear_centre, clearness};
 use crate::curvature::Curvature;
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, Matrix4, SMatrix, Vector4};
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use serde::Serialize;
 use std::collections::HashMap;
@@ -38,12 +38,12 @@ const FAR: f64 = 4.0;
 /// The dual of a surface.
 #[derive(Clone, Debug)]
 pub struct SurfaceDual {
-    /// The centre `c`.
-    pub centre: Vec3,
-    /// Least distance of the centre to a tangent plane over the largest; 0 or less where tangent planes pass on both sides of it.
+    /// The quadric whose polarity it is.
+    pub quadric: Quadric,
+    /// Least distance of the centre `c` to a tangent plane over the largest; 0 or less where tangent planes pass on both sides of it.
     pub clearness: f64,
-    /// `h` at each vertex.
-    pub height: PerVertex<f64>,
+    /// The pole of the tangent plane at each vertex, homogeneous, about the centre: `(n, h)` for the unit sphere.
+    pub pole: PerVertex<Vector4<f64>>,
 }
 
 /// What is wrong with a dual surface.
@@ -58,20 +58,23 @@ pub struct DualDefects {
 }
 
 impl SurfaceDual {
-    /// The dual about a centre that is chosen away from the tangent planes.
+    /// The dual in the unit sphere about a centre that is chosen away from the tangent planes.
     pub fn of(surface: &TriangleSurface, normals: &PerVertex<Vec3>) -> Self {
-        let positions = surface.positions();
-        let planes: Vec<Plane> = positions
-            .iter()
-            .zip(normals)
-            .map(|(p, n)| Plane::through(*p, *n))
-            .collect();
-        let (centre, clearness) = clear_centre(&planes, positions.as_slice());
-        let height = PerVertex::from_vec(planes.iter().map(|p| -p.height(centre)).collect());
+        let (centre, _) = clear_centre(&tangents(surface, normals), surface.positions().as_slice());
+        let sphere = Quadric::sphere(centre, 1.0).expect("a surface's coordinates are finite");
+        Self::about(surface, normals, sphere)
+    }
+
+    /// The dual in any quadric.
+    pub fn about(surface: &TriangleSurface, normals: &PerVertex<Vec3>, quadric: Quadric) -> Self {
+        let planes = tangents(surface, normals);
+        let map = centred(&quadric);
+        let pole = planes.iter().map(|p| map * p.normal.push(-p.offset));
+        let pole: Vec<Vector4<f64>> = pole.collect();
         Self {
-            centre,
-            clearness,
-            height,
+            clearness: clearness(pole.iter().map(|x| x.w)),
+            pole: PerVertex::from_vec(pole),
+            quadric,
         }
     }
 
@@ -82,7 +85,7 @@ impl SurfaceDual {
 
     /// The vertex whose tangent plane passes nearest to the centre.
     fn nearest(&self, surface: &TriangleSurface) -> Place {
-        let distance = |v: &VertexId| self.height[*v].abs();
+        let distance = |v: &VertexId| self.pole[*v].w.abs();
         let all = surface.topology().vertices();
         let vertex = all.min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let vertex = vertex.unwrap_or(VertexId::new(0));
@@ -98,34 +101,50 @@ impl SurfaceDual {
         surface: &TriangleSurface,
         curvature: &Curvature,
     ) -> PerVertex<Matrix3<f64>> {
-        let raw = PerVertex::from_fn(self.height.len(), |v| {
-            let p = surface.positions()[v] - self.centre;
-            let (n, s) = (curvature.normal[v], curvature.tensor[v]);
+        let map = centred(&self.quadric);
+        let raw = PerVertex::from_fn(self.pole.len(), |v| {
+            let (p, s) = (surface.positions()[v], curvature.tensor[v]);
+            // The plane (n, -n . p) changes by (II e, -p . II e) along e.
+            let mut change = SMatrix::<f64, 4, 3>::zeros();
+            change.fixed_view_mut::<3, 3>(0, 0).copy_from(&s);
+            change.set_row(3, &-(s * p).transpose());
+            let j = map * change;
             if self.is_affine() {
-                affine_metric(p, n, &s, self.height[v])
+                affine_metric(&self.pole[v], &j)
             } else {
-                projective_metric(p, n, &s, self.height[v])
+                projective_metric(&self.pole[v], &j)
             }
         });
         with_floor(raw, &curvature.normal)
     }
 }
 
-/// `J^T J` of `n / h`.
-fn affine_metric(p: Vec3, n: Vec3, s: &Matrix3<f64>, h: f64) -> Matrix3<f64> {
-    let j = (s * h - n * (s * p).transpose()) / (h * h);
+/// The tangent planes of a surface.
+fn tangents(surface: &TriangleSurface, normals: &PerVertex<Vec3>) -> Vec<Plane> {
+    let pairs = surface.positions().iter().zip(normals);
+    pairs.map(|(p, n)| Plane::through(*p, *n)).collect()
+}
+
+/// The matrix of a quadric with its centre, if it has one, moved to the origin of the poles.
+fn centred(quadric: &Quadric) -> Matrix4<f64> {
+    let mut shift = Matrix4::identity();
+    let centre = quadric.centre().unwrap_or_default();
+    shift.fixed_view_mut::<3, 1>(0, 3).copy_from(&-centre);
+    shift * quadric.matrix()
+}
+
+/// `J^T J` of `x / w`, by the pole `(x, w)` and its change.
+fn affine_metric(pole: &Vector4<f64>, change: &SMatrix<f64, 4, 3>) -> Matrix3<f64> {
+    let x = pole.xyz() / pole.w;
+    let j = (change.fixed_rows::<3>(0) - x * change.row(3)) / pole.w;
     j.transpose() * j
 }
 
-/// `J^T J` of `(n, h) / |(n, h)|`.
-fn projective_metric(p: Vec3, n: Vec3, s: &Matrix3<f64>, h: f64) -> Matrix3<f64> {
-    let length = (1.0 + h * h).sqrt();
-    let x = n.push(h) / length;
-    let mut j = SMatrix::<f64, 4, 3>::zeros();
-    j.fixed_view_mut::<3, 3>(0, 0).copy_from(s);
-    j.fixed_view_mut::<1, 3>(3, 0)
-        .copy_from(&(s * p).transpose());
-    let tangential = (j - x * (x.transpose() * j)) / length;
+/// `J^T J` of the pole as a unit vector.
+fn projective_metric(pole: &Vector4<f64>, change: &SMatrix<f64, 4, 3>) -> Matrix3<f64> {
+    let length = pole.norm();
+    let x = pole / length;
+    let tangential = (change - x * (x.transpose() * change)) / length;
     tangential.transpose() * tangential
 }
 
@@ -146,7 +165,7 @@ pub(super) fn with_floor(
     })
 }
 
-/// Whether a method that works in the dual, `method` in messages, applies.
+/// Whether a method that works in the dual, `method` in messages, applies; `chosen` says that the program has chosen the centre.
 ///
 /// # Errors
 /// Where tangent planes pass through every centre, `K` changes its sign, or `K < 0` but for a flat point.
@@ -154,6 +173,7 @@ pub fn check(
     surface: &TriangleSurface,
     curvature: &Curvature,
     dual: &SurfaceDual,
+    chosen: bool,
     method: &'static str,
 ) -> Result<(), DomainError> {
     let places = SignedPlaces::find(surface, curvature);
@@ -164,7 +184,10 @@ pub fn check(
         return Ok(());
     }
     let place = dual.nearest(surface);
-    Err(DomainError::NoCentre { method, place })
+    Err(match chosen {
+        true => DomainError::NoCentre { method, place },
+        false => DomainError::ThroughCentre { method, place },
+    })
 }
 
 /// Counts singular points and duplicates of the dual.
@@ -181,22 +204,18 @@ pub fn inspect(
     };
     DualDefects {
         singular_edges: count(&|a, b| gauss[a] * gauss[b] < 0.0),
-        edges_through_infinity: count(&|a, b| dual.height[a] * dual.height[b] < 0.0),
-        duplicate_pairs: duplicates(surface, &curvature.normal, dual).len(),
+        edges_through_infinity: count(&|a, b| dual.pole[a].w * dual.pole[b].w < 0.0),
+        duplicate_pairs: duplicates(surface, dual).len(),
     }
 }
 
 /// Pairs of vertices that are far apart on the surface and have one tangent plane, as points of projective space, about.
-pub fn duplicates(
-    surface: &TriangleSurface,
-    normals: &PerVertex<Vec3>,
-    dual: &SurfaceDual,
-) -> Vec<[VertexId; 2]> {
+pub fn duplicates(surface: &TriangleSurface, dual: &SurfaceDual) -> Vec<[VertexId; 2]> {
     let topology = surface.topology();
     let pole = |v: VertexId| {
-        let x = normals[v].push(dual.height[v]).normalize();
+        let x = dual.pole[v].normalize();
         // A plane and its reverse are one point.
-        if dual.height[v] < 0.0 { -x } else { x }
+        if x.w < 0.0 { -x } else { x }
     };
     let edges = || topology.edges().map(|e| topology.edge_vertices(e));
     let mean = |length: &dyn Fn(VertexId, VertexId) -> f64| {
@@ -242,17 +261,29 @@ mod tests {
 
     #[test]
     fn metrics_are_those_of_the_poles() {
-        let (surface, curvature, mut dual) = dual_of("ellipsoid");
-        dual.centre = Vec3::new(0.2, 0.1, -0.05);
+        let (surface, curvature, _) = dual_of("ellipsoid");
+        let sphere = Quadric::sphere(Vec3::new(0.2, 0.1, -0.05), 1.0).unwrap();
+        // An ellipsoid with its axes askew, off the origin.
+        let upper = [1.0, 0.2, -0.1, 0.1, 2.0, 0.3, -0.05, 1.5, 0.02, -1.2];
+        for quadric in [sphere, Quadric::from_upper(upper).unwrap()] {
+            metric_is_that_of_the_poles(&surface, &curvature, quadric);
+        }
+    }
+
+    fn metric_is_that_of_the_poles(
+        surface: &TriangleSurface,
+        curvature: &Curvature,
+        quadric: Quadric,
+    ) {
+        let dual = SurfaceDual::about(surface, &curvature.normal, quadric);
+        assert!(dual.is_affine());
         let positions = surface.positions();
-        dual.height = PerVertex::from_fn(positions.len(), |v| {
-            curvature.normal[v].dot(&(positions[v] - dual.centre))
-        });
-        let metric = dual.metric(&surface, &curvature);
+        let metric = dual.metric(surface, curvature);
         let (mut error, mut count) = (0.0, 0.0);
         for e in surface.topology().edges() {
             let [a, b] = surface.topology().edge_vertices(e);
-            let pole = |v: VertexId| curvature.normal[v] / dual.height[v];
+            let plane = |v: VertexId| Plane::through(positions[v], curvature.normal[v]);
+            let pole = |v: VertexId| quadric.pole(&plane(v)).unwrap();
             let d = positions[b] - positions[a];
             let induced = (0.5 * d.dot(&((metric[a] + metric[b]) * d))).sqrt();
             error += (induced / (pole(a) - pole(b)).norm() - 1.0).abs();
@@ -265,7 +296,7 @@ mod tests {
     fn domains() {
         let verdict = |name| {
             let (surface, curvature, dual) = dual_of(name);
-            check(&surface, &curvature, &dual, METHOD)
+            check(&surface, &curvature, &dual, true, METHOD)
         };
         assert_eq!(verdict("ellipsoid"), Ok(()));
         assert_eq!(verdict("hyperbolic-paraboloid"), Ok(()));

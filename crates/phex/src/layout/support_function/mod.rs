@@ -9,7 +9,7 @@
 //!
 //! * `K > 0`: the triangulation is that of the convex hull of the dual points `n / h` (by flips that are decided exactly): the piecewise
 //!   linear `h` is convex, and so is every panel.
-//! * `K < 0`: the regular triangulation as it is.
+//! * `K < 0`: the regular triangulation, along the directions in which it keeps the sign rule (`crate::directions::saddle`).
 //!
 //! Source: Almegaard, Bagger, Gravesen, Juettler, Sir, "Surfaces with piecewise linear support functions over spherical triangulations"
 //! (2007), as reviewed by W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2: inversion in the sphere takes this
@@ -29,7 +29,7 @@ use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface};
 
 /// Name in messages.
-const METHOD: &str = "support-function";
+pub const METHOD: &str = "support-function";
 
 /// The third fundamental form as a tangential tensor, with a small isotropic part where the surface is flat.
 pub fn metric(curvature: &Curvature) -> PerVertex<Matrix3<f64>> {

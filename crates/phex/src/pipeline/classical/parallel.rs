@@ -2,11 +2,10 @@
 //! about the unit sphere, the lattice's discrete Gauss image; where `K < 0` the tangent planes' mesh itself, because edges there run against those of
 //! their Gauss image.
 
-use super::{ClassicalStatistics, Made, Start, cells, joined, refusal};
+use super::{ClassicalStatistics, Made, Start, cells, joined, met, refusal};
 use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, SignedPlaces, no_flat_point};
 use crate::layout::duality::{Plane, convex_panels, envelope};
-use crate::layout::tangent_planes::tangent_planes;
 use crate::layout::{Layout, LayoutError};
 use crate::parallel_mesh::fit::{FitOptions, FitStart, fit_parallel};
 use crate::pipeline::{Clock, Method, PipelineError};
@@ -21,7 +20,8 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     let mut classical = start.statistics(Method::Parallel);
     let places = SignedPlaces::find(start.surface, &start.curvature);
     let consequence = "edges of the Gauss image vanish and turn round";
-    let checked = places.one_sign(METHOD, consequence);
+    let checked = start.resolved(ground, METHOD);
+    let checked = checked.and_then(|()| places.one_sign(METHOD, consequence));
     let (surface, curvature) = (start.surface, &start.curvature);
     let checked =
         checked.and_then(|sign| no_flat_point(sign, surface, curvature, METHOD, consequence));
@@ -31,8 +31,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     let given = if elliptic {
         gauss_image(&layout, &fine.surface, ground, &mut classical)
     } else {
-        joined(ground, layout, &mut classical)
-            .and_then(|layout| Ok(envelope(&layout.mesh, &tangent_planes(&layout))?))
+        joined(ground, layout, &mut classical).and_then(|layout| met(&layout, &mut classical))
     }?;
     let fit = FitOptions {
         start: if elliptic {

@@ -1,9 +1,11 @@
 //! `dual-subdivision`: a coarse mesh of tangent planes, refined by a rule of triangle meshes through its dual.
 //!
-//! Rules for the rim of a triangle mesh know nothing of the surface, so an open one is subdivided with a strip beyond its boundary, of panels of the
-//! coarse mesh, and the panels of the finest level are trimmed back to it.
+//! The panels along the boundary of the coarse mesh have tangent planes like all others, and rules at the rim of their dual go on as inside, so every level
+//! covers the surface.
 
-use super::{ClassicalStatistics, Made, Start, cells, joined, panel_length, refusal};
+use super::{
+    ClassicalStatistics, Made, Start, boundary_length, cells, joined, panel_length, refusal,
+};
 use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, DomainError, Place};
 use crate::layout::dual_subdivision::dual_subdivision;
@@ -14,7 +16,6 @@ use crate::layout::projective_dual::{self, SurfaceDual};
 use crate::layout::tangent_planes::tangent_planes;
 use crate::layout::{Layout, LayoutError};
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError};
-use crate::trim::Boundary;
 use phex_mesh::{FaceId, FacePlane, HexMesh, PerFace, TriangleSurface, Vec3, VertexId};
 
 /// Name in messages.
@@ -22,27 +23,25 @@ const METHOD: &str = "dual-subdivision";
 /// Least number of coarse panels.
 const LEAST: usize = 12;
 
-/// Width of the strip beyond the boundary, in lengths of coarse panels: rules at the rim reach one panel further in than the trimming.
-const STRIP: f64 = 2.5;
-/// Width of that strip over the root of the surface's area beyond which a narrow one must do: so far out nothing is known of the surface.
-const WIDEST: f64 = 0.32;
-
-/// The ground of the coarse mesh: panels are trimmed whole, since none of them can be fitted to the boundary. The strip is wide if the dual can go so far.
+/// The ground of the coarse mesh.
 pub(super) fn ground(surface: &TriangleSurface, panels: usize, options: &MeshOptions) -> Ground {
-    let mut options = options.clone();
-    if options.boundary == Boundary::Snap {
-        options.boundary = Boundary::Whole;
+    Ground::new(
+        surface,
+        coarse_panels(surface, panels, options.dual.levels),
+        options,
+    )
+}
+
+/// Panels of the coarse mesh. A level makes four of each, but of one at the boundary, of which there are twice as many then, it makes three.
+fn coarse_panels(surface: &TriangleSurface, panels: usize, levels: usize) -> usize {
+    let (four, two) = (4f64.powi(levels as i32), 2f64.powi(levels as i32));
+    let rim = boundary_length(surface);
+    let mut coarse = panels as f64 / four;
+    for _ in 0..3 {
+        let at_rim = rim / panel_length(surface, (coarse as usize).max(LEAST));
+        coarse = (panels as f64 + 0.5 * (four - two) * at_rim) / four;
     }
-    let coarse = (panels >> (2 * options.dual.levels)).max(LEAST);
-    let width = STRIP * panel_length(surface, coarse);
-    if width < WIDEST * surface.area().sqrt() {
-        let wide = Ground::with_strip(surface, coarse, &options, width);
-        let level = &wide.smooth.levels[0];
-        if SurfaceDual::of(level, level.normals()).is_affine() {
-            return wide;
-        }
-    }
-    Ground::new(surface, coarse, &options)
+    (coarse.round() as usize).max(LEAST)
 }
 
 pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
@@ -50,7 +49,10 @@ pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     let start = Start::on(coarse.given(), coarse, clock)?;
     let mut classical = start.statistics(Method::DualSubdivision);
     let dual = SurfaceDual::of(start.surface, &start.curvature.normal);
-    let checked = projective_dual::check(start.surface, &start.curvature, &dual, METHOD);
+    let checked = start.resolved(coarse, METHOD);
+    let checked = checked.and_then(|()| {
+        projective_dual::check(start.surface, &start.curvature, &dual, true, METHOD)
+    });
     classical.outside = refusal(checked, coarse)?;
     let (_, field) = Start::with_lattice(coarse, clock)?;
     let (fine, layout) = cells(coarse, &field, clock)?;
@@ -96,7 +98,12 @@ fn finest(
     classical.centre = Some(centre.into());
     classical.clearness = Some(clearness);
     if classical.outside.is_none() {
-        classical.outside = refusal(clear(layout, &planes, centre, clearness), coarse)?;
+        let checked = clear(layout, &planes, centre, clearness);
+        let follows = || match classical.curvature {
+            CurvatureSign::Hyperbolic => follows_surface(layout),
+            _ => Ok(()),
+        };
+        classical.outside = refusal(checked.and_then(|()| follows()), coarse)?;
     }
     let quadric = Quadric::sphere(centre, 1.0)?;
     let mut levels = dual_subdivision(&given, &quadric, options.rule, options.levels)?;
@@ -130,6 +137,33 @@ fn clear(
     })
 }
 
+/// Angle between the planes of neighbouring coarse panels, degrees, beyond which rules know nothing of what is between them where `K < 0`.
+const LARGEST_TURN: f64 = 50.0;
+
+/// Whether the planes of a coarse mesh turn little enough from one panel to the next.
+fn follows_surface(layout: &Layout) -> Result<(), DomainError> {
+    let topology = layout.mesh.topology();
+    let turn = |e| {
+        let h = topology.edge_half_edge(e);
+        let [f, g] = [h, topology.twin(h)?].map(|h| topology.face(h));
+        let angle = layout.face_normal[f].angle(&layout.face_normal[g]);
+        Some((f, angle.to_degrees()))
+    };
+    let turns = topology.edges().filter_map(turn);
+    let largest = turns.max_by(|a, b| a.1.total_cmp(&b.1));
+    match largest.filter(|t| t.1 > LARGEST_TURN) {
+        None => Ok(()),
+        Some((f, degrees)) => Err(DomainError::Coarse {
+            method: METHOD,
+            place: Place {
+                vertex: VertexId::new(0),
+                position: layout.face_point[f],
+            },
+            degrees,
+        }),
+    }
+}
+
 /// The mesh with its panels joined as their planes want it: rules of subdivision know neither hulls nor signs.
 fn rejoined(
     mesh: HexMesh,
@@ -148,5 +182,6 @@ fn rejoined(
     };
     classical.count(&flipped, planes.len());
     let planes = PerFace::from_vec(flipped.faces.iter().map(|f| planes[*f]).collect());
-    envelope(&flipped.mesh, &planes)
+    let mesh = envelope(&flipped.mesh, &planes)?;
+    Ok(classical.with_sound_rim(mesh, &planes))
 }

@@ -1,0 +1,124 @@
+//! Panels at the boundary that the planes of their neighbours leave no room.
+
+use super::Plane;
+use phex_mesh::polygon::{is_simple, signed_area};
+use phex_mesh::{
+    FaceId, FlatFace, HexMesh, PerFace, PerVertex, ValidateOptions, Vec2, Vec3, VertexId,
+    Violation, violations,
+};
+
+/// The mesh without panels at the boundary that cross themselves or others or are turned over, and the panels that are left. Where `K < 0` edges run to the boundary in
+/// zigzag, and two of them may meet before they get there: then nothing is left of the panel between them.
+///
+/// Of two panels that cross each other the smaller one goes. A panel stays that is not at the boundary of the given mesh, or whose loss would leave others joined in
+/// single vertices, or not at all.
+pub fn without_broken_rim(mesh: &HexMesh, planes: &PerFace<Plane>) -> (HexMesh, Vec<FaceId>) {
+    let topology = mesh.topology();
+    let pieces = topology.components().1;
+    let mut may_go = PerFace::from_fn(topology.n_faces(), |f| topology.is_boundary_face(f));
+    let mut kept: Vec<FaceId> = topology.faces().collect();
+    let mut made = mesh.clone();
+    while let Some(worst) = worst(&made, &|f| may_go[kept[f.index()]], &|f| {
+        planes[kept[f.index()]].normal
+    }) {
+        let others = made.topology().faces().filter(|f| *f != worst);
+        let rest = part(&made, &others.collect::<Vec<_>>());
+        may_go[kept[worst.index()]] = false;
+        if let Some(rest) = rest.filter(|m| m.topology().components().1 == pieces) {
+            made = rest;
+            kept.remove(worst.index());
+        }
+    }
+    (made, kept)
+}
+
+/// The panel to take out first: one that is broken itself, or else the smallest that is at odds with others.
+fn worst(
+    mesh: &HexMesh,
+    may_go: &dyn Fn(FaceId) -> bool,
+    normal: &dyn Fn(FaceId) -> Vec3,
+) -> Option<FaceId> {
+    let mut rim = mesh.topology().faces().filter(|f| may_go(*f));
+    rim.find(|f| is_broken(mesh, *f, normal(*f))).or_else(|| {
+        let found = violations(mesh, None, &ValidateOptions::default());
+        let between = found.iter().filter(|v| {
+            use Violation::{Crossing, FlippedFace, Fold, WrongFan};
+            matches!(
+                v,
+                Crossing { .. } | FlippedFace { .. } | Fold { .. } | WrongFan { .. }
+            )
+        });
+        let involved = between.flat_map(|v| v.faces(mesh.topology()));
+        let area = |f: &FaceId| FlatFace::of(mesh, *f).area();
+        involved
+            .filter(|f| may_go(*f))
+            .min_by(|f, g| area(f).total_cmp(&area(g)).then(f.cmp(g)))
+    })
+}
+
+/// Some panels of a mesh; `None` where they are joined in single vertices.
+fn part(mesh: &HexMesh, faces: &[FaceId]) -> Option<HexMesh> {
+    let mut number = PerVertex::filled(mesh.positions.len(), None);
+    let mut positions: Vec<Vec3> = Vec::new();
+    let mut corner = |v: VertexId| {
+        *number[v].get_or_insert_with(|| {
+            positions.push(mesh.positions[v]);
+            positions.len() as u32 - 1
+        })
+    };
+    let outlines = faces.iter().map(|f| mesh.topology().face_vertices(*f));
+    let outlines: Vec<Vec<u32>> = outlines
+        .map(|o| o.iter().map(|v| corner(*v)).collect())
+        .collect();
+    HexMesh::new(positions, &outlines).ok()
+}
+
+fn is_broken(mesh: &HexMesh, f: FaceId, normal: Vec3) -> bool {
+    let axes = crate::curvature::tangent_frame(normal);
+    let centre = mesh.centre(f);
+    let flat = |p: Vec3| -> Vec2 { axes.map(|a| (p - centre).dot(&a)).into() };
+    let outline: Vec<Vec2> = mesh.corners(f).map(flat).collect();
+    signed_area(&outline) <= 0.0 || !is_simple(&outline)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A row of three squares of side 1; the middle one's upper boundary vertices cross over if they are moved by more than a half.
+    fn row(shift: f64) -> (HexMesh, PerFace<Plane>) {
+        let at = |k: usize| {
+            let (x, y) = ((k % 4) as f64, (k / 4) as f64);
+            let moved = if y > 0.5 && (0.5..2.5).contains(&x) {
+                shift * (1.5 - x).signum()
+            } else {
+                0.0
+            };
+            Vec3::new(x + moved, y, 0.0)
+        };
+        let faces = [[0u32, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6]];
+        let mesh = HexMesh::new((0..8).map(at).collect(), &faces).unwrap();
+        let up = Plane::through(Vec3::zeros(), Vec3::z());
+        (mesh, PerFace::filled(3, up))
+    }
+
+    #[test]
+    fn panels_that_hold_the_others_together_stay() {
+        let (mesh, planes) = row(0.7);
+        let (left, kept) = without_broken_rim(&mesh, &planes);
+        assert_eq!((kept.len(), left.topology().n_faces()), (3, 3));
+    }
+
+    #[test]
+    fn a_crossed_panel_at_the_end_is_taken_out() {
+        let (mut mesh, planes) = row(0.0);
+        assert_eq!(without_broken_rim(&mesh, &planes).1.len(), 3);
+        // The corners on the right change places.
+        mesh.positions[VertexId::new(3)].y = 1.0;
+        mesh.positions[VertexId::new(7)].y = 0.0;
+        let (left, kept) = without_broken_rim(&mesh, &planes);
+        let names: Vec<usize> = kept.iter().map(|f| f.index()).collect();
+        assert_eq!(names, [0, 1]);
+        assert_eq!(left.positions.len(), 6);
+    }
+}
