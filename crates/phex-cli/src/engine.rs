@@ -4,6 +4,7 @@ use crate::exit::{Exit, Failure, OrExit};
 use anyhow::Context;
 use phex::directions::network::NetworkError;
 use phex::layout::LayoutError;
+use phex::layout::duality::DualityError;
 use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
 use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
@@ -177,7 +178,9 @@ fn pipeline_failure(error: PipelineError) -> Failure {
         }
         PipelineError::Optimise(OptimiseError::Steering(_)) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => Exit::InputUnusable,
-        PipelineError::Layout(LayoutError::Domain(_)) => Exit::InputUnusable,
+        PipelineError::Layout(
+            LayoutError::Domain(_) | LayoutError::Duality(DualityError::SingularQuadric),
+        ) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Duality(_) | LayoutError::Power(_))
         | PipelineError::Fit(_) => Exit::NoValidResult,
         PipelineError::Layout(LayoutError::Topology { .. } | LayoutError::Network(_)) => {
