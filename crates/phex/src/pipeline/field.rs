@@ -87,14 +87,14 @@ const LONGEST_EDGE: f64 = 0.35;
 /// Local refinements for that at the most.
 const LOCAL_REFINEMENTS: usize = 4;
 
-/// The ground of a seamless lattice: its last level is refined where the surface bends so fast that the lattice is finer than the
-/// triangles.
+/// The ground of a seamless lattice and the level that it is computed on, which is refined where the surface bends so fast that
+/// the lattice is finer than the triangles.
 pub(super) fn resolved(
     ground: &Ground,
     options: &MeshOptions,
     settings: &DirectionOptions,
     clock: &mut Clock<'_>,
-) -> Result<Ground, PipelineError> {
+) -> Result<(Ground, usize), PipelineError> {
     let (smooth, panels) = (&ground.smooth, ground.panels);
     let level = ground.field_level(options);
     let surface = &smooth.levels[level];
@@ -109,12 +109,13 @@ pub(super) fn resolved(
     for level in level..level + LOCAL_REFINEMENTS {
         let length = IntrinsicMesh::new(&ground.smooth.levels[level], &metric).length;
         let Some(finer) = ground.smooth.split_longer(level, &length, LONGEST_EDGE) else {
-            break;
+            return Ok((ground, level));
         };
         metric = finer.refinements[level].apply(&metric);
         ground.smooth = finer;
     }
-    Ok(ground)
+    let last = ground.smooth.levels.len() - 1;
+    Ok((ground, last))
 }
 
 /// A lattice: its directions and its seeds.

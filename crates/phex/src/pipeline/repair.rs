@@ -73,15 +73,12 @@ pub(super) fn attempt(
 ) -> Result<Attempt, PipelineError> {
     let (options, progress) = (&way.options(&ground.options), clock.progress);
     let settings = direction_options(options, way.anisotropy);
-    let seamless = match way.seamless {
+    let resolved = match way.seamless {
         true => Some(resolved(ground, options, &settings, clock)?),
         false => None,
     };
-    let ground = seamless.as_ref().unwrap_or(ground);
-    let level = match way.seamless {
-        true => ground.smooth.levels.len() - 1,
-        false => ground.field_level(options),
-    };
+    let plain = || (ground, ground.field_level(options));
+    let (ground, level) = resolved.as_ref().map_or_else(plain, |(g, l)| (g, *l));
     let field = Field::new(ground, level, options, &settings, clock)?;
     let fine = FineSurface::new(ground, &field);
     let mut seeds = field.placed.seeds.clone();
