@@ -96,6 +96,20 @@ fn a_plane_is_meshed() {
 
 /// Convex bodies need 12 pentagons and get no other irregular panel, not even where they are pointed; all panels are convex. With as many panels as here
 /// this takes halves that are joined, and a seamless lattice.
+/// Without curvature rows are straight, along the longest side: every panel off the boundary is a hexagon, with all its sides alike.
+#[test]
+fn rows_on_a_plane_are_straight() {
+    let made = run(&shape("plane", 500), 150);
+    let figures = measure(&made.mesh);
+    assert_eq!(figures.hex, Some(1.0));
+    let turned = shape("plane", 500);
+    let turned = mapped(&turned, |p| rotation() * p);
+    let figures_turned = measure(&run(&turned, 150).mesh);
+    assert_eq!(figures_turned.hex, Some(1.0));
+    assert!(figures.clearance.min > 0.6, "{:?}", figures.clearance);
+    assert!(figures.angle.min > 60.0, "{:?}", figures.angle);
+}
+
 #[test]
 fn ellipsoids_have_twelve_pentagons() {
     for [a, b, c] in [[1.5, 1.0, 0.7], [3.0, 1.0, 1.0]] {

@@ -43,6 +43,54 @@ fn frame(topology: &Topology, mesh: &IntrinsicMesh, v: VertexId) -> BoundaryFram
     }
 }
 
+/// Angle, radians, by which a straight side may turn in all.
+const STRAIGHT: f64 = 0.05;
+
+/// Frames of the vertices on the longest straight side of the boundary alone: on a plane rows follow it everywhere, where all sides
+/// together would bend them.
+pub fn on_longest_side(
+    topology: &Topology,
+    frames: &PerVertex<Option<BoundaryFrame>>,
+) -> PerVertex<Option<BoundaryFrame>> {
+    let mut longest: (f64, Vec<VertexId>) = (0.0, Vec::new());
+    for side in topology
+        .boundary_loops()
+        .iter()
+        .flat_map(|l| sides(l, frames))
+    {
+        let length = side
+            .iter()
+            .filter_map(|v| frames[*v])
+            .map(|f| f.length)
+            .sum();
+        if length > longest.0 {
+            longest = (length, side);
+        }
+    }
+    let mut kept = PerVertex::filled(topology.n_vertices(), None);
+    longest.1.iter().for_each(|v| kept[*v] = frames[*v]);
+    kept
+}
+
+/// The straight sides of a loop, without the corners between them, from its sharpest corner on.
+fn sides(boundary: &[VertexId], frames: &PerVertex<Option<BoundaryFrame>>) -> Vec<Vec<VertexId>> {
+    let turning = |i: usize| frames[boundary[i]].map_or(0.0, |f| f.turning);
+    let sharper = |i: &usize, j: &usize| turning(*i).abs().total_cmp(&turning(*j).abs());
+    let first = (0..boundary.len()).max_by(sharper).unwrap_or(0);
+    let mut sides = vec![Vec::new()];
+    let mut turned = 0.0;
+    for i in (0..boundary.len()).map(|k| (first + k) % boundary.len()) {
+        turned += turning(i);
+        if f64::abs(turned) < STRAIGHT {
+            sides.last_mut().expect("there is a side").push(boundary[i]);
+        } else {
+            sides.push(Vec::new());
+            turned = 0.0;
+        }
+    }
+    sides
+}
+
 /// The half-edge along the boundary that leaves a boundary vertex, and the one that enters it.
 pub fn boundary_half_edges(topology: &Topology, v: VertexId) -> [HalfEdgeId; 2] {
     let mut outgoing = topology.outgoing(v);

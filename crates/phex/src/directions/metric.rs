@@ -8,6 +8,8 @@ use phex_mesh::{PerVertex, TriangleSurface, Vec3};
 
 /// Curvatures below one over this many bounding-box diagonals are flat whatever the surface looks like.
 const FLAT_RADIUS: f64 = 1e3;
+/// Ratio of the principal curvatures, times the square of the anisotropy, below which rows must follow the smaller one.
+pub(super) const COMPULSORY: f64 = 0.8;
 /// Passes of smoothing over one-rings.
 const SMOOTHING: usize = 4;
 
@@ -54,7 +56,7 @@ pub fn alignment_weight(
         let k2 = p.large.abs();
         let ratio = p.small.abs() / k2.max(1e-12);
         let clipped = ratio * options.anisotropy * options.anisotropy;
-        let t = ((0.8 - clipped) / 0.6).clamp(0.0, 1.0);
+        let t = ((COMPULSORY - clipped) / 0.6).clamp(0.0, 1.0);
         let curved = k2 * k2 / (k2 * k2 + (0.1 * large).powi(2));
         let weight = options.alignment * t * t * (3.0 - 2.0 * t)
             + options.gentle_alignment * (1.0 - ratio).powi(2);

@@ -8,7 +8,8 @@
 //!
 //! in principal directions, as edge lengths `l^2 = e . M e`; from then on everything is intrinsic and isotropic. A 6-RoSy
 //! field `u = exp(6 i theta)` minimises `|grad u|^2 + c |u - u0|^2`, with `u0` along the direction of smaller curvature and
-//! `c` large only where theory asks for alignment (`|k1| rho^2 / |k2| < 0.8`, near parabolic curves). A screened conformal
+//! `c` large only where theory asks for alignment (`|k1| rho^2 / |k2| < 0.8`, near parabolic curves). On saddles elsewhere `u0`
+//! may be along either principal direction (`u` or `-u`), whichever is nearer to the field: a double well. A screened conformal
 //! factor `(Laplacian + alpha) s = K_cones - K` trades change of size against dislocations.
 //!
 //! | symbol | variable |
