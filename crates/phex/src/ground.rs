@@ -106,6 +106,11 @@ impl Ground {
         }
     }
 
+    /// Whether panels are laid out on more than the surface; triangles of its levels are then known by their numbers.
+    pub fn is_extended(&self) -> bool {
+        self.trimming.is_some()
+    }
+
     /// The level on which directions and lattice are computed.
     pub fn field_level(&self, options: &MeshOptions) -> usize {
         let vertices = options.field_density * self.panels as f64;

@@ -88,7 +88,7 @@ const LONGEST_EDGE: f64 = 0.35;
 const LOCAL_REFINEMENTS: usize = 4;
 
 /// The ground of a seamless lattice and the level that it is computed on, which is refined where the surface bends so fast that
-/// the lattice is finer than the triangles.
+/// the lattice is finer than the triangles; surfaces with a strip beyond their boundary stay as they are.
 pub(super) fn resolved(
     ground: &Ground,
     options: &MeshOptions,
@@ -97,6 +97,9 @@ pub(super) fn resolved(
 ) -> Result<(Ground, usize), PipelineError> {
     let (smooth, panels) = (&ground.smooth, ground.panels);
     let level = ground.field_level(options);
+    if ground.is_extended() {
+        return Ok((ground.clone(), level));
+    }
     let surface = &smooth.levels[level];
     let uniform = panel_length(surface, panels);
     let mut metric = clock.stage("directions", || {
