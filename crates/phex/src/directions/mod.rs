@@ -9,7 +9,7 @@
 //! in principal directions, as edge lengths `l^2 = e . M e`; from then on everything is intrinsic and isotropic. A 6-RoSy
 //! field `u = exp(6 i theta)` minimises `|grad u|^2 + c |u - u0|^2`, with `u0` along the direction of smaller curvature and
 //! `c` large only where theory asks for alignment (`|k1| rho^2 / |k2| < 0.8`, near parabolic curves). On saddles elsewhere `u0`
-//! may be along either principal direction (`u` or `-u`), whichever is nearer to the field: a double well. A screened conformal
+//! may be along either principal direction, whichever is nearer to the field ([`DirectionOptions::double_well`]). A screened conformal
 //! factor `(Laplacian + alpha) s = K_cones - K` trades change of size against dislocations.
 //!
 //! | symbol | variable |
@@ -71,6 +71,9 @@ pub struct DirectionOptions {
     pub band_reach: f64,
     /// Weight of the alignment that keeps the edges of a lattice off the asymptotic directions, for surfaces with `K < 0` (0: none); see [`saddle`].
     pub saddle_alignment: f64,
+    /// Whether rows on saddles may run along either principal direction, whichever is nearer (a double well): larger least angles,
+    /// but on some surfaces more irregular panels.
+    pub double_well: bool,
     /// Lines that rows run along, and prescribed cones.
     pub guides: Guides,
 }
@@ -88,6 +91,7 @@ impl Default for DirectionOptions {
             boundary_alignment: 0.5,
             cancel_reach: 4.0,
             band_reach: 0.0,
+            double_well: false,
             saddle_alignment: 0.0,
             guides: Guides::default(),
         }

@@ -112,7 +112,7 @@ fn is_flat(mesh: &IntrinsicMesh, weight: &PerVertex<f64>) -> bool {
 /// parabolic curves where only one of them gives simple panels.
 fn may_turn(p: &Principal, options: &DirectionOptions) -> bool {
     let ratio = -p.small / p.large * options.anisotropy.powi(2);
-    ratio > COMPULSORY
+    options.double_well && ratio > COMPULSORY
 }
 
 /// The wish for one principal direction or for the other, a right angle away and so half a period of six: that which is nearer to
@@ -247,11 +247,18 @@ mod tests {
     /// Rows may turn on saddles only, and not where one of the curvatures is small.
     #[test]
     fn rows_may_turn_on_saddles() {
-        let options = DirectionOptions::default();
+        let options = DirectionOptions {
+            double_well: true,
+            ..Default::default()
+        };
         assert!(may_turn(&principal(-0.5, 1.0), &options));
         assert!(may_turn(&principal(0.5, -1.0), &options));
         assert!(!may_turn(&principal(-0.1, 1.0), &options));
         assert!(!may_turn(&principal(0.5, 1.0), &options));
         assert!(!may_turn(&principal(0.0, 0.0), &options));
+        assert!(!may_turn(
+            &principal(-0.5, 1.0),
+            &DirectionOptions::default()
+        ));
     }
 }
