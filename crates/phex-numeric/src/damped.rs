@@ -118,6 +118,11 @@ impl DampedSolver {
         }
     }
 
+    /// Lends factorisation and matrix, for another method on the same pattern.
+    pub fn lend(&mut self) -> (&mut Cholesky, &mut SymmetricMatrix) {
+        (&mut self.cholesky, &mut self.hessian)
+    }
+
     /// Number of factorisations so far.
     pub fn factorisations(&self) -> usize {
         self.cholesky.factorisations()

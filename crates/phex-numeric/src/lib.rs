@@ -10,6 +10,7 @@
 //! | [`schur`] | sequential quadratic programming on the dual, factorisations reused |
 //! | [`damped`] | descent whose damping follows the collision step |
 //! | [`projection`] | minimum-norm projection onto constraints, guarded |
+//! | [`lagrange`] | Newton's method on the Lagrangian, to the last digits |
 //! | [`outcome`] | how an iteration ended |
 //! | [`error`] | what can be wrong with a system |
 
@@ -18,6 +19,7 @@ pub mod cholesky;
 pub mod conjugate_gradients;
 pub mod damped;
 pub mod error;
+pub mod lagrange;
 pub mod outcome;
 pub mod projection;
 pub mod schur;
@@ -31,6 +33,7 @@ pub use conjugate_gradients::{
 };
 pub use damped::{DampedOptions, DampedProblem, DampedSolver, Damping};
 pub use error::NumericError;
+pub use lagrange::{LagrangeNewton, LagrangeOptions, LagrangeProblem};
 pub use outcome::{Outcome, Record, Status};
 pub use projection::{Constraints, MinimumNorm, ProjectionOptions};
 pub use schur::{LaggedCholesky, SchurOptions, SchurProblem, SchurSqp};

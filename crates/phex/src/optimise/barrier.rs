@@ -21,13 +21,13 @@ pub(super) struct Barrier {
 }
 
 impl Barrier {
-    fn value(&self, d: f64) -> f64 {
+    pub fn value(&self, d: f64) -> f64 {
         let z = d / self.reach;
         -self.weight * (z - 1.0).powi(2) * z.ln()
     }
 
     /// First and second derivative.
-    fn derivatives(&self, d: f64) -> (f64, f64) {
+    pub fn derivatives(&self, d: f64) -> (f64, f64) {
         let z = d / self.reach;
         let (u, log) = (z - 1.0, z.ln());
         let first = -self.weight * (2.0 * u * log + u * u / z) / self.reach;
@@ -123,8 +123,13 @@ pub(super) fn add(
     add_turning(frame, corners, turning, gradient);
 }
 
-/// Adds `turning . dn`, the part of the gradient that comes from the plane's normal.
-fn add_turning(frame: &FaceFrame, corners: &[Corner], turning: Vec2, gradient: &mut [Vec3]) {
+/// Adds `turning . dn`, the part of a gradient that comes from the plane's normal.
+pub(super) fn add_turning(
+    frame: &FaceFrame,
+    corners: &[Corner],
+    turning: Vec2,
+    gradient: &mut [Vec3],
+) {
     let plane = &frame.plane;
     for k in 0..2 {
         let gap = frame.moments[2] - frame.moments[k];

@@ -5,6 +5,7 @@
 //! Vertices of the boundary are drawn to the boundary curve too, Hessian `w (I - t t^T)`. Beyond the rim the foot point
 //! lies on the curve, so there the surface term takes the same form.
 
+use super::osculating::Osculating;
 use super::panels::{Panels, Shape, extent, point};
 use super::{CurvePoint, Target, TargetPoint};
 use nalgebra::Matrix3;
@@ -53,7 +54,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Foot points of vertices and then of face centres.
-    fn feet(&self, points: &[Vec3], last: &[TargetPoint]) -> Vec<TargetPoint> {
+    pub fn feet(&self, points: &[Vec3], last: &[TargetPoint]) -> Vec<TargetPoint> {
         match self {
             Self::Surface(target) => target.closest_points(points, last),
             Self::Start { planes } => {
@@ -66,7 +67,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    fn on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>> {
+    pub fn on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>> {
         match self {
             Self::Surface(target) if !points.is_empty() => target.closest_on_boundary(points),
             _ => None,
@@ -84,6 +85,8 @@ pub(super) struct Feet {
     feet: Vec<TargetPoint>,
     rim_points: Vec<Vec3>,
     rim: Vec<CurvePoint>,
+    /// What stands in for surface and boundary curve, if anything does.
+    osculating: Option<Osculating>,
     /// Distance to the boundary curve up to which a point lies on it: rounding decides nothing.
     on_curve: f64,
 }
@@ -120,13 +123,37 @@ impl Feet {
         self.on_curve = ON_CURVE * extent(x);
         let centres = shape.frames.iter().map(|frame| frame.plane.centre);
         self.points.extend(centres);
+        if self.osculating.is_some() {
+            return;
+        }
         self.feet = reference.feet(&self.points, &self.feet);
         self.rim = reference.on_boundary(&self.rim_points).unwrap_or_default();
     }
 
+    /// From now on a smooth stand-in at the foot points found last takes the place of surface and boundary curve.
+    pub fn freeze(&mut self, reference: &Reference<'_>, mean_edge: f64) {
+        self.osculating = Some(Osculating::new(reference, &self.feet, &self.rim, mean_edge));
+    }
+
+    /// Goes back to surface and boundary curve themselves.
+    pub fn thaw(&mut self) {
+        self.osculating = None;
+    }
+
     /// From the foot point to the point: vertices, then face centres.
     pub fn residual(&self, k: usize) -> Vec3 {
-        self.points[k] - self.feet[k].position
+        match &self.osculating {
+            Some(o) => o.residual(k, self.points[k]),
+            None => self.points[k] - self.feet[k].position,
+        }
+    }
+
+    /// From the boundary curve to the `k`-th vertex of the rim; `None` without a curve.
+    fn rim_residual(&self, k: usize) -> Option<Vec3> {
+        match &self.osculating {
+            Some(o) => o.rim_residual(k, self.rim_points[k]),
+            None => Some(self.rim_points[k] - self.rim.get(k)?.position),
+        }
     }
 
     pub fn energy(&self, n_vertices: usize, weights: &ClosenessWeights) -> f64 {
@@ -140,13 +167,16 @@ impl Feet {
         let surface: f64 = (0..self.points.len())
             .map(|k| weight(k) * self.residual(k).norm_squared())
             .sum();
-        let rim = self.rim.iter().zip(&self.rim_points);
-        let curve: f64 = rim.map(|(q, p)| (p - q.position).norm_squared()).sum();
+        let rim = (0..self.rim_points.len()).filter_map(|k| self.rim_residual(k));
+        let curve: f64 = rim.map(|r| r.norm_squared()).sum();
         0.5 * (surface + weights.rim * curve)
     }
 
     /// Surface term of a vertex.
     pub fn vertex(&self, v: usize, weight: f64) -> PointTerm {
+        if let Some(o) = &self.osculating {
+            return o.term(v, self.points[v], weight);
+        }
         let normal = self.feet[v].normal;
         PointTerm {
             gradient: self.residual(v) * weight,
@@ -162,6 +192,10 @@ impl Feet {
     /// Surface and boundary term of the `k`-th rim vertex `v`.
     pub fn rim_vertex(&self, k: usize, v: usize, weights: &ClosenessWeights) -> PointTerm {
         let mut term = self.vertex(v, weights.vertex);
+        if let Some(o) = &self.osculating {
+            o.add_rim(k, self.points[v], weights.rim, &mut term);
+            return term;
+        }
         let Some(q) = self.rim.get(k) else {
             return term;
         };

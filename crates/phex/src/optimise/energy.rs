@@ -10,6 +10,7 @@ use super::holds::{Holds, restrict};
 use super::panels::{Panels, Shape, add_block};
 use super::planarity;
 use super::simple::collision;
+use super::spatial_barrier;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
@@ -52,6 +53,9 @@ pub(super) struct PanelEnergy<'a> {
     pub barriers: Vec<Barrier>,
     /// The angle condition of a vertex offset, where it is wanted.
     pub angles: Option<AngleTerm<'a>>,
+    /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a penalty alone; second derivatives
+    /// are exact then.
+    pub multipliers: Option<Vec<f64>>,
     setting: &'a Setting<'a>,
     assembly: &'a Assembly,
     armed: Armed,
@@ -85,6 +89,7 @@ impl<'a> PanelEnergy<'a> {
             weights,
             barriers,
             angles: None,
+            multipliers: None,
             armed: setting
                 .guard
                 .arm(panels, &shape, start)
@@ -107,6 +112,9 @@ impl<'a> PanelEnergy<'a> {
 
     /// Demands from now on what the shape at `x` meets; panels that are not simple have no barrier until they are.
     pub fn arm(&mut self, x: &[f64]) {
+        if self.multipliers.take().is_some() {
+            self.feet = Feet::default();
+        }
         let panels = self.setting.panels;
         let shape = Shape::at(panels, x);
         self.armed = self
@@ -114,6 +122,40 @@ impl<'a> PanelEnergy<'a> {
             .guard
             .arm(panels, &shape, x)
             .without_neighbours();
+        self.at.clear();
+    }
+
+    pub fn panels(&self) -> &'a Panels {
+        self.setting.panels
+    }
+
+    pub fn holds(&self) -> &'a Holds {
+        self.setting.holds
+    }
+
+    /// Where the panels lie at the point that was visited last.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// Takes planarity as a constraint from `x` on, with multipliers that are 0 at first. Everything that is demanded of a result is
+    /// demanded now if `x` meets it, and nothing is given up.
+    pub fn constrain(&mut self, x: &[f64]) {
+        let setting = self.setting;
+        self.arm(x);
+        self.armed = setting
+            .guard
+            .arm(setting.panels, &Shape::at(setting.panels, x), x);
+        self.multipliers = Some(vec![0.0; setting.panels.n_corners()]);
+    }
+
+    /// From now on a smooth stand-in that touches the surface around `x` takes its place.
+    pub fn freeze(&mut self, x: &[f64]) {
+        let setting = self.setting;
+        self.feet.thaw();
+        self.at.clear();
+        self.visit(x);
+        self.feet.freeze(setting.reference, setting.mean_edge);
         self.at.clear();
     }
 
@@ -130,7 +172,7 @@ impl<'a> PanelEnergy<'a> {
             .guard
             .holds(&self.armed, setting.panels, &self.shape, x);
         self.blocked = if self.admissible { 0 } else { self.blocked + 1 };
-        if self.blocked >= PATIENCE {
+        if self.blocked >= PATIENCE && self.multipliers.is_none() {
             setting.guard.give_up_sides(&mut self.armed, &self.shape);
             self.blocked = 0;
         }
@@ -144,12 +186,21 @@ impl<'a> PanelEnergy<'a> {
         let (panels, shape) = (self.setting.panels, &self.shape);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
         let angles = &self.angles;
+        let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             let corners = shape.face(panels, f);
             *energy = planarity::energy(&shape.frames[f], weights.planarity)
                 + fairness::energy(corners, weights.fairness);
-            if armed.is_simple(f) {
-                *energy += barrier::energy(corners, &barriers[f]);
+            match multipliers {
+                Some(l) => {
+                    let pairs = l[panels.corners(f)].iter().zip(corners);
+                    *energy += pairs.map(|(l, c)| l * c.height).sum::<f64>();
+                    if armed.is_simple(f) {
+                        *energy += spatial_barrier::energy(corners, &barriers[f]);
+                    }
+                }
+                None if armed.is_simple(f) => *energy += barrier::energy(corners, &barriers[f]),
+                None => {}
             }
             if let Some(angles) = angles {
                 *energy += angles.energy(f, corners);
@@ -187,6 +238,7 @@ impl<'a> PanelEnergy<'a> {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
         let angles = &self.angles;
+        let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
             let (frame, k) = (&shape.frames[f], corners.len() as f64);
@@ -199,8 +251,18 @@ impl<'a> PanelEnergy<'a> {
             }
             planarity::add(frame, corners, weights.planarity, gradient, block);
             fairness::add(corners, weights.fairness, gradient, block);
-            if armed.is_simple(f) {
-                barrier::add(frame, corners, &barriers[f], gradient, block);
+            match multipliers {
+                Some(l) => {
+                    let l = &l[panels.corners(f)];
+                    planarity::add_multiplied(frame, corners, l, gradient, block);
+                    if armed.is_simple(f) {
+                        spatial_barrier::add(corners, &barriers[f], gradient, block);
+                    }
+                }
+                None if armed.is_simple(f) => {
+                    barrier::add(frame, corners, &barriers[f], gradient, block);
+                }
+                None => {}
             }
             if let Some(angles) = angles {
                 angles.add(f, frame, corners, gradient, block);

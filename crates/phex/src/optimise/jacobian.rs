@@ -93,6 +93,36 @@ impl<'a> Jacobian<'a> {
         }
     }
 
+    /// Adds `Q y` at the corners.
+    pub fn add_at_corners(&self, y: &[f64], corners: &mut [f64]) {
+        for f in 0..self.panels.n_faces() {
+            let k = self.panels.valence(f);
+            let values = &mut corners[self.panels.corners(f)];
+            for (a, row) in self.bases.of_face(f).enumerate() {
+                let entries = self.bases.row(f, a, k).iter();
+                values
+                    .iter_mut()
+                    .zip(entries)
+                    .for_each(|(v, q)| *v += y[row] * q);
+            }
+        }
+    }
+
+    /// Brings values at the corners into the range of `Q`: `l = Q Q^T l`.
+    pub fn keep_to_range(&self, corners: &mut [f64]) {
+        let mut y = vec![0.0; self.bases.n_constraints()];
+        for f in 0..self.panels.n_faces() {
+            let k = self.panels.valence(f);
+            let values = &corners[self.panels.corners(f)];
+            for (a, row) in self.bases.of_face(f).enumerate() {
+                let entries = self.bases.row(f, a, k).iter();
+                y[row] = entries.zip(values).map(|(q, v)| q * v).sum();
+            }
+        }
+        corners.fill(0.0);
+        self.add_at_corners(&y, corners);
+    }
+
     /// `d = W J^T y`.
     pub fn spread(&self, y: &[f64], d: &mut [f64]) {
         for v in 0..self.panels.n_vertices() {

@@ -28,6 +28,10 @@
 //! conjugate layouts: the same closeness under exact planarity, one factorisation of a matrix half the size. Its result is taken
 //! only if it has converged, is valid, and has clearance; [`RunSummary::path`] tells which path it was.
 //!
+//! At the end of the feasible path Newton's method goes on **on the constraints**, with exact second derivatives (`endgame.rs`): a few
+//! iterations by default, which bring most of the room that tight panels can have, or as many as it takes to the minimum, where steps fall to
+//! rounding ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
+//!
 //! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At its end panels that stand off by more than
 //! [`OptimiseOptions::max_deviation`] and tight ones are tried again, each with what is around it (`retry.rs`).
 //!
@@ -50,6 +54,7 @@ mod angle;
 mod barrier;
 mod closeness;
 mod constraints;
+mod endgame;
 mod energy;
 mod fairness;
 mod fast;
@@ -60,6 +65,7 @@ mod inspect;
 mod jacobian;
 mod on_boundary;
 mod options;
+mod osculating;
 mod panels;
 mod parts;
 mod path;
@@ -71,6 +77,7 @@ mod share;
 mod shortcut;
 mod simple;
 mod solvers;
+mod spatial_barrier;
 mod start;
 mod steering;
 mod surface_target;

@@ -5,12 +5,13 @@
 //! no place stays near one. The energy never rises and no panel is ever crossed, as with all vertices at once.
 
 use super::closeness::Reference;
+use super::endgame::minimise_on_constraints;
 use super::energy::{PanelEnergy, Setting};
 use super::guard::Guard;
 use super::holds::{Hold, Holds};
 use super::options::OptimiseError;
 use super::panels::{Panels, Shape, point};
-use super::solvers::{Reporter, energy_assembly, system};
+use super::solvers::{Dual, Reporter, constraint_assembly, energy_assembly, system};
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};
 
@@ -118,19 +119,49 @@ pub(super) fn minimise_in_parts(
     limits: &DampedOptions,
     reporter: &mut Reporter<'_>,
 ) -> Result<Outcome, OptimiseError> {
+    for_each_part(whole, energy, x, cuts, |problem, (cholesky, matrix), y| {
+        problem.arm(y);
+        let observe = |record: &Record| reporter.observe(record);
+        let mut damping = Damping::default();
+        let mut minimiser = DampedSolver::new(cholesky, matrix);
+        Ok(minimiser.minimise(problem, y, &mut damping, limits, observe))
+    })
+}
+
+/// Minimises an energy on the constraints, one part after the other, with `most` iterations in each.
+pub(super) fn finish_in_parts(
+    whole: &Setting<'_>,
+    energy: impl for<'b> Fn(&'b Setting<'b>, &'b Assembly, &Part<'_>) -> PanelEnergy<'b>,
+    x: &mut [f64],
+    cuts: &Cuts,
+    most: usize,
+    reporter: &mut Reporter<'_>,
+) -> Result<Outcome, OptimiseError> {
+    for_each_part(whole, energy, x, cuts, |problem, mut system, y| {
+        let assembly = constraint_assembly(problem.panels());
+        let system = (&mut system.0, &mut system.1);
+        Ok(minimise_on_constraints(
+            problem, &assembly, system, y, most, reporter,
+        ))
+    })
+}
+
+/// Does something with the energy of one part after the other, until it is cancelled.
+fn for_each_part(
+    whole: &Setting<'_>,
+    energy: impl for<'b> Fn(&'b Setting<'b>, &'b Assembly, &Part<'_>) -> PanelEnergy<'b>,
+    x: &mut [f64],
+    cuts: &Cuts,
+    mut work: impl FnMut(&mut PanelEnergy<'_>, Dual, &mut [f64]) -> Result<Outcome, OptimiseError>,
+) -> Result<Outcome, OptimiseError> {
     let mut outcome = Outcome::empty(Status::Converged);
     for core in cores(whole.panels, x, cuts) {
         let part = Part::around(whole, &core, x);
         let setting = part.setting(whole.mean_edge);
         let assembly = energy_assembly(&part.panels);
-        let (cholesky, matrix) = system(&assembly, 3)?;
-        let mut problem = energy(&setting, &assembly, &part);
         let mut y = part.of_vertices(x);
-        problem.arm(&y);
-        let observe = |record: &Record| reporter.observe(record);
-        let mut damping = Damping::default();
-        let mut minimiser = DampedSolver::new(cholesky, matrix);
-        outcome.append(minimiser.minimise(&mut problem, &mut y, &mut damping, limits, observe));
+        let mut problem = energy(&setting, &assembly, &part);
+        outcome.append(work(&mut problem, system(&assembly, 3)?, &mut y)?);
         part.write_back(&y, x);
         if outcome.status == Status::Cancelled {
             break;

@@ -1,10 +1,12 @@
 //! The feasible path from one start: phases of rising penalties, and what is tried where they do not lead to planar panels.
 
 use super::barrier::{Barrier, clearance};
-use super::energy::{PanelEnergy, Setting, Weights};
+use super::endgame::{RIGIDITY, minimise_on_constraints};
+use super::energy::{PanelEnergy, Setting, Weights, deviation};
 use super::options::{OptimiseError, OptimiseOptions};
 use super::panels::Shape;
-use super::parts::{Cuts, LARGE, PART, minimise_in_parts};
+use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
+use super::retry::NEAR;
 use super::run::{Reached, barriers, weights};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Reporter, Solvers};
@@ -155,11 +157,12 @@ impl<'a> Path<'a> {
         Ok(())
     }
 
-    /// The last `count` phases from `x`, and the projection.
+    /// The last `count` phases from `x`, the projection, and the minimum on the constraints.
     pub fn again(&mut self, x: &[f64], count: usize) -> Result<Vec<f64>, OptimiseError> {
         self.x.copy_from_slice(x);
         self.descend_last(count)?;
-        Ok(self.project(self.options.clearance_margin).x)
+        let projected = self.project(self.options.clearance_margin);
+        Ok(self.finish(projected)?.x)
     }
 
     fn descend_last(&mut self, count: usize) -> Result<(), OptimiseError> {
@@ -182,6 +185,57 @@ impl<'a> Path<'a> {
             self.outcome.append(outcome);
         }
         Reached::at(self.setting, x)
+    }
+
+    /// Minimises on the constraints, from planar positions. They stand if that comes to nothing, or if a vertex or panel would stand off
+    /// the surface more than any does now (and more than is near): what counts is the sum, and one panel may have to pay.
+    pub fn finish(&mut self, reached: Reached) -> Result<Reached, OptimiseError> {
+        if self.is_over() || self.options.newton_iterations == 0 || !reached.is_planar(self.options)
+        {
+            return Ok(reached);
+        }
+        self.x.copy_from_slice(&reached.x);
+        let weights = Weights {
+            planarity: RIGIDITY,
+            ..self.weights
+        };
+        let most = self.options.newton_iterations;
+        let outcome = match &mut self.descent {
+            Descent::Whole(whole) => {
+                whole.energy.weights = weights;
+                whole.energy.barriers.copy_from_slice(&self.barriers);
+                let system = whole.minimiser.lend();
+                let assembly = self.constraint_assembly;
+                let energy = &mut whole.energy;
+                let x = &mut self.x;
+                minimise_on_constraints(energy, assembly, system, x, most, &mut self.reporter)
+            }
+            Descent::Parts => {
+                let mut outcome = finish_in_parts(
+                    self.setting,
+                    |s, assembly, part| {
+                        let barriers = part.of_faces(&self.barriers);
+                        let anchor = part.of_vertices(self.start);
+                        PanelEnergy::new(s, assembly, weights, barriers, &anchor)
+                    },
+                    &mut self.x,
+                    &Cuts {
+                        most: PART,
+                        phase: self.phases,
+                    },
+                    most,
+                    &mut self.reporter,
+                )?;
+                self.in_parts += std::mem::take(&mut outcome.factorisations);
+                outcome
+            }
+        };
+        self.outcome.append(outcome);
+        let now = self.project(self.options.clearance_margin);
+        let farthest = |x: &[f64]| deviation(self.setting, x).0;
+        let limit = farthest(&reached.x).max(NEAR * self.setting.mean_edge);
+        let better = !self.is_over() && now.is_planar(self.options) && farthest(&now.x) <= limit;
+        Ok(if better { now } else { reached })
     }
 
     /// Goes on with higher penalties where the projection has not arrived.

@@ -4,9 +4,10 @@
 //! Gauss-Newton block `w_p P (x) n n^T`, `P = I - A (A^T A)^-1 A^T`, `A = [1 xi eta]`.
 //! Constraints `c = Q^T h`, `Q` an orthonormal basis of the complement of `A`: `k - 3` numbers for a `k`-gon.
 
+use super::barrier::add_turning;
 use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
 use nalgebra::Matrix3;
-use phex_mesh::Vec3;
+use phex_mesh::{Vec2, Vec3};
 
 /// Entry `(i, j)` of the projector `P`. The axes are principal, so that `A^T A` is diagonal.
 pub(super) fn projector(frame: &FaceFrame, corners: &[Corner], i: usize, j: usize) -> f64 {
@@ -36,6 +37,37 @@ pub(super) fn add(
         for j in 0..=i {
             let value = outer * projector(frame, corners, i, j);
             add_block(block, i, j, &value);
+        }
+    }
+}
+
+/// Adds gradient and Hessian block of `sum_i l_i h_i` for multipliers `l` in the range of `P`.
+///
+/// The gradient is exact; the Hessian `l_i dx_i . dn`, `dn = -sum_k t_k / m_k sum_j xi_jk n . dx_j`, is exact where the face is planar
+/// (`m_k` the second moments along the axes `t_k`).
+pub(super) fn add_multiplied(
+    frame: &FaceFrame,
+    corners: &[Corner],
+    multipliers: &[f64],
+    gradient: &mut [Vec3],
+    block: &mut [f64],
+) {
+    let plane = &frame.plane;
+    let mut turning = Vec2::zeros();
+    for (i, corner) in corners.iter().enumerate() {
+        gradient[i] += plane.normal * multipliers[i];
+        turning += corner.flat * multipliers[i];
+    }
+    add_turning(frame, corners, turning, gradient);
+    for k in 0..2 {
+        let outer =
+            plane.axes[k] * plane.normal.transpose() / -frame.moments[k].max(f64::MIN_POSITIVE);
+        for (i, p) in corners.iter().enumerate() {
+            for (j, q) in corners[..=i].iter().enumerate() {
+                let value = outer * (multipliers[i] * q.flat[k])
+                    + outer.transpose() * (multipliers[j] * p.flat[k]);
+                add_block(block, i, j, &value);
+            }
         }
     }
 }

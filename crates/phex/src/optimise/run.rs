@@ -86,6 +86,9 @@ impl Stage<'_> {
             best = better(best, path.project(options.least_clearance));
         }
         if !path.is_over() && best.is_planar(options) {
+            best = path.finish(best)?;
+        }
+        if !path.is_over() && best.is_planar(options) {
             best = path.retry(best)?;
         }
         let way = Way {
@@ -218,7 +221,7 @@ impl Reached {
         }
     }
 
-    fn is_planar(&self, options: &OptimiseOptions) -> bool {
+    pub fn is_planar(&self, options: &OptimiseOptions) -> bool {
         self.planarity <= options.planarity_tolerance
     }
 

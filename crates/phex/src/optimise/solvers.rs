@@ -23,9 +23,8 @@ pub(super) struct EnergySolver(Option<(Assembly, DampedSolver)>);
 
 impl Solvers {
     pub fn new(panels: &Panels) -> Result<Self, OptimiseError> {
-        let count = PlanarityConstraints::count(panels);
-        let constraint_assembly = Assembly::new(count, &PlanarityConstraints::elements(panels));
-        let constraints = match count {
+        let constraint_assembly = constraint_assembly(panels);
+        let constraints = match constraint_assembly.pattern().dimension() {
             0 => None,
             _ => Some(system(&constraint_assembly, 1)?),
         };
@@ -54,6 +53,12 @@ impl EnergySolver {
         let (assembly, solver) = self.0.insert(made);
         Ok((assembly, solver))
     }
+}
+
+/// The assembly of `J J^T`: the unknowns are the constraints, the elements the vertices.
+pub(super) fn constraint_assembly(panels: &Panels) -> Assembly {
+    let count = PlanarityConstraints::count(panels);
+    Assembly::new(count, &PlanarityConstraints::elements(panels))
 }
 
 /// The assembly of the energy's Hessian: a block for every face and then one for every vertex.

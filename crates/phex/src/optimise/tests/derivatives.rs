@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
 
-const NOTHING: Weights = Weights {
+pub(super) const NOTHING: Weights = Weights {
     planarity: 0.0,
     closeness: ClosenessWeights {
         vertex: 0.0,
@@ -25,13 +25,13 @@ const NOTHING: Weights = Weights {
     corner: 0.0,
 };
 
-const NO_BARRIER: Barrier = Barrier {
+pub(super) const NO_BARRIER: Barrier = Barrier {
     weight: 0.0,
     reach: 0.01,
 };
 
 /// Calls `test` with the energy of a mesh that has only the given terms.
-fn with_energy(
+pub(super) fn with_energy(
     mesh: &HexMesh,
     target: Shape,
     weights: Weights,
@@ -83,63 +83,81 @@ fn largest(values: &[f64]) -> f64 {
 /// The gradient agrees with central differences of the energy.
 fn gradient_is_right(weights: Weights, barrier: Barrier, target: Shape, mesh: &HexMesh) {
     with_energy(mesh, target, weights, barrier, |energy, x, hessian| {
-        let g = gradient(energy, x, hessian);
-        assert!(largest(&g) > 0.0);
-        let step = 1e-6 * mesh.mean_edge();
-        let mut x = x.to_vec();
-        for k in 0..x.len() {
-            let at = x[k];
-            let mut difference = 0.0;
-            for sign in [1.0, -1.0] {
-                x[k] = at + sign * step;
-                difference += sign * energy.energy(&x) / (2.0 * step);
-            }
-            x[k] = at;
-            let error = (difference - g[k]).abs() / largest(&g);
-            assert!(
-                error < 2e-7,
-                "unknown {k}: {difference:e} against {:e}",
-                g[k]
-            );
-        }
+        gradient_agrees(energy, x, hessian, mesh.mean_edge());
     });
+}
+
+pub(super) fn gradient_agrees(
+    energy: &mut PanelEnergy<'_>,
+    x: &[f64],
+    hessian: &mut SymmetricMatrix,
+    mean_edge: f64,
+) {
+    let g = gradient(energy, x, hessian);
+    assert!(largest(&g) > 0.0);
+    let step = 1e-6 * mean_edge;
+    let mut x = x.to_vec();
+    for k in 0..x.len() {
+        let at = x[k];
+        let mut difference = 0.0;
+        for sign in [1.0, -1.0] {
+            x[k] = at + sign * step;
+            difference += sign * energy.energy(&x) / (2.0 * step);
+        }
+        x[k] = at;
+        let error = (difference - g[k]).abs() / largest(&g);
+        assert!(
+            error < 2e-7,
+            "unknown {k}: {difference:e} against {:e}",
+            g[k]
+        );
+    }
 }
 
 /// The Hessian agrees with central differences of the gradient.
 fn hessian_is_right(weights: Weights, target: Shape, mesh: &HexMesh) {
     with_energy(mesh, target, weights, NO_BARRIER, |energy, x, hessian| {
-        gradient(energy, x, hessian);
-        let exact = hessian.clone();
-        let step = 1e-6 * mesh.mean_edge();
-        let mut x = x.to_vec();
-        for k in 0..x.len() {
-            let at = x[k];
-            let mut column = vec![0.0; x.len()];
-            for sign in [1.0, -1.0] {
-                x[k] = at + sign * step;
-                let g = gradient(energy, &x, hessian);
-                column
-                    .iter_mut()
-                    .zip(g)
-                    .for_each(|(c, g)| *c += sign * g / (2.0 * step));
-            }
-            x[k] = at;
-            let (mut unit, mut expected) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-            unit[k] = 1.0;
-            exact.mul(&unit, &mut expected);
-            let size = largest(exact.values());
-            let error = column
-                .iter()
-                .zip(&expected)
-                .map(|(c, e)| (c - e).abs())
-                .fold(0.0, f64::max);
-            assert!(error < 1e-6 * size, "column {k}: {error:e} of {size:e}");
-        }
+        hessian_agrees(energy, x, hessian, mesh.mean_edge());
     });
 }
 
+pub(super) fn hessian_agrees(
+    energy: &mut PanelEnergy<'_>,
+    x: &[f64],
+    hessian: &mut SymmetricMatrix,
+    mean_edge: f64,
+) {
+    gradient(energy, x, hessian);
+    let exact = hessian.clone();
+    let step = 1e-6 * mean_edge;
+    let mut x = x.to_vec();
+    for k in 0..x.len() {
+        let at = x[k];
+        let mut column = vec![0.0; x.len()];
+        for sign in [1.0, -1.0] {
+            x[k] = at + sign * step;
+            let g = gradient(energy, &x, hessian);
+            column
+                .iter_mut()
+                .zip(g)
+                .for_each(|(c, g)| *c += sign * g / (2.0 * step));
+        }
+        x[k] = at;
+        let (mut unit, mut expected) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        unit[k] = 1.0;
+        exact.mul(&unit, &mut expected);
+        let size = largest(exact.values());
+        let error = column
+            .iter()
+            .zip(&expected)
+            .map(|(c, e)| (c - e).abs())
+            .fold(0.0, f64::max);
+        assert!(error < 1e-6 * size, "column {k}: {error:e} of {size:e}");
+    }
+}
+
 /// A rough little mesh with a pentagon and a heptagon.
-fn rough(shape: Shape) -> HexMesh {
+pub(super) fn rough(shape: Shape) -> HexMesh {
     let wall = brick_wall(shape, 7, 4);
     let topology = wall.topology();
     let inner = |e: &phex_mesh::EdgeId| {

@@ -2,6 +2,7 @@
 
 mod derivatives;
 pub(crate) mod fixtures;
+mod minimum;
 mod parts;
 mod steering;
 mod whole;
