@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         for newton_iterations in ITERATIONS {
             let options = OptimiseOptions {
-                newton_iterations,
+                newton_iterations: Some(newton_iterations),
                 ..OptimiseOptions::default()
             };
             let start = Instant::now();

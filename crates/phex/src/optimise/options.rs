@@ -97,8 +97,9 @@ pub struct OptimiseOptions {
     /// Step, in mean edges, that ends a phase.
     pub step_tolerance: f64,
     /// Iterations of Newton's method on the constraints at the most, once panels are planar. The first few bring what can be seen; a
-    /// minimum to the last digits (steps of 1e-9 mean edges) takes 50 to 100. 0: none.
-    pub newton_iterations: usize,
+    /// minimum to the last digits (steps of 1e-9 mean edges) takes 50 to 100. By default 6 for a mesh that is kept close to itself, and
+    /// none with a surface, where they were not seen to help.
+    pub newton_iterations: Option<usize>,
     /// Iterations of the final projection at the most.
     pub projection_iterations: usize,
     /// Largest distance of a corner to its face's plane, in mean edges, that counts as planar. The projection goes to the floor of
@@ -139,7 +140,7 @@ impl Default for OptimiseOptions {
             max_iterations: 15,
             energy_tolerance: 3e-2,
             step_tolerance: 1e-3,
-            newton_iterations: 6,
+            newton_iterations: None,
             projection_iterations: 12,
             planarity_tolerance: 1e-12,
             max_deviation: None,

@@ -1,6 +1,7 @@
 //! The feasible path from one start: phases of rising penalties, and what is tried where they do not lead to planar panels.
 
 use super::barrier::{Barrier, clearance};
+use super::closeness::Reference;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Setting, Weights, deviation};
 use super::options::{OptimiseError, OptimiseOptions};
@@ -18,6 +19,9 @@ const STRONGER: f64 = 4.0;
 
 /// Hold on the start that never keeps panels from becoming planar.
 const WEAK_HOLD: f64 = 1e-4;
+
+/// Iterations of Newton's method on the constraints for a mesh that is kept close to itself.
+const NEWTON_ITERATIONS: usize = 6;
 
 /// The positions, the energy, and everything that is handed on from phase to phase.
 pub(super) struct Path<'a> {
@@ -187,11 +191,19 @@ impl<'a> Path<'a> {
         Reached::at(self.setting, x)
     }
 
+    fn newton_iterations(&self) -> usize {
+        let by_default = match self.setting.reference {
+            Reference::Start { .. } => NEWTON_ITERATIONS,
+            Reference::Surface(_) => 0,
+        };
+        self.options.newton_iterations.unwrap_or(by_default)
+    }
+
     /// Minimises on the constraints, from planar positions. They stand if that comes to nothing, or if a vertex or panel would stand off
     /// the surface more than any does now (and more than is near): what counts is the sum, and one panel may have to pay.
     pub fn finish(&mut self, reached: Reached) -> Result<Reached, OptimiseError> {
-        if self.is_over() || self.options.newton_iterations == 0 || !reached.is_planar(self.options)
-        {
+        let most = self.newton_iterations();
+        if self.is_over() || most == 0 || !reached.is_planar(self.options) {
             return Ok(reached);
         }
         self.x.copy_from_slice(&reached.x);
@@ -199,7 +211,6 @@ impl<'a> Path<'a> {
             planarity: RIGIDITY,
             ..self.weights
         };
-        let most = self.options.newton_iterations;
         let outcome = match &mut self.descent {
             Descent::Whole(whole) => {
                 whole.energy.weights = weights;

@@ -108,7 +108,7 @@ fn the_stand_in_for_a_surface_has_its_derivatives_and_touches_it() {
 fn finished(shape: Shape, newton_iterations: usize) -> Optimised {
     let options = OptimiseOptions {
         starts: Starts::SmoothedCells,
-        newton_iterations,
+        newton_iterations: Some(newton_iterations),
         ..OptimiseOptions::default()
     };
     let layout = layout(brick_wall(shape, 15, 8), &shape);
