@@ -7,7 +7,6 @@ use super::energy::{PanelEnergy, Setting, Weights, deviation};
 use super::options::{OptimiseError, OptimiseOptions};
 use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
-use super::retry::NEAR;
 use super::run::{Reached, barriers, weights};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Reporter, Solvers};
@@ -20,6 +19,8 @@ const STRONGER: f64 = 4.0;
 /// Hold on the start that never keeps panels from becoming planar.
 const WEAK_HOLD: f64 = 1e-4;
 
+/// Deviation, in mean edges, that a minimum may always have at its farthest point.
+const STILL_NEAR: f64 = 0.02;
 /// Iterations of Newton's method on the constraints for a mesh that is kept close to itself.
 const NEWTON_ITERATIONS: usize = 6;
 
@@ -244,7 +245,7 @@ impl<'a> Path<'a> {
         self.outcome.append(outcome);
         let now = self.project(self.options.clearance_margin);
         let farthest = |x: &[f64]| deviation(self.setting, x).0;
-        let limit = farthest(&reached.x).max(NEAR * self.setting.mean_edge);
+        let limit = farthest(&reached.x).max(STILL_NEAR * self.setting.mean_edge);
         let better = !self.is_over() && now.is_planar(self.options) && farthest(&now.x) <= limit;
         Ok(if better { now } else { reached })
     }

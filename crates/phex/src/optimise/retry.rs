@@ -29,7 +29,7 @@ const STRONGER: f64 = 4.0;
 /// Reach of the barriers of tight panels, over the reach that is usual.
 const FARTHER: f64 = 1.4;
 /// Deviation, in mean edges, that more room may always cost, and clearance that nearness may.
-pub(super) const NEAR: f64 = 0.018;
+const NEAR: f64 = 0.018;
 const ROOM: f64 = 0.15;
 /// Phases that are gone through again.
 const PHASES: usize = 3;
