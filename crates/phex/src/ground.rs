@@ -111,6 +111,17 @@ impl Ground {
         self.trimming.is_some()
     }
 
+    /// The same with other levels of its surface.
+    pub fn with_smooth(&self, smooth: SmoothTarget) -> Self {
+        Self {
+            smooth,
+            facets: self.facets.clone(),
+            trimming: self.trimming.clone(),
+            panels: self.panels,
+            options: self.options.clone(),
+        }
+    }
+
     /// The level on which directions and lattice are computed.
     pub fn field_level(&self, options: &MeshOptions) -> usize {
         let vertices = options.field_density * self.panels as f64;

@@ -94,8 +94,6 @@ fn a_plane_is_meshed() {
     check("plane", &shape("plane", 500), 80);
 }
 
-/// Convex bodies need 12 pentagons and get no other irregular panel, not even where they are pointed; all panels are convex. With as many panels as here
-/// this takes halves that are joined, and a seamless lattice.
 /// Without curvature rows are straight, along the longest side: every panel off the boundary is a hexagon, with all its sides alike.
 #[test]
 fn rows_on_a_plane_are_straight() {
@@ -110,6 +108,8 @@ fn rows_on_a_plane_are_straight() {
     assert!(figures.angle.min > 60.0, "{:?}", figures.angle);
 }
 
+/// Convex bodies need 12 pentagons and get no other irregular panel, not even where they are pointed; all panels are convex. With as many panels as here
+/// this takes halves that are joined, and a seamless lattice.
 #[test]
 fn ellipsoids_have_twelve_pentagons() {
     for [a, b, c] in [[1.5, 1.0, 0.7], [3.0, 1.0, 1.0]] {

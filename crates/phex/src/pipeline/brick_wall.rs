@@ -41,7 +41,7 @@ impl Site {
         let normalised = moved(input, |p| similarity.normalise(p));
         let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
         let smooth = &ground.smooth;
-        let level = smooth.level_with(options.field_density * ground.panels as f64);
+        let level = ground.field_level(options);
         let coarse = &smooth.levels[level];
         let length = panel_length(coarse, ground.panels);
         let mut curvature = clock.stage("curvature", || {

@@ -239,7 +239,7 @@ impl<'a> Start<'a> {
         ground: &Ground,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let level = smooth.level_with(ground.options.field_density * ground.panels as f64);
+        let level = ground.field_level(&ground.options);
         let surface = &smooth.levels[level];
         let length = panel_length(surface, ground.panels);
         let curvature = clock.stage("curvature", || {

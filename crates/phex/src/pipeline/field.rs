@@ -87,38 +87,40 @@ const LONGEST_EDGE: f64 = 0.35;
 /// Local refinements for that at the most.
 const LOCAL_REFINEMENTS: usize = 4;
 
-/// The ground of a seamless lattice and the level that it is computed on, which is refined where the surface bends so fast that
-/// the lattice is finer than the triangles; surfaces with a strip beyond their boundary stay as they are.
-pub(super) fn resolved(
+/// The ground of a seamless lattice, refined where the surface bends so fast that the lattice is finer than the triangles, and the
+/// level to compute it on. `None` where triangles are small enough, and for surfaces with a strip beyond their boundary.
+pub(super) fn finer_ground(
     ground: &Ground,
     options: &MeshOptions,
     settings: &DirectionOptions,
     clock: &mut Clock<'_>,
-) -> Result<(Ground, usize), PipelineError> {
-    let (smooth, panels) = (&ground.smooth, ground.panels);
-    let level = ground.field_level(options);
+) -> Result<Option<(Ground, usize)>, PipelineError> {
     if ground.is_extended() {
-        return Ok((ground.clone(), level));
+        return Ok(None);
     }
-    let surface = &smooth.levels[level];
+    let (smooth, panels) = (&ground.smooth, ground.panels);
+    let first = ground.field_level(options);
+    let surface = &smooth.levels[first];
     let uniform = panel_length(surface, panels);
     let mut metric = clock.stage("directions", || {
         let curvature = curvature::curvature(surface, uniform, &options.curvature);
-        let length = panel_lengths(smooth, level, &curvature, uniform, panels, options)?;
+        let length = panel_lengths(smooth, first, &curvature, uniform, panels, options)?;
         let found = directions::directions_sized(surface, &curvature, &length, settings)?;
         Ok::<_, PipelineError>(found.metric)
     })??;
-    let mut ground = ground.clone();
-    for level in level..level + LOCAL_REFINEMENTS {
-        let length = IntrinsicMesh::new(&ground.smooth.levels[level], &metric).length;
-        let Some(finer) = ground.smooth.split_longer(level, &length, LONGEST_EDGE) else {
-            return Ok((ground, level));
+    let mut finest: Option<SmoothTarget> = None;
+    let mut level = first;
+    while level < first + LOCAL_REFINEMENTS {
+        let now = finest.as_ref().unwrap_or(smooth);
+        let length = IntrinsicMesh::new(&now.levels[level], &metric).length;
+        let Some(finer) = now.split_longer(level, &length, LONGEST_EDGE) else {
+            break;
         };
         metric = finer.refinements[level].apply(&metric);
-        ground.smooth = finer;
+        finest = Some(finer);
+        level += 1;
     }
-    let last = ground.smooth.levels.len() - 1;
-    Ok((ground, last))
+    Ok(finest.map(|smooth| (ground.with_smooth(smooth), level)))
 }
 
 /// A lattice: its directions and its seeds.

@@ -1,7 +1,7 @@
 //! Layout, optimiser and the repair loop for a lattice of one kind.
 
 use super::cures::{Cures, Ill, Place};
-use super::field::{Field, FineSurface, Way, direction_options, resolved};
+use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
 use super::portfolio::GOOD_DEVIATION;
 use super::{Clock, MeshOptions, PipelineError, RepairRound, rim};
 use crate::directions::guides::Cone;
@@ -73,12 +73,12 @@ pub(super) fn attempt(
 ) -> Result<Attempt, PipelineError> {
     let (options, progress) = (&way.options(&ground.options), clock.progress);
     let settings = direction_options(options, way.anisotropy);
-    let resolved = match way.seamless {
-        true => Some(resolved(ground, options, &settings, clock)?),
+    let finer = match way.seamless {
+        true => finer_ground(ground, options, &settings, clock)?,
         false => None,
     };
     let plain = || (ground, ground.field_level(options));
-    let (ground, level) = resolved.as_ref().map_or_else(plain, |(g, l)| (g, *l));
+    let (ground, level) = finer.as_ref().map_or_else(plain, |(g, l)| (g, *l));
     let field = Field::new(ground, level, options, &settings, clock)?;
     let fine = FineSurface::new(ground, &field);
     let mut seeds = field.placed.seeds.clone();

@@ -373,16 +373,10 @@ mod tests {
         assert_eq!(before.boundary_loops().len(), after.boundary_loops().len());
     }
 
-    #[test]
-    fn a_hole_is_not_overrun() {
-        // A flat annulus of radii 0.1 and 1; its normals point up.
-        let (n, rings) = (40, 12);
-        let radius = |r: usize| 0.1 + 0.9 * r as f64 / rings as f64;
-        let angle = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
-        let point = |r: usize, k: usize| Vec3::new(angle(k).cos(), angle(k).sin(), 0.0) * radius(r);
-        let positions = (0..=rings)
-            .flat_map(|r| (0..n).map(move |k| point(r, k)))
-            .collect();
+    /// `rings` rings of `n` cells round a hole, with their corners where `point` says.
+    fn annulus(n: usize, rings: usize, point: impl Fn(usize, usize) -> Vec3) -> TriangleSurface {
+        let corners = (0..=rings).flat_map(|r| (0..n).map(move |k| (r, k)));
+        let positions = corners.map(|(r, k)| point(r, k)).collect();
         let id = |r: usize, k: usize| (r * n + k % n) as u32;
         let cells = (0..rings).flat_map(|r| (0..n).map(move |k| (r, k)));
         let triangles: Vec<[u32; 3]> = cells
@@ -391,7 +385,17 @@ mod tests {
                 [[a, b, c], [a, c, d]]
             })
             .collect();
-        let surface = TriangleSurface::new(positions, &triangles).unwrap();
+        TriangleSurface::new(positions, &triangles).unwrap()
+    }
+
+    #[test]
+    fn a_hole_is_not_overrun() {
+        // A flat annulus of radii 0.1 and 1; its normals point up.
+        let (n, rings) = (40, 12);
+        let radius = |r: usize| 0.1 + 0.9 * r as f64 / rings as f64;
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
+        let point = |r: usize, k: usize| Vec3::new(angle(k).cos(), angle(k).sin(), 0.0) * radius(r);
+        let surface = annulus(n, rings, point);
         let extended = extend(&surface, 0.3, 0.0).unwrap().surface;
         assert!(
             extended
@@ -423,18 +427,7 @@ mod tests {
             let (sin, cos) = polar(r).sin_cos();
             Vec3::new(sin * c, sin * s, cos)
         };
-        let positions = (0..=rings)
-            .flat_map(|r| (0..n).map(move |k| point(r, k)))
-            .collect();
-        let id = |r: usize, k: usize| (r * n + k % n) as u32;
-        let cells = (0..rings).flat_map(|r| (0..n).map(move |k| (r, k)));
-        let triangles: Vec<[u32; 3]> = cells
-            .flat_map(|(r, k)| {
-                let [a, b, c, d] = [id(r, k), id(r + 1, k), id(r + 1, k + 1), id(r, k + 1)];
-                [[a, b, c], [a, c, d]]
-            })
-            .collect();
-        let surface = TriangleSurface::new(positions, &triangles).unwrap();
+        let surface = annulus(n, rings, point);
         assert!(extend(&surface, 0.0, 1.0).is_none());
         let closed = extend(&surface, 0.0, 2.0).unwrap();
         assert_eq!(closed.surface.boundary_loops().len(), 1);
