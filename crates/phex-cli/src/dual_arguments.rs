@@ -60,6 +60,9 @@ pub struct SubdivideCommand {
     /// Number of levels; each has four times as many panels (1 to 5)
     #[arg(short, long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=5))]
     pub levels: u8,
+    /// Go on with `loop` or `butterfly` where the mesh's Gauss curvature changes its sign, to see what becomes of it
+    #[arg(long)]
+    pub any_domain: bool,
     /// Surface to stay close to, for `robust` [default: a smooth one through the mesh's own faces]
     #[arg(long, value_name = "SURFACE")]
     pub surface: Option<PathBuf>,

@@ -96,6 +96,7 @@ fn every_rule_of_subdivision_keeps_panels_planar() {
     );
     let run = shop.phex("subdivide quads.off -o x.obj --rule loop");
     run.refuses(4, &["vertex 0", "4 faces"]);
+    assert!(!shop.files().contains(&"x.obj".to_owned()));
 }
 
 #[test]
@@ -167,6 +168,33 @@ fn open_meshes_are_subdivided_with_their_rim() {
         // The square has area 4, and more as it is curved.
         assert!(measures["area"].as_f64().unwrap() > 4.0, "{rule}");
     }
+}
+
+#[test]
+fn rules_through_the_dual_refuse_a_mesh_with_curvature_of_both_signs() {
+    let shop = Workshop::new();
+    shop.succeed("shape torus -o torus.obj --triangles 4000");
+    shop.succeed("mesh torus.obj -o coarse.obj -n 150 --method brick-wall --max-deviation 5%");
+    for rule in ["loop", "butterfly"] {
+        let run = shop.phex(&format!("subdivide coarse.obj -o x.obj --rule {rule} -l 2"));
+        run.refuses(
+            4,
+            &["positive at vertex", "negative at vertex", "folds over"],
+        );
+        assert!(!shop.files().contains(&"x.obj".to_owned()));
+    }
+    let forced = "subdivide coarse.obj -o x.obj --rule butterfly --any-domain --report r.json";
+    let run = shop.phex(forced);
+    assert!(
+        run.stdout.contains("outside: dual subdivision"),
+        "{}",
+        run.stdout
+    );
+    let told = &shop.json("r.json")["statistics"]["outside_domain"];
+    assert!(
+        told.as_str().is_some_and(|t| t.contains("one sign")),
+        "{told}"
+    );
 }
 
 #[test]

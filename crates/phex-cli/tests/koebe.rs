@@ -53,6 +53,20 @@ fn what_has_no_koebe_mesh_is_refused_and_nothing_written() {
 }
 
 #[test]
+fn a_graph_that_two_vertices_separate_is_refused_with_both() {
+    let shop = Workshop::new();
+    // Two blocks of four triangles between the poles 0 and 1: without these they fall apart.
+    shop.write(
+        "blocks.off",
+        "OFF\n8 10 0\n0 0 1\n0 0 -1\n1 -1 0\n1.2 0 0\n1 1 0\n-1 1 0\n-1.2 0 0\n-1 -1 0\n\
+         3 0 2 3\n3 0 3 4\n3 2 1 3\n3 3 1 4\n3 0 5 6\n3 0 6 7\n3 5 1 6\n3 6 1 7\n4 0 4 1 5\n4 0 7 1 2\n",
+    );
+    let run = shop.phex("koebe blocks.off -o out.obj");
+    run.refuses(4, &["not 3-connected", "vertices 0 and 1", "faces 8 and 9"]);
+    assert_eq!(shop.files(), ["blocks.off"]);
+}
+
+#[test]
 fn edge_offsets_of_other_meshes_are_refused_by_edge() {
     let shop = Workshop::new();
     // A cube with one corner cut off: the three edges there leave the sphere.

@@ -3,11 +3,12 @@
 mod common;
 
 use phex::layout::LayoutError;
-use phex::layout::domain::DomainError;
+use phex::layout::domain::{DomainError, Place};
+use phex::layout::dual_subdivision::one_sign;
 use phex::pipeline::Method;
 use phex::{MeshOptions, MeshRun, PanelSize, PipelineError, Silent, mesh_surface};
 use phex_mesh::polygon::is_simple;
-use phex_mesh::{FlatFace, Violation, measure};
+use phex_mesh::{FlatFace, TriangleSurface, Violation, measure};
 
 fn options(method: Method) -> MeshOptions {
     MeshOptions {
@@ -85,9 +86,13 @@ fn planar_and_simple_on_their_domain() {
 
 /// Faces that are not simple, turned over, folded or crossed; short edges are not asked for.
 fn faults(shape: &str, method: Method, panels: usize) -> usize {
+    faults_on(&common::shape(shape, 3000), method, panels)
+}
+
+fn faults_on(surface: &TriangleSurface, method: Method, panels: usize) -> usize {
     let mut options = options(method);
     options.size = PanelSize::Panels(panels);
-    let run = run(shape, &[], &options).unwrap();
+    let run = mesh_surface(surface, &options, &Silent).unwrap();
     let measures = measure(&run.mesh);
     assert!(measures.planarity.max < 1e-12);
     assert_eq!(measures.faces_not_simple, 0);
@@ -127,6 +132,30 @@ fn hyperbolic_patches_are_sound_at_any_size() {
 }
 
 #[test]
+fn the_two_signs_of_a_torus_of_panels_are_told_with_a_vertex_each() {
+    let mesh = run("torus", &[], &options(Method::BrickWall)).unwrap().mesh;
+    let DomainError::MixedCurvature {
+        positive, negative, ..
+    } = one_sign(&mesh).unwrap_err()
+    else {
+        panic!("another error");
+    };
+    // Outside and inside of the circle of radius 1 round the axis.
+    let from_axis = |p: Place| p.position.xy().norm();
+    assert!(from_axis(positive) > 1.1, "{positive}");
+    assert!(from_axis(negative) < 0.9, "{negative}");
+}
+
+/// On these a panel at the boundary has no room, and one behind it that comes to lie there has none either; of the parallel mesh one turns over when it is fitted.
+#[test]
+fn panels_behind_those_that_are_left_out_are_looked_at_again() {
+    let saddle = common::shape_with("hyperbolic-paraboloid", &[("b", 2.0)], 8_000);
+    assert_eq!(faults_on(&saddle, Method::DualSubdivision, 600), 0);
+    let enneper = common::shape("enneper", 8_000);
+    assert_eq!(faults_on(&enneper, Method::Parallel, 200), 0);
+}
+
+#[test]
 fn facets_too_coarse_for_the_curvature_are_refused() {
     let crease = [("a", 0.05), ("b", 0.1)];
     let surface = common::shape_with("hyperbolic-paraboloid", &crease, 600);
@@ -151,6 +180,10 @@ fn facets_too_coarse_for_the_curvature_are_refused() {
         let nearest = surface.positions()[place.vertex];
         assert!((nearest - place.position).norm() < 1e-9);
     }
+    // Tangent planes can be taken of any lattice: the same is told as a remark.
+    let run = mesh_surface(&surface, &options(Method::TangentPlanes), &Silent).unwrap();
+    let told = run.statistics.classical.and_then(|c| c.outside_domain);
+    assert!(told.is_some_and(|t| t.contains("tangent-planes") && t.contains("sign is not known")));
 }
 
 #[test]

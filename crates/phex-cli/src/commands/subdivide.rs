@@ -10,7 +10,7 @@ use crate::progress::{Reporter, is_interrupted};
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use phex::layout::dual_subdivision::{SubdivisionRule, clear_quadric, dual_subdivision};
+use phex::layout::dual_subdivision::{SubdivisionRule, clear_quadric, dual_subdivision, one_sign};
 use phex_mesh::{HexMesh, TriangleSurface, measure};
 use serde_json::json;
 
@@ -34,12 +34,16 @@ pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
         None if command.rule == SubdivideRule::Robust => Some(whole(&file.surfaces()?.components)?),
         None => None,
     };
+    let outside = outside_domain(command, &mesh)?;
     let levels = made(command, &mesh, surface.as_ref(), &reporter)?;
     reporter.finish();
     if is_interrupted() {
         return Err(Failure::interrupted());
     }
     let mut table = Table::default();
+    if let Some(sentence) = &outside {
+        table.row("domain", format!("outside: {sentence}"));
+    }
     for (k, level) in levels.iter().enumerate() {
         let m = measure(level);
         let (planarity, crossed) = (m.planarity.max, m.faces_not_simple);
@@ -65,12 +69,26 @@ pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
         panels: true,
         table,
         settings: json!({ "rule": format!("{:?}", command.rule), "levels": command.levels }),
-        statistics: json!({}),
+        statistics: json!({ "outside_domain": outside }),
         inputs: std::iter::once(file.record)
             .chain(surface_file.map(|f| f.record))
             .collect(),
     }
     .send()
+}
+
+/// Why the rules through the dual do not apply to a mesh, if they are to be tried all the same.
+fn outside_domain(command: &SubdivideCommand, mesh: &HexMesh) -> Result<Option<String>, Failure> {
+    if command.rule == SubdivideRule::Robust {
+        return Ok(None);
+    }
+    match one_sign(mesh) {
+        Ok(_) => Ok(None),
+        Err(e) if command.any_domain => Ok(Some(e.to_string())),
+        Err(e) => Err(e)
+            .with_context(|| command.input.display().to_string())
+            .or_exit(Exit::InputUnusable),
+    }
 }
 
 fn made(

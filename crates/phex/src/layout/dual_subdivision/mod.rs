@@ -16,16 +16,18 @@
 //! design tool is asked for in their section 5.
 //!
 //! Guaranteed: planar faces, degree 3 inside, the topology of the inside. Fails, with an error: where a face's plane passes through the centre.
-//! Nothing keeps faces simple where the dual is badly distorted. At the rim of an open mesh, rules do to
+//! Where the Gauss curvature changes its sign the dual folds over, and planes meet badly: [`one_sign`] tells beforehand. Nothing keeps faces simple where the dual is badly distorted. At the rim of an open mesh, rules do to
 //! quadratic functions what they do inside, and boundary vertices stay as near to the given boundary as their planes let them.
 
 mod butterfly;
 mod chamfer;
+mod domain;
 mod loop_rule;
 mod refined;
 mod rim;
 
 pub use chamfer::chamfer;
+pub use domain::one_sign;
 
 use super::duality::{DualTriangles, DualityError, Plane, Quadric, clear_centre, envelope};
 use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};

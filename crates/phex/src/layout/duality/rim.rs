@@ -3,24 +3,26 @@
 use super::Plane;
 use phex_mesh::polygon::{is_simple, signed_area};
 use phex_mesh::{
-    FaceId, FlatFace, HexMesh, PerFace, PerVertex, ValidateOptions, Vec2, Vec3, VertexId,
+    FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, ValidateOptions, Vec2, Vec3, VertexId,
     Violation, violations,
 };
 
 /// The mesh without panels at the boundary that cross themselves or others or are turned over, and the panels that are left. Where `K < 0` edges run to the boundary in
 /// zigzag, and two of them may meet before they get there: then nothing is left of the panel between them.
 ///
-/// Of two panels that cross each other the smaller one goes. A panel stays that is not at the boundary of the given mesh, or whose loss would leave others joined in
-/// single vertices, or not at all.
+/// Of two panels that cross each other the smaller one goes. A panel goes only if it is at the boundary of what is left and, in the given mesh, at the boundary or next to a panel there:
+/// one that comes to lie at the boundary may be broken itself. It stays if its loss would leave others joined in single vertices, or not at all.
 pub fn without_broken_rim(mesh: &HexMesh, planes: &PerFace<Plane>) -> (HexMesh, Vec<FaceId>) {
     let topology = mesh.topology();
     let pieces = topology.components().1;
-    let mut may_go = PerFace::from_fn(topology.n_faces(), |f| topology.is_boundary_face(f));
+    let mut may_go = near_boundary(topology);
     let mut kept: Vec<FaceId> = topology.faces().collect();
     let mut made = mesh.clone();
-    while let Some(worst) = worst(&made, &|f| may_go[kept[f.index()]], &|f| {
-        planes[kept[f.index()]].normal
-    }) {
+    while let Some(worst) = worst(
+        &made,
+        &|f| may_go[kept[f.index()]] && made.topology().is_boundary_face(f),
+        &|f| planes[kept[f.index()]].normal,
+    ) {
         let others = made.topology().faces().filter(|f| *f != worst);
         let rest = part(&made, &others.collect::<Vec<_>>());
         may_go[kept[worst.index()]] = false;
@@ -30,6 +32,17 @@ pub fn without_broken_rim(mesh: &HexMesh, planes: &PerFace<Plane>) -> (HexMesh, 
         }
     }
     (made, kept)
+}
+
+/// Panels at the boundary, and those that have a vertex in common with one.
+fn near_boundary(topology: &Topology) -> PerFace<bool> {
+    let at_rim = |v: VertexId| {
+        let mut around = topology.outgoing(v).map(|h| topology.face(h));
+        around.any(|f| topology.is_boundary_face(f))
+    };
+    PerFace::from_fn(topology.n_faces(), |f| {
+        topology.face_vertices(f).iter().any(|v| at_rim(*v))
+    })
 }
 
 /// The panel to take out first: one that is broken itself, or else the smallest that is at odds with others.

@@ -22,6 +22,9 @@ use super::duality::Plane;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3, VertexId};
 
+/// Name in messages.
+pub const METHOD: &str = "tangent-planes";
+
 /// The tangent planes of a layout's panels.
 pub fn tangent_planes(layout: &Layout) -> PerFace<Plane> {
     let pairs = layout.face_point.iter().zip(&layout.face_normal);

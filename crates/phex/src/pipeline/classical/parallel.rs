@@ -2,7 +2,7 @@
 //! about the unit sphere, the lattice's discrete Gauss image; where `K < 0` the tangent planes' mesh itself, because edges there run against those of
 //! their Gauss image.
 
-use super::{ClassicalStatistics, Made, Start, cells, joined, met, refusal};
+use super::{ClassicalStatistics, Made, Start, cells, fitted_planes, joined, met, refusal};
 use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, SignedPlaces, no_flat_point};
 use crate::layout::duality::{Plane, convex_panels, envelope};
@@ -47,9 +47,11 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     })?;
     classical.edges_at_bound = Some(fitted.edges_at_bound);
     let outcome = Outcome::empty(fitted.status);
+    // Lengths of edges at the rim are free, but for what closes their panel: some turn over.
+    let mesh = classical.with_sound_rim(fitted.mesh, &fitted_planes(&given));
     Ok(Made {
         reported: ground.reported(&fine.surface).clone(),
-        mesh: fitted.mesh,
+        mesh,
         fine: Some(fine),
         layout: field.placed.statistics,
         outcome,

@@ -4,7 +4,8 @@
 //! covers the surface.
 
 use super::{
-    ClassicalStatistics, Made, Start, boundary_length, cells, joined, panel_length, refusal,
+    ClassicalStatistics, Made, Start, boundary_length, cells, fitted_planes, joined, panel_length,
+    refusal,
 };
 use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, DomainError, Place};
@@ -16,7 +17,7 @@ use crate::layout::projective_dual::{self, SurfaceDual};
 use crate::layout::tangent_planes::tangent_planes;
 use crate::layout::{Layout, LayoutError};
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError};
-use phex_mesh::{FaceId, FacePlane, HexMesh, PerFace, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{FaceId, HexMesh, PerFace, TriangleSurface, Vec3, VertexId};
 
 /// Name in messages.
 const METHOD: &str = "dual-subdivision";
@@ -170,11 +171,7 @@ fn rejoined(
     quadric: &Quadric,
     classical: &mut ClassicalStatistics,
 ) -> Result<HexMesh, DualityError> {
-    let plane = |f| {
-        let fitted = FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
-        Plane::through(fitted.centre, fitted.normal)
-    };
-    let planes: PerFace<Plane> = PerFace::from_vec(mesh.topology().faces().map(plane).collect());
+    let planes = fitted_planes(&mesh);
     let flipped = match classical.curvature {
         CurvatureSign::Elliptic => hull_about(&mesh, &planes, quadric)?,
         CurvatureSign::Hyperbolic => uncrossing_flips(&mesh, &planes),

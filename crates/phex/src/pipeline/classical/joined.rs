@@ -1,0 +1,72 @@
+//! The panels of a lattice, joined as their tangent planes want it, and the mesh of these planes.
+
+use super::ClassicalStatistics;
+use crate::ground::Ground;
+use crate::layout::domain::CurvatureSign;
+use crate::layout::duality::{Plane, convex_panels, envelope, saddle_flips, uncrossing_flips};
+use crate::layout::tangent_planes::tangent_planes as tangent_planes_of;
+use crate::layout::{self, Layout, LayoutError};
+use crate::pipeline::field::{Field, FineSurface};
+use crate::pipeline::{Clock, PipelineError};
+use phex_mesh::{FacePlane, HexMesh, PerFace};
+
+/// The panels of a lattice.
+pub(super) fn cells(
+    ground: &Ground,
+    field: &Field,
+    clock: &mut Clock<'_>,
+) -> Result<(FineSurface, Layout), PipelineError> {
+    let fine = FineSurface::new(ground, field);
+    let layout = clock.stage("layout", || {
+        layout::panelling(&fine.cells(), &field.placed.seeds)
+    })??;
+    Ok((fine, layout))
+}
+
+/// The mesh of a layout's tangent planes.
+pub(super) fn met(
+    layout: &Layout,
+    classical: &mut ClassicalStatistics,
+) -> Result<HexMesh, LayoutError> {
+    let planes = tangent_planes_of(layout);
+    let mesh = envelope(&layout.mesh, &planes)?;
+    Ok(classical.with_sound_rim(mesh, &planes))
+}
+
+/// The layout with its panels joined as the poles of their planes are in their hull where `K > 0`; where `K < 0` by the sign rule, and then so that fewer
+/// panels cross themselves.
+pub(super) fn joined(
+    ground: &Ground,
+    layout: Layout,
+    classical: &mut ClassicalStatistics,
+) -> Result<Layout, LayoutError> {
+    if !ground.options.dual.hull {
+        return Ok(layout);
+    }
+    let planes = tangent_planes_of(&layout);
+    let (mesh, points) = (&layout.mesh, &layout.face_point);
+    match classical.curvature {
+        CurvatureSign::Elliptic => {
+            let convex = convex_panels(mesh, &planes, points)?;
+            classical.count(&convex, planes.len());
+            Ok(layout.joined(&convex))
+        }
+        CurvatureSign::Hyperbolic => {
+            let ruled = saddle_flips(mesh, &planes, points);
+            let simple = uncrossing_flips(&envelope(&ruled.mesh, &planes)?, &planes);
+            classical.count(&ruled, planes.len());
+            classical.count(&simple, planes.len());
+            Ok(layout.joined(&ruled).joined(&simple))
+        }
+        CurvatureSign::Mixed => Ok(layout),
+    }
+}
+
+/// The planes of a mesh's faces.
+pub(super) fn fitted_planes(mesh: &HexMesh) -> PerFace<Plane> {
+    let plane = |f| {
+        let fitted = FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
+        Plane::through(fitted.centre, fitted.normal)
+    };
+    PerFace::from_vec(mesh.topology().faces().map(plane).collect())
+}

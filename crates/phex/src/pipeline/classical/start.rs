@@ -1,0 +1,144 @@
+//! Where the methods start: the surface with its curvature, and a lattice that is regular in a method's own metric.
+
+use super::ClassicalStatistics;
+use crate::curvature::{self, Curvature};
+use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::{self, saddle};
+use crate::ground::Ground;
+use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, resolved};
+use crate::layout::lattice::CELL;
+use crate::pipeline::field::{
+    Field, allow_sizes, counted_lattice, direction_options, panel_length, with_seeds,
+};
+use crate::pipeline::{Clock, MeshOptions, Method, PipelineError};
+use crate::target::SmoothTarget;
+use nalgebra::Matrix3;
+use phex_mesh::{PerVertex, TriangleSurface};
+
+/// The surface of the field's level with its curvature.
+pub(super) struct Start<'a> {
+    pub level: usize,
+    pub surface: &'a TriangleSurface,
+    pub curvature: Curvature,
+}
+
+impl<'a> Start<'a> {
+    pub fn new(ground: &'a Ground, clock: &mut Clock<'_>) -> Result<Self, PipelineError> {
+        Self::on(&ground.smooth, ground, clock)
+    }
+
+    /// On another surface than that of the ground.
+    pub fn on(
+        smooth: &'a SmoothTarget,
+        ground: &Ground,
+        clock: &mut Clock<'_>,
+    ) -> Result<Self, PipelineError> {
+        // Of this surface, which may have other levels than that of the ground.
+        let level = smooth.level_with(ground.options.field_density * ground.panels as f64);
+        let surface = &smooth.levels[level];
+        let length = panel_length(surface, ground.panels);
+        let curvature = clock.stage("curvature", || {
+            curvature::curvature(surface, length, &ground.options.curvature)
+        })?;
+        Ok(Self {
+            level,
+            surface,
+            curvature,
+        })
+    }
+
+    /// The lattice that is laid out for any method, and where it starts.
+    pub fn with_lattice(
+        ground: &'a Ground,
+        clock: &mut Clock<'_>,
+    ) -> Result<(Self, Field), PipelineError> {
+        let start = Self::new(ground, clock)?;
+        let options = start.saddle_options(&ground.options);
+        let settings = direction_options(&options, options.directions.anisotropy);
+        let level = ground.field_level(&options);
+        let field = Field::new(ground, level, &options, &settings, clock)?;
+        Ok((start, field))
+    }
+
+    fn sign(&self) -> CurvatureSign {
+        SignedPlaces::find(self.surface, &self.curvature).sign()
+    }
+
+    /// Options for a lattice that keeps the sign rule with a margin where `K < 0`: its edges stay off the asymptotic directions, to which rows along the boundary may
+    /// come too near, and it has no dislocations.
+    fn saddle_options(&self, options: &MeshOptions) -> MeshOptions {
+        let mut options = options.clone();
+        if self.sign() == CurvatureSign::Hyperbolic {
+            options.directions.saddle_alignment = SADDLE_ALIGNMENT;
+            options.directions.boundary_alignment = 0.0;
+            allow_sizes(&mut options);
+        }
+        options
+    }
+
+    /// Whether the given facets tell the sign of the curvature where it is negative.
+    pub fn resolved(&self, ground: &Ground, method: &'static str) -> Result<(), DomainError> {
+        match self.sign() {
+            CurvatureSign::Hyperbolic => resolved(&ground.given().levels[0], method),
+            _ => Ok(()),
+        }
+    }
+
+    pub fn statistics(&self, method: Method) -> ClassicalStatistics {
+        ClassicalStatistics {
+            method,
+            curvature: self.sign(),
+            outside_domain: None,
+            outside: None,
+            centre: None,
+            clearness: None,
+            defects: None,
+            flips: None,
+            taken_out: 0,
+            goldberg: None,
+            edges_at_bound: None,
+            forecast: None,
+            in_doubt: None,
+        }
+    }
+
+    /// The lattice that is regular in a metric.
+    pub fn field(
+        &self,
+        ground: &Ground,
+        mut metric: PerVertex<Matrix3<f64>>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Field, PipelineError> {
+        let options = &self.saddle_options(&ground.options);
+        let settings = direction_options(options, 1.0);
+        let (wished, weight) = saddle::wishes(
+            self.surface,
+            &self.curvature,
+            &metric,
+            options.directions.saddle_alignment,
+        );
+        let area: f64 = IntrinsicMesh::new(self.surface, &metric).area.iter().sum();
+        scale(&mut metric, CELL * ground.panels as f64 / area);
+        let (directions, placed) = counted_lattice(ground.panels, |ratio| {
+            scale(&mut metric, 1.0 / ratio);
+            let directions = clock.stage("directions", || {
+                directions::in_metric(self.surface, metric.clone(), &wished, &weight, &settings)
+            })??;
+            with_seeds(self.surface.topology(), directions, &options.layout, clock)
+        })?;
+        Ok(Field {
+            level: self.level,
+            curvature: self.curvature.clone(),
+            directions,
+            placed,
+        })
+    }
+}
+
+/// Weight of the alignment where `K < 0`.
+const SADDLE_ALIGNMENT: f64 = 20.0;
+
+/// Scales all areas of a metric.
+fn scale(metric: &mut PerVertex<Matrix3<f64>>, factor: f64) {
+    metric.iter_mut().for_each(|m| *m *= factor);
+}

@@ -1,0 +1,67 @@
+//! What a method by planes and poles met with, for the report.
+
+use crate::layout::Layout;
+use crate::layout::domain::{CurvatureSign, DomainError};
+use crate::layout::duality::{Flipped, Plane, without_broken_rim};
+use crate::layout::forecast::forecast;
+use crate::layout::projective_dual::DualDefects;
+use crate::pipeline::Method;
+use phex_mesh::{HexMesh, PerFace};
+use serde::Serialize;
+
+/// What a method by planes and poles met with.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClassicalStatistics {
+    /// The method.
+    pub method: Method,
+    /// Signs of the Gauss curvature on the surface.
+    pub curvature: CurvatureSign,
+    /// The assumption of the method that does not hold, if the run went on regardless.
+    pub outside_domain: Option<String>,
+    /// The same as it was found, in normalised coordinates.
+    #[serde(skip)]
+    pub(super) outside: Option<DomainError>,
+    /// Centre of the polarity, model coordinates.
+    pub centre: Option<[f64; 3]>,
+    /// Least distance of the centre to a tangent plane over the largest.
+    pub clearness: Option<f64>,
+    /// Singular points and duplicates of the dual surface.
+    pub defects: Option<DualDefects>,
+    /// Flips that joined the panels as their planes want it: as the convex hull where `K > 0`, by the sign rule where `K < 0`.
+    pub flips: Option<usize>,
+    /// Panels that were taken out on the way, because their planes cut nothing off.
+    pub taken_out: usize,
+    /// Class `(m, n)` of the Goldberg polyhedron.
+    pub goldberg: Option<(u32, u32)>,
+    /// Edges of a parallel mesh that are as short as is allowed.
+    pub edges_at_bound: Option<usize>,
+    /// Panels that the sign rule says will cross themselves; nothing where there is no layout to ask.
+    pub forecast: Option<usize>,
+    /// Panels of which it says they will not, but where terms of third order may decide otherwise.
+    pub in_doubt: Option<usize>,
+}
+
+impl ClassicalStatistics {
+    /// Adds what flips did to a mesh with so many panels.
+    pub(super) fn count(&mut self, flipped: &Flipped, panels: usize) {
+        let taken_out = panels - flipped.faces.len();
+        self.flips = Some(self.flips.unwrap_or(0) + flipped.steps - taken_out);
+        self.taken_out += taken_out;
+    }
+
+    /// The mesh without panels at the boundary for which there is no room; outside a method's domain it stays as it is.
+    pub(super) fn with_sound_rim(&mut self, mesh: HexMesh, planes: &PerFace<Plane>) -> HexMesh {
+        if self.curvature == CurvatureSign::Mixed {
+            return mesh;
+        }
+        let (left, kept) = without_broken_rim(&mesh, planes);
+        self.taken_out += planes.len() - kept.len();
+        left
+    }
+
+    pub(super) fn foresee(&mut self, layout: &Layout) {
+        let told = forecast(layout);
+        self.forecast = Some(told.crossing.len());
+        self.in_doubt = Some(told.in_doubt.len());
+    }
+}
