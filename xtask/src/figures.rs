@@ -126,8 +126,10 @@ Colours: convex hexagons cream, concave ones green, pentagons blue, heptagons or
 
 const TABLE: &str = "## Method by surface
 
-Each cell: planarity (mean edges), number of self-intersecting panels, largest deviation; about 200 panels. `lattice` and `brick-wall` are ours. Classical methods
-refuse surfaces outside their domain; where `K > 0` they join their planes as the convex hull of the poles, where `K < 0` by the sign rule; *forced* is what `--any-domain` makes of them all the same. `blob` is `|x|^3.5 + |y/0.9|^3.5 + |z/0.7|^3.5 = 1`, convex with
+Each cell: planarity (mean edges), number of self-intersecting panels, largest deviation; about 200 panels. `lattice` is ours, `brick-wall` the paper's own method with our kinks and
+optimiser; it needs a global conjugate network. The others refuse surfaces outside their domain, and *forced* is what `--any-domain` makes of them all the same; only `tangent-planes` takes any surface,
+and keeps the triangulation of the lattice. Where `K > 0` the rest join their planes as the convex hull of the poles, so that no panel crosses itself. Where `K < 0` they keep to the sign rule:
+to second order a panel is simple if and only if, of the three edges `e` of every triangle of touching points, `II(e, e)` is positive for some and negative for others. `blob` is `|x|^3.5 + |y/0.9|^3.5 + |z/0.7|^3.5 = 1`, convex with
 nearly flat parts.
 
 ";

@@ -123,6 +123,9 @@ pub struct DupinCommand {
     /// The copies that fit the corners of this mesh's inner panels best; with `--at`, of the panels nearest to those points
     #[arg(long, value_name = "MESH")]
     pub panels: Option<PathBuf>,
+    /// Of these panels only such as have no corner in common, so that every curve can be told from the next
+    #[arg(long, requires = "panels", conflicts_with = "at")]
+    pub apart: bool,
     /// Number of points spread over the surface, where no others are given
     #[arg(short = 'n', long, value_name = "N", default_value_t = 100, conflicts_with_all = ["at", "panels"])]
     pub points: usize,

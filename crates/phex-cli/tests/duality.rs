@@ -108,6 +108,14 @@ fn indicatrices_are_written_and_panels_measured_against_them() {
     shop.succeed("mesh torus.obj -o mesh.obj --method brick-wall -n 200 -q");
     shop.succeed("dupin torus.obj -o inscribed.obj --panels mesh.obj");
     shop.succeed("render mesh.obj -o picture.png --curves inscribed.obj --size 200x150");
+    // Of a torus of hexagons one in seven at the least, and one in three at the most, has no corner in common with another.
+    let count = |run: common::Run| -> usize {
+        let words = run.stdout.split_whitespace().nth(1);
+        words.and_then(|n| n.parse().ok()).expect("a number")
+    };
+    let all = count(shop.succeed("dupin torus.obj -o inscribed.obj --panels mesh.obj"));
+    let apart = count(shop.succeed("dupin torus.obj -o apart.obj --panels mesh.obj --apart"));
+    assert!(7 * apart >= all && 3 * apart <= all, "{apart} of {all}");
     let run = shop.succeed("check mesh.obj --surface torus.obj --report check.json");
     assert!(run.stdout.contains("indicatrix"), "{}", run.stdout);
     let mean = shop.json("check.json")["statistics"]["indicatrix"]["all"]["mean"]

@@ -27,7 +27,7 @@ pub const FIGURES: [Figure; 12] = [
     },
     Figure {
         number: 5,
-        sentence: "A torus of hexagons with the indicatrices of its panels: ellipses round convex panels where K > 0, hyperbolas through concave ones where K < 0.",
+        sentence: "A torus of hexagons with the indicatrices of panels that have no corner in common: ellipses round convex panels where K > 0, hyperbolas through concave ones where K < 0.",
         make: indicatrices,
     },
     Figure {
@@ -37,7 +37,7 @@ pub const FIGURES: [Figure; 12] = [
     },
     Figure {
         number: 7,
-        sentence: "A convex surface with nearly flat parts: the projective dual is convex and regularly triangulated, and still panels cross themselves. The convex hull of the dual gives convex panels of many shapes, some with very short edges; ours are valid and regular.",
+        sentence: "A convex surface with nearly flat parts: the projective dual is convex and regularly triangulated, and still panels cross themselves, where triangles of touching points are obtuse in the second fundamental form. The convex hull of the dual gives convex panels of many shapes, some with very short edges; ours are valid and regular.",
         make: broken,
     },
     Figure {
@@ -168,13 +168,13 @@ fn indicatrices(m: &mut Maker<'_>) -> Result<(), String> {
         format!("mesh {WORK}/torus.obj -o {WORK}/torus-coarse.obj --method brick-wall -n 250");
     m.measured("Coarse torus", &coarse)?;
     m.run(&format!(
-        "dupin {WORK}/torus.obj -o {WORK}/torus-dupin.obj --panels {WORK}/torus-coarse.obj"
+        "dupin {WORK}/torus.obj -o {WORK}/torus-dupin.obj --panels {WORK}/torus-coarse.obj --apart"
     ))?;
     let torus = format!("--curves {WORK}/torus-dupin.obj --no-legend");
     m.draw(
         "torus-coarse.obj",
         "figure-05-torus",
-        "all indicatrices",
+        "one panel in three",
         &torus,
     )?;
     let convex = format!("--curves {WORK}/convex-panel-dupin.obj --no-legend");

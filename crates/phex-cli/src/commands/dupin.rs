@@ -11,7 +11,8 @@ use phex::curvature::dupin::{Indicatrix, inscribing_curves};
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::directions::network::Curve;
 use phex::layout::lattice::CELL;
-use phex_mesh::{FaceId, SurfacePoint, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{FaceId, SurfacePoint, Topology, TriangleSurface, Vec3, VertexId};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -76,6 +77,9 @@ fn panels(command: &DupinCommand) -> Result<Vec<Vec<Vec3>>, Failure> {
     let t = mesh.topology();
     let all = |f: &FaceId| command.at.is_empty() && !t.is_boundary_face(*f) && t.valence(*f) >= 6;
     let mut chosen: Vec<FaceId> = t.faces().filter(all).collect();
+    if command.apart {
+        chosen = apart(t, &chosen);
+    }
     for p in &command.at {
         let distance = |f: &FaceId| (mesh.centre(*f) - Vec3::from(*p)).norm();
         let nearest = t.faces().min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -91,6 +95,30 @@ fn panels(command: &DupinCommand) -> Result<Vec<Vec<Vec3>>, Failure> {
         .into_iter()
         .map(|f| mesh.corners(f).collect())
         .collect())
+}
+
+/// Some of the panels, no two of which have a corner in common: of those that may still be taken always the one next to most panels that may not, so that they lie close.
+fn apart(t: &Topology, among: &[FaceId]) -> Vec<FaceId> {
+    let around = |f: FaceId| -> BTreeSet<FaceId> {
+        let corners = t.face_vertices(f).iter();
+        let all = corners.flat_map(|v| t.outgoing(*v).map(|h| t.face(h)));
+        all.filter(|g| *g != f).collect()
+    };
+    let mut open: BTreeSet<FaceId> = among.iter().copied().collect();
+    let mut taken = Vec::new();
+    let closed =
+        |open: &BTreeSet<FaceId>, f: FaceId| around(f).iter().filter(|g| !open.contains(g)).count();
+    while let Some(&next) = open
+        .iter()
+        .max_by_key(|f| (closed(&open, **f), std::cmp::Reverse(**f)))
+    {
+        taken.push(next);
+        open.remove(&next);
+        around(next).iter().for_each(|g| {
+            open.remove(g);
+        });
+    }
+    taken
 }
 
 fn points(command: &DupinCommand, surface: &TriangleSurface) -> Vec<SurfacePoint> {

@@ -3,6 +3,7 @@
 use super::joined::{cells, joined, met};
 use super::{ClassicalStatistics, Made, Start, refusal};
 use crate::ground::Ground;
+use crate::layout::domain::CurvatureSign;
 use crate::layout::duality::Quadric;
 use crate::layout::projective_dual::{self, SurfaceDual};
 use crate::layout::tangent_planes::{METHOD as TANGENT_PLANES, regularised};
@@ -89,7 +90,10 @@ fn tangent_panels(
 ) -> Result<Made, PipelineError> {
     let (fine, layout) = cells(ground, field, clock)?;
     let layout = joined(ground, layout, &mut classical)?;
-    classical.foresee(&layout);
+    // Panels of a hull are convex, whatever the second order says.
+    if !(ground.options.dual.hull && classical.curvature == CurvatureSign::Elliptic) {
+        classical.foresee(&layout);
+    }
     let mesh = met(&layout, &mut classical)?;
     let statistics = field.placed.statistics;
     Ok(Made::of(ground, mesh, fine, statistics, None, classical))

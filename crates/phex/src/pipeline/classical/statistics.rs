@@ -35,7 +35,7 @@ pub struct ClassicalStatistics {
     pub goldberg: Option<(u32, u32)>,
     /// Edges of a parallel mesh that are as short as is allowed.
     pub edges_at_bound: Option<usize>,
-    /// Panels that the sign rule says will cross themselves; nothing where there is no layout to ask.
+    /// Panels that the sign rule says will cross themselves; nothing where there is no layout to ask, or panels are those of a convex hull.
     pub forecast: Option<usize>,
     /// Panels of which it says they will not, but where terms of third order may decide otherwise.
     pub in_doubt: Option<usize>,
