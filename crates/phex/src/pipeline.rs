@@ -7,6 +7,7 @@ mod brick_wall;
 mod classical;
 mod cures;
 mod field;
+mod folds;
 mod portfolio;
 mod repair;
 mod rim;

@@ -3,7 +3,7 @@
 use super::cures::{Cures, Ill, Place};
 use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
 use super::portfolio::GOOD_DEVIATION;
-use super::{Clock, MeshOptions, PipelineError, RepairRound, rim};
+use super::{Clock, MeshOptions, PipelineError, RepairRound, folds, rim};
 use crate::directions::guides::Cone;
 use crate::ground::{Beyond, Ground};
 use crate::layout::reseed::Neighbourhoods;
@@ -153,12 +153,19 @@ pub(super) fn attempt(
         }
     }
     let (badness, mut result, mut left) = best.expect("the loop runs at least once");
+    let mut invalid = badness.invalid;
+    let cut = clock.timed("trim", || {
+        folds::cut_off(&left, [reported, reach], options.boundary, invalid)
+    });
+    if let Some(cut) = cut {
+        (left, invalid) = cut;
+    }
     let held = clock.timed("optimise", || {
         rim::to_boundary(&mut left, reported, options, progress)
     })?;
     result.runs.extend(held);
     Ok(Attempt {
-        invalid: badness.invalid,
+        invalid,
         planar: !badness.not_planar,
         layout: field.placed.statistics,
         cones: field.cones(&ground.smooth),
@@ -208,7 +215,7 @@ pub(super) fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<V
 
 /// Panels whose seeds the next round drops: those with a wrong shape; if there are none, those farthest from planar,
 /// because one blocked panel keeps all others from their planes.
-fn invalid_panels(
+pub(super) fn invalid_panels(
     offenders: &[Offender],
     trimmed: &Trimmed,
     violations: &[Violation],

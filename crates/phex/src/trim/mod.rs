@@ -19,6 +19,7 @@
 //! plane of a neighbour is continued over them (`dissolve`); [`phex_mesh::small_rim_faces`] lists those that are left, and the repair loop
 //! drops their seeds.
 
+pub(crate) mod chamfer;
 mod clip;
 mod curve;
 mod dissolve;

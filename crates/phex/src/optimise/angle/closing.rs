@@ -5,8 +5,9 @@
 //! ```
 //!
 //! with the image `x` of the root on the unit sphere, chosen once. Even faces close by their angles. Round an odd face inside `R` is a
-//! reflection, and `x` must lie in its mirror: one equation. Round a loop that is no face (of an annulus, a torus) it is a rotation, and
-//! `x` must be its axis: two equations. Odd faces at the boundary leave an edge free and need none.
+//! reflection, and `x` must lie in its mirror: one equation. Round a loop that is no face (of an annulus, a torus) it is a rotation, whose axis
+//! `x` must be, or with an odd number of edges a rotation and a reflection, whose mirror must then hold `x`: two equations either way. Odd faces
+//! at the boundary leave an edge free and need none.
 
 use super::walks::{Walk, Walks};
 use crate::optimise::panels::{Panels, Shape, point};
@@ -122,7 +123,7 @@ impl<'a> Closing<'a> {
 
     /// Unit vectors along which a walk can fail to close: the mirror's normal, or all that are perpendicular to the start.
     fn directions(&self, walk: &Walk, x: &[f64]) -> Vec<Vec3> {
-        if walk.is_odd() {
+        if walk.is_mirror() {
             vec![mirror_normal(&product(walk, x)) * 0.5]
         } else {
             let mut axis = Vec3::zeros();

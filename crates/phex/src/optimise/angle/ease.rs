@@ -20,7 +20,7 @@ use crate::progress::Progress;
 use phex_numeric::{DampedOptions, DampedSolver, Damping, Outcome, Status};
 
 /// Weights of planarity and of angles, phase by phase.
-const PHASES: [[f64; 2]; 7] = [
+const PHASES: [[f64; 2]; 9] = [
     [1e2, 0.0],
     [1e3, 1e0],
     [1e3, 1e1],
@@ -28,6 +28,8 @@ const PHASES: [[f64; 2]; 7] = [
     [1e5, 1e3],
     [1e6, 1e4],
     [1e7, 1e5],
+    [1e8, 1e6],
+    [1e9, 1e7],
 ];
 /// Iterations of a phase at the most.
 const ITERATIONS: usize = 60;

@@ -16,7 +16,7 @@
 //! | `J` | `AngleConstraints::rows`, a vector for each corner and constraint |
 //! | `g`, `H` | gradient and diagonal blocks of `PanelEnergy` |
 //!
-//! | `R x = x` | `Closing`: one equation for each odd panel inside, up to two for each loop that is no panel (`Walks`) |
+//! | `R x = x` | `Closing`: one equation for each odd panel inside, two for each loop that is no panel (`Walks`) |
 //!
 //! Where the first step does not get there from the mesh as it is, it begins from a start that is eased towards the constraints (`ease`), with
 //! several weights of symmetry and room.
@@ -63,13 +63,13 @@ impl Way {
     const fn eased(fairness: f64, barrier: f64) -> Self {
         Self {
             ease: Some([fairness, barrier]),
-            clearances: &[1.0, 0.1],
+            clearances: &[1.2, 0.1],
         }
     }
 }
 
 /// The ways that are tried, one after the other.
-const WAYS: [Way; 6] = [
+const WAYS: [Way; 8] = [
     Way {
         ease: None,
         clearances: &[1.0],
@@ -77,7 +77,9 @@ const WAYS: [Way; 6] = [
     Way::eased(3.0, 1.0),
     Way::eased(30.0, 1.0),
     Way::eased(10.0, 5.0),
+    Way::eased(10.0, 15.0),
     Way::eased(100.0, 5.0),
+    Way::eased(30.0, 30.0),
     Way {
         ease: None,
         clearances: &[0.3, 0.1],

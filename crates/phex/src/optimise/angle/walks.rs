@@ -11,6 +11,8 @@ use std::ops::Range;
 #[derive(Debug)]
 pub(super) struct Walk {
     vertices: Vec<u32>,
+    /// Whether it goes round an odd face, all of whose reflections keep the face's normal; else round a loop that is no face.
+    round_face: bool,
     /// Its first equation.
     pub(super) first: usize,
 }
@@ -20,9 +22,9 @@ impl Walk {
         self.vertices.len() - 1
     }
 
-    /// Whether it has an odd number of reflections.
-    pub(super) fn is_odd(&self) -> bool {
-        self.n_steps() % 2 == 1
+    /// Whether its reflections make one reflection: those along the edges of an odd planar face do.
+    pub(super) fn is_mirror(&self) -> bool {
+        self.round_face
     }
 
     /// Its vertices, each once, in ascending order.
@@ -68,19 +70,23 @@ impl Walks {
             walks.tree = tree.branches.clone();
             let odd = |f: &FaceId| topology.valence(*f) % 2 == 1 && !topology.is_boundary_face(*f);
             for f in topology.faces().filter(odd) {
-                walks.push(tree.round_face(topology, f));
+                walks.push(tree.round_face(topology, f), true);
             }
             for e in tree.generators(topology) {
-                walks.push(tree.round_edge(topology, e));
+                walks.push(tree.round_edge(topology, e), false);
             }
             walks.index();
         }
         walks
     }
 
-    fn push(&mut self, vertices: Vec<u32>) {
+    fn push(&mut self, vertices: Vec<u32>, round_face: bool) {
         let first = self.n_equations();
-        self.walks.push(Walk { vertices, first });
+        self.walks.push(Walk {
+            vertices,
+            round_face,
+            first,
+        });
     }
 
     /// Finds out which equations there are at each vertex.
@@ -126,7 +132,7 @@ impl Walks {
 }
 
 fn n_equations(walk: &Walk) -> usize {
-    if walk.is_odd() { 1 } else { 2 }
+    if walk.is_mirror() { 1 } else { 2 }
 }
 
 /// A spanning tree, breadth first from the middle, and the edges that are to turn freely.

@@ -105,6 +105,33 @@ fn open_patches_of_every_curvature_have_vertex_offsets() {
     }
 }
 
+/// Round an odd number of edges reflections make a rotation and a reflection, unless the mesh is made for it.
+#[test]
+fn a_loop_of_an_odd_number_of_edges_closes() {
+    let n = 5u32;
+    let ring = |radius: f64, z: f64| {
+        (0..n).map(move |k| {
+            let t = TAU * k as f64 / n as f64;
+            let bump = 0.08 * (2.0 * t + 3.0 * z).sin();
+            Vec3::new(radius * t.cos(), radius * t.sin() + bump, z + 1.5 * bump)
+        })
+    };
+    let faces: Vec<[u32; 4]> = (0..n)
+        .map(|k| [k, (k + 1) % n, n + (k + 1) % n, n + k])
+        .collect();
+    let frustum = HexMesh::new(ring(1.0, 0.0).chain(ring(0.7, 0.8)).collect(), &faces).unwrap();
+    let result = optimised(&frustum);
+    assert!(
+        result.closing_defect[0] > 1e-3,
+        "it closes before: {:?}",
+        result.closing_defect
+    );
+    assert!(result.is_converged() && result.closing_defect[1] < 1e-12);
+    let spherical = vertex_gauss_image(&result.mesh, &OffsetOptions::default()).unwrap();
+    assert_eq!(spherical.holonomy.loops, 1);
+    check_offset("odd ring", &result.mesh, &spherical, 0.1);
+}
+
 /// An exactly planar mesh that satisfies the condition is not touched.
 #[test]
 fn what_is_right_stays_as_it_is() {
