@@ -43,6 +43,9 @@ pub struct SteeringSettings {
     /// More than 1: more room between the corners and edges of a panel
     #[arg(long, value_name = "X", value_parser = positive, help_heading = "Steering")]
     pub clearance: Option<f64>,
+    /// Less than 1: corners nearer to the surface, centres of panels farther; 0: the corners lie on it
+    #[arg(long, value_name = "X", value_parser = not_negative, help_heading = "Steering")]
+    pub centres: Option<f64>,
     /// How panels are made planar [default: barrier]
     #[arg(long, value_enum, value_name = "METHOD", help_heading = "Steering")]
     pub solver: Option<TypedSolver>,
@@ -134,6 +137,7 @@ impl SteeringSettings {
             fairness: self.fairness.or(file.fairness),
             closeness: self.closeness.or(file.closeness),
             clearance: self.clearance.or(file.clearance),
+            centres: self.centres.or(file.centres),
             solver: self.solver.or(file.solver),
         }
     }
@@ -165,7 +169,7 @@ impl SteeringSettings {
 
     /// Whether a dial stands at a number.
     pub fn has_dials(&self) -> bool {
-        let dials = [self.fairness, self.closeness, self.clearance];
+        let dials = [self.fairness, self.closeness, self.clearance, self.centres];
         dials.iter().any(Option::is_some)
     }
 
@@ -174,6 +178,7 @@ impl SteeringSettings {
             fairness: self.fairness.unwrap_or(1.0),
             closeness: self.closeness.unwrap_or(1.0),
             clearance: self.clearance.unwrap_or(1.0),
+            centres: self.centres.unwrap_or(1.0),
         };
         dials.turn(options);
     }
@@ -237,11 +242,16 @@ impl SteeringSettings {
             ("clearance", self.clearance),
         ];
         let wrong = |x: f64| !(x > 0.0 && x.is_finite());
-        match dials.iter().find(|(_, x)| x.is_some_and(wrong)) {
-            Some((name, _)) => Err(Failure::input(format!(
+        if let Some((name, _)) = dials.iter().find(|(_, x)| x.is_some_and(wrong)) {
+            return Err(Failure::input(format!(
                 "`{name}` must be a positive number"
-            ))),
-            None => Ok(()),
+            )));
+        }
+        match self.centres.is_some_and(|x| !(x >= 0.0 && x.is_finite())) {
+            true => Err(Failure::input(
+                "`centres` must be a number from 0".to_owned(),
+            )),
+            false => Ok(()),
         }
     }
 }
@@ -264,12 +274,15 @@ mod tests {
 
     #[test]
     fn a_job_file_holds_the_same_names() {
-        let settings: SteeringSettings =
-            toml::from_str("fix = 'a.txt'\nground = '0'\nground-reach = 1\ncloseness = 3").unwrap();
+        let settings: SteeringSettings = toml::from_str(
+            "fix = 'a.txt'\nground = '0'\nground-reach = 1\ncloseness = 3\ncentres = 0",
+        )
+        .unwrap();
         assert_eq!(settings.ground, Some(TypedPlane::Level(0.0)));
         let mut options = OptimiseOptions::default();
         settings.turn_dials(&mut options);
         assert_eq!(options.vertex_closeness, 3.0);
+        assert_eq!(options.centre_closeness, 0.0);
         let default = OptimiseOptions::default();
         let barrier = options.barrier * options.vertex_closeness;
         assert!(

@@ -21,6 +21,10 @@ use std::path::Path;
 /// Share of the surface's area that whole panels cover at least.
 const WHOLE_COVERAGE: f64 = 0.97;
 
+/// Planarity that the optimiser reaches in double precision, in diagonals over mean edges. What is asked for below is judged as it is, but
+/// nothing else is given up for it.
+const REACHED: f64 = 16.0 * f64::EPSILON;
+
 /// Limits as they were typed.
 #[derive(Clone, Copy, Debug)]
 pub struct TypedLimits {
@@ -70,7 +74,8 @@ impl TypedLimits {
     /// the deviation refer to the diagonal `whole`.
     pub fn demand(&self, options: &mut OptimiseOptions, edge: f64, extent: f64, whole: f64) {
         if let Some(planarity) = self.planarity {
-            options.planarity_tolerance = planarity.fraction(self.unit, edge);
+            let rounding = REACHED * extent / edge;
+            options.planarity_tolerance = planarity.fraction(self.unit, edge).max(rounding);
         }
         let most = self.max_deviation.length(self.unit, whole) / extent;
         options.max_deviation = (most > 0.0).then_some(most);

@@ -148,6 +148,68 @@ fn components_are_meshed_together_on_request() {
     assert!((panels / 120.0 - 1.0).abs() <= 0.15, "{panels} panels");
 }
 
+/// A honeycomb on an egg-crate, whose panels have to slide.
+fn egg_crate() -> String {
+    let height = |x: f64, y: f64| 0.9 * (x / 2.4).sin() + 0.6 * (y / 2.4).sin();
+    honeycomb(10, 9, |_, [x, y, _]| [x, y, height(x, y)])
+}
+
+#[test]
+fn a_bound_on_the_deviation_is_kept_to_or_missed_and_said() {
+    let shop = Workshop::new();
+    shop.write("bent.obj", egg_crate());
+    let deviation = |report: &str| {
+        let deviation = &shop.json(report)["deviation_facets"]["deviation_max"];
+        deviation.as_f64().unwrap()
+    };
+    shop.succeed("planarize bent.obj -o flat.obj --max-deviation 5% --report free.json");
+    let free = deviation("free.json");
+    let bound = |share: f64| {
+        let percent = 100.0 * share * free;
+        shop.phex(&format!(
+            "planarize bent.obj -o near.obj --max-deviation {percent}% --report near.json"
+        ))
+    };
+    let held = bound(0.75);
+    assert_eq!(held.code, Some(0), "{}{}", held.stdout, held.stderr);
+    assert!(deviation("near.json") <= 0.75 * free);
+    shop.succeed("check near.obj");
+    let missed = bound(0.02);
+    assert_eq!(missed.code, Some(3), "{}{}", missed.stdout, missed.stderr);
+    assert!(
+        missed.stdout.contains("FAILED       deviation") && missed.stdout.contains("faces "),
+        "{}",
+        missed.stdout
+    );
+    shop.succeed("check near.obj");
+}
+
+#[test]
+fn a_tolerance_of_planarity_is_held_and_nothing_is_given_up_for_less_than_rounding() {
+    let shop = Workshop::new();
+    shop.write("bent.obj", egg_crate());
+    let run = |planarity: &str| {
+        shop.succeed(&format!("planarize bent.obj -o {planarity}.obj --planarity {planarity} --max-deviation 5% --report {planarity}.json"));
+        let report = shop.json(&format!("{planarity}.json"));
+        (
+            report["measures"]["planarity"]["max"].as_f64().unwrap(),
+            report["deviation_facets"]["deviation_max"].as_f64().unwrap(),
+        )
+    };
+    let (loose, near) = run("1e-4");
+    let (tight, as_near) = run("1e-19");
+    assert!(loose <= 1e-4 && tight <= 1e-13, "{loose:e} {tight:e}");
+    assert!(as_near <= 1.01 * near, "{as_near} {near}");
+    // What is not planar enough is refused.
+    let run = shop.phex("check bent.obj --planarity 1mm --unit m");
+    assert_eq!(run.code, Some(3), "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("FAILED       planarity"),
+        "{}",
+        run.stdout
+    );
+}
+
 #[test]
 fn planarize_flattens_a_bent_honeycomb() {
     let shop = Workshop::new();

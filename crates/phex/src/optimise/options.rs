@@ -163,6 +163,9 @@ pub struct Dials {
     pub closeness: f64,
     /// Room within panels, > 0: the barrier `w_b`.
     pub clearance: f64,
+    /// Nearness of panel centres against that of corners, >= 0: `w_cf`. At 0 the corners come to lie on the surface, and the middle of
+    /// convex panels stands off by all of its sagitta.
+    pub centres: f64,
 }
 
 impl Default for Dials {
@@ -171,6 +174,7 @@ impl Default for Dials {
             fairness: 1.0,
             closeness: 1.0,
             clearance: 1.0,
+            centres: 1.0,
         }
     }
 }
@@ -180,7 +184,7 @@ impl Dials {
     pub fn turn(&self, options: &mut OptimiseOptions) {
         options.fairness *= self.fairness;
         options.vertex_closeness *= self.closeness;
-        options.centre_closeness *= self.closeness;
+        options.centre_closeness *= self.closeness * self.centres;
         options.boundary_closeness *= self.closeness;
         options.corner_closeness *= self.closeness;
         // The barrier is relative to the closeness of vertices.

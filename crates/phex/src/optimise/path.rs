@@ -7,7 +7,7 @@ use super::energy::{PanelEnergy, Setting, Weights, deviation};
 use super::options::{OptimiseError, OptimiseOptions};
 use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
-use super::run::{Reached, barriers, weights};
+use super::run::{Reached, barriers, better, weights};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Reporter, Solvers};
 use crate::progress::Progress;
@@ -18,6 +18,11 @@ const STRONGER: f64 = 4.0;
 
 /// Hold on the start that never keeps panels from becoming planar.
 const WEAK_HOLD: f64 = 1e-4;
+
+/// Weight of planarity of the first phase for a mesh that is kept close to itself: with less weight it is at its minimum already.
+const FIRST_PENALTY: f64 = 1e3;
+/// Share of the bending at the start that is left after such a phase where the hold on the start is too strong.
+const STUBBORN: f64 = 0.5;
 
 /// Deviation, in mean edges, that a minimum may always have at its farthest point.
 const STILL_NEAR: f64 = 0.02;
@@ -98,15 +103,58 @@ impl<'a> Path<'a> {
         self.outcome.status == Status::Cancelled
     }
 
-    /// All phases.
-    pub fn descend_all(&mut self) -> Result<(), OptimiseError> {
-        let penalties = &self.options.penalties;
-        penalties.iter().try_for_each(|&w| self.descend(w))
+    /// All phases from the start and the projection, once more with a weak hold on the start if a strong one keeps panels from
+    /// becoming planar.
+    pub fn arrive(&mut self) -> Result<Reached, OptimiseError> {
+        let margin = self.options.clearance_margin;
+        let gives_way = self.descend_all()?;
+        let held = gives_way.then(|| self.project(margin));
+        let is_done = |held: &Reached| held.is_planar(self.options);
+        if self.is_over() || held.as_ref().is_some_and(is_done) || !self.loosen() {
+            return Ok(held.unwrap_or_else(|| self.project(margin)));
+        }
+        self.descend_all()?;
+        let free = self.project(margin);
+        Ok(match held {
+            Some(held) => better(held, free),
+            None => free,
+        })
+    }
+
+    /// All phases; false if they were broken off because the hold on the start does not let panels become planar.
+    fn descend_all(&mut self) -> Result<bool, OptimiseError> {
+        let bent = self.bending();
+        let is_strong = self.weights.anchor > WEAK_HOLD;
+        let from = self.first_penalty();
+        for &penalty in self.options.penalties.iter().filter(|w| **w >= from) {
+            self.descend(penalty)?;
+            let counts = is_strong && penalty >= FIRST_PENALTY && !self.is_over();
+            if counts && self.bending() > STUBBORN * bent {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Phases before it have nothing to do.
+    fn first_penalty(&self) -> f64 {
+        let penalties = self.options.penalties.iter().copied();
+        let rests = matches!(self.setting.reference, Reference::Start { .. })
+            && self.setting.holds.anchors.is_empty();
+        match rests {
+            true => penalties.fold(0.0, f64::max).min(FIRST_PENALTY),
+            false => 0.0,
+        }
+    }
+
+    /// Largest distance of a corner to its face's plane.
+    fn bending(&self) -> f64 {
+        Shape::at(self.setting.panels, &self.x).max_height()
     }
 
     /// Weakens a strong hold on the start, which may keep panels from becoming planar, and goes back there; false if it is weak
     /// already.
-    pub fn loosen(&mut self) -> bool {
+    fn loosen(&mut self) -> bool {
         let strong = self.weights.anchor > WEAK_HOLD;
         if strong {
             self.weights.anchor = WEAK_HOLD;

@@ -6,19 +6,22 @@
 //! planar, better in what was wanted, breaks nothing, and costs nothing else that counts.
 
 use super::barrier::clearance;
+use super::closeness::Reference;
 use super::energy::{Setting, distances};
 use super::options::OptimiseError;
 use super::panels::{Panels, Shape, extent};
-use super::parts::{Part, with_neighbours};
+use super::parts::{LARGE, Part, with_neighbours};
 use super::path::Path;
 use super::run::Reached;
 use super::simple::area;
 use super::solvers::Solvers;
 
 /// Clearance, in mean edges, that a panel should have, and the share of it below which it is tight. Retries end half-way to a
-/// minimum and enlarge rounding, to 1e-4 of a clearance: where nothing is tight they are not worth that.
+/// minimum and enlarge rounding, to 1e-4 of a clearance: where nothing is tight they are not worth that. What was minimised part by
+/// part has ended half-way already.
 const ROOMY: f64 = 0.31;
 const TIGHT: f64 = 0.65;
+const TIGHT_IN_PARTS: f64 = 1.0;
 /// Area, over the mean, below which a panel needs less.
 const SMALL: f64 = 0.4;
 /// Rings of faces around a panel that count as its surroundings; two more move along.
@@ -145,7 +148,11 @@ impl Path<'_> {
         let shape = Shape::at(panels, &x);
         let clearance = wanted(panels, &shape, panels.mean_edge(&x));
         let clear = clearances(panels, &shape);
-        let tight = |&f: &u32| clear[f as usize] < TIGHT * clearance[f as usize];
+        let share = match setting.reference {
+            Reference::Start { .. } if panels.n_faces() > LARGE => TIGHT_IN_PARTS,
+            _ => TIGHT,
+        };
+        let tight = |&f: &u32| clear[f as usize] < share * clearance[f as usize];
         let tight = (0..panels.n_faces() as u32).filter(tight).collect();
         let farthest = largest(&distances(setting, &x));
         let limit = farthest.max((NEAR * edge).min(allowed.unwrap_or(f64::MAX)));

@@ -70,12 +70,7 @@ impl Stage<'_> {
         }
         let setting = self.setting(&start.x);
         let mut path = Path::new(&setting, solvers, &start.x, options, progress)?;
-        path.descend_all()?;
-        let mut best = path.project(options.clearance_margin);
-        if !path.is_over() && !best.is_planar(options) && path.loosen() {
-            path.descend_all()?;
-            best = better(best, path.project(options.clearance_margin));
-        }
+        let mut best = path.arrive()?;
         if !path.is_over() && best.is_tight(options) {
             best = better(best, path.strengthen()?);
         }
@@ -234,7 +229,7 @@ impl Reached {
 }
 
 /// The planar one; of two planar ones that with more clearance.
-fn better(a: Reached, b: Reached) -> Reached {
+pub(super) fn better(a: Reached, b: Reached) -> Reached {
     const PLANAR: f64 = 1e-12;
     let planar = [a.planarity <= PLANAR, b.planarity <= PLANAR];
     let second = match planar {

@@ -21,7 +21,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    fn height(self, x: f64, y: f64) -> f64 {
+    pub fn height(self, x: f64, y: f64) -> f64 {
         match self {
             Self::Wave => 0.3 * x.sin() + 0.2 * y.sin(),
             Self::MonkeySaddle => 0.3 * (x * x * x - 3.0 * x * y * y),

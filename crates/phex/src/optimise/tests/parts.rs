@@ -14,6 +14,7 @@ use crate::optimise::{
 use crate::progress::Silent;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};
 use phex_numeric::{DampedOptions, DampedProblem};
+use std::f64::consts::PI;
 
 /// The rest is at rest while a part moves, and nothing ever gets worse for the whole.
 #[test]
@@ -95,6 +96,24 @@ fn tight_panels_get_room() {
     let result = planarize(&wall, None, &OptimiseOptions::default(), &Silent).unwrap();
     assert_sound(&result, 1e-13);
     assert!(result.quality.clearance >= 0.28, "{:?}", result.quality);
+}
+
+/// On a wall that has to slide along the surface the hold on the start is given up early, not after all phases.
+#[test]
+fn a_hold_that_is_too_strong_is_given_up_early() {
+    let wall = brick_wall(Shape::Wave, 100, 48);
+    // A whole period, where curvature across the rows changes sign.
+    let wall = wall.with_positions(PerVertex::from_fn(wall.topology().n_vertices(), |v| {
+        let at = PI / 2.0 * (wall.position(v) + Vec3::new(2.0, 2.0, 0.0));
+        Vec3::new(at.x, at.y, Shape::Wave.height(at.x, at.y))
+    }));
+    let result = planarize(&wall, None, &OptimiseOptions::default(), &Silent).unwrap();
+    assert_sound(&result, 1e-13);
+    assert!(
+        result.quality.clearance >= 0.3 && result.runs[0].factorisations <= 40,
+        "{:?}",
+        result.runs[0]
+    );
 }
 
 fn square(corner: Vec3) -> TriangleSurface {
