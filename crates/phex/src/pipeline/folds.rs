@@ -1,19 +1,19 @@
-//! The last resort against folds: their edges are cut off.
+//! The last resort against folds: panels are turned, or edges cut off.
 
 use super::repair::{Left, between_panels, inner_deviation, invalid_panels};
 use crate::optimise::{Fault, Offender};
-use crate::trim::{Boundary, chamfer};
+use crate::trim::{Boundary, folds};
 use phex_mesh::TriangleSurface;
 
-/// What the repair loop has left, with edges cut off over which panels fold, and the number of panels that are still wrong. `None` where there
+/// What the repair loop has left, with fewer folds, and the number of panels that are still wrong. `None` where there
 /// would be as many as before, `invalid`.
-pub(super) fn cut_off(
+pub(super) fn unfolded(
     left: &Left,
     [surface, beyond]: [&TriangleSurface; 2],
     boundary: Boundary,
     invalid: usize,
 ) -> Option<(Left, usize)> {
-    let trimmed = chamfer::without_folds(&left.trimmed, Some(surface))?;
+    let trimmed = folds::without_folds(&left.trimmed, Some(surface))?;
     let violations = between_panels(&trimmed.mesh, surface);
     // Folds that are still there are among the violations; panels keep their numbers.
     let other = |o: &&Offender| !matches!(o.fault, Fault::Folded { .. });

@@ -155,7 +155,7 @@ pub(super) fn attempt(
     let (badness, mut result, mut left) = best.expect("the loop runs at least once");
     let mut invalid = badness.invalid;
     let cut = clock.timed("trim", || {
-        folds::cut_off(&left, [reported, reach], options.boundary, invalid)
+        folds::unfolded(&left, [reported, reach], options.boundary, invalid)
     });
     if let Some(cut) = cut {
         (left, invalid) = cut;

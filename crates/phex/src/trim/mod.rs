@@ -19,13 +19,15 @@
 //! plane of a neighbour is continued over them (`dissolve`); [`phex_mesh::small_rim_faces`] lists those that are left, and the repair loop
 //! drops their seeds.
 
-pub(crate) mod chamfer;
+mod chamfer;
 mod clip;
 mod curve;
 mod dissolve;
+pub(crate) mod folds;
 pub(crate) mod follow;
 mod holes;
 mod merge;
+mod turn;
 mod whole;
 
 use crate::target::extend::Extension;
