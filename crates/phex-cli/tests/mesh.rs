@@ -193,7 +193,9 @@ fn a_tolerance_of_planarity_is_held_and_nothing_is_given_up_for_less_than_roundi
         let report = shop.json(&format!("{planarity}.json"));
         (
             report["measures"]["planarity"]["max"].as_f64().unwrap(),
-            report["deviation_facets"]["deviation_max"].as_f64().unwrap(),
+            report["deviation_facets"]["deviation_max"]
+                .as_f64()
+                .unwrap(),
         )
     };
     let (loose, near) = run("1e-4");
