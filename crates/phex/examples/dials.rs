@@ -1,6 +1,8 @@
 //! What the dials do, and what the paper's own formulation does, measured on two surfaces: the table of `docs/steering.md`.
 
-use phex::optimise::{Dials, OptimiseOptions, Optimised, Solver, Steering, SurfaceTarget, refit};
+use phex::optimise::{
+    Dials, OptimiseOptions, Optimised, Solver, Steering, SurfaceTarget, Target, refit,
+};
 use phex::{MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{HexMesh, measure};
@@ -9,9 +11,9 @@ const FACTORS: [f64; 2] = [0.1, 10.0];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!(
-        "| surface | setting | planarity | not simple | deviation max, rms % | least clearance | least angle | asymmetry |"
+        "| surface | setting | planarity | not simple | deviation max, rms % | of corners max % | least clearance | least angle | asymmetry |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     for name in ["wave", "ellipsoid"] {
         let shape = Shape::from_name(name, &[])?;
         let surface = triangulate(&shape, &TriangulationOptions::default())?;
@@ -44,6 +46,13 @@ fn settings(default: &OptimiseOptions) -> Vec<(String, OptimiseOptions)> {
             list.push((format!("`--{name} {factor}`"), options));
         }
     }
+    let dials = Dials {
+        centres: 0.0,
+        ..Dials::default()
+    };
+    let mut on_surface = default.clone();
+    dials.turn(&mut on_surface);
+    list.push(("`--centres 0`".to_owned(), on_surface));
     let tetrahedra = OptimiseOptions {
         solver: Solver::Tetrahedra,
         ..default.clone()
@@ -73,15 +82,30 @@ fn row(run: &MeshRun, result: &Optimised) -> String {
     let (figures, quality) = (measure(&result.mesh), &result.quality);
     let share = 100.0 / run.target.diagonal();
     format!(
-        "{:.0e} | {} | {:.3}, {:.3} | {:.2} | {:.0} | {:.3} |",
+        "{:.0e} | {} | {:.3}, {:.3} | {:.3} | {:.2} | {:.0} | {:.3} |",
         quality.planarity,
         figures.faces_not_simple,
         share * quality.deviation_max,
         share * quality.deviation_rms,
+        share * farthest_corner(run, &result.mesh),
         quality.clearance,
         figures.angle.min,
         asymmetry(&result.mesh)
     )
+}
+
+/// Largest distance of a corner to the surface.
+fn farthest_corner(run: &MeshRun, mesh: &HexMesh) -> f64 {
+    let corners: Vec<_> = mesh
+        .topology()
+        .vertices()
+        .map(|v| mesh.position(v))
+        .collect();
+    let feet = SurfaceTarget::new(&run.target).closest_points(&corners, &[]);
+    let pairs = corners.iter().zip(&feet);
+    pairs.fold(0.0, |most, (p, foot)| {
+        f64::max(most, (p - foot.position).norm())
+    })
 }
 
 /// Root mean square distance of the corners of hexagons to the images of their opposite corners in the centre, mean edges.

@@ -98,7 +98,7 @@ pub struct OptimiseOptions {
     pub step_tolerance: f64,
     /// Iterations of Newton's method on the constraints at the most, once panels are planar. The first few bring what can be seen; a
     /// minimum to the last digits (steps of 1e-9 mean edges) takes 50 to 100. By default 6 for a mesh that is kept close to itself, and
-    /// none with a surface, where they were not seen to help.
+    /// none with a surface or part by part, where they were not seen to help.
     pub newton_iterations: Option<usize>,
     /// Iterations of the final projection at the most.
     pub projection_iterations: usize,

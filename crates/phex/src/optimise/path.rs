@@ -26,7 +26,7 @@ const STUBBORN: f64 = 0.5;
 
 /// Deviation, in mean edges, that a minimum may always have at its farthest point.
 const STILL_NEAR: f64 = 0.02;
-/// Iterations of Newton's method on the constraints for a mesh that is kept close to itself.
+/// Iterations of Newton's method on the constraints for a mesh that is kept close to itself and minimised as a whole.
 const NEWTON_ITERATIONS: usize = 6;
 
 /// The positions, the energy, and everything that is handed on from phase to phase.
@@ -241,9 +241,10 @@ impl<'a> Path<'a> {
     }
 
     fn newton_iterations(&self) -> usize {
-        let by_default = match self.setting.reference {
-            Reference::Start { .. } => NEWTON_ITERATIONS,
-            Reference::Surface(_) => 0,
+        let by_default = match (&self.setting.reference, &self.descent) {
+            (Reference::Start { .. }, Descent::Whole(_)) => NEWTON_ITERATIONS,
+            // Part by part the places near cuts lose room by it.
+            (Reference::Start { .. }, Descent::Parts) | (Reference::Surface(_), _) => 0,
         };
         self.options.newton_iterations.unwrap_or(by_default)
     }
