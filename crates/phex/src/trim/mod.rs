@@ -12,6 +12,9 @@
 //! Small holes are closed before panels are laid out, and cut out of them like that in the end, with `snap` too; a panel that holds all of
 //! one is parted first (`holes`).
 //!
+//! In the end, on all surfaces, panels that fold against each other by more than a right angle are turned a little, or the edge between them is
+//! cut off (`folds`).
+//!
 //! A point is inside if its foot point on the extended surface lies on a triangle of the input's part.
 //!
 //! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one connected manifold. Fails, with
