@@ -108,6 +108,17 @@ fn rows_on_a_plane_are_straight() {
     assert!(figures.angle.min > 60.0, "{:?}", figures.angle);
 }
 
+/// A lens thinner than its panels: they meet at its rim like the sides of a blade, until they are turned or the edges cut off.
+#[test]
+fn a_thin_body_does_not_fold() {
+    let lens = mapped(&shape("sphere", 4000), |p| {
+        Vec3::new(2.0 * p.x, 1.2 * p.y, 0.25 * p.z)
+    });
+    let run = run(&lens, 70);
+    assert_eq!(run.violations, []);
+    assert!(measure(&run.mesh).planarity.max <= 1e-12);
+}
+
 /// Convex bodies need 12 pentagons and get no other irregular panel, not even where they are pointed; all panels are convex. With as many panels as here
 /// this takes halves that are joined, and a seamless lattice.
 #[test]
