@@ -289,6 +289,15 @@ mod tests {
             (barrier - default.barrier).abs() < 1e-15,
             "the barrier itself stays"
         );
+        for (clearance, reach) in [(1.0 / 256.0, 0.15), (256.0, 0.45)] {
+            let mut options = OptimiseOptions::default();
+            let settings = SteeringSettings {
+                clearance: Some(clearance),
+                ..SteeringSettings::default()
+            };
+            settings.turn_dials(&mut options);
+            assert!((options.barrier_reach - reach).abs() < 1e-15);
+        }
         assert!(toml::from_str::<SteeringSettings>("ground = 'up'").is_err());
         assert!(toml::from_str::<SteeringSettings>("fixed = 'a.txt'").is_err());
     }

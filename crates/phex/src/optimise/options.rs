@@ -153,6 +153,9 @@ impl Default for OptimiseOptions {
     }
 }
 
+/// Reach of the barrier to which the dial goes at the most.
+const FARTHEST: f64 = 0.45;
+
 /// What designers turn: factors of the weights, 1 each by default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -161,7 +164,7 @@ pub struct Dials {
     pub fairness: f64,
     /// Nearness to surface and boundary, > 0: `w_c`, `w_cf`, `w_bd`, `w_k`.
     pub closeness: f64,
-    /// Room within panels, > 0: the barrier `w_b`.
+    /// Room within panels, > 0: the barrier `w_b`, and by its eighth root the reach `tau`.
     pub clearance: f64,
     /// Nearness of panel centres against that of corners, >= 0: `w_cf`. At 0 the corners come to lie on the surface, and the middle of
     /// convex panels stands off by all of its sagitta.
@@ -189,6 +192,9 @@ impl Dials {
         options.corner_closeness *= self.closeness;
         // The barrier is relative to the closeness of vertices.
         options.barrier *= self.clearance / self.closeness;
+        // Weight alone hardly moves panels apart.
+        let reach = options.barrier_reach * self.clearance.powf(0.125);
+        options.barrier_reach = reach.min(options.barrier_reach.max(FARTHEST));
     }
 }
 
