@@ -18,18 +18,9 @@ const LITTLE: f64 = 0.8;
 /// Radians by which more is turned than has to be.
 const MARGIN: f64 = 0.02;
 /// Shares of the turn that the two panels take; with the last ones the fold only becomes less.
-const TURNS: [[f64; 2]; 8] = [
-    [0.5, 0.5],
-    [1.0, 0.0],
-    [0.0, 1.0],
-    [0.25, 0.25],
-    [0.5, 0.0],
-    [0.0, 0.5],
-    [0.2, 0.0],
-    [0.0, 0.2],
-];
+const TURNS: [[f64; 2]; 4] = [[0.5, 0.5], [1.0, 0.0], [0.0, 1.0], [0.25, 0.25]];
 /// Times that all folds are looked at, while some become less.
-const PASSES: usize = 5;
+const PASSES: usize = 3;
 
 /// The mesh with fewer folds, the sharpest treated first; `None` if none gets less. Panels keep their numbers, new ones follow.
 pub(crate) fn without_folds(
