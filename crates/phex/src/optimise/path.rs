@@ -125,10 +125,11 @@ impl<'a> Path<'a> {
     fn descend_all(&mut self) -> Result<bool, OptimiseError> {
         let bent = self.bending();
         let is_strong = self.weights.anchor > WEAK_HOLD;
-        let from = self.first_penalty();
+        let rests = self.starts_at_rest();
+        let from = if rests { self.first_penalty() } else { 0.0 };
         for &penalty in self.options.penalties.iter().filter(|w| **w >= from) {
             self.descend(penalty)?;
-            let counts = is_strong && penalty >= FIRST_PENALTY && !self.is_over();
+            let counts = rests && is_strong && penalty >= FIRST_PENALTY && !self.is_over();
             if counts && self.bending() > STUBBORN * bent {
                 return Ok(false);
             }
@@ -136,15 +137,19 @@ impl<'a> Path<'a> {
         Ok(true)
     }
 
-    /// Phases before it have nothing to do.
+    /// Whether the start is the minimum of everything but planarity: that of a mesh that is kept close to itself, unless vertices are held or
+    /// drawn elsewhere.
+    fn starts_at_rest(&self) -> bool {
+        let holds = self.setting.holds;
+        matches!(self.setting.reference, Reference::Start { .. })
+            && holds.anchors.is_empty()
+            && holds.held.is_empty()
+    }
+
+    /// From rest, phases before it have nothing to do.
     fn first_penalty(&self) -> f64 {
         let penalties = self.options.penalties.iter().copied();
-        let rests = matches!(self.setting.reference, Reference::Start { .. })
-            && self.setting.holds.anchors.is_empty();
-        match rests {
-            true => penalties.fold(0.0, f64::max).min(FIRST_PENALTY),
-            false => 0.0,
-        }
+        penalties.fold(0.0, f64::max).min(FIRST_PENALTY)
     }
 
     /// Largest distance of a corner to its face's plane.
