@@ -63,6 +63,7 @@ impl Way {
     const fn eased(fairness: f64, barrier: f64) -> Self {
         Self {
             ease: Some([fairness, barrier]),
+            // More than the least one, since it is judged by the mean edge, which grows on the way.
             clearances: &[1.2, 0.1],
         }
     }
