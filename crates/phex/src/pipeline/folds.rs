@@ -3,7 +3,7 @@
 use super::repair::{Left, between_panels, inner_deviation, invalid_panels};
 use crate::optimise::{Fault, Offender};
 use crate::trim::{Boundary, folds};
-use phex_mesh::TriangleSurface;
+use phex_mesh::{TriangleSurface, Violation};
 
 /// What the repair loop has left, with fewer folds, and the number of panels that are still wrong. `None` where there
 /// would be as many as before, `invalid`.
@@ -13,6 +13,10 @@ pub(super) fn unfolded(
     boundary: Boundary,
     invalid: usize,
 ) -> Option<(Left, usize)> {
+    let is_fold = |v: &Violation| matches!(v, Violation::Fold { .. });
+    if !left.violations.iter().any(is_fold) {
+        return None;
+    }
     let trimmed = folds::without_folds(&left.trimmed, Some(surface))?;
     let violations = between_panels(&trimmed.mesh, surface);
     // Folds that are still there are among the violations; panels keep their numbers.

@@ -90,7 +90,7 @@ struct Draft {
 }
 
 impl Draft {
-    /// Cuts an edge off at a share of the depth of the nearest vertex; false if that leaves panels that are not sound.
+    /// Cuts an edge off at a share of the depth of the nearest vertex; false if that leaves panels that are not sound, and the draft is no use.
     fn cut(&mut self, blade: &Blade, mesh: &HexMesh, share: f64) -> bool {
         let Some(outwards) = blade.outwards(mesh) else {
             return false;
@@ -119,8 +119,9 @@ impl Draft {
         let first = self.positions.len() as u32;
         let number = |side: usize, end: usize| first + (2 * side + end) as u32;
         let sides = [0, 1].map(|side| {
-            let ends = [0, 1].map(|end| vec![number(side, end)]);
-            (blade.sides[side], with_ends(&self.faces, blade, side, ends))
+            let f = blade.sides[side];
+            let half = substituted(&self.faces[f.index()], blade.ends[0], &[number(side, 0)]);
+            (f, substituted(&half, blade.ends[1], &[number(side, 1)]))
         });
         // The third panel at the first end goes from the right side to the left one, at the second end the other way.
         let thirds = [0, 1].map(|end| {
@@ -141,14 +142,10 @@ impl Draft {
             .collect();
         let sound =
             changed.iter().all(|(_, face)| self.is_sound(face)) && self.is_sound(&quadrilateral);
-        if sound {
-            for (f, face) in changed {
-                self.faces[f.index()] = face;
-            }
-            self.faces.push(quadrilateral);
-        } else {
-            self.positions.truncate(first as usize);
+        for (f, face) in changed {
+            self.faces[f.index()] = face;
         }
+        self.faces.push(quadrilateral);
         sound
     }
 
@@ -161,13 +158,6 @@ impl Draft {
         let flat = self.flat(face);
         polygon::is_simple(&flat.polygon) && flat.clearance().distance >= self.least
     }
-}
-
-/// The panel of a side with other ends of its edge.
-fn with_ends(faces: &[Vec<u32>], blade: &Blade, side: usize, ends: [Vec<u32>; 2]) -> Vec<u32> {
-    let face = &faces[blade.sides[side].index()];
-    let first = substituted(face, blade.ends[0], &ends[0]);
-    substituted(&first, blade.ends[1], &ends[1])
 }
 
 /// A face with new vertices in place of one.

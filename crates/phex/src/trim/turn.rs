@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn turned_panels_meet_at_the_angle_asked_for_and_all_stay_planar() {
-        // A cube with one corner pushed in along its planes' lines: all vertices have three faces.
+        // A box: all vertices have three faces.
         let corner = |k: usize| {
             let bit = |b: usize| f64::from(u8::from(k & b != 0));
             Vec3::new(bit(1), 1.3 * bit(2), 0.8 * bit(4))
@@ -70,11 +70,11 @@ mod tests {
         assert!((angle - (std::f64::consts::FRAC_PI_2 - 0.35)).abs() < 1e-12);
         for f in moved.topology().faces() {
             assert!(FlatFace::of(&moved, f).planarity_length < 1e-14);
-            let still = f == top || f == side;
+            let is_turned = f == top || f == side;
             let turn = FlatFace::of(&mesh, f)
                 .normal()
                 .dot(&FlatFace::of(&moved, f).normal());
-            assert!(still || turn > 1.0 - 1e-12);
+            assert!(is_turned || turn > 1.0 - 1e-12);
         }
     }
 }
