@@ -24,6 +24,9 @@ pub const SHIFT: f64 = 1e-12;
 const SHIFT_TRIES: usize = 5;
 const REFINEMENTS: usize = 4;
 const HALVINGS: usize = 8;
+/// Fraction of a step below which it is short, and short steps in a row, none of which halves the residual, after which it has stalled.
+const SHORT: f64 = 0.1;
+const CREEPING: usize = 3;
 
 /// Equations `c(x) = 0` with a region that must not be left.
 pub trait Constraints {
@@ -103,6 +106,7 @@ impl MinimumNorm {
             return outcome;
         };
         let mut watchdog = Watchdog::new(x, residual);
+        let mut creeping = 0;
         while outcome.history.len() < options.max_iterations && watchdog.best > options.goal {
             if !self.solve(problem, x, &mut step) {
                 outcome.status = Status::NumericalBreakdown;
@@ -110,6 +114,7 @@ impl MinimumNorm {
             }
             let bound = problem.step_bound(x, &step);
             let limit = watchdog.limit();
+            let before = watchdog.best;
             let Some((fraction, reached)) = guarded(problem, x, &step, bound, limit, &mut trial)
             else {
                 if watchdog.go_back(x) {
@@ -134,6 +139,12 @@ impl MinimumNorm {
                 break;
             }
             watchdog.note(x, reached);
+            let creeps = fraction < SHORT && watchdog.best > 0.5 * before;
+            creeping = if creeps { creeping + 1 } else { 0 };
+            if creeping >= CREEPING {
+                outcome.status = Status::Stalled;
+                break;
+            }
             if watchdog.has_waited() {
                 watchdog.go_back(x);
             }
@@ -260,8 +271,9 @@ fn guarded(
 mod tests {
     use super::*;
 
-    /// `A x = b` (rows of `A`), with a bound for the first coordinate.
+    /// `A x = b` (rows of `A`), with a bound for the first coordinate, and one for the fraction of a step.
     struct Linear {
+        bound: f64,
         rows: Vec<Vec<f64>>,
         b: Vec<f64>,
         floor: f64,
@@ -294,7 +306,7 @@ mod tests {
             }
         }
         fn step_bound(&mut self, _x: &[f64], _step: &[f64]) -> f64 {
-            1.0
+            self.bound
         }
         fn admissible(&mut self, x: &[f64]) -> Option<f64> {
             let size = self.values(x).iter().fold(0.0, |m: f64, c| m.max(c.abs()));
@@ -327,6 +339,7 @@ mod tests {
     #[test]
     fn equals_the_pseudo_inverse() {
         let mut problem = Linear {
+            bound: 1.0,
             rows: rows(),
             b: vec![1.0, -2.0],
             floor: f64::NEG_INFINITY,
@@ -355,6 +368,7 @@ mod tests {
         let mut doubled = rows();
         doubled.push(doubled[0].clone());
         let mut problem = Linear {
+            bound: 1.0,
             rows: doubled,
             b: vec![1.0, -2.0, 1.0],
             floor: f64::NEG_INFINITY,
@@ -365,8 +379,31 @@ mod tests {
     }
 
     #[test]
+    fn short_steps_without_progress_end_it_soon() {
+        let mut problem = Linear {
+            bound: 0.05,
+            rows: vec![vec![1.0, 0.0]],
+            b: vec![0.0],
+            floor: f64::NEG_INFINITY,
+        };
+        let mut x = vec![1.0, 3.0];
+        let creeping = project(&mut problem, &mut x);
+        assert_eq!(creeping.status, Status::Stalled);
+        assert_eq!(creeping.iterations, CREEPING);
+        assert!(
+            (x[0] - 0.95_f64.powi(3)).abs() < 1e-12,
+            "what was won stays: {x:?}"
+        );
+        // Steps that are half as long as wanted are not short.
+        problem.bound = 0.5;
+        let slow = project(&mut problem, &mut x);
+        assert_eq!(slow.iterations, 10);
+    }
+
+    #[test]
     fn the_guard_is_never_crossed() {
         let mut problem = Linear {
+            bound: 1.0,
             rows: vec![vec![1.0, 0.0]],
             b: vec![0.0],
             floor: 0.25,

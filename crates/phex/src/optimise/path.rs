@@ -21,6 +21,10 @@ const WEAK_HOLD: f64 = 1e-4;
 
 /// Weight of planarity of the first phase for a mesh that is kept close to itself: with less weight it is at its minimum already.
 const FIRST_PENALTY: f64 = 1e3;
+/// Bending, in mean edges, that the projection takes away without long steps, and phases beyond the last one that may lead there, each
+/// with ten times the weight: what parts leave are waves longer than they are, which a projection of the whole turns into long steps.
+const BENT: f64 = 1e-4;
+const STIFFER: usize = 2;
 /// Share of the bending at the start that is left after such a phase where the hold on the start is too strong.
 const STUBBORN: f64 = 0.5;
 
@@ -134,7 +138,20 @@ impl<'a> Path<'a> {
                 return Ok(false);
             }
         }
+        self.stiffen()?;
         Ok(true)
+    }
+
+    /// Goes on with higher penalties where a mesh that is minimised in parts is still bent.
+    fn stiffen(&mut self) -> Result<(), OptimiseError> {
+        let limit = BENT * self.setting.mean_edge;
+        let in_parts = matches!(self.descent, Descent::Parts);
+        let mut left = if in_parts { STIFFER } else { 0 };
+        while left > 0 && !self.is_over() && self.bending() > limit {
+            self.descend(10.0 * self.weights.planarity)?;
+            left -= 1;
+        }
+        Ok(())
     }
 
     /// Whether the start is the minimum of everything but planarity: that of a mesh that is kept close to itself, unless vertices are held or
@@ -226,7 +243,8 @@ impl<'a> Path<'a> {
     fn descend_last(&mut self, count: usize) -> Result<(), OptimiseError> {
         let penalties = &self.options.penalties;
         let last = &penalties[penalties.len().saturating_sub(count)..];
-        last.iter().try_for_each(|&w| self.descend(w))
+        last.iter().try_for_each(|&w| self.descend(w))?;
+        self.stiffen()
     }
 
     /// Projects a copy of the positions onto the planarity constraints.
@@ -245,7 +263,8 @@ impl<'a> Path<'a> {
         Reached::at(self.setting, x)
     }
 
-    fn newton_iterations(&self) -> usize {
+    /// Iterations of Newton's method on the constraints at the most.
+    pub fn newton_iterations(&self) -> usize {
         let by_default = match (&self.setting.reference, &self.descent) {
             (Reference::Start { .. }, Descent::Whole(_)) => NEWTON_ITERATIONS,
             // Part by part the places near cuts lose room by it.

@@ -34,8 +34,10 @@ const FARTHER: f64 = 1.4;
 /// Deviation, in mean edges, that more room may always cost, and clearance that nearness may.
 const NEAR: f64 = 0.018;
 const ROOM: f64 = 0.15;
-/// Phases that are gone through again.
-const PHASES: usize = 3;
+/// Last phases that are gone through again, by rounds: where Newton's method follows it alone often finds the room without leaving the
+/// constraints.
+const PHASES: [usize; ROUNDS] = [3; ROUNDS];
+const PHASES_BEFORE_NEWTON: [usize; ROUNDS] = [0, 1, 3];
 
 /// Clearance that each face should have; less where faces are small.
 fn wanted(panels: &Panels, shape: &Shape, mean_edge: f64) -> Vec<f64> {
@@ -191,9 +193,13 @@ impl Path<'_> {
         path.barriers = part.of_faces(&self.barriers);
         let (group, demand) = (part.local_faces(group), demand.of_part(&part));
         let mut best = Judged::at(&setting, &demand, part.of_vertices(x));
-        for round in 0..ROUNDS {
+        let phases = match path.newton_iterations() {
+            0 => PHASES,
+            _ => PHASES_BEFORE_NEWTON,
+        };
+        for (round, &count) in phases.iter().enumerate() {
             demand.insist(&mut path, &group, round);
-            let now = Judged::at(&setting, &demand, path.again(&best.x, PHASES)?);
+            let now = Judged::at(&setting, &demand, path.again(&best.x, count)?);
             let dear = demand.costs_too_much(&now, &best);
             if path.is_over() || dear {
                 break;
