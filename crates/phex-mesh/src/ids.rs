@@ -25,19 +25,23 @@ macro_rules! element_id {
 
         impl $name {
             /// The id of element number `index`.
+            #[inline]
             pub const fn new(index: u32) -> Self {
                 Self(index)
             }
             /// The element's number, counted from 0.
+            #[inline]
             pub const fn index(self) -> usize {
                 self.0 as usize
             }
         }
 
         impl ElementId for $name {
+            #[inline]
             fn from_index(index: usize) -> Self {
                 Self(u32::try_from(index).expect("element index exceeds u32"))
             }
+            #[inline]
             fn index(self) -> usize {
                 self.0 as usize
             }

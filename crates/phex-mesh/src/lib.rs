@@ -3,6 +3,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`ids`], [`per_element`] | typed `u32` ids and dense maps from them to values |
+//! | [`id_map`] | hash maps and sets of ids |
 //! | [`topology`] | half-edge connectivity of an oriented manifold, frozen after building |
 //! | [`plane`] | least-squares plane of a face |
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
@@ -21,6 +22,7 @@ mod disjoint_sets;
 pub mod ear_clip;
 pub mod flat_face;
 pub mod hex_mesh;
+pub mod id_map;
 pub mod ids;
 pub mod io;
 pub mod measure;
@@ -37,6 +39,7 @@ pub use boundary_curve::{BoundaryCurve, BoundaryPoint};
 pub use ear_clip::ear_clip;
 pub use flat_face::FlatFace;
 pub use hex_mesh::HexMesh;
+pub use id_map::{IdMap, IdSet};
 pub use ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
 pub use measure::{
     BoundaryFit, Deviation, MeshMeasures, Metric, boundary_fit, deviation, deviation_beyond,

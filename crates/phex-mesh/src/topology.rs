@@ -3,9 +3,9 @@
 //! Each face owns one half-edge per corner, numbered consecutively and counter-clockwise; a half-edge on the boundary has
 //! no twin. Faces of any valence, open or closed surfaces, any genus, any number of boundary loops and components.
 
+use crate::id_map::IdMap;
 use crate::ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
 use crate::per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
-use std::collections::HashMap;
 use thiserror::Error;
 
 const NONE: u32 = u32::MAX;
@@ -148,8 +148,8 @@ impl Topology {
     }
 
     fn pair_half_edges(&mut self) -> Result<(), TopologyError> {
-        let mut seen: HashMap<(VertexId, VertexId), HalfEdgeId> =
-            HashMap::with_capacity(self.n_half_edges());
+        let mut seen: IdMap<(VertexId, VertexId), HalfEdgeId> =
+            IdMap::with_capacity_and_hasher(self.n_half_edges(), Default::default());
         let mut edge_half_edge = Vec::with_capacity(self.n_half_edges() / 2 + 1);
         for h in self.half_edges() {
             let (from, to) = (self.origin(h), self.target(h));
@@ -227,18 +227,22 @@ impl Topology {
     }
 
     /// Number of vertices.
+    #[inline]
     pub fn n_vertices(&self) -> usize {
         self.outgoing.len()
     }
     /// Number of faces.
+    #[inline]
     pub fn n_faces(&self) -> usize {
         self.face_start.len() - 1
     }
     /// Number of edges.
+    #[inline]
     pub fn n_edges(&self) -> usize {
         self.edge_half_edge.len()
     }
     /// Number of half-edges (face corners).
+    #[inline]
     pub fn n_half_edges(&self) -> usize {
         self.origin.len()
     }
@@ -259,27 +263,33 @@ impl Topology {
         (0..self.n_half_edges()).map(HalfEdgeId::from_index)
     }
     /// The vertex where a half-edge starts.
+    #[inline]
     pub fn origin(&self, h: HalfEdgeId) -> VertexId {
         self.origin[h]
     }
     /// The vertex where a half-edge ends.
+    #[inline]
     pub fn target(&self, h: HalfEdgeId) -> VertexId {
         self.origin[self.next(h)]
     }
     /// The other side of the edge, or `None` on the boundary.
+    #[inline]
     pub fn twin(&self, h: HalfEdgeId) -> Option<HalfEdgeId> {
         let t = self.twin[h];
         (t != NONE).then(|| HalfEdgeId::new(t))
     }
     /// The face to the left of a half-edge.
+    #[inline]
     pub fn face(&self, h: HalfEdgeId) -> FaceId {
         self.face[h]
     }
     /// The undirected edge of a half-edge.
+    #[inline]
     pub fn edge(&self, h: HalfEdgeId) -> EdgeId {
         self.edge[h]
     }
     /// The next half-edge of the same face, counter-clockwise.
+    #[inline]
     pub fn next(&self, h: HalfEdgeId) -> HalfEdgeId {
         let f = self.face[h].index();
         let n = h.index() as u32 + 1;
@@ -290,6 +300,7 @@ impl Topology {
         })
     }
     /// The previous half-edge of the same face.
+    #[inline]
     pub fn prev(&self, h: HalfEdgeId) -> HalfEdgeId {
         let f = self.face[h].index();
         let i = h.index() as u32;
@@ -300,19 +311,23 @@ impl Topology {
         })
     }
     /// One half-edge of an edge (the lower id; on the boundary the only one).
+    #[inline]
     pub fn edge_half_edge(&self, e: EdgeId) -> HalfEdgeId {
         self.edge_half_edge[e]
     }
     /// The two ends of an edge.
+    #[inline]
     pub fn edge_vertices(&self, e: EdgeId) -> [VertexId; 2] {
         let h = self.edge_half_edge[e];
         [self.origin(h), self.target(h)]
     }
     /// Whether only one face holds the edge.
+    #[inline]
     pub fn is_boundary_edge(&self, e: EdgeId) -> bool {
         self.twin(self.edge_half_edge[e]).is_none()
     }
     /// Whether a vertex lies on the boundary.
+    #[inline]
     pub fn is_boundary_vertex(&self, v: VertexId) -> bool {
         self.on_boundary[v]
     }
@@ -321,6 +336,7 @@ impl Topology {
         self.face_half_edges(f).any(|h| self.twin(h).is_none())
     }
     /// Number of corners of a face.
+    #[inline]
     pub fn valence(&self, f: FaceId) -> usize {
         (self.face_start[f.index() + 1] - self.face_start[f.index()]) as usize
     }
@@ -346,6 +362,7 @@ impl Topology {
             .collect()
     }
     /// Half-edges that leave a vertex, counter-clockwise; at a boundary vertex the first one lies on the boundary.
+    #[inline]
     pub fn outgoing(&self, v: VertexId) -> Outgoing<'_> {
         let start = self.outgoing[v];
         Outgoing {
@@ -468,6 +485,7 @@ pub struct Outgoing<'a> {
 
 impl Iterator for Outgoing<'_> {
     type Item = HalfEdgeId;
+    #[inline]
     fn next(&mut self) -> Option<HalfEdgeId> {
         let h = self.next?;
         // Counter-clockwise: across the edge that enters the vertex in this face.

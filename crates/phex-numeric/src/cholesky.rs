@@ -45,18 +45,50 @@ impl Cholesky {
         Ok(cholesky)
     }
 
+    /// Factorises `matrix`; if its pattern is that of `earlier`, with that one's analysis and in its place. Blocks as in
+    /// [`analyse`](Self::analyse).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn again(
+        earlier: Option<Self>,
+        matrix: &SymmetricMatrix,
+        block: usize,
+    ) -> Result<Self, NumericError> {
+        let mut cholesky = match earlier {
+            Some(earlier) if earlier.matrix.pattern() == matrix.pattern() => earlier,
+            _ => Self::analyse(matrix.pattern(), block)?,
+        };
+        cholesky.refactor(matrix)?;
+        Ok(cholesky)
+    }
+
+    /// A factorisation of nothing yet with the analysis of this one; [`refactor`](Self::refactor) must follow.
+    ///
+    /// # Errors
+    /// [`NumericError::TooLarge`] if the factor does not fit.
+    pub fn analysis(&self) -> Result<Self, NumericError> {
+        Self::of_analysis(self.symbolic.clone(), self.matrix.pattern())
+    }
+
     /// Analyses a pattern; [`refactor`](Self::refactor) must follow before anything is solved.
     /// If `block` consecutive unknowns always stand together, the ordering is found block by block.
     ///
     /// # Errors
     /// [`NumericError::TooLarge`] if the factor does not fit.
     pub fn analyse(pattern: &Arc<Pattern>, block: usize) -> Result<Self, NumericError> {
-        let symbolic = analyse(pattern, block)?;
+        Self::of_analysis(Arc::new(analyse(pattern, block)?), pattern)
+    }
+
+    fn of_analysis(
+        symbolic: Arc<SymbolicCholesky<u32>>,
+        pattern: &Arc<Pattern>,
+    ) -> Result<Self, NumericError> {
         let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         let scratch = MemBuffer::try_new(request).map_err(|_| too_large("scratch memory"))?;
         Ok(Self {
             factor: vec![f64::NAN; symbolic.len_val()],
-            symbolic: Arc::new(symbolic),
+            symbolic,
             matrix: SymmetricMatrix::zeros(pattern.clone()),
             scratch,
             factorisations: 0,
@@ -394,6 +426,30 @@ mod tests {
         assert_eq!(cholesky.factorisations(), 3);
         let other = SymmetricMatrix::from_triplets(n, [(0, 0, 1.0)].into_iter()).unwrap();
         assert_eq!(cholesky.refactor(&other), Err(NumericError::PatternChanged));
+    }
+
+    #[test]
+    fn an_analysis_is_kept_while_the_pattern_stays() {
+        let (matrix, dense) = random_system(12, &[(0, 5, 1.0), (3, 7, -2.0), (8, 11, 0.5)]);
+        let (other, other_dense) = random_system(12, &[(0, 5, 3.0), (3, 7, 1.0), (8, 11, 2.0)]);
+        let (wider, wider_dense) = random_system(12, &[(0, 5, 1.0), (2, 9, 1.0)]);
+        let first = Cholesky::again(None, &matrix, 2).unwrap();
+        let second = Cholesky::again(Some(first), &other, 2).unwrap();
+        assert_eq!(second.factorisations(), 2);
+        let third = Cholesky::again(Some(Cholesky::new(&matrix).unwrap()), &wider, 2).unwrap();
+        assert_eq!(third.factorisations(), 1);
+        for (cholesky, dense) in [
+            (Cholesky::new(&matrix).unwrap(), dense),
+            (second, other_dense),
+            (third, wider_dense),
+        ] {
+            let b: Vec<f64> = (0..12).map(f64::from).collect();
+            let mut x = b.clone();
+            cholesky.solve(&mut x);
+            for (x, e) in x.iter().zip(dense_solve(dense, b)) {
+                assert!((x - e).abs() < 1e-14);
+            }
+        }
     }
 
     #[test]

@@ -43,10 +43,9 @@ pub fn conjugate_gradients(
     options: &ConjugateGradientOptions,
 ) -> ConjugateGradientResult {
     assert_eq!(diagonal.len(), b.len(), "equal lengths");
-    let jacobi = |r: &[f64]| -> Vec<f64> {
-        let scale = |(r, d): (&f64, &f64)| if *d > 0.0 { r / d } else { *r };
-        r.iter().zip(diagonal).map(scale).collect()
-    };
+    let inverse = |d: &f64| if *d > 0.0 { 1.0 / d } else { 1.0 };
+    let inverse: Vec<f64> = diagonal.iter().map(inverse).collect();
+    let jacobi = |r: &[f64]| -> Vec<f64> { r.iter().zip(&inverse).map(|(r, i)| r * i).collect() };
     preconditioned_conjugate_gradients(apply, jacobi, b, x, options)
 }
 
@@ -106,8 +105,21 @@ pub fn preconditioned_conjugate_gradients(
     result(status, options.max_iterations, &residual)
 }
 
+/// Sums that run side by side in [`dot`].
+const LANES: usize = 8;
+
+/// Scalar product; several sums side by side, so that none waits for the one before.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut sums = [0.0; LANES];
+    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest = a.remainder().iter().zip(b.remainder());
+    let rest: f64 = rest.map(|(a, b)| a * b).sum();
+    for (a, b) in a.zip(b) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 pub(crate) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {

@@ -183,8 +183,17 @@ pub fn in_metric(
     options: &DirectionOptions,
 ) -> Result<Directions, NumericError> {
     let mut intrinsic = IntrinsicMesh::new(surface, &tensor);
-    let field = |intrinsic: &IntrinsicMesh, tensor: &PerVertex<Matrix3<f64>>| {
-        let field = rosy::field(surface, intrinsic, tensor, principal, weight, options)?;
+    let mut factor = None;
+    let mut field = |intrinsic: &IntrinsicMesh, tensor: &PerVertex<Matrix3<f64>>| {
+        let field = rosy::field(
+            surface,
+            intrinsic,
+            tensor,
+            principal,
+            weight,
+            options,
+            &mut factor,
+        )?;
         cones::settle_cones(surface, intrinsic, field, weight, options)
     };
     let mut turned = field(&intrinsic, &tensor)?;

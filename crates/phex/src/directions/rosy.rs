@@ -24,7 +24,8 @@ pub struct Field {
     pub wish: PerVertex<Complex<f64>>,
 }
 
-/// The smoothest field that is drawn to the small curvature's direction, and to the boundary.
+/// The smoothest field that is drawn to the small curvature's direction, and to the boundary. The factorisation that is left there
+/// serves the next field on the same triangles.
 pub fn field(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,
@@ -32,6 +33,7 @@ pub fn field(
     principal: &PerVertex<Principal>,
     weight: &PerVertex<f64>,
     options: &DirectionOptions,
+    factor: &mut Option<Cholesky>,
 ) -> Result<Field, NumericError> {
     let topology = surface.topology();
     let wish = |v: VertexId, along: Vec3, across: Vec3| {
@@ -68,12 +70,9 @@ pub fn field(
         let diagonal = |v: VertexId| mesh.mass[v] * inertia + t * total(v);
         connection_matrix(topology, mesh, t, diagonal)
     };
-    let mut u = solve(
-        &Cholesky::new(&stiffness(1.0, 0.0)?)?,
-        |i| source[i],
-        source.len(),
-    );
-    let polish = Cholesky::new(&stiffness(POLISH_TIME, 1.0)?)?;
+    let smooth = Cholesky::again(factor.take(), &stiffness(1.0, 0.0)?, 2)?;
+    let mut u = solve(&smooth, |i| source[i], source.len());
+    let polish = Cholesky::again(Some(smooth), &stiffness(POLISH_TIME, 1.0)?, 2)?;
     for _ in 0..POLISH_STEPS {
         let unit: Vec<Complex<f64>> = u.iter().map(|z| z / (z.norm() + 1e-12)).collect();
         for v in topology.vertices() {
@@ -81,12 +80,13 @@ pub fn field(
                 source[v.index()] = nearer_well(curved[v], unit[v.index()]) + fixed[v];
             }
         }
-        u = solve(
+        u = rough_solution(
             &polish,
             |i| unit[i] * mesh.mass.as_slice()[i] + source[i] * POLISH_TIME,
             unit.len(),
         );
     }
+    *factor = Some(polish);
     Ok(Field {
         angle: PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()),
         wish: PerVertex::from_vec(source),
@@ -186,6 +186,19 @@ pub(crate) fn solve(
 ) -> Vec<Complex<f64>> {
     let mut x: Vec<f64> = (0..n).flat_map(|i| [rhs(i).re, rhs(i).im]).collect();
     factor.solve(&mut x);
+    x.chunks_exact(2)
+        .map(|c| Complex::new(c[0], c[1]))
+        .collect()
+}
+
+/// The same without refinement, for well-conditioned systems.
+fn rough_solution(
+    factor: &Cholesky,
+    rhs: impl Fn(usize) -> Complex<f64>,
+    n: usize,
+) -> Vec<Complex<f64>> {
+    let b: Vec<f64> = (0..n).flat_map(|i| [rhs(i).re, rhs(i).im]).collect();
+    let x = factor.precondition(&b);
     x.chunks_exact(2)
         .map(|c| Complex::new(c[0], c[1]))
         .collect()

@@ -9,7 +9,7 @@
 use super::seeds::Seed;
 use super::voronoi::{self, UNREACHED};
 use crate::directions::intrinsic::IntrinsicMesh;
-use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerVertex, Topology, VertexId};
+use phex_mesh::{EdgeId, FaceId, HalfEdgeId, IdMap, IdSet, PerVertex, Topology, VertexId};
 use std::collections::{HashMap, HashSet};
 
 /// A place where the outline of a cell passes.
@@ -281,7 +281,7 @@ fn split(
 /// Successor of each node on the outline of each cell.
 #[derive(Default)]
 struct Walk {
-    next: HashMap<(u32, Node), Node>,
+    next: IdMap<(u32, Node), Node>,
     order: Vec<(u32, Node)>,
 }
 
@@ -369,7 +369,7 @@ fn closed_loops(topology: &Topology, walk: &Walk, count: usize) -> Vec<Outline> 
         _ => true,
     };
     let mut outlines = vec![Outline::default(); count];
-    let mut seen = HashSet::with_capacity(walk.order.len());
+    let mut seen = IdSet::with_capacity_and_hasher(walk.order.len(), Default::default());
     for &(cell, start) in &walk.order {
         let (mut nodes, mut at) = (Vec::new(), start);
         while seen.insert((cell, at)) {
@@ -388,8 +388,8 @@ fn closed_loops(topology: &Topology, walk: &Walk, count: usize) -> Vec<Outline> 
 }
 
 /// Number of vertices of the panelling, for building arrays.
-pub fn node_index(panels: &[(u32, Vec<Node>)]) -> (HashMap<Node, u32>, Vec<Node>) {
-    let (mut index, mut nodes) = (HashMap::new(), Vec::new());
+pub fn node_index(panels: &[(u32, Vec<Node>)]) -> (IdMap<Node, u32>, Vec<Node>) {
+    let (mut index, mut nodes) = (IdMap::default(), Vec::new());
     for node in panels.iter().flat_map(|p| &p.1) {
         index.entry(*node).or_insert_with(|| {
             nodes.push(*node);

@@ -49,7 +49,7 @@ use duality::DualityError;
 use lattice::{Charts, Plane};
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
-use phex_numeric::NumericError;
+use phex_numeric::{Cholesky, NumericError};
 use power_diagram::PowerError;
 use seamless::{Annihilation, Offsets};
 use seeds::Seed;
@@ -190,12 +190,13 @@ fn seamless_offsets(
 ) -> Result<(Offsets, Annihilation, f64), LayoutError> {
     let longest = options.annihilation_length.unwrap_or(f64::INFINITY);
     let shorter = SHORTER.into_iter().filter(|l| *l < longest);
+    let mut solver = PinnedSolver::new(topology, mesh, charts, pins);
     let mut last = None;
     for limit in std::iter::once(longest).chain(shorter) {
         let mut offsets = rounded.clone();
         let annihilation = seamless::annihilate(topology, mesh, charts, &mut offsets.jump, limit);
         if annihilation.moved > 0 {
-            offsets.position = solve_pinned(topology, mesh, charts, pins, &offsets)?;
+            offsets.position = solver.solve(&offsets)?;
         }
         let mut distortion = offsets.distortion(topology, mesh, charts).into_vec();
         distortion.sort_by(f64::total_cmp);
@@ -208,23 +209,70 @@ fn seamless_offsets(
     Ok(last.expect("at least one limit is tried"))
 }
 
-/// Offsets solved first without pins, to see where the boundary's rows come to lie, and then with those.
-fn solve_pinned(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-    pins: &PerVertex<Option<Pin>>,
-    offsets: &Offsets,
-) -> Result<PerVertex<Plane>, NumericError> {
-    let free = PerVertex::filled(topology.n_vertices(), None);
-    let solve =
-        |pins, near: &_| seamless::solve_offsets(topology, mesh, charts, &offsets.jump, pins, near);
-    let position = solve(&free, &offsets.position)?;
-    if pins.iter().all(Option::is_none) {
-        return Ok(position);
+/// Offsets solved first without pins, to see where the boundary's rows come to lie, and then with those. The factorisations do not depend
+/// on the jumps and are made once.
+struct PinnedSolver<'a> {
+    topology: &'a Topology,
+    mesh: &'a IntrinsicMesh,
+    charts: &'a Charts,
+    pins: &'a PerVertex<Option<Pin>>,
+    free: PerVertex<Option<Pin>>,
+    /// Without pins, and with them if there are any.
+    factors: Option<(Cholesky, Option<Cholesky>)>,
+}
+
+impl<'a> PinnedSolver<'a> {
+    fn new(
+        topology: &'a Topology,
+        mesh: &'a IntrinsicMesh,
+        charts: &'a Charts,
+        pins: &'a PerVertex<Option<Pin>>,
+    ) -> Self {
+        Self {
+            topology,
+            mesh,
+            charts,
+            pins,
+            free: PerVertex::filled(topology.n_vertices(), None),
+            factors: None,
+        }
     }
-    let position = solve(pins, &position)?;
-    solve(pins, &position)
+
+    fn factorise(&self) -> Result<(Cholesky, Option<Cholesky>), NumericError> {
+        let factor = |pins, earlier| {
+            seamless::factorised(self.topology, self.mesh, self.charts, pins, earlier)
+        };
+        let free = factor(&self.free, None)?;
+        let pinned = match self.pins.iter().any(Option::is_some) {
+            true => Some(factor(self.pins, Some(free.analysis()?))?),
+            false => None,
+        };
+        Ok((free, pinned))
+    }
+
+    fn solve(&mut self, offsets: &Offsets) -> Result<PerVertex<Plane>, NumericError> {
+        let (free, pinned) = match self.factors.take() {
+            Some(factors) => factors,
+            None => self.factorise()?,
+        };
+        let solve = |pins, near: &_, factor: &_| {
+            let Self {
+                topology,
+                mesh,
+                charts,
+                ..
+            } = &*self;
+            seamless::solve_offsets(topology, mesh, charts, &offsets.jump, pins, near, factor)
+        };
+        let mut position = solve(&self.free, &offsets.position, &free);
+        if let Some(pinned) = &pinned {
+            for _ in 0..2 {
+                position = solve(self.pins, &position, pinned);
+            }
+        }
+        self.factors = Some((free, pinned));
+        Ok(position)
+    }
 }
 
 /// The fine surface on which cells are drawn.

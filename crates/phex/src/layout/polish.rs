@@ -1,15 +1,49 @@
 //! Gauss-Seidel polish of lattice offsets: every vertex moves to the mean of what its neighbours see, modulo the lattice.
 
 use super::boundary::Pin;
-use super::lattice::{Charts, Eisenstein, Plane};
+use super::lattice::{Charts, Eisenstein, Plane, Transition};
 use crate::directions::intrinsic::IntrinsicMesh;
-use phex_mesh::{PerVertex, Topology};
+use phex_mesh::{PerVertex, Topology, VertexId};
 
 /// Share of the way to the neighbours' mean that a vertex moves.
 const RELAXATION: f64 = 0.9;
 
 /// Mean move of a sweep, in lattice spacings, after which nothing more is to be gained.
 const SETTLED: f64 = 2e-4;
+
+/// How a vertex sees the offsets of its neighbours, vertex after vertex.
+struct Views {
+    start: Vec<u32>,
+    /// Neighbour, its transition, the weight of the edge.
+    views: Vec<(VertexId, Transition, f64)>,
+}
+
+impl Views {
+    fn new(topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts) -> Self {
+        let (mut start, mut views) = (vec![0], Vec::with_capacity(2 * topology.n_edges()));
+        for v in topology.vertices() {
+            for h in topology.outgoing(v) {
+                let view = charts.half_edge(topology, h);
+                views.push((topology.target(h), view, mesh.weight[topology.edge(h)]));
+                let before = topology.prev(h);
+                if topology.twin(before).is_none() {
+                    let view = charts.half_edge(topology, before).inverse();
+                    views.push((
+                        topology.origin(before),
+                        view,
+                        mesh.weight[topology.edge(before)],
+                    ));
+                }
+            }
+            start.push(views.len() as u32);
+        }
+        Self { start, views }
+    }
+
+    fn of(&self, v: VertexId) -> &[(VertexId, Transition, f64)] {
+        &self.views[self.start[v.index()] as usize..self.start[v.index() + 1] as usize]
+    }
+}
 
 /// Runs up to `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the lattice cell round 0.
 pub fn polish(
@@ -20,6 +54,7 @@ pub fn polish(
     position: &mut PerVertex<Plane>,
     sweeps: usize,
 ) {
+    let views = Views::new(topology, mesh, charts);
     for _ in 0..sweeps {
         let mut moved = 0.0;
         for v in topology.vertices() {
@@ -29,19 +64,8 @@ pub fn polish(
                 sum += (seen - Eisenstein::nearest(seen - here).to_plane()) * weight;
                 total += weight;
             };
-            for h in topology.outgoing(v) {
-                let seen = charts
-                    .half_edge(topology, h)
-                    .apply(position[topology.target(h)]);
-                add(seen, mesh.weight[topology.edge(h)]);
-                let before = topology.prev(h);
-                if topology.twin(before).is_none() {
-                    let seen = charts
-                        .half_edge(topology, before)
-                        .inverse()
-                        .apply(position[topology.origin(before)]);
-                    add(seen, mesh.weight[topology.edge(before)]);
-                }
+            for (w, view, weight) in views.of(v) {
+                add(view.apply(position[*w]), *weight);
             }
             if let Some(pin) = &pins[v] {
                 add(here + pin.correction(here), pin.weight);

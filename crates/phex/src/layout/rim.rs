@@ -34,14 +34,24 @@ pub fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
         for cell in &rim {
             seeds[cell.label].core = core(fine, cell);
         }
-        let mut label = 0..;
-        seeds.retain(|_| label.next().is_none_or(|l: usize| !dropped.contains(&l)));
-        grown = voronoi::grow(topology, fine.mesh, &seeds, |_| true);
+        let number = without(before, &dropped);
+        let mut kept = number.iter().map(Option::is_some);
+        seeds.retain(|_| kept.next().unwrap_or(true));
+        let changed = rim.iter().map(|c| c.label);
+        grown = voronoi::regrow(topology, fine.mesh, &seeds, &grown, changed, &number);
         if seeds.len() == before && round + 1 >= ROUNDS / 2 {
             break;
         }
     }
     (seeds, grown)
+}
+
+/// New number of each of `count` cells, `None` for those that are dropped.
+fn without(count: usize, dropped: &HashSet<usize>) -> Vec<Option<u32>> {
+    let mut next = 0..;
+    let kept = (0..count).map(|l| !dropped.contains(&l));
+    kept.map(|kept| if kept { next.next() } else { None })
+        .collect()
 }
 
 /// A cell that touches the boundary.
@@ -78,9 +88,12 @@ fn rim_cells(
     let topology = fine.surface.topology();
     let mut members: Vec<Vec<VertexId>> = vec![Vec::new(); count];
     let mut at_rim = vec![false; count];
-    for (v, &l) in grown.label.enumerate().filter(|(_, l)| **l != UNREACHED) {
+    let reached = || grown.label.enumerate().filter(|(_, l)| **l != UNREACHED);
+    for (_, &l) in reached().filter(|(v, _)| topology.is_boundary_vertex(*v)) {
+        at_rim[l as usize] = true;
+    }
+    for (v, &l) in reached().filter(|(_, l)| at_rim[**l as usize]) {
         members[l as usize].push(v);
-        at_rim[l as usize] |= topology.is_boundary_vertex(v);
     }
     let cells = members.into_iter().enumerate();
     let cells = cells.filter(|(l, _)| at_rim[*l]);

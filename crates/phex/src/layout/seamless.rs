@@ -15,7 +15,7 @@ use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use serde::Serialize;
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeSet, BinaryHeap};
 
 /// Lattice offsets and the integer jumps between them.
 #[derive(Clone, Debug)]
@@ -165,11 +165,18 @@ pub fn annihilate(
     let mut state = PerFace::from_fn(topology.n_faces(), |f| {
         defect(&circuit(topology, charts, jump, f))
     });
-    let dislocations = state.iter().filter(|d| **d == Defect::Dislocation).count();
+    let all = state.enumerate().filter(|(_, d)| **d != Defect::None);
+    let mut defects: BTreeSet<FaceId> = all.map(|(f, _)| f).collect();
+    let count = |state: &PerFace<Defect>, defects: &BTreeSet<FaceId>| {
+        let moving = defects.iter().filter(|f| state[**f] == Defect::Dislocation);
+        moving.count()
+    };
+    let dislocations = count(&state, &defects);
+    let mut fronts = Fronts::new(topology.n_faces());
     let mut moved = 0;
     // Each move ends at least one dislocation or merges two, so this is only a guard.
     for _ in 0..4 * dislocations + 4 {
-        let Some(path) = shortest_path(topology, mesh, &state, max_length) else {
+        let Some(path) = fronts.shortest_path(topology, mesh, &state, &defects, max_length) else {
             break;
         };
         for &(f, e) in &path {
@@ -184,84 +191,117 @@ pub fn annihilate(
             ];
             for g in sides.into_iter().flatten() {
                 state[g] = defect(&circuit(topology, charts, jump, g));
+                match state[g] {
+                    Defect::None => defects.remove(&g),
+                    _ => defects.insert(g),
+                };
             }
         }
         moved += 1;
     }
-    let kept = state.iter().filter(|d| **d == Defect::Dislocation).count();
     Annihilation {
         dislocations,
         moved,
-        kept,
+        kept: count(&state, &defects),
     }
 }
 
 const NOBODY: u32 = u32::MAX;
 
-/// The shortest dual path from a dislocation to another one, a cone, or out of the boundary: fronts grow from all of them
-/// at once until two meet. Pairs (face, edge to leave it by), in the order of the move.
-fn shortest_path(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    state: &PerFace<Defect>,
-    max_length: f64,
-) -> Option<Vec<(FaceId, EdgeId)>> {
-    let size = |f: FaceId| mesh.half_crossing(f);
-    let mut source = PerFace::filled(topology.n_faces(), NOBODY);
-    let mut distance = PerFace::filled(topology.n_faces(), f64::INFINITY);
-    let mut from: PerFace<Option<(FaceId, EdgeId)>> = PerFace::filled(topology.n_faces(), None);
-    let mut settled = PerFace::filled(topology.n_faces(), false);
-    let mut heap = BinaryHeap::new();
-    for f in topology.faces() {
-        if state[f] != Defect::None {
-            source[f] = f.index() as u32;
-            distance[f] = 0.0;
-            heap.push(Reverse((Distance(0.0), f)));
+/// Fronts that grow over the triangles from all defects at once; what they reached is kept, so that the next search clears only that.
+struct Fronts {
+    source: PerFace<u32>,
+    distance: PerFace<f64>,
+    from: PerFace<Option<(FaceId, EdgeId)>>,
+    settled: PerFace<bool>,
+    reached: Vec<FaceId>,
+    heap: BinaryHeap<Reverse<(Distance, FaceId)>>,
+}
+
+impl Fronts {
+    fn new(faces: usize) -> Self {
+        Self {
+            source: PerFace::filled(faces, NOBODY),
+            distance: PerFace::filled(faces, f64::INFINITY),
+            from: PerFace::filled(faces, None),
+            settled: PerFace::filled(faces, false),
+            reached: Vec::new(),
+            heap: BinaryHeap::new(),
         }
     }
-    let moves = |s: u32| state.as_slice()[s as usize] == Defect::Dislocation;
-    let mut best: (f64, Option<(FaceId, EdgeId, Option<FaceId>)>) = (max_length, None);
-    while let Some(Reverse((Distance(d), f))) = heap.pop() {
-        if settled[f] {
-            continue;
+
+    fn clear(&mut self) {
+        for f in self.reached.drain(..) {
+            self.source[f] = NOBODY;
+            self.distance[f] = f64::INFINITY;
+            self.from[f] = None;
+            self.settled[f] = false;
         }
-        settled[f] = true;
-        if 2.0 * d > best.0 {
-            break;
+        self.heap.clear();
+    }
+
+    fn reach(&mut self, f: FaceId, source: u32, distance: f64, from: Option<(FaceId, EdgeId)>) {
+        if self.source[f] == NOBODY {
+            self.reached.push(f);
         }
-        for h in topology.face_half_edges(f) {
-            let e = topology.edge(h);
-            let Some(t) = topology.twin(h) else {
-                let total = d + 4.0 * size(f);
-                if moves(source[f]) && total < best.0 {
-                    best = (total, Some((f, e, None)));
-                }
+        self.source[f] = source;
+        self.distance[f] = distance;
+        self.from[f] = from;
+        self.heap.push(Reverse((Distance(distance), f)));
+    }
+
+    /// The shortest dual path from a dislocation to another one, a cone, or out of the boundary: fronts grow until two meet. Pairs
+    /// (face, edge to leave it by), in the order of the move.
+    fn shortest_path(
+        &mut self,
+        topology: &Topology,
+        mesh: &IntrinsicMesh,
+        state: &PerFace<Defect>,
+        defects: &BTreeSet<FaceId>,
+        max_length: f64,
+    ) -> Option<Vec<(FaceId, EdgeId)>> {
+        let size = |f: FaceId| mesh.half_crossing(f);
+        self.clear();
+        for &f in defects {
+            self.reach(f, f.index() as u32, 0.0, None);
+        }
+        let moves = |s: u32| state.as_slice()[s as usize] == Defect::Dislocation;
+        let mut best: (f64, Option<(FaceId, EdgeId, Option<FaceId>)>) = (max_length, None);
+        while let Some(Reverse((Distance(d), f))) = self.heap.pop() {
+            if self.settled[f] {
                 continue;
-            };
-            let g = topology.face(t);
-            let step = d + size(f) + size(g);
-            if settled[g] && source[g] != source[f] {
-                let total = step + distance[g];
-                if (moves(source[f]) || moves(source[g])) && total < best.0 {
-                    best = (total, Some((f, e, Some(g))));
+            }
+            self.settled[f] = true;
+            if 2.0 * d > best.0 {
+                break;
+            }
+            let source = self.source[f];
+            for h in topology.face_half_edges(f) {
+                let e = topology.edge(h);
+                let Some(t) = topology.twin(h) else {
+                    let total = d + 4.0 * size(f);
+                    if moves(source) && total < best.0 {
+                        best = (total, Some((f, e, None)));
+                    }
+                    continue;
+                };
+                let g = topology.face(t);
+                let step = d + size(f) + size(g);
+                if self.settled[g] && self.source[g] != source {
+                    let total = step + self.distance[g];
+                    if (moves(source) || moves(self.source[g])) && total < best.0 {
+                        best = (total, Some((f, e, Some(g))));
+                    }
+                }
+                if !self.settled[g] && step < self.distance[g] {
+                    self.reach(g, source, step, Some((f, e)));
                 }
             }
-            if !settled[g] && step < distance[g] {
-                distance[g] = step;
-                source[g] = source[f];
-                from[g] = Some((f, e));
-                heap.push(Reverse((Distance(step), g)));
-            }
         }
+        let (f, e, g) = best.1?;
+        let backwards = g.is_some_and(|g| !moves(self.source[f]) && moves(self.source[g]));
+        Some(joined_path(&self.from, f, e, g, backwards))
     }
-    let (f, e, g) = best.1?;
-    Some(joined_path(
-        &from,
-        f,
-        e,
-        g,
-        g.is_some_and(|g| !moves(source[f]) && moves(source[g])),
-    ))
 }
 
 fn joined_path(
@@ -296,10 +336,11 @@ fn joined_path(
     path
 }
 
-/// Lattice offsets that fit the edges best with given jumps, and the pins; nearest to `near` where that leaves them free.
-///
-/// # Errors
-/// If the linear system can't be solved.
+/// Weight, over the area, of the hold on the offsets before.
+const ANCHOR: f64 = 1e-8;
+
+/// Lattice offsets that fit the edges best with given jumps, and the pins; nearest to `near` where that leaves them free. `factor` is that
+/// of [`factorised`] with the same charts and pins.
 pub fn solve_offsets(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -307,11 +348,43 @@ pub fn solve_offsets(
     jump: &PerEdge<Eisenstein>,
     pins: &PerVertex<Option<Pin>>,
     near: &PerVertex<Plane>,
-) -> Result<PerVertex<Plane>, NumericError> {
-    const ANCHOR: f64 = 1e-8;
+    factor: &Cholesky,
+) -> PerVertex<Plane> {
+    let held = near.iter().zip(&mesh.mass);
+    let mut rhs: Vec<Plane> = held.map(|(z, m)| z * (ANCHOR * m)).collect();
+    for e in topology.edges() {
+        let [i, j] = topology.edge_vertices(e).map(|v| v.index());
+        let t = charts.edge(e);
+        let c = (t.offset - jump[e].to_plane()) * mesh.weight[e];
+        rhs[i] += c;
+        rhs[j] -= rotate(c, (6 - t.turn) % 6);
+    }
+    for (v, pin) in pins.enumerate() {
+        if let Some(pin) = pin {
+            let wanted = near[v] + pin.correction(near[v]);
+            rhs[v.index()] += pin.normal * (pin.weight * dot(pin.normal, wanted));
+        }
+    }
+    let mut position = PerVertex::from_vec(solve(factor, |i| rhs[i], rhs.len()));
+    if let Some(turn) = common_frame(topology, charts) {
+        translate(&mut position, near, mesh, &turn);
+    }
+    position
+}
+
+/// The system of [`solve_offsets`], factorised; with the analysis of an earlier one, if there is any.
+///
+/// # Errors
+/// If it is singular to rounding.
+pub fn factorised(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    pins: &PerVertex<Option<Pin>>,
+    earlier: Option<Cholesky>,
+) -> Result<Cholesky, NumericError> {
     let n = topology.n_vertices();
     let mut own: Vec<f64> = mesh.mass.iter().map(|m| ANCHOR * m).collect();
-    let mut rhs: Vec<Plane> = near.iter().zip(&own).map(|(z, a)| z * *a).collect();
     let mut entries = Vec::with_capacity(4 * topology.n_edges() + 2 * n);
     for e in topology.edges() {
         let ([i, j], w, t) = (
@@ -327,31 +400,16 @@ pub fn solve_offsets(
             j as u32,
             -rotate(Plane::new(w, 0.0), t.turn),
         );
-        let c = (t.offset - jump[e].to_plane()) * w;
-        rhs[i] += c;
-        rhs[j] -= rotate(c, (6 - t.turn) % 6);
     }
     for (v, d) in own.iter().enumerate() {
         entries.push((2 * v as u32, 2 * v as u32, *d));
         entries.push((2 * v as u32 + 1, 2 * v as u32 + 1, *d));
     }
     for (v, pin) in pins.enumerate() {
-        if let Some(pin) = pin {
-            push_pin(
-                &mut entries,
-                &mut rhs[v.index()],
-                v.index() as u32,
-                pin,
-                near[v],
-            );
-        }
+        push_pin(&mut entries, v.index() as u32, pin.as_ref());
     }
-    let factor = Cholesky::new(&SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?)?;
-    let mut position = PerVertex::from_vec(solve(&factor, |i| rhs[i], n));
-    if let Some(turn) = common_frame(topology, charts) {
-        translate(&mut position, near, mesh, &turn);
-    }
-    Ok(position)
+    let matrix = SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?;
+    Cholesky::again(earlier, &matrix, 2)
 }
 
 /// Turns that take each chart to that of the first vertex, where no loop turns: then a common translation costs nothing.
@@ -406,11 +464,10 @@ fn translate(
     }
 }
 
-/// Adds `w <n, z - z0>^2` with the pinned offset `z0` nearest to `near`.
-fn push_pin(entries: &mut Vec<(u32, u32, f64)>, rhs: &mut Plane, v: u32, pin: &Pin, near: Plane) {
-    let (n, w) = (pin.normal, pin.weight);
+/// Adds the matrix of `w <n, z - z0>^2`, or its place.
+fn push_pin(entries: &mut Vec<(u32, u32, f64)>, v: u32, pin: Option<&Pin>) {
+    let (n, w) = pin.map_or((Plane::default(), 0.0), |p| (p.normal, p.weight));
     entries.push((2 * v, 2 * v, w * n.re * n.re));
     entries.push((2 * v + 1, 2 * v, w * n.re * n.im));
     entries.push((2 * v + 1, 2 * v + 1, w * n.im * n.im));
-    *rhs += n * (w * dot(n, near + pin.correction(near)));
 }

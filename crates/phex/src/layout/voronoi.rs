@@ -57,8 +57,69 @@ pub fn grow(
         distance: PerVertex::filled(n, f64::INFINITY),
     };
     let mut settled = PerVertex::filled(n, false);
+    let all = seeds.iter().enumerate();
+    spread(topology, mesh, all, allowed, &mut cells, &mut settled);
+    cells
+}
+
+/// Grows the cells of `labels` again, and those round them up to the second neighbours: what is farther stays as it is, for a cell changes
+/// no border but its own. `number` is the new number of each old cell, `None` for those whose seeds are gone.
+pub fn regrow(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    seeds: &[Seed],
+    before: &Cells,
+    labels: impl Iterator<Item = usize>,
+    number: &[Option<u32>],
+) -> Cells {
+    let mut open = vec![false; number.len()];
+    labels.for_each(|l| open[l] = true);
+    for _ in 0..2 {
+        widen(topology, &before.label, &mut open);
+    }
+    let is_open = |v: VertexId| open.get(before.label[v] as usize).is_none_or(|o| *o);
+    let mut cells = before.clone();
+    let mut settled = PerVertex::filled(topology.n_vertices(), true);
+    for v in topology.vertices() {
+        let new = number.get(before.label[v] as usize).copied().flatten();
+        cells.label[v] = new.unwrap_or(UNREACHED);
+        if is_open(v) {
+            cells.label[v] = UNREACHED;
+            cells.distance[v] = f64::INFINITY;
+            settled[v] = false;
+        }
+    }
+    let opened = number.iter().zip(&open).filter(|(_, o)| **o);
+    let opened = opened.filter_map(|(n, _)| *n);
+    let opened = opened.map(|n| (n as usize, &seeds[n as usize]));
+    spread(topology, mesh, opened, |_| true, &mut cells, &mut settled);
+    cells
+}
+
+/// Marks the cells beside those that are marked.
+fn widen(topology: &Topology, label: &PerVertex<u32>, open: &mut [bool]) {
+    let marked = open.to_vec();
+    let is = |l: u32| marked.get(l as usize).is_some_and(|m| *m);
+    for [a, b] in topology.edges().map(|e| topology.edge_vertices(e)) {
+        for (from, to) in [(label[a], label[b]), (label[b], label[a])] {
+            if let (true, Some(to)) = (is(from), open.get_mut(to as usize)) {
+                *to = true;
+            }
+        }
+    }
+}
+
+/// Lets fronts grow from seeds over what is not settled.
+fn spread<'a>(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    seeds: impl Iterator<Item = (usize, &'a Seed)>,
+    allowed: impl Fn(VertexId) -> bool,
+    cells: &mut Cells,
+    settled: &mut PerVertex<bool>,
+) {
     let mut heap = BinaryHeap::new();
-    for (label, seed) in seeds.iter().enumerate() {
+    for (label, seed) in seeds {
         for &(vertex, distance) in &seed.core {
             if distance < cells.distance[vertex] {
                 cells.distance[vertex] = distance;
@@ -84,7 +145,7 @@ pub fn grow(
                 if settled[to] || !allowed(to) {
                     continue;
                 }
-                let distance = reach(topology, mesh, &cells, &settled, h, v, to, third);
+                let distance = reach(topology, mesh, cells, settled, h, v, to, third);
                 if (distance, front.label) < (cells.distance[to], cells.label[to]) {
                     cells.distance[to] = distance;
                     cells.label[to] = front.label;
@@ -97,7 +158,6 @@ pub fn grow(
             }
         }
     }
-    cells
 }
 
 #[allow(clippy::too_many_arguments)]
