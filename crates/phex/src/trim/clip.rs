@@ -165,7 +165,9 @@ impl<'a> Cut<'a> {
                 part.extend(&runs[at]);
                 bare.extend(&runs[at]);
                 let ahead = |k: &usize| self.curve.ahead(ends[at], starts[*k]);
-                let open = (0..runs.len()).filter(|k| !used[*k] || *k == first);
+                // Runs of a panel that is parted in a corner begin where others end; there it is parted, not joined.
+                let apart = |k: usize| runs[k].first() != runs[at].last();
+                let open = (0..runs.len()).filter(|&k| (!used[k] || k == first) && apart(k));
                 let next = open
                     .min_by(|a, b| ahead(a).total_cmp(&ahead(b)))
                     .unwrap_or(first);
@@ -303,4 +305,48 @@ fn without_close_pairs(cuts: Vec<f64>, near: f64) -> Vec<f64> {
         }
     }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::dissolve::tests::square;
+    use super::*;
+    use crate::target::extend;
+    use phex_mesh::FlatFace;
+
+    /// A panel across the boundary whose re-entrant corner reaches a little beyond it, with two panels in the notch: both its parts are
+    /// kept, and meet in that corner.
+    #[test]
+    fn a_corner_beyond_the_curve_parts_a_panel() {
+        let original = square();
+        let extension = extend::extend(&original, 0.5, 0.0).unwrap();
+        let domain = Domain {
+            extended: &extension.surface,
+            extension: &extension,
+            levels: 0,
+            original: &original,
+            corner_angle: 0.7,
+        };
+        let at = [
+            (0.5, -0.2),
+            (2.5, -0.2),
+            (2.5, 0.8),
+            (1.5, -0.005),
+            (0.5, 0.8),
+            (1.5, 2.0),
+        ];
+        let positions = at.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
+        let faces: [&[u32]; 3] = [&[0, 1, 2, 3, 4], &[3, 2, 5], &[3, 5, 4]];
+        let mesh = HexMesh::new(positions, &faces).unwrap();
+        let left = clipped(&mesh, &domain).unwrap();
+        let parts = left.parent.enumerate().filter(|(_, p)| p.index() == 0);
+        let areas: Vec<f64> = parts
+            .map(|(f, _)| FlatFace::new(&left.mesh.corners(f).collect::<Vec<_>>()).area())
+            .collect();
+        assert_eq!(areas.len(), 2);
+        assert!(
+            areas.iter().all(|a| (a - 0.4).abs() < 0.01),
+            "{areas:?}: the boundary cuts either part to a triangle"
+        );
+    }
 }

@@ -271,7 +271,7 @@ fn replace(face: &mut [u32], old: u32, new: u32) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::target::extend;
     use phex_mesh::{TriangleSurface, measure};
@@ -303,7 +303,7 @@ mod tests {
         Trimmed { mesh, parent }
     }
 
-    fn square() -> TriangleSurface {
+    pub fn square() -> TriangleSurface {
         let n = 12;
         let at = |v: u32| Vec3::new(f64::from(v % (n + 1)), f64::from(v / (n + 1)), 0.0) * 0.25;
         let cells = (0..n * n).map(|c| c % n + (c / n) * (n + 1));
