@@ -4,7 +4,7 @@
 //! ([`crate::target::extend`]): far, so that nothing at the boundary disturbs them, or a little, so that the cut runs
 //! across a row of panels along the boundary and leaves no slivers. Then
 //!
-//! * `whole` keeps the panels of which at least half lies inside, and more where the coverage asks for it;
+//! * `whole` keeps the panels of which about half or more lies inside, so that their outline is short, and more where the coverage asks for it;
 //! * `clip` cuts each panel in its own plane along the boundary curve projected to that plane. A cut through a shared
 //!   edge is computed once, on the edge, so it lies in both planes; between two cuts a panel gets vertices of its own
 //!   along the curve. Clipped panels are planar exactly, because they are parts of planar panels.
