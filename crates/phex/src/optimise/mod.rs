@@ -33,7 +33,8 @@
 //! rounding ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
 //! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At its end panels that stand off by more than
-//! [`OptimiseOptions::max_deviation`] and tight ones are tried again, each with what is around it (`retry.rs`).
+//! [`OptimiseOptions::max_deviation`] and tight ones are tried again, each with what is around it (`retry.rs`);
+//! so are tight panels of a mesh that has been trimmed and brought to the boundary (`room.rs`).
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3, with the plane eliminated; the
 //! feasible path and its barrier after Li et al., "Incremental potential contact" (2020), within each face's plane.
@@ -71,6 +72,7 @@ mod parts;
 mod path;
 mod planarity;
 mod retry;
+mod room;
 mod run;
 mod shape_target;
 mod share;
@@ -105,6 +107,7 @@ pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
 pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind, Starts};
+pub use room::give_room;
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, SteeringError};
 pub use surface_target::SurfaceTarget;

@@ -136,7 +136,7 @@ pub fn steer_on_boundary(
 }
 
 /// Vertices of the boundary that lie on the curves, and those at corners.
-fn already_there(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
+pub(super) fn already_there(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
     let topology = mesh.topology();
     let near = ON_IT * mesh.diagonal();
     let hold_of = |v: VertexId| {

@@ -198,6 +198,9 @@ impl Dials {
     }
 }
 
+/// Iterations of Newton's method on the constraints for a mesh that is kept close to itself and minimised as a whole, and
+/// for tight panels of a finished mesh.
+pub(super) const NEWTON_ITERATIONS: usize = 6;
 /// Iterations of Newton's method in a sequence of refined meshes: what phases of penalties leave falls slower than the size.
 const REFINED_NEWTON: usize = 15;
 

@@ -4,7 +4,7 @@ use super::barrier::{Barrier, clearance};
 use super::closeness::Reference;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Setting, Weights, deviation};
-use super::options::{OptimiseError, OptimiseOptions};
+use super::options::{NEWTON_ITERATIONS, OptimiseError, OptimiseOptions};
 use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
 use super::run::{Reached, barriers, better, weights};
@@ -30,8 +30,6 @@ const STUBBORN: f64 = 0.5;
 
 /// Deviation, in mean edges, that a minimum may always have at its farthest point.
 const STILL_NEAR: f64 = 0.02;
-/// Iterations of Newton's method on the constraints for a mesh that is kept close to itself and minimised as a whole.
-const NEWTON_ITERATIONS: usize = 6;
 
 /// The positions, the energy, and everything that is handed on from phase to phase.
 pub(super) struct Path<'a> {

@@ -26,26 +26,56 @@ const TIGHT_IN_PARTS: f64 = 1.0;
 const SMALL: f64 = 0.4;
 /// Rings of faces around a panel that count as its surroundings; two more move along.
 const RINGS: usize = 2;
-/// Rounds for a group of panels, and the factor of barriers or closeness from each to the next.
-const ROUNDS: usize = 3;
+/// Factor of barriers or closeness from one round for a group of panels to the next.
 const STRONGER: f64 = 4.0;
 /// Reach of the barriers of tight panels, over the reach that is usual.
 const FARTHER: f64 = 1.4;
+/// Least reach of the barriers around tight panels of a finished mesh, over the clearance that is wanted: small panels are kept
+/// open, and what lies beside gives way without becoming tight.
+const BEYOND: f64 = 1.25;
 /// Deviation, in mean edges, that more room may always cost, and clearance that nearness may.
 const NEAR: f64 = 0.018;
 const ROOM: f64 = 0.15;
 /// Last phases that are gone through again, by rounds: where Newton's method follows it alone often finds the room without leaving the
 /// constraints.
-const PHASES: [usize; ROUNDS] = [3; ROUNDS];
-const PHASES_BEFORE_NEWTON: [usize; ROUNDS] = [0, 1, 3];
+const PHASES: [usize; 3] = [3; 3];
+const PHASES_BEFORE_NEWTON: [usize; 3] = [0, 1, 3];
 
 /// Clearance that each face should have; less where faces are small.
 fn wanted(panels: &Panels, shape: &Shape, mean_edge: f64) -> Vec<f64> {
+    let areas = areas(panels, shape);
+    let mean = mean(&areas);
+    let wanted = areas.iter().map(|&a| wanted_of(a, mean, mean_edge));
+    wanted.collect()
+}
+
+/// The same for a finished mesh: small panels need as much as the largest beside them.
+fn wanted_at_the_end(panels: &Panels, shape: &Shape, mean_edge: f64) -> Vec<f64> {
+    let areas = areas(panels, shape);
+    let around = |f: usize| with_neighbours(panels, &[f as u32]);
+    let largest = |f: usize| {
+        around(f)
+            .iter()
+            .map(|g| areas[*g as usize])
+            .fold(0.0, f64::max)
+    };
+    let mean = mean(&areas);
+    let of_face = |f: usize| wanted_of(largest(f), mean, mean_edge);
+    (0..panels.n_faces()).map(of_face).collect()
+}
+
+fn areas(panels: &Panels, shape: &Shape) -> Vec<f64> {
     let areas = (0..panels.n_faces()).map(|f| area(shape.face(panels, f)).abs());
-    let areas: Vec<f64> = areas.collect();
-    let small = SMALL * areas.iter().sum::<f64>() / areas.len().max(1) as f64;
-    let of_area = |a: &f64| ROOMY * mean_edge * (a / small).sqrt().min(1.0);
-    areas.iter().map(of_area).collect()
+    areas.collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Clearance for an area.
+fn wanted_of(area: f64, mean: f64, mean_edge: f64) -> f64 {
+    ROOMY * mean_edge * (area / (SMALL * mean)).sqrt().min(1.0)
 }
 
 /// Groups of faces that hang together.
@@ -71,8 +101,14 @@ fn groups(panels: &Panels, mut faces: Vec<u32>) -> Vec<Vec<u32>> {
 
 /// What is wanted of a part. Lengths are in the unit of the mesh.
 enum Demand {
-    /// A clearance of each face; the deviation may grow up to `limit`.
-    Room { clearance: Vec<f64>, limit: f64 },
+    /// A clearance of each face; the deviation may grow up to `limit`, the sharpest angle fall to `angle`, radians.
+    /// Barriers reach at least `reach` times as far as the clearance of their face.
+    Room {
+        clearance: Vec<f64>,
+        limit: f64,
+        angle: f64,
+        reach: Option<f64>,
+    },
     /// Distances to the surface of `limit` at the most; clearances may shrink to `least`.
     Nearness { limit: f64, least: f64 },
 }
@@ -80,9 +116,16 @@ enum Demand {
 impl Demand {
     fn of_part(&self, part: &Part<'_>) -> Self {
         match self {
-            Self::Room { clearance, limit } => Self::Room {
+            Self::Room {
+                clearance,
+                limit,
+                angle,
+                reach,
+            } => Self::Room {
                 clearance: part.of_faces(clearance),
                 limit: *limit,
+                angle: *angle,
+                reach: *reach,
             },
             Self::Nearness { limit, least } => Self::Nearness {
                 limit: *limit,
@@ -108,7 +151,9 @@ impl Demand {
     /// Whether `now` costs too much against `before` in the other respect.
     fn costs_too_much(&self, now: &Judged, before: &Judged) -> bool {
         match self {
-            Self::Room { limit, .. } => now.deviation > limit.max(before.deviation),
+            Self::Room { limit, angle, .. } => {
+                now.deviation > limit.max(before.deviation) || now.angle < angle.min(before.angle)
+            }
             Self::Nearness { least, .. } => now.clearance < least.min(before.clearance),
         }
     }
@@ -116,7 +161,13 @@ impl Demand {
     /// Asks for more of what is wanted of some faces, in a round.
     fn insist(&self, path: &mut Path<'_>, faces: &[usize], round: usize) {
         match self {
-            Self::Room { .. } => {
+            Self::Room {
+                clearance, reach, ..
+            } => {
+                if let Some(reach) = reach {
+                    let barriers = path.barriers.iter_mut().zip(clearance);
+                    barriers.for_each(|(b, c)| b.reach = b.reach.max(reach * c));
+                }
                 for &f in faces {
                     let barrier = &mut path.barriers[f];
                     match round {
@@ -147,19 +198,49 @@ impl Path<'_> {
             let far = far_faces(setting, &x, limit);
             self.retry_around(far, &Demand::Nearness { limit, least }, &mut x)?;
         }
-        let shape = Shape::at(panels, &x);
-        let clearance = wanted(panels, &shape, panels.mean_edge(&x));
-        let clear = clearances(panels, &shape);
         let share = match setting.reference {
             Reference::Start { .. } if panels.n_faces() > LARGE => TIGHT_IN_PARTS,
             _ => TIGHT,
         };
+        let shape = Shape::at(panels, &x);
+        let clearance = wanted(panels, &shape, panels.mean_edge(&x));
+        let farthest = largest(&distances(setting, &x));
+        let demand = Demand::Room {
+            clearance,
+            limit: farthest.max((NEAR * edge).min(allowed.unwrap_or(f64::MAX))),
+            angle: 0.0,
+            reach: None,
+        };
+        self.widen(share, &demand, &mut x)?;
+        Ok(Reached::at(setting, x))
+    }
+
+    /// Gives tight panels of a finished mesh more room where that costs neither nearness nor the sharpest angle.
+    pub fn give_room(&mut self, x: &[f64]) -> Result<Vec<f64>, OptimiseError> {
+        let (panels, edge) = (self.setting.panels, self.setting.mean_edge);
+        let mut x = x.to_vec();
+        let shape = Shape::at(panels, &x);
+        let allowed = self.options.max_deviation.map(|share| share * extent(&x));
+        let demand = Demand::Room {
+            clearance: wanted_at_the_end(panels, &shape, edge),
+            limit: (NEAR * edge).min(allowed.unwrap_or(f64::MAX)),
+            angle: sharpest_angle(panels, &shape),
+            reach: Some(BEYOND),
+        };
+        self.widen(1.0, &demand, &mut x)?;
+        Ok(x)
+    }
+
+    /// Gives panels with less than a share of the clearance that is wanted more room.
+    fn widen(&mut self, share: f64, demand: &Demand, x: &mut [f64]) -> Result<(), OptimiseError> {
+        let Demand::Room { clearance, .. } = demand else {
+            return Ok(());
+        };
+        let panels = self.setting.panels;
+        let clear = clearances(panels, &Shape::at(panels, x));
         let tight = |&f: &u32| clear[f as usize] < share * clearance[f as usize];
         let tight = (0..panels.n_faces() as u32).filter(tight).collect();
-        let farthest = largest(&distances(setting, &x));
-        let limit = farthest.max((NEAR * edge).min(allowed.unwrap_or(f64::MAX)));
-        self.retry_around(tight, &Demand::Room { clearance, limit }, &mut x)?;
-        Ok(Reached::at(setting, x))
+        self.retry_around(tight, demand, x)
     }
 
     fn retry_around(
@@ -193,18 +274,18 @@ impl Path<'_> {
         path.barriers = part.of_faces(&self.barriers);
         let (group, demand) = (part.local_faces(group), demand.of_part(&part));
         let mut best = Judged::at(&setting, &demand, part.of_vertices(x));
-        let phases = match path.newton_iterations() {
-            0 => PHASES,
-            _ => PHASES_BEFORE_NEWTON,
+        let phases: &[usize] = match path.newton_iterations() {
+            0 => &PHASES,
+            _ => &PHASES_BEFORE_NEWTON,
         };
         for (round, &count) in phases.iter().enumerate() {
             demand.insist(&mut path, &group, round);
             let now = Judged::at(&setting, &demand, path.again(&best.x, count)?);
             let dear = demand.costs_too_much(&now, &best);
-            if path.is_over() || dear {
+            if path.is_over() {
                 break;
             }
-            if now.planarity <= options.planarity_tolerance && now.is_better(&best) {
+            if !dear && now.planarity <= options.planarity_tolerance && now.is_better(&best) {
                 best = now;
             }
             if best.shortfall == 0.0 {
@@ -236,6 +317,19 @@ fn clearances(panels: &Panels, shape: &Shape) -> Vec<f64> {
     faces.map(|f| clearance(shape.face(panels, f))).collect()
 }
 
+/// The smallest angle between two edges of a face, radians.
+fn sharpest_angle(panels: &Panels, shape: &Shape) -> f64 {
+    let of_face = |f: usize| {
+        let corners = shape.face(panels, f);
+        let n = corners.len();
+        let edge = |k: usize, l: usize| corners[l % n].position - corners[k].position;
+        let angle = |k: usize| edge(k, k + 1).angle(&edge(k, k + n - 1));
+        (0..n).map(angle).fold(f64::INFINITY, f64::min)
+    };
+    let faces = 0..panels.n_faces();
+    faces.map(of_face).fold(f64::INFINITY, f64::min)
+}
+
 fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
 }
@@ -247,6 +341,7 @@ struct Judged {
     shortfall: f64,
     clearance: f64,
     deviation: f64,
+    angle: f64,
     breaches: usize,
 }
 
@@ -260,6 +355,7 @@ impl Judged {
             shortfall: demand.shortfall(&clearances, &distances),
             clearance: clearances.into_iter().fold(f64::INFINITY, f64::min),
             deviation: largest(&distances),
+            angle: sharpest_angle(setting.panels, &shape),
             breaches: setting.guard.breaches(setting.panels, &shape, &x).len(),
             x,
         }

@@ -6,7 +6,9 @@
 
 use super::field::Way;
 use super::repair::{attempt, inner_deviation};
-use super::{Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall, moved};
+use super::{
+    Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall, moved, rim,
+};
 use crate::directions::guides::Guides;
 use crate::ground::Ground;
 use crate::optimise::Fault;
@@ -228,8 +230,34 @@ pub(super) fn mesh_with_panels(
     runs.iter().for_each(|r| clock.add(&r.run.stages));
     let mut run = runs.swap_remove(best).run;
     run.statistics.tried = tried;
+    clock.timed("optimise", || give_room(&mut run, &task, progress))?;
     run.stages = clock.stages;
     Ok(run)
+}
+
+/// Gives tight panels of a valid mesh more room.
+fn give_room(
+    run: &mut MeshRun,
+    task: &Task<'_>,
+    progress: &dyn Progress,
+) -> Result<(), PipelineError> {
+    if !run.offenders.is_empty() || !run.violations.is_empty() {
+        return Ok(());
+    }
+    let similarity = &task.similarity;
+    let here = |surface: &TriangleSurface| moved(surface, |p| similarity.normalise(p));
+    let positions = run.mesh.positions.map(|p| similarity.normalise(*p));
+    let mesh = run.mesh.with_positions(positions);
+    let surface = here(&run.target);
+    let beyond = run.beyond.as_ref().map(|b| here(&b.smooth));
+    let surfaces = [&surface, beyond.as_ref().unwrap_or(&surface)];
+    let roomy = rim::roomier(&mesh, surfaces, &task.ground.options, progress)?;
+    if let Some(roomy) = roomy {
+        let positions = roomy.mesh.positions.map(|p| similarity.restore(*p));
+        run.mesh = run.mesh.with_positions(positions);
+        run.statistics.runs.extend(roomy.runs);
+    }
+    Ok(())
 }
 
 impl Task<'_> {

@@ -37,6 +37,36 @@ pub(super) fn to_boundary(
     Ok(run)
 }
 
+/// A valid mesh with more room in tight panels; `None` where there is none to be had, or panels and surface would come to stand off
+/// farther for it.
+pub(super) fn roomier(
+    mesh: &HexMesh,
+    [surface, beyond]: [&TriangleSurface; 2],
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Option<Optimised>, PipelineError> {
+    let curves = match options.boundary {
+        Boundary::Whole => None,
+        _ => BoundaryCurve::of(surface),
+    };
+    let corners = corner_points(surface, options);
+    let hold = curves.as_ref().map(|curves| BoundaryHold {
+        curves,
+        corners: &corners,
+    });
+    let (target, settings) = (SurfaceTarget::new(beyond), &options.optimise);
+    let roomy = optimise::give_room(mesh, &target, hold.as_ref(), settings, progress)?;
+    let off = |mesh: &HexMesh| {
+        let deviation = phex_mesh::deviation_beyond(mesh, surface, beyond);
+        [inner_deviation(&deviation), deviation.coverage_max]
+    };
+    Ok(roomy.filter(|roomy| {
+        let (before, now) = (off(mesh), off(&roomy.mesh));
+        let as_near = (0..2).all(|k| now[k] <= before[k]);
+        as_near && between_panels(&roomy.mesh, surface).is_empty()
+    }))
+}
+
 /// Points of the boundary of `surface` that are farther than `limit` from the boundary of the mesh.
 pub(super) fn bare_rim(
     mesh: &HexMesh,

@@ -1,0 +1,192 @@
+//! Room at the very end: panels of a finished mesh that are tight move with what is around them, the boundary on its curve.
+//!
+//! What trims a mesh and slides it to the boundary looks at validity, not at room. Here the retries of [`super::retry`] go over the tight panels
+//! of what came of it: Newton's method on the constraints first, then the last phases. Vertices on the boundary curve stay on it,
+//! other ones of the boundary stay where they are. A place is only taken where it costs neither nearness nor the sharpest angle.
+
+use super::on_boundary::already_there;
+use super::options::NEWTON_ITERATIONS;
+use super::panels::{Panels, Shape, unknowns};
+use super::path::Path;
+use super::run::{Reached, Way};
+use super::solvers::Solvers;
+use super::{
+    BoundaryHold, Hold, Holds, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference,
+    Stage, StartKind, Target, better, check_mesh, kinds_of,
+};
+use crate::progress::Progress;
+use phex_mesh::{BoundaryCurve, HexMesh, Vec3, VertexId};
+
+/// Gives tight panels of a planar mesh more room; `None` if there is none to be had without harm.
+///
+/// # Errors
+/// If the mesh or an option can't be used.
+pub fn give_room(
+    mesh: &HexMesh,
+    target: &dyn Target,
+    hold: Option<&BoundaryHold<'_>>,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Option<Optimised>, OptimiseError> {
+    options.check()?;
+    check_mesh(mesh)?;
+    let x = unknowns(mesh);
+    let panels = Panels::new(mesh.topology());
+    let shape = Shape::at(&panels, &x);
+    let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
+    let (reference, kinds) = (Reference::Surface(target), kinds_of(mesh));
+    let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
+    stage.holds = rim_holds(mesh, &shape, hold);
+    let options = &OptimiseOptions {
+        newton_iterations: options.newton_iterations.or(Some(NEWTON_ITERATIONS)),
+        ..options.clone()
+    };
+    let setting = stage.setting(&x);
+    let mut solvers = Solvers::new(&panels)?;
+    let mut path = Path::new(&setting, &mut solvers, &x, options, progress)?;
+    let now = path.give_room(&x)?;
+    if path.is_over() || now == x {
+        return Ok(None);
+    }
+    let way = Way {
+        kind: StartKind::AsGiven,
+        path: PathKind::Feasible,
+        in_parts: path.in_parts,
+        outcome: path.outcome,
+    };
+    let run = stage.conclude(0, Reached::at(&setting, now), way, options);
+    let sound = run.offenders.is_empty();
+    Ok(sound.then(|| better(mesh, run, None)))
+}
+
+/// What keeps the boundary: on its curve where it lies there, along the curve where it does not, at rest where no curve is known.
+fn rim_holds(mesh: &HexMesh, shape: &Shape, hold: Option<&BoundaryHold<'_>>) -> Holds {
+    let topology = mesh.topology();
+    let rim = topology
+        .vertices()
+        .filter(|v| topology.is_boundary_vertex(*v));
+    let place = |v: VertexId| match hold {
+        Some(hold) => along(mesh, shape, v, hold.curves),
+        None => Hold::At(mesh.position(v)),
+    };
+    let mut holds = Holds {
+        held: rim.map(|v| (v.index() as u32, place(v))).collect(),
+        ..Holds::default()
+    };
+    if let Some(hold) = hold {
+        holds.held.extend(already_there(mesh, hold));
+        holds.rim = Some(hold.curves.clone());
+    }
+    holds
+}
+
+/// The plane through a vertex of the boundary, along the curve and across the panels there.
+fn along(mesh: &HexMesh, shape: &Shape, v: VertexId, curves: &BoundaryCurve) -> Hold {
+    let topology = mesh.topology();
+    let point = mesh.position(v);
+    let faces = topology.outgoing(v).map(|h| topology.face(h).index());
+    let up: Vec3 = faces.map(|f| shape.normal(f)).sum();
+    let across = curves.closest_point(point).tangent.cross(&up);
+    match across.try_normalize(f64::MIN_POSITIVE) {
+        Some(normal) => Hold::InPlane { point, normal },
+        None => Hold::At(point),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::tests::fixtures::{Shape as Surface, brick_wall, layout};
+    use crate::optimise::{Quality, optimise};
+    use crate::progress::Silent;
+
+    /// Planar panels that were made with hardly a barrier.
+    fn tight() -> Optimised {
+        let shape = Surface::Wave;
+        let options = OptimiseOptions {
+            barrier: 2e-2,
+            barrier_reach: 0.2,
+            ..OptimiseOptions::default()
+        };
+        let layout = layout(brick_wall(shape, 25, 12), &shape);
+        optimise(&layout, &shape, &options, &Silent).unwrap()
+    }
+
+    fn boundary(mesh: &HexMesh) -> BoundaryCurve {
+        let place = |v: &VertexId| mesh.position(*v);
+        let loops = mesh.topology().boundary_loops();
+        let closed = |l: &Vec<VertexId>| l.iter().chain(l.first()).map(place).collect();
+        BoundaryCurve::of_polylines(&loops.iter().map(closed).collect::<Vec<_>>()).unwrap()
+    }
+
+    #[test]
+    fn tight_panels_get_room_and_the_boundary_stays() {
+        let before = tight();
+        let options = OptimiseOptions::default();
+        let after = give_room(&before.mesh, &Surface::Wave, None, &options, &Silent);
+        let after = after.unwrap().expect("there is room");
+        let (then, now) = (&before.quality, &after.quality);
+        assert_eq!(after.offenders, []);
+        assert!(now.planarity <= options.planarity_tolerance, "{now:?}");
+        let least = |q: &Quality| q.clearance * q.mean_edge;
+        assert!(
+            least(now) >= least(then) * (1.0 - 1e-9),
+            "{then:?}, {now:?}"
+        );
+        assert!(
+            now.clearance_p05 > then.clearance_p05 + 0.05,
+            "{then:?}, {now:?}"
+        );
+        let near = then.deviation_max.max(0.02 * then.mean_edge);
+        assert!(now.deviation_max <= near, "{then:?}, {now:?}");
+        let topology = before.mesh.topology();
+        for v in topology
+            .vertices()
+            .filter(|v| topology.is_boundary_vertex(*v))
+        {
+            assert_eq!(after.mesh.position(v), before.mesh.position(v));
+        }
+    }
+
+    #[test]
+    fn the_boundary_slides_on_its_curve_or_beside_it() {
+        let mesh = tight().mesh;
+        let panels = Panels::new(mesh.topology());
+        let shape = Shape::at(&panels, &unknowns(&mesh));
+        let beside = mesh.with_positions(mesh.positions.map(|p| p * 1.001));
+        for (mesh, on_it) in [(&mesh, true), (&beside, false)] {
+            let curves = boundary(&tight().mesh);
+            let hold = BoundaryHold {
+                curves: &curves,
+                corners: &[],
+            };
+            let held = rim_holds(mesh, &shape, Some(&hold)).held;
+            let rim = mesh
+                .topology()
+                .boundary_loops()
+                .iter()
+                .map(Vec::len)
+                .sum::<usize>();
+            assert_eq!(held.len(), rim);
+            // Where the curve meets the origin's rays at a tangent a few are on both.
+            let on_curve = held.values().filter(|h| **h == Hold::OnRim).count();
+            assert_eq!(on_curve > rim / 2, on_it, "{on_curve} of {rim}");
+            for hold in held.values() {
+                if let Hold::InPlane { point, normal } = hold {
+                    let tangent = curves.closest_point(*point).tangent;
+                    assert!(tangent.dot(normal).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_mesh_with_room_is_left_alone() {
+        let shape = Surface::Torus(1.0);
+        let layout = layout(brick_wall(shape, 40, 14), &shape);
+        let options = OptimiseOptions::default();
+        let mesh = optimise(&layout, &shape, &options, &Silent).unwrap().mesh;
+        let after = give_room(&mesh, &shape, None, &options, &Silent).unwrap();
+        assert!(after.is_none());
+    }
+}
