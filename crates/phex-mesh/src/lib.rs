@@ -42,8 +42,8 @@ pub use hex_mesh::HexMesh;
 pub use id_map::{IdMap, IdSet};
 pub use ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
 pub use measure::{
-    BoundaryFit, Deviation, MeshMeasures, Metric, boundary_fit, deviation, deviation_beyond,
-    measure, small_rim_faces,
+    BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures, Metric, boundary_fit, deviation,
+    deviation_beyond, measure, small_rim_faces,
 };
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;

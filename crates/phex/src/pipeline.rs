@@ -8,6 +8,7 @@ mod classical;
 mod cures;
 mod field;
 mod folds;
+mod judge;
 mod portfolio;
 mod repair;
 mod rim;
@@ -36,9 +37,9 @@ use crate::progress::{Event, Progress};
 use crate::target::{Similarity, TargetOptions};
 use crate::trim::{Boundary, TrimError};
 use field::panel_length;
+use judge::between_panels;
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Violation};
 use phex_numeric::{NumericError, Outcome};
-use repair::between_panels;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 use thiserror::Error;
@@ -140,7 +141,7 @@ impl Default for MeshOptions {
             steering: Steering::default(),
             field_density: 8.0,
             cell_density: 25.0,
-            max_repairs: 6,
+            max_repairs: 12,
             good_clearance: 0.15,
         }
     }

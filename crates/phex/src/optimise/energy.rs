@@ -6,6 +6,7 @@ use super::angle::AngleTerm;
 use super::barrier::{self, Barrier};
 use super::closeness::{ClosenessWeights, Feet, Reference};
 use super::guard::{Armed, Guard};
+use super::hinges::HingeTerm;
 use super::holds::{Holds, restrict};
 use super::panels::{Panels, Shape, add_block};
 use super::planarity;
@@ -53,6 +54,8 @@ pub(super) struct PanelEnergy<'a> {
     pub barriers: Vec<Barrier>,
     /// The angle condition of a vertex offset, where it is wanted.
     pub angles: Option<AngleTerm<'a>>,
+    /// What folds pay, where they are to go; not together with the angle condition.
+    pub hinges: Option<HingeTerm>,
     /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a penalty alone; second derivatives
     /// are exact then.
     pub multipliers: Option<Vec<f64>>,
@@ -89,6 +92,7 @@ impl<'a> PanelEnergy<'a> {
             weights,
             barriers,
             angles: None,
+            hinges: None,
             multipliers: None,
             armed: setting
                 .guard
@@ -314,7 +318,9 @@ impl DampedProblem for PanelEnergy<'_> {
             .feet
             .energy(self.setting.panels.n_vertices(), closeness);
         let closing = self.angles.as_ref().map_or(0.0, |a| a.closing_energy(x));
-        self.panel_energy() + near + self.anchor_energy() + closing
+        let panels = self.setting.panels;
+        let folds = self.hinges.as_ref().map_or(0.0, |h| h.energy(panels, x));
+        self.panel_energy() + near + self.anchor_energy() + closing + folds
     }
 
     fn linearise(&mut self, x: &[f64], gradient: &mut [f64], hessian: &mut SymmetricMatrix) {
@@ -322,13 +328,23 @@ impl DampedProblem for PanelEnergy<'_> {
         self.linearised.clone_from(&self.shape);
         self.linearise_faces();
         self.linearise_vertices(gradient);
+        let (panels, assembly) = (self.setting.panels, self.assembly);
+        let first = panels.n_faces() + panels.n_vertices();
         if let Some(angles) = &mut self.angles {
-            let first = self.setting.panels.n_faces() + self.setting.panels.n_vertices();
-            angles.add_closing(x, gradient, self.assembly, first, &mut self.blocks);
+            angles.add_closing(x, gradient, assembly, first, &mut self.blocks);
+        }
+        if let Some(hinges) = &self.hinges {
+            hinges.add(panels, x, gradient, assembly, first, &mut self.blocks);
         }
         let weight = self.weights.closeness.vertex;
-        let (setting, assembly) = (self.setting, self.assembly);
-        restrict(setting, assembly, weight, x, gradient, &mut self.blocks);
+        restrict(
+            self.setting,
+            assembly,
+            weight,
+            x,
+            gradient,
+            &mut self.blocks,
+        );
         self.assembly.assemble(&self.blocks, hessian);
     }
 

@@ -91,6 +91,11 @@ impl Guard {
         }
     }
 
+    /// The two faces of each interior edge.
+    pub fn hinges(&self) -> &[[u32; 2]] {
+        &self.hinges
+    }
+
     fn fan_goes_round_once(&self, fan: &Fan, shape: &Shape, x: &[f64]) -> bool {
         let axis: Vec3 = fan.faces.iter().map(|&f| shape.normal(f as usize)).sum();
         let centre = point(x, fan.vertex as usize);

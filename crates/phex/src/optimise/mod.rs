@@ -51,6 +51,7 @@
 //! higher penalties are then tried). Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair
 //! loop may drop their seeds.
 
+mod again;
 mod angle;
 mod barrier;
 mod closeness;
@@ -61,6 +62,7 @@ mod fairness;
 mod fast;
 mod guard;
 mod guarded;
+mod hinges;
 mod holds;
 mod inspect;
 mod jacobian;
@@ -99,9 +101,10 @@ use phex_numeric::{Outcome, Status};
 use run::Run;
 use serde::Serialize;
 use solvers::Solvers;
-use start::TangentCells;
+use start::{Smoothing, TangentCells};
 use std::collections::BTreeMap;
 
+pub use again::optimise_again;
 pub(crate) use angle::free_edges;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
@@ -206,7 +209,14 @@ pub fn optimise(
     let stage = Stage::new(&layout.mesh, reference, side, &layout.vertex_kind, options);
     let cancelled = || progress.is_cancelled();
     let (panels, guard) = (&stage.panels, &stage.guard);
-    let cells = start::smoothed_cells(layout, target, panels, guard, options.smoothing, cancelled);
+    let smoothing = Smoothing {
+        layout,
+        target,
+        panels,
+        guard,
+        steps: options.smoothing,
+    };
+    let cells = smoothing.of_cells(cancelled);
     let tangents = TangentCells::of(layout);
     let mut solvers = Solvers::new(panels)?;
     if let Some(run) = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress)

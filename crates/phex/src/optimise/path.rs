@@ -4,6 +4,7 @@ use super::barrier::{Barrier, clearance};
 use super::closeness::Reference;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Setting, Weights, deviation};
+use super::hinges::HingeTerm;
 use super::options::{NEWTON_ITERATIONS, OptimiseError, OptimiseOptions};
 use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
@@ -101,13 +102,33 @@ impl<'a> Path<'a> {
         })
     }
 
+    /// What folds pay; the solvers must have room for it. Meshes in parts do without.
+    pub fn hinges(&mut self) -> Option<&mut Option<HingeTerm>> {
+        match &mut self.descent {
+            Descent::Whole(whole) => Some(&mut whole.energy.hinges),
+            Descent::Parts => None,
+        }
+    }
+
     pub fn is_over(&self) -> bool {
         self.outcome.status == Status::Cancelled
     }
 
+    /// From the start to planar panels, with what is tried where they come out tight or are not planar.
+    pub fn settle(&mut self) -> Result<Reached, OptimiseError> {
+        let mut best = self.arrive()?;
+        if !self.is_over() && best.is_tight(self.options) {
+            best = better(best, self.strengthen()?);
+        }
+        if !self.is_over() && !best.is_planar(self.options) {
+            best = better(best, self.insist()?);
+        }
+        Ok(best)
+    }
+
     /// All phases from the start and the projection, once more with a weak hold on the start if a strong one keeps panels from
     /// becoming planar.
-    pub fn arrive(&mut self) -> Result<Reached, OptimiseError> {
+    fn arrive(&mut self) -> Result<Reached, OptimiseError> {
         let margin = self.options.clearance_margin;
         let gives_way = self.descend_all()?;
         let held = gives_way.then(|| self.project(margin));
@@ -322,7 +343,7 @@ impl<'a> Path<'a> {
     }
 
     /// Goes on with higher penalties where the projection has not arrived.
-    pub fn insist(&mut self) -> Result<Reached, OptimiseError> {
+    fn insist(&mut self) -> Result<Reached, OptimiseError> {
         if let Some(last) = self.options.penalties.iter().copied().reduce(f64::max) {
             self.descend(10.0 * last)?;
             self.descend(100.0 * last)?;
@@ -331,7 +352,7 @@ impl<'a> Path<'a> {
     }
 
     /// Repeats the last two phases with stronger barriers of the panels that have come out tight.
-    pub fn strengthen(&mut self) -> Result<Reached, OptimiseError> {
+    fn strengthen(&mut self) -> Result<Reached, OptimiseError> {
         const TIGHT: f64 = 1.5;
         let panels = self.setting.panels;
         let shape = Shape::at(panels, &self.x);

@@ -1,13 +1,15 @@
-//! Retries at the end, around panels that stand off the surface by more than is allowed, and around tight ones.
+//! Retries at the end, around panels that stand off the surface by more than is allowed, folded and tight ones.
 //!
 //! The phases end when the energy of the whole hardly falls, and one panel counts little in it: it may come out tight where its neighbours
 //! would have given way. Around each such panel some rings of faces go through the last phases again, everything else at rest,
-//! with stronger closeness or with a stronger barrier that reaches farther, and are projected. The result is taken if it is
-//! planar, better in what was wanted, breaks nothing, and costs nothing else that counts.
+//! with stronger closeness or with a stronger barrier that reaches farther, and are projected. Around edges over which panels fold these
+//! phases have folds pay. The result is taken if it is planar, better in what was wanted, breaks nothing, and costs nothing else that counts.
 
 use super::barrier::clearance;
 use super::closeness::Reference;
 use super::energy::{Setting, distances};
+use super::guard::Breach;
+use super::hinges::HingeTerm;
 use super::options::OptimiseError;
 use super::panels::{Panels, Shape, extent};
 use super::parts::{LARGE, Part, with_neighbours};
@@ -26,6 +28,8 @@ const TIGHT_IN_PARTS: f64 = 1.0;
 const SMALL: f64 = 0.4;
 /// Rings of faces around a panel that count as its surroundings; two more move along.
 const RINGS: usize = 2;
+/// The same where a layout has changed; more where with fewer panels do not become planar.
+const SETTLED_RINGS: [usize; 2] = [2, 5];
 /// Factor of barriers or closeness from one round for a group of panels to the next.
 const STRONGER: f64 = 4.0;
 /// Reach of the barriers of tight panels, over the reach that is usual.
@@ -40,6 +44,14 @@ const ROOM: f64 = 0.15;
 /// constraints.
 const PHASES: [usize; 3] = [3; 3];
 const PHASES_BEFORE_NEWTON: [usize; 3] = [0, 1, 3];
+/// Area, over the mean, that panels of a finished mesh keep: a little more than what counts as small at the boundary.
+const LEAST_AREA: f64 = 1.02 * phex_mesh::LEAST_RIM_AREA;
+/// Weight of a fold at first, over that of closeness, and the factor from each round to the next.
+const FOLD_WEIGHT: f64 = 1.0;
+const FOLD_STRONGER: f64 = 10.0;
+/// Deviation, in mean edges, that a fold's end may always cost, and the clearance.
+const FOLD_NEAR: f64 = 0.3;
+const FOLD_ROOM: f64 = 0.08;
 
 /// Clearance that each face should have; less where faces are small.
 fn wanted(panels: &Panels, shape: &Shape, mean_edge: f64) -> Vec<f64> {
@@ -108,9 +120,13 @@ enum Demand {
         limit: f64,
         angle: f64,
         reach: Option<f64>,
+        /// Area below which no more faces may come.
+        area: f64,
     },
     /// Distances to the surface of `limit` at the most; clearances may shrink to `least`.
     Nearness { limit: f64, least: f64 },
+    /// No folds; the deviation may grow up to `limit`, clearances may shrink to `least`.
+    Unfolded { limit: f64, least: f64 },
 }
 
 impl Demand {
@@ -121,13 +137,19 @@ impl Demand {
                 limit,
                 angle,
                 reach,
+                area,
             } => Self::Room {
                 clearance: part.of_faces(clearance),
                 limit: *limit,
                 angle: *angle,
                 reach: *reach,
+                area: *area,
             },
             Self::Nearness { limit, least } => Self::Nearness {
+                limit: *limit,
+                least: *least,
+            },
+            Self::Unfolded { limit, least } => Self::Unfolded {
                 limit: *limit,
                 least: *least,
             },
@@ -135,7 +157,7 @@ impl Demand {
     }
 
     /// How much is missing; 0 if nothing is.
-    fn shortfall(&self, clearances: &[f64], distances: &[f64]) -> f64 {
+    fn shortfall(&self, clearances: &[f64], distances: &[f64], folds: f64) -> f64 {
         let squared = |excess: f64| excess.max(0.0).powi(2);
         match self {
             Self::Room { clearance, .. } => {
@@ -145,6 +167,18 @@ impl Demand {
             Self::Nearness { limit, .. } => {
                 distances.iter().map(|d| squared(d / limit - 1.0)).sum()
             }
+            Self::Unfolded { .. } => folds,
+        }
+    }
+
+    /// Faces that are too small.
+    fn small(&self, panels: &Panels, shape: &Shape) -> usize {
+        match self {
+            Self::Room { area, .. } => {
+                let areas = areas(panels, shape);
+                areas.iter().filter(|a| *a < area).count()
+            }
+            Self::Nearness { .. } | Self::Unfolded { .. } => 0,
         }
     }
 
@@ -152,9 +186,15 @@ impl Demand {
     fn costs_too_much(&self, now: &Judged, before: &Judged) -> bool {
         match self {
             Self::Room { limit, angle, .. } => {
-                now.deviation > limit.max(before.deviation) || now.angle < angle.min(before.angle)
+                now.deviation > limit.max(before.deviation)
+                    || now.angle < angle.min(before.angle)
+                    || now.small > before.small
             }
             Self::Nearness { least, .. } => now.clearance < least.min(before.clearance),
+            Self::Unfolded { limit, least } => {
+                now.deviation > limit.max(before.deviation)
+                    || now.clearance < least.min(before.clearance)
+            }
         }
     }
 
@@ -182,6 +222,13 @@ impl Demand {
                 closeness.centre *= STRONGER;
                 closeness.rim *= STRONGER;
             }
+            Self::Unfolded { .. } => {
+                let closeness = path.weights.closeness.vertex;
+                let weight = FOLD_WEIGHT * closeness * FOLD_STRONGER.powi(round as i32);
+                if let Some(Some(hinges)) = path.hinges() {
+                    hinges.weight = weight;
+                }
+            }
         }
     }
 }
@@ -198,6 +245,11 @@ impl Path<'_> {
             let far = far_faces(setting, &x, limit);
             self.retry_around(far, &Demand::Nearness { limit, least }, &mut x)?;
         }
+        let shape = Shape::at(panels, &x);
+        let folded = folded_faces(setting, &shape, &x);
+        let limit = FOLD_NEAR * edge;
+        let least = FOLD_ROOM * edge;
+        self.retry_around(folded, &Demand::Unfolded { limit, least }, &mut x)?;
         let share = match setting.reference {
             Reference::Start { .. } if panels.n_faces() > LARGE => TIGHT_IN_PARTS,
             _ => TIGHT,
@@ -210,6 +262,7 @@ impl Path<'_> {
             limit: farthest.max((NEAR * edge).min(allowed.unwrap_or(f64::MAX))),
             angle: 0.0,
             reach: None,
+            area: 0.0,
         };
         self.widen(share, &demand, &mut x)?;
         Ok(Reached::at(setting, x))
@@ -226,6 +279,7 @@ impl Path<'_> {
             limit: (NEAR * edge).min(allowed.unwrap_or(f64::MAX)),
             angle: sharpest_angle(panels, &shape),
             reach: Some(BEYOND),
+            area: LEAST_AREA * mean(&areas(panels, &shape)),
         };
         self.widen(1.0, &demand, &mut x)?;
         Ok(x)
@@ -241,6 +295,50 @@ impl Path<'_> {
         let tight = |&f: &u32| clear[f as usize] < share * clearance[f as usize];
         let tight = (0..panels.n_faces() as u32).filter(tight).collect();
         self.retry_around(tight, demand, x)
+    }
+
+    /// Takes what is around some faces from the start to planar panels, everything else at rest in `x`; false if they do not become planar.
+    pub fn settle_around(&mut self, faces: Vec<u32>, x: &mut [f64]) -> Result<bool, OptimiseError> {
+        for group in groups(self.setting.panels, faces) {
+            let mut settled = false;
+            for rings in SETTLED_RINGS {
+                settled = settled || self.settle_group(&group, rings, x)?;
+            }
+            if !settled || self.is_over() {
+                return Ok(settled);
+            }
+        }
+        Ok(true)
+    }
+
+    fn settle_group(
+        &mut self,
+        group: &[u32],
+        rings: usize,
+        x: &mut [f64],
+    ) -> Result<bool, OptimiseError> {
+        let part = Part::around(self.setting, &self.surroundings(group, rings), x);
+        let setting = part.setting(self.setting.mean_edge);
+        let (mut solvers, start) = (Solvers::new(&part.panels)?, part.of_vertices(self.start));
+        let (options, progress) = (self.options, &self.reporter);
+        let mut path = Path::new(&setting, &mut solvers, &start, options, progress)?;
+        path.barriers = part.of_faces(&self.barriers);
+        let reached = path.settle()?;
+        self.in_parts += path.in_parts + path.outcome.factorisations;
+        if path.is_over() {
+            self.outcome.status = path.outcome.status;
+        }
+        let settled = path.is_over() || reached.is_planar(options);
+        if settled {
+            part.write_back(&reached.x, x);
+        }
+        Ok(settled)
+    }
+
+    /// Faces and some rings around them.
+    fn surroundings(&self, group: &[u32], rings: usize) -> Vec<u32> {
+        let wider = |core: Vec<u32>, _| with_neighbours(self.setting.panels, &core);
+        (0..rings).fold(group.to_vec(), wider)
     }
 
     fn retry_around(
@@ -263,13 +361,25 @@ impl Path<'_> {
         demand: &Demand,
         x: &mut [f64],
     ) -> Result<(), OptimiseError> {
-        let mut core = group.to_vec();
-        (0..RINGS).for_each(|_| core = with_neighbours(self.setting.panels, &core));
-        let part = Part::around(self.setting, &core, x);
+        let part = Part::around(self.setting, &self.surroundings(group, RINGS), x);
         let setting = part.setting(self.setting.mean_edge);
-        let (mut solvers, anchor) = (Solvers::new(&part.panels)?, part.of_vertices(self.start));
+        let anchor = part.of_vertices(self.start);
         let (options, progress) = (self.options, &self.reporter);
+        let hinges = match demand {
+            Demand::Unfolded { .. } => {
+                let y = part.of_vertices(x);
+                Some(HingeTerm::new(&part.panels, &part.guard, &y))
+            }
+            Demand::Room { .. } | Demand::Nearness { .. } => None,
+        };
+        let mut solvers = match &hinges {
+            Some(hinges) => Solvers::with_hinges(&part.panels, hinges)?,
+            None => Solvers::new(&part.panels)?,
+        };
         let mut path = Path::new(&setting, &mut solvers, &anchor, options, progress)?;
+        if let Some(folds) = path.hinges() {
+            *folds = hinges;
+        }
         path.weights = self.weights;
         path.barriers = part.of_faces(&self.barriers);
         let (group, demand) = (part.local_faces(group), demand.of_part(&part));
@@ -312,6 +422,19 @@ fn far_faces(setting: &Setting<'_>, x: &[f64], limit: f64) -> Vec<u32> {
     (0..panels.n_faces() as u32).filter(is_far).collect()
 }
 
+/// Faces that fold against a neighbour.
+fn folded_faces(setting: &Setting<'_>, shape: &Shape, x: &[f64]) -> Vec<u32> {
+    let breaches = setting.guard.breaches(setting.panels, shape, x);
+    let faces = breaches.iter().filter_map(|b| match b {
+        Breach::Fold(faces) => Some(faces.map(|f| f as u32)),
+        _ => None,
+    });
+    let mut faces: Vec<u32> = faces.flatten().collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces
+}
+
 fn clearances(panels: &Panels, shape: &Shape) -> Vec<f64> {
     let faces = 0..panels.n_faces();
     faces.map(|f| clearance(shape.face(panels, f))).collect()
@@ -342,6 +465,8 @@ struct Judged {
     clearance: f64,
     deviation: f64,
     angle: f64,
+    /// Faces with less than the least area.
+    small: usize,
     breaches: usize,
 }
 
@@ -350,13 +475,20 @@ impl Judged {
         let shape = Shape::at(setting.panels, &x);
         let clearances = clearances(setting.panels, &shape);
         let distances = distances(setting, &x);
+        let breaches = setting.guard.breaches(setting.panels, &shape, &x);
+        let excess = |b: &Breach| match b {
+            Breach::Fold([f, g]) => -shape.normal(*f).dot(&shape.normal(*g)),
+            _ => 0.0,
+        };
+        let folds = breaches.iter().map(excess).sum();
         Self {
             planarity: shape.max_height() / setting.mean_edge,
-            shortfall: demand.shortfall(&clearances, &distances),
+            shortfall: demand.shortfall(&clearances, &distances, folds),
             clearance: clearances.into_iter().fold(f64::INFINITY, f64::min),
             deviation: largest(&distances),
             angle: sharpest_angle(setting.panels, &shape),
-            breaches: setting.guard.breaches(setting.panels, &shape, &x).len(),
+            small: demand.small(setting.panels, &shape),
+            breaches: breaches.len(),
             x,
         }
     }

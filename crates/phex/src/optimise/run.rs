@@ -70,13 +70,7 @@ impl Stage<'_> {
         }
         let setting = self.setting(&start.x);
         let mut path = Path::new(&setting, solvers, &start.x, options, progress)?;
-        let mut best = path.arrive()?;
-        if !path.is_over() && best.is_tight(options) {
-            best = better(best, path.strengthen()?);
-        }
-        if !path.is_over() && !best.is_planar(options) {
-            best = better(best, path.insist()?);
-        }
+        let mut best = path.settle()?;
         if !path.is_over() && !best.is_planar(options) {
             best = better(best, path.project(options.least_clearance));
         }
@@ -221,7 +215,7 @@ impl Reached {
     }
 
     /// Whether a panel is squeezed so that a stronger barrier may do better.
-    fn is_tight(&self, options: &OptimiseOptions) -> bool {
+    pub fn is_tight(&self, options: &OptimiseOptions) -> bool {
         const BLOCKED: f64 = 1.5;
         let margin = options.clearance_margin;
         self.clearance < margin || (!self.is_planar(options) && self.clearance < BLOCKED * margin)

@@ -1,6 +1,7 @@
 //! Factorisations and memory that the runs on one mesh share, and what hears of their iterations.
 
 use super::constraints::PlanarityConstraints;
+use super::hinges::HingeTerm;
 use super::options::OptimiseError;
 use super::panels::Panels;
 use crate::progress::{Event, Progress};
@@ -34,9 +35,24 @@ impl Solvers {
             constraints,
         })
     }
+
+    /// With room in the energy's matrix for what folds pay.
+    pub fn with_hinges(panels: &Panels, hinges: &HingeTerm) -> Result<Self, OptimiseError> {
+        let assembly = energy_assembly_with(panels, hinges.vertices());
+        let energy = EnergySolver(Some(EnergySolver::of(assembly)?));
+        Ok(Self {
+            energy,
+            ..Self::new(panels)?
+        })
+    }
 }
 
 impl EnergySolver {
+    fn of(assembly: Assembly) -> Result<(Assembly, DampedSolver), OptimiseError> {
+        let (cholesky, matrix) = system(&assembly, 3)?;
+        Ok((assembly, DampedSolver::new(cholesky, matrix)))
+    }
+
     /// Makes it ready.
     pub fn prepare(
         &mut self,
@@ -44,11 +60,7 @@ impl EnergySolver {
     ) -> Result<(&Assembly, &mut DampedSolver), OptimiseError> {
         let made = match self.0.take() {
             Some(made) => made,
-            None => {
-                let assembly = energy_assembly(panels);
-                let (cholesky, matrix) = system(&assembly, 3)?;
-                (assembly, DampedSolver::new(cholesky, matrix))
-            }
+            None => Self::of(energy_assembly(panels))?,
         };
         let (assembly, solver) = self.0.insert(made);
         Ok((assembly, solver))

@@ -50,61 +50,73 @@ fn averaging_stencils(topology: &Topology) -> Vec<Vec<u32>> {
     topology.vertices().map(stencil).collect()
 }
 
-/// Cells smoothed on the surface; `steps` are the least and the largest number of rounds. Stops early when asked to.
-pub(super) fn smoothed_cells(
-    layout: &Layout,
-    target: &dyn Target,
-    panels: &Panels,
-    guard: &Guard,
-    steps: [usize; 2],
-    cancelled: impl Fn() -> bool,
-) -> Start {
-    let topology = layout.mesh.topology();
-    let stencils = averaging_stencils(topology);
-    let mut positions = layout.mesh.positions.as_slice().to_vec();
-    let mut best = Start {
-        x: flatten(&positions),
-        n_bad: usize::MAX,
-    };
-    for round in 0..=steps[1] {
-        let x = flatten(&positions);
-        let n_bad = bad_faces(panels, guard, &x).0.len();
-        if n_bad < best.n_bad || (n_bad == 0 && round <= steps[0]) {
-            best = Start { x, n_bad };
-        }
-        if (n_bad == 0 && round >= steps[0]) || cancelled() {
-            break;
-        }
-        smooth(&mut positions, &stencils, layout, target);
-    }
-    best
+/// Cells that are smoothed on the surface.
+pub(super) struct Smoothing<'a> {
+    pub layout: &'a Layout,
+    pub target: &'a dyn Target,
+    pub panels: &'a Panels,
+    pub guard: &'a Guard,
+    /// Least and largest number of rounds.
+    pub steps: [usize; 2],
 }
 
-fn smooth(positions: &mut [Vec3], stencils: &[Vec<u32>], layout: &Layout, target: &dyn Target) {
-    let halfway = |v: usize| {
-        let ring = &stencils[v];
-        if layout.vertex_kind[VertexId::new(v as u32)] == VertexKind::BoundaryCorner
-            || ring.is_empty()
-        {
-            return positions[v];
-        }
-        let sum: Vec3 = ring.iter().map(|&n| positions[n as usize]).sum();
-        positions[v] * 0.5 + sum * (0.5 / ring.len() as f64)
-    };
-    let moved: Vec<Vec3> = (0..positions.len()).map(halfway).collect();
-    let feet = target.closest_points(&moved, &[]);
-    let rim: Vec<usize> = (0..positions.len())
-        .filter(|&v| layout.vertex_kind[VertexId::new(v as u32)] == VertexKind::Boundary)
-        .collect();
-    let rim_points: Vec<Vec3> = rim.iter().map(|&v| moved[v]).collect();
-    for v in 0..positions.len() {
-        if layout.vertex_kind[VertexId::new(v as u32)] != VertexKind::BoundaryCorner {
-            positions[v] = feet[v].position;
-        }
+impl Smoothing<'_> {
+    /// From the layout's own cells. Stops early when asked to.
+    pub fn of_cells(&self, cancelled: impl Fn() -> bool) -> Start {
+        let positions = self.layout.mesh.positions.as_slice().to_vec();
+        self.from(positions, |_| true, cancelled)
     }
-    if let Some(curve) = target.closest_on_boundary(&rim_points) {
-        for (&v, q) in rim.iter().zip(&curve) {
-            positions[v] = q.position;
+
+    /// From some positions, of which those move that are free.
+    pub fn from(
+        &self,
+        mut positions: Vec<Vec3>,
+        free: impl Fn(usize) -> bool,
+        cancelled: impl Fn() -> bool,
+    ) -> Start {
+        let stencils = averaging_stencils(self.layout.mesh.topology());
+        let [least, most] = self.steps;
+        let mut best = Start {
+            x: flatten(&positions),
+            n_bad: usize::MAX,
+        };
+        for round in 0..=most {
+            let x = flatten(&positions);
+            let n_bad = bad_faces(self.panels, self.guard, &x).0.len();
+            if n_bad < best.n_bad || (n_bad == 0 && round <= least) {
+                best = Start { x, n_bad };
+            }
+            if (n_bad == 0 && round >= least) || cancelled() {
+                break;
+            }
+            self.smooth(&mut positions, &stencils, &free);
+        }
+        best
+    }
+
+    fn smooth(&self, positions: &mut [Vec3], stencils: &[Vec<u32>], free: &impl Fn(usize) -> bool) {
+        let kind = |v: usize| self.layout.vertex_kind[VertexId::new(v as u32)];
+        let moves = |v: &usize| {
+            free(*v) && kind(*v) != VertexKind::BoundaryCorner && !stencils[*v].is_empty()
+        };
+        let moving: Vec<usize> = (0..positions.len()).filter(moves).collect();
+        let halfway = |&v: &usize| {
+            let ring = &stencils[v];
+            let sum: Vec3 = ring.iter().map(|&n| positions[n as usize]).sum();
+            positions[v] * 0.5 + sum * (0.5 / ring.len() as f64)
+        };
+        let moved: Vec<Vec3> = moving.iter().map(halfway).collect();
+        let feet = self.target.closest_points(&moved, &[]);
+        for (&v, foot) in moving.iter().zip(&feet) {
+            positions[v] = foot.position;
+        }
+        let on_rim = moving.iter().zip(&moved);
+        let on_rim = on_rim.filter(|(v, _)| kind(**v) == VertexKind::Boundary);
+        let (rim, points): (Vec<usize>, Vec<Vec3>) = on_rim.map(|(v, p)| (*v, *p)).unzip();
+        if let Some(curve) = self.target.closest_on_boundary(&points) {
+            for (&v, q) in rim.iter().zip(&curve) {
+                positions[v] = q.position;
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Cures for what is wrong with panels, place by place.
 //!
 //! Every place has a list of cures of its own, mild ones first: drop a seed or add one, spread the seeds of a neighbourhood anew, spread
-//! more of them, or fewer. All places get one at a time and are judged apart, when the panels have been optimised again: where
+//! more of them, or fewer, and the same in a wider neighbourhood. All places get one at a time and are judged apart, when the panels have been optimised again: where
 //! things have not become better, crossings with others included, the seeds are as they were before, and the next cure is tried.
 //! So what helps at one place is kept, whatever happens at another.
 
@@ -13,8 +13,10 @@ use std::collections::BTreeSet;
 /// What is wrong at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ill {
-    /// Panels have a wrong shape, cross others or are not planar.
+    /// Panels have a wrong shape or are not planar.
     Invalid,
+    /// Panels cross others: they are too large for the space between two sheets.
+    Crossing,
     /// The surface stands off.
     Bare,
     /// Panels are valid, but have little clearance.
@@ -40,10 +42,10 @@ impl Place {
     }
 }
 
-/// What is wrong near a place in all.
-fn weight_near(places: &[Place], place: &Place) -> f64 {
-    let near = places.iter().filter(|p| p.is_near(place));
-    near.map(|p| p.weight).sum()
+/// What is wrong in all where a cure of a place may have had its effect.
+fn weight_around(places: &[Place], place: &Place) -> f64 {
+    let around = |p: &&Place| (p.at - place.at).norm() <= EFFECT * p.reach.max(place.reach);
+    places.iter().filter(around).map(|p| p.weight).sum()
 }
 
 /// A cure, and what was wrong before it.
@@ -66,8 +68,13 @@ pub(super) struct Cures {
     failed: Vec<Failed>,
 }
 
+/// Reach of a cure's effect over that of its place: panels around it are laid out and optimised anew.
+const EFFECT: f64 = 1.7;
 /// A cure must take away this share of what is wrong.
 const GAIN: f64 = 0.02;
+/// Failures after which seeds are spread anew within two rings, and those up to which there is something left to do.
+const WIDE: usize = 5;
+const LAST: usize = WIDE + 2;
 /// Seeds over those that there were, in cures one after the other.
 const MORE: [f64; 2] = [1.6, 3.0];
 
@@ -77,7 +84,7 @@ impl Cures {
         let mut open = Vec::new();
         let mut undone = Vec::new();
         for cure in std::mem::take(&mut self.last) {
-            if weight_near(&places, &cure.place) > (1.0 - GAIN) * cure.before {
+            if weight_around(&places, &cure.place) > (1.0 - GAIN) * cure.before {
                 cure.change.undo(seeds);
                 self.fail(&cure.place);
                 undone.push(cure.place.clone());
@@ -111,18 +118,20 @@ impl Cures {
         for place in places {
             let cells = place.cells.iter();
             let core: BTreeSet<u32> = cells.filter_map(|v| around.seed_at(*v)).collect();
-            let reach = around.with_ring(&around.with_ring(&core));
+            let failures = self.failures(place);
+            let rings = if failures < WIDE { 2 } else { 3 };
+            let reach = (0..rings).fold(core.clone(), |reach, _| around.with_ring(&reach));
             if !reach.is_disjoint(&taken) {
                 continue;
             }
-            let Some(change) = change(place, &core, self.failures(place), around) else {
+            let Some(change) = change(place, &core, failures, around) else {
                 continue;
             };
             change.apply(seeds);
             taken.extend(reach);
             self.last.push(Cure {
                 place: place.clone(),
-                before: weight_near(places, place),
+                before: weight_around(places, place),
                 change,
             });
         }
@@ -152,6 +161,15 @@ fn change(
         (Ill::Invalid | Ill::Tight, 1) => Some(spread(moving.len())),
         (Ill::Invalid, 2 | 3) => Some(spread(times(MORE[failures - 2]))),
         (Ill::Invalid, 4) => Some(spread(moving.len().saturating_sub(1).max(1))),
+        (Ill::Invalid, WIDE..=LAST) => {
+            let wide = around.with_ring(&moving);
+            // As many, one less, one more.
+            let count = [wide.len(), wide.len() - 1, wide.len() + 1][failures - WIDE];
+            Some(around.spread(&wide, &[], count.max(1)))
+        }
+        (Ill::Crossing, 0 | 1) => Some(spread(times(MORE[failures]))),
+        (Ill::Crossing, 2) => Some(spread(moving.len())),
+        (Ill::Crossing, 3) => Some(around.dropped(core)),
         (Ill::Bare, 0) => Some(around.added(*place.cells.first()?)),
         (Ill::Bare, 1) => Some(with_one()),
         (Ill::Bare, 2 | 3) => Some(finer(failures - 2)),

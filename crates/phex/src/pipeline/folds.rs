@@ -1,6 +1,6 @@
 //! The last resort against folds: panels are turned, or edges cut off.
 
-use super::repair::{Left, between_panels, inner_deviation, invalid_panels};
+use super::judge::{Left, between_panels, inner_deviation, invalid_panels};
 use crate::optimise::{Fault, Offender};
 use crate::trim::{Boundary, folds};
 use phex_mesh::{TriangleSurface, Violation};

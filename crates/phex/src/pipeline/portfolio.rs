@@ -5,7 +5,8 @@
 //! the surface has a network for them. Each is judged after it has been made planar: valid, close, clear, regular.
 
 use super::field::Way;
-use super::repair::{attempt, inner_deviation};
+use super::judge::inner_deviation;
+use super::repair::attempt;
 use super::{
     Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall, moved, rim,
 };

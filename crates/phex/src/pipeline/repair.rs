@@ -1,21 +1,17 @@
 //! Layout, optimiser and the repair loop for a lattice of one kind.
 
-use super::cures::{Cures, Ill, Place};
+use super::cures::{Cures, Place};
 use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
-use super::portfolio::GOOD_DEVIATION;
+use super::judge::{Badness, Judge, Judged, Left};
 use super::{Clock, MeshOptions, PipelineError, RepairRound, folds, rim};
 use crate::directions::guides::Cone;
 use crate::ground::{Beyond, Ground};
 use crate::layout::reseed::Neighbourhoods;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, LayoutStatistics};
-use crate::optimise::{self, Fault, Offender, Optimised, SurfaceTarget};
-use crate::trim::{Boundary, Trimmed};
-use phex_mesh::{
-    Deviation, FaceId, FlatFace, HexMesh, PolygonSoup, TriangleSurface, ValidateOptions, Vec3,
-    VertexId, Violation,
-};
-use std::collections::{BTreeSet, HashSet};
+use crate::optimise::{self, Optimised, SurfaceTarget};
+use phex_mesh::{TriangleSurface, VertexId};
+use std::collections::HashSet;
 
 /// A panelling made in one way.
 pub(super) struct Attempt {
@@ -35,36 +31,15 @@ pub(super) struct Attempt {
     pub repairs: Vec<RepairRound>,
 }
 
-/// What rounds of the repair loop are compared by, the first difference counts.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Badness {
-    not_planar: bool,
-    broken: usize,
-    invalid: usize,
-    bare: usize,
-    tight: usize,
-}
-
 /// Rounds of the repair loop at the most on a mesh that is valid: they add panels where the surface stands off, or give tight
 /// panels more room.
 const MAX_POLISHES: usize = 3;
+/// Rounds that may come to nothing one after the other where panels are broken, and where they only fold or are small.
+const PATIENCE: usize = 6;
+const LITTLE_PATIENCE: usize = 3;
 /// Share of invalid panels above which they are too large for the surface, and rounds after which that is known.
 const HOPELESS: f64 = 0.1;
 const FEW_REPAIRS: usize = 2;
-/// Share of the panels up to which a round adds panels, and a number that is always allowed: where the surface stands off in more
-/// places than that, panels are too large everywhere, and more of them here and there only spoil the rows.
-const MAX_ADDED_SHARE: f64 = 0.02;
-const MAX_ADDED: usize = 2;
-/// Distance of these places from each other, mean edges.
-const ADDED_APART: f64 = 3.0;
-/// Panel lengths within which a place counts as the same.
-const SAME_PLACE: f64 = 2.5;
-/// What a place where the surface stands off counts, for each time that it is as far as is good, what a panel does that only folds
-/// over an edge or is small, and a tight one; any other invalid one counts 1.
-const BARE: f64 = 0.3;
-const MILD: f64 = 0.3;
-const TIGHT: f64 = 0.02;
-
 /// Layout, optimiser and the repair loop for a lattice of one kind.
 pub(super) fn attempt(
     ground: &Ground,
@@ -86,76 +61,80 @@ pub(super) fn attempt(
     let target = SurfaceTarget::new(ground.close_to(&fine.surface));
     let reported = ground.reported(&fine.surface);
     let beyond = ground.beyond(&fine.surface);
-    let reach = beyond.as_ref().map_or(reported, |b| &b.smooth);
+    let judge = Judge {
+        ground,
+        fine: &fine.surface,
+        reported,
+        reach: beyond.as_ref().map_or(reported, |b| &b.smooth),
+        options,
+    };
+    let whole = |layout: &Layout, clock: &mut Clock<'_>| {
+        let made = || optimise::optimise(layout, &target, &options.optimise, progress);
+        clock.timed("optimise", made)
+    };
+    let mut result = whole(&layout, clock)?;
+    let mut factorisations = count(&result);
     let mut repairs = Vec::new();
-    let mut factorisations = 0;
-    let mut best: Option<(Badness, Optimised, Left)> = None;
     let mut cures = Cures::default();
     let mut polished = 0;
+    let mut best: Option<(Judged, Layout)> = None;
+    // Whether only parts of the best have been optimised.
+    let mut in_parts = false;
+    let mut better_at = 0;
     loop {
-        let result = clock.timed("optimise", || {
-            optimise::optimise(&layout, &target, &options.optimise, progress)
-        })?;
-        factorisations += result.runs.iter().map(|r| r.factorisations).sum::<usize>();
-        let trimmed = clock.timed("trim", || ground.trimmed(&result.mesh, &fine.surface))?;
-        let violations = clock.timed("validate", || between_panels(&trimmed.mesh, reported));
-        let offenders = offenders_left(&result.offenders, &trimmed);
-        let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
-        let mild = mild(&invalid, &offenders, &trimmed, &violations);
-        let tight = tight_panels(&trimmed, options);
-        let deviation = clock.timed("validate", || {
-            phex_mesh::deviation_beyond(&trimmed.mesh, reported, reach)
-        });
-        let bare = bare_places(&trimmed.mesh, reported, &deviation, options);
-        let badness = Badness {
-            not_planar: !is_planar(&offenders),
-            broken: invalid.len() - mild.len(),
-            invalid: invalid.len(),
-            bare: bare.len(),
-            tight: tight.len(),
-        };
-        if best.as_ref().is_none_or(|b| badness < b.0) {
-            let left = Left {
-                start: laid_out(&layout, &trimmed),
-                trimmed,
-                offenders,
-                violations,
-                deviation: inner_deviation(&deviation),
-            };
-            best = Some((badness, result, left));
+        let places = result.mesh.positions.clone();
+        let (judged, wrong) = judge.judged(&layout, result, clock)?;
+        let (badness, panels) = (judged.badness, layout.mesh.topology().n_faces());
+        if best.as_ref().is_none_or(|b| badness < b.0.badness) {
+            best = Some((judged, layout.clone()));
+            in_parts = !repairs.is_empty();
+            better_at = repairs.len();
         }
         polished += usize::from(badness.invalid == 0);
-        let hopeless = invalid.len() as f64 > HOPELESS * layout.mesh.topology().n_faces() as f64;
-        let most = if hopeless {
-            FEW_REPAIRS
-        } else {
-            options.max_repairs
-        };
-        let over = polished > MAX_POLISHES || repairs.len() >= most;
-        if over || progress.is_cancelled() {
+        let stalled = repairs.len() - better_at >= patience(&badness);
+        let over =
+            polished > MAX_POLISHES || repairs.len() >= most_repairs(&badness, panels, options);
+        if over || stalled || progress.is_cancelled() {
             break;
         }
-        let wrong = Wrong {
-            invalid,
-            mild,
-            bare,
-            tight,
-        };
-        let places = wrong.places(&layout, &fine.surface);
+        let ill = wrong.places(&layout, &fine.surface);
         let round = clock.timed("layout", || {
-            next_round(&mut cures, places, &mut seeds, &fine, &layout)
+            next_round(&mut cures, ill, &mut seeds, &fine, &layout)
         });
         let Some(round) = round else { break };
         repairs.push(round);
-        match clock.timed("layout", || calm_panels(&fine, &seeds)) {
-            Ok(next) => layout = next,
-            Err(_) => break,
+        let Ok(next) = clock.timed("layout", || calm_panels(&fine, &seeds)) else {
+            break;
+        };
+        let again = clock.timed("optimise", || {
+            let earlier = (&layout, places.as_slice());
+            optimise::optimise_again(&next, earlier, &target, &options.optimise, progress)
+        })?;
+        result = match again {
+            Some(again) => again,
+            None => whole(&next, clock)?,
+        };
+        factorisations += count(&result);
+        layout = next;
+    }
+    let (mut judged, layout) = best.expect("the loop runs at least once");
+    if in_parts && !progress.is_cancelled() {
+        // Parts do not move what is around them: all together panels come out calmer.
+        let result = whole(&layout, clock)?;
+        factorisations += count(&result);
+        let (all, _) = judge.judged(&layout, result, clock)?;
+        if all.badness <= judged.badness {
+            judged = all;
         }
     }
-    let (badness, mut result, mut left) = best.expect("the loop runs at least once");
+    let Judged {
+        badness,
+        mut result,
+        mut left,
+    } = judged;
     let mut invalid = badness.invalid;
     let cut = clock.timed("trim", || {
-        folds::unfolded(&left, [reported, reach], options.boundary, invalid)
+        folds::unfolded(&left, [reported, judge.reach], options.boundary, invalid)
     });
     if let Some(cut) = cut {
         (left, invalid) = cut;
@@ -179,198 +158,30 @@ pub(super) fn attempt(
     })
 }
 
+/// Rounds that may come to nothing one after the other.
+fn patience(badness: &Badness) -> usize {
+    match badness.broken {
+        0 => LITTLE_PATIENCE,
+        _ => PATIENCE,
+    }
+}
+
+/// Rounds at the most for a layout of so many panels.
+fn most_repairs(badness: &Badness, panels: usize, options: &MeshOptions) -> usize {
+    match badness.invalid as f64 > HOPELESS * panels as f64 {
+        true => FEW_REPAIRS,
+        false => options.max_repairs,
+    }
+}
+
+/// Factorisations of all runs.
+fn count(result: &Optimised) -> usize {
+    result.runs.iter().map(|r| r.factorisations).sum()
+}
+
 fn calm_panels(fine: &FineSurface, seeds: &[Seed]) -> Result<Layout, LayoutError> {
     layout::panelling(&fine.cells(), seeds).map(layout::calmed)
 }
-
-/// What a round of the repair loop leaves.
-pub(super) struct Left {
-    pub start: PolygonSoup,
-    pub trimmed: Trimmed,
-    pub offenders: Vec<Offender>,
-    pub violations: Vec<Violation>,
-    /// Largest distance between panels and surface either way, away from the boundary, over the diagonal.
-    pub deviation: f64,
-}
-
-/// Largest distance between panels and surface either way, away from the boundary.
-pub(super) fn inner_deviation(deviation: &Deviation) -> f64 {
-    deviation.deviation_max.max(deviation.coverage_inner_max)
-}
-
-/// The panels of a layout of which something is left.
-fn laid_out(layout: &Layout, trimmed: &Trimmed) -> PolygonSoup {
-    let kept: BTreeSet<FaceId> = trimmed.parent.iter().copied().collect();
-    let mut soup = layout.mesh.to_soup();
-    let mut numbers = layout.mesh.topology().faces();
-    soup.faces
-        .retain(|_| numbers.next().is_some_and(|f| kept.contains(&f)));
-    soup
-}
-
-/// Violations that concern several panels: the optimiser's own list has the others.
-pub(super) fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
-    phex_mesh::violations(mesh, Some(surface), &ValidateOptions::default())
-}
-
-/// Panels whose seeds the next round drops: those with a wrong shape; if there are none, those farthest from planar,
-/// because one blocked panel keeps all others from their planes.
-pub(super) fn invalid_panels(
-    offenders: &[Offender],
-    trimmed: &Trimmed,
-    violations: &[Violation],
-    boundary: Boundary,
-) -> BTreeSet<FaceId> {
-    let topology = trimmed.mesh.topology();
-    let crooked = |o: &&Offender| !matches!(o.fault, Fault::NotPlanar { .. });
-    let shape = |v: &&Violation| !matches!(v, Violation::NotPlanar { .. });
-    let located = violations.iter().filter(shape);
-    let mut invalid: BTreeSet<FaceId> = offenders.iter().filter(crooked).map(|o| o.face).collect();
-    invalid.extend(located.flat_map(|v| v.faces(topology)));
-    if boundary != Boundary::Whole {
-        invalid.extend(phex_mesh::small_rim_faces(&trimmed.mesh));
-    }
-    if invalid.is_empty() {
-        invalid.extend(farthest_from_planar(offenders));
-    }
-    invalid.iter().map(|f| trimmed.parent[*f]).collect()
-}
-
-/// Panels with less than a good clearance: mostly one that is much smaller than its neighbours.
-fn tight_panels(trimmed: &Trimmed, options: &MeshOptions) -> BTreeSet<FaceId> {
-    let mesh = &trimmed.mesh;
-    let limit = options.good_clearance * mesh.mean_edge();
-    let faces = FlatFace::all(mesh);
-    let tight = faces.enumerate().filter(|(f, face)| {
-        // A cut says nothing of the panel.
-        let cut = options.boundary != Boundary::Whole && mesh.topology().is_boundary_face(*f);
-        !cut && face.clearance().distance < limit
-    });
-    tight.map(|(f, _)| trimmed.parent[f]).collect()
-}
-
-fn farthest_from_planar(offenders: &[Offender]) -> impl Iterator<Item = FaceId> {
-    let distance = |o: &Offender| match o.fault {
-        Fault::NotPlanar { distance } => distance,
-        _ => 0.0,
-    };
-    let worst = offenders.iter().map(distance).fold(0.0, f64::max);
-    let far = offenders.iter().filter(move |o| distance(o) > 0.3 * worst);
-    far.map(|o| o.face)
-}
-
-/// Offenders of which something is left, with the numbers of their parts.
-fn offenders_left(offenders: &[Offender], trimmed: &Trimmed) -> Vec<Offender> {
-    let parts = |o: &Offender| {
-        let (face, fault) = (o.face, o.fault);
-        let own = trimmed.parent.enumerate().filter(move |(_, p)| **p == face);
-        own.map(move |(face, _)| Offender { face, fault })
-    };
-    offenders.iter().flat_map(parts).collect()
-}
-
-fn is_planar(offenders: &[Offender]) -> bool {
-    let planar = |o: &Offender| !matches!(o.fault, Fault::NotPlanar { .. });
-    offenders.iter().all(planar)
-}
-
-/// What is wrong with a round's panels, numbered as in the layout.
-struct Wrong {
-    invalid: BTreeSet<FaceId>,
-    /// Those of them that only fold over an edge, or are small.
-    mild: BTreeSet<FaceId>,
-    bare: Vec<(Vec3, f64)>,
-    tight: BTreeSet<FaceId>,
-}
-
-impl Wrong {
-    /// Places where something is wrong: tight panels count only where all are valid and close.
-    fn places(&self, layout: &Layout, fine: &TriangleSurface) -> Vec<Place> {
-        let weight = |f: &FaceId| if self.mild.contains(f) { MILD } else { 1.0 };
-        let mut places = of_panels(layout, &self.invalid, Ill::Invalid, weight);
-        let points: Vec<Vec3> = self.bare.iter().map(|b| b.0).collect();
-        let feet = fine.closest_points(&points);
-        let bare = self.bare.iter().zip(&feet);
-        places.extend(bare.map(|((at, excess), foot)| Place {
-            ill: Ill::Bare,
-            at: *at,
-            reach: SAME_PLACE * length_near(layout, *at),
-            cells: vec![fine.topology().face_vertices(foot.triangle)[0]],
-            weight: BARE * excess,
-        }));
-        if places.is_empty() {
-            places = of_panels(layout, &self.tight, Ill::Tight, |_| TIGHT);
-        }
-        places
-    }
-}
-
-/// The invalid panels that have no fault but an edge over which they fold, or a small area at the boundary.
-fn mild(
-    invalid: &BTreeSet<FaceId>,
-    offenders: &[Offender],
-    trimmed: &Trimmed,
-    violations: &[Violation],
-) -> BTreeSet<FaceId> {
-    let topology = trimmed.mesh.topology();
-    let grave = violations
-        .iter()
-        .filter(|v| !matches!(v, Violation::Fold { .. } | Violation::NotPlanar { .. }));
-    let faces = grave.flat_map(|v| v.faces(topology));
-    let bad = |o: &&Offender| !matches!(o.fault, Fault::Folded { .. } | Fault::NotPlanar { .. });
-    let broken = faces.chain(offenders.iter().filter(bad).map(|o| o.face));
-    let broken: BTreeSet<FaceId> = broken.map(|f| trimmed.parent[f]).collect();
-    invalid.difference(&broken).copied().collect()
-}
-
-/// Length of the panel whose middle is nearest.
-fn length_near(layout: &Layout, p: Vec3) -> f64 {
-    let distances = layout.face_point.enumerate();
-    let nearest = distances.map(|(f, q)| ((q - p).norm_squared(), f));
-    let nearest = nearest.min_by(|a, b| a.0.total_cmp(&b.0));
-    nearest.map_or(0.0, |(_, f)| layout.face_length[f])
-}
-
-/// Groups of panels that hang together.
-fn of_panels(
-    layout: &Layout,
-    panels: &BTreeSet<FaceId>,
-    ill: Ill,
-    weight: impl Fn(&FaceId) -> f64,
-) -> Vec<Place> {
-    let topology = layout.mesh.topology();
-    let mut left = panels.clone();
-    let mut places = Vec::new();
-    while let Some(first) = left.pop_first() {
-        let mut group = vec![first];
-        let mut next = 0;
-        while next < group.len() {
-            let twins = topology.face_half_edges(group[next]);
-            let twins = twins.filter_map(|h| topology.twin(h));
-            let beside: Vec<FaceId> = twins.map(|t| topology.face(t)).collect();
-            group.extend(beside.into_iter().filter(|f| left.remove(f)));
-            next += 1;
-        }
-        let weight = group.iter().map(&weight).sum();
-        places.push(place_of(layout, &group, ill, weight));
-    }
-    places
-}
-
-fn place_of(layout: &Layout, group: &[FaceId], ill: Ill, weight: f64) -> Place {
-    let sum: Vec3 = group.iter().map(|f| layout.face_point[*f]).sum();
-    let at = sum / group.len() as f64;
-    let extent = group.iter().map(|f| (layout.face_point[*f] - at).norm());
-    let length = layout.face_length[group[0]];
-    Place {
-        ill,
-        at,
-        reach: extent.fold(0.0, f64::max) + SAME_PLACE * length,
-        cells: group.iter().map(|f| layout.face_seed[*f]).collect(),
-        weight,
-    }
-}
-
 /// Takes back what did not help and changes the seeds where something is wrong; `None` if there is nothing left to do.
 fn next_round(
     cures: &mut Cures,
@@ -394,35 +205,4 @@ fn next_round(
         places: cures.count(),
         undone,
     })
-}
-
-/// Places where the surface stands off from the panels farther than is good, the farthest first, and how many times as far.
-fn bare_places(
-    mesh: &HexMesh,
-    surface: &TriangleSurface,
-    deviation: &Deviation,
-    options: &MeshOptions,
-) -> Vec<(Vec3, f64)> {
-    let limit = GOOD_DEVIATION * deviation.diagonal;
-    let distances = deviation.coverage_distance.enumerate();
-    let mut far: Vec<(VertexId, f64)> = distances
-        .filter(|(v, d)| **d > limit && deviation.inside[*v])
-        .map(|(v, d)| (v, *d))
-        .collect();
-    far.extend(rim::bare_rim(mesh, surface, options, limit));
-    far.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    let apart = ADDED_APART * mesh.mean_edge();
-    let panels = mesh.topology().n_faces() as f64;
-    let most = MAX_ADDED.max((MAX_ADDED_SHARE * panels) as usize);
-    let mut places: Vec<(Vec3, f64)> = Vec::new();
-    for (v, distance) in far {
-        let p = surface.positions()[v];
-        if places.iter().all(|(q, _)| (p - q).norm() > apart) {
-            places.push((p, distance / limit));
-        }
-        if places.len() > most {
-            return Vec::new();
-        }
-    }
-    places
 }

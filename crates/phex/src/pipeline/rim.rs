@@ -1,7 +1,7 @@
 //! The last steps at the boundary: vertices exactly on the boundary curve where panels allow it, and corners of panels where their
 //! edges would cut the curve short.
 
-use super::repair::{Left, between_panels, inner_deviation};
+use super::judge::{Left, between_panels, inner_deviation};
 use super::{MeshOptions, PipelineError};
 use crate::optimise::{self, BoundaryHold, Optimised, RunSummary, SurfaceTarget};
 use crate::progress::Progress;
@@ -38,7 +38,7 @@ pub(super) fn to_boundary(
 }
 
 /// A valid mesh with more room in tight panels; `None` where there is none to be had, or panels and surface would come to stand off
-/// farther for it.
+/// farther for it, or more panels at the boundary would be small.
 pub(super) fn roomier(
     mesh: &HexMesh,
     [surface, beyond]: [&TriangleSurface; 2],
@@ -63,7 +63,9 @@ pub(super) fn roomier(
     Ok(roomy.filter(|roomy| {
         let (before, now) = (off(mesh), off(&roomy.mesh));
         let as_near = (0..2).all(|k| now[k] <= before[k]);
-        as_near && between_panels(&roomy.mesh, surface).is_empty()
+        let small = |mesh: &HexMesh| phex_mesh::small_rim_faces(mesh).len();
+        let as_large = options.boundary == Boundary::Whole || small(&roomy.mesh) <= small(mesh);
+        as_near && as_large && between_panels(&roomy.mesh, surface).is_empty()
     }))
 }
 

@@ -3,7 +3,7 @@
 //! Held vertices refer to the mesh as it is delivered, so they come last, after the boundary is trimmed, in model coordinates. Vertices that
 //! are on the boundary then stay on it, where neither the user nor planarity wants them elsewhere.
 
-use super::repair::between_panels;
+use super::judge::between_panels;
 use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, moved, rim};
 use crate::layout::LayoutStatistics;
 use crate::optimise::{self, Optimised, SurfaceTarget};

@@ -568,3 +568,15 @@ fn tetrahedra_flatten_panels_and_say_which_ones_cross() {
         );
     }
 }
+
+/// Along the sharp rim of a flat ellipsoid panels of both sides meet; without what folds pay some of them end over the rim.
+#[test]
+fn panels_do_not_fold_at_a_sharp_rim() {
+    for height in [0.03, 0.04, 0.05] {
+        let shape = Shape::Ellipsoid(Vec3::new(1.0, 0.9, height));
+        let ball = dual_icosphere(2, &shape);
+        let result = run(&layout(ball, &shape), &shape);
+        assert_sound(&result, 1e-13);
+        assert!(result.quality.clearance > 0.06, "{:?}", result.quality);
+    }
+}
