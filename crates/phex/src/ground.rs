@@ -161,18 +161,21 @@ impl Ground {
 
     /// Panels brought back to the boundary.
     pub fn trimmed(&self, mesh: &HexMesh, fine: &TriangleSurface) -> Result<Trimmed, TrimError> {
+        let corner_angle = self.options.target.corner_angle.to_radians();
         let Some(trimming) = &self.trimming else {
-            return Ok(Trimmed {
+            let untrimmed = Trimmed {
                 mesh: mesh.clone(),
                 parent: PerFace::from_vec(mesh.topology().faces().collect()),
-            });
+            };
+            let surface = self.smooth.finest();
+            return Ok(trim::without_slivers(untrimmed, surface, corner_angle));
         };
         let domain = Domain {
             extended: fine,
             extension: &trimming.extension,
             levels: self.smooth.refinements.len(),
             original: trimming.smooth.finest(),
-            corner_angle: self.options.target.corner_angle.to_radians(),
+            corner_angle,
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }

@@ -69,7 +69,7 @@ pub(super) struct Cures {
 }
 
 /// Reach of a cure's effect over that of its place: panels around it are laid out and optimised anew.
-const EFFECT: f64 = 1.7;
+const EFFECT: f64 = 1.0;
 /// A cure must take away this share of what is wrong.
 const GAIN: f64 = 0.02;
 /// Failures after which seeds are spread anew within two rings, and those up to which there is something left to do.

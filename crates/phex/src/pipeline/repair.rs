@@ -34,9 +34,8 @@ pub(super) struct Attempt {
 /// Rounds of the repair loop at the most on a mesh that is valid: they add panels where the surface stands off, or give tight
 /// panels more room.
 const MAX_POLISHES: usize = 3;
-/// Rounds that may come to nothing one after the other where panels are broken, and where they only fold or are small.
+/// Rounds that may come to nothing one after the other.
 const PATIENCE: usize = 6;
-const LITTLE_PATIENCE: usize = 3;
 /// Share of invalid panels above which they are too large for the surface, and rounds after which that is known.
 const HOPELESS: f64 = 0.1;
 const FEW_REPAIRS: usize = 2;
@@ -91,7 +90,7 @@ pub(super) fn attempt(
             better_at = repairs.len();
         }
         polished += usize::from(badness.invalid == 0);
-        let stalled = repairs.len() - better_at >= patience(&badness);
+        let stalled = repairs.len() - better_at >= PATIENCE;
         let over =
             polished > MAX_POLISHES || repairs.len() >= most_repairs(&badness, panels, options);
         if over || stalled || progress.is_cancelled() {
@@ -156,14 +155,6 @@ pub(super) fn attempt(
         factorisations,
         repairs,
     })
-}
-
-/// Rounds that may come to nothing one after the other.
-fn patience(badness: &Badness) -> usize {
-    match badness.broken {
-        0 => LITTLE_PATIENCE,
-        _ => PATIENCE,
-    }
 }
 
 /// Rounds at the most for a layout of so many panels.

@@ -11,7 +11,7 @@ use super::{Domain, TrimError, Trimmed, compact, near_boundary};
 use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerEdge, PerFace, Vec3};
 
 /// Largest distance between the boundary curve and the edges that stand for it, diagonals.
-const TOLERANCE: f64 = 1e-3;
+pub(super) const TOLERANCE: f64 = 1e-3;
 /// Intervals into which an edge is divided to find where it crosses the boundary.
 const INTERVALS: usize = 16;
 /// Bisections that locate a crossing.

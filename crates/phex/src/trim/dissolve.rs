@@ -6,7 +6,7 @@
 
 use super::curve::Curve;
 use super::follow::is_simple;
-use super::{Domain, Trimmed, compact};
+use super::{Trimmed, compact};
 use phex_mesh::{
     FaceId, FacePlane, FlatFace, HalfEdgeId, HexMesh, PerFace, Vec3, VertexId, small_rim_faces,
 };
@@ -20,8 +20,14 @@ const REACH: f64 = 3.0;
 const STEPS: usize = 24;
 const BISECTIONS: usize = 40;
 
-/// Lets neighbours take over small panels at the boundary, where there are fewer small ones afterwards.
-pub(super) fn without_slivers(mut trimmed: Trimmed, domain: &Domain<'_>, curve: &Curve) -> Trimmed {
+/// Lets neighbours take over small panels at the boundary, where there are fewer small ones afterwards. `inside` tells whether a point lies on the
+/// surface's side of the boundary; changed panels keep a clearance of `room`, a length.
+pub(super) fn without_slivers(
+    mut trimmed: Trimmed,
+    inside: &impl Fn(Vec3) -> bool,
+    curve: &Curve,
+    room: f64,
+) -> Trimmed {
     let mut tried: BTreeSet<FaceId> = BTreeSet::new();
     loop {
         let small = small_rim_faces(&trimmed.mesh);
@@ -33,7 +39,7 @@ pub(super) fn without_slivers(mut trimmed: Trimmed, domain: &Domain<'_>, curve: 
         let heirs = heirs(&trimmed.mesh, sliver);
         let taken = heirs
             .iter()
-            .filter_map(|heir| heir.take_over(&trimmed, domain, curve));
+            .filter_map(|heir| heir.take_over(&trimmed, inside, curve, room));
         let better = |next: &Trimmed| small_rim_faces(&next.mesh).len() < small.len();
         if let Some(next) = taken.into_iter().find(better) {
             trimmed = next;
@@ -90,7 +96,13 @@ struct Draft<'a> {
 
 impl Heir {
     /// The mesh without the sliver; `None` where that gives no sound panels.
-    fn take_over(&self, trimmed: &Trimmed, domain: &Domain<'_>, curve: &Curve) -> Option<Trimmed> {
+    fn take_over(
+        &self,
+        trimmed: &Trimmed,
+        inside: &impl Fn(Vec3) -> bool,
+        curve: &Curve,
+        room: f64,
+    ) -> Option<Trimmed> {
         let mesh = &trimmed.mesh;
         let topology = mesh.topology();
         let across = |h: HalfEdgeId| topology.twin(h).map(|t| topology.face(t));
@@ -117,7 +129,7 @@ impl Heir {
                 continue;
             };
             let neighbour = across(h).filter(|f| *f != heir)?;
-            let end = self.lengthened(mesh, domain, corner, rim)?;
+            let end = self.lengthened(mesh, inside, corner, rim)?;
             let w = draft.add(end);
             draft.move_end(neighbour, [corner, rim], w, k == 0)?;
             replace(&mut draft.faces[heir.index()], ends[k], w);
@@ -127,7 +139,9 @@ impl Heir {
         draft.follow(heir, ends[1], ends[0])?;
         let plane = |f: FaceId| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
         let simple = |f: &FaceId| is_simple(&draft.faces[f.index()], &draft.positions, &plane(*f));
-        if !changed.iter().all(simple) || !draft.fills(self.sliver, &changed) {
+        let roomy = |f: &FaceId| draft.flat(*f).clearance().distance >= room;
+        let sound = changed.iter().all(|f| simple(f) && roomy(f));
+        if !sound || !draft.fills(self.sliver, &changed) {
             return None;
         }
         draft.without(self.sliver, &trimmed.parent)
@@ -145,7 +159,7 @@ impl Heir {
     fn lengthened(
         &self,
         mesh: &HexMesh,
-        domain: &Domain<'_>,
+        inside: &impl Fn(Vec3) -> bool,
         corner: VertexId,
         rim: VertexId,
     ) -> Option<Vec3> {
@@ -159,7 +173,7 @@ impl Heir {
         let start = mesh.position(corner);
         let way = (start - mesh.position(*behind)).try_normalize(0.0)?;
         let reach = REACH * (mesh.position(rim) - start).norm();
-        let inside = |t: f64| domain.contains(start + way * (t * reach));
+        let inside = |t: f64| inside(start + way * (t * reach));
         let at = |i: usize| i as f64 / STEPS as f64;
         let i = (0..STEPS).find(|&i| inside(at(i)) && !inside(at(i + 1)))?;
         let (mut low, mut high) = (at(i), at(i + 1));
@@ -238,14 +252,16 @@ impl Draft<'_> {
         Some(())
     }
 
+    fn flat(&self, f: FaceId) -> FlatFace {
+        let corners = self.faces[f.index()].iter();
+        let corners: Vec<Vec3> = corners.map(|v| self.positions[*v as usize]).collect();
+        FlatFace::new(&corners)
+    }
+
     /// Whether the changed faces have the area that they and the sliver had.
     fn fills(&self, sliver: FaceId, changed: &[FaceId]) -> bool {
-        let area = |corners: Vec<Vec3>| FlatFace::new(&corners).area();
-        let before = |f: &FaceId| area(self.mesh.corners(*f).collect());
-        let after = |f: &FaceId| {
-            let corners = self.faces[f.index()].iter();
-            area(corners.map(|v| self.positions[*v as usize]).collect())
-        };
+        let before = |f: &FaceId| FlatFace::of(self.mesh, *f).area();
+        let after = |f: &FaceId| self.flat(*f).area();
         let gone = before(&sliver);
         let gained =
             changed.iter().map(after).sum::<f64>() - changed.iter().map(before).sum::<f64>();
@@ -272,6 +288,7 @@ fn replace(face: &mut [u32], old: u32, new: u32) {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::Domain;
     use super::*;
     use crate::target::extend;
     use phex_mesh::{TriangleSurface, measure};
@@ -325,7 +342,7 @@ pub(super) mod tests {
             corner_angle: 0.7,
         };
         let curve = Curve::of(&original, 0.7, 1e-3);
-        let after = without_slivers(panels(), &domain, &curve);
+        let after = without_slivers(panels(), &|p| domain.contains(p), &curve, 0.0);
         assert_eq!(after.mesh.topology().n_faces(), 3);
         assert_eq!(small_rim_faces(&after.mesh), []);
         assert!((measure(&after.mesh).area - 9.0).abs() < 1e-9);

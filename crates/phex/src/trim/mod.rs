@@ -34,7 +34,10 @@ mod turn;
 mod whole;
 
 use crate::target::extend::Extension;
-use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3};
+use curve::Curve;
+use phex_mesh::{
+    BoundaryCurve, FaceId, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3, small_rim_faces,
+};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -107,12 +110,37 @@ pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<T
             let parent = |f: &FaceId| parted.parent[*f];
             clipped.parent = clipped.parent.map(parent);
             let merged = merge::without_slivers(clipped)?;
-            dissolve::without_slivers(merged, domain, &clip::curve(domain))
+            dissolve::without_slivers(merged, &|p| domain.contains(p), &clip::curve(domain), 0.0)
         }
         Boundary::Whole => whole::whole_panels(mesh, domain)?,
     };
     largest_part(trimmed)
 }
+
+/// Panels laid out up to the boundary of `surface`, small ones there taken over by their neighbours.
+pub(crate) fn without_slivers(
+    trimmed: Trimmed,
+    surface: &TriangleSurface,
+    corner_angle: f64,
+) -> Trimmed {
+    if small_rim_faces(&trimmed.mesh).is_empty() {
+        return trimmed;
+    }
+    let curve = Curve::of(surface, corner_angle, clip::TOLERANCE);
+    let close = ON_BOUNDARY * surface.diagonal();
+    // Beyond the boundary all points have their feet on it.
+    let inside = |p: Vec3| {
+        let foot = surface.closest_point(p).position;
+        (curve.at(curve.closest(foot)) - foot).norm() > close
+    };
+    let room = ROOM * trimmed.mesh.mean_edge();
+    dissolve::without_slivers(trimmed, &inside, &curve, room)
+}
+
+/// Clearance, mean edges, that panels laid out up to the boundary keep where they take a small one over.
+const ROOM: f64 = 0.2;
+/// Distance from the boundary, diagonals, up to which a point of the surface lies on it.
+const ON_BOUNDARY: f64 = 1e-9;
 
 /// Faces and the positions they use, renumbered in the order of use.
 pub(crate) fn compact(positions: &[Vec3], faces: &[Vec<u32>]) -> Result<HexMesh, TrimError> {
