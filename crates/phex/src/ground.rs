@@ -13,6 +13,9 @@ const WHOLE_STRIP: f64 = 2.0 * CELL;
 /// The same for clipped panels: as much as is cut off a row that runs along the boundary.
 const CLIP_STRIP: f64 = 0.2;
 
+/// Clearance, mean edges, that panels at the boundary keep where they take a small one over.
+const ROOM: f64 = 0.2;
+
 /// Holes no longer round than this many panel lengths are closed while panels are laid out, and cut out of them afterwards: rows can't go
 /// round a hole of a panel or two without slivers.
 const SMALL_HOLE: f64 = 7.0;
@@ -168,7 +171,12 @@ impl Ground {
                 parent: PerFace::from_vec(mesh.topology().faces().collect()),
             };
             let surface = self.smooth.finest();
-            return Ok(trim::without_slivers(untrimmed, surface, corner_angle));
+            return Ok(trim::without_slivers(
+                untrimmed,
+                surface,
+                corner_angle,
+                ROOM,
+            ));
         };
         let domain = Domain {
             extended: fine,

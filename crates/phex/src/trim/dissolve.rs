@@ -2,11 +2,12 @@
 //!
 //! A sliver at the boundary whose neighbours lie in other planes goes if a neighbour's plane is continued over it: the edges
 //! that ended at the sliver's inner corners go on along their lines, in which two planes meet, to the boundary curve, and
-//! the boundary is followed in the neighbour's plane. So panels stay planar exactly, and interior vertices keep their degree.
+//! the boundary is followed in the neighbour's plane. Where those lines meet before the boundary the neighbours on both sides share the sliver. So panels stay planar exactly, and interior vertices keep their degree.
 
 use super::curve::Curve;
 use super::follow::is_simple;
 use super::{Trimmed, compact};
+use nalgebra::Matrix3;
 use phex_mesh::{
     FaceId, FacePlane, FlatFace, HalfEdgeId, HexMesh, PerFace, Vec3, VertexId, small_rim_faces,
 };
@@ -37,9 +38,11 @@ pub(super) fn without_slivers(
         };
         tried.insert(trimmed.parent[sliver]);
         let heirs = heirs(&trimmed.mesh, sliver);
-        let taken = heirs
-            .iter()
-            .filter_map(|heir| heir.take_over(&trimmed, inside, curve, room));
+        let taken = heirs.iter().flat_map(|heir| {
+            let whole = heir.take_over(&trimmed, inside, curve, room);
+            let closed = || heir.close_over(&trimmed, inside, curve, room);
+            whole.or_else(closed)
+        });
         let better = |next: &Trimmed| small_rim_faces(&next.mesh).len() < small.len();
         if let Some(next) = taken.into_iter().find(better) {
             trimmed = next;
@@ -137,14 +140,61 @@ impl Heir {
             changed.push(neighbour);
         }
         draft.follow(heir, ends[1], ends[0])?;
-        let plane = |f: FaceId| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
-        let simple = |f: &FaceId| is_simple(&draft.faces[f.index()], &draft.positions, &plane(*f));
-        let roomy = |f: &FaceId| draft.flat(*f).clearance().distance >= room;
-        let sound = changed.iter().all(|f| simple(f) && roomy(f));
-        if !sound || !draft.fills(self.sliver, &changed) {
+        draft
+            .is_sound(self.sliver, &changed, room)
+            .then(|| draft.without(self.sliver, &trimmed.parent))?
+    }
+
+    /// The mesh with the sliver shared by the neighbours on both sides, where the lines along which the heir would go on meet before the
+    /// boundary: it ends in their meet, and from there the planes of the two meet up to the boundary.
+    fn close_over(
+        &self,
+        trimmed: &Trimmed,
+        inside: &impl Fn(Vec3) -> bool,
+        curve: &Curve,
+        room: f64,
+    ) -> Option<Trimmed> {
+        let mesh = &trimmed.mesh;
+        let topology = mesh.topology();
+        let across = |h: HalfEdgeId| topology.twin(h).map(|t| topology.face(t));
+        let [before, after] = [self.sides[0]?, self.sides[1]?];
+        let faces = [across(before)?, across(self.edge)?, across(after)?];
+        if !self.is_free(mesh) || faces[0] == faces[2] {
             return None;
         }
-        draft.without(self.sliver, &trimmed.parent)
+        let planes = faces.map(|f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>()));
+        let normals = Matrix3::from_rows(&planes.map(|p| p.normal.transpose()));
+        let heights = Vec3::from(planes.map(|p| p.normal.dot(&p.centre)));
+        let meet = normals.lu().solve(&heights)?;
+        let corners = [topology.origin(self.edge), topology.target(self.edge)];
+        let rims = [topology.origin(before), topology.target(after)];
+        let rim = (mesh.position(rims[0]) + mesh.position(rims[1])) * 0.5;
+        let along = planes[0]
+            .normal
+            .cross(&planes[2].normal)
+            .try_normalize(0.0)?;
+        let way = along * along.dot(&(rim - meet)).signum();
+        let end = leaves(inside, meet, way, REACH * (rim - meet).norm())?;
+        let mut draft = Draft {
+            mesh,
+            curve,
+            positions: mesh.positions.as_slice().to_vec(),
+            faces: topology.face_lists(),
+        };
+        let (p, w) = (draft.add(meet), draft.add(end));
+        for (k, f) in [faces[0], faces[2]].into_iter().enumerate() {
+            draft.move_end(f, [corners[k], rims[k]], w, k == 0)?;
+            let face = &mut draft.faces[f.index()];
+            let at = face.iter().position(|v| *v == w)?;
+            face.insert(at + k, p);
+        }
+        let [first, second] = corners.map(|v| v.index() as u32);
+        let heir = &mut draft.faces[faces[1].index()];
+        replace(heir, first, p);
+        heir.retain(|v| *v != second);
+        draft
+            .is_sound(self.sliver, &faces, room)
+            .then(|| draft.without(self.sliver, &trimmed.parent))?
     }
 
     /// Whether nobody but the sliver and a neighbour meet where its stretch of boundary ends.
@@ -173,20 +223,25 @@ impl Heir {
         let start = mesh.position(corner);
         let way = (start - mesh.position(*behind)).try_normalize(0.0)?;
         let reach = REACH * (mesh.position(rim) - start).norm();
-        let inside = |t: f64| inside(start + way * (t * reach));
-        let at = |i: usize| i as f64 / STEPS as f64;
-        let i = (0..STEPS).find(|&i| inside(at(i)) && !inside(at(i + 1)))?;
-        let (mut low, mut high) = (at(i), at(i + 1));
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            if inside(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Some(start + way * (0.5 * (low + high) * reach))
+        leaves(inside, start, way, reach)
     }
+}
+
+/// Where a way leaves the surface, within `reach`.
+fn leaves(inside: &impl Fn(Vec3) -> bool, start: Vec3, way: Vec3, reach: f64) -> Option<Vec3> {
+    let inside = |t: f64| inside(start + way * (t * reach));
+    let at = |i: usize| i as f64 / STEPS as f64;
+    let i = (0..STEPS).find(|&i| inside(at(i)) && !inside(at(i + 1)))?;
+    let (mut low, mut high) = (at(i), at(i + 1));
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if inside(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(start + way * (0.5 * (low + high) * reach))
 }
 
 impl Draft<'_> {
@@ -250,6 +305,14 @@ impl Draft<'_> {
         let at = face.iter().position(|v| *v == from)?;
         face.splice(at + 1..at + 1, new);
         Some(())
+    }
+
+    /// Whether the changed faces are simple, have room, and fill the sliver's place.
+    fn is_sound(&self, sliver: FaceId, changed: &[FaceId], room: f64) -> bool {
+        let plane = |f: FaceId| FacePlane::fit(&self.mesh.corners(f).collect::<Vec<_>>());
+        let simple = |f: &FaceId| is_simple(&self.faces[f.index()], &self.positions, &plane(*f));
+        let roomy = |f: &FaceId| self.flat(*f).clearance().distance >= room;
+        changed.iter().all(|f| simple(f) && roomy(f)) && self.fills(sliver, changed)
     }
 
     fn flat(&self, f: FaceId) -> FlatFace {

@@ -117,11 +117,12 @@ pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<T
     largest_part(trimmed)
 }
 
-/// Panels laid out up to the boundary of `surface`, small ones there taken over by their neighbours.
+/// Panels laid out up to the boundary of `surface`, small ones there taken over by their neighbours, which keep a clearance of `room` mean edges.
 pub(crate) fn without_slivers(
     trimmed: Trimmed,
     surface: &TriangleSurface,
     corner_angle: f64,
+    room: f64,
 ) -> Trimmed {
     if small_rim_faces(&trimmed.mesh).is_empty() {
         return trimmed;
@@ -133,12 +134,10 @@ pub(crate) fn without_slivers(
         let foot = surface.closest_point(p).position;
         (curve.at(curve.closest(foot)) - foot).norm() > close
     };
-    let room = ROOM * trimmed.mesh.mean_edge();
+    let room = room * trimmed.mesh.mean_edge();
     dissolve::without_slivers(trimmed, &inside, &curve, room)
 }
 
-/// Clearance, mean edges, that panels laid out up to the boundary keep where they take a small one over.
-const ROOM: f64 = 0.2;
 /// Distance from the boundary, diagonals, up to which a point of the surface lies on it.
 const ON_BOUNDARY: f64 = 1e-9;
 
