@@ -4,7 +4,7 @@ use crate::layout::lattice::CELL;
 use crate::pipeline::{MeshOptions, moved};
 use crate::target::extend::{self, Extension};
 use crate::target::{self, SmoothTarget, TargetKind};
-use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
+use crate::trim::{self, Boundary, Domain, Takeover, TrimError, Trimmed};
 use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that where rows run along the strip's edge
@@ -13,8 +13,11 @@ const WHOLE_STRIP: f64 = 2.0 * CELL;
 /// The same for clipped panels: as much as is cut off a row that runs along the boundary.
 const CLIP_STRIP: f64 = 0.2;
 
-/// Clearance, mean edges, that panels at the boundary keep where they take a small one over.
-const ROOM: f64 = 0.2;
+/// Small panels at the boundary are taken over where that leaves room.
+const TAKEOVER: Takeover = Takeover {
+    room: 0.2,
+    shared: true,
+};
 
 /// Holes no longer round than this many panel lengths are closed while panels are laid out, and cut out of them afterwards: rows can't go
 /// round a hole of a panel or two without slivers.
@@ -175,7 +178,7 @@ impl Ground {
                 untrimmed,
                 surface,
                 corner_angle,
-                ROOM,
+                TAKEOVER,
             ));
         };
         let domain = Domain {

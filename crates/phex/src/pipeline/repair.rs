@@ -138,9 +138,6 @@ pub(super) fn attempt(
     if let Some(cut) = cut {
         (left, invalid) = cut;
     }
-    invalid = clock.timed("trim", || {
-        rim::without_slivers(&mut left, reported, options, invalid)
-    });
     let held = clock.timed("optimise", || {
         rim::to_boundary(&mut left, reported, options, progress)
     })?;

@@ -1,16 +1,13 @@
 //! The last steps at the boundary: vertices exactly on the boundary curve where panels allow it, and corners of panels where their
 //! edges would cut the curve short.
 
-use super::judge::{Left, between_panels, inner_deviation, invalid_panels};
+use super::judge::{Left, between_panels, inner_deviation};
 use super::{MeshOptions, PipelineError};
 use crate::optimise::{self, BoundaryHold, Optimised, RunSummary, SurfaceTarget};
 use crate::progress::Progress;
 use crate::target::boundary_corners;
-use crate::trim::{self, Boundary, follow};
+use crate::trim::{Boundary, follow};
 use phex_mesh::{BoundaryCurve, HexMesh, TriangleSurface, Vec3, VertexId};
-
-/// Clearance, mean edges, that the last panels keep which take small ones over.
-const LAST_ROOM: f64 = 0.08;
 
 /// Brings a valid mesh to the boundary of `surface`; it is left as it was where that does harm. Told is the optimiser's run, if there
 /// was one.
@@ -70,29 +67,6 @@ pub(super) fn roomier(
         let as_large = options.boundary == Boundary::Whole || small(&roomy.mesh) <= small(mesh);
         as_near && as_large && between_panels(&roomy.mesh, surface).is_empty()
     }))
-}
-
-/// Lets neighbours take over what small panels the repair loop has left at the boundary of `surface`, with as little room as is allowed; the number of panels
-/// that are wrong then, `invalid` before.
-pub(super) fn without_slivers(
-    left: &mut Left,
-    surface: &TriangleSurface,
-    options: &MeshOptions,
-    invalid: usize,
-) -> usize {
-    let snap = options.boundary == Boundary::Snap;
-    if !snap || invalid == 0 || !left.offenders.is_empty() {
-        return invalid;
-    }
-    let corner_angle = options.target.corner_angle.to_radians();
-    let trimmed = trim::without_slivers(left.trimmed.clone(), surface, corner_angle, LAST_ROOM);
-    let violations = between_panels(&trimmed.mesh, surface);
-    let wrong = invalid_panels(&[], &trimmed, &violations, options.boundary).len();
-    if wrong < invalid {
-        left.trimmed = trimmed;
-        left.violations = violations;
-    }
-    wrong.min(invalid)
 }
 
 /// Points of the boundary of `surface` that are farther than `limit` from the boundary of the mesh.

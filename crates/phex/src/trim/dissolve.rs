@@ -21,14 +21,24 @@ const REACH: f64 = 3.0;
 const STEPS: usize = 24;
 const BISECTIONS: usize = 40;
 
+/// How neighbours take slivers over.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Takeover {
+    /// Clearance that changed panels keep, mean edges.
+    pub room: f64,
+    /// Whether those on both sides may share a sliver; they get long then.
+    pub shared: bool,
+}
+
 /// Lets neighbours take over small panels at the boundary, where there are fewer small ones afterwards. `inside` tells whether a point lies on the
-/// surface's side of the boundary; changed panels keep a clearance of `room`, a length.
+/// surface's side of the boundary.
 pub(super) fn without_slivers(
     mut trimmed: Trimmed,
     inside: &impl Fn(Vec3) -> bool,
     curve: &Curve,
-    room: f64,
+    how: Takeover,
 ) -> Trimmed {
+    let room = how.room * trimmed.mesh.mean_edge();
     let mut tried: BTreeSet<FaceId> = BTreeSet::new();
     loop {
         let small = small_rim_faces(&trimmed.mesh);
@@ -40,8 +50,8 @@ pub(super) fn without_slivers(
         let heirs = heirs(&trimmed.mesh, sliver);
         let taken = heirs.iter().flat_map(|heir| {
             let whole = heir.take_over(&trimmed, inside, curve, room);
-            let closed = || heir.close_over(&trimmed, inside, curve, room);
-            whole.or_else(closed)
+            let shared = || heir.close_over(&trimmed, inside, curve, room);
+            whole.or_else(|| how.shared.then(shared)?)
         });
         let better = |next: &Trimmed| small_rim_faces(&next.mesh).len() < small.len();
         if let Some(next) = taken.into_iter().find(better) {
@@ -405,7 +415,12 @@ pub(super) mod tests {
             corner_angle: 0.7,
         };
         let curve = Curve::of(&original, 0.7, 1e-3);
-        let after = without_slivers(panels(), &|p| domain.contains(p), &curve, 0.0);
+        let after = without_slivers(
+            panels(),
+            &|p| domain.contains(p),
+            &curve,
+            Takeover::default(),
+        );
         assert_eq!(after.mesh.topology().n_faces(), 3);
         assert_eq!(small_rim_faces(&after.mesh), []);
         assert!((measure(&after.mesh).area - 9.0).abs() < 1e-9);

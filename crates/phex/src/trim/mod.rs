@@ -35,6 +35,7 @@ mod whole;
 
 use crate::target::extend::Extension;
 use curve::Curve;
+pub(crate) use dissolve::Takeover;
 use phex_mesh::{
     BoundaryCurve, FaceId, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3, small_rim_faces,
 };
@@ -110,19 +111,24 @@ pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<T
             let parent = |f: &FaceId| parted.parent[*f];
             clipped.parent = clipped.parent.map(parent);
             let merged = merge::without_slivers(clipped)?;
-            dissolve::without_slivers(merged, &|p| domain.contains(p), &clip::curve(domain), 0.0)
+            dissolve::without_slivers(
+                merged,
+                &|p| domain.contains(p),
+                &clip::curve(domain),
+                Takeover::default(),
+            )
         }
         Boundary::Whole => whole::whole_panels(mesh, domain)?,
     };
     largest_part(trimmed)
 }
 
-/// Panels laid out up to the boundary of `surface`, small ones there taken over by their neighbours, which keep a clearance of `room` mean edges.
+/// Panels laid out up to the boundary of `surface`, small ones there taken over by their neighbours.
 pub(crate) fn without_slivers(
     trimmed: Trimmed,
     surface: &TriangleSurface,
     corner_angle: f64,
-    room: f64,
+    how: Takeover,
 ) -> Trimmed {
     if small_rim_faces(&trimmed.mesh).is_empty() {
         return trimmed;
@@ -134,8 +140,7 @@ pub(crate) fn without_slivers(
         let foot = surface.closest_point(p).position;
         (curve.at(curve.closest(foot)) - foot).norm() > close
     };
-    let room = room * trimmed.mesh.mean_edge();
-    dissolve::without_slivers(trimmed, &inside, &curve, room)
+    dissolve::without_slivers(trimmed, &inside, &curve, how)
 }
 
 /// Distance from the boundary, diagonals, up to which a point of the surface lies on it.
