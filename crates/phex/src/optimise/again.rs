@@ -8,7 +8,7 @@ use super::parts::with_neighbours;
 use super::path::Path;
 use super::run::{Reached, Run, Way};
 use super::solvers::Solvers;
-use super::start::{Smoothing, Start};
+use super::start::Start;
 use super::{Optimised, Reference, Stage, Target, better, check_layout, check_mesh};
 use crate::layout::Layout;
 use crate::progress::Progress;
@@ -49,20 +49,14 @@ pub fn optimise_again(
         options,
     );
     let cancelled = || progress.is_cancelled();
-    let (panels, guard) = (&stage.panels, &stage.guard);
+    let panels = &stage.panels;
     let place = |(v, known): (VertexId, &Option<Vec3>)| known.unwrap_or(layout.mesh.position(v));
     let places = layout.mesh.topology().vertices().zip(&known).map(place);
     let around = with_neighbours(panels, &changed);
     let mut free = vec![false; panels.n_vertices()];
     let of_face = |f: &u32| panels.vertices(*f as usize).iter();
     (around.iter().flat_map(of_face)).for_each(|v| free[*v as usize] = true);
-    let smoothing = Smoothing {
-        layout,
-        target,
-        panels,
-        guard,
-        steps: options.smoothing,
-    };
+    let smoothing = stage.smoothing(layout, target, options);
     let start = smoothing.from(places.collect(), |v| free[v], cancelled);
     let mut solvers = Solvers::new(panels)?;
     let run = stage.run_around(&mut solvers, &start, changed, options, progress)?;

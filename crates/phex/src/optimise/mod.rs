@@ -209,14 +209,7 @@ pub fn optimise(
     let stage = Stage::new(&layout.mesh, reference, side, &layout.vertex_kind, options);
     let cancelled = || progress.is_cancelled();
     let (panels, guard) = (&stage.panels, &stage.guard);
-    let smoothing = Smoothing {
-        layout,
-        target,
-        panels,
-        guard,
-        steps: options.smoothing,
-    };
-    let cells = smoothing.of_cells(cancelled);
+    let cells = stage.smoothing(layout, target, options).of_cells(cancelled);
     let tangents = TangentCells::of(layout);
     let mut solvers = Solvers::new(panels)?;
     if let Some(run) = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress)
@@ -374,6 +367,23 @@ impl<'a> Stage<'a> {
                 .collect(),
             holds: Holds::default(),
             diagonal: mesh.diagonal(),
+        }
+    }
+}
+
+impl Stage<'_> {
+    fn smoothing<'b>(
+        &'b self,
+        layout: &'b Layout,
+        target: &'b dyn Target,
+        options: &OptimiseOptions,
+    ) -> Smoothing<'b> {
+        Smoothing {
+            layout,
+            target,
+            panels: &self.panels,
+            guard: &self.guard,
+            steps: options.smoothing,
         }
     }
 }

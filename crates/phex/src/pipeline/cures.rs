@@ -42,10 +42,10 @@ impl Place {
     }
 }
 
-/// What is wrong in all where a cure of a place may have had its effect.
-fn weight_around(places: &[Place], place: &Place) -> f64 {
-    let around = |p: &&Place| (p.at - place.at).norm() <= EFFECT * p.reach.max(place.reach);
-    places.iter().filter(around).map(|p| p.weight).sum()
+/// What is wrong near a place in all.
+fn weight_near(places: &[Place], place: &Place) -> f64 {
+    let near = places.iter().filter(|p| p.is_near(place));
+    near.map(|p| p.weight).sum()
 }
 
 /// A cure, and what was wrong before it.
@@ -68,8 +68,6 @@ pub(super) struct Cures {
     failed: Vec<Failed>,
 }
 
-/// Reach of a cure's effect over that of its place: panels around it are laid out and optimised anew.
-const EFFECT: f64 = 1.0;
 /// A cure must take away this share of what is wrong.
 const GAIN: f64 = 0.02;
 /// Failures after which seeds are spread anew within two rings, and those up to which there is something left to do.
@@ -84,7 +82,7 @@ impl Cures {
         let mut open = Vec::new();
         let mut undone = Vec::new();
         for cure in std::mem::take(&mut self.last) {
-            if weight_around(&places, &cure.place) > (1.0 - GAIN) * cure.before {
+            if weight_near(&places, &cure.place) > (1.0 - GAIN) * cure.before {
                 cure.change.undo(seeds);
                 self.fail(&cure.place);
                 undone.push(cure.place.clone());
@@ -131,7 +129,7 @@ impl Cures {
             taken.extend(reach);
             self.last.push(Cure {
                 place: place.clone(),
-                before: weight_around(places, place),
+                before: weight_near(places, place),
                 change,
             });
         }

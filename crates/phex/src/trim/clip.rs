@@ -309,7 +309,7 @@ fn without_close_pairs(cuts: Vec<f64>, near: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dissolve::tests::square;
+    use super::super::dissolve::tests::{domain, square};
     use super::*;
     use crate::target::extend;
     use phex_mesh::FlatFace;
@@ -320,13 +320,7 @@ mod tests {
     fn a_corner_beyond_the_curve_parts_a_panel() {
         let original = square();
         let extension = extend::extend(&original, 0.5, 0.0).unwrap();
-        let domain = Domain {
-            extended: &extension.surface,
-            extension: &extension,
-            levels: 0,
-            original: &original,
-            corner_angle: 0.7,
-        };
+        let domain = domain(&original, &extension);
         let at = [
             (0.5, -0.2),
             (2.5, -0.2),

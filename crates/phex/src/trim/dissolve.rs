@@ -128,12 +128,7 @@ impl Heir {
             before.map(|h| (h, topology.target(h), topology.origin(h))),
             after.map(|h| (h, topology.origin(h), topology.target(h))),
         ];
-        let mut draft = Draft {
-            mesh,
-            curve,
-            positions: mesh.positions.as_slice().to_vec(),
-            faces: topology.face_lists(),
-        };
+        let mut draft = Draft::new(mesh, curve);
         let mut ends =
             [topology.origin(self.edge), topology.target(self.edge)].map(|v| v.index() as u32);
         let mut changed = vec![heir];
@@ -185,12 +180,7 @@ impl Heir {
             .try_normalize(0.0)?;
         let way = along * along.dot(&(rim - meet)).signum();
         let end = leaves(inside, meet, way, REACH * (rim - meet).norm())?;
-        let mut draft = Draft {
-            mesh,
-            curve,
-            positions: mesh.positions.as_slice().to_vec(),
-            faces: topology.face_lists(),
-        };
+        let mut draft = Draft::new(mesh, curve);
         let (p, w) = (draft.add(meet), draft.add(end));
         for (k, f) in [faces[0], faces[2]].into_iter().enumerate() {
             draft.move_end(f, [corners[k], rims[k]], w, k == 0)?;
@@ -254,7 +244,16 @@ fn leaves(inside: &impl Fn(Vec3) -> bool, start: Vec3, way: Vec3, reach: f64) ->
     Some(start + way * (0.5 * (low + high) * reach))
 }
 
-impl Draft<'_> {
+impl<'a> Draft<'a> {
+    fn new(mesh: &'a HexMesh, curve: &'a Curve) -> Self {
+        Self {
+            mesh,
+            curve,
+            positions: mesh.positions.as_slice().to_vec(),
+            faces: mesh.topology().face_lists(),
+        }
+    }
+
     fn add(&mut self, p: Vec3) -> u32 {
         self.positions.push(p);
         self.positions.len() as u32 - 1
@@ -363,7 +362,7 @@ fn replace(face: &mut [u32], old: u32, new: u32) {
 pub(super) mod tests {
     use super::super::Domain;
     use super::*;
-    use crate::target::extend;
+    use crate::target::extend::{self, Extension};
     use phex_mesh::{TriangleSurface, measure};
 
     /// A flat square from 0 to 3 as a domain, and panels on it: two in the lower row, one behind, and between the two in
@@ -403,17 +402,22 @@ pub(super) mod tests {
         TriangleSurface::new((0..(n + 1) * (n + 1)).map(at).collect(), &triangles).unwrap()
     }
 
+    /// An extended surface as it is, without refinement.
+    pub fn domain<'a>(original: &'a TriangleSurface, extension: &'a Extension) -> Domain<'a> {
+        Domain {
+            extended: &extension.surface,
+            extension,
+            levels: 0,
+            original,
+            corner_angle: 0.7,
+        }
+    }
+
     #[test]
     fn a_neighbour_takes_a_sliver_over() {
         let original = square();
         let extension = extend::extend(&original, 0.5, 0.0).unwrap();
-        let domain = Domain {
-            extended: &extension.surface,
-            extension: &extension,
-            levels: 0,
-            original: &original,
-            corner_angle: 0.7,
-        };
+        let domain = domain(&original, &extension);
         let curve = Curve::of(&original, 0.7, 1e-3);
         let after = without_slivers(
             panels(),
@@ -428,5 +432,56 @@ pub(super) mod tests {
         let end = Vec3::new(1.5, 0.0, 0.0);
         let nearest = after.mesh.positions.iter().map(|p| (p - end).norm());
         assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-9);
+    }
+
+    /// Three slightly tilted planes through `(1.5, 0.3, 0)`, which a narrow panel in front cuts off: the lines along which the panel behind it would go on
+    /// meet there, before the boundary.
+    fn cut_off() -> Trimmed {
+        let side = |x: f64| -1e-3 * (x - 1.5f64).abs();
+        let back = |y: f64| -1e-3 * (y - 0.3);
+        let place = |[x, y]: [f64; 2]| Vec3::new(x, y, side(x).min(back(y)));
+        let positions = [
+            [0.0, 0.0],
+            [1.4, 0.0],
+            [1.6, 0.0],
+            [3.0, 0.0],
+            [1.6, 0.4],
+            [1.4, 0.4],
+            [3.0, 1.8],
+            [3.0, 3.0],
+            [0.0, 3.0],
+            [0.0, 1.8],
+        ];
+        let faces: [&[u32]; 4] = [
+            &[0, 1, 5, 9],
+            &[1, 2, 4, 5],
+            &[2, 3, 6, 4],
+            &[5, 4, 6, 7, 8, 9],
+        ];
+        let mesh = HexMesh::new(positions.map(place).to_vec(), &faces).unwrap();
+        let parent = PerFace::from_vec(mesh.topology().faces().collect());
+        Trimmed { mesh, parent }
+    }
+
+    #[test]
+    fn neighbours_on_both_sides_share_a_sliver() {
+        let curve = Curve::of(&square(), 0.7, 1e-3);
+        let inside = |p: Vec3| p.y > 0.0;
+        let dissolved = |shared: bool| {
+            let how = Takeover { room: 0.1, shared };
+            without_slivers(cut_off(), &inside, &curve, how).mesh
+        };
+        assert_eq!(dissolved(false).topology().n_faces(), 4);
+        let after = dissolved(true);
+        let topology = after.topology();
+        assert_eq!(topology.n_faces(), 3);
+        let at = |p: Vec3| {
+            let near = |v: &VertexId| (after.position(*v) - p).norm() < 1e-9;
+            topology.vertices().find(near).expect("a vertex there")
+        };
+        assert_eq!(topology.face_degree(at(Vec3::new(1.5, 0.3, 0.0))), 3);
+        assert_eq!(topology.face_degree(at(Vec3::new(1.5, 0.0, 0.0))), 2);
+        let flat = |f: FaceId| FlatFace::of(&after, f).planarity_length < 1e-12;
+        assert!(topology.faces().all(flat));
     }
 }

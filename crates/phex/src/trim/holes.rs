@@ -184,6 +184,7 @@ fn contains(outline: &[Vec2], p: Vec2) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::dissolve::tests::domain;
     use super::*;
     use crate::target::extend;
     use crate::trim::{Boundary, trim};
@@ -210,13 +211,7 @@ mod tests {
     fn a_hole_within_a_panel_is_cut_out_of_two() {
         let original = square();
         let extension = extend::extend(&original, 0.0, 3.0).unwrap();
-        let domain = Domain {
-            extended: &extension.surface,
-            extension: &extension,
-            levels: 0,
-            original: &original,
-            corner_angle: 0.7,
-        };
+        let domain = domain(&original, &extension);
         let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
         let corners = (0..4).flat_map(|i| [p(f64::from(i), 0.0), p(f64::from(i), 3.0)]);
         let columns: Vec<[u32; 4]> = (0..3)
