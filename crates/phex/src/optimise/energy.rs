@@ -8,6 +8,7 @@ use super::closeness::{ClosenessWeights, Feet, Reference};
 use super::guard::{Armed, Guard};
 use super::hinges::HingeTerm;
 use super::holds::{Holds, restrict};
+use super::notches::NotchTerm;
 use super::panels::{Panels, Shape, add_block};
 use super::planarity;
 use super::simple::collision;
@@ -56,6 +57,8 @@ pub(super) struct PanelEnergy<'a> {
     pub angles: Option<AngleTerm<'a>>,
     /// What folds pay, where they are to go; not together with the angle condition.
     pub hinges: Option<HingeTerm>,
+    /// What re-entrant corners pay, where they are to go.
+    pub notches: Option<NotchTerm>,
     /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a penalty alone; second derivatives
     /// are exact then.
     pub multipliers: Option<Vec<f64>>,
@@ -93,6 +96,7 @@ impl<'a> PanelEnergy<'a> {
             barriers,
             angles: None,
             hinges: None,
+            notches: None,
             multipliers: None,
             armed: setting
                 .guard
@@ -189,7 +193,7 @@ impl<'a> PanelEnergy<'a> {
     fn panel_energy(&mut self) -> f64 {
         let (panels, shape) = (self.setting.panels, &self.shape);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let angles = &self.angles;
+        let (angles, notches) = (&self.angles, &self.notches);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -208,6 +212,9 @@ impl<'a> PanelEnergy<'a> {
             }
             if let Some(angles) = angles {
                 *energy += angles.energy(f, corners);
+            }
+            if let Some(notches) = notches {
+                *energy += notches.energy(f, corners);
             }
         };
         let mut none = vec![(); panels.n_corners()];
@@ -241,7 +248,7 @@ impl<'a> PanelEnergy<'a> {
     fn linearise_faces(&mut self) {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let angles = &self.angles;
+        let (angles, notches) = (&self.angles, &self.notches);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -270,6 +277,9 @@ impl<'a> PanelEnergy<'a> {
             }
             if let Some(angles) = angles {
                 angles.add(f, frame, corners, gradient, block);
+            }
+            if let Some(notches) = notches {
+                notches.add(f, frame, corners, gradient, block);
             }
         };
         let assembly = self.assembly;

@@ -5,6 +5,7 @@ use super::closeness::Reference;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Setting, Weights, deviation};
 use super::hinges::HingeTerm;
+use super::notches::NotchTerm;
 use super::options::{NEWTON_ITERATIONS, OptimiseError, OptimiseOptions};
 use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
@@ -106,6 +107,14 @@ impl<'a> Path<'a> {
     pub fn hinges(&mut self) -> Option<&mut Option<HingeTerm>> {
         match &mut self.descent {
             Descent::Whole(whole) => Some(&mut whole.energy.hinges),
+            Descent::Parts => None,
+        }
+    }
+
+    /// What re-entrant corners pay. Meshes in parts do without.
+    pub fn notches(&mut self) -> Option<&mut Option<NotchTerm>> {
+        match &mut self.descent {
+            Descent::Whole(whole) => Some(&mut whole.energy.notches),
             Descent::Parts => None,
         }
     }

@@ -1,6 +1,6 @@
 //! Gradients and Hessians against finite differences, and the constraints against their own Jacobian.
 
-use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, turn_edge};
+use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_saddle, turn_edge};
 use crate::optimise::barrier::Barrier;
 use crate::optimise::closeness::{ClosenessWeights, Reference};
 use crate::optimise::constraints::PlanarityConstraints;
@@ -8,6 +8,7 @@ use crate::optimise::energy::{PanelEnergy, Setting, Weights};
 use crate::optimise::guard::Guard;
 use crate::optimise::holds::Holds;
 use crate::optimise::jacobian::Jacobian;
+use crate::optimise::notches::NotchTerm;
 use crate::optimise::panels::{Panels, unknowns};
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, Vec3};
@@ -192,6 +193,25 @@ fn gradient_of_closeness() {
         };
         gradient_is_right(weights, NO_BARRIER, target, &rough(target));
     }
+}
+
+#[test]
+fn gradient_of_notches() {
+    let mesh = jittered(&planar_saddle(7, 4, 0.05), 0.05, 3);
+    with_energy(
+        &mesh,
+        Shape::Wave,
+        NOTHING,
+        NO_BARRIER,
+        |energy, x, hessian| {
+            energy.notches = Some(NotchTerm {
+                weight: 2.0,
+                faces: vec![true; energy.panels().n_faces()],
+                edge: mesh.mean_edge(),
+            });
+            gradient_agrees(energy, x, hessian, mesh.mean_edge());
+        },
+    );
 }
 
 #[test]

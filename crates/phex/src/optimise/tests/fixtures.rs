@@ -249,6 +249,25 @@ pub fn planar_paraboloid(columns: usize, rows: usize) -> HexMesh {
     )
 }
 
+/// An exactly planar mesh of concave hexagons on `z = c / 2 (x^2 - y^2)`, in tangent planes at the points of a lattice with mean edge about 1: the meets of
+/// three planes are circumcentres in the metric `dx^2 - dy^2`.
+pub fn planar_saddle(columns: usize, rows: usize, curvature: f64) -> HexMesh {
+    let (a, b): (f64, f64) = (1.7, 1.5);
+    let kink = a * a / (8.0 * b);
+    let grid = (0..=rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
+    let place = |(i, j): (usize, usize)| {
+        let x = 0.5 * a * (i as f64 - 0.5 * columns as f64);
+        let up = if (i + j) % 2 == 0 { -kink } else { kink };
+        let y = b * (j as f64 - 0.5 * rows as f64) + up;
+        let power = (0.5 * b - kink).powi(2);
+        Vec3::new(x, y, 0.5 * curvature * (x * x - y * y + power))
+    };
+    mesh(
+        &grid.map(place).collect::<Vec<_>>(),
+        &brick_faces(columns, rows, false),
+    )
+}
+
 /// Turns an inner edge between two neighbours: its faces lose a corner each, those at its ends gain one.
 pub fn turn_edge(mesh: &HexMesh, a: u32, b: u32) -> HexMesh {
     let mut faces = mesh.topology().face_lists();
