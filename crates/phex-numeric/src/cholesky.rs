@@ -165,11 +165,10 @@ impl Cholesky {
     /// Solves `A x = b` without refinement, as a preconditioner does.
     ///
     /// # Panics
-    /// If the length of `b` is not the dimension.
-    pub fn precondition(&self, b: &[f64]) -> Vec<f64> {
-        let mut x = b.to_vec();
-        self.solve_unrefined(&mut x, 1);
-        x
+    /// If a length is not the dimension.
+    pub fn precondition(&self, b: &[f64], x: &mut [f64]) {
+        x.copy_from_slice(b);
+        self.solve_unrefined(x, 1);
     }
 
     /// Solves for many right-hand sides in place; the same solutions as one by one, but faster.

@@ -1,6 +1,7 @@
-//! Conjugate gradients for `A x = b` with `A` positive definite, with the Jacobi or any other preconditioner.
+//! Conjugate gradients for `A x = b` with `A` positive definite, with the Jacobi or any other preconditioner, in single or double precision.
 
 use crate::outcome::Status;
+use num_traits::Float;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,68 +36,72 @@ pub struct ConjugateGradientResult {
 ///
 /// # Panics
 /// If the lengths differ.
-pub fn conjugate_gradients(
-    apply: impl FnMut(&[f64], &mut [f64]),
-    diagonal: &[f64],
-    b: &[f64],
-    x: &mut [f64],
+pub fn conjugate_gradients<T: Float>(
+    apply: impl FnMut(&[T], &mut [T]),
+    diagonal: &[T],
+    b: &[T],
+    x: &mut [T],
     options: &ConjugateGradientOptions,
 ) -> ConjugateGradientResult {
     assert_eq!(diagonal.len(), b.len(), "equal lengths");
-    let inverse = |d: &f64| if *d > 0.0 { 1.0 / d } else { 1.0 };
-    let inverse: Vec<f64> = diagonal.iter().map(inverse).collect();
-    let jacobi = |r: &[f64]| -> Vec<f64> { r.iter().zip(&inverse).map(|(r, i)| r * i).collect() };
+    let inverse = |d: &T| if *d > T::zero() { d.recip() } else { T::one() };
+    let inverse: Vec<T> = diagonal.iter().map(inverse).collect();
+    let jacobi = |r: &[T], z: &mut [T]| {
+        let pairs = r.iter().zip(&inverse);
+        z.iter_mut().zip(pairs).for_each(|(z, (r, i))| *z = *r * *i);
+    };
     preconditioned_conjugate_gradients(apply, jacobi, b, x, options)
 }
 
-/// As [`conjugate_gradients`], with `precondition(r)` for an approximate solution of `A z = r`, symmetric positive definite in
+/// As [`conjugate_gradients`], with `precondition(r, z)`, which writes an approximate solution of `A z = r`, symmetric positive definite in
 /// `r` (the factorisation of a matrix near `A`, say).
 ///
 /// # Panics
 /// If the lengths differ.
-pub fn preconditioned_conjugate_gradients(
-    mut apply: impl FnMut(&[f64], &mut [f64]),
-    precondition: impl Fn(&[f64]) -> Vec<f64>,
-    b: &[f64],
-    x: &mut [f64],
+pub fn preconditioned_conjugate_gradients<T: Float>(
+    mut apply: impl FnMut(&[T], &mut [T]),
+    precondition: impl Fn(&[T], &mut [T]),
+    b: &[T],
+    x: &mut [T],
     options: &ConjugateGradientOptions,
 ) -> ConjugateGradientResult {
     assert_eq!(x.len(), b.len(), "equal lengths");
-    let size = dot(b, b).sqrt();
+    let size = norm(b);
     let goal = options.tolerance * size;
-    let mut product = vec![0.0; b.len()];
+    let mut product = vec![T::zero(); b.len()];
     apply(x, &mut product);
-    let mut residual: Vec<f64> = b.iter().zip(&product).map(|(b, y)| b - y).collect();
-    let mut z = precondition(&residual);
+    let mut residual: Vec<T> = b.iter().zip(&product).map(|(b, y)| *b - *y).collect();
+    let mut z = vec![T::zero(); b.len()];
+    precondition(&residual, &mut z);
     let mut direction = z.clone();
     let mut rz = dot(&residual, &z);
-    let result = |status, iterations, residual: &[f64]| ConjugateGradientResult {
+    let result = |status, iterations, residual: &[T]| ConjugateGradientResult {
         status,
         iterations,
-        residual: dot(residual, residual).sqrt() / size.max(f64::MIN_POSITIVE),
+        residual: norm(residual) / size.max(f64::MIN_POSITIVE),
     };
     for iteration in 0..options.max_iterations {
-        if dot(&residual, &residual).sqrt() <= goal {
+        if norm(&residual) <= goal {
             return result(Status::Converged, iteration, &residual);
         }
         apply(&direction, &mut product);
         let curvature = dot(&direction, &product);
-        if curvature.is_nan() || curvature <= 0.0 {
+        if curvature.is_nan() || curvature <= T::zero() {
             return result(Status::NumericalBreakdown, iteration, &residual);
         }
         let alpha = rz / curvature;
         add_scaled(x, alpha, &direction);
         add_scaled(&mut residual, -alpha, &product);
-        z = precondition(&residual);
+        precondition(&residual, &mut z);
         let next = dot(&residual, &z);
         let beta = next / rz;
         rz = next;
         direction
             .iter_mut()
             .zip(&z)
-            .for_each(|(p, z)| *p = z + beta * *p);
+            .for_each(|(p, z)| *p = *z + beta * *p);
     }
-    let solved = dot(&residual, &residual).sqrt() <= goal;
+    let solved = norm(&residual) <= goal;
     let status = if solved {
         Status::Converged
     } else {
@@ -109,21 +114,26 @@ pub fn preconditioned_conjugate_gradients(
 const LANES: usize = 8;
 
 /// Scalar product; several sums side by side, so that none waits for the one before.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
+pub(crate) fn dot<T: Float>(a: &[T], b: &[T]) -> T {
+    let mut sums = [T::zero(); LANES];
     let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
     let rest = a.remainder().iter().zip(b.remainder());
-    let rest: f64 = rest.map(|(a, b)| a * b).sum();
+    let rest = rest.fold(T::zero(), |sum, (a, b)| sum + *a * *b);
     for (a, b) in a.zip(b) {
         for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
+            *sum = *sum + *a * *b;
         }
     }
-    sums.iter().sum::<f64>() + rest
+    sums.iter().fold(T::zero(), |sum, s| sum + *s) + rest
 }
 
-pub(crate) fn add_scaled(y: &mut [f64], factor: f64, x: &[f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+/// Euclidean norm.
+fn norm<T: Float>(a: &[T]) -> f64 {
+    dot(a, a).sqrt().to_f64().unwrap_or(f64::NAN)
+}
+
+pub(crate) fn add_scaled<T: Float>(y: &mut [T], factor: T, x: &[T]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y = *y + factor * *x);
 }
 
 #[cfg(test)]

@@ -111,7 +111,7 @@ impl LaggedCholesky {
         };
         x.fill(0.0);
         let apply = |p: &[f64], y: &mut [f64]| matrix.mul(p, y);
-        let precondition = |r: &[f64]| self.cholesky.precondition(r);
+        let precondition = |r: &[f64], z: &mut [f64]| self.cholesky.precondition(r, z);
         let result = preconditioned_conjugate_gradients(apply, precondition, b, x, &options);
         result.status == Status::Converged
     }

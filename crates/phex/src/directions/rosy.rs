@@ -198,7 +198,8 @@ fn rough_solution(
     n: usize,
 ) -> Vec<Complex<f64>> {
     let b: Vec<f64> = (0..n).flat_map(|i| [rhs(i).re, rhs(i).im]).collect();
-    let x = factor.precondition(&b);
+    let mut x = vec![0.0; b.len()];
+    factor.precondition(&b, &mut x);
     x.chunks_exact(2)
         .map(|c| Complex::new(c[0], c[1]))
         .collect()

@@ -3,7 +3,6 @@
 use crate::directions::Directions;
 use nalgebra::Complex;
 use phex_mesh::{EdgeId, HalfEdgeId, PerEdge, Topology};
-use std::f64::consts::FRAC_PI_3;
 use std::ops::{Add, AddAssign, Neg, Sub};
 
 /// Complex numbers: positions in a tangent plane, in lattice spacings.
@@ -27,6 +26,10 @@ impl Eisenstein {
 
     /// The lattice point nearest to `z`; of several the first in the order of `b`, then `a`.
     pub fn nearest(z: Plane) -> Self {
+        // Well within the cell round 0.
+        if z.norm_sqr() < 0.24 {
+            return Self::ZERO;
+        }
         let b = z.im / CELL;
         let a = z.re - 0.5 * b;
         let (fa, fb) = (a.floor(), b.floor());
@@ -180,7 +183,13 @@ fn transition(topology: &Topology, directions: &Directions, e: EdgeId) -> Transi
 
 /// The six shortest vectors `g` of the reciprocal lattice: `<g, z>` is an integer at lattice points.
 pub fn reciprocal(m: usize) -> Plane {
-    Plane::from_polar(1.0 / CELL, FRAC_PI_3 * (m as f64 + 0.5))
+    const THIRD: f64 = 0.5 / CELL;
+    match m % 6 {
+        0 => Plane::new(1.0, THIRD),
+        1 => Plane::new(0.0, 2.0 * THIRD),
+        2 => Plane::new(-1.0, THIRD),
+        m => -reciprocal(m - 3),
+    }
 }
 
 /// Real scalar product of two plane vectors.

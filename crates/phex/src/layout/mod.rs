@@ -35,6 +35,7 @@ pub mod seeds;
 pub mod support_function;
 pub mod tangent_planes;
 pub mod voronoi;
+mod wave_operator;
 pub mod waves;
 
 pub use record::{Layout, VertexKind};

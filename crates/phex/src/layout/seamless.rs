@@ -458,7 +458,7 @@ fn translate(
             *sum += wave * mesh.mass[v];
         }
     }
-    let shift = Projector::new().project(&waves::interleaved(sum));
+    let shift = Projector::new().project(&sum);
     for (v, &t) in turn.enumerate() {
         position[v] += rotate(shift, (6 - t) % 6);
     }
