@@ -43,7 +43,8 @@ pub struct MeshSettings {
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub rotate: Option<f64>,
-    /// Smaller panels where the surface is strongly curved: panel length times curvature stays below this (0.4 without a number)
+    /// Smaller panels where the surface is strongly curved (panel length times curvature stays below this, 0.4 without a number) or has two
+    /// sheets near each other
     #[arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive)]
     pub adaptive: Option<f64>,
     /// Lengths of the panels' edges from a text file: a number on each line for each vertex of the input, in its order; with

@@ -32,6 +32,7 @@ pub mod network;
 pub mod rosy;
 pub mod saddle;
 pub mod size;
+pub mod thickness;
 pub mod turns;
 
 use crate::curvature::{Curvature, Principal};

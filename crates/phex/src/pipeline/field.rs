@@ -4,6 +4,8 @@ use super::{Clock, MeshOptions, PipelineError};
 use crate::curvature::{self, Curvature, Principal};
 use crate::directions::guides::Cone;
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::directions::size::Demands;
+use crate::directions::thickness::thickness;
 use crate::directions::{self, DirectionOptions, Directions};
 use crate::directions::{cones, size};
 use crate::ground::Ground;
@@ -231,6 +233,9 @@ fn sized_curvature(
     Ok((curvature, length))
 }
 
+/// Distance of sheets from each other, in lengths of uniform panels, from which on it does not matter: no panel becomes that long.
+const THICK: f64 = 4.0;
+
 /// Panel length at each vertex of a level.
 fn panel_lengths(
     smooth: &SmoothTarget,
@@ -246,10 +251,17 @@ fn panel_lengths(
         None => None,
     };
     let principal = curvature.principal();
+    let adapts = options.sizes.adaptive.is_some();
+    let thickness = adapts.then(|| thickness(surface, THICK * uniform));
+    let demands = Demands {
+        principal: &principal,
+        thickness: thickness.as_ref(),
+        field: field.as_ref(),
+    };
     let mut base = uniform;
     // The largest length depends on how much of the surface is finer, and that on the largest length.
     for _ in 0..8 {
-        let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+        let sizes = size::relative_sizes(surface, &demands, base, &options.sizes);
         let Some(relative) = sizes else { break };
         let next = size::base_length(surface, &relative, CELL, panels);
         if (next / base).ln().abs() < 1e-3 {
@@ -257,7 +269,7 @@ fn panel_lengths(
         }
         base = next;
     }
-    let sizes = size::relative_sizes(surface, &principal, field.as_ref(), base, &options.sizes);
+    let sizes = size::relative_sizes(surface, &demands, base, &options.sizes);
     Ok(sizes.map_or_else(
         || PerVertex::filled(surface.positions().len(), uniform),
         |r| r.map(|r| r * base),
