@@ -213,7 +213,7 @@ pub struct RepairRound {
     pub added: usize,
     /// Places where seeds were changed, because panels were invalid or tight or the surface stood off.
     pub places: usize,
-    /// Changes of the round before that had not helped and were taken back.
+    /// Changes that had not helped and were taken back.
     pub undone: usize,
 }
 

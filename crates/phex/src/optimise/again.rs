@@ -4,6 +4,7 @@
 //! with others some rings go all the way from the start, everything else at rest.
 
 use super::options::{OptimiseError, OptimiseOptions, PathKind, StartKind};
+use super::panels::{Panels, Shape, point};
 use super::parts::with_neighbours;
 use super::path::Path;
 use super::run::{Reached, Run, Way};
@@ -12,33 +13,81 @@ use super::start::Start;
 use super::{Optimised, Reference, Stage, Target, better, check_layout, check_mesh};
 use crate::layout::Layout;
 use crate::progress::Progress;
-use phex_mesh::{Vec3, VertexId};
-use std::collections::{HashMap, HashSet};
+use phex_mesh::{FaceId, Vec3, VertexId};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// Share of the panels above which all of them are optimised.
 const MOST: f64 = 0.3;
+/// Distance from a panel's plane, in mean edges, up to which vertices with known places are planar.
+const PLANAR: f64 = 1e-12;
 
-/// Optimises a layout around what is not as in an earlier one, of which `places` are the results. `None` if that is too much of it, or if panels do not become
-/// planar that way: then the whole has to be optimised.
+/// The seeds of the panels at a vertex; at the boundary, where two panels may meet twice, its place, too.
+type Name = (Vec<VertexId>, Option<[u64; 3]>);
+
+/// Places that the optimiser has found for the vertices of layouts, by the panels around them.
+#[derive(Clone, Debug, Default)]
+pub struct Known {
+    places: BTreeMap<Name, Vec3>,
+}
+
+impl Known {
+    /// The results for a layout.
+    pub fn of(layout: &Layout, places: &[Vec3]) -> Self {
+        let mut known = BTreeMap::new();
+        let mut doubtful = BTreeSet::new();
+        for (name, place) in names(layout).into_iter().zip(places) {
+            if known.insert(name.clone(), *place).is_some() {
+                doubtful.insert(name);
+            }
+        }
+        known.retain(|name, _| !doubtful.contains(name));
+        Self { places: known }
+    }
+
+    /// The vertices of both whose places are where `others` tells, or elsewhere those of `self`.
+    pub fn with(mut self, others: &Self, is_others: impl Fn(Vec3) -> bool) -> Self {
+        self.places.retain(|_, p| !is_others(*p));
+        let theirs = others.places.iter().filter(|(_, p)| is_others(**p));
+        self.places
+            .extend(theirs.map(|(name, p)| (name.clone(), *p)));
+        self
+    }
+
+    fn places_in(&self, layout: &Layout) -> Vec<Option<Vec3>> {
+        let names = names(layout);
+        let mut seen = HashSet::new();
+        let doubtful: HashSet<&Name> = names.iter().filter(|n| !seen.insert(*n)).collect();
+        let place = |name: &Name| match doubtful.contains(name) {
+            true => None,
+            false => self.places.get(name).copied(),
+        };
+        names.iter().map(place).collect()
+    }
+}
+
+/// A layout that was optimised in part.
+pub struct Again {
+    /// The result.
+    pub result: Optimised,
+    /// Panels of groups that did not become planar.
+    pub unsettled: Vec<FaceId>,
+}
+
+/// Optimises a layout around what has no known places. `None` if that is too much of it: then the whole has to be optimised.
 ///
 /// # Errors
 /// As [`optimise`](super::optimise).
 pub fn optimise_again(
     layout: &Layout,
-    earlier: (&Layout, &[Vec3]),
+    known: &Known,
     target: &dyn Target,
     options: &OptimiseOptions,
     progress: &dyn Progress,
-) -> Result<Option<Optimised>, OptimiseError> {
+) -> Result<Option<Again>, OptimiseError> {
     options.check()?;
     check_mesh(&layout.mesh)?;
     check_layout(layout)?;
-    let known = known_places(layout, earlier);
-    let changed = faces_with_others(layout, &known);
-    let count = layout.mesh.topology().n_faces();
-    if changed.len() as f64 > MOST * count as f64 {
-        return Ok(None);
-    }
+    let known = known.places_in(layout);
     let side = Some(layout.face_normal.as_slice().to_vec());
     let kinds = &layout.vertex_kind;
     let stage = Stage::new(
@@ -48,8 +97,12 @@ pub fn optimise_again(
         kinds,
         options,
     );
-    let cancelled = || progress.is_cancelled();
     let panels = &stage.panels;
+    let changed = faces_to_settle(panels, &known);
+    if changed.len() as f64 > MOST * panels.n_faces() as f64 {
+        return Ok(None);
+    }
+    let cancelled = || progress.is_cancelled();
     let place = |(v, known): (VertexId, &Option<Vec3>)| known.unwrap_or(layout.mesh.position(v));
     let places = layout.mesh.topology().vertices().zip(&known).map(place);
     let around = with_neighbours(panels, &changed);
@@ -59,12 +112,14 @@ pub fn optimise_again(
     let smoothing = stage.smoothing(layout, target, options);
     let start = smoothing.from(places.collect(), |v| free[v], cancelled);
     let mut solvers = Solvers::new(panels)?;
-    let run = stage.run_around(&mut solvers, &start, changed, options, progress)?;
-    Ok(run.map(|run| better(&layout.mesh, run, None)))
+    let (run, unsettled) = stage.run_around(&mut solvers, &start, changed, options, progress)?;
+    Ok(Some(Again {
+        result: better(&layout.mesh, run, None),
+        unsettled: unsettled.into_iter().map(FaceId::new).collect(),
+    }))
 }
 
-/// Seeds of the panels at each vertex; at the boundary, where two panels may meet twice, its place, too.
-fn names(layout: &Layout) -> Vec<(Vec<VertexId>, Option<[u64; 3]>)> {
+fn names(layout: &Layout) -> Vec<Name> {
     let topology = layout.mesh.topology();
     let name = |v: VertexId| {
         let faces = topology.outgoing(v).map(|h| topology.face(h));
@@ -77,36 +132,39 @@ fn names(layout: &Layout) -> Vec<(Vec<VertexId>, Option<[u64; 3]>)> {
     topology.vertices().map(name).collect()
 }
 
-/// The earlier place of each vertex that was there already.
-fn known_places(layout: &Layout, (earlier, places): (&Layout, &[Vec3])) -> Vec<Option<Vec3>> {
-    let mut places_of = HashMap::new();
-    let mut doubtful = HashSet::new();
-    for (name, place) in names(earlier).into_iter().zip(places) {
-        if places_of.insert(name.clone(), *place).is_some() {
-            doubtful.insert(name);
-        }
-    }
-    let now = names(layout);
-    let mut seen = HashSet::new();
-    doubtful.extend(now.iter().filter(|n| !seen.insert(*n)).cloned());
-    let known = |name| match doubtful.contains(name) {
-        true => None,
-        false => places_of.get(name).copied(),
+/// Faces with a vertex that has no place yet, and those that known places leave out of plane: where results of two layouts meet.
+fn faces_to_settle(panels: &Panels, known: &[Option<Vec3>]) -> Vec<u32> {
+    let places = known.iter().map(|p| p.unwrap_or_else(Vec3::zeros));
+    let x: Vec<f64> = places.flat_map(|p| [p.x, p.y, p.z]).collect();
+    let shape = Shape::at(panels, &x);
+    let is_new = |f: usize| {
+        let mut vertices = panels.vertices(f).iter();
+        vertices.any(|v| known[*v as usize].is_none())
     };
-    now.iter().map(known).collect()
+    let faces = 0..panels.n_faces();
+    let settled: Vec<usize> = faces.clone().filter(|f| !is_new(*f)).collect();
+    let lengths = settled.iter().flat_map(|&f| side_lengths(panels, f, &x));
+    let (sum, count) = lengths.fold((0.0, 0), |(sum, n), l| (sum + l, n + 1));
+    let limit = PLANAR * sum / f64::from(count.max(1));
+    let bent = |f: usize| {
+        let corners = shape.face(panels, f).iter();
+        corners.map(|c| c.height.abs()).fold(0.0, f64::max) > limit
+    };
+    let open = faces.filter(|f| is_new(*f) || bent(*f));
+    open.map(|f| f as u32).collect()
 }
 
-/// Faces with a vertex that has no place yet.
-fn faces_with_others(layout: &Layout, known: &[Option<Vec3>]) -> Vec<u32> {
-    let topology = layout.mesh.topology();
-    let other = |v: &VertexId| known[v.index()].is_none();
-    let faces = topology.faces().enumerate();
-    let changed = faces.filter(|(_, f)| topology.face_vertices(*f).iter().any(other));
-    changed.map(|(k, _)| k as u32).collect()
+/// Lengths of a face's sides.
+fn side_lengths(panels: &Panels, f: usize, x: &[f64]) -> Vec<f64> {
+    let ring: Vec<Vec3> = (panels.vertices(f).iter())
+        .map(|&v| point(x, v as usize))
+        .collect();
+    let next = ring.iter().cycle().skip(1);
+    ring.iter().zip(next).map(|(p, q)| (q - p).norm()).collect()
 }
 
 impl Stage<'_> {
-    /// Optimises what is around some faces; `None` if something does not become planar.
+    /// Optimises what is around some faces; besides the faces of groups that do not become planar.
     fn run_around(
         &self,
         solvers: &mut Solvers,
@@ -114,13 +172,11 @@ impl Stage<'_> {
         faces: Vec<u32>,
         options: &OptimiseOptions,
         progress: &dyn Progress,
-    ) -> Result<Option<Run>, OptimiseError> {
+    ) -> Result<(Run, Vec<u32>), OptimiseError> {
         let setting = self.setting(&start.x);
         let mut path = Path::new(&setting, solvers, &start.x, options, progress)?;
         let mut x = start.x.clone();
-        if !path.settle_around(faces, &mut x)? {
-            return Ok(None);
-        }
+        let unsettled = path.settle_around(faces, &mut x)?;
         let mut best = Reached::at(&setting, x);
         if !path.is_over() {
             best = path.retry(best)?;
@@ -131,7 +187,8 @@ impl Stage<'_> {
             in_parts: path.in_parts,
             outcome: path.outcome,
         };
-        Ok(Some(self.conclude(start.n_bad, best, way, options)))
+        let run = self.conclude(start.n_bad, best, way, options);
+        Ok((run, unsettled))
     }
 }
 
@@ -159,9 +216,13 @@ mod tests {
         let before = seeded(brick_wall(SHAPE, 73, 36));
         let first = optimise(&before, &SHAPE, &options, &Silent).unwrap();
         assert!(first.is_sound());
-        let earlier = (&before, first.mesh.positions.as_slice());
-        let same = optimise_again(&before, earlier, &SHAPE, &options, &Silent).unwrap();
-        assert_eq!(same.unwrap().mesh.positions, first.mesh.positions);
+        let known = Known::of(&before, first.mesh.positions.as_slice());
+        let again = |layout: &Layout, known: &Known| {
+            let again = optimise_again(layout, known, &SHAPE, &options, &Silent).unwrap();
+            again.expect("little has changed")
+        };
+        let same = again(&before, &known);
+        assert_eq!(same.result.mesh.positions, first.mesh.positions);
 
         let topology = before.mesh.topology();
         // Where K > 0.
@@ -172,18 +233,37 @@ mod tests {
         });
         let [a, b] = topology.edge_vertices(middle.unwrap());
         let after = seeded(turn_edge(&before.mesh, a.index() as u32, b.index() as u32));
-        let again = optimise_again(&after, earlier, &SHAPE, &options, &Silent).unwrap();
-        let again = again.unwrap();
-        assert!(again.is_sound(), "{:?}", again.offenders);
+        let turned = again(&after, &known);
+        assert!(turned.unsettled.is_empty());
+        let turned = turned.result;
+        assert!(turned.is_sound(), "{:?}", turned.offenders);
         let at = before.mesh.position(a);
         let (mut moved, mut at_rest) = (0, 0);
         for (v, p) in first.mesh.positions.enumerate() {
-            let is_moved = again.mesh.position(v) != *p;
+            let is_moved = turned.mesh.position(v) != *p;
             assert!(!is_moved || (p - at).norm() < 1.2, "{p}");
             moved += usize::from(is_moved);
             at_rest += usize::from(!is_moved);
         }
         assert!(moved > 20 && at_rest > moved, "{moved} {at_rest}");
+    }
+
+    #[test]
+    fn two_results_are_taken_each_in_its_region() {
+        let layout = seeded(brick_wall(SHAPE, 25, 12));
+        let first = layout.mesh.positions.as_slice().to_vec();
+        let second: Vec<Vec3> = first.iter().map(|p| p + Vec3::y()).collect();
+        let known = |places: &[Vec3]| Known::of(&layout, places);
+        let both = known(&first).with(&known(&second), |p| p.x > 1.0);
+        let mut counts = [0, 0];
+        for (found, p) in both.places_in(&layout).into_iter().zip(&first) {
+            let shift = if p.x > 1.0 { Vec3::y() } else { Vec3::zeros() };
+            if let Some(found) = found {
+                assert_eq!(found, p + shift);
+                counts[usize::from(p.x > 1.0)] += 1;
+            }
+        }
+        assert!(counts[0] > 50 && counts[1] > 50, "{counts:?}");
     }
 
     #[test]
@@ -194,8 +274,8 @@ mod tests {
         other.face_seed = wall
             .face_seed
             .map(|s| VertexId::new(s.index() as u32 + 1000));
-        let earlier = (&other, wall.mesh.positions.as_slice());
-        let again = optimise_again(&wall, earlier, &SHAPE, &options, &Silent).unwrap();
+        let known = Known::of(&other, wall.mesh.positions.as_slice());
+        let again = optimise_again(&wall, &known, &SHAPE, &options, &Silent).unwrap();
         assert!(again.is_none());
     }
 }

@@ -106,7 +106,7 @@ use solvers::Solvers;
 use start::{Smoothing, TangentCells};
 use std::collections::BTreeMap;
 
-pub use again::optimise_again;
+pub use again::{Again, Known, optimise_again};
 pub(crate) use angle::free_edges;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};

@@ -191,18 +191,24 @@ impl Path<'_> {
         self.retry_around(tight, &Demand { wish, allowed }, x)
     }
 
-    /// Takes what is around some faces from the start to planar panels, everything else at rest in `x`; false if they do not become planar.
-    pub fn settle_around(&mut self, faces: Vec<u32>, x: &mut [f64]) -> Result<bool, OptimiseError> {
+    /// Takes what is around some faces from the start to planar panels, everything else at rest in `x`; left are the faces of groups that
+    /// do not become planar.
+    pub fn settle_around(
+        &mut self,
+        faces: Vec<u32>,
+        x: &mut [f64],
+    ) -> Result<Vec<u32>, OptimiseError> {
+        let mut left = Vec::new();
         for group in groups(self.setting.panels, faces) {
             let mut settled = false;
             for rings in SETTLED_RINGS {
-                settled = settled || self.settle_group(&group, rings, x)?;
+                settled = settled || self.is_over() || self.settle_group(&group, rings, x)?;
             }
-            if !settled || self.is_over() {
-                return Ok(settled);
+            if !settled {
+                left.extend(group);
             }
         }
-        Ok(true)
+        Ok(left)
     }
 
     fn settle_group(

@@ -2,7 +2,7 @@
 //!
 //! Every place has a list of cures of its own, mild ones first: drop a seed or add one, spread the seeds of a neighbourhood anew, spread
 //! more of them, or fewer, and the same in a wider neighbourhood. All places get one at a time and are judged apart, when the panels have been optimised again: where
-//! things have not become better, crossings with others included, the seeds are as they were before, and the next cure is tried.
+//! things have not become better, crossings with others included, the seeds (and panels, see [`Cures::new`]) are as they were before, and the next cure is tried.
 //! So what helps at one place is kept, whatever happens at another.
 
 use crate::layout::reseed::{Neighbourhoods, Reseeded};
@@ -37,6 +37,11 @@ pub(super) struct Place {
 }
 
 impl Place {
+    /// Whether all panels are valid there.
+    pub fn is_valid(&self) -> bool {
+        matches!(self.ill, Ill::Bare | Ill::Tight)
+    }
+
     fn is_near(&self, other: &Place) -> bool {
         (self.at - other.at).norm() <= self.reach.max(other.reach)
     }
@@ -48,11 +53,29 @@ fn weight_near(places: &[Place], place: &Place) -> f64 {
     near.map(|p| p.weight).sum()
 }
 
-/// A cure, and what was wrong before it.
+/// A cure.
 struct Cure {
     place: Place,
-    before: f64,
     change: Reseeded,
+}
+
+/// What a round of cures came to.
+pub(super) struct Verdict {
+    /// Places that are wrong when cures that have not helped are taken back, the places of those first.
+    pub open: Vec<Place>,
+    /// Where cures have helped, and where they were taken back.
+    pub helped: Vec<Place>,
+    pub undone: Vec<Place>,
+}
+
+impl Verdict {
+    /// Whether panels at a point are to be as before the round: the nearest cure was taken back.
+    pub fn is_undone(&self, p: Vec3) -> bool {
+        let distance = |place: &Place| (place.at - p).norm();
+        let nearest = |places: &[Place]| places.iter().map(distance).fold(f64::MAX, f64::min);
+        let within = |place: &Place| distance(place) <= MOVED * place.reach;
+        nearest(&self.undone) < nearest(&self.helped) && self.undone.iter().any(within)
+    }
 }
 
 /// A place where cures have failed.
@@ -62,12 +85,15 @@ struct Failed {
 }
 
 /// The cures of the last round, and where some have failed.
-#[derive(Default)]
 pub(super) struct Cures {
+    /// Whether panels, too, are as they were before where a cure is taken back.
+    apart: bool,
     last: Vec<Cure>,
     failed: Vec<Failed>,
 }
 
+/// Reaches of a place within which panels have moved for its cure.
+const MOVED: f64 = 2.0;
 /// A cure must take away this share of what is wrong.
 const GAIN: f64 = 0.02;
 /// Failures after which seeds are spread anew within two rings, and those up to which there is something left to do.
@@ -77,21 +103,62 @@ const LAST: usize = WIDE + 2;
 const MORE: [f64; 2] = [1.6, 3.0];
 
 impl Cures {
-    /// Takes back what has not helped; left are the places that are to be cured now. `places` is what is wrong now.
-    pub fn take_back(&mut self, places: Vec<Place>, seeds: &mut Vec<Seed>) -> (Vec<Place>, usize) {
-        let mut open = Vec::new();
-        let mut undone = Vec::new();
-        for cure in std::mem::take(&mut self.last) {
-            if weight_near(&places, &cure.place) > (1.0 - GAIN) * cure.before {
+    /// None yet; `apart` tells whether panels, too, are as they were before where a cure is taken back.
+    pub fn new(apart: bool) -> Self {
+        Self {
+            apart,
+            last: Vec::new(),
+            failed: Vec::new(),
+        }
+    }
+
+    /// Judges the cures of the last round by what was wrong before and is wrong now, and takes back what has not helped; `failed` are points
+    /// where panels did not become planar.
+    pub fn judge(
+        &mut self,
+        before: &[Place],
+        now: Vec<Place>,
+        failed: &[Vec3],
+        seeds: &mut Vec<Seed>,
+    ) -> Verdict {
+        let cures = std::mem::take(&mut self.last);
+        let is_failed = |p: &Vec3| nearest_cure(&cures, *p);
+        let failed: BTreeSet<usize> = failed.iter().filter_map(is_failed).collect();
+        let fails: Vec<bool> = (cures.iter().enumerate())
+            .map(|(k, cure)| {
+                let limit = (1.0 - GAIN) * weight_near(before, &cure.place);
+                failed.contains(&k) || weight_near(&now, &cure.place) > limit
+            })
+            .collect();
+        let of_failed = |place: &Place| {
+            let mut pairs = cures.iter().zip(&fails);
+            pairs.any(|(cure, fails)| *fails && cure.place.is_near(place))
+        };
+        let own = cures.iter().zip(&fails).filter(|(_, fails)| **fails);
+        let mut open: Vec<Place> = own.map(|(cure, _)| cure.place.clone()).collect();
+        if self.apart {
+            let cured: Vec<Vec3> = open.iter().map(|p| p.at).collect();
+            let others = before
+                .iter()
+                .filter(|p| of_failed(p) && !cured.contains(&p.at));
+            open.extend(others.cloned());
+        }
+        open.extend(now.into_iter().filter(|p| !of_failed(p)));
+        let (mut helped, mut undone) = (Vec::new(), Vec::new());
+        for (cure, fails) in cures.into_iter().zip(fails) {
+            if fails {
                 cure.change.undo(seeds);
                 self.fail(&cure.place);
-                undone.push(cure.place.clone());
-                open.push(cure.place);
+                undone.push(cure.place);
+            } else {
+                helped.push(cure.place);
             }
         }
-        let elsewhere = |p: &Place| !undone.iter().any(|u| u.is_near(p));
-        open.extend(places.into_iter().filter(elsewhere));
-        (open, undone.len())
+        Verdict {
+            open,
+            helped,
+            undone,
+        }
     }
 
     fn fail(&mut self, place: &Place) {
@@ -129,7 +196,6 @@ impl Cures {
             taken.extend(reach);
             self.last.push(Cure {
                 place: place.clone(),
-                before: weight_near(places, place),
                 change,
             });
         }
@@ -139,6 +205,13 @@ impl Cures {
     pub fn count(&self) -> usize {
         self.last.len()
     }
+}
+
+/// The cure nearest to a point.
+fn nearest_cure(cures: &[Cure], p: Vec3) -> Option<usize> {
+    let distances = cures.iter().map(|cure| (cure.place.at - p).norm());
+    let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map(|n| n.0)
 }
 
 /// What is done at a place where so many cures have failed; `None` if there is nothing left.
@@ -193,7 +266,6 @@ mod tests {
     fn cure(place: Place, before: u32, after: u32) -> Cure {
         let seed = |v| vec![Seed::at(VertexId::new(v))];
         Cure {
-            before: place.weight,
             place,
             change: Reseeded {
                 removed: seed(before),
@@ -202,27 +274,50 @@ mod tests {
         }
     }
 
-    #[test]
-    fn what_helps_at_one_place_is_kept_whatever_happens_at_another() {
-        let mut cures = Cures {
+    fn two_cures() -> (Cures, Vec<Seed>) {
+        let cures = Cures {
+            apart: true,
             last: vec![cure(place(0.0, 2.0), 1, 2), cure(place(9.0, 2.0), 3, 4)],
             failed: Vec::new(),
         };
-        let mut seeds: Vec<Seed> = [2, 4].map(|v| Seed::at(VertexId::new(v))).to_vec();
-        // The first place is better, the second one worse by a crossing beside it, and a third one is new.
+        let seeds = [2, 4].map(|v| Seed::at(VertexId::new(v))).to_vec();
+        (cures, seeds)
+    }
+
+    fn left(seeds: &[Seed]) -> Vec<usize> {
+        seeds.iter().map(|s| s.vertex.index()).collect()
+    }
+
+    #[test]
+    fn what_helps_at_one_place_is_kept_whatever_happens_at_another() {
+        let (mut cures, mut seeds) = two_cures();
+        let before = [place(0.0, 2.0), place(9.0, 2.0), place(30.0, 1.0)];
+        // The first place is better, the second one worse by a crossing beside it, and another one is new.
         let now = vec![
             place(0.2, 1.0),
             place(9.3, 2.0),
             place(8.9, 1.0),
             place(20.0, 1.0),
         ];
-        let (open, undone) = cures.take_back(now, &mut seeds);
-        assert_eq!(undone, 1);
-        let left: Vec<usize> = seeds.iter().map(|s| s.vertex.index()).collect();
-        assert_eq!(left, [2, 3]);
-        let at: Vec<f64> = open.iter().map(|p| p.at.x).collect();
+        let verdict = cures.judge(&before, now, &[], &mut seeds);
+        assert_eq!(left(&seeds), [2, 3]);
+        let at: Vec<f64> = verdict.open.iter().map(|p| p.at.x).collect();
         assert_eq!(at, [9.0, 0.2, 20.0]);
+        assert_eq!((verdict.helped.len(), verdict.undone.len()), (1, 1));
+        assert!(verdict.is_undone(Vec3::new(8.0, 0.0, 0.0)));
+        assert!(!verdict.is_undone(Vec3::new(1.0, 0.0, 0.0)));
+        assert!(!verdict.is_undone(Vec3::new(20.0, 0.0, 0.0)));
         assert_eq!(cures.failures(&place(9.1, 1.0)), 1);
         assert_eq!(cures.failures(&place(0.0, 1.0)), 0);
+    }
+
+    #[test]
+    fn a_cure_after_which_panels_are_not_planar_has_not_helped() {
+        let (mut cures, mut seeds) = two_cures();
+        let before = [place(0.0, 2.0), place(9.0, 2.0)];
+        let verdict = cures.judge(&before, Vec::new(), &[Vec3::zeros()], &mut seeds);
+        assert_eq!(left(&seeds), [1, 4]);
+        assert_eq!(verdict.open.len(), 1);
+        assert_eq!(verdict.undone[0].at, Vec3::zeros());
     }
 }

@@ -9,8 +9,8 @@ use crate::ground::{Beyond, Ground};
 use crate::layout::reseed::Neighbourhoods;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, LayoutStatistics};
-use crate::optimise::{self, Optimised, SurfaceTarget};
-use phex_mesh::{TriangleSurface, VertexId};
+use crate::optimise::{self, Known, Optimised, SurfaceTarget};
+use phex_mesh::{TriangleSurface, Vec3, VertexId};
 use std::collections::HashSet;
 
 /// A panelling made in one way.
@@ -32,8 +32,9 @@ pub(super) struct Attempt {
 }
 
 /// Rounds of the repair loop at the most on a mesh that is valid: they add panels where the surface stands off, or give tight
-/// panels more room.
+/// panels more room. More where features are to be resolved.
 const MAX_POLISHES: usize = 3;
+const MAX_RESOLVING: usize = 8;
 /// Rounds that may come to nothing one after the other.
 const PATIENCE: usize = 6;
 /// Share of invalid panels above which they are too large for the surface, and rounds after which that is known.
@@ -56,7 +57,7 @@ pub(super) fn attempt(
     let field = Field::new(ground, level, options, &settings, clock)?;
     let fine = FineSurface::new(ground, &field);
     let mut seeds = field.placed.seeds.clone();
-    let mut layout = clock.stage("layout", || calm_panels(&fine, &seeds))??;
+    let layout = clock.stage("layout", || calm_panels(&fine, &seeds))??;
     let target = SurfaceTarget::new(ground.close_to(&fine.surface));
     let reported = ground.reported(&fine.surface);
     let beyond = ground.beyond(&fine.surface);
@@ -71,34 +72,33 @@ pub(super) fn attempt(
         let made = || optimise::optimise(layout, &target, &options.optimise, progress);
         clock.timed("optimise", made)
     };
-    let mut result = whole(&layout, clock)?;
-    let mut factorisations = count(&result);
-    let mut repairs = Vec::new();
-    let mut cures = Cures::default();
+    let first = whole(&layout, clock)?;
+    let mut factorisations = count(&first);
+    let mut repairs: Vec<RepairRound> = Vec::new();
+    let apart = is_apart(&fine.surface, options);
+    let mut cures = Cures::new(apart);
     let mut polished = 0;
-    let mut best: Option<(Judged, Layout)> = None;
-    // Whether only parts of the best have been optimised.
+    // What is to be cured, with all that helped: the best there is, in places that were optimised apart.
+    let mut known = Known::of(&layout, first.mesh.positions.as_slice());
+    let (judged, wrong) = judge.judged(&layout, first, clock)?;
+    let mut panels = layout.mesh.topology().n_faces();
+    let mut most = most_repairs(&judged.badness, panels, options);
+    let mut is_valid = judged.badness.invalid == 0;
+    let mut ill = wrong.places(&layout, &fine.surface);
+    let mut best = (judged, layout);
+    // Whether only parts of the best have been optimised, and whether it is what is known.
     let mut in_parts = false;
+    let mut is_known = true;
     let mut better_at = 0;
     loop {
-        let places = result.mesh.positions.clone();
-        let (judged, wrong) = judge.judged(&layout, result, clock)?;
-        let (badness, panels) = (judged.badness, layout.mesh.topology().n_faces());
-        if best.as_ref().is_none_or(|b| badness < b.0.badness) {
-            best = Some((judged, layout.clone()));
-            in_parts = !repairs.is_empty();
-            better_at = repairs.len();
-        }
-        polished += usize::from(badness.invalid == 0);
+        polished += usize::from(is_valid);
         let stalled = repairs.len() - better_at >= PATIENCE;
-        let over =
-            polished > MAX_POLISHES || repairs.len() >= most_repairs(&badness, panels, options);
+        let over = polished > most_polishes(options) || repairs.len() >= most;
         if over || stalled || progress.is_cancelled() {
             break;
         }
-        let ill = wrong.places(&layout, &fine.surface);
         let round = clock.timed("layout", || {
-            next_round(&mut cures, ill, &mut seeds, &fine, &layout)
+            next_round(&mut cures, &ill, &mut seeds, &fine, panels)
         });
         let Some(round) = round else { break };
         repairs.push(round);
@@ -106,17 +106,58 @@ pub(super) fn attempt(
             break;
         };
         let again = clock.timed("optimise", || {
-            let earlier = (&layout, places.as_slice());
-            optimise::optimise_again(&next, earlier, &target, &options.optimise, progress)
+            optimise::optimise_again(&next, &known, &target, &options.optimise, progress)
         })?;
-        result = match again {
-            Some(again) => again,
-            None => whole(&next, clock)?,
+        let (result, unsettled) = match again {
+            Some(again) if apart || again.unsettled.is_empty() => (again.result, again.unsettled),
+            _ => (whole(&next, clock)?, Vec::new()),
         };
         factorisations += count(&result);
-        layout = next;
+        let found = Known::of(&next, result.mesh.positions.as_slice());
+        let failed: Vec<Vec3> = unsettled.iter().map(|f| next.face_point[*f]).collect();
+        let (judged, wrong) = judge.judged(&next, result, clock)?;
+        panels = next.mesh.topology().n_faces();
+        let now = wrong.places(&next, &fine.surface);
+        let is_better = judged.badness < best.0.badness;
+        let verdict = cures.judge(&ill, now, &failed, &mut seeds);
+        if let Some(round) = repairs.last_mut() {
+            round.undone = verdict.undone.len();
+        }
+        if is_better || (apart && !verdict.helped.is_empty()) {
+            better_at = repairs.len();
+        }
+        if apart {
+            known = found.with(&known, |p| verdict.is_undone(p));
+            is_known = verdict.undone.is_empty() && is_better;
+            is_valid = verdict.open.iter().all(Place::is_valid);
+        } else {
+            known = found;
+            is_valid = judged.badness.invalid == 0;
+            most = most_repairs(&judged.badness, panels, options);
+        }
+        ill = verdict.open;
+        if is_better {
+            best = (judged, next);
+            in_parts = true;
+        }
     }
-    let (mut judged, layout) = best.expect("the loop runs at least once");
+    if !is_known && !progress.is_cancelled() {
+        let last = clock.timed("layout", || calm_panels(&fine, &seeds));
+        if let Ok(last) = last {
+            let again = clock.timed("optimise", || {
+                optimise::optimise_again(&last, &known, &target, &options.optimise, progress)
+            })?;
+            if let Some(again) = again {
+                factorisations += count(&again.result);
+                let (judged, _) = judge.judged(&last, again.result, clock)?;
+                if judged.badness < best.0.badness {
+                    best = (judged, last);
+                    in_parts = true;
+                }
+            }
+        }
+    }
+    let (mut judged, layout) = best;
     if in_parts && !progress.is_cancelled() {
         // Parts do not move what is around them: all together panels come out calmer.
         let result = whole(&layout, clock)?;
@@ -157,11 +198,25 @@ pub(super) fn attempt(
     })
 }
 
+/// Whether places are cured apart from each other, panels included. A change at a boundary shifts panels all along it, and uniform panels are soon right, with
+/// all of them together.
+fn is_apart(surface: &TriangleSurface, options: &MeshOptions) -> bool {
+    let closed = surface.topology().boundary_loops().is_empty();
+    closed && options.sizes.adaptive.is_some()
+}
+
 /// Rounds at the most for a layout of so many panels.
 fn most_repairs(badness: &Badness, panels: usize, options: &MeshOptions) -> usize {
     match badness.invalid as f64 > HOPELESS * panels as f64 {
         true => FEW_REPAIRS,
         false => options.max_repairs,
+    }
+}
+
+fn most_polishes(options: &MeshOptions) -> usize {
+    match options.sizes.adaptive {
+        Some(_) => MAX_RESOLVING,
+        None => MAX_POLISHES,
     }
 }
 
@@ -173,27 +228,26 @@ fn count(result: &Optimised) -> usize {
 fn calm_panels(fine: &FineSurface, seeds: &[Seed]) -> Result<Layout, LayoutError> {
     layout::panelling(&fine.cells(), seeds).map(layout::calmed)
 }
-/// Takes back what did not help and changes the seeds where something is wrong; `None` if there is nothing left to do.
+/// Changes the seeds where something is wrong; `None` if there is nothing left to do.
 fn next_round(
     cures: &mut Cures,
-    places: Vec<Place>,
+    ill: &[Place],
     seeds: &mut Vec<Seed>,
     fine: &FineSurface,
-    layout: &Layout,
+    panels: usize,
 ) -> Option<RepairRound> {
-    let (open, undone) = cures.take_back(places, seeds);
     let before = seeds.clone();
     let cells = fine.cells();
-    cures.give(&open, &Neighbourhoods::new(&cells, &before), seeds);
+    cures.give(ill, &Neighbourhoods::new(&cells, &before), seeds);
     let lost = |a: &[Seed], b: &[Seed]| {
         let kept: HashSet<VertexId> = b.iter().map(|s| s.vertex).collect();
         a.iter().filter(|s| !kept.contains(&s.vertex)).count()
     };
     (cures.count() > 0).then(|| RepairRound {
-        panels: layout.mesh.topology().n_faces(),
+        panels,
         dropped: lost(&before, seeds),
         added: lost(seeds, &before),
         places: cures.count(),
-        undone,
+        undone: 0,
     })
 }
