@@ -47,12 +47,6 @@ impl Place {
     }
 }
 
-/// What is wrong near a place in all.
-fn weight_near(places: &[Place], place: &Place) -> f64 {
-    let near = places.iter().filter(|p| p.is_near(place));
-    near.map(|p| p.weight).sum()
-}
-
 /// A cure.
 struct Cure {
     place: Place,
@@ -124,16 +118,20 @@ impl Cures {
         let cures = std::mem::take(&mut self.last);
         let is_failed = |p: &Vec3| nearest_cure(&cures, *p);
         let failed: BTreeSet<usize> = failed.iter().filter_map(is_failed).collect();
-        let fails: Vec<bool> = (cures.iter().enumerate())
-            .map(|(k, cure)| {
-                let limit = (1.0 - GAIN) * weight_near(before, &cure.place);
-                failed.contains(&k) || weight_near(&now, &cure.place) > limit
-            })
-            .collect();
-        let of_failed = |place: &Place| {
-            let mut pairs = cures.iter().zip(&fails);
-            pairs.any(|(cure, fails)| *fails && cure.place.is_near(place))
+        // Cured apart, what is wrong between two cures is the nearer one's.
+        let is_of = |k: usize, place: &Place| {
+            let nearest = || nearest_cure(&cures, place.at) == Some(k);
+            cures[k].place.is_near(place) && (!self.apart || nearest())
         };
+        let weight = |k: usize, places: &[Place]| -> f64 {
+            let own = places.iter().filter(|p| is_of(k, p));
+            own.map(|p| p.weight).sum()
+        };
+        let is_worse = |k: usize| weight(k, &now) > (1.0 - GAIN) * weight(k, before);
+        let fails: Vec<bool> = (0..cures.len())
+            .map(|k| failed.contains(&k) || is_worse(k))
+            .collect();
+        let of_failed = |place: &Place| (0..cures.len()).any(|k| fails[k] && is_of(k, place));
         let own = cures.iter().zip(&fails).filter(|(_, fails)| **fails);
         let mut open: Vec<Place> = own.map(|(cure, _)| cure.place.clone()).collect();
         if self.apart {
