@@ -17,6 +17,7 @@ const CLIP_STRIP: f64 = 0.2;
 const TAKEOVER: Takeover = Takeover {
     room: 0.2,
     shared: true,
+    cut: false,
 };
 
 /// Holes no longer round than this many panel lengths are closed while panels are laid out, and cut out of them afterwards: rows can't go

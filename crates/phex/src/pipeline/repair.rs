@@ -115,7 +115,10 @@ pub(super) fn attempt(
         factorisations += count(&result);
         let found = Known::of(&next, result.mesh.positions.as_slice());
         let failed: Vec<Vec3> = unsettled.iter().map(|f| next.face_point[*f]).collect();
-        let (judged, wrong) = judge.judged(&next, result, clock)?;
+        // What can't be trimmed is no better than what there is.
+        let Ok((judged, wrong)) = judge.judged(&next, result, clock) else {
+            break;
+        };
         panels = next.mesh.topology().n_faces();
         let now = wrong.places(&next, &fine.surface);
         let is_better = judged.badness < best.0.badness;
@@ -149,8 +152,9 @@ pub(super) fn attempt(
             })?;
             if let Some(again) = again {
                 factorisations += count(&again.result);
-                let (judged, _) = judge.judged(&last, again.result, clock)?;
-                if judged.badness < best.0.badness {
+                let judged = judge.judged(&last, again.result, clock);
+                let better = judged.ok().filter(|j| j.0.badness < best.0.badness);
+                if let Some((judged, _)) = better {
                     best = (judged, last);
                     in_parts = true;
                 }
@@ -162,8 +166,9 @@ pub(super) fn attempt(
         // Parts do not move what is around them: all together panels come out calmer.
         let result = whole(&layout, clock)?;
         factorisations += count(&result);
-        let (all, _) = judge.judged(&layout, result, clock)?;
-        if all.badness <= judged.badness {
+        let all = judge.judged(&layout, result, clock);
+        let better = all.ok().filter(|all| all.0.badness <= judged.badness);
+        if let Some((all, _)) = better {
             judged = all;
         }
     }

@@ -45,6 +45,16 @@ impl Curve {
         }
     }
 
+    /// Diagonal of the surface.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// Largest distance between the curve and the vertices that stand for it.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
     /// The place closest to a point.
     pub fn closest(&self, p: Vec3) -> Place {
         let mut best = (

@@ -6,10 +6,11 @@
 
 use super::curve::Curve;
 use super::follow::is_simple;
-use super::{Trimmed, compact};
+use super::{Trimmed, compact, grow, omit};
 use nalgebra::Matrix3;
 use phex_mesh::{
-    FaceId, FacePlane, FlatFace, HalfEdgeId, HexMesh, PerFace, Vec3, VertexId, small_rim_faces,
+    FaceId, FacePlane, FlatFace, HalfEdgeId, HexMesh, LEAST_RIM_AREA, PerFace, Vec3, VertexId,
+    small_rim_faces,
 };
 use std::collections::BTreeSet;
 
@@ -17,6 +18,8 @@ use std::collections::BTreeSet;
 const SPARE: f64 = 0.3;
 /// How far an edge goes on, in lengths of the sliver's edge beside it.
 const REACH: f64 = 3.0;
+/// What small panels lack less, areas of one that is not small, is worth a change.
+const LESS: f64 = 0.05;
 /// Steps in which the place is sought where it leaves the surface, and bisections that locate it.
 const STEPS: usize = 24;
 const BISECTIONS: usize = 40;
@@ -28,6 +31,22 @@ pub(crate) struct Takeover {
     pub room: f64,
     /// Whether those on both sides may share a sliver; they get long then.
     pub shared: bool,
+    /// Whether panels were cut: slivers then also grow into their neighbours, or are left out where they are narrow.
+    pub cut: bool,
+}
+
+/// Clearance, mean edges, that panels keep which take over parts of cut ones.
+const ROOM_OF_CUTS: f64 = 0.06;
+
+impl Takeover {
+    /// Of panels that were cut along the boundary.
+    pub fn of_cuts() -> Self {
+        Self {
+            room: ROOM_OF_CUTS,
+            shared: false,
+            cut: true,
+        }
+    }
 }
 
 /// Lets neighbours take over small panels at the boundary, where there are fewer small ones afterwards. `inside` tells whether a point lies on the
@@ -42,22 +61,49 @@ pub(super) fn without_slivers(
     let mut tried: BTreeSet<FaceId> = BTreeSet::new();
     loop {
         let small = small_rim_faces(&trimmed.mesh);
-        let open = small.iter().find(|f| !tried.contains(&trimmed.parent[**f]));
+        // A panel that was cut may leave several slivers.
+        let name = |f: FaceId| if how.cut { f } else { trimmed.parent[f] };
+        let open = small.iter().find(|f| !tried.contains(&name(**f)));
         let Some(&sliver) = open else {
             return trimmed;
         };
-        tried.insert(trimmed.parent[sliver]);
+        tried.insert(name(sliver));
         let heirs = heirs(&trimmed.mesh, sliver);
         let taken = heirs.iter().flat_map(|heir| {
             let whole = heir.take_over(&trimmed, inside, curve, room);
             let shared = || heir.close_over(&trimmed, inside, curve, room);
             whole.or_else(|| how.shared.then(shared)?)
         });
-        let better = |next: &Trimmed| small_rim_faces(&next.mesh).len() < small.len();
-        if let Some(next) = taken.into_iter().find(better) {
+        let before = smallness(&trimmed.mesh, &small);
+        let better = |next: &Trimmed| {
+            let small = small_rim_faces(&next.mesh);
+            let (count, lacking) = smallness(&next.mesh, &small);
+            // What goes makes the mean larger, and with it what is small.
+            let less = how.cut && count == before.0 && lacking < before.1 - LESS;
+            count < before.0 || less
+        };
+        let grown = || grow::grown(&trimmed, sliver, curve, room);
+        let left_out = || omit::without(&trimmed, sliver, curve);
+        let next = taken.into_iter().find(better);
+        let next = next.or_else(|| how.cut.then(grown)?.filter(better));
+        let next = next.or_else(|| how.cut.then(left_out)?.filter(better));
+        if let Some(next) = next {
             trimmed = next;
+            if how.cut {
+                // Numbers have changed, and there is less to do each time, so this ends.
+                tried.clear();
+            }
         }
     }
+}
+
+/// How many faces are small, and how much area they lack, in areas of one that is not.
+fn smallness(mesh: &HexMesh, small: &[FaceId]) -> (usize, f64) {
+    let n = mesh.topology().n_faces() as f64;
+    let area = |f: FaceId| FlatFace::of(mesh, f).area();
+    let least = LEAST_RIM_AREA * mesh.topology().faces().map(area).sum::<f64>() / n;
+    let lacking = small.iter().map(|f| 1.0 - area(*f) / least);
+    (small.len(), lacking.sum())
 }
 
 /// A neighbour that could take over a sliver.
@@ -468,7 +514,11 @@ pub(super) mod tests {
         let curve = Curve::of(&square(), 0.7, 1e-3);
         let inside = |p: Vec3| p.y > 0.0;
         let dissolved = |shared: bool| {
-            let how = Takeover { room: 0.1, shared };
+            let how = Takeover {
+                room: 0.1,
+                shared,
+                cut: false,
+            };
             without_slivers(cut_off(), &inside, &curve, how).mesh
         };
         assert_eq!(dissolved(false).topology().n_faces(), 4);

@@ -19,7 +19,7 @@
 //!
 //! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one connected manifold. Fails, with
 //! an error, where nothing is left. Clipping can leave panels that are too small: they are joined to a neighbour in the same plane (`merge`), or the
-//! plane of a neighbour is continued over them (`dissolve`); [`phex_mesh::small_rim_faces`] lists those that are left, and the repair loop
+//! plane of a neighbour is continued over them (`dissolve`), they grow into their neighbours (`grow`), or narrow ones are left out (`omit`); [`phex_mesh::small_rim_faces`] lists those that are left, and the repair loop
 //! drops their seeds.
 
 mod chamfer;
@@ -28,8 +28,10 @@ mod curve;
 mod dissolve;
 pub(crate) mod folds;
 pub(crate) mod follow;
+mod grow;
 mod holes;
 mod merge;
+mod omit;
 mod turn;
 mod whole;
 
@@ -115,7 +117,7 @@ pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<T
                 merged,
                 &|p| domain.contains(p),
                 &clip::curve(domain),
-                Takeover::default(),
+                Takeover::of_cuts(),
             )
         }
         Boundary::Whole => whole::whole_panels(mesh, domain)?,
