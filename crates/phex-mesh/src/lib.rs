@@ -50,7 +50,9 @@ pub use plane::FacePlane;
 pub use surface::{SurfacePoint, TriangleSurface};
 pub use surface_from_soup::{SurfaceComponent, SurfaceError, SurfaceNotes, SurfaceParts};
 pub use topology::{Topology, TopologyError};
-pub use validate::{Invalid, ValidHexMesh, ValidateOptions, Violation, validate, violations};
+pub use validate::{
+    Invalid, ValidHexMesh, ValidateOptions, Violation, add_flips, validate, violations,
+};
 
 /// Points and vectors of space; which of the two is meant follows from the name.
 pub type Vec3 = nalgebra::Vector3<f64>;

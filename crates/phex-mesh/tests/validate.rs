@@ -7,7 +7,7 @@ use nalgebra::Rotation3;
 use phex_mesh::validate::{FlipReference, planarity_floor};
 use phex_mesh::{
     FaceId, HexMesh, TopologyError, TriangleSurface, ValidateOptions, Vec3, VertexId, Violation,
-    validate, violations,
+    add_flips, validate, violations,
 };
 use proptest::prelude::*;
 
@@ -296,6 +296,14 @@ fn face_is_flipped_against_the_surface_but_not_all_of_them() {
     assert_eq!(judge(&[part(0.0), turned(1.0), part(2.0)]), expected);
     assert_eq!(judge(&[turned(0.0), part(1.0), turned(2.0)]), expected);
     assert_eq!(judge(&[turned(0.0), turned(1.0)]), []);
+    // Against another surface they are added once.
+    let mesh = union(&[part(0.0), turned(1.0), part(2.0)]);
+    let mut found = check(&mesh);
+    assert_eq!(found, []);
+    for _ in 0..2 {
+        add_flips(&mut found, &mesh, &surface);
+        assert_eq!(found, expected);
+    }
 }
 
 #[test]

@@ -157,6 +157,12 @@ impl Ground {
         }
     }
 
+    /// The facets that were given, without the strip.
+    pub fn given_facets(&self) -> &TriangleSurface {
+        let trimming = self.trimming.as_ref();
+        trimming.map_or(&self.facets, |trimming| &trimming.facets)
+    }
+
     /// The surface beyond the boundary, where panels that stay whole may stick out.
     pub fn beyond(&self, fine: &TriangleSurface) -> Option<Beyond> {
         let whole = self.options.boundary == Boundary::Whole;

@@ -165,6 +165,24 @@ pub fn violations(
     found
 }
 
+/// Adds the faces whose normals point against those of another surface than [`violations`] was given: a smooth surface and the facets that it
+/// goes through may differ where two sheets are nearer to each other than a face is long.
+pub fn add_flips(found: &mut Vec<Violation>, mesh: &HexMesh, surface: &TriangleSurface) {
+    let options = ValidateOptions::default();
+    let inspection = Inspection::new(mesh, &options);
+    let mut against = inspection.against_surface(surface);
+    for violation in &*found {
+        if let Violation::FlippedFace { face, .. } = violation {
+            against[*face] = false;
+        }
+    }
+    let faces = mesh.topology().faces().filter(|f| against[*f]);
+    found.extend(faces.map(|face| Violation::FlippedFace {
+        face,
+        against: FlipReference::Surface,
+    }));
+}
+
 /// A mesh with everything that the checks share. Comparisons are written so that a NaN is a violation.
 struct Inspection<'a> {
     mesh: &'a HexMesh,

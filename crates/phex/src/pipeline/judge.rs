@@ -65,7 +65,11 @@ impl Judge<'_> {
     ) -> Result<(Judged, Wrong), TrimError> {
         let options = self.options;
         let trimmed = clock.timed("trim", || self.ground.trimmed(&result.mesh, self.fine))?;
-        let violations = clock.timed("validate", || between_panels(&trimmed.mesh, self.reported));
+        let violations = clock.timed("validate", || {
+            let mut violations = between_panels(&trimmed.mesh, self.reported);
+            phex_mesh::add_flips(&mut violations, &trimmed.mesh, self.ground.given_facets());
+            violations
+        });
         let offenders = offenders_left(&result.offenders, &trimmed);
         let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
         let deviation = clock.timed("validate", || {

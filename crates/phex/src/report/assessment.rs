@@ -4,7 +4,7 @@ use phex_mesh::measure::{
     BoundaryFit, Deviation, MeshMeasures, boundary_fit, deviation_beyond, measure,
 };
 use phex_mesh::validate::{ValidateOptions, Violation, planarity_floor, violations};
-use phex_mesh::{HexMesh, TriangleSurface};
+use phex_mesh::{HexMesh, TriangleSurface, add_flips};
 use serde::{Deserialize, Serialize};
 
 /// What a mesh must keep to.
@@ -116,7 +116,10 @@ impl Assessment {
     /// Judges a mesh.
     pub fn new(mesh: &HexMesh, references: References<'_>, tolerances: &Tolerances) -> Self {
         let measures = measure(mesh);
-        let violations = violations(mesh, references.judge(), &tolerances.validity);
+        let mut violations = violations(mesh, references.judge(), &tolerances.validity);
+        if let (Some(_), Some(facets)) = (references.smooth, references.facets) {
+            add_flips(&mut violations, mesh, facets);
+        }
         let away = |s, k: usize| deviation_beyond(mesh, s, references.beyond.map_or(s, |b| b[k]));
         let deviation_smooth = references.smooth.map(|s| away(s, 0));
         let deviation_facets = references.facets.map(|s| away(s, 1));
