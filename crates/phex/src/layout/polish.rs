@@ -2,6 +2,7 @@
 
 use super::boundary::Pin;
 use super::lattice::{Charts, Eisenstein, Plane, Transition};
+use super::wave_operator::for_each_view;
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology, VertexId};
 
@@ -22,19 +23,9 @@ impl Views {
     fn new(topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts) -> Self {
         let (mut start, mut views) = (vec![0], Vec::with_capacity(2 * topology.n_edges()));
         for v in topology.vertices() {
-            for h in topology.outgoing(v) {
-                let view = charts.half_edge(topology, h);
-                views.push((topology.target(h), view, mesh.weight[topology.edge(h)]));
-                let before = topology.prev(h);
-                if topology.twin(before).is_none() {
-                    let view = charts.half_edge(topology, before).inverse();
-                    views.push((
-                        topology.origin(before),
-                        view,
-                        mesh.weight[topology.edge(before)],
-                    ));
-                }
-            }
+            for_each_view(topology, charts, v, |w, e, view| {
+                views.push((w, view, mesh.weight[e]));
+            });
             start.push(views.len() as u32);
         }
         Self { start, views }

@@ -67,7 +67,7 @@ impl Combing {
 }
 
 /// Calls `visit` for every neighbour of a vertex with the edge and the neighbour's transition to the vertex.
-fn for_each_view(
+pub(super) fn for_each_view(
     topology: &Topology,
     charts: &Charts,
     v: VertexId,

@@ -117,18 +117,9 @@ struct Heir {
 
 /// Who could take over a sliver with one stretch of boundary: whoever has the middle of the edges inside.
 fn heirs(mesh: &HexMesh, sliver: FaceId) -> Vec<Heir> {
-    let topology = mesh.topology();
-    let ring: Vec<HalfEdgeId> = topology.face_half_edges(sliver).collect();
-    let n = ring.len();
-    let inside = |i: usize| topology.twin(ring[i % n]).is_some();
-    let mut starts = (0..n).filter(|&i| inside(i) && !inside(i + n - 1));
-    let (Some(start), None) = (starts.next(), starts.next()) else {
+    let Some(chain) = grow::inner_chain(mesh.topology(), sliver) else {
         return Vec::new();
     };
-    let chain: Vec<HalfEdgeId> = (start..start + n)
-        .take_while(|i| inside(*i))
-        .map(|i| ring[i % n])
-        .collect();
     let heir = |j: usize| Heir {
         sliver,
         edge: chain[j],
