@@ -439,6 +439,26 @@ pub(super) mod tests {
         TriangleSurface::new((0..(n + 1) * (n + 1)).map(at).collect(), &triangles).unwrap()
     }
 
+    /// The square in two panels with a triangle between them at the boundary, of a width and with its tip at `(1.5, tip)`; `height` over `x`.
+    pub fn with_triangle(width: f64, tip: f64, height: impl Fn(f64) -> f64) -> Trimmed {
+        let p = |x: f64, y: f64| Vec3::new(x, y, height(x));
+        let (a, b) = (1.5 - 0.5 * width, 1.5 + 0.5 * width);
+        let positions = vec![
+            p(0.0, 0.0),
+            p(a, 0.0),
+            p(b, 0.0),
+            p(3.0, 0.0),
+            p(1.5, tip),
+            p(1.5, 3.0),
+            p(0.0, 3.0),
+            p(3.0, 3.0),
+        ];
+        let faces: [&[u32]; 3] = [&[0, 1, 4, 5, 6], &[1, 2, 4], &[2, 3, 7, 5, 4]];
+        let mesh = HexMesh::new(positions, &faces).unwrap();
+        let parent = PerFace::from_vec(mesh.topology().faces().collect());
+        Trimmed { mesh, parent }
+    }
+
     /// An extended surface as it is, without refinement.
     pub fn domain<'a>(original: &'a TriangleSurface, extension: &'a Extension) -> Domain<'a> {
         Domain {

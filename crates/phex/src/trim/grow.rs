@@ -298,28 +298,13 @@ fn stretch(
 
 #[cfg(test)]
 mod tests {
-    use super::super::dissolve::tests::square;
+    use super::super::dissolve::tests::{square, with_triangle};
     use super::*;
-    use phex_mesh::{PerFace, small_rim_faces};
+    use phex_mesh::small_rim_faces;
 
     /// Three panels with the planes of a low pyramid with its tip at `(1.5, 0.1)`, the one in front a triangle of `width` at the boundary.
     fn pyramid(width: f64) -> Trimmed {
-        let p = |x: f64, y: f64| Vec3::new(x, y, -0.01 * (x - 1.5).abs());
-        let (a, b) = (1.5 - 0.5 * width, 1.5 + 0.5 * width);
-        let positions = vec![
-            p(0.0, 0.0),
-            p(a, 0.0),
-            p(b, 0.0),
-            p(3.0, 0.0),
-            p(1.5, 0.1),
-            p(1.5, 3.0),
-            p(0.0, 3.0),
-            p(3.0, 3.0),
-        ];
-        let faces: [&[u32]; 3] = [&[0, 1, 4, 5, 6], &[1, 2, 4], &[2, 3, 7, 5, 4]];
-        let mesh = HexMesh::new(positions, &faces).unwrap();
-        let parent = PerFace::from_vec(mesh.topology().faces().collect());
-        Trimmed { mesh, parent }
+        with_triangle(width, 0.1, |x| -0.01 * (x - 1.5).abs())
     }
 
     #[test]

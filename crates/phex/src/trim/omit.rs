@@ -46,33 +46,14 @@ pub(super) fn without(trimmed: &Trimmed, sliver: FaceId, curve: &Curve) -> Optio
 
 #[cfg(test)]
 mod tests {
-    use super::super::dissolve::tests::square;
+    use super::super::dissolve::tests::{square, with_triangle};
     use super::*;
-    use phex_mesh::HexMesh;
-
-    /// A square of side 3 in two panels with a triangle of the given height between them at the boundary.
-    fn with_sliver(height: f64) -> Trimmed {
-        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
-        let positions = vec![
-            p(0.0, 0.0),
-            p(1.4, 0.0),
-            p(1.6, 0.0),
-            p(3.0, 0.0),
-            p(1.5, height),
-            p(1.5, 3.0),
-            p(0.0, 3.0),
-            p(3.0, 3.0),
-        ];
-        let faces: [&[u32]; 3] = [&[0, 1, 4, 5, 6], &[1, 2, 4], &[2, 3, 7, 5, 4]];
-        let mesh = HexMesh::new(positions, &faces).unwrap();
-        let parent = PerFace::from_vec(mesh.topology().faces().collect());
-        Trimmed { mesh, parent }
-    }
 
     #[test]
     fn a_narrow_sliver_goes_and_a_deep_one_stays() {
         let curve = Curve::of(&square(), 0.7, 1e-3);
-        let left = |height: f64| without(&with_sliver(height), FaceId::new(1), &curve);
+        let left =
+            |height: f64| without(&with_triangle(0.2, height, |_| 0.0), FaceId::new(1), &curve);
         let after = left(0.012).unwrap();
         assert_eq!(after.mesh.topology().n_faces(), 2);
         assert_eq!(after.parent.as_slice(), [FaceId::new(0), FaceId::new(2)]);
