@@ -3,9 +3,10 @@
 mod common;
 
 use common::{Stages, figures, genus_two, punched_plane, shape, valences};
-use phex::directions::Directions;
+use phex::directions::{DirectionOptions, Directions};
+use phex::layout::dislocations::annihilate;
 use phex::layout::lattice::{Charts, Eisenstein, Plane};
-use phex::layout::seamless::{Offsets, annihilate, factorised, solve_offsets};
+use phex::layout::seamless::{Offsets, factorised, solve_offsets};
 use phex::layout::seeds::{Seed, seeds};
 use phex::layout::voronoi::{UNREACHED, grow};
 use phex::layout::{Layout, LayoutOptions, VertexKind, place_seeds, polish, waves};
@@ -223,7 +224,7 @@ fn annihilation_leaves_no_dislocation() {
         offsets.jump[e] += Eisenstein { a: 1, b: 0 }.rotated(random.random_range(0..6));
     }
     let before = flat.dislocations(&offsets.jump);
-    let done = annihilate(
+    let (done, _) = annihilate(
         flat.topology(),
         mesh,
         &flat.charts,
@@ -258,7 +259,7 @@ fn annihilation_within_reach_conserves_the_burgers_vector() {
         faces.fold(Eisenstein::ZERO, |sum, f| sum + flat.burgers(jump, f))
     };
     let before = (flat.dislocations(&jump), total(&jump));
-    let done = annihilate(topology, mesh, &flat.charts, &mut jump, 3.0);
+    let (done, _) = annihilate(topology, mesh, &flat.charts, &mut jump, 3.0);
     assert!(
         before.0 > 10 && done.moved > 0 && done.kept == 0,
         "{done:?}"
@@ -282,7 +283,7 @@ fn annihilation_keeps_to_its_length() {
     let e = phex_mesh::EdgeId::new(flat.topology().n_edges() as u32 / 2);
     offsets.jump[e] += Eisenstein { a: 0, b: 1 };
     let jump = offsets.jump.clone();
-    let done = annihilate(flat.topology(), mesh, &flat.charts, &mut offsets.jump, 0.0);
+    let (done, _) = annihilate(flat.topology(), mesh, &flat.charts, &mut offsets.jump, 0.0);
     assert_eq!((done.moved, done.kept), (0, 2));
     assert_eq!(jump, offsets.jump);
 }
@@ -478,4 +479,36 @@ fn impossible_panellings_are_refused() {
     if let Some(text) = message(&seeds[..1]) {
         assert!(text.contains("smaller panels"), "{text}");
     }
+}
+
+/// Where a lattice without dislocations is strained too much, fewer come back than any bound on the length of their ways keeps.
+#[test]
+fn dislocations_come_back_where_strain_pulls() {
+    let even = DirectionOptions {
+        conformal_limit: 0.0,
+        ..Default::default()
+    };
+    let stages = Stages::with(&shape("enneper", 3000), 300, &even);
+    let placed = |annihilation_length: Option<f64>, max_distortion: f64| {
+        let options = LayoutOptions {
+            annihilation_length,
+            max_distortion,
+            ..Default::default()
+        };
+        let placed = place_seeds(stages.topology(), &stages.directions, &options).unwrap();
+        let reached = placed.statistics;
+        (reached.distortion_p95, reached.annihilation.kept)
+    };
+    let [all, none] = [None, Some(0.0)].map(|length| placed(length, f64::MAX));
+    assert!(
+        all.1 == 0 && none.1 > 10 && all.0 > none.0,
+        "{all:?} {none:?}"
+    );
+    let bound = 0.5 * (all.0 + none.0);
+    let (distortion, kept) = placed(None, bound);
+    assert!(distortion <= bound && kept > 0, "{distortion} {kept}");
+    let by_length = (1..40).map(|k| placed(Some(0.25 * f64::from(k)), f64::MAX));
+    let fewest = by_length.filter(|(d, _)| *d <= bound).map(|(_, kept)| kept);
+    let fewest = fewest.min().unwrap();
+    assert!(kept < fewest, "{kept} against {fewest}");
 }

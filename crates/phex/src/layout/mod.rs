@@ -2,7 +2,8 @@
 //!
 //! 1. [`waves`]: lattice offsets by diffusion and projection of three waves in the charts of the direction field;
 //!    [`polish`]: Gauss-Seidel.
-//! 2. [`seamless`]: Burgers vectors moved into opposites, cones or the boundary, then one linear solve.
+//! 2. [`dislocations`]: Burgers vectors moved into opposites, cones or the boundary; [`seamless`]: one linear solve for the lattice; vectors come back
+//!    where it would be strained too much.
 //! 3. [`seeds`]: one seed vertex per lattice point; [`voronoi`]: geodesic cells in the metric, on a finer mesh.
 //! 4. [`cells`]: discs whose outlines are the panels; triangles with three labels are vertices, so every interior vertex
 //!    has degree 3 by construction.
@@ -16,6 +17,7 @@ pub mod boundary;
 pub mod boundary_nodes;
 pub mod brick_wall;
 pub mod cells;
+pub mod dislocations;
 pub mod domain;
 pub mod dual_subdivision;
 pub mod duality;
@@ -32,6 +34,7 @@ pub mod reseed;
 pub mod rim;
 pub mod seamless;
 pub mod seeds;
+mod strain;
 pub mod support_function;
 pub mod tangent_planes;
 pub mod voronoi;
@@ -43,16 +46,16 @@ pub use record::{Layout, VertexKind};
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
-use boundary::Pin;
 use cells::{CellComplex, Node};
+use dislocations::Annihilation;
 use domain::DomainError;
 use duality::DualityError;
-use lattice::{Charts, Plane};
+use lattice::Charts;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
-use phex_numeric::{Cholesky, NumericError};
+use phex_numeric::NumericError;
 use power_diagram::PowerError;
-use seamless::{Annihilation, Offsets};
+use seamless::Offsets;
 use seeds::Seed;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -162,7 +165,7 @@ pub fn place_seeds(
     );
     let rounded = Offsets::rounded(topology, &charts, position);
     let (offsets, annihilation, distortion_p95) =
-        seamless_offsets(topology, mesh, &charts, &pins, rounded, options)?;
+        strain::seamless_offsets(topology, mesh, &charts, &pins, rounded, options)?;
     let offsets = offsets.reduced(topology, &charts);
     let statistics = LayoutStatistics {
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
@@ -175,105 +178,6 @@ pub fn place_seeds(
         seeds: seeds::seeds(topology, mesh, &charts, &offsets),
         statistics,
     })
-}
-
-/// Shorter limits for the paths of dislocations, tried where all of them vanishing distorts too much.
-const SHORTER: [f64; 4] = [12.0, 6.0, 3.0, 0.0];
-
-/// The lattice with as few dislocations as the bound on distortion allows, and its distortion.
-fn seamless_offsets(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-    pins: &PerVertex<Option<Pin>>,
-    rounded: Offsets,
-    options: &LayoutOptions,
-) -> Result<(Offsets, Annihilation, f64), LayoutError> {
-    let longest = options.annihilation_length.unwrap_or(f64::INFINITY);
-    let shorter = SHORTER.into_iter().filter(|l| *l < longest);
-    let mut solver = PinnedSolver::new(topology, mesh, charts, pins);
-    let mut last = None;
-    for limit in std::iter::once(longest).chain(shorter) {
-        let mut offsets = rounded.clone();
-        let annihilation = seamless::annihilate(topology, mesh, charts, &mut offsets.jump, limit);
-        if annihilation.moved > 0 {
-            offsets.position = solver.solve(&offsets)?;
-        }
-        let mut distortion = offsets.distortion(topology, mesh, charts).into_vec();
-        distortion.sort_by(f64::total_cmp);
-        let p95 = distortion[distortion.len() * 95 / 100];
-        last = Some((offsets, annihilation, p95));
-        if p95 <= options.max_distortion {
-            break;
-        }
-    }
-    Ok(last.expect("at least one limit is tried"))
-}
-
-/// Offsets solved first without pins, to see where the boundary's rows come to lie, and then with those. The factorisations do not depend
-/// on the jumps and are made once.
-struct PinnedSolver<'a> {
-    topology: &'a Topology,
-    mesh: &'a IntrinsicMesh,
-    charts: &'a Charts,
-    pins: &'a PerVertex<Option<Pin>>,
-    free: PerVertex<Option<Pin>>,
-    /// Without pins, and with them if there are any.
-    factors: Option<(Cholesky, Option<Cholesky>)>,
-}
-
-impl<'a> PinnedSolver<'a> {
-    fn new(
-        topology: &'a Topology,
-        mesh: &'a IntrinsicMesh,
-        charts: &'a Charts,
-        pins: &'a PerVertex<Option<Pin>>,
-    ) -> Self {
-        Self {
-            topology,
-            mesh,
-            charts,
-            pins,
-            free: PerVertex::filled(topology.n_vertices(), None),
-            factors: None,
-        }
-    }
-
-    fn factorise(&self) -> Result<(Cholesky, Option<Cholesky>), NumericError> {
-        let factor = |pins, earlier| {
-            seamless::factorised(self.topology, self.mesh, self.charts, pins, earlier)
-        };
-        let free = factor(&self.free, None)?;
-        let pinned = match self.pins.iter().any(Option::is_some) {
-            true => Some(factor(self.pins, Some(free.analysis()?))?),
-            false => None,
-        };
-        Ok((free, pinned))
-    }
-
-    fn solve(&mut self, offsets: &Offsets) -> Result<PerVertex<Plane>, NumericError> {
-        let (free, pinned) = match self.factors.take() {
-            Some(factors) => factors,
-            None => self.factorise()?,
-        };
-        let solve = |pins, near: &_, factor: &_| {
-            let Self {
-                topology,
-                mesh,
-                charts,
-                ..
-            } = &*self;
-            seamless::solve_offsets(topology, mesh, charts, &offsets.jump, pins, near, factor)
-        };
-        let mut position = solve(&self.free, &offsets.position, &free);
-        if let Some(pinned) = &pinned {
-            for _ in 0..2 {
-                position = solve(self.pins, &position, pinned);
-            }
-        }
-        self.factors = Some((free, pinned));
-        Ok(position)
-    }
 }
 
 /// The fine surface on which cells are drawn.
