@@ -8,12 +8,15 @@ use super::panels::{Panels, Shape};
 use super::parts::Part;
 use super::path::Path;
 use super::simple::area;
+use super::small::AreaTerm;
 
 /// Factor of barriers or closeness from one round for a group of panels to the next.
 const STRONGER: f64 = 4.0;
 /// Reach of the barriers of tight panels, over the reach that is usual.
 const FARTHER: f64 = 1.4;
-/// Weight of a fold or of a re-entrant corner at first, over that of closeness, and the factor from each round to the next.
+/// Area that small faces pay for, over what is wanted: a penalty leaves a rest.
+const AMPLE: f64 = 1.1;
+/// Weight of a fold, a re-entrant corner or a small face at first, over that of closeness, and the factor from each round to the next.
 const FIRST_WEIGHT: f64 = 1.0;
 const HEAVIER: f64 = 10.0;
 
@@ -35,6 +38,8 @@ pub(super) enum Wish {
     Unfolded,
     /// No re-entrant corners of these faces.
     Convex { faces: Vec<bool> },
+    /// An area of each face, 0 for any.
+    Large { wanted: Vec<f64> },
 }
 
 /// Values up to which a result may always be worse; beyond them it may not be worse than before.
@@ -74,6 +79,9 @@ impl Demand {
             Wish::Convex { faces } => Wish::Convex {
                 faces: part.of_faces(faces),
             },
+            Wish::Large { wanted } => Wish::Large {
+                wanted: part.of_faces(wanted),
+            },
         };
         Self {
             wish,
@@ -107,6 +115,10 @@ impl Demand {
                 };
                 let wished = (0..faces.len()).filter(|&f| faces[f]);
                 wished.map(depth).sum()
+            }
+            Wish::Large { wanted } => {
+                let pairs = at.areas.iter().zip(wanted).filter(|(_, w)| **w > 0.0);
+                pairs.map(|(a, w)| squared(1.0 - a / w)).sum()
             }
         }
     }
@@ -157,6 +169,19 @@ impl Demand {
                     });
                 }
             }
+            Wish::Large { wanted } => {
+                // What gives way must not become tight.
+                if round > 0 {
+                    path.barriers.iter_mut().for_each(|b| b.weight *= STRONGER);
+                }
+                if let Some(areas) = path.areas() {
+                    let wanted = wanted.iter().map(|w| AMPLE * w).collect();
+                    *areas = Some(AreaTerm {
+                        weight: heavy,
+                        wanted,
+                    });
+                }
+            }
         }
     }
 }
@@ -193,6 +218,7 @@ struct Place<'a> {
     shape: &'a Shape,
     clearances: Vec<f64>,
     distances: Vec<f64>,
+    areas: Vec<f64>,
     breaches: Vec<Breach>,
 }
 
@@ -216,17 +242,18 @@ impl Judged {
             shape: &shape,
             clearances: clearances(setting.panels, &shape),
             distances: distances(setting, &x),
+            areas: areas(setting.panels, &shape),
             breaches: setting.guard.breaches(setting.panels, &shape, &x),
         };
-        let areas = areas(setting.panels, &shape);
-        let small = areas.iter().filter(|a| **a < demand.allowed.area);
+        let small = place.areas.iter().filter(|a| **a < demand.allowed.area);
+        let small = small.count();
         Self {
             planarity: shape.max_height() / setting.mean_edge,
             shortfall: demand.shortfall(setting, &place),
             clearance: place.clearances.into_iter().fold(f64::INFINITY, f64::min),
             deviation: largest(&place.distances),
             angle: sharpest_angle(setting.panels, &shape),
-            small: small.count(),
+            small,
             breaches: place.breaches.len(),
             x,
         }

@@ -12,6 +12,7 @@ use super::notches::NotchTerm;
 use super::panels::{Panels, Shape, add_block};
 use super::planarity;
 use super::simple::collision;
+use super::small::AreaTerm;
 use super::spatial_barrier;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
@@ -59,6 +60,8 @@ pub(super) struct PanelEnergy<'a> {
     pub hinges: Option<HingeTerm>,
     /// What re-entrant corners pay, where they are to go.
     pub notches: Option<NotchTerm>,
+    /// What small faces pay, where they are to grow.
+    pub areas: Option<AreaTerm>,
     /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a penalty alone; second derivatives
     /// are exact then.
     pub multipliers: Option<Vec<f64>>,
@@ -97,6 +100,7 @@ impl<'a> PanelEnergy<'a> {
             angles: None,
             hinges: None,
             notches: None,
+            areas: None,
             multipliers: None,
             armed: setting
                 .guard
@@ -193,7 +197,7 @@ impl<'a> PanelEnergy<'a> {
     fn panel_energy(&mut self) -> f64 {
         let (panels, shape) = (self.setting.panels, &self.shape);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, notches) = (&self.angles, &self.notches);
+        let (angles, notches, areas) = (&self.angles, &self.notches, &self.areas);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -215,6 +219,9 @@ impl<'a> PanelEnergy<'a> {
             }
             if let Some(notches) = notches {
                 *energy += notches.energy(f, corners);
+            }
+            if let Some(areas) = areas {
+                *energy += areas.energy(f, corners);
             }
         };
         let mut none = vec![(); panels.n_corners()];
@@ -248,7 +255,7 @@ impl<'a> PanelEnergy<'a> {
     fn linearise_faces(&mut self) {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, notches) = (&self.angles, &self.notches);
+        let (angles, notches, areas) = (&self.angles, &self.notches, &self.areas);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -280,6 +287,9 @@ impl<'a> PanelEnergy<'a> {
             }
             if let Some(notches) = notches {
                 notches.add(f, frame, corners, gradient, block);
+            }
+            if let Some(areas) = areas {
+                areas.add(f, frame, corners, gradient, block);
             }
         };
         let assembly = self.assembly;

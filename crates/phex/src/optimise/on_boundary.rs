@@ -66,7 +66,7 @@ pub fn onto_boundary(
     let (reference, kinds) = (Reference::Surface(target), kinds_of(mesh));
     let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
     let mut solvers = Solvers::new(&panels)?;
-    let before = stage.judged(&x, options);
+    let before = stage.judged(&x, options).summary.quality;
     let mut held = holds(mesh, hold);
     for _ in 0..ROUNDS {
         if held.is_empty() || progress.is_cancelled() {
@@ -157,8 +157,8 @@ pub(super) fn already_there(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap
 }
 
 impl Stage<'_> {
-    /// Figures of positions as they are.
-    fn judged(&self, x: &[f64], options: &OptimiseOptions) -> Quality {
+    /// Figures of positions as they are, and what is wrong with them.
+    pub(super) fn judged(&self, x: &[f64], options: &OptimiseOptions) -> Run {
         let way = Way {
             kind: StartKind::AsGiven,
             path: PathKind::Projection,
@@ -166,7 +166,7 @@ impl Stage<'_> {
             outcome: Outcome::empty(Status::Converged),
         };
         let reached = Reached::at(&self.setting(x), x.to_vec());
-        self.conclude(0, reached, way, options).summary.quality
+        self.conclude(0, reached, way, options)
     }
 }
 

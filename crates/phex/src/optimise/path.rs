@@ -11,6 +11,7 @@ use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
 use super::run::{Reached, barriers, better, weights};
 use super::shortcut::Projection;
+use super::small::AreaTerm;
 use super::solvers::{Dual, Reporter, Solvers};
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
@@ -115,6 +116,14 @@ impl<'a> Path<'a> {
     pub fn notches(&mut self) -> Option<&mut Option<NotchTerm>> {
         match &mut self.descent {
             Descent::Whole(whole) => Some(&mut whole.energy.notches),
+            Descent::Parts => None,
+        }
+    }
+
+    /// What small faces pay. Meshes in parts do without.
+    pub fn areas(&mut self) -> Option<&mut Option<AreaTerm>> {
+        match &mut self.descent {
+            Descent::Whole(whole) => Some(&mut whole.energy.areas),
             Descent::Parts => None,
         }
     }

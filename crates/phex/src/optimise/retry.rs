@@ -42,6 +42,10 @@ const PHASES: [usize; 3] = [3; 3];
 const PHASES_BEFORE_NEWTON: [usize; 3] = [0, 1, 3];
 /// Area, over the mean, that panels of a finished mesh keep: a little more than what counts as small at the boundary.
 const LEAST_AREA: f64 = 1.02 * phex_mesh::LEAST_RIM_AREA;
+/// Deviation, in mean edges, clearance and sharpest angle, radians, that the growth of small panels may always cost.
+const LARGE_NEAR: f64 = 0.05;
+const LARGE_ROOM: f64 = 0.1;
+const LARGE_ANGLE: f64 = 0.155;
 /// Deviation, in mean edges, that a fold's end may always cost, and the clearance.
 const FOLD_NEAR: f64 = 0.3;
 const FOLD_ROOM: f64 = 0.08;
@@ -174,6 +178,33 @@ impl Path<'_> {
         Ok(x)
     }
 
+    /// Makes small panels at the boundary of a finished mesh larger, where that can be without sharper angles, else with some.
+    pub fn enlarge(&mut self, rim: &[bool], x: &[f64]) -> Result<Vec<f64>, OptimiseError> {
+        let (panels, edge) = (self.setting.panels, self.setting.mean_edge);
+        let mut x = x.to_vec();
+        let shape = Shape::at(panels, &x);
+        let least = LEAST_AREA * mean(&areas(panels, &shape));
+        let allowed = self.options.max_deviation.map(|share| share * extent(&x));
+        let sharpest = sharpest_angle(panels, &shape);
+        for angle in [sharpest, sharpest.min(LARGE_ANGLE)] {
+            let areas = areas(panels, &Shape::at(panels, &x));
+            let small = |&f: &u32| rim[f as usize] && areas[f as usize] < least;
+            let small: Vec<u32> = (0..panels.n_faces() as u32).filter(small).collect();
+            let wanted = rim.iter().map(|r| if *r { least } else { 0.0 }).collect();
+            let demand = Demand {
+                wish: Wish::Large { wanted },
+                allowed: Allowed {
+                    deviation: (LARGE_NEAR * edge).min(allowed.unwrap_or(f64::MAX)),
+                    clearance: LARGE_ROOM * edge,
+                    angle,
+                    area: least,
+                },
+            };
+            self.retry_around(small, &demand, &mut x)?;
+        }
+        Ok(x)
+    }
+
     /// Gives panels with less than a share of the clearance that is wanted more room.
     fn widen(
         &mut self,
@@ -270,7 +301,7 @@ impl Path<'_> {
                 let y = part.of_vertices(x);
                 Some(HingeTerm::new(&part.panels, &part.guard, &y))
             }
-            Wish::Room { .. } | Wish::Nearness { .. } | Wish::Convex { .. } => None,
+            _ => None,
         };
         let mut solvers = match &hinges {
             Some(hinges) => Solvers::with_hinges(&part.panels, hinges)?,

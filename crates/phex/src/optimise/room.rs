@@ -28,6 +28,37 @@ pub fn give_room(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, OptimiseError> {
+    let work = |path: &mut Path<'_>, x: &[f64]| path.give_room(x);
+    finished(mesh, target, hold, options, progress, work)
+}
+
+/// Makes small panels at the boundary of a planar mesh larger; `None` if that can be done for none without harm.
+///
+/// # Errors
+/// If the mesh or an option can't be used.
+pub fn enlarge_small(
+    mesh: &HexMesh,
+    target: &dyn Target,
+    hold: &BoundaryHold<'_>,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Option<Optimised>, OptimiseError> {
+    let faces = mesh.topology().faces();
+    let rim = faces.map(|f| mesh.topology().is_boundary_face(f));
+    let rim: Vec<bool> = rim.collect();
+    let work = |path: &mut Path<'_>, x: &[f64]| path.enlarge(&rim, x);
+    finished(mesh, target, Some(hold), options, progress, work)
+}
+
+/// A finished mesh gone over with its boundary kept; `None` if it stays as it is.
+fn finished(
+    mesh: &HexMesh,
+    target: &dyn Target,
+    hold: Option<&BoundaryHold<'_>>,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+    work: impl FnOnce(&mut Path<'_>, &[f64]) -> Result<Vec<f64>, OptimiseError>,
+) -> Result<Option<Optimised>, OptimiseError> {
     options.check()?;
     check_mesh(mesh)?;
     let x = unknowns(mesh);
@@ -44,7 +75,7 @@ pub fn give_room(
     let setting = stage.setting(&x);
     let mut solvers = Solvers::new(&panels)?;
     let mut path = Path::new(&setting, &mut solvers, &x, options, progress)?;
-    let now = path.give_room(&x)?;
+    let now = work(&mut path, &x)?;
     if path.is_over() || now == x {
         return Ok(None);
     }
@@ -54,8 +85,9 @@ pub fn give_room(
         in_parts: path.in_parts,
         outcome: path.outcome,
     };
+    let as_it_was = stage.judged(&x, options).offenders;
     let run = stage.conclude(0, Reached::at(&setting, now), way, options);
-    let sound = run.offenders.is_empty();
+    let sound = run.offenders.len() <= as_it_was.len();
     Ok(sound.then(|| better(mesh, run, None)))
 }
 
@@ -99,6 +131,7 @@ mod tests {
     use crate::optimise::tests::fixtures::{Shape as Surface, brick_wall, layout};
     use crate::optimise::{Quality, optimise};
     use crate::progress::Silent;
+    use phex_mesh::small_rim_faces;
 
     /// Planar panels that were made with hardly a barrier.
     fn tight() -> Optimised {
@@ -178,6 +211,46 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Panels in a plane, a few at the boundary much shallower than the others.
+    fn shallow() -> HexMesh {
+        let wall = brick_wall(Surface::Square, 25, 12);
+        let (row, bottom) = (1.8 / 12.0, -0.9);
+        let lowered = |p: &Vec3| {
+            let moves = p.x.abs() < 0.3 && (p.y - bottom - row).abs() < 0.1 * row;
+            let by = if moves { 0.8 * row } else { 0.0 };
+            p - Vec3::y() * by
+        };
+        wall.with_positions(wall.positions.map(lowered))
+    }
+
+    #[test]
+    fn small_panels_at_the_boundary_grow() {
+        let before = shallow();
+        assert!(small_rim_faces(&before).len() > 1);
+        let curves = boundary(&before);
+        let hold = BoundaryHold {
+            curves: &curves,
+            corners: &[],
+        };
+        let options = OptimiseOptions::default();
+        let after = enlarge_small(&before, &Surface::Square, &hold, &options, &Silent);
+        let after = after.unwrap().expect("they can grow");
+        assert_eq!(small_rim_faces(&after.mesh), []);
+        assert_eq!(after.offenders, []);
+        let quality = &after.quality;
+        assert!(quality.planarity <= options.planarity_tolerance);
+        assert!(quality.clearance >= 0.1, "{quality:?}");
+        let topology = after.mesh.topology();
+        let rim = topology.vertices();
+        let off = rim
+            .filter(|v| topology.is_boundary_vertex(*v))
+            .map(|v| after.mesh.position(v))
+            .map(|p| (curves.closest_point(p).position - p).norm());
+        assert!(off.fold(0.0, f64::max) < 1e-9 * after.mesh.diagonal());
+        let once_more = enlarge_small(&after.mesh, &Surface::Square, &hold, &options, &Silent);
+        assert!(once_more.unwrap().is_none());
     }
 
     #[test]

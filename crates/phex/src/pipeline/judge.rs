@@ -115,6 +115,13 @@ pub(super) struct Left {
     pub deviation: f64,
 }
 
+impl Left {
+    /// Whether no panel is invalid, but for its size.
+    pub fn is_sound(&self) -> bool {
+        self.offenders.is_empty() && self.violations.is_empty()
+    }
+}
+
 /// Largest distance between panels and surface either way, away from the boundary.
 pub(super) fn inner_deviation(deviation: &Deviation) -> f64 {
     deviation.deviation_max.max(deviation.coverage_inner_max)

@@ -10,6 +10,7 @@ use crate::layout::reseed::Neighbourhoods;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, LayoutStatistics};
 use crate::optimise::{self, Known, Optimised, SurfaceTarget};
+use crate::trim::Boundary;
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
 use std::collections::HashSet;
 
@@ -188,6 +189,9 @@ pub(super) fn attempt(
         rim::to_boundary(&mut left, reported, options, progress)
     })?;
     result.runs.extend(held);
+    if left.is_sound() && options.boundary != Boundary::Whole {
+        invalid = phex_mesh::small_rim_faces(&left.trimmed.mesh).len();
+    }
     Ok(Attempt {
         invalid,
         planar: !badness.not_planar,

@@ -2,6 +2,7 @@
 //! edges would cut the curve short.
 
 use super::judge::{Left, between_panels, inner_deviation};
+use super::portfolio::GOOD_DEVIATION;
 use super::{MeshOptions, PipelineError};
 use crate::optimise::{self, BoundaryHold, Optimised, RunSummary, SurfaceTarget};
 use crate::progress::Progress;
@@ -9,24 +10,25 @@ use crate::target::boundary_corners;
 use crate::trim::{Boundary, follow};
 use phex_mesh::{BoundaryCurve, HexMesh, TriangleSurface, Vec3, VertexId};
 
-/// Brings a valid mesh to the boundary of `surface`; it is left as it was where that does harm. Told is the optimiser's run, if there
-/// was one.
+/// Brings a valid mesh to the boundary of `surface`, and makes small panels there larger; it is left as it was where that does harm. Told
+/// are the optimiser's runs.
 pub(super) fn to_boundary(
     left: &mut Left,
     surface: &TriangleSurface,
     options: &MeshOptions,
     progress: &dyn Progress,
-) -> Result<Option<RunSummary>, PipelineError> {
-    let sound = left.offenders.is_empty() && left.violations.is_empty();
-    if !sound || options.boundary == Boundary::Whole {
-        return Ok(None);
+) -> Result<Vec<RunSummary>, PipelineError> {
+    if !left.is_sound() || options.boundary == Boundary::Whole {
+        return Ok(Vec::new());
     }
     let valid = |mesh: &HexMesh| between_panels(mesh, surface).is_empty();
-    let held = on_curve(&left.trimmed.mesh, surface, options, progress)?;
-    let held = held.filter(|h| valid(&h.mesh));
-    let run = held.as_ref().and_then(|h| h.runs.first().cloned());
-    if let Some(held) = held {
-        left.trimmed.mesh = held.mesh;
+    let mut runs = Vec::new();
+    for step in [on_curve, enlarged] {
+        let next = step(&left.trimmed.mesh, surface, options, progress)?;
+        if let Some(next) = next.filter(|n| valid(&n.mesh)) {
+            left.trimmed.mesh = next.mesh;
+            runs.extend(next.runs.into_iter().take(1));
+        }
     }
     let corner_angle = options.target.corner_angle.to_radians();
     let followed = follow::followed(&left.trimmed.mesh, surface, corner_angle);
@@ -34,17 +36,47 @@ pub(super) fn to_boundary(
         left.trimmed.mesh = mesh;
     }
     left.deviation = inner_deviation(&phex_mesh::deviation(&left.trimmed.mesh, surface));
-    Ok(run)
+    Ok(runs)
+}
+
+/// A mesh with larger panels at the boundary in place of small ones; `None` where none gets larger, or panels and surface would
+/// come to stand off farther for it than is good.
+fn enlarged(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Option<Optimised>, PipelineError> {
+    let some = !phex_mesh::small_rim_faces(mesh).is_empty();
+    let Some(curves) = BoundaryCurve::of(surface).filter(|_| some) else {
+        return Ok(None);
+    };
+    let corners = corner_points(surface, options);
+    let hold = BoundaryHold {
+        curves: &curves,
+        corners: &corners,
+    };
+    let target = SurfaceTarget::new(surface);
+    let larger = optimise::enlarge_small(mesh, &target, &hold, &options.optimise, progress)?;
+    let off = |mesh: &HexMesh| off(mesh, [surface, surface])[0];
+    Ok(larger.filter(|larger| off(&larger.mesh) <= off(mesh).max(GOOD_DEVIATION)))
+}
+
+/// How far panels stand off the surface, and the surface off the panels, over the diagonal.
+fn off(mesh: &HexMesh, [surface, beyond]: [&TriangleSurface; 2]) -> [f64; 2] {
+    let deviation = phex_mesh::deviation_beyond(mesh, surface, beyond);
+    [inner_deviation(&deviation), deviation.coverage_max]
 }
 
 /// A valid mesh with more room in tight panels; `None` where there is none to be had, or panels and surface would come to stand off
 /// farther for it, or more panels at the boundary would be small.
 pub(super) fn roomier(
     mesh: &HexMesh,
-    [surface, beyond]: [&TriangleSurface; 2],
+    surfaces: [&TriangleSurface; 2],
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, PipelineError> {
+    let [surface, beyond] = surfaces;
     let curves = match options.boundary {
         Boundary::Whole => None,
         _ => BoundaryCurve::of(surface),
@@ -56,12 +88,8 @@ pub(super) fn roomier(
     });
     let (target, settings) = (SurfaceTarget::new(beyond), &options.optimise);
     let roomy = optimise::give_room(mesh, &target, hold.as_ref(), settings, progress)?;
-    let off = |mesh: &HexMesh| {
-        let deviation = phex_mesh::deviation_beyond(mesh, surface, beyond);
-        [inner_deviation(&deviation), deviation.coverage_max]
-    };
     Ok(roomy.filter(|roomy| {
-        let (before, now) = (off(mesh), off(&roomy.mesh));
+        let (before, now) = (off(mesh, surfaces), off(&roomy.mesh, surfaces));
         let as_near = (0..2).all(|k| now[k] <= before[k]);
         let small = |mesh: &HexMesh| phex_mesh::small_rim_faces(mesh).len();
         let as_large = options.boundary == Boundary::Whole || small(&roomy.mesh) <= small(mesh);

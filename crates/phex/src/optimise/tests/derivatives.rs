@@ -10,6 +10,7 @@ use crate::optimise::holds::Holds;
 use crate::optimise::jacobian::Jacobian;
 use crate::optimise::notches::NotchTerm;
 use crate::optimise::panels::{Panels, unknowns};
+use crate::optimise::small::AreaTerm;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
@@ -208,6 +209,28 @@ fn gradient_of_notches() {
                 weight: 2.0,
                 faces: vec![true; energy.panels().n_faces()],
                 edge: mesh.mean_edge(),
+            });
+            gradient_agrees(energy, x, hessian, mesh.mean_edge());
+        },
+    );
+}
+
+#[test]
+fn gradient_of_small_areas() {
+    let mesh = rough(Shape::MonkeySaddle);
+    with_energy(
+        &mesh,
+        Shape::MonkeySaddle,
+        NOTHING,
+        NO_BARRIER,
+        |energy, x, hessian| {
+            let panels = energy.panels();
+            // All lack some, but those that may have any.
+            let size = 4.0 * mesh.mean_edge().powi(2);
+            let wanted = (0..panels.n_faces()).map(|f| if f % 3 > 0 { size } else { 0.0 });
+            energy.areas = Some(AreaTerm {
+                weight: 2.0,
+                wanted: wanted.collect(),
             });
             gradient_agrees(energy, x, hessian, mesh.mean_edge());
         },
