@@ -63,14 +63,6 @@ impl Cholesky {
         Ok(cholesky)
     }
 
-    /// A factorisation of nothing yet with the analysis of this one; [`refactor`](Self::refactor) must follow.
-    ///
-    /// # Errors
-    /// [`NumericError::TooLarge`] if the factor does not fit.
-    pub fn analysis(&self) -> Result<Self, NumericError> {
-        Self::of_analysis(self.symbolic.clone(), self.matrix.pattern())
-    }
-
     /// Analyses a pattern; [`refactor`](Self::refactor) must follow before anything is solved.
     /// If `block` consecutive unknowns always stand together, the ordering is found block by block.
     ///

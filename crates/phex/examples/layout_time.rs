@@ -64,7 +64,6 @@ fn split(triangles: usize, panels: usize) -> Result<(), Box<dyn Error>> {
             mesh,
             &charts,
             &free,
-            None,
         )?)
     })?;
     let (t_lattice, placed) =

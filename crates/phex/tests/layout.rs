@@ -299,7 +299,7 @@ fn the_solve_finds_the_lattice_of_exact_jumps() {
     let mut shift = || random.random_range(-0.3..0.3);
     let start = exact.map(|z| z + Plane::new(shift(), shift()));
     let free = flat.free();
-    let factor = factorised(topology, mesh, &flat.charts, &free, None).unwrap();
+    let factor = factorised(topology, mesh, &flat.charts, &free).unwrap();
     let solved = solve_offsets(topology, mesh, &flat.charts, &jump, &free, &start, &factor);
     let translation = solved[VertexId::new(0)] - exact[VertexId::new(0)];
     for v in topology.vertices() {

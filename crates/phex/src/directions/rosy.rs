@@ -192,7 +192,7 @@ pub(crate) fn solve(
 }
 
 /// The same without refinement, for well-conditioned systems.
-fn rough_solution(
+pub(crate) fn rough_solution(
     factor: &Cholesky,
     rhs: impl Fn(usize) -> Complex<f64>,
     n: usize,

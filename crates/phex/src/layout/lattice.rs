@@ -150,6 +150,15 @@ impl Charts {
         Self { edge }
     }
 
+    /// The same, with the lattice points that jumps name for the origins of the targets' charts.
+    pub(super) fn with_jumps(&self, jump: &PerEdge<Eisenstein>) -> Self {
+        let edge = PerEdge::from_fn(self.edge.len(), |e| Transition {
+            offset: self.edge[e].offset - jump[e].to_plane(),
+            ..self.edge[e]
+        });
+        Self { edge }
+    }
+
     /// The transition along an edge, from target to origin of its half-edge.
     pub fn edge(&self, e: EdgeId) -> Transition {
         self.edge[e]

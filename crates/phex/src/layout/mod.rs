@@ -17,6 +17,7 @@ pub mod boundary;
 pub mod boundary_nodes;
 pub mod brick_wall;
 pub mod cells;
+mod chart_graph;
 pub mod dislocations;
 pub mod domain;
 pub mod dual_subdivision;

@@ -1,8 +1,8 @@
 //! Gauss-Seidel polish of lattice offsets: every vertex moves to the mean of what its neighbours see, modulo the lattice.
 
 use super::boundary::Pin;
+use super::chart_graph::for_each_view;
 use super::lattice::{Charts, Eisenstein, Plane, Transition};
-use super::wave_operator::for_each_view;
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology, VertexId};
 

@@ -7,7 +7,7 @@ use super::boundary::Pin;
 use super::lattice::{Charts, Eisenstein, Plane, dot, rotate};
 use super::waves::{self, Projector};
 use crate::directions::intrinsic::IntrinsicMesh;
-use crate::directions::rosy::{push_block, solve};
+use crate::directions::rosy::{push_block, rough_solution};
 use phex_mesh::{EdgeId, PerEdge, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 
@@ -73,7 +73,7 @@ impl Offsets {
 }
 
 /// Weight, over the area, of the hold on the offsets before.
-const ANCHOR: f64 = 1e-8;
+pub(super) const ANCHOR: f64 = 1e-8;
 
 /// Lattice offsets that fit the edges best with given jumps, and the pins; nearest to `near` where that leaves them free. `factor` is that
 /// of [`factorised`] with the same charts and pins.
@@ -101,14 +101,12 @@ pub fn solve_offsets(
             rhs[v.index()] += pin.normal * (pin.weight * dot(pin.normal, wanted));
         }
     }
-    let mut position = PerVertex::from_vec(solve(factor, |i| rhs[i], rhs.len()));
-    if let Some(turn) = common_frame(topology, charts) {
-        translate(&mut position, near, mesh, &turn);
-    }
+    let mut position = PerVertex::from_vec(rough_solution(factor, |i| rhs[i], rhs.len()));
+    translate(topology, mesh, charts, near, &mut position);
     position
 }
 
-/// The system of [`solve_offsets`], factorised; with the analysis of an earlier one, if there is any.
+/// The system of [`solve_offsets`], factorised.
 ///
 /// # Errors
 /// If it is singular to rounding.
@@ -117,7 +115,6 @@ pub fn factorised(
     mesh: &IntrinsicMesh,
     charts: &Charts,
     pins: &PerVertex<Option<Pin>>,
-    earlier: Option<Cholesky>,
 ) -> Result<Cholesky, NumericError> {
     let n = topology.n_vertices();
     let mut own: Vec<f64> = mesh.mass.iter().map(|m| ANCHOR * m).collect();
@@ -145,7 +142,7 @@ pub fn factorised(
         push_pin(&mut entries, v.index() as u32, pin.as_ref());
     }
     let matrix = SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?;
-    Cholesky::again(earlier, &matrix, 2)
+    Cholesky::again(None, &matrix, 2)
 }
 
 /// Turns that take each chart to that of the first vertex, where no loop turns: then a common translation costs nothing.
@@ -179,14 +176,18 @@ fn common_frame(topology: &Topology, charts: &Charts) -> Option<PerVertex<u8>> {
         .map(PerVertex::from_vec)
 }
 
-/// Translates a lattice to where it fits `near` best, modulo the lattice: which of several shortest paths a dislocation took
-/// shifts offsets by lattice vectors and must not matter.
-fn translate(
-    position: &mut PerVertex<Plane>,
-    near: &PerVertex<Plane>,
+/// Translates a lattice to where it fits `near` best, modulo the lattice, if a common translation costs nothing: which of several shortest paths a dislocation
+/// took shifts offsets by lattice vectors and must not matter.
+pub(super) fn translate(
+    topology: &Topology,
     mesh: &IntrinsicMesh,
-    turn: &PerVertex<u8>,
+    charts: &Charts,
+    near: &PerVertex<Plane>,
+    position: &mut PerVertex<Plane>,
 ) {
+    let Some(turn) = common_frame(topology, charts) else {
+        return;
+    };
     let mut sum = [Plane::new(0.0, 0.0); 3];
     for (v, &t) in turn.enumerate() {
         let seen = waves::waves(rotate(near[v] - position[v], t));

@@ -5,9 +5,10 @@
 //! along the way).
 
 use super::boundary::Pin;
+use super::chart_graph::{ChartGraph, Combing};
 use super::dislocations::{self, Annihilation, annihilate};
 use super::lattice::{Charts, Eisenstein, Plane, dot};
-use super::seamless::{Offsets, factorised, solve_offsets};
+use super::seamless::{Offsets, factorised, solve_offsets, translate};
 use super::{LayoutError, LayoutOptions};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{EdgeId, PerVertex, Topology};
@@ -29,7 +30,13 @@ pub(super) fn seamless_offsets(
     let (mut annihilation, slips) =
         annihilate(topology, mesh, charts, &mut rounded.jump.clone(), longest);
     let mut taken = vec![true; slips.len()];
-    let mut solver = PinnedSolver::new(topology, mesh, charts, pins);
+    let mut solver = PinnedSolver {
+        topology,
+        mesh,
+        charts,
+        pins,
+        factor: None,
+    };
     loop {
         let mut offsets = rounded.clone();
         let changes = dislocations::slip(topology, charts, &mut offsets.jump, &slips, &taken);
@@ -61,8 +68,8 @@ fn distortion(
     charts: &Charts,
 ) -> f64 {
     let mut all = offsets.distortion(topology, mesh, charts).into_vec();
-    all.sort_by(f64::total_cmp);
-    all[all.len() * 95 / 100]
+    let rank = all.len() * 95 / 100;
+    *all.select_nth_unstable_by(rank, f64::total_cmp).1
 }
 
 /// How hard strain pulls a Burgers vector back along the way on which it changed jumps.
@@ -80,67 +87,57 @@ fn pull(
     changes.iter().map(at).sum()
 }
 
-/// Offsets solved first without pins, to see where the boundary's rows come to lie, and then with those. The factorisations do not depend
-/// on the jumps and are made once.
+/// Offsets that fit jumps best. Those that are pinned to the boundary's rows are solved for roughly first, without pins, to see where rows come to lie. The factorisation
+/// does not depend on the jumps and is made once.
 struct PinnedSolver<'a> {
     topology: &'a Topology,
     mesh: &'a IntrinsicMesh,
     charts: &'a Charts,
     pins: &'a PerVertex<Option<Pin>>,
-    free: PerVertex<Option<Pin>>,
-    /// Without pins, and with them if there are any.
-    factors: Option<(Cholesky, Option<Cholesky>)>,
+    factor: Option<Cholesky>,
 }
 
-impl<'a> PinnedSolver<'a> {
-    fn new(
-        topology: &'a Topology,
-        mesh: &'a IntrinsicMesh,
-        charts: &'a Charts,
-        pins: &'a PerVertex<Option<Pin>>,
-    ) -> Self {
-        Self {
-            topology,
-            mesh,
-            charts,
-            pins,
-            free: PerVertex::filled(topology.n_vertices(), None),
-            factors: None,
-        }
-    }
-
-    fn factorise(&self) -> Result<(Cholesky, Option<Cholesky>), NumericError> {
-        let factor =
-            |pins, earlier| factorised(self.topology, self.mesh, self.charts, pins, earlier);
-        let free = factor(&self.free, None)?;
-        let pinned = match self.pins.iter().any(Option::is_some) {
-            true => Some(factor(self.pins, Some(free.analysis()?))?),
-            false => None,
-        };
-        Ok((free, pinned))
-    }
-
+impl PinnedSolver<'_> {
     fn solve(&mut self, offsets: &Offsets) -> Result<PerVertex<Plane>, NumericError> {
-        let (free, pinned) = match self.factors.take() {
-            Some(factors) => factors,
-            None => self.factorise()?,
+        let factor = match self.factor.take() {
+            Some(factor) => factor,
+            None => factorised(self.topology, self.mesh, self.charts, self.pins)?,
         };
-        let solve = |pins, near: &_, factor: &_| {
+        let solve = |near: &_| {
             let Self {
                 topology,
                 mesh,
                 charts,
+                pins,
                 ..
             } = &*self;
-            solve_offsets(topology, mesh, charts, &offsets.jump, pins, near, factor)
+            solve_offsets(topology, mesh, charts, &offsets.jump, pins, near, &factor)
         };
-        let mut position = solve(&self.free, &offsets.position, &free);
-        if let Some(pinned) = &pinned {
-            for _ in 0..2 {
-                position = solve(self.pins, &position, pinned);
-            }
-        }
-        self.factors = Some((free, pinned));
+        let position = match self.pins.iter().any(Option::is_some) {
+            true => solve(&solve(&self.rough_positions(offsets)?)),
+            false => solve(&offsets.position),
+        };
+        self.factor = Some(factor);
+        Ok(position)
+    }
+
+    /// Positions without pins, solved for on groups of vertices.
+    fn rough_positions(&self, offsets: &Offsets) -> Result<PerVertex<Plane>, NumericError> {
+        let Self { topology, mesh, .. } = self;
+        let charts = self.charts.with_jumps(&offsets.jump);
+        let combing = Combing::new(topology, &charts);
+        let free = PerVertex::filled(topology.n_vertices(), None);
+        let (groups, members) = ChartGraph::new(topology, mesh, &charts, &free, &combing).coarse();
+        let of_group = groups.best_positions()?;
+        let position = members.iter().map(|m| m.of(&of_group));
+        let mut position = combing.restored(position);
+        translate(
+            topology,
+            mesh,
+            self.charts,
+            &offsets.position,
+            &mut position,
+        );
         Ok(position)
     }
 }

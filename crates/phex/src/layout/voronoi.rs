@@ -7,7 +7,7 @@
 use super::seeds::Seed;
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology, VertexId};
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Label of a vertex that no seed reaches.
@@ -22,25 +22,23 @@ pub struct Cells {
     pub distance: PerVertex<f64>,
 }
 
-#[derive(Clone, Copy, PartialEq)]
-struct Front {
-    distance: f64,
-    label: u32,
-    vertex: VertexId,
-}
+/// Distance, label and vertex in one number, which sorts by them in this order: comparing is most of what the heap does.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Front(u128);
 
-impl Eq for Front {}
-impl PartialOrd for Front {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
+impl Front {
+    /// Bits of numbers that are not negative sort as the numbers do.
+    fn new(distance: f64, label: u32, vertex: VertexId) -> Self {
+        let low = (u64::from(label) << 32) | vertex.index() as u64;
+        Self((u128::from(distance.to_bits()) << 64) | u128::from(low))
     }
-}
-impl Ord for Front {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let by_distance = self.distance.total_cmp(&other.distance);
-        by_distance
-            .then(self.label.cmp(&other.label))
-            .then(self.vertex.cmp(&other.vertex))
+
+    fn label(self) -> u32 {
+        (self.0 >> 32) as u32
+    }
+
+    fn vertex(self) -> VertexId {
+        VertexId::new(self.0 as u32)
     }
 }
 
@@ -124,17 +122,13 @@ fn spread<'a>(
             if distance < cells.distance[vertex] {
                 cells.distance[vertex] = distance;
                 cells.label[vertex] = label as u32;
-                heap.push(Reverse(Front {
-                    distance,
-                    label: label as u32,
-                    vertex,
-                }));
+                heap.push(Reverse(Front::new(distance, label as u32, vertex)));
             }
         }
     }
     while let Some(Reverse(front)) = heap.pop() {
-        let v = front.vertex;
-        if settled[v] || front.label != cells.label[v] {
+        let (v, label) = (front.vertex(), front.label());
+        if settled[v] || label != cells.label[v] {
             continue;
         }
         settled[v] = true;
@@ -146,14 +140,10 @@ fn spread<'a>(
                     continue;
                 }
                 let distance = reach(topology, mesh, cells, settled, h, v, to, third);
-                if (distance, front.label) < (cells.distance[to], cells.label[to]) {
+                if (distance, label) < (cells.distance[to], cells.label[to]) {
                     cells.distance[to] = distance;
-                    cells.label[to] = front.label;
-                    heap.push(Reverse(Front {
-                        distance,
-                        label: front.label,
-                        vertex: to,
-                    }));
+                    cells.label[to] = label;
+                    heap.push(Reverse(Front::new(distance, label, to)));
                 }
             }
         }
