@@ -6,6 +6,7 @@
 mod brick_wall;
 mod classical;
 mod cures;
+mod draws;
 mod field;
 mod folds;
 mod judge;
@@ -104,6 +105,8 @@ pub struct MeshOptions {
     pub portfolio: Vec<Candidate>,
     /// Layout by a lattice.
     pub layout: LayoutOptions,
+    /// Lattices tried at the most, from different random starts; the most regular is kept.
+    pub draws: usize,
     /// Layout as a brick wall.
     pub brick_wall: BrickWallOptions,
     /// The methods that work by planes and their poles.
@@ -135,6 +138,7 @@ impl Default for MeshOptions {
             method: Method::default(),
             portfolio: Candidate::others(),
             layout: LayoutOptions::default(),
+            draws: 4,
             brick_wall: BrickWallOptions::default(),
             dual: DualOptions::default(),
             optimise: OptimiseOptions::default(),

@@ -122,6 +122,8 @@ pub enum LayoutError {
 /// What the position step reached.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct LayoutStatistics {
+    /// Seed of the random start that led to it.
+    pub seed: u64,
     /// Cones of the direction field (triangles with an index).
     pub cones: usize,
     /// Pairs of opposite cones that were cancelled.
@@ -169,6 +171,7 @@ pub fn place_seeds(
         strain::seamless_offsets(topology, mesh, &charts, &pins, rounded, options)?;
     let offsets = offsets.reduced(topology, &charts);
     let statistics = LayoutStatistics {
+        seed: options.seed,
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
         cancelled: directions.cancelled,
         pushed: directions.pushed,

@@ -10,7 +10,8 @@ use crate::directions::{self, DirectionOptions, Directions};
 use crate::directions::{cones, size};
 use crate::ground::Ground;
 use crate::layout::lattice::CELL;
-use crate::layout::{self, CellSurface, LayoutOptions, Placed};
+use crate::layout::seeds::Seed;
+use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed};
 use crate::target::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -25,7 +26,7 @@ pub(super) struct Field {
 }
 
 /// Deviation from the number of panels asked for that is corrected by another lattice.
-const COUNT_TOLERANCE: f64 = 0.06;
+pub(super) const COUNT_TOLERANCE: f64 = 0.06;
 /// Lattices tried for that at the most.
 const COUNT_TRIES: usize = 3;
 /// Panels that a boundary adds, per panel length of it: cells that it cuts are kept when half is left, more or less.
@@ -348,6 +349,11 @@ impl FineSurface {
             mesh,
             corners,
         }
+    }
+
+    /// The panels that grow from seeds, made more regular.
+    pub(super) fn calm_panels(&self, seeds: &[Seed]) -> Result<Layout, LayoutError> {
+        layout::panelling(&self.cells(), seeds).map(layout::calmed)
     }
 
     pub(super) fn cells(&self) -> CellSurface<'_> {

@@ -161,7 +161,7 @@ impl AttemptSummary {
 }
 
 /// Panels inside that are no hexagons, beyond those that the topology asks for.
-fn irregular_panels(mesh: &HexMesh) -> usize {
+pub(super) fn irregular_panels(mesh: &HexMesh) -> usize {
     let topology = mesh.topology();
     let inside = topology.faces().filter(|f| !topology.is_boundary_face(*f));
     let irregular = inside.filter(|f| topology.valence(*f) != 6).count();

@@ -1,6 +1,7 @@
 //! Layout, optimiser and the repair loop for a lattice of one kind.
 
 use super::cures::{Cures, Place};
+use super::draws::{Drawn, most_regular};
 use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
 use super::judge::{Badness, Judge, Judged, Left};
 use super::{Clock, MeshOptions, PipelineError, RepairRound, folds, rim};
@@ -8,7 +9,7 @@ use crate::directions::guides::Cone;
 use crate::ground::{Beyond, Ground};
 use crate::layout::reseed::Neighbourhoods;
 use crate::layout::seeds::Seed;
-use crate::layout::{self, Layout, LayoutError, LayoutStatistics};
+use crate::layout::{Layout, LayoutStatistics};
 use crate::optimise::{self, Known, Optimised, SurfaceTarget};
 use crate::trim::Boundary;
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
@@ -41,6 +42,7 @@ const PATIENCE: usize = 6;
 /// Share of invalid panels above which they are too large for the surface, and rounds after which that is known.
 const HOPELESS: f64 = 0.1;
 const FEW_REPAIRS: usize = 2;
+
 /// Layout, optimiser and the repair loop for a lattice of one kind.
 pub(super) fn attempt(
     ground: &Ground,
@@ -57,8 +59,8 @@ pub(super) fn attempt(
     let (ground, level) = finer.as_ref().map_or_else(plain, |(g, l)| (g, *l));
     let field = Field::new(ground, level, options, &settings, clock)?;
     let fine = FineSurface::new(ground, &field);
-    let mut seeds = field.placed.seeds.clone();
-    let layout = clock.stage("layout", || calm_panels(&fine, &seeds))??;
+    let Drawn { placed, layout } = most_regular(ground, &field, &fine, options, clock)?;
+    let mut seeds = placed.seeds;
     let target = SurfaceTarget::new(ground.close_to(&fine.surface));
     let reported = ground.reported(&fine.surface);
     let beyond = ground.beyond(&fine.surface);
@@ -103,7 +105,7 @@ pub(super) fn attempt(
         });
         let Some(round) = round else { break };
         repairs.push(round);
-        let Ok(next) = clock.timed("layout", || calm_panels(&fine, &seeds)) else {
+        let Ok(next) = clock.timed("layout", || fine.calm_panels(&seeds)) else {
             break;
         };
         let again = clock.timed("optimise", || {
@@ -146,7 +148,7 @@ pub(super) fn attempt(
         }
     }
     if !is_known && !progress.is_cancelled() {
-        let last = clock.timed("layout", || calm_panels(&fine, &seeds));
+        let last = clock.timed("layout", || fine.calm_panels(&seeds));
         if let Ok(last) = last {
             let again = clock.timed("optimise", || {
                 optimise::optimise_again(&last, &known, &target, &options.optimise, progress)
@@ -195,7 +197,7 @@ pub(super) fn attempt(
     Ok(Attempt {
         invalid,
         planar: !badness.not_planar,
-        layout: field.placed.statistics,
+        layout: placed.statistics,
         cones: field.cones(&ground.smooth),
         regular_possible: field.regular_possible(&ground.smooth),
         result,
@@ -234,9 +236,6 @@ fn count(result: &Optimised) -> usize {
     result.runs.iter().map(|r| r.factorisations).sum()
 }
 
-fn calm_panels(fine: &FineSurface, seeds: &[Seed]) -> Result<Layout, LayoutError> {
-    layout::panelling(&fine.cells(), seeds).map(layout::calmed)
-}
 /// Changes the seeds where something is wrong; `None` if there is nothing left to do.
 fn next_round(
     cures: &mut Cures,
