@@ -191,15 +191,15 @@ fn panels_meet_the_boundary_exactly_where_they_can() {
 }
 
 #[test]
-fn clipped_panels_follow_the_boundary_and_stay_planar() {
-    // Smooth boundaries: a cut may still leave slivers where it grazes a row, and says so.
-    for (name, surface) in surfaces().into_iter().filter(|(n, _)| *n == "half torus") {
+fn clipped_panels_follow_the_boundary_and_are_planar_and_not_small() {
+    for (name, surface) in surfaces() {
         let run = meshed(&surface, Boundary::Clip);
         is_sound(name, &surface, &run);
         follows_the_boundary(name, &surface, &run);
         let flat = FlatFace::all(&run.mesh);
         let worst = flat.iter().map(|f| f.planarity_length).fold(0.0, f64::max);
         assert!(worst <= 1e-12 * run.mesh.mean_edge(), "{name}: {worst}");
+        assert_eq!(small_rim_faces(&run.mesh), [], "{name}");
     }
 }
 

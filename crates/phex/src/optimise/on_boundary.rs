@@ -201,17 +201,29 @@ fn holds(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
     let number = |v: VertexId| v.index() as u32;
     let between = rim.iter().filter(|v| topology.face_degree(**v) == 2);
     let mut held: BTreeMap<u32, Hold> = between.map(|v| (number(*v), Hold::OnCurve)).collect();
+    let at_corners = near_corners(mesh, hold.corners).into_iter();
+    held.extend(at_corners.map(|(v, corner)| (number(v), Hold::At(corner))));
+    held
+}
+
+/// The vertex of the boundary next to each corner of the curves, where there is one within reach.
+pub(super) fn near_corners(mesh: &HexMesh, corners: &[Vec3]) -> Vec<(VertexId, Vec3)> {
+    let topology = mesh.topology();
+    let rim = topology
+        .vertices()
+        .filter(|v| topology.is_boundary_vertex(*v));
+    let rim: Vec<VertexId> = rim.collect();
     let reach = CORNER_REACH * mesh.mean_edge();
-    for corner in hold.corners {
+    let nearest = |corner: &Vec3| {
         let distance = |v: &VertexId| (mesh.position(*v) - corner).norm();
         let nearest = rim
             .iter()
             .min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        if let Some(v) = nearest.filter(|v| distance(v) < reach) {
-            held.insert(number(*v), Hold::At(*corner));
-        }
-    }
-    held
+        nearest
+            .filter(|v| distance(v) < reach)
+            .map(|v| (*v, *corner))
+    };
+    corners.iter().filter_map(nearest).collect()
 }
 
 /// Vertices of panels that holding has harmed; none if the result can be used.

@@ -42,9 +42,9 @@ const PHASES: [usize; 3] = [3; 3];
 const PHASES_BEFORE_NEWTON: [usize; 3] = [0, 1, 3];
 /// Area, over the mean, that panels of a finished mesh keep: a little more than what counts as small at the boundary.
 const LEAST_AREA: f64 = 1.02 * phex_mesh::LEAST_RIM_AREA;
-/// Deviation, in mean edges, clearance and sharpest angle, radians, that the growth of small panels may always cost.
+/// Deviation, in mean edges, and sharpest angle, radians, that the growth of small panels may always cost, and the clearance, where it can be and at the least.
 const LARGE_NEAR: f64 = 0.05;
-const LARGE_ROOM: f64 = 0.1;
+const LARGE_ROOM: [f64; 2] = [0.2, 0.1];
 const LARGE_ANGLE: f64 = 0.155;
 /// Deviation, in mean edges, that a fold's end may always cost, and the clearance.
 const FOLD_NEAR: f64 = 0.3;
@@ -186,7 +186,9 @@ impl Path<'_> {
         let least = LEAST_AREA * mean(&areas(panels, &shape));
         let allowed = self.options.max_deviation.map(|share| share * extent(&x));
         let sharpest = sharpest_angle(panels, &shape);
-        for angle in [sharpest, sharpest.min(LARGE_ANGLE)] {
+        let [room, least_room] = LARGE_ROOM;
+        let last = (sharpest.min(LARGE_ANGLE), least_room);
+        for (angle, clearance) in [(sharpest, room), (sharpest, least_room), last] {
             let areas = areas(panels, &Shape::at(panels, &x));
             let small = |&f: &u32| rim[f as usize] && areas[f as usize] < least;
             let small: Vec<u32> = (0..panels.n_faces() as u32).filter(small).collect();
@@ -195,7 +197,7 @@ impl Path<'_> {
                 wish: Wish::Large { wanted },
                 allowed: Allowed {
                     deviation: (LARGE_NEAR * edge).min(allowed.unwrap_or(f64::MAX)),
-                    clearance: LARGE_ROOM * edge,
+                    clearance: clearance * edge,
                     angle,
                     area: least,
                 },

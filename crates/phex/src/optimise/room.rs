@@ -4,7 +4,7 @@
 //! of what came of it: Newton's method on the constraints first, then the last phases. Vertices on the boundary curve stay on it,
 //! other ones of the boundary stay where they are. A place is only taken where it costs neither nearness nor the sharpest angle.
 
-use super::on_boundary::already_there;
+use super::on_boundary::{already_there, near_corners};
 use super::options::NEWTON_ITERATIONS;
 use super::panels::{Panels, Shape, unknowns};
 use super::path::Path;
@@ -29,10 +29,10 @@ pub fn give_room(
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, OptimiseError> {
     let work = |path: &mut Path<'_>, x: &[f64]| path.give_room(x);
-    finished(mesh, target, hold, options, progress, work)
+    finished(mesh, target, hold, &[], options, progress, work)
 }
 
-/// Makes small panels at the boundary of a planar mesh larger; `None` if that can be done for none without harm.
+/// Makes small panels at the boundary of a planar mesh larger, vertices next to its corners at rest; `None` if that can be done for none without harm.
 ///
 /// # Errors
 /// If the mesh or an option can't be used.
@@ -47,14 +47,17 @@ pub fn enlarge_small(
     let rim = faces.map(|f| mesh.topology().is_boundary_face(f));
     let rim: Vec<bool> = rim.collect();
     let work = |path: &mut Path<'_>, x: &[f64]| path.enlarge(&rim, x);
-    finished(mesh, target, Some(hold), options, progress, work)
+    let at_corners = near_corners(mesh, hold.corners).into_iter();
+    let rest: Vec<VertexId> = at_corners.map(|(v, _)| v).collect();
+    finished(mesh, target, Some(hold), &rest, options, progress, work)
 }
 
-/// A finished mesh gone over with its boundary kept; `None` if it stays as it is.
+/// A finished mesh gone over with its boundary kept and some vertices at rest; `None` if it stays as it is.
 fn finished(
     mesh: &HexMesh,
     target: &dyn Target,
     hold: Option<&BoundaryHold<'_>>,
+    rest: &[VertexId],
     options: &OptimiseOptions,
     progress: &dyn Progress,
     work: impl FnOnce(&mut Path<'_>, &[f64]) -> Result<Vec<f64>, OptimiseError>,
@@ -68,6 +71,10 @@ fn finished(
     let (reference, kinds) = (Reference::Surface(target), kinds_of(mesh));
     let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
     stage.holds = rim_holds(mesh, &shape, hold);
+    let rest = rest
+        .iter()
+        .map(|v| (v.index() as u32, Hold::At(mesh.position(*v))));
+    stage.holds.held.extend(rest);
     let options = &OptimiseOptions {
         newton_iterations: options.newton_iterations.or(Some(NEWTON_ITERATIONS)),
         ..options.clone()
@@ -249,6 +256,20 @@ mod tests {
             .map(|v| after.mesh.position(v))
             .map(|p| (curves.closest_point(p).position - p).norm());
         assert!(off.fold(0.0, f64::max) < 1e-9 * after.mesh.diagonal());
+        // A vertex next to a corner rests.
+        let at_small = before.topology().face_vertices(small_rim_faces(&before)[0]);
+        let v = *(at_small.iter())
+            .find(|v| before.topology().is_boundary_vertex(**v))
+            .unwrap();
+        let corner = before.position(v) + Vec3::z() * (0.1 * before.mean_edge());
+        let moved = |corners: &[Vec3]| {
+            let curves = &curves;
+            let hold = BoundaryHold { curves, corners };
+            let after = enlarge_small(&before, &Surface::Square, &hold, &options, &Silent);
+            let after = after.unwrap().expect("they can grow");
+            (after.mesh.position(v) - before.position(v)).norm()
+        };
+        assert!(moved(&[]) > 0.0 && moved(&[corner]) == 0.0);
         let once_more = enlarge_small(&after.mesh, &Surface::Square, &hold, &options, &Silent);
         assert!(once_more.unwrap().is_none());
     }

@@ -2,11 +2,11 @@
 
 use super::cures::{Ill, Place};
 use super::portfolio::GOOD_DEVIATION;
-use super::{Clock, MeshOptions, rim};
+use super::{Clock, MeshOptions, PipelineError, rim};
 use crate::ground::Ground;
 use crate::layout::Layout;
 use crate::optimise::{Fault, Offender, Optimised};
-use crate::trim::{Boundary, TrimError, Trimmed};
+use crate::trim::{Boundary, Trimmed};
 use phex_mesh::{
     Deviation, FaceId, FlatFace, HexMesh, PolygonSoup, TriangleSurface, ValidateOptions, Vec3,
     VertexId, Violation,
@@ -62,15 +62,25 @@ impl Judge<'_> {
         layout: &Layout,
         result: Optimised,
         clock: &mut Clock<'_>,
-    ) -> Result<(Judged, Wrong), TrimError> {
+    ) -> Result<(Judged, Wrong), PipelineError> {
         let options = self.options;
-        let trimmed = clock.timed("trim", || self.ground.trimmed(&result.mesh, self.fine))?;
-        let violations = clock.timed("validate", || {
-            let mut violations = between_panels(&trimmed.mesh, self.reported);
-            phex_mesh::add_flips(&mut violations, &trimmed.mesh, self.ground.given_facets());
-            violations
-        });
+        let mut trimmed = clock.timed("trim", || self.ground.trimmed(&result.mesh, self.fine))?;
+        let mut violations = clock.timed("validate", || self.violations(&trimmed.mesh));
         let offenders = offenders_left(&result.offenders, &trimmed);
+        // What was cut is small by chance, and no cause to lay panels out anew.
+        let cut = options.boundary != Boundary::Whole && self.ground.is_extended();
+        if cut && is_planar(&offenders) {
+            let progress = clock.progress;
+            let larger = clock.timed("trim", || {
+                rim::enlarged(&trimmed.mesh, self.reported, options, progress)
+            })?;
+            if let Some(larger) = larger {
+                let now = clock.timed("validate", || self.violations(&larger.mesh));
+                if now.len() <= violations.len() {
+                    (trimmed.mesh, violations) = (larger.mesh, now);
+                }
+            }
+        }
         let invalid = invalid_panels(&offenders, &trimmed, &violations, options.boundary);
         let deviation = clock.timed("validate", || {
             phex_mesh::deviation_beyond(&trimmed.mesh, self.reported, self.reach)
@@ -102,6 +112,15 @@ impl Judge<'_> {
             left,
         };
         Ok((judged, wrong))
+    }
+}
+
+impl Judge<'_> {
+    /// What is wrong between the panels of a mesh, and with the sides that they show.
+    fn violations(&self, mesh: &HexMesh) -> Vec<Violation> {
+        let mut violations = between_panels(mesh, self.reported);
+        phex_mesh::add_flips(&mut violations, mesh, self.ground.given_facets());
+        violations
     }
 }
 

@@ -41,7 +41,7 @@ pub(super) fn to_boundary(
 
 /// A mesh with larger panels at the boundary in place of small ones; `None` where none gets larger, or panels and surface would
 /// come to stand off farther for it than is good.
-fn enlarged(
+pub(super) fn enlarged(
     mesh: &HexMesh,
     surface: &TriangleSurface,
     options: &MeshOptions,
@@ -59,7 +59,11 @@ fn enlarged(
     let target = SurfaceTarget::new(surface);
     let larger = optimise::enlarge_small(mesh, &target, &hold, &options.optimise, progress)?;
     let off = |mesh: &HexMesh| off(mesh, [surface, surface])[0];
-    Ok(larger.filter(|larger| off(&larger.mesh) <= off(mesh).max(GOOD_DEVIATION)))
+    let bare = |mesh: &HexMesh| bare_rim(mesh, surface, options, GOOD_DEVIATION).len();
+    Ok(larger.filter(|larger| {
+        let near = off(&larger.mesh) <= off(mesh).max(GOOD_DEVIATION);
+        near && bare(&larger.mesh) <= bare(mesh)
+    }))
 }
 
 /// How far panels stand off the surface, and the surface off the panels, over the diagonal.
