@@ -1,13 +1,16 @@
 //! Corners that panels get where the boundary curve stands off from their edges along it.
 //!
-//! They lie in the plane of their panel, over the curve, so the panel stays planar. An edge gets them only if its panel stays
-//! simple.
+//! They lie in the plane of their panel, over the curve, so the panel stays planar. An edge gets those of them with which its panel stays
+//! simple and keeps some clearance.
 
 use super::curve::{Curve, distance_to_segment};
 use phex_mesh::{FacePlane, HalfEdgeId, HexMesh, TriangleSurface, Vec3, polygon};
 
 /// Largest distance between the curve and an edge along it, diagonals.
 const TOLERANCE: f64 = 2.5e-3;
+
+/// Clearance, mean edges, that panels keep which get corners.
+const ROOM: f64 = 0.06;
 
 /// Largest share of the distance between curve and edge that a new corner leaves.
 const GAIN: f64 = 0.7;
@@ -21,6 +24,7 @@ pub(crate) fn followed(
 ) -> Option<HexMesh> {
     let topology = mesh.topology();
     let curve = Curve::of(surface, corner_angle, TOLERANCE);
+    let room = ROOM * mesh.mean_edge();
     let mut positions = mesh.positions.as_slice().to_vec();
     let mut faces = topology.face_lists();
     let rim = topology
@@ -39,27 +43,45 @@ pub(crate) fn followed(
         let gains = |p: &Vec3| plane.height(*p).abs() < GAIN * distance_to_segment(*p, begin, end);
         let first = positions.len();
         let over = way.into_iter().filter(gains);
-        positions.extend(over.map(|p| p - plane.normal * plane.height(p)));
-        if positions.len() == first {
-            continue;
-        }
+        let mut new: Vec<Vec3> = over.map(|p| p - plane.normal * plane.height(p)).collect();
         let face = &faces[f.index()];
         let at = face.iter().position(|v| *v == from.index() as u32)?;
-        let new = first as u32..positions.len() as u32;
-        let longer: Vec<u32> = (face[..=at].iter().copied())
-            .chain(new)
-            .chain(face[at + 1..].iter().copied())
-            .collect();
-        if is_simple(&longer, &positions, &plane) {
-            faces[f.index()] = longer;
-        } else {
-            positions.truncate(first);
-        }
+        let outline: Vec<Vec3> = face.iter().map(|v| positions[*v as usize]).collect();
+        keep_sound(&outline, at, &mut new, &plane, room);
+        let numbers = first as u32..(first + new.len()) as u32;
+        positions.extend(new);
+        faces[f.index()].splice(at + 1..at + 1, numbers);
     }
     let grown = positions.len() > mesh.positions.len();
     grown
         .then(|| HexMesh::new(positions, &faces).ok())
         .flatten()
+}
+
+/// Takes out of new corners after the `at`-th of an outline those without which the panel is simple and keeps a clearance: that of the
+/// closest pair of a corner and an edge each time.
+fn keep_sound(outline: &[Vec3], at: usize, new: &mut Vec<Vec3>, plane: &FacePlane, room: f64) {
+    let flat = |points: &[Vec3]| -> Vec<_> { points.iter().map(|p| plane.project(*p)).collect() };
+    let least = room.min(polygon::clearance(&flat(outline)));
+    while !new.is_empty() {
+        let longer = [&outline[..=at], new, &outline[at + 1..]].concat();
+        let points = flat(&longer);
+        let closest = polygon::closest_corner_and_edge(&points);
+        let tight = closest.filter(|c| c.distance < least);
+        let sound = polygon::is_simple(&points) && polygon::signed_area(&points) > 0.0;
+        if tight.is_none() && sound {
+            return;
+        }
+        let n = points.len();
+        let pair = tight
+            .into_iter()
+            .flat_map(|c| [c.corner, c.edge, (c.edge + 1) % n]);
+        let among = |k: &usize| (at + 1..=at + new.len()).contains(k);
+        match pair.into_iter().find(among) {
+            Some(k) => drop(new.remove(k - at - 1)),
+            None => new.clear(),
+        }
+    }
 }
 
 /// Whether a face is simple and wound the right way in a plane.
@@ -89,6 +111,23 @@ mod tests {
         let surface = TriangleSurface::new(points(n).collect(), &fan(n).collect::<Vec<_>>());
         let mesh = HexMesh::new(points(4).collect(), &fan(4).collect::<Vec<_>>());
         (mesh.unwrap(), surface.unwrap())
+    }
+
+    #[test]
+    fn corners_that_leave_no_room_are_left_out_and_others_stay() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let square = [p(0.0, 0.0), p(1.0, 0.0), p(1.0, 1.0), p(0.0, 1.0)];
+        let plane = FacePlane::fit(&square);
+        let kept = |mut new: Vec<Vec3>| {
+            keep_sound(&square, 0, &mut new, &plane, 0.06);
+            new
+        };
+        let beside = [p(0.2, -0.1), p(0.8, -0.1)];
+        let with = |middle: Vec3| kept(vec![beside[0], middle, beside[1]]);
+        assert_eq!(with(p(0.5, 0.97)), beside);
+        assert_eq!(with(p(0.5, 0.9)).len(), 3);
+        // A way back and forth over the edge crosses itself.
+        assert!(kept(vec![p(0.9, -0.3), p(0.1, -0.3), p(0.5, 0.5)]).is_empty());
     }
 
     #[test]
