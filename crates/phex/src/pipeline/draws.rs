@@ -1,15 +1,18 @@
 //! Lattices from several random starts, of which the most regular is kept: where dislocations fall is chance, and panels that no optimiser has seen yet cost
 //! little.
 
-use super::field::{COUNT_TOLERANCE, Field, FineSurface};
+use super::field::Field;
 use super::portfolio::irregular_panels;
-use super::{Clock, MeshOptions, PipelineError};
+use super::{Clock, PipelineError};
 use crate::ground::Ground;
-use crate::layout::{self, Layout, LayoutError, LayoutOptions, Placed};
+use crate::layout::seeds::Seed;
+use crate::layout::{self, Layout, LayoutError, Placed};
 use rayon::prelude::*;
 
 /// Share of panels that are irregular without need, up to which one lattice is enough.
 const FEW: f64 = 0.01;
+/// Error of the number of panels, as a logarithm, up to which regularity alone counts.
+const MISCOUNT: f64 = 0.1;
 /// Draws number themselves in the upper half of the seed, so that seeds one after the other share none.
 const DRAW_BITS: u32 = 32;
 
@@ -20,11 +23,6 @@ pub(super) struct Drawn {
 }
 
 impl Drawn {
-    fn new(placed: Placed, fine: &FineSurface) -> Result<Self, LayoutError> {
-        let layout = fine.calm_panels(&placed.seeds)?;
-        Ok(Self { placed, layout })
-    }
-
     /// Irregular panels first, then the distortion of the lattice.
     fn cost(&self) -> (usize, f64) {
         let irregular = irregular_panels(&self.layout.mesh);
@@ -43,31 +41,30 @@ impl Drawn {
     }
 }
 
-/// The most regular of a few lattices with the field's directions, the field's own the first.
+/// The most regular of a few lattices with the field's directions, the field's own the first, and the panels that are `made` of it.
 pub(super) fn most_regular(
     ground: &Ground,
     field: &Field,
-    fine: &FineSurface,
-    options: &MeshOptions,
+    made: impl Fn(&[Seed]) -> Result<Layout, LayoutError> + Sync,
     clock: &mut Clock<'_>,
 ) -> Result<Drawn, PipelineError> {
-    let drawn = clock.stage("layout", || {
-        let first = Drawn::new(field.placed.clone(), fine)?;
+    let drawn = |placed: Placed| {
+        let layout = made(&placed.seeds)?;
+        Ok::<_, LayoutError>(Drawn { placed, layout })
+    };
+    let again = |number: &u64| {
+        let topology = ground.smooth.levels[field.level].topology();
+        let mut options = field.options.clone();
+        options.seed = options.seed.wrapping_add(number << DRAW_BITS);
+        drawn(layout::place_seeds(topology, &field.directions, &options)?)
+    };
+    let best = clock.stage("layout", || {
+        let first = drawn(field.placed.clone())?;
         if first.is_regular() {
             return Ok(first);
         }
-        let most = first.miscount(ground.panels).max(COUNT_TOLERANCE);
-        let topology = ground.smooth.levels[field.level].topology();
-        let again = |&k: &u64| {
-            let seed = options.layout.seed.wrapping_add(k << DRAW_BITS);
-            let options = LayoutOptions {
-                seed,
-                ..options.layout.clone()
-            };
-            let placed = layout::place_seeds(topology, &field.directions, &options)?;
-            Drawn::new(placed, fine)
-        };
-        let numbers: Vec<u64> = (1..options.draws as u64).collect();
+        let most = first.miscount(ground.panels).max(MISCOUNT);
+        let numbers: Vec<u64> = (1..ground.options.draws as u64).collect();
         let others: Vec<_> = numbers.par_iter().with_max_len(1).map(again).collect();
         // A start from which no panels come is no better than the first.
         let others = others.into_iter().flatten();
@@ -78,12 +75,13 @@ pub(super) fn most_regular(
         };
         Ok::<_, LayoutError>(others.fold(first, better))
     })??;
-    Ok(drawn)
+    Ok(best)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::field::direction_options;
+    use super::super::MeshOptions;
+    use super::super::field::{FineSurface, direction_options};
     use super::*;
     use crate::progress::Silent;
     use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
@@ -105,8 +103,12 @@ mod tests {
         let level = ground.field_level(&options);
         let field = Field::new(&ground, level, &options, &settings, &mut clock).unwrap();
         let fine = FineSurface::new(&ground, &field);
-        let first = Drawn::new(field.placed.clone(), &fine).unwrap();
-        let drawn = most_regular(&ground, &field, &fine, &options, &mut clock).unwrap();
+        let made = |seeds: &[Seed]| fine.calm_panels(seeds);
+        let drawn = most_regular(&ground, &field, made, &mut clock).unwrap();
+        let first = Drawn {
+            layout: made(&field.placed.seeds).unwrap(),
+            placed: field.placed,
+        };
         [first.cost(), drawn.cost()]
     }
 

@@ -23,10 +23,12 @@ pub(super) struct Field {
     pub curvature: Curvature,
     pub directions: Directions,
     pub placed: Placed,
+    /// How its lattice was found.
+    pub options: LayoutOptions,
 }
 
 /// Deviation from the number of panels asked for that is corrected by another lattice.
-pub(super) const COUNT_TOLERANCE: f64 = 0.06;
+const COUNT_TOLERANCE: f64 = 0.06;
 /// Lattices tried for that at the most.
 const COUNT_TRIES: usize = 3;
 /// Panels that a boundary adds, per panel length of it: cells that it cuts are kept when half is left, more or less.
@@ -59,6 +61,7 @@ impl Field {
             curvature,
             directions,
             placed,
+            options: options.layout.clone(),
         })
     }
 

@@ -59,7 +59,7 @@ pub(super) fn attempt(
     let (ground, level) = finer.as_ref().map_or_else(plain, |(g, l)| (g, *l));
     let field = Field::new(ground, level, options, &settings, clock)?;
     let fine = FineSurface::new(ground, &field);
-    let Drawn { placed, layout } = most_regular(ground, &field, &fine, options, clock)?;
+    let Drawn { placed, layout } = most_regular(ground, &field, |s| fine.calm_panels(s), clock)?;
     let mut seeds = placed.seeds;
     let target = SurfaceTarget::new(ground.close_to(&fine.surface));
     let reported = ground.reported(&fine.surface);

@@ -10,6 +10,7 @@ use crate::layout::tangent_planes::{METHOD as TANGENT_PLANES, regularised};
 use crate::layout::{LayoutError, support_function};
 use crate::optimise::{self, SurfaceTarget};
 use crate::pipeline::brick_wall::kinked;
+use crate::pipeline::draws::Drawn;
 use crate::pipeline::field::Field;
 use crate::pipeline::{Clock, Method, PipelineError};
 
@@ -62,7 +63,8 @@ pub(super) fn tangent_planes(
     let mut classical = start.statistics(Method::TangentPlanes);
     // Planes of any lattice can be taken; what becomes of them where facets hide the curvature is not the method's fault.
     classical.outside = start.resolved(ground, TANGENT_PLANES).err();
-    let (fine, mut layout) = cells(ground, &field, clock)?;
+    let (fine, drawn) = cells(ground, &field, clock)?;
+    let Drawn { placed, mut layout } = drawn;
     classical.foresee(&layout);
     let (mesh, optimised) = if options.dual.regularisation > 0.0 {
         layout.mesh = regularised(&layout, options.dual.regularisation);
@@ -75,9 +77,13 @@ pub(super) fn tangent_planes(
     } else {
         (met(&layout, &mut classical)?, None)
     };
-    let statistics = field.placed.statistics;
     Ok(Made::of(
-        ground, mesh, fine, statistics, optimised, classical,
+        ground,
+        mesh,
+        fine,
+        placed.statistics,
+        optimised,
+        classical,
     ))
 }
 
@@ -88,13 +94,19 @@ fn tangent_panels(
     mut classical: ClassicalStatistics,
     clock: &mut Clock<'_>,
 ) -> Result<Made, PipelineError> {
-    let (fine, layout) = cells(ground, field, clock)?;
+    let (fine, Drawn { placed, layout }) = cells(ground, field, clock)?;
     let layout = joined(ground, layout, &mut classical)?;
     // Panels of a hull are convex, whatever the second order says.
     if !(ground.options.dual.hull && classical.curvature == CurvatureSign::Elliptic) {
         classical.foresee(&layout);
     }
     let mesh = met(&layout, &mut classical)?;
-    let statistics = field.placed.statistics;
-    Ok(Made::of(ground, mesh, fine, statistics, None, classical))
+    Ok(Made::of(
+        ground,
+        mesh,
+        fine,
+        placed.statistics,
+        None,
+        classical,
+    ))
 }

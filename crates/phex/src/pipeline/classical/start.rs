@@ -131,6 +131,7 @@ impl<'a> Start<'a> {
             curvature: self.curvature.clone(),
             directions,
             placed,
+            options: options.layout.clone(),
         })
     }
 }
