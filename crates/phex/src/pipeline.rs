@@ -13,6 +13,7 @@ mod judge;
 mod portfolio;
 mod repair;
 mod rim;
+mod rounds;
 mod steered;
 mod subdivide;
 
