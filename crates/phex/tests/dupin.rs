@@ -46,10 +46,10 @@ fn distances_fall_with_the_size_of_panels() {
     for (name, method) in [("torus", Method::BrickWall), ("wave", Method::Lattice)] {
         let surface = common::shape(name, 20_000);
         let [coarse, fine] =
-            [300, 1200].map(|n| measured(&surface, method, n, OptimiseOptions::default()));
+            [150, 2400].map(|n| measured(&surface, method, n, OptimiseOptions::default()));
         let rate = (coarse[1] / fine[1]).ln() / (coarse[0] / fine[0]).ln();
         assert!(fine[1] < 0.04, "{name}: {fine:?}");
-        // Towards 1 with smaller panels: see the example `dupin_convergence`.
+        // Towards 1 with smaller panels: see the example `dupin_convergence`. Lattices of different sizes differ by chance, so sizes are far apart.
         assert!(rate > 0.7, "{name}: {coarse:?} {fine:?} rate {rate}");
     }
 }
