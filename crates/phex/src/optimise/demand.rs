@@ -67,6 +67,9 @@ impl Allowed {
     }
 }
 
+/// Relative difference that is rounding: much of a mesh stays where it is, and what is farthest off or sharpest there must not count for more or less by chance.
+const ROUNDING: f64 = 1e-9;
+
 impl Demand {
     pub fn of_part(&self, part: &Part<'_>) -> Self {
         let wish = match &self.wish {
@@ -125,9 +128,10 @@ impl Demand {
 
     /// Whether `now` costs too much against `before` in other respects.
     pub fn costs_too_much(&self, now: &Judged, before: &Judged) -> bool {
-        now.deviation > self.allowed.deviation.max(before.deviation)
-            || now.clearance < self.allowed.clearance.min(before.clearance)
-            || now.angle < self.allowed.angle.min(before.angle)
+        let worse = |now: f64, bound: f64| now > bound * (1.0 + ROUNDING);
+        worse(now.deviation, self.allowed.deviation.max(before.deviation))
+            || worse(self.allowed.clearance.min(before.clearance), now.clearance)
+            || worse(self.allowed.angle.min(before.angle), now.angle)
             || now.small > before.small
     }
 
@@ -245,7 +249,10 @@ impl Judged {
             areas: areas(setting.panels, &shape),
             breaches: setting.guard.breaches(setting.panels, &shape, &x),
         };
-        let small = place.areas.iter().filter(|a| **a < demand.allowed.area);
+        let small = place
+            .areas
+            .iter()
+            .filter(|a| **a * (1.0 + ROUNDING) < demand.allowed.area);
         let small = small.count();
         Self {
             planarity: shape.max_height() / setting.mean_edge,
@@ -260,6 +267,7 @@ impl Judged {
     }
 
     pub fn is_better(&self, other: &Self) -> bool {
-        self.breaches <= other.breaches && self.shortfall < other.shortfall
+        let is_less = self.shortfall * (1.0 + ROUNDING) < other.shortfall;
+        self.breaches <= other.breaches && is_less
     }
 }

@@ -72,6 +72,9 @@ fn off(mesh: &HexMesh, [surface, beyond]: [&TriangleSurface; 2]) -> [f64; 2] {
     [inner_deviation(&deviation), deviation.coverage_max]
 }
 
+/// Relative difference of distances that is rounding: the place that is farthest off stays where it is, mostly.
+const ROUNDING: f64 = 1e-9;
+
 /// A valid mesh with more room in tight panels; `None` where there is none to be had, or panels and surface would come to stand off
 /// farther for it, or more panels at the boundary would be small.
 pub(super) fn roomier(
@@ -94,7 +97,7 @@ pub(super) fn roomier(
     let roomy = optimise::give_room(mesh, &target, hold.as_ref(), settings, progress)?;
     Ok(roomy.filter(|roomy| {
         let (before, now) = (off(mesh, surfaces), off(&roomy.mesh, surfaces));
-        let as_near = (0..2).all(|k| now[k] <= before[k]);
+        let as_near = (0..2).all(|k| now[k] <= before[k] * (1.0 + ROUNDING));
         let small = |mesh: &HexMesh| phex_mesh::small_rim_faces(mesh).len();
         let as_large = options.boundary == Boundary::Whole || small(&roomy.mesh) <= small(mesh);
         as_near && as_large && between_panels(&roomy.mesh, surface).is_empty()
