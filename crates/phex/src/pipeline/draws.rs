@@ -10,7 +10,7 @@ use crate::layout::{self, Layout, LayoutError, Placed};
 use rayon::prelude::*;
 
 /// Share of panels that are irregular without need, up to which one lattice is enough.
-const FEW: f64 = 0.01;
+const FEW: f64 = 0.002;
 /// Error of the number of panels, as a logarithm, up to which regularity alone counts.
 const MISCOUNT: f64 = 0.1;
 /// Draws number themselves in the upper half of the seed, so that seeds one after the other share none.
