@@ -27,7 +27,7 @@ const RESIDUAL_GOAL: f64 = 8.0 * f64::EPSILON;
 
 /// Factorisation of a sparse symmetric positive definite matrix.
 pub struct Cholesky {
-    symbolic: Arc<SymbolicCholesky<u32>>,
+    symbolic: SymbolicCholesky<u32>,
     matrix: SymmetricMatrix,
     factor: Vec<f64>,
     scratch: MemBuffer,
@@ -69,13 +69,7 @@ impl Cholesky {
     /// # Errors
     /// [`NumericError::TooLarge`] if the factor does not fit.
     pub fn analyse(pattern: &Arc<Pattern>, block: usize) -> Result<Self, NumericError> {
-        Self::of_analysis(Arc::new(analyse(pattern, block)?), pattern)
-    }
-
-    fn of_analysis(
-        symbolic: Arc<SymbolicCholesky<u32>>,
-        pattern: &Arc<Pattern>,
-    ) -> Result<Self, NumericError> {
+        let symbolic = analyse(pattern, block)?;
         let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         let scratch = MemBuffer::try_new(request).map_err(|_| too_large("scratch memory"))?;
         Ok(Self {

@@ -72,8 +72,8 @@ pub struct LayoutOptions {
     pub sweeps: usize,
     /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay; `None`: any).
     pub annihilation_length: Option<f64>,
-    /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it only dislocations
-    /// that are near each other vanish.
+    /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it those come
+    /// back that strain pulls on the hardest.
     pub max_distortion: f64,
     /// Weight that draws rows along the boundary to half a row's distance from it, per panel length (0: not at all).
     pub boundary_phase: f64,

@@ -39,6 +39,29 @@ pub(super) fn to_boundary(
     Ok(runs)
 }
 
+/// Where vertices of the boundary are held.
+struct Rim {
+    curves: BoundaryCurve,
+    corners: Vec<Vec3>,
+}
+
+impl Rim {
+    /// The boundary of a surface; `None` if it is closed.
+    fn of(surface: &TriangleSurface, options: &MeshOptions) -> Option<Self> {
+        Some(Self {
+            curves: BoundaryCurve::of(surface)?,
+            corners: corner_points(surface, options),
+        })
+    }
+
+    fn hold(&self) -> BoundaryHold<'_> {
+        BoundaryHold {
+            curves: &self.curves,
+            corners: &self.corners,
+        }
+    }
+}
+
 /// A mesh with larger panels at the boundary in place of small ones; `None` where none gets larger, or panels and surface would
 /// come to stand off farther for it than is good.
 pub(super) fn enlarged(
@@ -47,17 +70,14 @@ pub(super) fn enlarged(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, PipelineError> {
-    let some = !phex_mesh::small_rim_faces(mesh).is_empty();
-    let Some(curves) = BoundaryCurve::of(surface).filter(|_| some) else {
+    if phex_mesh::small_rim_faces(mesh).is_empty() {
+        return Ok(None);
+    }
+    let Some(rim) = Rim::of(surface, options) else {
         return Ok(None);
     };
-    let corners = corner_points(surface, options);
-    let hold = BoundaryHold {
-        curves: &curves,
-        corners: &corners,
-    };
-    let target = SurfaceTarget::new(surface);
-    let larger = optimise::enlarge_small(mesh, &target, &hold, &options.optimise, progress)?;
+    let (target, settings) = (SurfaceTarget::new(surface), &options.optimise);
+    let larger = optimise::enlarge_small(mesh, &target, &rim.hold(), settings, progress)?;
     let off = |mesh: &HexMesh| off(mesh, [surface, surface])[0];
     let bare = |mesh: &HexMesh| bare_rim(mesh, surface, options, GOOD_DEVIATION).len();
     Ok(larger.filter(|larger| {
@@ -84,15 +104,11 @@ pub(super) fn roomier(
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, PipelineError> {
     let [surface, beyond] = surfaces;
-    let curves = match options.boundary {
+    let rim = match options.boundary {
         Boundary::Whole => None,
-        _ => BoundaryCurve::of(surface),
+        _ => Rim::of(surface, options),
     };
-    let corners = corner_points(surface, options);
-    let hold = curves.as_ref().map(|curves| BoundaryHold {
-        curves,
-        corners: &corners,
-    });
+    let hold = rim.as_ref().map(Rim::hold);
     let (target, settings) = (SurfaceTarget::new(beyond), &options.optimise);
     let roomy = optimise::give_room(mesh, &target, hold.as_ref(), settings, progress)?;
     Ok(roomy.filter(|roomy| {
@@ -173,15 +189,10 @@ fn on_curve(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, PipelineError> {
-    let Some(curves) = BoundaryCurve::of(surface) else {
+    let Some(rim) = Rim::of(surface, options) else {
         return Ok(None);
     };
-    let corners = corner_points(surface, options);
-    let hold = BoundaryHold {
-        curves: &curves,
-        corners: &corners,
-    };
-    let target = SurfaceTarget::new(surface);
-    let held = optimise::onto_boundary(mesh, &target, &hold, &options.optimise, progress)?;
+    let (target, settings) = (SurfaceTarget::new(surface), &options.optimise);
+    let held = optimise::onto_boundary(mesh, &target, &rim.hold(), settings, progress)?;
     Ok(held)
 }
