@@ -54,6 +54,14 @@ impl Rim {
         })
     }
 
+    /// The same where the mesh ends at the boundary, `None` also where panels stay whole.
+    fn kept(surface: &TriangleSurface, options: &MeshOptions) -> Option<Self> {
+        match options.boundary {
+            Boundary::Whole => None,
+            _ => Self::of(surface, options),
+        }
+    }
+
     fn hold(&self) -> BoundaryHold<'_> {
         BoundaryHold {
             curves: &self.curves,
@@ -104,10 +112,7 @@ pub(super) fn roomier(
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, PipelineError> {
     let [surface, beyond] = surfaces;
-    let rim = match options.boundary {
-        Boundary::Whole => None,
-        _ => Rim::of(surface, options),
-    };
+    let rim = Rim::kept(surface, options);
     let hold = rim.as_ref().map(Rim::hold);
     let (target, settings) = (SurfaceTarget::new(beyond), &options.optimise);
     let roomy = optimise::give_room(mesh, &target, hold.as_ref(), settings, progress)?;
@@ -158,18 +163,10 @@ pub(super) fn steered(
 ) -> Result<Optimised, PipelineError> {
     let target = SurfaceTarget::new(surface);
     let (steering, settings) = (&options.steering, &options.optimise);
-    let curves = match options.boundary {
-        Boundary::Whole => None,
-        _ => BoundaryCurve::of(surface),
-    };
-    let held = match curves {
+    let held = match Rim::kept(surface, options) {
         None => optimise::steer(mesh, Some(&target), steering, settings, progress),
-        Some(curves) => {
-            let corners = corner_points(surface, options);
-            let hold = BoundaryHold {
-                curves: &curves,
-                corners: &corners,
-            };
+        Some(rim) => {
+            let hold = rim.hold();
             optimise::steer_on_boundary(mesh, &target, steering, &hold, settings, progress)
         }
     };
