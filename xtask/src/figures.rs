@@ -7,6 +7,8 @@ mod run;
 mod surfaces;
 mod table;
 
+pub use obj::Obj;
+
 use run::{GALLERY, Phex, WORK};
 use std::fmt::Write;
 use std::path::Path;

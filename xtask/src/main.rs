@@ -3,6 +3,7 @@
 mod arrows;
 mod figures;
 mod foreign;
+mod ledger;
 mod paths;
 mod stages;
 mod viewer;
@@ -11,13 +12,16 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo xtask check | foreign | viewer | browse | figures [NUMBER...]
+const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | foreign | viewer | browse | figures [NUMBER...]
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
 foreign opens the files of the program with other programs (needs Python and pip)
 viewer  builds the interactive part of the HTML report (needs npm)
 browse  opens HTML reports in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)
+ledger  makes the rows of docs/ledger.md (surfaces at set sizes) and says what is better and worse than the committed ones;
+        with --compare or rows' names the file stays; --quick: the rows of check; --program PATH: another phex;
+        --models FOLDER: models that are not in the repository (default ../shared/models)
 figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces";
 
 /// One step of the check: its name, and what it runs.
@@ -26,7 +30,7 @@ struct Step {
     run: fn(&Path) -> Result<(), String>,
 }
 
-const CHECK: [Step; 11] = [
+const CHECK: [Step; 12] = [
     Step {
         name: "formatting",
         run: |root| cargo(root, &["fmt", "--all", "--check"]),
@@ -72,6 +76,10 @@ const CHECK: [Step; 11] = [
         run: |root| cargo(root, &["test", "--workspace"]),
     },
     Step {
+        name: "no row of the ledger is worse",
+        run: ledger::check,
+    },
+    Step {
         name: "files in other programs",
         run: foreign::check,
     },
@@ -92,6 +100,11 @@ fn main() -> ExitCode {
         ["foreign"] => exit(foreign::check(&root())),
         ["viewer"] => exit(viewer::build(&root())),
         ["browse"] => exit(viewer::browse(&root())),
+        ["ledger", ref words @ ..] => exit(ledger::ledger(&root(), words)),
+        ["ledger-reference"] => {
+            println!("{}", ledger::reference());
+            ExitCode::SUCCESS
+        }
         ["figures", ref only @ ..] => exit(figures::figures(&root(), only)),
         _ => {
             eprintln!("{USAGE}");
@@ -188,6 +201,10 @@ fn files_below(folder: &Path) -> Result<Vec<PathBuf>, String> {
 
 fn read(path: &Path) -> Result<String, String> {
     std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), String> {
+    std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 /// `Ok` without complaints, else all of them.

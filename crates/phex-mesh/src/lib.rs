@@ -43,7 +43,7 @@ pub use id_map::{IdMap, IdSet};
 pub use ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
 pub use measure::{
     BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures, Metric, boundary_fit, deviation,
-    deviation_beyond, measure, small_rim_faces,
+    deviation_beyond, irregular_faces, measure, small_rim_faces,
 };
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;

@@ -56,7 +56,7 @@ impl Obj {
     }
 
     /// The same faces with every point mapped.
-    pub fn mapped(&self, map: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+    pub fn mapped(&self, mut map: impl FnMut([f64; 3]) -> [f64; 3]) -> Self {
         Self {
             points: self.points.iter().map(|p| map(*p)).collect(),
             faces: self.faces.clone(),

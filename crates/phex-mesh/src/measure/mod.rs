@@ -12,6 +12,8 @@
 //! | `angle` | of a face, in its plane: least interior angle, in degrees |
 //! | `dihedral` | of an interior edge: angle between its faces on the side away from their normals, in degrees; 180 is flat, less is convex |
 //! | `hex` | faces with six corners among the faces without a boundary edge |
+//! | `irregular` | faces without a boundary edge that have not six corners, less the `6 |chi|` that a closed mesh can't do without |
+//! | `evenness` | spread of areas, edges and aspects of the faces without a boundary edge, see [`Evenness`] |
 //! | `degree3` | interior vertices with exactly three faces, as a fraction |
 //! | concave face | some corner turns to the right: unavoidable where the Gauss curvature is negative, and no fault |
 //! | simple face | see [`is_simple`], in the face's plane |
@@ -21,10 +23,12 @@
 
 mod boundary_fit;
 mod deviation;
+mod evenness;
 mod metric;
 
 pub use boundary_fit::{BoundaryFit, LEAST_RIM_AREA, boundary_fit, small_rim_faces};
 pub use deviation::{Deviation, deviation, deviation_beyond};
+pub use evenness::{Evenness, aspect};
 pub use metric::{BINS, Histogram, Metric, WORST};
 
 use crate::polygon::{interior_angles, is_simple};
@@ -60,6 +64,10 @@ pub struct MeshMeasures {
     pub interior_faces: usize,
     /// Fraction of those with six corners; `None` if there are none.
     pub hex: Option<f64>,
+    /// Number of interior faces that are irregular without need: see [`irregular_faces`].
+    pub irregular: usize,
+    /// Evenness of the interior faces; `None` if there are none.
+    pub evenness: Option<Evenness>,
     /// Number of faces by their number of corners.
     pub face_sizes: BTreeMap<usize, usize>,
     /// Number of faces that are not simple in their plane.
@@ -124,7 +132,8 @@ pub struct ElementMeasures {
 pub fn measure(mesh: &HexMesh) -> MeshMeasures {
     let topology = mesh.topology();
     let mean_edge = mesh.mean_edge();
-    let values = ElementMeasures::new(mesh, &FlatFace::all(mesh), mean_edge);
+    let flat = FlatFace::all(mesh);
+    let values = ElementMeasures::new(mesh, &flat, mean_edge);
     let area: f64 = values.area.iter().sum();
     let face_area = Metric::large_is_bad(scaled(&values.area, 1.0 / area));
     MeshMeasures {
@@ -142,6 +151,8 @@ pub fn measure(mesh: &HexMesh) -> MeshMeasures {
         degree3: degree3(topology),
         interior_faces: interior_faces(topology).count(),
         hex: hex(topology),
+        irregular: irregular_faces(topology),
+        evenness: Evenness::of(mesh, &flat),
         face_sizes: face_sizes(topology),
         faces_not_simple: values.simple.iter().filter(|&&s| !s).count(),
         faces_concave: values.concave.iter().filter(|&&c| c).count(),
@@ -291,6 +302,17 @@ fn hex(topology: &Topology) -> Option<f64> {
         .filter(|&f| topology.valence(f) == 6)
         .count();
     (interior > 0).then(|| hexagons as f64 / interior as f64)
+}
+
+/// Number of faces without a boundary edge that have not six corners, beyond those that the Euler characteristic `chi` of a
+/// closed mesh of degree 3 asks for: `6 |chi|` pentagons or heptagons.
+pub fn irregular_faces(topology: &Topology) -> usize {
+    let irregular = interior_faces(topology).filter(|&f| topology.valence(f) != 6);
+    let closed = topology.boundary_loops().is_empty();
+    let needed = 6 * topology.euler_characteristic().unsigned_abs() as usize;
+    irregular
+        .count()
+        .saturating_sub(if closed { needed } else { 0 })
 }
 
 fn face_sizes(topology: &Topology) -> BTreeMap<usize, usize> {

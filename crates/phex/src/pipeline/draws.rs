@@ -2,7 +2,6 @@
 //! little.
 
 use super::field::Field;
-use super::portfolio::irregular_panels;
 use super::{Clock, PipelineError};
 use crate::ground::Ground;
 use crate::layout::seeds::Seed;
@@ -25,7 +24,7 @@ pub(super) struct Drawn {
 impl Drawn {
     /// Irregular panels first, then the distortion of the lattice.
     fn cost(&self) -> (usize, f64) {
-        let irregular = irregular_panels(&self.layout.mesh);
+        let irregular = phex_mesh::irregular_faces(self.layout.mesh.topology());
         (irregular, self.placed.statistics.distortion_p95)
     }
 

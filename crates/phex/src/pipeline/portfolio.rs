@@ -123,7 +123,7 @@ impl AttemptSummary {
             invalid: 0,
             planar: true,
             hex: measures.hex.unwrap_or(1.0),
-            irregular: irregular_panels(mesh),
+            irregular: measures.irregular,
             dislocations: 0,
             regular_possible: false,
             deviation: 0.0,
@@ -158,16 +158,6 @@ impl AttemptSummary {
         let irregular = weight * self.irregular_share();
         invalid + far + tight + irregular + self.deviation / GOOD_DEVIATION * 0.1
     }
-}
-
-/// Panels inside that are no hexagons, beyond those that the topology asks for.
-pub(super) fn irregular_panels(mesh: &HexMesh) -> usize {
-    let topology = mesh.topology();
-    let inside = topology.faces().filter(|f| !topology.is_boundary_face(*f));
-    let irregular = inside.filter(|f| topology.valence(*f) != 6).count();
-    let closed = topology.boundary_loops().is_empty();
-    let needed = 6 * topology.euler_characteristic().unsigned_abs() as usize;
-    irregular.saturating_sub(if closed { needed } else { 0 })
 }
 
 /// A mesh and what it is judged by.

@@ -1,0 +1,193 @@
+//! Makes the rows: each a process of its own on one thread, as many side by side as there are processors.
+
+use super::WORK;
+use super::figures::{self, Figures};
+use super::rows::{Row, Surface};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+use wait4::{ResUse, Wait4};
+
+/// Seconds after which a row has failed.
+const LIMIT: u64 = 900;
+
+/// All rows that were made.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Ledger {
+    /// The rows, in the order of the list.
+    pub rows: Vec<Entry>,
+}
+
+/// A row, and what became of it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Entry {
+    /// The row's name.
+    pub name: String,
+    /// Options of `phex mesh`.
+    pub options: String,
+    /// `pass`, `outside_tolerance` or `invalid` from the report; else how the process ended.
+    pub verdict: String,
+    /// Names of the checks that fail.
+    pub failed: Vec<String>,
+    /// Exit code; -1 where the process was ended.
+    pub exit_code: i32,
+    /// Figures by name.
+    pub figures: Figures,
+}
+
+impl Ledger {
+    /// Reads a ledger.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        serde_json::from_str(&crate::read(path)?).map_err(|e| format!("{}: {e}", path.display()))
+    }
+
+    /// Writes it.
+    pub fn write(&self, path: &Path) -> Result<(), String> {
+        let json = serde_json::to_string_pretty(self).map_err(|e| e.to_string())?;
+        crate::write(path, &(json + "\n"))
+    }
+
+    /// The row of a name.
+    pub fn row(&self, name: &str) -> Option<&Entry> {
+        self.rows.iter().find(|row| row.name == name)
+    }
+}
+
+/// Runs a program on rows.
+pub struct Runner<'a> {
+    root: &'a Path,
+    program: PathBuf,
+    models: &'a Path,
+    work: PathBuf,
+}
+
+impl<'a> Runner<'a> {
+    /// Makes the folder for surfaces and meshes.
+    pub fn new(root: &'a Path, program: PathBuf, models: &'a Path) -> Result<Self, String> {
+        let work = root.join(WORK);
+        std::fs::create_dir_all(&work).map_err(|e| format!("{WORK}: {e}"))?;
+        Ok(Self {
+            root,
+            program,
+            models,
+            work,
+        })
+    }
+
+    /// Makes rows, and says each one's verdict when it is there.
+    pub fn run(&self, rows: &[&'static Row]) -> Result<Ledger, String> {
+        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        let next = AtomicUsize::new(0);
+        let done: Mutex<Vec<Option<Result<Entry, String>>>> = Mutex::new(vec![None; rows.len()]);
+        let work = || {
+            while let Some(row) = rows.get(next.fetch_add(1, Ordering::SeqCst)) {
+                let entry = self.entry(row);
+                if let Ok(entry) = &entry {
+                    println!("{}", super::table::line(entry));
+                }
+                let place = rows.iter().position(|other| other.name == row.name);
+                let mut done = done.lock().expect("no worker panics with the lock");
+                done[place.expect("a row of the list")] = Some(entry);
+            }
+        };
+        std::thread::scope(|scope| {
+            (0..workers).for_each(|_| {
+                scope.spawn(work);
+            });
+        });
+        let done = done.into_inner().expect("no worker panics with the lock");
+        let rows: Result<Vec<Entry>, String> = done.into_iter().flatten().collect();
+        Ok(Ledger { rows: rows? })
+    }
+
+    fn entry(&self, row: &'static Row) -> Result<Entry, String> {
+        let surface = self.surface(row)?;
+        let (mesh, report) = (self.file(row, "obj"), self.file(row, "json"));
+        for old in [&mesh, &report] {
+            // An earlier run's report must not pass for this one's.
+            let _ = std::fs::remove_file(old);
+        }
+        let reference = self.reference()?;
+        let mut command = Command::new(&self.program);
+        command.current_dir(self.root).arg("mesh").arg(&surface);
+        command.args(row.options.split_whitespace());
+        command.args(["-q", "--progress", "none", "-t", "1", "-o"]);
+        command.arg(&mesh).arg("--report").arg(&report);
+        let (exit_code, used) = timed(&mut command)?;
+        let report = crate::read(&report).ok();
+        let report = report.and_then(|text| serde_json::from_str(&text).ok());
+        let verdict = report.as_ref().and_then(figures::verdict);
+        let mut figures = report.as_ref().map(figures::of_report).unwrap_or_default();
+        figures.extend(figures::of_cost(&used, &reference));
+        Ok(Entry {
+            name: row.name.to_owned(),
+            options: row.options.to_owned(),
+            verdict: verdict.unwrap_or_else(|| "no mesh".to_owned()),
+            failed: report.as_ref().map(figures::failed).unwrap_or_default(),
+            exit_code,
+            figures,
+        })
+    }
+
+    fn file(&self, row: &Row, ending: &str) -> PathBuf {
+        self.work.join(format!("{}.{ending}", row.name))
+    }
+
+    /// The file of a row's surface, written first where the tool makes it.
+    fn surface(&self, row: &'static Row) -> Result<PathBuf, String> {
+        let own = self.work.join(format!("{}.surface.obj", row.name));
+        match row.surface {
+            Surface::Kept(path) => return Ok(self.root.join(path)),
+            Surface::Model(path) => return Ok(self.models.join(path)),
+            Surface::Made(make) => make().write(&own)?,
+            Surface::Shape(name) => {
+                let mut command = Command::new(&self.program);
+                command.args(["shape", name, "-q", "-o"]).arg(&own);
+                crate::succeed(&mut command)?;
+            }
+        }
+        Ok(own)
+    }
+
+    /// What the reference computation takes now, on this machine.
+    fn reference(&self) -> Result<ResUse, String> {
+        let own = std::env::current_exe().map_err(|e| format!("the path of xtask: {e}"))?;
+        Ok(timed(Command::new(own).arg("ledger-reference"))?.1)
+    }
+}
+
+/// Exit code and use of a process, which is ended after [`LIMIT`] seconds.
+fn timed(command: &mut Command) -> Result<(i32, ResUse), String> {
+    command.stdin(Stdio::null()).stdout(Stdio::null());
+    command.stderr(Stdio::null());
+    let spawned = command.spawn();
+    let mut child = spawned.map_err(|e| format!("{command:?}: {e}"))?;
+    let (id, start) = (child.id(), Instant::now());
+    let (ended, watched) = std::sync::mpsc::channel::<()>();
+    let watch = std::thread::spawn(move || {
+        let left = Duration::from_secs(LIMIT).saturating_sub(start.elapsed());
+        if watched.recv_timeout(left) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+            let _ = Command::new("kill").arg(id.to_string()).status();
+        }
+    });
+    let used = child.wait4().map_err(|e| format!("waiting: {e}"))?;
+    drop(ended);
+    let _ = watch.join();
+    Ok((used.status.code().unwrap_or(-1), used))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_process_tells_its_exit_code_and_what_it_used() {
+        let (code, used) = timed(Command::new("sh").args(["-c", "exit 3"])).unwrap();
+        assert_eq!(code, 3);
+        assert!(used.rusage.maxrss > 0);
+        assert!(timed(&mut Command::new("no-such-program")).is_err());
+    }
+}
