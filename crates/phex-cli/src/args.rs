@@ -1,8 +1,9 @@
 //! The command line: what can be typed. What it means is said by the commands.
 
-use crate::dual_arguments::{DualCommand, DupinCommand, PowerCommand, SubdivideCommand};
+use crate::dual_arguments::{DualCommand, DupinCommand, PowerCommand, SubdivideCommand, three};
 use crate::exit::EXIT_CODES;
 use crate::fab_arguments::FabCommand;
+use crate::input::number;
 use crate::offset_arguments::OffsetCommand;
 use crate::parallel_arguments::ParallelCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
@@ -180,7 +181,7 @@ pub struct NetworkCommand {
     #[arg(short = 'n', long, value_name = "N", default_value_t = 500)]
     pub panels: u64,
     /// Let columns follow a direction, e.g. `0,0,1`, with rows conjugate to them, instead of the lines of curvature
-    #[arg(long, value_name = "X,Y,Z", value_parser = axis, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
     pub columns_along: Option<[f64; 3]>,
     /// Number of threads; the result does not depend on it
     #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
@@ -331,12 +332,6 @@ pub struct ShapeCommand {
     pub talk: Talk,
 }
 
-fn axis(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-    let numbers = numbers.map_err(|e| e.to_string())?;
-    numbers.try_into().map_err(|_| "write X,Y,Z".to_owned())
-}
-
 /// What is given at the boundary of a Koebe patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum KoebeBoundary {
@@ -375,11 +370,7 @@ pub struct KoebeCommand {
 
 fn parameter(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write NAME=VALUE")?;
-    let value = value
-        .trim()
-        .parse()
-        .map_err(|_| format!("`{value}` is not a number"))?;
-    Ok((name.trim().to_owned(), value))
+    Ok((name.trim().to_owned(), number(value.trim())?))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use crate::args::{Extras, Limits, Talk};
 use crate::exit::EXIT_CODES;
+use crate::input::number;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -137,24 +138,21 @@ pub struct DupinCommand {
     pub talk: Talk,
 }
 
-fn numbers<T: std::str::FromStr, const N: usize>(text: &str, form: &str) -> Result<[T; N], String> {
-    let parsed: Result<Vec<T>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-    let parsed = parsed.map_err(|_| format!("write {form}"))?;
-    parsed.try_into().map_err(|_| format!("write {form}"))
-}
-
-fn finite<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
-    let values = numbers::<f64, N>(text, form)?;
-    let all = values.iter().all(|x| x.is_finite());
-    all.then_some(values)
-        .ok_or_else(|| "a number is not finite".to_owned())
+/// Numbers separated by commas.
+pub(crate) fn finite<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
+    let numbers = text.split(',').map(|n| number(n.trim()));
+    let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
+    numbers.try_into().map_err(|_| format!("write {form}"))
 }
 
 fn two(text: &str) -> Result<[u32; 2], String> {
-    numbers(text, "M,N")
+    let numbers = text.split(',').map(|n| n.trim().parse());
+    let numbers: Result<Vec<u32>, _> = numbers.collect();
+    let pair = numbers.ok().and_then(|n| n.try_into().ok());
+    pair.ok_or_else(|| "write M,N".to_owned())
 }
 
-fn three(text: &str) -> Result<[f64; 3], String> {
+pub(crate) fn three(text: &str) -> Result<[f64; 3], String> {
     finite(text, "X,Y,Z")
 }
 

@@ -173,16 +173,20 @@ fn value(of: &impl Serialize) -> Result<Value, Failure> {
 fn pipeline_failure(error: PipelineError) -> Failure {
     let exit = match error {
         PipelineError::Cancelled => return Failure::interrupted(),
-        PipelineError::Size(_) | PipelineError::Components(_) | PipelineError::Cones(_) => {
+        PipelineError::Size(_)
+        | PipelineError::Option(_)
+        | PipelineError::Components(_)
+        | PipelineError::Cones(_) => Exit::InputUnusable,
+        PipelineError::Optimise(OptimiseError::Steering(_) | OptimiseError::BadOption(_)) => {
             Exit::InputUnusable
         }
-        PipelineError::Optimise(OptimiseError::Steering(_)) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => Exit::InputUnusable,
         PipelineError::Layout(
             LayoutError::Domain(_) | LayoutError::Duality(DualityError::SingularQuadric),
         ) => Exit::InputUnusable,
         PipelineError::Layout(LayoutError::Duality(_) | LayoutError::Power(_))
-        | PipelineError::Fit(_) => Exit::NoValidResult,
+        | PipelineError::Fit(_)
+        | PipelineError::Trim(_) => Exit::NoValidResult,
         PipelineError::Layout(LayoutError::Topology { .. } | LayoutError::Network(_)) => {
             Exit::NoValidResult
         }

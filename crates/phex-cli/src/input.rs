@@ -3,9 +3,10 @@
 use crate::exit::{Exit, Failure, OrExit};
 use anyhow::Context;
 use phex::report::InputFile;
-use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup};
+use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup, shown};
 use phex_mesh::{
-    HexMesh, PolygonSoup, SurfaceComponent, SurfaceNotes, SurfaceParts, TriangleSurface, Vec3,
+    HexMesh, LARGEST_COORDINATE, PolygonSoup, SurfaceComponent, SurfaceNotes, SurfaceParts,
+    TriangleSurface, Vec3,
 };
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -74,6 +75,32 @@ fn parse(path: &Path) -> Result<(PolygonSoup, String), ReadError> {
     Ok((parse_soup(&bytes, format)?, sha256))
 }
 
+/// A number as it is typed or stands in a file.
+///
+/// # Errors
+/// If it is none, is not finite, or is larger than any coordinate that is computed with.
+pub fn number(word: &str) -> Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(x) if x.abs() <= LARGEST_COORDINATE => Ok(x),
+        Ok(x) if x.is_finite() => Err(format!(
+            "`{}` is beyond {LARGEST_COORDINATE:e}, the largest number that is computed with",
+            shown(word)
+        )),
+        Ok(_) => Err(format!("`{}` is not finite", shown(word))),
+        Err(_) => Err(format!("`{}` is not a number", shown(word))),
+    }
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// If it can't be read, or is no text.
+pub fn read_text(path: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(path)
+        .with_context(|| path.display().to_string())
+        .or_exit(Exit::InputUnusable)
+}
+
 /// A line of numbers, and where it stands.
 pub struct NumberLine {
     /// The numbers.
@@ -91,25 +118,16 @@ impl NumberLine {
 /// The lines of a text file with numbers, separated by blanks or commas; `#` begins a comment.
 ///
 /// # Errors
-/// If the file can't be read, or a word is no finite number.
+/// If the file can't be read, or a word is no [`number`].
 pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, Failure> {
-    let name = || path.display().to_string();
-    let text = std::fs::read_to_string(path)
-        .with_context(name)
-        .or_exit(Exit::InputUnusable)?;
     let mut lines = Vec::new();
-    for (index, line) in text.lines().enumerate() {
-        let place = format!("{}:{}", name(), index + 1);
+    for (index, line) in read_text(path)?.lines().enumerate() {
+        let place = format!("{}:{}", path.display(), index + 1);
         let data = line.split('#').next().unwrap_or_default();
         let words = data.split(|c: char| c.is_whitespace() || c == ',');
-        let words = words.filter(|w| !w.is_empty());
-        let number = |w: &str| w.parse::<f64>().ok().filter(|x| x.is_finite());
-        let numbers: Option<Vec<f64>> = words.map(number).collect();
-        let Some(numbers) = numbers else {
-            return Err(Failure::input(format!(
-                "{place}: `{line}` is not understood"
-            )));
-        };
+        let numbers: Result<Vec<f64>, String> =
+            words.filter(|w| !w.is_empty()).map(number).collect();
+        let numbers = numbers.map_err(|e| Failure::input(format!("{place}: {e}")))?;
         if !numbers.is_empty() {
             lines.push(NumberLine { numbers, place });
         }
@@ -122,38 +140,58 @@ pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, Failure> {
 /// # Errors
 /// If the file can't be read, or a line of it is wrong.
 pub fn read_polylines(path: &Path) -> Result<Vec<Vec<Vec3>>, Failure> {
-    let name = || path.display().to_string();
-    let text = std::fs::read_to_string(path)
-        .with_context(name)
-        .or_exit(Exit::InputUnusable)?;
     let (mut points, mut curves) = (Vec::new(), Vec::new());
-    for (index, line) in text.lines().enumerate() {
-        let bad = || {
-            Failure::input(format!(
-                "{}:{}: `{line}` is not understood",
-                name(),
-                index + 1
-            ))
-        };
-        let mut words = line.split_whitespace();
+    for (index, line) in read_text(path)?.lines().enumerate() {
+        let bad = |e| Failure::input(format!("{}:{}: {e}", path.display(), index + 1));
+        let mut words = line
+            .split('#')
+            .next()
+            .unwrap_or_default()
+            .split_whitespace();
         match words.next() {
-            Some("v") => points.push(point(words).ok_or_else(bad)?),
-            Some("l") => curves.push(polyline(words, &points).ok_or_else(bad)?),
+            Some("v") => points.push(point(words).map_err(bad)?),
+            Some("l") => curves.push(polyline(words, &points).map_err(bad)?),
             _ => {}
         }
     }
     Ok(curves)
 }
 
-fn point<'a>(words: impl Iterator<Item = &'a str>) -> Option<Vec3> {
-    let numbers: Vec<f64> = words.map(|w| w.parse().ok()).collect::<Option<_>>()?;
-    let finite = numbers.len() >= 3 && numbers.iter().all(|x| x.is_finite());
-    finite.then(|| Vec3::new(numbers[0], numbers[1], numbers[2]))
+fn point<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec3, String> {
+    let numbers: Vec<f64> = words.map(number).collect::<Result<_, _>>()?;
+    match numbers[..] {
+        [x, y, z, ..] => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!(
+            "a point has {} coordinates, 3 are needed",
+            numbers.len()
+        )),
+    }
 }
 
-fn polyline<'a>(words: impl Iterator<Item = &'a str>, points: &[Vec3]) -> Option<Vec<Vec3>> {
-    let number = |w: &str| w.parse::<usize>().ok()?.checked_sub(1);
-    words.map(|w| points.get(number(w)?).copied()).collect()
+/// The points of a line `l`; as in faces, a texture may follow a point's number, and negative numbers count backwards.
+fn polyline<'a>(
+    words: impl Iterator<Item = &'a str>,
+    points: &[Vec3],
+) -> Result<Vec<Vec3>, String> {
+    let index = |w: &str| {
+        let number = w
+            .split('/')
+            .next()
+            .unwrap_or_default()
+            .parse::<i64>()
+            .ok()?;
+        let from_start = if number < 0 {
+            number + points.len() as i64
+        } else {
+            number - 1
+        };
+        points.get(usize::try_from(from_start).ok()?).copied()
+    };
+    let none = |w: &str| {
+        let count = points.len();
+        format!("`{}` is none of the {count} points so far", shown(w))
+    };
+    words.map(|w| index(w).ok_or_else(|| none(w))).collect()
 }
 
 /// The same faces without vertices that none of them names; indices that do not exist are left for others to find.

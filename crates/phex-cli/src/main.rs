@@ -26,6 +26,7 @@ mod verdict;
 use args::{Arguments, ProgressMode, Talk};
 use clap::Parser;
 use exit::{Exit, Failure, OrExit};
+use output::printable;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -62,11 +63,10 @@ fn usage(error: &clap::Error) -> ExitCode {
 fn say(failure: &Failure, talk: &Talk) {
     if talk.progress == ProgressMode::Json {
         let exit = failure.exit as u8;
-        eprintln!(
-            "{}",
-            serde_json::json!({ "event": "error", "exit_code": exit, "message": failure.to_string() })
-        );
+        let message = failure.to_string();
+        let event = serde_json::json!({ "event": "error", "exit_code": exit, "message": message });
+        eprintln!("{}", printable(&event.to_string()));
     } else {
-        eprintln!("error: {failure}");
+        eprintln!("error: {}", printable(&failure.to_string()));
     }
 }

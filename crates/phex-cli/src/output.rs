@@ -5,7 +5,9 @@ use crate::progress::{is_interrupted, while_writing};
 use anyhow::Context;
 use phex::report::picture::Picture;
 use phex_mesh::PolygonSoup;
-use phex_mesh::io::{Format, WriteCause, WriteError, atomic_write, write_soup};
+use phex_mesh::io::{Format, WriteCause, WriteError, atomic_write, link_target, shown, write_soup};
+use std::borrow::Cow;
+use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -49,6 +51,7 @@ pub fn check_writable(outputs: &[(&Path, Content)], inputs: &[&Path]) -> Result<
 /// The path without links, as far as it exists.
 fn whole(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let absolute = link_target(&absolute).unwrap_or(absolute);
     let folder = absolute.parent().and_then(|p| p.canonicalize().ok());
     absolute
         .canonicalize()
@@ -58,13 +61,30 @@ fn whole(path: &Path) -> PathBuf {
 }
 
 fn check_place(path: &Path) -> anyhow::Result<()> {
+    let path = &link_target(path)?;
     anyhow::ensure!(path.file_name().is_some(), "it names no file");
     anyhow::ensure!(!path.is_dir(), "it is a folder");
     let folder = nearest_folder(path);
     anyhow::ensure!(folder.is_dir(), "{} is not a folder", folder.display());
+    check_names(path, &folder)?;
     // A file without a name: nothing is left behind.
     tempfile::tempfile_in(&folder)
         .with_context(|| format!("the folder {} refuses files", folder.display()))?;
+    Ok(())
+}
+
+/// Whether the file system takes the names of the folders and of the file that are to be made below a folder, which may be too long.
+fn check_names(path: &Path, folder: &Path) -> anyhow::Result<()> {
+    let below = path.strip_prefix(folder).unwrap_or(path);
+    for name in below.components() {
+        match std::fs::symlink_metadata(folder.join(name)) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                let name = name.as_os_str().to_string_lossy();
+                return Err(error).with_context(|| format!("the name `{}`", shown(&name)));
+            }
+            _ => {}
+        }
+    }
     Ok(())
 }
 
@@ -127,16 +147,58 @@ fn write_with(write: impl FnOnce() -> Result<(), WriteError>) -> Result<(), Fail
     })
 }
 
+/// A text as it may be shown on a terminal: characters of file names and files that would steer it are told instead, as
+/// JSON writes them, so that JSON stays what it is.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let steers = |c: char| {
+        let turns_text = matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        turns_text || (c.is_control() && !matches!(c, '\n' | '\t'))
+    };
+    if !text.contains(steers) {
+        return Cow::Borrowed(text);
+    }
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match steers(c) {
+            // Writing to a string does not fail.
+            true => drop(write!(safe, "\\u{:04x}", u32::from(c))),
+            false => safe.push(c),
+        }
+    }
+    Cow::Owned(safe)
+}
+
 /// Prints a result on standard output; a closed pipe is no error.
 ///
 /// # Errors
 /// If standard output can't be written.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out
+        .write_all(printable(text).as_bytes())
+        .and_then(|()| out.flush())
+    {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(error).context("standard output").map_err(Failure::from)
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_that_steers_a_terminal_is_printed() {
+        assert_eq!(printable("panels\t7\n§ é ✓"), "panels\t7\n§ é ✓");
+        let steering = "\u{1b}[31mred\u{9b}2J\r\u{7}\u{202e}";
+        let told = "\\u001b[31mred\\u009b2J\\u000d\\u0007\\u202e";
+        assert_eq!(printable(steering), told);
+        let json = serde_json::to_string(steering).unwrap();
+        assert_eq!(
+            serde_json::from_str::<String>(&printable(&json)).unwrap(),
+            steering
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! Progress on standard error, and interruption.
 
 use crate::args::{ProgressMode, Talk};
+use crate::output::printable;
 use indicatif::{ProgressBar, ProgressStyle};
 use phex::{Event, Progress};
 use std::io::IsTerminal;
@@ -77,6 +78,7 @@ impl Reporter {
     }
 
     fn line(&self, text: &str) {
+        let text = printable(text);
         match &self.bar {
             Some(bar) => bar.suspend(|| eprintln!("{text}")),
             None => eprintln!("{text}"),
@@ -98,12 +100,12 @@ impl Progress for Reporter {
     fn report(&self, event: &Event) {
         if self.json {
             if let Ok(line) = serde_json::to_string(event) {
-                eprintln!("{line}");
+                eprintln!("{}", printable(&line));
             }
             return;
         }
         if let Some(bar) = &self.bar {
-            bar.set_message(sentence(event));
+            bar.set_message(printable(&sentence(event)).into_owned());
         }
         match event {
             Event::Note { message } if !self.quiet => self.line(&format!("note: {message}")),

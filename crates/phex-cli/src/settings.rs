@@ -2,12 +2,14 @@
 
 use crate::exit::Failure;
 use crate::guides::GuideSettings;
-use crate::steering::SteeringSettings;
+use crate::input::read_text;
+use crate::steering::{SteeringSettings, positive};
 use crate::units::{Quantity, Unit};
 use clap::Args;
 use phex::Boundary;
 use phex::MeshOptions;
 use phex::pipeline::Method;
+use phex::ranges::{self, BadOption};
 use phex::target::TargetKind;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -186,10 +188,23 @@ impl From<CloseTo> for TargetKind {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(c) if c > 0.0 && c.is_finite() => Ok(c),
-        _ => Err(format!("`{text}` is not a positive number")),
+/// Characters of the parser's message that are shown: it quotes names and values of any length.
+const SHOWN: usize = 1000;
+
+/// The parser's message in one line, with the line of the file.
+fn located(error: &toml::de::Error, text: &str) -> String {
+    let message: String = error
+        .message()
+        .replace('\n', ", ")
+        .chars()
+        .take(SHOWN)
+        .collect();
+    match error.span() {
+        Some(span) => {
+            let line = 1 + text[..span.start].matches('\n').count();
+            format!("line {line}: {message}")
+        }
+        None => message,
     }
 }
 
@@ -210,12 +225,40 @@ impl MeshSettings {
     pub fn from_file(path: &Path) -> Result<Self, Failure> {
         let unusable =
             |e: &dyn std::fmt::Display| Failure::input(format!("{}: {e}", path.display()));
-        let text = std::fs::read_to_string(path).map_err(|e| unusable(&e))?;
-        let settings: Self = toml::from_str(&text).map_err(|e| unusable(&e))?;
+        let text = read_text(path)?;
+        let settings: Self = toml::from_str(&text).map_err(|e| unusable(&located(&e, &text)))?;
         if settings.panels.is_some() && settings.edge_length.is_some() {
             return Err(unusable(&"`panels` and `edge-length` exclude each other"));
         }
+        if settings.stages.size != MeshOptions::default().size {
+            return Err(unusable(
+                &"`size` has no effect in `[stages]`: write `panels` or `edge-length` before all tables",
+            ));
+        }
+        if settings.stages.optimise.max_deviation.is_some() {
+            return Err(unusable(
+                &"`max_deviation` has no effect in `[stages.optimise]`: write `max-deviation` before all tables",
+            ));
+        }
         Ok(settings)
+    }
+
+    /// Refuses numbers that are not finite or out of their ranges, wherever they were set.
+    ///
+    /// # Errors
+    /// The first of them, by its name.
+    pub fn check(&self) -> Result<(), Failure> {
+        let own = || -> Result<(), BadOption> {
+            ranges::within(-360.0..=360.0, &[("rotate", self.rotate.unwrap_or(0.0))])?;
+            ranges::positive(&[
+                ("adaptive", self.adaptive.unwrap_or(1.0)),
+                ("regularise", self.regularise.unwrap_or(1.0)),
+            ])?;
+            ranges::below(180.0, &[("crease", self.guides.crease.unwrap_or(90.0))])?;
+            self.steering.check()?;
+            self.options(1).check().map_err(|e| e.in_table("stages"))
+        };
+        own().map_err(Failure::input)
     }
 
     /// These settings, and those of `file` where these say nothing.

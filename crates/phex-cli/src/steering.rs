@@ -1,9 +1,12 @@
 //! Steering as it is typed: which vertices are held, and the dials of the optimiser.
 
 use crate::exit::Failure;
-use crate::input::{read_numbers, read_polylines};
+use crate::input::{number, read_numbers, read_polylines};
 use clap::{Args, ValueEnum};
 use phex::optimise::{Anchor, Dials, GroundPlane, OptimiseOptions, Solver, Steering};
+use phex::ranges::{self, BadOption};
+use phex_mesh::LARGEST_COORDINATE;
+use phex_mesh::io::shown;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -80,14 +83,13 @@ impl FromStr for TypedPlane {
         if text == "lowest" {
             return Ok(Self::Lowest);
         }
-        let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-        let numbers = numbers.unwrap_or_default();
-        let finite = numbers.iter().all(|x| x.is_finite());
-        match numbers[..] {
-            [z] if finite => Ok(Self::Level(z)),
-            [x, y, z, a, b, c] if finite => Ok(Self::Through([x, y, z, a, b, c])),
+        let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| number(n.trim())).collect();
+        match numbers.unwrap_or_default()[..] {
+            [z] => Ok(Self::Level(z)),
+            [x, y, z, a, b, c] => Ok(Self::Through([x, y, z, a, b, c])),
             _ => Err(format!(
-                "`{text}` is no plane: give `lowest`, Z or X,Y,Z,NX,NY,NZ"
+                "`{}` is no plane: give `lowest`, Z or X,Y,Z,NX,NY,NZ, each number up to {LARGEST_COORDINATE:e}",
+                shown(text)
             )),
         }
     }
@@ -111,7 +113,8 @@ impl From<TypedPlane> for String {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+/// A number above 0 as it is typed.
+pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
         _ => Err(format!("`{text}` is not a positive number")),
@@ -151,14 +154,14 @@ impl SteeringSettings {
     /// Adds what is held and turns the dials; once for each set of options.
     ///
     /// # Errors
-    /// If a file can't be read or a line of it is wrong, or a number in a job file is out of its range.
+    /// If a file can't be read or a line of it is wrong.
     pub fn apply(
         &self,
         steering: &mut Steering,
         options: &mut OptimiseOptions,
     ) -> Result<(), Failure> {
         self.add_to(steering)?;
-        self.turn_dials(options);
+        self.dials().turn(options);
         match self.solver {
             Some(TypedSolver::Barrier) => options.solver = Solver::Barrier,
             Some(TypedSolver::Tetrahedra) => options.solver = Solver::Tetrahedra,
@@ -173,18 +176,25 @@ impl SteeringSettings {
         dials.iter().any(Option::is_some)
     }
 
-    fn turn_dials(&self, options: &mut OptimiseOptions) {
-        let dials = Dials {
+    /// Refuses numbers out of their ranges.
+    ///
+    /// # Errors
+    /// The first of them, by its name.
+    pub fn check(&self) -> Result<(), BadOption> {
+        ranges::not_negative(&[("ground-reach", self.ground_reach.unwrap_or(0.0))])?;
+        self.dials().check()
+    }
+
+    fn dials(&self) -> Dials {
+        Dials {
             fairness: self.fairness.unwrap_or(1.0),
             closeness: self.closeness.unwrap_or(1.0),
             clearance: self.clearance.unwrap_or(1.0),
             centres: self.centres.unwrap_or(1.0),
-        };
-        dials.turn(options);
+        }
     }
 
     fn add_to(&self, steering: &mut Steering) -> Result<(), Failure> {
-        self.check()?;
         if let Some(path) = &self.fix {
             for line in read_numbers(path)? {
                 match line.numbers[..] {
@@ -233,27 +243,6 @@ impl SteeringSettings {
         ground.reach = self.ground_reach.unwrap_or(ground.reach);
         ground
     }
-
-    /// Numbers of a job file have not been looked at yet.
-    fn check(&self) -> Result<(), Failure> {
-        let dials = [
-            ("fairness", self.fairness),
-            ("closeness", self.closeness),
-            ("clearance", self.clearance),
-        ];
-        let wrong = |x: f64| !(x > 0.0 && x.is_finite());
-        if let Some((name, _)) = dials.iter().find(|(_, x)| x.is_some_and(wrong)) {
-            return Err(Failure::input(format!(
-                "`{name}` must be a positive number"
-            )));
-        }
-        match self.centres.is_some_and(|x| !(x >= 0.0 && x.is_finite())) {
-            true => Err(Failure::input(
-                "`centres` must be a number from 0".to_owned(),
-            )),
-            false => Ok(()),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -280,7 +269,7 @@ mod tests {
         .unwrap();
         assert_eq!(settings.ground, Some(TypedPlane::Level(0.0)));
         let mut options = OptimiseOptions::default();
-        settings.turn_dials(&mut options);
+        settings.dials().turn(&mut options);
         assert_eq!(options.vertex_closeness, 3.0);
         assert_eq!(options.centre_closeness, 0.0);
         let default = OptimiseOptions::default();
@@ -295,7 +284,7 @@ mod tests {
                 clearance: Some(clearance),
                 ..SteeringSettings::default()
             };
-            settings.turn_dials(&mut options);
+            settings.dials().turn(&mut options);
             assert!((options.barrier_reach - reach).abs() < 1e-15);
         }
         assert!(toml::from_str::<SteeringSettings>("ground = 'up'").is_err());

@@ -307,3 +307,247 @@ fn errors_are_json_where_json_is_asked_for() {
         (&"error".into(), &4.into())
     );
 }
+
+/// Numbers of every file and option are finite, and no larger than what can be computed with.
+#[test]
+fn points_beyond_what_can_be_computed_with() {
+    let shop = with_square("a.obj");
+    let huge = ["1e51", "1e155", "-1e308", "inf", "nan"];
+    for x in huge {
+        shop.write("point.txt", format!("0.5 0.5 0\n{x} 0 0\n"));
+        shop.write("cone.txt", format!("{x} 0 0 1\n"));
+        shop.write("line.obj", format!("v 0 0 0\nv 0 {x} 0\nl 1 2\n"));
+        for (option, place) in [
+            ("--fix point.txt", "point.txt:2"),
+            ("--anchors point.txt", "point.txt:2"),
+            ("--cones cone.txt", "cone.txt:1"),
+            ("--curve line.obj", "line.obj:2"),
+            ("--guide line.obj", "line.obj:2"),
+        ] {
+            let arguments = format!("mesh a.obj -o out.obj -n 5 {option}");
+            refused_as_is(&shop, &arguments, &[place, x]);
+        }
+        shop.write(
+            "job.toml",
+            format!("[[stages.steering.anchors]]\npoint = [{x}, 0, 0]\nweight = 1\n"),
+        );
+        let job = "mesh a.obj -o out.obj -n 5 --config job.toml";
+        refused_as_is(&shop, job, &["stages.steering.anchors.point"]);
+        shop.write("sites.txt", format!("0 0\n1 0\n0 {x}\n"));
+        refused_as_is(
+            &shop,
+            "power-diagram --sites sites.txt -o out.obj",
+            &["sites.txt:3"],
+        );
+    }
+    for command in [
+        "check big.obj",
+        "planarize big.obj -o out.obj",
+        "mesh big.obj -o out.obj",
+    ] {
+        shop.write("big.obj", SQUARE.replacen("v 1 1 0", "v 1 1e155 0", 1));
+        refused_as_is(&shop, command, &["big.obj", "extent", "1e50"]);
+    }
+    let stl = "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e200 0\nendloop\nendfacet\nendsolid\n";
+    refused("big.stl", stl, &["line 6", "1e200"]);
+}
+
+#[test]
+fn settings_that_are_not_finite_or_out_of_range() {
+    let shop = with_square("a.obj");
+    for x in ["nan", "inf", "-inf", "361", "1e300"] {
+        let arguments = format!("mesh a.obj -o out.obj -n 5 --rotate={x}");
+        refused_as_is(&shop, &arguments, &["rotate", "from -360 to 360"]);
+    }
+    for (table, line) in [
+        ("directions", "rotate = inf"),
+        ("directions", "gentle_alignment = inf"),
+        ("directions", "anisotropy = 0"),
+        ("layout", "boundary_phase = inf"),
+        ("layout", "sweeps = 1000000000000"),
+        ("optimise", "planarity_tolerance = nan"),
+        ("optimise", "fairness = -1"),
+        ("optimise", "least_side = nan"),
+        ("dual", "levels = 40"),
+        ("target", "damping = nan"),
+        ("curvature", "radius_rel = -1"),
+        ("sizes", "gradation = 0"),
+        ("brick_wall", "max_kink = 1"),
+        ("brick_wall.network", "strictness = inf"),
+    ] {
+        shop.write("job.toml", format!("[stages.{table}]\n{line}\n"));
+        let name = format!("stages.{table}.{}", line.split(' ').next().unwrap());
+        let job = "mesh a.obj -o out.obj -n 5 --config job.toml";
+        refused_as_is(&shop, job, &[&name, "must be"]);
+    }
+    for (option, name) in [
+        ("--closeness 1e308", "closeness"),
+        ("--fairness 1e7", "fairness"),
+        ("--clearance 1e-300", "clearance"),
+        ("--centres 1e300", "centres"),
+        ("--ground --ground-reach 1e300", "ground-reach"),
+        ("--threads 65535", "threads"),
+    ] {
+        refused_as_is(
+            &shop,
+            &format!("mesh a.obj -o out.obj -n 5 {option}"),
+            &[name],
+        );
+        refused_as_is(
+            &shop,
+            &format!("planarize a.obj -o out.obj {option}"),
+            &[name],
+        );
+    }
+    shop.write("job.toml", "[steering]\ncentres = -1\n");
+    let job = "planarize a.obj -o out.obj --config job.toml";
+    refused_as_is(&shop, job, &["centres", "must be"]);
+}
+
+#[test]
+fn names_that_a_job_file_does_not_know() {
+    let shop = with_square("a.obj");
+    for (text, name) in [
+        ("[stages]\nbondary = 'clip'\n", "bondary"),
+        ("[stages.directons]\nrotate = 1\n", "directons"),
+        ("[stages.directions]\nrotat = 1\n", "rotat"),
+        ("[stages.directions.guides]\ncreases = 1\n", "creases"),
+        ("[stages.layout]\nsweep = 1\n", "sweep"),
+        ("[stages.target]\nkinds = 1\n", "kinds"),
+        ("[stages.curvature]\nradius = 1\n", "radius"),
+        ("[stages.sizes]\nadaptiv = 1\n", "adaptiv"),
+        ("[stages.brick_wall]\nratios = 1\n", "ratios"),
+        ("[stages.brick_wall.network]\nalign = 1\n", "align"),
+    ] {
+        shop.write("job.toml", format!("# A comment.\n{text}"));
+        let line = 1 + text.lines().count();
+        let place = if text.starts_with("[stages.directons]") {
+            2
+        } else {
+            line
+        };
+        let place = format!("job.toml: line {place}:");
+        let job = "mesh a.obj -o out.obj -n 5 --config job.toml";
+        refused_as_is(&shop, job, &[&place, "unknown field", name]);
+    }
+    for (text, instead) in [
+        ("[stages]\nsize = { panels = 30 }\n", "`panels`"),
+        (
+            "[stages.optimise]\nmax_deviation = 0.1\n",
+            "`max-deviation`",
+        ),
+    ] {
+        shop.write("job.toml", text);
+        let job = "mesh a.obj -o out.obj --config job.toml";
+        refused_as_is(&shop, job, &["no effect", instead]);
+    }
+}
+
+/// What a job file names is read, too.
+#[test]
+fn files_of_a_job_are_not_written_over() {
+    let shop = with_square("a.obj");
+    for table in ["steering]\nfix", "steering]\nanchors", "guides]\ncones"] {
+        shop.write("job.toml", format!("[{table} = 'out.obj'\n"));
+        refused_as_is(
+            &shop,
+            "mesh a.obj -o out.obj -n 5 --config job.toml",
+            &["out.obj", "also read"],
+        );
+    }
+}
+
+/// Nothing of a file that steers a terminal gets there, nor more of a line than tells which one it is.
+#[test]
+fn messages_are_short_and_harmless_whatever_a_file_holds() {
+    let shop = with_square("a.obj");
+    let long = "x".repeat(100_000);
+    let evil = "\u{1b}]0;mine\u{7}\u{9b}31m";
+    for bad in [long.as_str(), evil] {
+        shop.write("bad.obj", format!("{SQUARE}v {bad} 0 0\n"));
+        shop.write(
+            "bad.off",
+            format!("OFF\n3 1 0\n0 0 0\n1 0 0\n{bad} 1 0\n3 0 1 2\n"),
+        );
+        shop.write(
+            "bad.ply",
+            format!("ply\nformat ascii 1.0\nelement {bad} many\nend_header\n"),
+        );
+        shop.write("bad.stl", format!("solid\nfacet\n{bad}\n"));
+        shop.write("bad.txt", format!("{bad} 0 0\n"));
+        shop.write(
+            "bad.toml",
+            format!("'{bad}' = 1\n").replace(['\u{1b}', '\u{7}'], ""),
+        );
+        shop.write(
+            "worse.toml",
+            format!("edge-length = \"{bad}\"\n").replace(['\u{1b}', '\u{7}'], ""),
+        );
+        shop.write("line.obj", format!("v 0 0 0\nl 1 {bad}\n"));
+        let mut all = vec![
+            "mesh a.obj -o out.obj --fix bad.txt",
+            "mesh a.obj -o out.obj --size-field bad.txt",
+            "mesh a.obj -o out.obj --curve line.obj",
+            "mesh a.obj -o out.obj --config bad.toml",
+            "mesh a.obj -o out.obj --config worse.toml",
+            "power-diagram --sites bad.txt -o out.obj",
+            "offset a.obj -o out --face-distances bad.txt",
+        ];
+        all.extend([
+            "info bad.obj",
+            "info bad.off",
+            "info bad.ply",
+            "info bad.stl",
+        ]);
+        for arguments in all {
+            for mode in ["", " --progress json"] {
+                let run = shop.phex(&format!("{arguments}{mode}"));
+                run.refuses(4, &[]);
+                let said = run.stderr + &run.stdout;
+                assert!(said.len() < 2000, "{arguments}: {} bytes", said.len());
+                let steers = |c: char| c.is_control() && c != '\n';
+                assert!(!said.contains(steers), "{arguments}: {said:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn names_that_are_too_long_are_told_before_the_computation() {
+    let shop = with_square("a.obj");
+    let long = "n".repeat(252);
+    refused_as_is(
+        &shop,
+        &format!("mesh a.obj -o {long}.obj"),
+        &["can't be written", "the name `nnn"],
+    );
+    refused_as_is(
+        &shop,
+        &format!("mesh a.obj -o new/{long}.folder/x.obj"),
+        &["can't be written"],
+    );
+    refused_as_is(
+        &shop,
+        &format!("convert a.obj {long}.ply"),
+        &["can't be written"],
+    );
+    let longest = format!("{}.obj", "n".repeat(251));
+    shop.succeed(&format!("convert a.obj {longest}"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_file_that_is_not_there_is_followed() {
+    let shop = with_square("a.obj");
+    std::os::unix::fs::symlink("folder/real.obj", shop.path("link.obj")).unwrap();
+    shop.succeed("convert a.obj link.obj");
+    assert!(
+        std::fs::symlink_metadata(shop.path("link.obj"))
+            .unwrap()
+            .is_symlink()
+    );
+    assert!(shop.path("folder/real.obj").is_file());
+    std::os::unix::fs::symlink("a.ply", shop.path("same.ply")).unwrap();
+    let both = "mesh a.obj -o same.ply --write-target a.ply -n 5";
+    shop.phex(both).refuses(4, &["also read or written"]);
+}

@@ -10,6 +10,7 @@
 //! | [`boundary_curve`] | the boundary loops of a surface, with closest points |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
 //! | [`polygon`], [`ear_clip`](mod@ear_clip), [`flat_face`] | planar polygons: exact predicates, triangulation, a face in its plane |
+//! | [`LARGEST_COORDINATE`] | how large coordinates may be |
 //! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
 //! | [`io`] | OBJ, PLY, STL and OFF files; COMPAS JSON, glTF, DXF and 3MF for writing |
 //! | [`measure`](mod@measure) | planarity, lengths, angles, clearance, deviation from a surface |
@@ -20,6 +21,7 @@ pub mod boundary_curve;
 mod clipped;
 mod disjoint_sets;
 pub mod ear_clip;
+mod extent;
 pub mod flat_face;
 pub mod hex_mesh;
 pub mod id_map;
@@ -37,6 +39,7 @@ pub mod validate;
 
 pub use boundary_curve::{BoundaryCurve, BoundaryPoint};
 pub use ear_clip::ear_clip;
+pub use extent::LARGEST_COORDINATE;
 pub use flat_face::FlatFace;
 pub use hex_mesh::HexMesh;
 pub use id_map::{IdMap, IdSet};

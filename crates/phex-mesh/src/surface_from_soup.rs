@@ -12,12 +12,11 @@
 
 use crate::disjoint_sets::DisjointSets;
 use crate::ear_clip::ear_clip_corners;
+use crate::extent;
 use crate::topology::{TopologyError, check_corners};
 use crate::{ElementId, FaceId, PolygonSoup, TriangleSurface, Vec3, VertexId};
 use thiserror::Error;
 
-/// Bounds of the largest coordinate and of the bounding box's longest side: fourth powers must neither over- nor underflow.
-const EXTENT: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 /// Messages list at most this many elements.
 const LISTED: usize = 10;
 
@@ -160,16 +159,9 @@ fn check_positions(soup: &PolygonSoup) -> Result<(f64, usize), SurfaceError> {
             .filter(|(_, used)| **used)
             .map(|(p, _)| p)
     };
-    let low = used().fold(Vec3::repeat(f64::INFINITY), |low, p| low.inf(p));
-    let high = used().fold(Vec3::repeat(f64::NEG_INFINITY), |high, p| high.sup(p));
-    let (size, largest) = ((high - low).amax(), low.amax().max(high.amax()));
-    match [size, largest]
-        .into_iter()
-        .find(|extent| !EXTENT.contains(extent))
-    {
-        Some(extent) => Err(SurfaceError::Extent { extent }),
-        None => Ok((largest, soup.positions.len() - used().count())),
-    }
+    let largest =
+        extent::largest_coordinate(used()).map_err(|extent| SurfaceError::Extent { extent })?;
+    Ok((largest, soup.positions.len() - used().count()))
 }
 
 /// Face corners in one list. Corner `c` also stands for the side from it to the next corner.

@@ -4,6 +4,7 @@
 //! layout as seeds to drop, and layout and optimiser run again.
 
 mod brick_wall;
+mod check;
 mod classical;
 mod cures;
 mod draws;
@@ -36,6 +37,7 @@ use crate::layout::{LayoutError, LayoutOptions, LayoutStatistics};
 use crate::optimise::{Offender, OptimiseError, OptimiseOptions, RunSummary, Steering};
 use crate::parallel_mesh::fit::FitError;
 use crate::progress::{Event, Progress};
+use crate::ranges::BadOption;
 use crate::target::{Similarity, TargetOptions};
 use crate::trim::{Boundary, TrimError};
 use field::panel_length;
@@ -84,7 +86,7 @@ pub enum Method {
 
 /// Options of [`mesh_surface`]: one struct per stage, and what concerns the whole flow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct MeshOptions {
     /// Size of the panels.
     pub size: PanelSize,
@@ -172,6 +174,9 @@ pub enum PipelineError {
     /// The size of the panels makes no sense for the surface.
     #[error("{0}")]
     Size(String),
+    /// An option is outside its range.
+    #[error(transparent)]
+    Option(#[from] BadOption),
     /// The surface has several components; the flow takes one at a time.
     #[error("the surface has {0} components, one at a time can be meshed")]
     Components(usize),
@@ -289,6 +294,7 @@ pub fn mesh_surface(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
+    options.check()?;
     steered::steered(mesh_of_size(surface, options, progress)?, options, progress)
 }
 

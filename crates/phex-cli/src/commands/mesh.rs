@@ -27,7 +27,7 @@ use std::path::Path;
 /// If an input can't be used, there is no result, or an output can't be written.
 pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let settings = settings(command)?;
-    check_writable(&outputs(command), &inputs(command))?;
+    check_writable(&outputs(command), &inputs(command, &settings))?;
     let threads = use_threads(settings.threads)?;
     let reporter = Reporter::new(&command.talk);
     let file = MeshFile::read(&command.input)?;
@@ -113,16 +113,18 @@ fn settings(command: &MeshCommand) -> Result<MeshSettings, Failure> {
         .as_deref()
         .map(MeshSettings::from_file)
         .transpose()?;
-    Ok(command.settings.clone().over(file.unwrap_or_default()))
+    let settings = command.settings.clone().over(file.unwrap_or_default());
+    settings.check()?;
+    Ok(settings)
 }
 
-fn inputs(command: &MeshCommand) -> Vec<&Path> {
+fn inputs<'a>(command: &'a MeshCommand, settings: &'a MeshSettings) -> Vec<&'a Path> {
     std::iter::once(command.input.as_path())
         .chain(command.config.as_deref())
         .chain(command.start.as_deref())
-        .chain(command.settings.steering.inputs())
-        .chain(command.settings.guides.inputs())
-        .chain(command.settings.size_field.as_deref())
+        .chain(settings.steering.inputs())
+        .chain(settings.guides.inputs())
+        .chain(settings.size_field.as_deref())
         .collect()
 }
 

@@ -9,7 +9,7 @@ mod told;
 
 use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
-use crate::input::MeshFile;
+use crate::input::{MeshFile, read_numbers};
 use crate::offset_arguments::{Kind, OffsetCommand};
 use crate::output::{check_writable, write_text};
 use crate::progress::is_interrupted;
@@ -127,14 +127,7 @@ impl<'a> Job<'a> {
 }
 
 fn read_distances(path: &Path) -> Result<PerFace<f64>, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| Failure::input(format!("{}: {e}", path.display())))?;
-    let number = |(k, word): (usize, &str)| {
-        let refused = || format!("{}: number {} is `{word}`", path.display(), k + 1);
-        let value = word.parse::<f64>().ok().filter(|x| x.is_finite());
-        value.ok_or_else(|| Failure::input(refused()))
-    };
-    let numbers: Result<Vec<f64>, Failure> =
-        text.split_whitespace().enumerate().map(number).collect();
-    numbers.map(PerFace::from_vec)
+    let lines = read_numbers(path)?;
+    let all = lines.into_iter().flat_map(|line| line.numbers).collect();
+    Ok(PerFace::from_vec(all))
 }

@@ -21,13 +21,14 @@ use std::path::Path;
 /// # Errors
 /// If an input can't be used, there is no result, or the output can't be written.
 pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
-    check_writable(&outputs(command), &inputs(command))?;
+    let settings = settings(command)?;
+    check_writable(&outputs(command), &inputs(command, &settings))?;
     let threads = use_threads(command.threads)?;
     let reporter = Reporter::new(&command.talk);
     let files = Files::read(command)?;
     let (start, dropped) = files.mesh.polygon_mesh()?;
     let surface = files.surface()?;
-    let mut how = planarization(command)?;
+    let mut how = planarization(command, settings)?;
     let limits = TypedLimits::from(&command.limits);
     let whole = surface
         .as_ref()
@@ -64,12 +65,25 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     Ok(exit_of(report.verdict))
 }
 
-/// The options of a job file, what is held and how the dials stand.
-fn planarization(command: &PlanarizeCommand) -> Result<Planarization, Failure> {
+/// What is typed and in the job file.
+fn settings(command: &PlanarizeCommand) -> Result<MeshSettings, Failure> {
     let file = command.config.as_deref().map(MeshSettings::from_file);
-    let file = file.transpose()?.unwrap_or_default();
-    let (mut options, mut steering) = (file.stages.optimise, file.stages.steering);
-    let typed = command.steering.clone().over(file.steering);
+    let settings = MeshSettings {
+        steering: command.steering.clone(),
+        ..MeshSettings::default()
+    };
+    let settings = settings.over(file.transpose()?.unwrap_or_default());
+    settings.check()?;
+    Ok(settings)
+}
+
+/// The options of a job file, what is held and how the dials stand.
+fn planarization(
+    command: &PlanarizeCommand,
+    settings: MeshSettings,
+) -> Result<Planarization, Failure> {
+    let typed = settings.steering;
+    let (mut options, mut steering) = (settings.stages.optimise, settings.stages.steering);
     typed.apply(&mut steering, &mut options)?;
     Ok(Planarization {
         options,
@@ -133,11 +147,11 @@ fn report(
     report
 }
 
-fn inputs(command: &PlanarizeCommand) -> Vec<&Path> {
+fn inputs<'a>(command: &'a PlanarizeCommand, settings: &'a MeshSettings) -> Vec<&'a Path> {
     std::iter::once(command.input.as_path())
         .chain(command.surface.as_deref())
         .chain(command.config.as_deref())
-        .chain(command.steering.inputs())
+        .chain(settings.steering.inputs())
         .collect()
 }
 

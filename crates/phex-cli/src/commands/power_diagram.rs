@@ -4,6 +4,7 @@ use super::deliver::{Delivery, outputs};
 use crate::args::Limits;
 use crate::dual_arguments::PowerCommand;
 use crate::exit::{Exit, Failure, OrExit};
+use crate::input::{NumberLine, read_numbers};
 use crate::output::check_writable;
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
@@ -101,44 +102,19 @@ fn diagram(command: &PowerCommand) -> Result<PowerDiagram, Failure> {
 }
 
 fn read_sites(path: &Path) -> Result<Vec<Site>, Failure> {
-    let name = || path.display().to_string();
-    let text = std::fs::read_to_string(path)
-        .with_context(name)
-        .or_exit(Exit::InputUnusable)?;
-    let lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
-    lines
-        .map(|(i, line)| site(line).ok_or_else(|| bad_line(path, i, line)))
-        .collect()
-}
-
-fn bad_line(path: &Path, index: usize, line: &str) -> Failure {
-    let number = index + 1;
-    Failure::input(format!(
-        "{}:{number}: `{line}` is no site, write `x y` or `x y weight`",
-        path.display()
-    ))
-}
-
-fn site(line: &str) -> Option<Site> {
-    let words = line
-        .split(|c: char| c.is_whitespace() || c == ',')
-        .filter(|w| !w.is_empty());
-    let numbers: Result<Vec<f64>, _> = words.map(str::parse).collect();
-    let numbers = numbers.ok().filter(|n| n.iter().all(|x| x.is_finite()))?;
-    match numbers[..] {
-        [x, y] => Some(Site {
-            position: Vec2::new(x, y),
-            weight: 0.0,
-        }),
-        [x, y, weight] => Some(Site {
+    let site = |line: &NumberLine| match line.numbers[..] {
+        [x, y] => Ok((x, y, 0.0)),
+        [x, y, weight] => Ok((x, y, weight)),
+        _ => Err(line.wrong("a site `x y` or `x y weight`")),
+    };
+    let sites = read_numbers(path)?;
+    let placed = sites.iter().map(site).map(|s| {
+        s.map(|(x, y, weight)| Site {
             position: Vec2::new(x, y),
             weight,
-        }),
-        _ => None,
-    }
+        })
+    });
+    placed.collect()
 }
 
 #[cfg(test)]

@@ -5,9 +5,19 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+/// Names of temporary files begin and end like this, and are made for nothing else.
+const PREFIX: &str = ".phex-";
+const SUFFIX: &str = ".tmp";
+
+/// Symbolic links that are followed in a row at the most, as systems do.
+const MOST_LINKS: usize = 40;
+
 /// Writes a file through a temporary file in the same folder, which takes the file's name once it is complete: on any
-/// error an existing file stays as it was. Missing folders are made, symbolic links followed; what exists and is no
-/// regular file (a pipe, a terminal) is written directly.
+/// error an existing file stays as it was. Missing folders are made, symbolic links followed, also to files that are not there; the
+/// permissions of a file that is replaced stay. What exists and is no regular file (a pipe, a terminal) is written directly.
+///
+/// A temporary file is locked while it is written. What a killed run has left is not, and goes when the next file is written into that
+/// folder.
 ///
 /// # Errors
 /// If the folder or file can't be written, or `write` fails; the error names `path`.
@@ -20,21 +30,66 @@ pub fn atomic_write(
         Ok(found) if !found.is_file() => {
             fs::File::create(path).and_then(|mut file| write(&mut file))
         }
-        _ => replace(path, write),
+        found => replace(path, found.ok().map(|found| found.permissions()), write),
     };
     result.map_err(|error| WriteError::from(WriteCause::from(error)).in_file(path))
 }
 
-fn replace(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+fn replace(
+    path: &Path,
+    permissions: Option<fs::Permissions>,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let target = link_target(path)?;
     let folder = folder_of(&target);
     fs::create_dir_all(&folder)?;
-    let mut out = BufWriter::new(temporary_file(&folder)?);
+    remove_left_behind(&folder);
+    let temporary = temporary_file(&folder)?;
+    // Where the system has no locks nothing is taken for left behind either.
+    let _ = temporary.as_file().try_lock();
+    let mut out = BufWriter::new(temporary);
     write(&mut out)?;
     let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+    if let Some(permissions) = permissions {
+        file.as_file().set_permissions(permissions)?;
+    }
     file.as_file().sync_all()?;
     file.persist(&target)?;
     Ok(())
+}
+
+/// The file that a path stands for, whether it is there or not: symbolic links in its last place are followed.
+///
+/// # Errors
+/// If links go round in a circle.
+pub fn link_target(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = fs::read_link(&target) else {
+            return Ok(target);
+        };
+        // A link that is not absolute counts from the folder that it is in.
+        target = folder_of(&target).join(next);
+    }
+    Err(io::Error::other("its symbolic links go round in a circle"))
+}
+
+/// Removes temporary files that no running program holds; what can't be looked at stays.
+fn remove_left_behind(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return;
+    };
+    let is_ours = |name: &str| name.starts_with(PREFIX) && name.ends_with(SUFFIX);
+    for entry in entries.flatten() {
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_file && entry.file_name().to_str().is_some_and(is_ours) {
+            let file = fs::File::open(entry.path());
+            if file.is_ok_and(|file| file.try_lock().is_ok()) {
+                // Another run may have been quicker.
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
 }
 
 fn folder_of(path: &Path) -> PathBuf {
@@ -46,7 +101,7 @@ fn folder_of(path: &Path) -> PathBuf {
 
 fn temporary_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".phex-").suffix(".tmp");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     // Temporary files are private by default; this one is to be an ordinary file (the umask still applies).
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -115,5 +170,53 @@ mod tests {
     fn a_device_is_written_directly() {
         atomic_write(Path::new("/dev/null"), |out| out.write_all(b"x")).unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_replaced_file_keeps_its_permissions() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("private.obj");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
+        atomic_write(&path, |out| out.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        let mode = fs::metadata(&path).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_files_that_are_not_there_are_followed() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        symlink("deep/er/file", at("second")).unwrap();
+        symlink(at("second"), at("first")).unwrap();
+        atomic_write(&at("first"), |out| out.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(at("deep/er/file")).unwrap(), b"new");
+        let is_link = |name| fs::symlink_metadata(at(name)).unwrap().is_symlink();
+        assert!(is_link("first") && is_link("second"));
+        symlink("round", at("about")).unwrap();
+        symlink("about", at("round")).unwrap();
+        let error = atomic_write(&at("round"), |out| out.write_all(b"x")).unwrap_err();
+        assert!(error.to_string().contains("circle"), "{error}");
+        assert!(is_link("round") && is_link("about"));
+    }
+
+    #[test]
+    fn what_a_killed_run_left_goes_and_what_is_being_written_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let (left, held, user) = (at(".phex-aB3.tmp"), at(".phex-xY9.tmp"), at(".phex-notes"));
+        [&left, &held, &user].map(|path| fs::write(path, "half").unwrap());
+        let other_run = fs::File::open(&held).unwrap();
+        other_run.lock().unwrap();
+        atomic_write(&at("out.obj"), |out| out.write_all(b"whole")).unwrap();
+        assert!(!left.exists() && held.exists() && user.exists());
+        drop(other_run);
+        atomic_write(&at("out.obj"), |out| out.write_all(b"whole")).unwrap();
+        assert!(!held.exists() && user.exists());
     }
 }

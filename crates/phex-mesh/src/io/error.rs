@@ -105,6 +105,12 @@ pub enum ReadCause {
         /// What stands there.
         token: String,
     },
+    /// A coordinate is larger than can be computed with.
+    #[error("the coordinate {coordinate:e} is larger than 1e50, which is not computed with")]
+    TooLarge {
+        /// Its absolute value.
+        coordinate: f64,
+    },
     /// A vertex with fewer than three coordinates.
     #[error("a vertex has {found} coordinates, 3 are needed")]
     TooFewCoordinates {

@@ -32,12 +32,13 @@ mod three_mf;
 mod triangles;
 mod weld;
 
-pub use atomic::atomic_write;
+pub use atomic::{atomic_write, link_target};
 pub use compas::{FaceAttributes, compas_json};
 pub use dxf::DxfDrawing;
 pub use error::{Place, ReadCause, ReadError, UnknownExtension, WriteCause, WriteError};
 pub use hex_mesh::{HexMeshError, HexMeshReadError};
 pub use obj::obj_of_objects;
+pub use text::shown;
 
 use crate::PolygonSoup;
 use std::io::Write;

@@ -80,9 +80,13 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     std::iter::from_fn(move || {
         let (number, first) = lines.next()?;
         let mut line = Cow::Borrowed(first);
-        while let Some(head) = line.trim_end().strip_suffix('\\') {
+        // Appended in place: a new text for each part would cost the square of the length.
+        while let Some(head) = line.trim_end().strip_suffix('\\').map(str::len) {
             let (_, rest) = lines.next().unwrap_or_default();
-            line = Cow::Owned(format!("{head} {rest}"));
+            let whole = line.to_mut();
+            whole.truncate(head);
+            whole.push(' ');
+            whole.push_str(rest);
         }
         Some((number + 1, line))
     })

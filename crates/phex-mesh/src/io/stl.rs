@@ -15,7 +15,7 @@ use super::error::{Place, ReadCause, ReadError, WriteCause};
 use super::text::{decode, numbered_lines, point, shown};
 use super::triangles::{of_face, single};
 use super::weld::weld;
-use crate::{PolygonSoup, Vec3};
+use crate::{LARGEST_COORDINATE, PolygonSoup, Vec3};
 use std::io::Cursor;
 use stl_io::{Triangle, Vector};
 
@@ -123,7 +123,10 @@ fn parse_text(text: &str) -> Result<Corners, ReadError> {
             ("solid", None) => solid_open = true,
             ("endsolid", None) => solid_open = false,
             ("facet", None) if solid_open => facet = Some(corners.len()),
-            ("vertex", Some(_)) => corners.push(point(tokens, place)?),
+            ("vertex", Some(_)) => {
+                let corner = weldable(point(tokens, place)?);
+                corners.push(corner.map_err(|cause| cause.at(place))?);
+            }
             ("outer" | "endloop", Some(_)) => (),
             ("endfacet", Some(start)) => {
                 faces.push(corner_count(corners.len() - start).map_err(|cause| cause.at(place))?);
@@ -136,6 +139,15 @@ fn parse_text(text: &str) -> Result<Corners, ReadError> {
         return Err(ReadCause::Malformed("the file ends before `endsolid`".into()).into());
     }
     Ok((corners, faces))
+}
+
+/// A corner that can be welded: differences of coordinates must not overflow.
+fn weldable(corner: Vec3) -> Result<Vec3, ReadCause> {
+    let coordinate = corner.amax();
+    match coordinate <= LARGEST_COORDINATE {
+        true => Ok(corner),
+        false => Err(ReadCause::TooLarge { coordinate }),
+    }
 }
 
 fn corner_count(corners: usize) -> Result<usize, ReadCause> {

@@ -24,8 +24,8 @@ pub(super) fn without_comment(line: &str) -> &str {
     line.split('#').next().unwrap_or_default()
 }
 
-/// A token as it is shown in a message: cut where it is long.
-pub(super) fn shown(token: &str) -> String {
+/// What stands in a file, as it is shown in a message: cut after 40 characters.
+pub fn shown(token: &str) -> String {
     let mut text: String = token.chars().take(40).collect();
     if text.len() < token.len() {
         text.push('…');

@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 
 /// How curvature is estimated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct CurvatureOptions {
     /// Radius of the fitted neighbourhood over the panel length.
     pub radius_rel: f64,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A prescribed cone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Cone {
     /// Where, in the coordinates of the surface; the nearest place on it counts.
     pub position: [f64; 3],
@@ -15,7 +16,7 @@ pub struct Cone {
 
 /// Lines and cones, in the coordinates of the surface.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct Guides {
     /// Polylines that rows of panels run along.
     pub lines: Vec<Vec<[f64; 3]>>,

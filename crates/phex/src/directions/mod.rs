@@ -46,7 +46,7 @@ use std::f64::consts::FRAC_PI_3;
 
 /// How metric and field are made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct DirectionOptions {
     /// Largest ratio of panel lengths along the two principal directions (1: isotropic). 1.5 to 2 is the measured optimum.
     pub anisotropy: f64,

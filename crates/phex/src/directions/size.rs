@@ -13,7 +13,7 @@ use std::collections::BinaryHeap;
 
 /// How sizes follow the surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct SizeOptions {
     /// Largest panel length times curvature (`L k_max`), or `None` for uniform panels. 0.4 resolves features well.
     pub adaptive: Option<f64>,

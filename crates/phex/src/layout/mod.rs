@@ -64,7 +64,7 @@ use thiserror::Error;
 
 /// How panels are laid out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct LayoutOptions {
     /// Seed of the random start of the waves.
     pub seed: u64,

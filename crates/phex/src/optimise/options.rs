@@ -1,5 +1,6 @@
 //! Options and errors of the optimiser.
 
+use crate::ranges::{self, BadOption};
 use phex_mesh::{FaceId, VertexId};
 use serde::{Deserialize, Serialize};
 
@@ -153,6 +154,8 @@ impl Default for OptimiseOptions {
     }
 }
 
+/// Factor to which a dial goes at the most, and one over it at the least.
+const FARTHEST_DIAL: f64 = 1e6;
 /// Reach of the barrier to which the dial goes at the most.
 const FARTHEST: f64 = 0.45;
 
@@ -183,6 +186,20 @@ impl Default for Dials {
 }
 
 impl Dials {
+    /// Refuses dials that are turned so far that one weight drowns the others.
+    ///
+    /// # Errors
+    /// The first of them that is not finite or out of its range.
+    pub fn check(&self) -> Result<(), BadOption> {
+        let turned = [
+            ("fairness", self.fairness),
+            ("closeness", self.closeness),
+            ("clearance", self.clearance),
+        ];
+        ranges::within(1.0 / FARTHEST_DIAL..=FARTHEST_DIAL, &turned)?;
+        ranges::within(0.0..=FARTHEST_DIAL, &[("centres", self.centres)])
+    }
+
     /// Multiplies the weights of the options.
     pub fn turn(&self, options: &mut OptimiseOptions) {
         options.fairness *= self.fairness;
@@ -223,15 +240,19 @@ impl OptimiseOptions {
     }
 
     /// Refuses values that have no meaning.
-    pub(super) fn check(&self) -> Result<(), OptimiseError> {
-        let positive = [
+    pub(crate) fn check(&self) -> Result<(), BadOption> {
+        let penalties = self.penalties.iter().map(|&w| ("penalties", w));
+        let bounds = self.max_deviation.map(|d| ("max_deviation", d));
+        let several: Vec<_> = penalties.chain(bounds).collect();
+        ranges::positive(&several)?;
+        ranges::positive(&[
             ("vertex_closeness", self.vertex_closeness),
             ("anchor", self.anchor),
             ("barrier", self.barrier),
             ("barrier_reach", self.barrier_reach),
             ("planarity_tolerance", self.planarity_tolerance),
-        ];
-        let not_negative = [
+        ])?;
+        ranges::not_negative(&[
             ("centre_closeness", self.centre_closeness),
             ("boundary_closeness", self.boundary_closeness),
             ("corner_closeness", self.corner_closeness),
@@ -239,17 +260,18 @@ impl OptimiseOptions {
             ("start_closeness", self.start_closeness),
             ("energy_tolerance", self.energy_tolerance),
             ("step_tolerance", self.step_tolerance),
-        ];
-        let penalties = self.penalties.iter().map(|&w| ("penalties", w));
-        let penalties = penalties.chain(self.max_deviation.map(|d| ("max_deviation", d)));
-        let mut all = (positive.into_iter().chain(penalties).map(|p| (p, true)))
-            .chain(not_negative.map(|p| (p, false)));
-        let wrong = |&((_, value), strict): &((&str, f64), bool)| {
-            !value.is_finite() || value < 0.0 || (strict && value == 0.0)
-        };
-        all.find(wrong).map_or(Ok(()), |((option, value), _)| {
-            Err(OptimiseError::BadOption { option, value })
-        })
+            ("clearance_margin", self.clearance_margin),
+            ("least_clearance", self.least_clearance),
+            ("good_deviation", self.good_deviation),
+        ])?;
+        ranges::within(-1.0..=1.0, &[("least_side", self.least_side)])?;
+        ranges::counts(&[
+            ("max_iterations", self.max_iterations),
+            ("newton_iterations", self.newton_iterations.unwrap_or(0)),
+            ("projection_iterations", self.projection_iterations),
+            ("smoothing", self.smoothing[0]),
+            ("smoothing", self.smoothing[1]),
+        ])
     }
 }
 
@@ -283,13 +305,8 @@ pub enum OptimiseError {
     #[error("the mesh has no extent")]
     NoExtent,
     /// An option has a value without meaning.
-    #[error("option {option} can't be {value}")]
-    BadOption {
-        /// Name of the option.
-        option: &'static str,
-        /// Its value.
-        value: f64,
-    },
+    #[error(transparent)]
+    BadOption(#[from] BadOption),
     /// The mesh can't be held as is asked for.
     #[error(transparent)]
     Steering(#[from] super::SteeringError),

@@ -166,6 +166,7 @@ pub fn network_curves(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<NetworkCurves, PipelineError> {
+    options.check()?;
     let mut clock = Clock::new(progress);
     let panels = panel_count(input, options.size)?;
     let site = Site::new(input, panels, options, &mut clock)?;

@@ -12,10 +12,11 @@ mod subdivision;
 
 pub use statistics::ClassicalStatistics;
 
-use super::field::{FineSurface, boundary_length, panel_length};
+use super::field::{Field, FineSurface, boundary_length, panel_length};
 use super::{
     Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, between_panels, moved,
 };
+use crate::directions::guides::{Cone, Guides};
 use crate::ground::Ground;
 use crate::layout::domain::DomainError;
 use crate::layout::{LayoutError, LayoutStatistics};
@@ -69,7 +70,7 @@ pub(super) fn mesh_with_panels(
         .centre
         .map(|c| similarity.restore(c.into()).into());
     let statistics = Statistics {
-        cones: Vec::new(),
+        cones: Guides::of_cones(made.cones).moved(map).cones,
         panels_asked: panels,
         target_vertices: ground
             .smooth
@@ -118,6 +119,8 @@ struct Made {
     fine: Option<FineSurface>,
     outcome: Outcome,
     layout: LayoutStatistics,
+    /// The cones of the lattice, where there is one.
+    cones: Vec<Cone>,
     optimised: Option<Optimised>,
     classical: ClassicalStatistics,
 }
@@ -127,7 +130,7 @@ impl Made {
         ground: &Ground,
         mesh: HexMesh,
         fine: FineSurface,
-        layout: LayoutStatistics,
+        (field, layout): (&Field, LayoutStatistics),
         optimised: Option<Optimised>,
         classical: ClassicalStatistics,
     ) -> Self {
@@ -140,6 +143,7 @@ impl Made {
                 .as_ref()
                 .map_or_else(planar, |o| o.outcome.clone()),
             layout,
+            cones: field.cones(&ground.smooth),
             optimised,
             classical,
         }

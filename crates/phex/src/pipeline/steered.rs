@@ -39,6 +39,7 @@ pub fn refit_surface(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
+    options.check()?;
     let mut clock = Clock::new(progress);
     let panels = earlier.topology().n_faces();
     let similarity = Similarity::normalising(surface);

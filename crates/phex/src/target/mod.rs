@@ -38,7 +38,7 @@ pub enum TargetKind {
 
 /// How the smooth target is made.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct TargetOptions {
     /// Which surface the panels are kept close to.
     pub kind: TargetKind,

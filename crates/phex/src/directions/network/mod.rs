@@ -60,7 +60,7 @@ pub enum NetworkFamily {
 
 /// How a network is made.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct NetworkOptions {
     /// Which network.
     pub family: NetworkFamily,

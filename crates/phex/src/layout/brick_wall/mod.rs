@@ -44,7 +44,7 @@ use std::collections::HashSet;
 
 /// How bricks are laid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct BrickWallOptions {
     /// The network.
     pub network: NetworkOptions,

@@ -81,7 +81,7 @@ pub(super) fn tangent_planes(
         ground,
         mesh,
         fine,
-        placed.statistics,
+        (&field, placed.statistics),
         optimised,
         classical,
     ))
@@ -105,7 +105,7 @@ fn tangent_panels(
         ground,
         mesh,
         fine,
-        placed.statistics,
+        (field, placed.statistics),
         None,
         classical,
     ))

@@ -55,6 +55,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
         mesh,
         fine: Some(fine),
         layout: placed.statistics,
+        cones: field.cones(&ground.smooth),
         outcome,
         optimised: None,
         classical,

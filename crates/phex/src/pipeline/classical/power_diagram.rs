@@ -39,6 +39,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
         reported: ground.smooth.finest().clone(),
         fine: None,
         layout: LayoutStatistics::default(),
+        cones: Vec::new(),
         outcome: Outcome::empty(Status::Converged),
         optimised: None,
         classical,

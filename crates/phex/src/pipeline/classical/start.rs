@@ -3,7 +3,7 @@
 use super::ClassicalStatistics;
 use crate::curvature::{self, Curvature};
 use crate::directions::intrinsic::IntrinsicMesh;
-use crate::directions::{self, saddle};
+use crate::directions::{self, cones, saddle};
 use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, resolved};
 use crate::layout::lattice::CELL;
@@ -111,6 +111,7 @@ impl<'a> Start<'a> {
     ) -> Result<Field, PipelineError> {
         let options = &self.saddle_options(&ground.options);
         let settings = direction_options(options, 1.0);
+        cones::prescribed_faces(self.surface, &settings.guides.cones)?;
         let (wished, weight) = saddle::wishes(
             self.surface,
             &self.curvature,

@@ -64,7 +64,7 @@ pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
         coarse,
         mesh,
         fine,
-        placed.statistics,
+        (&field, placed.statistics),
         None,
         classical,
     ))
