@@ -1,9 +1,10 @@
 //! `phex power-diagram`: polyhedra from sites in the plane, on spheres and ellipsoids.
 
-use super::deliver::{Delivery, outputs};
+use super::deliver::{Delivery, judged, outputs};
 use crate::args::Limits;
 use crate::dual_arguments::PowerCommand;
 use crate::exit::{Exit, Failure, OrExit};
+use crate::html::Shown;
 use crate::output::check_writable;
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
@@ -42,19 +43,21 @@ pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
             format!("{count} sites have no cell: {}", first.join(" ")),
         );
     }
+    let (shown, limits) = (Shown::of(&mesh), TypedLimits::from(&Limits::default()));
+    let mut report = judged("power-diagram", &shown, &limits);
+    report.settings = json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes, "affine": command.affine });
+    report.statistics = json!({ "hidden": diagram.hidden });
     Delivery {
-        command: "power-diagram",
-        mesh: &mesh,
-        output: &command.output,
+        shown,
+        output: Some(&command.output),
+        keep_invalid: command.keep_invalid,
+        panels: true,
         extras: &command.extras,
         talk: &command.talk,
-        limits: TypedLimits::from(&Limits::default()),
-        surface: None,
-        panels: true,
-        table,
-        settings: json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes, "affine": command.affine }),
-        statistics: json!({ "hidden": diagram.hidden }),
-        inputs: Vec::new(),
+        unit: limits.unit,
+        before: String::new(),
+        after: table.into_text(),
+        report,
     }
     .send()
 }
