@@ -1,5 +1,8 @@
 //! Embeds the viewer of the HTML report: the one that `cargo xtask viewer` has built, else one that is built here where npm
-//! is installed. Without either the report has pictures and tables.
+//! is installed. Without either the report has pictures and tables, and `phex --version` says why.
+
+#[path = "npm.rs"]
+mod npm;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -26,35 +29,38 @@ fn main() {
     }
     println!("cargo::rustc-check-cfg=cfg(viewer_bundle)");
     let bundle = Some(built.join("viewer.js")).filter(|file| file.is_file());
-    if let Some(bundle) = bundle.or_else(|| made(&source)) {
-        println!("cargo::rustc-cfg=viewer_bundle");
-        println!("cargo::rustc-env=PHEX_VIEWER={}", bundle.display());
+    match bundle.map_or_else(|| made(&source), Ok) {
+        Ok(bundle) => {
+            println!("cargo::rustc-cfg=viewer_bundle");
+            println!("cargo::rustc-env=PHEX_VIEWER={}", bundle.display());
+        }
+        Err(cause) => println!("cargo::rustc-env=PHEX_NO_VIEWER={cause}"),
     }
 }
 
-/// The viewer, built beside the crate's other products.
-fn made(source: &Path) -> Option<PathBuf> {
-    let wanted = std::env::var_os(OFF).is_none() && source.join("package.json").is_file();
-    if !wanted || npm(source, &["--version"]).is_err() {
-        return None;
+/// The viewer, built beside the crate's other products; or why not.
+fn made(source: &Path) -> Result<PathBuf, String> {
+    if std::env::var_os(OFF).is_some() {
+        return Err(format!("the program was built with {OFF}"));
     }
-    let out = std::env::var_os("OUT_DIR").map(PathBuf::from)?;
+    if !source.join("package.json").is_file() || npm(source, &["--version"]).is_err() {
+        return Err("the program was built without npm, which makes it".to_owned());
+    }
+    let out = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
     match build(source, &out) {
-        Ok(()) => Some(out.join("viewer.js")),
+        Ok(()) => Ok(out.join("viewer.js")),
         Err(cause) => {
-            println!("cargo::warning=HTML reports will have no interactive view: {cause}");
-            None
+            println!(
+                "cargo::warning=HTML reports will have no interactive view: {cause}; `cargo xtask viewer` makes it later"
+            );
+            Err(format!("it could not be made: {cause}"))
         }
     }
 }
 
 fn build(source: &Path, out: &Path) -> Result<(), String> {
-    if !source.join("node_modules/.package-lock.json").is_file() {
-        // Without a network this must fail at once.
-        npm(
-            source,
-            &["ci", "--silent", "--ignore-scripts", "--fetch-retries=0"],
-        )?;
+    if !npm::is_installed(source)? {
+        npm(source, &npm::FETCH)?;
     }
     let out = out.to_string_lossy();
     npm(

@@ -4,6 +4,7 @@
 mod list;
 mod obj;
 mod run;
+pub mod steps;
 mod surfaces;
 mod table;
 
@@ -32,8 +33,11 @@ pub struct Maker<'a> {
 }
 
 /// Rows of the program's table that are shown under a picture.
-const ROWS: [&str; 8] = [
+const ROWS: [&str; 11] = [
+    "fit",
+    "curvature",
     "dual",
+    "conjugate",
     "flips",
     "forecast",
     "panels",
@@ -44,10 +48,34 @@ const ROWS: [&str; 8] = [
 ];
 
 impl Maker<'_> {
-    /// Runs a command that makes a file, and remembers it.
+    /// Runs a command of the program that makes a file, and remembers it.
     fn run(&mut self, line: &str) -> Result<(), String> {
-        let said = self.phex.make(line)?;
-        self.commands.push(said.line);
+        self.follow(format!("phex {line}"))
+    }
+
+    /// Takes a step between two commands of the program.
+    fn step(&mut self, line: &str) -> Result<(), String> {
+        self.follow(format!("cargo xtask obj {line}"))
+    }
+
+    /// Makes a surface.
+    fn surface(&mut self, name: &str) -> Result<(), String> {
+        let commands = surfaces::commands(name);
+        commands.into_iter().try_for_each(|line| self.follow(line))
+    }
+
+    /// Writes a job file.
+    fn job(&mut self, name: &str, text: &str) -> Result<(), String> {
+        let text = text.replace('\n', "\\n");
+        self.follow(format!("printf '{text}' > {WORK}/{name}"))
+    }
+
+    /// Makes what a command line makes, and remembers it; once in a figure.
+    fn follow(&mut self, line: String) -> Result<(), String> {
+        self.phex.follow(&line)?;
+        if !self.commands.contains(&line) {
+            self.commands.push(line);
+        }
         Ok(())
     }
 
@@ -55,6 +83,7 @@ impl Maker<'_> {
     fn measured(&mut self, name: &str, line: &str) -> Result<(), String> {
         let said = self.phex.make(&format!("{line} --progress none"))?;
         self.commands.push(format!("phex {line}"));
+        self.phex.remember(line);
         let rows = ROWS
             .iter()
             .filter_map(|r| Some(format!("{r} {}", said.row(r)?)));
@@ -68,12 +97,7 @@ impl Maker<'_> {
         self.figures.push(text);
     }
 
-    /// A step that the task makes itself.
-    fn note(&mut self, text: &str) {
-        self.commands.push(format!("# {text}"));
-    }
-
-    /// Draws a mesh into the gallery.
+    /// Draws a mesh into the gallery, all from one side and in one size.
     fn draw(
         &mut self,
         mesh: &str,
@@ -81,12 +105,14 @@ impl Maker<'_> {
         caption: &str,
         options: &str,
     ) -> Result<(), String> {
-        let size = if options.contains("--size") {
-            ""
+        let side = if options.contains("--view") {
+            String::new()
         } else {
-            "--size 560x420 "
+            format!(" --azimuth {SIDE}")
         };
-        let line = format!("render {WORK}/{mesh} -o {GALLERY}/{picture}.png {size}{options}");
+        let line = format!(
+            "render {WORK}/{mesh} -o {GALLERY}/{picture}.png --size 560x420{side} {options}"
+        );
         self.run(line.trim())?;
         self.pictures
             .push((format!("{picture}.png"), caption.to_owned()));
@@ -94,16 +120,20 @@ impl Maker<'_> {
     }
 }
 
-/// Makes everything; with numbers only the pictures of those figures, and no page.
+/// The side from which meshes are seen, degrees: from the front, a little from the right.
+const SIDE: i32 = -60;
+
+/// Makes everything; with numbers only those figures, and their sections of the page.
 pub fn figures(root: &Path, only: &[&str]) -> Result<(), String> {
     let phex = Phex::build(root)?;
-    surfaces::make(&phex)?;
+    let path = phex.gallery("README.md");
     if !only.is_empty() {
+        let mut page = crate::read(&path)?;
         let wanted = |f: &&Figure| only.contains(&f.number.to_string().as_str());
-        return list::FIGURES
-            .iter()
-            .filter(wanted)
-            .try_for_each(|f| section(&phex, f).map(|_| ()));
+        for figure in list::FIGURES.iter().filter(wanted) {
+            page = with_section(&page, &section(&phex, figure)?);
+        }
+        return std::fs::write(&path, page).map_err(|e| format!("{}: {e}", path.display()));
     }
     let mut page = String::from(INTRODUCTION);
     for figure in &list::FIGURES {
@@ -113,14 +143,24 @@ pub fn figures(root: &Path, only: &[&str]) -> Result<(), String> {
     println!("== table");
     page += TABLE;
     page += &table::table(&phex)?;
-    let path = phex.gallery("README.md");
     std::fs::write(&path, page).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// A page with one of its sections written anew.
+fn with_section(page: &str, section: &str) -> String {
+    let title = section.lines().next().unwrap_or_default();
+    let Some(start) = page.find(&format!("{title}\n")) else {
+        return page.to_owned();
+    };
+    let rest = &page[start + title.len()..];
+    let end = rest.find("\n## ").map_or("", |at| &rest[at + 1..]);
+    format!("{}{section}{end}", &page[..start])
 }
 
 const INTRODUCTION: &str = "# Gallery
 
 Counterparts of the figures of W. Wang and Y. Liu, \"A note on planar hexagonal meshes\" (2010), and the methods that the paper reviews side by side with
-ours. Everything here is made by `cargo xtask figures`, with the commands given; figures under the pictures are what the program measured. Planarity is the
+ours. Everything here is made by `cargo xtask figures`, with the commands given (`cargo xtask obj` cuts and joins files between them); figures under the pictures are what the program measured. Planarity is the
 largest distance of a corner to its panel's plane in mean edges, deviation is over the diagonal of the bounding box.
 Colours: convex hexagons cream, concave ones green, pentagons blue, heptagons orange, smaller panels violet.
 
@@ -144,6 +184,12 @@ fn section(phex: &Phex, figure: &Figure) -> Result<String, String> {
         figures: Vec::new(),
     };
     (figure.make)(&mut maker).map_err(|e| format!("figure {}: {e}", figure.number))?;
+    if let Some(path) = steps::unmade_input(&maker.commands, &format!("{WORK}/")) {
+        let number = figure.number;
+        return Err(format!(
+            "figure {number}: no command makes {path}, which one reads"
+        ));
+    }
     let mut text = format!("## Figure {}\n\n{}\n\n", figure.number, figure.sentence);
     let cells = |f: &dyn Fn(&(String, String)) -> String| -> String {
         let cells: Vec<String> = maker.pictures.iter().map(f).collect();
@@ -158,4 +204,20 @@ fn section(phex: &Phex, figure: &Figure) -> Result<String, String> {
     }
     let _ = write!(text, "\n```sh\n{}\n```\n\n", maker.commands.join("\n"));
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_section;
+
+    #[test]
+    fn one_section_of_a_page_is_written_anew() {
+        let page = "# Gallery\n\n## Figure 1\n\nold\n\n## Figure 11\n\nkept\n";
+        let new = with_section(page, "## Figure 1\n\nnew\n\n");
+        assert_eq!(
+            new,
+            "# Gallery\n\n## Figure 1\n\nnew\n\n## Figure 11\n\nkept\n"
+        );
+        assert!(with_section(page, "## Figure 11\n\nnew\n").ends_with("Figure 11\n\nnew\n"));
+    }
 }

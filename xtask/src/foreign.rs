@@ -1,39 +1,16 @@
 //! Files of the program, opened by other programs: Python packages in an environment of their own.
 
-use std::path::Path;
+use crate::{Stop, program_as_tested, viewer};
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TEST: &str = "crates/phex-fab/tests/foreign";
 
 /// Makes the environment where it is missing or out of date, makes a mesh, and runs the test.
-pub fn check(root: &Path) -> Result<(), String> {
-    let venv = root.join("target/foreign-venv");
-    let python = venv.join("bin/python");
-    let wanted = crate::read(&root.join(TEST).join("requirements.txt"))?;
-    let stamp = venv.join("requirements.txt");
-    if std::fs::read_to_string(&stamp).ok().as_ref() != Some(&wanted) {
-        crate::succeed(
-            Command::new("python3")
-                .args(["-m", "venv", "--clear"])
-                .arg(&venv),
-        )?;
-        let install = [
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--disable-pip-version-check",
-            "-r",
-        ];
-        crate::succeed(
-            Command::new(&python)
-                .args(install)
-                .arg(root.join(TEST).join("requirements.txt")),
-        )?;
-        std::fs::write(&stamp, &wanted).map_err(|e| format!("{}: {e}", stamp.display()))?;
-    }
-    crate::cargo(root, &["build", "-p", "phex-cli"])?;
-    let (phex, folder) = (root.join("target/debug/phex"), root.join("target/foreign"));
+pub fn check(root: &Path) -> Result<(), Stop> {
+    let python = environment(root)?;
+    let phex = program_as_tested(root)?;
+    let folder = root.join("target/foreign");
     if folder.exists() {
         std::fs::remove_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     }
@@ -51,11 +28,33 @@ pub fn check(root: &Path) -> Result<(), String> {
             .arg(&mesh),
     )?;
     let script = root.join(TEST).join("check.py");
-    crate::succeed(
-        Command::new(&python)
-            .arg(script)
-            .arg(&phex)
-            .arg(&folder)
-            .arg(&mesh),
-    )
+    let mut test = Command::new(&python);
+    Ok(crate::succeed(
+        test.arg(script).arg(&phex).arg(&folder).arg(&mesh),
+    )?)
+}
+
+/// The Python of an environment with the packages, which is made where it is missing or out of date.
+fn environment(root: &Path) -> Result<PathBuf, Stop> {
+    let system = viewer::program("python3")
+        .ok_or_else(|| Stop::skipped("Python is not installed, whose packages open the files"))?;
+    let venv = root.join("target/foreign-venv");
+    let python = venv.join("bin/python");
+    let requirements = root.join(TEST).join("requirements.txt");
+    let wanted = crate::read(&requirements)?;
+    let stamp = venv.join("requirements.txt");
+    if std::fs::read_to_string(&stamp).ok().as_ref() == Some(&wanted) {
+        return Ok(python);
+    }
+    // Without the module venv, or without a network, these are not to be had here.
+    let skipped = |cause| Stop::skipped(format!("its packages can't be installed: {cause}"));
+    let mut make = Command::new(system);
+    make.args(["-m", "venv", "--clear"]).arg(&venv);
+    crate::succeed(&mut make).map_err(skipped)?;
+    let mut install = Command::new(&python);
+    let quietly = ["--quiet", "--disable-pip-version-check"];
+    install.args(["-m", "pip", "install"]).args(quietly);
+    crate::succeed(install.arg("-r").arg(&requirements)).map_err(skipped)?;
+    std::fs::write(&stamp, &wanted).map_err(|e| format!("{}: {e}", stamp.display()))?;
+    Ok(python)
 }

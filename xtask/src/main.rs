@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | foreign | viewer | browse | figures [NUMBER...]
+                        | obj STEP...
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
@@ -20,32 +21,54 @@ foreign opens the files of the program with other programs (needs Python and pip
 viewer  builds the interactive part of the HTML report (needs npm)
 browse  opens HTML reports in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)
 ledger  makes the rows of docs/ledger.md (surfaces at set sizes) and says what is better and worse than the committed ones;
-        with --compare or rows' names the file stays; --quick: the rows of check; --program PATH: another phex;
+        with --compare the file stays; with rows' names the others stay; --quick: the rows of check; --program PATH: another phex;
         --models FOLDER: models that are not in the repository (default ../shared/models)
-figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces";
+figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces; with numbers only those
+obj     cuts and joins OBJ files, as the gallery's commands need it";
 
 /// One step of the check: its name, and what it runs.
 struct Step {
     name: &'static str,
-    run: fn(&Path) -> Result<(), String>,
+    run: fn(&Path) -> Result<(), Stop>,
+}
+
+/// Why a step did not do its work.
+enum Stop {
+    /// Something is wrong.
+    Failed(String),
+    /// This machine has not what it takes.
+    Skipped(String),
+}
+
+impl Stop {
+    /// A step that can't be taken on this machine.
+    fn skipped(reason: impl Into<String>) -> Self {
+        Self::Skipped(reason.into())
+    }
+}
+
+impl From<String> for Stop {
+    fn from(cause: String) -> Self {
+        Self::Failed(cause)
+    }
 }
 
 const CHECK: [Step; 12] = [
     Step {
         name: "formatting",
-        run: |root| cargo(root, &["fmt", "--all", "--check"]),
+        run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
     },
     Step {
         name: "stages use earlier stages only",
-        run: stages::check,
+        run: |root| Ok(stages::check(root)?),
     },
     Step {
         name: "crates depend one way",
-        run: arrows::check,
+        run: |root| Ok(arrows::check(root)?),
     },
     Step {
         name: "no machine paths",
-        run: paths::check,
+        run: |root| Ok(paths::check(root)?),
     },
     Step {
         name: "the report's viewer is built",
@@ -54,30 +77,24 @@ const CHECK: [Step; 12] = [
     Step {
         name: "clippy without warnings",
         run: |root| {
-            cargo(
+            let what = ["clippy", "--workspace", "--all-targets"];
+            Ok(cargo(
                 root,
-                &[
-                    "clippy",
-                    "--workspace",
-                    "--all-targets",
-                    "--",
-                    "-D",
-                    "warnings",
-                ],
-            )
+                &[&what[..], &["--", "-D", "warnings"]].concat(),
+            )?)
         },
     },
     Step {
         name: "documentation without warnings",
-        run: documentation,
+        run: |root| Ok(documentation(root)?),
     },
     Step {
         name: "tests",
-        run: |root| cargo(root, &["test", "--workspace"]),
+        run: |root| Ok(cargo(root, &["test", "--workspace"])?),
     },
     Step {
         name: "no row of the ledger is worse",
-        run: ledger::check,
+        run: |root| Ok(ledger::check(root)?),
     },
     Step {
         name: "files in other programs",
@@ -89,7 +106,11 @@ const CHECK: [Step; 12] = [
     },
     Step {
         name: "examples build",
-        run: |root| cargo(root, &["build", "--workspace", "--examples"]),
+        // As for the tests: packages that are built with other features are compiled again.
+        run: |root| {
+            let what = ["test", "--workspace", "--examples", "--no-run"];
+            Ok(cargo(root, &what)?)
+        },
     },
 ];
 
@@ -100,12 +121,13 @@ fn main() -> ExitCode {
         ["foreign"] => exit(foreign::check(&root())),
         ["viewer"] => exit(viewer::build(&root())),
         ["browse"] => exit(viewer::browse(&root())),
-        ["ledger", ref words @ ..] => exit(ledger::ledger(&root(), words)),
+        ["ledger", ref words @ ..] => exit(ledger::ledger(&root(), words).map_err(Stop::from)),
         ["ledger-reference"] => {
             println!("{}", ledger::reference());
             ExitCode::SUCCESS
         }
-        ["figures", ref only @ ..] => exit(figures::figures(&root(), only)),
+        ["obj", ref step @ ..] => exit(figures::steps::run(&root(), step).map_err(Stop::from)),
+        ["figures", ref only @ ..] => exit(figures::figures(&root(), only).map_err(Stop::from)),
         _ => {
             eprintln!("{USAGE}");
             ExitCode::from(2)
@@ -113,10 +135,10 @@ fn main() -> ExitCode {
     }
 }
 
-fn exit(result: Result<(), String>) -> ExitCode {
+fn exit(result: Result<(), Stop>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(cause) => {
+        Err(Stop::Failed(cause) | Stop::Skipped(cause)) => {
             eprintln!("{cause}");
             ExitCode::FAILURE
         }
@@ -130,15 +152,42 @@ fn root() -> PathBuf {
 }
 
 fn check(root: &Path) -> ExitCode {
+    let mut skipped = Vec::new();
     for step in &CHECK {
         println!("== {}", step.name);
-        if let Err(cause) = (step.run)(root) {
-            println!("== FAILED: {}\n{cause}", step.name);
-            return ExitCode::FAILURE;
+        match (step.run)(root) {
+            Ok(()) => {}
+            Err(Stop::Skipped(reason)) => {
+                println!("== SKIPPED: {}: {reason}", step.name);
+                skipped.push(step.name);
+            }
+            Err(Stop::Failed(cause)) => {
+                println!("== FAILED: {}\n{cause}", step.name);
+                return ExitCode::FAILURE;
+            }
         }
     }
-    println!("== all {} steps passed", CHECK.len());
+    println!("{}", passed(&skipped));
     ExitCode::SUCCESS
+}
+
+/// The last line of a check in which nothing failed.
+fn passed(skipped: &[&str]) -> String {
+    let taken = CHECK.len() - skipped.len();
+    match skipped {
+        [] => format!("== all {taken} steps passed"),
+        names => format!("== {taken} steps passed, skipped: {}", names.join(", ")),
+    }
+}
+
+/// The program as the tests have built it: with `-p phex-cli` alone its packages have other features, and half the tree would
+/// be compiled again.
+fn program_as_tested(root: &Path) -> Result<PathBuf, String> {
+    cargo(root, &["test", "--workspace", "--no-run", "--quiet"])?;
+    let target = std::env::var_os("CARGO_TARGET_DIR");
+    let target = target.map_or_else(|| root.join("target"), PathBuf::from);
+    let name = format!("phex{}", std::env::consts::EXE_SUFFIX);
+    Ok(target.join("debug").join(name))
 }
 
 fn cargo(root: &Path, arguments: &[&str]) -> Result<(), String> {
@@ -213,5 +262,23 @@ fn verdict(complaints: Vec<String>) -> Result<(), String> {
         Ok(())
     } else {
         Err(complaints.join("\n"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_that_were_skipped_are_named_and_not_counted_as_passed() {
+        assert_eq!(passed(&[]), format!("== all {} steps passed", CHECK.len()));
+        let text = passed(&["files in other programs", "the report in a browser"]);
+        let taken = CHECK.len() - 2;
+        assert_eq!(
+            text,
+            format!(
+                "== {taken} steps passed, skipped: files in other programs, the report in a browser"
+            )
+        );
     }
 }

@@ -1,6 +1,9 @@
 //! The interactive part of the HTML report: building it, and trying it in a browser.
 
-use crate::{cargo, succeed};
+#[path = "../../crates/phex-html/npm.rs"]
+mod npm;
+
+use crate::{Stop, program_as_tested, succeed};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -10,76 +13,67 @@ const SOURCE: &str = "studio/viewer";
 const BROWSER: &str = "chromium";
 
 /// Builds the viewer into the folder from which the report's crate embeds it.
-pub fn build(root: &Path) -> Result<(), String> {
-    let Some(npm) = program("npm") else {
-        println!(
-            "   skipped: npm is not installed, so reports have pictures instead of the interactive view"
-        );
-        return Ok(());
-    };
+pub fn build(root: &Path) -> Result<(), Stop> {
+    let npm = program("npm").ok_or_else(|| {
+        Stop::skipped("npm is not installed, so reports have pictures and no interactive view")
+    })?;
     install(root, &npm)?;
     let mut build = Command::new(&npm);
-    succeed(
-        build
-            .current_dir(root.join(SOURCE))
-            .args(["run", "--silent", "build"]),
-    )
+    build.current_dir(root.join(SOURCE));
+    Ok(succeed(build.args(["run", "--silent", "build"]))?)
 }
 
 /// Opens reports in a headless browser.
-pub fn browse(root: &Path) -> Result<(), String> {
+pub fn browse(root: &Path) -> Result<(), Stop> {
     let (Some(npm), Some(node)) = (program("npm"), program("node")) else {
-        println!("   skipped: npm is not installed, so there is no interactive view to try");
-        return Ok(());
+        return Err(Stop::skipped(
+            "npm is not installed, so there is no interactive view to try",
+        ));
     };
-    let Some(browser) = browser()? else {
-        println!("   skipped: there is no {BROWSER}, and no apt-get to install it");
-        return Ok(());
-    };
+    let browser = browser()?;
     install(root, &npm)?;
-    // As the tests have built it: nothing is compiled twice.
-    cargo(root, &["test", "--workspace", "--no-run", "--quiet"])?;
+    let phex = program_as_tested(root)?;
     let mut test = Command::new(node);
     test.current_dir(root.join(SOURCE)).arg("test/report.mjs");
-    let target =
-        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    succeed(test.arg(target.join("debug/phex")).arg(browser))
+    Ok(succeed(test.arg(phex).arg(browser))?)
 }
 
 /// Fetches the packages that the lock file names, unless they are there.
-fn install(root: &Path, npm: &Path) -> Result<(), String> {
+fn install(root: &Path, npm: &Path) -> Result<(), Stop> {
     let source = root.join(SOURCE);
-    let changed = |file: &str| source.join(file).metadata().and_then(|m| m.modified()).ok();
-    let installed = changed("node_modules/.package-lock.json");
-    if installed.is_some() && installed >= changed("package-lock.json") {
+    if npm::is_installed(&source)? {
         return Ok(());
     }
-    succeed(
-        Command::new(npm)
-            .current_dir(source)
-            .args(["ci", "--silent"]),
-    )
+    let mut fetch = Command::new(npm);
+    succeed(fetch.current_dir(source).args(npm::FETCH))
+        .map_err(|cause| Stop::skipped(format!("the viewer's packages can't be fetched: {cause}")))
 }
 
-/// The browser, installed if need be; `None` where it can't be installed.
-fn browser() -> Result<Option<PathBuf>, String> {
+/// The browser, installed if need be and if that is possible.
+fn browser() -> Result<PathBuf, Stop> {
     if let Some(browser) = program(BROWSER) {
-        return Ok(Some(browser));
+        return Ok(browser);
     }
     let Some(apt) = program("apt-get") else {
-        return Ok(None);
+        let message = format!("there is no {BROWSER}, and no apt-get to install it");
+        return Err(Stop::skipped(message));
     };
     let mut install = Command::new(apt);
     install
         .env("DEBIAN_FRONTEND", "noninteractive")
         .args(["install", "-y", "-qq", BROWSER])
         .stdout(Stdio::null());
-    succeed(&mut install)?;
-    Ok(program(BROWSER))
+    // Without root, or without a network, this is not to be had here.
+    succeed(&mut install).map_err(|cause| {
+        Stop::skipped(format!(
+            "there is no {BROWSER}, and it can't be installed: {cause}"
+        ))
+    })?;
+    program(BROWSER).ok_or_else(|| Stop::skipped(format!("there is no {BROWSER}")))
 }
 
 /// A program of the search path.
-fn program(name: &str) -> Option<PathBuf> {
+pub fn program(name: &str) -> Option<PathBuf> {
     let path = std::env::var_os("PATH")?;
     std::env::split_paths(&path)
         .map(|folder| folder.join(name))

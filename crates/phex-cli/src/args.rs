@@ -1,8 +1,10 @@
 //! The command line: what can be typed. What it means is said by the commands.
 
+use crate::commands::TERMS;
 use crate::dual_arguments::{DualCommand, DupinCommand, PowerCommand, SubdivideCommand, three};
 use crate::exit::EXIT_CODES;
 use crate::fab_arguments::FabCommand;
+use crate::html;
 use crate::input::number;
 use crate::offset_arguments::OffsetCommand;
 use crate::parallel_arguments::ParallelCommand;
@@ -17,7 +19,7 @@ use std::path::PathBuf;
 
 /// Planar hexagonal meshes of free-form surfaces
 #[derive(Debug, Parser)]
-#[command(name = "phex", version, after_help = EXIT_CODES, max_term_width = 110)]
+#[command(name = "phex", version, long_version = html::long_version(), after_help = EXIT_CODES, max_term_width = 110)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -61,6 +63,9 @@ pub enum Command {
     PowerDiagram(PowerCommand),
     /// Write Dupin's indicatrices of a surface, for drawing
     Dupin(DupinCommand),
+    /// Say what the words of the tables mean
+    #[command(long_about = TERMS)]
+    Terms(TermsCommand),
 }
 
 impl Command {
@@ -84,6 +89,7 @@ impl Command {
             Self::Subdivide(c) => &c.talk,
             Self::PowerDiagram(c) => &c.talk,
             Self::Dupin(c) => &c.talk,
+            Self::Terms(c) => &c.talk,
         }
     }
 }
@@ -332,6 +338,15 @@ pub struct ShapeCommand {
     pub talk: Talk,
 }
 
+/// Arguments of `phex terms`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct TermsCommand {
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
 /// What is given at the boundary of a Koebe patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum KoebeBoundary {
@@ -360,6 +375,9 @@ pub struct KoebeCommand {
     /// Angle in degrees between the middle of an open mesh and its boundary, seen from the centre (0 to 180)
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0)]
     pub opening: f64,
+    /// Write the mesh even if it is not valid (the exit code is still 5)
+    #[arg(long, help_heading = "Files")]
+    pub keep_invalid: bool,
     /// Report and picture.
     #[command(flatten)]
     pub extras: Extras,

@@ -70,6 +70,9 @@ pub struct SubdivideCommand {
     /// Limits.
     #[command(flatten)]
     pub limits: Limits,
+    /// Write the mesh even if it is not valid (the exit code is still 5)
+    #[arg(long, help_heading = "Files")]
+    pub keep_invalid: bool,
     /// Report and picture.
     #[command(flatten)]
     pub extras: Extras,
@@ -100,6 +103,9 @@ pub struct PowerCommand {
     /// Mesh to write
     #[arg(short, long, value_name = "MESH")]
     pub output: PathBuf,
+    /// Write the mesh even if it is not valid (the exit code is still 5)
+    #[arg(long, help_heading = "Files")]
+    pub keep_invalid: bool,
     /// Report and picture.
     #[command(flatten)]
     pub extras: Extras,

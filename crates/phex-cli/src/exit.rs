@@ -29,7 +29,7 @@ pub const EXIT_CODES: &str = "Exit codes:
   2    the command line can't be understood
   3    written, but a figure is outside a tolerance (`check`: a check fails)
   4    a file, path or value can't be used (the message names element and cause); no file is touched
-  5    no valid mesh was reached; the mesh file is not written
+  5    no valid mesh was reached; the mesh file is not written (unless --keep-invalid)
   130  interrupted; no file is half written";
 
 impl From<Exit> for ExitCode {

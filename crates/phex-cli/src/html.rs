@@ -12,6 +12,7 @@ use phex_fab::PanelIds;
 use phex_html::{CurveFamily, Report, Viewer, page};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Number of panels that a brick wall on the drawn conjugate curves would have: more curves are hard to tell apart.
 const CURVES: usize = 300;
@@ -78,9 +79,19 @@ pub fn write(path: &Path, shown: &Shown<'_>, report: &RunReport) -> Result<(), F
 }
 
 /// A line for the table where the report has no interactive view; else nothing.
-pub fn without_view() -> Option<&'static str> {
-    let reason = "pictures and tables only: the program was built without npm, which makes the interactive view";
-    Viewer::embedded().is_none().then_some(reason)
+pub fn without_view() -> Option<String> {
+    Viewer::absent().map(|why| format!("pictures and tables only, no interactive view: {why}"))
+}
+
+/// The version, and whether reports have an interactive view.
+pub fn long_version() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(|| {
+        let view = Viewer::absent()
+            .map_or_else(|| "inside".to_owned(), |why| format!("not inside: {why}"));
+        let version = env!("CARGO_PKG_VERSION");
+        format!("{version}\ninteractive view of HTML reports: {view}")
+    });
+    &TEXT
 }
 
 /// The names that `phex fab` gives the panels.

@@ -8,9 +8,11 @@ use phex::pipeline::{AttemptSummary, ClassicalStatistics, Method};
 /// The lines of a portfolio.
 pub fn of_portfolio(tried: &[AttemptSummary]) -> String {
     let mut table = Table::default();
-    members(tried)
-        .iter()
-        .for_each(|line| table.row("portfolio", line));
+    let lines = members(tried);
+    lines.iter().for_each(|line| table.row("portfolio", line));
+    if !lines.is_empty() {
+        table.row("", "(`phex help terms` says what the words mean)");
+    }
     table.into_text()
 }
 

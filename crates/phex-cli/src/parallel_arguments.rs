@@ -55,6 +55,9 @@ pub struct ParallelCommand {
     /// Limits.
     #[command(flatten)]
     pub limits: Limits,
+    /// Write the mesh even if it is not valid (the exit code is still 5)
+    #[arg(long, help_heading = "Files", requires = "output")]
+    pub keep_invalid: bool,
     /// Report and picture.
     #[command(flatten)]
     pub extras: Extras,

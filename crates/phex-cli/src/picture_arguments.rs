@@ -4,7 +4,7 @@ use crate::args::{Limits, Talk};
 use crate::exit::EXIT_CODES;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use phex::report::maps::Map;
+use phex::report::maps::{Map, Range};
 use phex::report::picture::PictureOptions;
 use std::path::PathBuf;
 
@@ -18,12 +18,25 @@ pub struct RenderCommand {
     /// Picture to write: PNG (pixels) or SVG (vectors)
     #[arg(short, long, value_name = "PICTURE")]
     pub output: PathBuf,
-    /// What the colours show; the ranges are fixed, so that pictures can be compared
+    /// What the colours show
     #[arg(long, value_name = "MAP", default_value = "valence", value_parser = map_parser())]
     pub color: Map,
+    /// Values of the first and the last colour: `LOW,HIGH` in the unit of the legend, `fixed` for the same range in every picture, or `auto`,
+    /// the mesh's own
+    #[arg(long, value_name = "RANGE", default_value = "auto", value_parser = range, allow_hyphen_values = true)]
+    pub range: Range,
+    /// Colour panels instead: a text file with lines of `panel colour`, panels counted from 0, colours from 1 to 6; the others stay plain
+    #[arg(long, value_name = "MARKS.TXT", conflicts_with_all = ["color", "range"])]
+    pub mark: Option<PathBuf>,
     /// From where the mesh is seen
     #[arg(long, value_enum, default_value_t)]
     pub view: View,
+    /// Direction from which it is seen instead, degrees counter-clockwise from +x (-60 for `iso`: from the front, a little from the right)
+    #[arg(long, value_name = "DEG", value_parser = degrees, allow_hyphen_values = true)]
+    pub azimuth: Option<f64>,
+    /// Height of the eye above the horizon instead, degrees (-90 to 90)
+    #[arg(long, value_name = "DEG", value_parser = degrees, allow_hyphen_values = true)]
+    pub elevation: Option<f64>,
     /// Surface that the mesh stands for, for deviation and curvature
     #[arg(long, value_name = "SURFACE")]
     pub surface: Option<PathBuf>,
@@ -104,13 +117,36 @@ impl RenderCommand {
         PictureOptions {
             width: self.size.0,
             height: self.size.1,
-            azimuth,
-            elevation,
+            azimuth: self.azimuth.or(azimuth),
+            elevation: self.elevation.unwrap_or(elevation),
             edges: !self.no_edges,
             legend: !self.no_legend,
             ..Default::default()
         }
     }
+}
+
+/// A range of colours as it is typed.
+fn range(text: &str) -> Result<Range, String> {
+    let ends = || {
+        let (low, high) = text.split_once(',')?;
+        let [low, high] = [low, high].map(|end| end.trim().parse::<f64>().ok());
+        Some([low?, high?]).filter(|[a, b]| a.is_finite() && b.is_finite() && a < b)
+    };
+    match text {
+        "auto" => Ok(Range::Automatic),
+        "fixed" => Ok(Range::Fixed),
+        _ => {
+            let ends = ends().map(Range::Given);
+            ends.ok_or_else(|| "write LOW,HIGH with LOW below HIGH, `fixed` or `auto`".to_owned())
+        }
+    }
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    let angle = text.trim().parse().ok();
+    let angle = angle.filter(|a: &f64| a.abs() <= 360.0);
+    angle.ok_or_else(|| "write an angle in degrees, from -360 to 360".to_owned())
 }
 
 fn map_parser() -> impl TypedValueParser<Value = Map> {
@@ -134,6 +170,16 @@ fn size(text: &str) -> Result<(usize, usize), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ranges_have_two_ends_in_order() {
+        assert_eq!(range("-1,2.5"), Ok(Range::Given([-1.0, 2.5])));
+        assert_eq!(range("auto"), Ok(Range::Automatic));
+        for wrong in ["1", "2,1", "1,1", "nan,2", "0,inf", "a,b"] {
+            assert!(range(wrong).is_err(), "{wrong}");
+        }
+        assert!(degrees("-60").is_ok() && degrees("nan").is_err() && degrees("400").is_err());
+    }
 
     #[test]
     fn sizes_are_two_numbers_within_range() {

@@ -4,6 +4,7 @@ use crate::args::{ProgressMode, Talk};
 use crate::output::printable;
 use indicatif::{ProgressBar, ProgressStyle};
 use phex::{Event, Progress};
+use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -47,6 +48,8 @@ pub struct Reporter {
     json: bool,
     verbose: bool,
     quiet: bool,
+    /// Notes that were said: every run of a stage says its own again.
+    said: Mutex<BTreeSet<String>>,
 }
 
 impl Reporter {
@@ -60,6 +63,7 @@ impl Reporter {
             json,
             verbose: talk.verbose,
             quiet: talk.quiet,
+            said: Mutex::default(),
         }
     }
 
@@ -75,6 +79,12 @@ impl Reporter {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+
+    /// Whether a note is said for the first time.
+    fn is_new(&self, note: &str) -> bool {
+        let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
+        said.insert(note.to_owned())
     }
 
     fn line(&self, text: &str) {
@@ -98,6 +108,11 @@ fn bar() -> ProgressBar {
 
 impl Progress for Reporter {
     fn report(&self, event: &Event) {
+        if let Event::Note { message } = event
+            && !self.is_new(message)
+        {
+            return;
+        }
         if self.json {
             if let Ok(line) = serde_json::to_string(event) {
                 eprintln!("{}", printable(&line));
@@ -143,6 +158,14 @@ mod tests {
     #[test]
     fn the_bar_s_template_is_valid() {
         assert!(ProgressStyle::with_template("{spinner} {elapsed:>4} {msg}").is_ok());
+    }
+
+    #[test]
+    fn a_note_is_said_once() {
+        let reporter = Reporter::new(&Talk::default());
+        assert!(reporter.is_new("planarity can't be reached here"));
+        assert!(!reporter.is_new("planarity can't be reached here"));
+        assert!(reporter.is_new("another"));
     }
 
     #[test]

@@ -31,7 +31,7 @@ impl Table {
     }
 }
 
-/// Figures, deviation and verdict of a mesh; with `every_check` also the checks that pass.
+/// Figures, deviation and failed checks of a mesh; with `every_check` also the checks that pass.
 pub fn of_assessment(assessment: &Assessment, unit: Unit, every_check: bool) -> String {
     let mut table = Table::default();
     let measures = &assessment.measures;
@@ -61,7 +61,18 @@ pub fn of_assessment(assessment: &Assessment, unit: Unit, every_check: bool) -> 
     for check in assessment.checks.iter().filter(|c| every_check || !c.pass) {
         table.row(if check.pass { "ok" } else { "FAILED" }, said(check));
     }
-    table.row("verdict", verdict(assessment.verdict));
+    table.into_text()
+}
+
+/// The last line of the table.
+pub fn of_verdict(verdict: Verdict) -> String {
+    let word = match verdict {
+        Verdict::Pass => "PASS",
+        Verdict::OutsideTolerance => "OUTSIDE TOLERANCE",
+        Verdict::Invalid => "INVALID",
+    };
+    let mut table = Table::default();
+    table.row("verdict", word);
     table.into_text()
 }
 
@@ -81,16 +92,14 @@ pub fn of_features(
     table.into_text()
 }
 
-/// The files that were written, or why the mesh was not.
-pub fn of_outputs(report: &RunReport) -> String {
+/// Why the mesh was not written.
+pub fn not_written() -> String {
     let mut table = Table::default();
-    if !report.outputs.iter().any(|output| output.content == "mesh") {
-        table.row(
-            "NOT WRITTEN",
-            "the mesh, since it is not valid (--keep-invalid writes it)",
-        );
-    }
-    of_files(report) + &table.into_text()
+    table.row(
+        "NOT WRITTEN",
+        "the mesh, since it is not valid (--keep-invalid writes it)",
+    );
+    table.into_text()
 }
 
 /// The files that were written.
@@ -276,14 +285,6 @@ fn rim(fit: &BoundaryFit) -> String {
 
 fn percent(fraction: f64) -> String {
     format!("{:.3} %", 100.0 * fraction)
-}
-
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Pass => "PASS",
-        Verdict::OutsideTolerance => "OUTSIDE TOLERANCE",
-        Verdict::Invalid => "INVALID",
-    }
 }
 
 /// One check: name, figure, limit, first offenders.

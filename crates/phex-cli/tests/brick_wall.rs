@@ -7,7 +7,19 @@ use common::Workshop;
 fn a_torus_has_a_network_and_a_wall_of_hexagons() {
     let shop = Workshop::new();
     shop.succeed("shape torus -o torus.obj --triangles 4000");
-    shop.succeed("network torus.obj -o net.obj -n 200");
+    let said = shop.succeed("network torus.obj -o net.obj -n 200").stdout;
+    let conjugate = said.lines().find(|l| l.starts_with("conjugate"));
+    let conjugate = conjugate.unwrap_or_else(|| panic!("{said}"));
+    let figure = |before: &str| -> f64 {
+        let rest = conjugate.split(before).nth(1).unwrap_or_default();
+        let number = rest.split([' ', ',']).next().unwrap_or_default();
+        number.parse().unwrap_or_else(|_| panic!("{conjugate}"))
+    };
+    let (median, p95, worst) = (figure("median "), figure("below "), figure("worst "));
+    assert!(
+        median < 0.05 && median <= p95 && p95 <= worst && worst <= 1.0,
+        "{said}"
+    );
     let text = String::from_utf8(shop.read("net.obj")).unwrap();
     let curves: Vec<Vec<&str>> = text
         .lines()

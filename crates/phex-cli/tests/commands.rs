@@ -32,6 +32,22 @@ fn help_of_every_command_lists_the_exit_codes() {
 }
 
 #[test]
+fn the_version_says_whether_reports_have_the_interactive_view() {
+    let shop = Workshop::new();
+    assert_eq!(shop.succeed("-V").stdout.lines().count(), 1);
+    let version = shop.succeed("--version").stdout;
+    let view = version.lines().nth(1).unwrap_or_default();
+    let inside = view == "interactive view of HTML reports: inside";
+    assert!(
+        inside || view.starts_with("interactive view of HTML reports: not inside: "),
+        "{version}"
+    );
+    shop.write("flat.obj", honeycomb(4, 5, |_, p| p));
+    let said = shop.succeed("report flat.obj --html flat.html").stdout;
+    assert_eq!(inside, !said.contains("no interactive view"), "{said}");
+}
+
+#[test]
 fn check_passes_a_flat_honeycomb_and_names_a_lifted_corner() {
     let shop = Workshop::new();
     shop.write("flat.obj", honeycomb(4, 5, |_, p| p));
@@ -330,4 +346,48 @@ fn check_certifies_each_figure_with_its_worst_element() {
         "{}",
         run.stdout
     );
+}
+
+#[test]
+fn pictures_are_seen_from_a_side_and_over_a_range_of_one_s_choice() {
+    let shop = Workshop::new();
+    // Corners off their planes by thousandths of an edge: blank over the range that does for every mesh.
+    let bent = honeycomb(4, 5, |i, [x, y, z]| [x, y, z + 1e-3 * ((i * i) % 7) as f64]);
+    shop.write("bent.obj", bent);
+    let render = |name: &str, options: &str| {
+        let line = format!("render bent.obj -o {name}.png --size 64x48 --no-legend {options}");
+        shop.succeed(&line);
+        shop.read(&format!("{name}.png"))
+    };
+    let front = render("front", "--azimuth -60 --elevation 20");
+    assert_ne!(front, render("side", "--azimuth 30 --elevation 20"));
+    assert_ne!(front, render("above", "--azimuth -60 --elevation 80"));
+    let colours = |options: &str| render("colours", &format!("--color dihedral {options}"));
+    assert_ne!(colours(""), colours("--range fixed"));
+    assert_eq!(colours("--range fixed"), colours("--range 160,200"));
+    shop.write("marks.txt", "0 1\n3 2 # a neighbour\n");
+    assert_ne!(render("plain", ""), render("marked", "--mark marks.txt"));
+
+    let refuse = |options: &str, code: i32, text: &str| {
+        let run = shop.phex(&format!("render bent.obj -o no.png {options}"));
+        run.refuses(code, &[text]);
+    };
+    refuse("--color dihedral --range 2,1", 2, "LOW below HIGH");
+    refuse("--range 0,1", 4, "classes");
+    refuse("--color planarity --range 0,1", 4, "logarithmic");
+    shop.write("wrong.txt", "0 1\n99 1\n");
+    refuse("--mark wrong.txt", 4, "wrong.txt:2");
+    assert!(!shop.files().contains(&"no.png".to_owned()));
+}
+
+#[test]
+fn words_of_the_tables_are_explained() {
+    let shop = Workshop::new();
+    for line in ["terms", "help terms"] {
+        let said = shop.succeed(line).stdout;
+        for word in ["anisotropy", "without need", "clearance", "back", "verdict"] {
+            let explained = said.lines().any(|l| l.starts_with(word));
+            assert!(explained, "{line}: {word}");
+        }
+    }
 }

@@ -198,6 +198,11 @@ fn rules_through_the_dual_refuse_a_mesh_with_curvature_of_both_signs() {
         "{}",
         run.stdout
     );
+    assert_eq!(run.code, Some(5), "{}", run.stdout);
+    assert!(!shop.files().contains(&"x.obj".to_owned()));
+    let run = shop.phex(&format!("{forced} --keep-invalid"));
+    assert_eq!(run.code, Some(5), "{}", run.stdout);
+    assert!(shop.files().contains(&"x.obj".to_owned()));
     let told = &shop.json("r.json")["statistics"]["outside_domain"];
     assert!(
         told.as_str().is_some_and(|t| t.contains("one sign")),

@@ -108,3 +108,69 @@ fn the_space_of_parallel_meshes_and_wishes_in_it() {
     let run = shop.phex("parallel cube.off --lengths lengths.txt");
     run.refuses(2, &["--output"]);
 }
+
+/// The last line of a run's table.
+fn last_line(run: &common::Run) -> &str {
+    run.stdout.lines().last().unwrap_or_default()
+}
+
+/// Exit codes of commands that make a mesh: 3 with a figure outside a limit, 5 and no file where there is no panelling.
+#[test]
+fn meshes_that_are_no_panelling_are_not_written_unless_asked_for() {
+    let shop = Workshop::new();
+    // Four panels meet at each vertex.
+    shop.write(
+        "octahedron.off",
+        "OFF\n6 8 0\n1 0 0\n-1 0 0\n0 1 0\n0 -1 0\n0 0 1\n0 0 -1\n3 0 2 4\n3 2 1 4\n3 1 3 4\n3 3 0 4\n\
+         3 2 0 5\n3 1 2 5\n3 3 1 5\n3 0 3 5\n",
+    );
+    let run = shop.phex("koebe octahedron.off -o koebe.obj");
+    assert_eq!(run.code, Some(5), "{}", run.stdout);
+    assert!(run.stdout.contains("FAILED       wrong_degree"));
+    assert!(
+        run.stdout.contains("NOT WRITTEN") && run.stdout.contains("--keep-invalid"),
+        "{}",
+        run.stdout
+    );
+    assert_eq!(last_line(&run), "verdict      INVALID");
+    assert_eq!(shop.files(), ["octahedron.off"]);
+    let run = shop.phex("koebe octahedron.off -o koebe.obj --keep-invalid");
+    assert_eq!(run.code, Some(5), "{}", run.stdout);
+    assert!(shop.files().contains(&"koebe.obj".to_owned()));
+
+    // Neighbouring panels meet at less than a right angle.
+    shop.write(
+        "tetrahedron.off",
+        "OFF\n4 4 0\n1 1 1\n1 -1 -1\n-1 1 -1\n-1 -1 1\n3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n",
+    );
+    let run = shop.phex("koebe tetrahedron.off -o folded.obj");
+    assert_eq!(run.code, Some(3), "{}", run.stdout);
+    assert_eq!(last_line(&run), "verdict      OUTSIDE TOLERANCE");
+    assert!(shop.files().contains(&"folded.obj".to_owned()));
+}
+
+#[test]
+fn an_invalid_parallel_mesh_is_not_written_and_a_space_has_no_verdict() {
+    let shop = Workshop::new();
+    // The first corner is drawn through its panel.
+    let crossed = common::honeycomb(4, 5, |i, [x, y, z]| {
+        [x, if i == 0 { y + 2.5 } else { y }, z]
+    });
+    shop.write("crossed.obj", crossed);
+    shop.write("lengths.txt", "2 3 1\n");
+    let parallel = "parallel crossed.obj --lengths lengths.txt -o out.obj";
+    let run = shop.phex(parallel);
+    assert_eq!(run.code, Some(5), "{}{}", run.stdout, run.stderr);
+    assert_eq!(last_line(&run), "verdict      INVALID");
+    assert!(!shop.files().contains(&"out.obj".to_owned()));
+    let run = shop.phex(&format!("{parallel} --keep-invalid"));
+    assert_eq!(run.code, Some(5), "{}", run.stdout);
+    assert!(shop.files().contains(&"out.obj".to_owned()));
+
+    let run = shop.succeed("parallel crossed.obj --basis basis.csv");
+    assert!(
+        !run.stdout.contains("NOT WRITTEN") && !run.stdout.contains("verdict"),
+        "{}",
+        run.stdout
+    );
+}

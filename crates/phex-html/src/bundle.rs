@@ -16,6 +16,15 @@ impl Viewer {
         script.map(|script| Self { script })
     }
 
+    /// Why no viewer was built in; nothing if one was.
+    pub fn absent() -> Option<&'static str> {
+        #[cfg(viewer_bundle)]
+        let reason = None;
+        #[cfg(not(viewer_bundle))]
+        let reason = Some(env!("PHEX_NO_VIEWER"));
+        reason
+    }
+
     /// A viewer that is a script of the caller's own.
     pub fn from_script(script: &'static str) -> Self {
         Self { script }

@@ -1,13 +1,14 @@
 //! The figures, one function each.
 
-use super::obj::{Obj, distance, write_curves};
+use super::obj::Obj;
 use super::run::WORK;
+use super::steps::hexagon;
 use super::{Figure, Maker};
 
 pub const FIGURES: [Figure; 12] = [
     Figure {
         number: 1,
-        sentence: "A geodesic dome as a power diagram on a sphere, and a dome of nearly constant mean curvature as a mesh parallel to a convex one about the sphere.",
+        sentence: "A geodesic dome as a power diagram on a sphere, and a dome of constant mean curvature: a mesh parallel to one whose edges touch the unit sphere (a Koebe mesh), which is a Gauss image of it.",
         make: domes,
     },
     Figure {
@@ -17,7 +18,7 @@ pub const FIGURES: [Figure; 12] = [
     },
     Figure {
         number: 3,
-        sentence: "Three families of developable strips run through every hexagon, across its three pairs of opposite edges.",
+        sentence: "Three developable strips run through every hexagon, across its three pairs of opposite edges.",
         make: strips,
     },
     Figure {
@@ -68,10 +69,16 @@ pub const FIGURES: [Figure; 12] = [
 ];
 
 fn domes(m: &mut Maker<'_>) -> Result<(), String> {
-    m.note("dome.obj is the part of a unit sphere above z = 0.05");
+    m.surface("dome")?;
     m.measured("Geodesic", &format!("mesh {WORK}/dome.obj -o {WORK}/dome-phex.obj --method power-diagram -n 180 --keep-invalid"))?;
-    m.run(&format!("shape elliptic-paraboloid --set a=1 --set b=1.25 --triangles 6000 -o {WORK}/paraboloid.obj -q"))?;
-    m.measured("Parallel", &format!("mesh {WORK}/paraboloid.obj -o {WORK}/parallel.obj --method parallel -n 220 --keep-invalid"))?;
+    m.step(&format!("honeycomb 8 -o {WORK}/honeycomb.obj"))?;
+    m.run(&format!(
+        "koebe {WORK}/honeycomb.obj -o {WORK}/koebe.obj --opening 30 -q"
+    ))?;
+    m.run(&format!(
+        "shape elliptic-paraboloid --set a=1.2 --set b=1.8 -o {WORK}/paraboloid.obj -q"
+    ))?;
+    m.measured("Constant mean curvature", &format!("parallel {WORK}/koebe.obj --surface {WORK}/paraboloid.obj -o {WORK}/parallel.obj --constant-mean-curvature 100"))?;
     m.draw(
         "dome-phex.obj",
         "figure-01-dome",
@@ -81,12 +88,14 @@ fn domes(m: &mut Maker<'_>) -> Result<(), String> {
     m.draw(
         "parallel.obj",
         "figure-01-parallel",
-        "parallel mesh",
+        "constant mean curvature",
         "--no-legend",
     )
 }
 
 fn ellipsoid_and_torus(m: &mut Maker<'_>) -> Result<(), String> {
+    m.surface("ellipsoid")?;
+    m.surface("torus")?;
     m.measured(
         "Ellipsoid",
         &format!(
@@ -106,41 +115,42 @@ fn ellipsoid_and_torus(m: &mut Maker<'_>) -> Result<(), String> {
     m.draw("torus-phex.obj", "figure-02-torus", "only hexagons", "")
 }
 
+/// The torus of Figure 2.
+fn torus(m: &mut Maker<'_>) -> Result<Obj, String> {
+    m.surface("torus")?;
+    m.run(&format!(
+        "mesh {WORK}/torus.obj -o {WORK}/torus-phex.obj --method brick-wall -n 650"
+    ))?;
+    Obj::read(&m.phex.work("torus-phex.obj"))
+}
+
 fn strips(m: &mut Maker<'_>) -> Result<(), String> {
-    let torus = Obj::read(&m.phex.work("torus-phex.obj"))?;
-    let face = torus
-        .hexagon_near([1.0, -0.9, 0.3])
-        .ok_or("the torus has no hexagon")?;
-    let strips = torus.strips(face);
-    write_curves(&m.phex.work("strips.obj"), &strips)?;
+    const PLACE: &str = "1.0,-0.9,0.3";
+    let torus = torus(m)?;
+    m.step(&format!(
+        "strips {PLACE} {WORK}/torus-phex.obj -o {WORK}/strips.txt"
+    ))?;
+    let strips = torus.strips(hexagon(&torus, PLACE)?);
     let lengths: Vec<String> = strips.iter().map(|s| s.len().to_string()).collect();
-    m.note("strips.obj joins the middles of the panels of the three strips through one hexagon");
     m.say(format!(
-        "Strips through one hexagon of the torus of Figure 2, drawn over {} panels.",
+        "Strips through one hexagon (red) of the torus of Figure 2, drawn over {} panels. Each is a strip of planar panels, so it can be unrolled.",
         lengths.join(", ")
     ));
     m.draw(
         "torus-phex.obj",
         "figure-03-strips",
         "three strips",
-        &format!("--curves {WORK}/strips.obj --no-legend"),
+        &format!("--mark {WORK}/strips.txt --no-legend"),
     )
 }
 
 /// A panel of the torus near a point, with its neighbours, and the copy of the indicatrix that fits it.
-fn panel(m: &mut Maker<'_>, near: [f64; 3], name: &str) -> Result<(), String> {
-    let torus = Obj::read(&m.phex.work("torus-phex.obj"))?;
-    let face = torus.hexagon_near(near).ok_or("the torus has no hexagon")?;
-    let centre = torus.centre(&torus.faces[face]);
-    let corners = torus.faces[face]
-        .iter()
-        .map(|&v| distance(torus.points[v], centre));
-    let reach = corners.fold(0.0, f64::max);
-    let part = torus.part(|c| distance(c, centre) < 2.3 * reach);
-    part.write(&m.phex.work(&format!("{name}.obj")))?;
-    m.note(&format!(
-        "{name}.obj is a panel of torus-phex.obj with its neighbours"
-    ));
+fn panel(m: &mut Maker<'_>, near: &str, name: &str) -> Result<(), String> {
+    let torus = torus(m)?;
+    m.step(&format!(
+        "near {near} {WORK}/torus-phex.obj -o {WORK}/{name}.obj"
+    ))?;
+    let centre = torus.centre(&torus.faces[hexagon(&torus, near)?]);
     let at = centre.map(|x| format!("{x:.6}")).join(",");
     m.run(&format!(
         "dupin {WORK}/torus.obj -o {WORK}/{name}-dupin.obj --panels {WORK}/{name}.obj --at={at}"
@@ -148,7 +158,7 @@ fn panel(m: &mut Maker<'_>, near: [f64; 3], name: &str) -> Result<(), String> {
 }
 
 fn inscribed(m: &mut Maker<'_>) -> Result<(), String> {
-    panel(m, [1.4, 0.0, 0.0], "convex-panel")?;
+    panel(m, "1.4,0,0", "convex-panel")?;
     let curves = format!("--curves {WORK}/convex-panel-dupin.obj --no-legend --view right");
     m.draw(
         "convex-panel.obj",
@@ -163,7 +173,8 @@ fn inscribed(m: &mut Maker<'_>) -> Result<(), String> {
 }
 
 fn indicatrices(m: &mut Maker<'_>) -> Result<(), String> {
-    panel(m, [0.6, 0.0, 0.0], "concave-panel")?;
+    panel(m, "1.4,0,0", "convex-panel")?;
+    panel(m, "0.6,0,0", "concave-panel")?;
     let coarse =
         format!("mesh {WORK}/torus.obj -o {WORK}/torus-coarse.obj --method brick-wall -n 250");
     m.measured("Coarse torus", &coarse)?;
@@ -194,29 +205,26 @@ fn indicatrices(m: &mut Maker<'_>) -> Result<(), String> {
 }
 
 fn torus_dual(m: &mut Maker<'_>) -> Result<(), String> {
+    m.surface("torus")?;
     m.measured("Projective dual", &format!("mesh {WORK}/torus.obj -o {WORK}/torus-dual-phex.obj --method projective-dual --any-domain -n 400 --keep-invalid"))?;
     m.run(&format!(
-        "dual {WORK}/torus-dual-phex.obj -o {WORK}/torus-dual.obj --centre=0,0,0"
+        "dual {WORK}/torus-dual-phex.obj -o {WORK}/torus-dual-all.obj --centre=0,0,0"
     ))?;
-    let dual = Obj::read(&m.phex.work("torus-dual.obj"))?;
-    let point = |k: usize| dual.points[k];
-    let shown = |f: &&Vec<usize>| {
-        let near = f.iter().all(|&v| point(v).iter().all(|x| x.abs() < 3.0));
-        let mut edges = (0..f.len()).map(|k| distance(point(f[k]), point(f[(k + 1) % f.len()])));
-        near && edges.all(|length| length < 1.2)
-    };
-    let cut = Obj {
-        points: dual.points.clone(),
-        faces: dual.faces.iter().filter(shown).cloned().collect(),
-    };
-    cut.part(|_| true)
-        .write(&m.phex.work("torus-dual-cut.obj"))?;
-    m.note("torus-dual-cut.obj is what lies within the cube |x|, |y|, |z| < 3, without edges longer than 1.2");
+    // The waist runs through infinity, where its panels are as long as one likes; beyond the tips the spindle goes on as a cone.
+    let file = |name: &str| format!("{WORK}/torus-dual-{name}.obj");
+    let [all, finite, thin, spindle, wide, waist, cut] =
+        ["all", "finite", "thin", "spindle", "wide", "waist", "cut"].map(file);
+    m.step(&format!("finite 3 {all} -o {finite}"))?;
+    m.step(&format!("between r 0 1.1 {finite} -o {thin}"))?;
+    m.step(&format!("between z -2.4 2.4 {thin} -o {spindle}"))?;
+    m.step(&format!("between r 1.1 9 {finite} -o {wide}"))?;
+    m.step(&format!("between z -0.6 0.6 {wide} -o {waist}"))?;
+    m.step(&format!("join {spindle} {waist} -o {cut}"))?;
     m.draw(
         "torus-dual-phex.obj",
         "figure-06-torus",
         "self-intersecting panels in red",
-        "--color validity --size 540x405",
+        "--color validity",
     )?;
     m.draw(
         "torus-dual-cut.obj",
@@ -227,9 +235,8 @@ fn torus_dual(m: &mut Maker<'_>) -> Result<(), String> {
 }
 
 fn broken(m: &mut Maker<'_>) -> Result<(), String> {
-    let config = m.phex.work("regular.toml");
-    std::fs::write(&config, "[stages.dual]\nhull = false\n").map_err(|e| e.to_string())?;
-    m.note("regular.toml: [stages.dual] hull = false");
+    m.surface("blob")?;
+    m.job("regular.toml", "[stages.dual]\nhull = false\n")?;
     let made = format!("mesh {WORK}/blob.obj --method projective-dual -n 400 --keep-invalid");
     m.measured(
         "Regular triangulation",
@@ -273,16 +280,16 @@ fn broken(m: &mut Maker<'_>) -> Result<(), String> {
 fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Result<(), String> {
     // A third of the panels' curves: all of them hide the surface.
     let sparse = panels / 3;
-    let config = m.phex.work("unoptimised.toml");
-    let text = "[stages.optimise]\nstarts = \"smoothed_cells\"\npenalties = []\nprojection_iterations = 0\n";
-    std::fs::write(&config, text).map_err(|e| e.to_string())?;
-    m.run(&format!(
-        "network {WORK}/{surface}.obj -o {WORK}/{surface}-network.obj -n {sparse}"
-    ))?;
+    let unoptimised = "[stages.optimise]\nstarts = \"smoothed_cells\"\npenalties = []\nprojection_iterations = 0\n";
+    m.job("unoptimised.toml", unoptimised)?;
+    m.surface(surface)?;
+    m.measured(
+        "Network",
+        &format!("network {WORK}/{surface}.obj -o {WORK}/{surface}-network.obj -n {sparse}"),
+    )?;
     m.run(&format!(
         "shape {surface} --triangles 60000 -o {WORK}/{surface}-smooth.obj -q"
     ))?;
-    m.note("unoptimised.toml: [stages.optimise] starts = \"smoothed_cells\", penalties = [], projection_iterations = 0");
     let made = format!("mesh {WORK}/{surface}.obj --method brick-wall -n {panels} --keep-invalid");
     m.measured(
         "Shifted",
@@ -293,7 +300,7 @@ fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Resu
         &format!("{surface}-smooth.obj"),
         &format!("figure-{number:02}-network"),
         "conjugate network",
-        &format!("--curves {WORK}/{surface}-network.obj --no-legend --no-edges --size 480x360"),
+        &format!("--curves {WORK}/{surface}-network.obj --no-legend --no-edges"),
     )?;
     m.draw(
         &format!("{surface}-shifted.obj"),
@@ -324,6 +331,7 @@ fn offset(m: &mut Maker<'_>, mesh: &str, kind: &str, options: &str) -> Result<()
     );
     let said = m.phex.make(&line)?;
     m.commands.push(said.line.clone());
+    m.phex.remember(&line);
     let rows = said.out.lines().filter(|l| !l.contains(WORK));
     let rows: Vec<String> = rows
         .map(|l| l.split_whitespace().collect::<Vec<_>>().join(" "))
@@ -334,12 +342,9 @@ fn offset(m: &mut Maker<'_>, mesh: &str, kind: &str, options: &str) -> Result<()
 
 /// The mesh, and one half of its offset over it.
 fn half_covered(m: &mut Maker<'_>, mesh: &str, layer: &str, name: &str) -> Result<(), String> {
-    let mesh = Obj::read(&m.phex.work(mesh))?;
-    let layer = Obj::read(&m.phex.work(layer))?;
-    let middle = layer.points.iter().map(|p| p[0]).sum::<f64>() / layer.points.len() as f64;
-    let both = mesh.with(&layer.part(|c| c[0] > middle));
-    m.note(&format!("{name}.obj is the mesh and one half of the layer"));
-    both.write(&m.phex.work(&format!("{name}.obj")))
+    let half = format!("{WORK}/{name}-half.obj");
+    m.step(&format!("above x 0 {WORK}/{layer} -o {half}"))?;
+    m.step(&format!("join {WORK}/{mesh} {half} -o {WORK}/{name}.obj"))
 }
 
 /// A cap whose bricks are regular enough for offsets of both kinds.
@@ -382,24 +387,24 @@ fn capped(m: &mut Maker<'_>) -> Result<(), String> {
 
 fn parallel_panels(m: &mut Maker<'_>) -> Result<(), String> {
     capped(m)?;
-    let mesh = Obj::read(&m.phex.work("vertex-offset/mesh.obj"))?;
-    let image = Obj::read(&m.phex.work("vertex-offset/gauss_image.obj"))?;
-    let face = mesh
-        .hexagon_near([0.2, 0.05, 0.0])
-        .ok_or("the mesh has no hexagon")?;
-    for (obj, name) in [(&mesh, "panel"), (&image, "parallel-panel")] {
-        obj.face(face).write(&m.phex.work(&format!("{name}.obj")))?;
-    }
-    let angles = mesh.face(face).angles();
+    const PLACE: &str = "0.2,0.05,0";
+    let (mesh, image) = ("vertex-offset/mesh.obj", "vertex-offset/gauss_image.obj");
+    m.step(&format!("face {PLACE} {WORK}/{mesh} -o {WORK}/panel.obj"))?;
+    m.step(&format!(
+        "face {PLACE} {WORK}/{mesh} {WORK}/{image} -o {WORK}/parallel-panel.obj"
+    ))?;
+    m.step(&format!(
+        "circle {WORK}/parallel-panel.obj -o {WORK}/circle.obj"
+    ))?;
+    let [panel, parallel] =
+        ["panel.obj", "parallel-panel.obj"].map(|name| Obj::read(&m.phex.work(name)));
+    let (angles, error) = (panel?.angles(), parallel?.circle().1);
     let sum = |first: usize| {
         (0..3)
             .map(|k| angles[first + 2 * k])
             .sum::<f64>()
             .to_degrees()
     };
-    let (circle, error) = image.face(face).circle();
-    write_curves(&m.phex.work("circle.obj"), &[circle])?;
-    m.note("panel.obj and parallel-panel.obj are one face of vertex-offset/mesh.obj and of vertex-offset/gauss_image.obj, circle.obj passes through three corners of the latter");
     m.say(format!(
         "Angles of the panel: {:.6} and {:.6} degrees in the two alternating sums; corners of the parallel panel off the circle by at most {error:.1e} of its radius.",
         sum(0),

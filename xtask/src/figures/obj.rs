@@ -94,6 +94,67 @@ impl Obj {
         both
     }
 
+    /// Regular hexagons in rings about one, in the plane.
+    pub fn honeycomb(rings: i32) -> Self {
+        let mut number: HashMap<[i64; 2], usize> = HashMap::new();
+        let mut obj = Self::default();
+        let cells = (-rings..=rings).flat_map(|q| (-rings..=rings).map(move |r| (q, r)));
+        for (q, r) in cells.filter(|(q, r)| (q + r).abs() <= rings) {
+            let (q, r) = (f64::from(q), f64::from(r));
+            let (x, y) = (1.5 * q, 3f64.sqrt() * (r + 0.5 * q));
+            let corner = |k: i32| {
+                let (sin, cos) = (std::f64::consts::FRAC_PI_3 * f64::from(k)).sin_cos();
+                let p = [x + cos, y + sin];
+                *number
+                    .entry(p.map(|x| (4.0 * x).round() as i64))
+                    .or_insert_with(|| {
+                        obj.points.push([p[0], p[1], 0.0]);
+                        obj.points.len() - 1
+                    })
+            };
+            let face = (0..6).map(corner).collect();
+            obj.faces.push(face);
+        }
+        obj
+    }
+
+    /// What lies between two heights along an axis ([`along`]); faces are cut there.
+    pub fn between(&self, axis: usize, low: f64, high: f64) -> Self {
+        let cut = self.cut(axis, low, 1.0).cut(axis, high, -1.0);
+        cut.part(|_| true)
+    }
+
+    /// What lies on one side of a height along an axis, `side` 1 above it, -1 below it.
+    fn cut(&self, axis: usize, height: f64, side: f64) -> Self {
+        let mut points = self.points.clone();
+        let mut on_edge: HashMap<[usize; 2], usize> = HashMap::new();
+        let over = |p: &[f64; 3]| side * (along(*p, axis) - height);
+        let faces = self.faces.iter().map(|face| {
+            let mut kept = Vec::new();
+            for (k, &v) in face.iter().enumerate() {
+                let w = face[(k + 1) % face.len()];
+                let [a, b] = [v, w].map(|v| over(&self.points[v]));
+                if a >= 0.0 {
+                    kept.push(v);
+                }
+                if (a < 0.0) != (b < 0.0) {
+                    // From the same end on both faces of the edge, to the last bit.
+                    let ends = [v.min(w), v.max(w)];
+                    kept.push(*on_edge.entry(ends).or_insert_with(|| {
+                        let [p, q] = ends.map(|v| self.points[v]);
+                        let t = over(&p) / (over(&p) - over(&q));
+                        points.push(std::array::from_fn(|k| p[k] + t * (q[k] - p[k])));
+                        points.len() - 1
+                    }));
+                }
+            }
+            kept
+        });
+        let faces = faces.collect::<Vec<_>>();
+        let faces = faces.into_iter().filter(|f| f.len() > 2).collect();
+        Self { points, faces }
+    }
+
     /// Mean of a face's corners.
     pub fn centre(&self, face: &[usize]) -> [f64; 3] {
         let sum = face.iter().fold([0.0; 3], |s, &v| {
@@ -170,13 +231,13 @@ impl Obj {
         self.faces.iter().enumerate().flat_map(edges).collect()
     }
 
-    /// The strips of hexagons through one of them, up to [`STRIP`] panels to each side: across each of its three pairs of opposite edges, the centres that the strip runs through.
-    pub fn strips(&self, face: usize) -> Vec<Vec<[f64; 3]>> {
+    /// The strips of hexagons through one of them, up to [`STRIP`] panels to each side: across each of its three pairs of opposite edges, the panels of the strip.
+    pub fn strips(&self, face: usize) -> Vec<Vec<usize>> {
         let across = self.across();
         let walk = |edge: usize| {
             let (mut f, mut k, mut way) = (face, edge, Vec::new());
             while way.len() <= STRIP && self.faces[f].len() == 6 {
-                way.push(self.centre(&self.faces[f]));
+                way.push(f);
                 let (a, b) = (self.faces[f][k], self.faces[f][(k + 1) % 6]);
                 let Some(&next) = across.get(&(b, a)) else {
                     break;
@@ -187,7 +248,6 @@ impl Obj {
                 };
                 (f, k) = (next, (entered + 3) % 6);
                 if f == face {
-                    way.push(self.centre(&self.faces[f]));
                     break;
                 }
             }
@@ -201,6 +261,11 @@ impl Obj {
         };
         (0..3).map(whole).collect()
     }
+}
+
+/// How far a point is along an axis; the fourth one is the distance from the z axis.
+pub fn along(p: [f64; 3], axis: usize) -> f64 {
+    p.get(axis).copied().unwrap_or_else(|| p[0].hypot(p[1]))
 }
 
 fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -240,6 +305,19 @@ pub fn write_curves(path: &Path, curves: &[Vec<[f64; 3]>]) -> Result<(), String>
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_cut_is_straight_and_shared_by_both_faces_of_an_edge() {
+        let cut = Obj::honeycomb(2).between(1, -0.3, 1.1);
+        let heights = || cut.points.iter().map(|p| p[1]);
+        assert!(heights().all(|y| (-0.3 - 1e-12..=1.1 + 1e-12).contains(&y)));
+        assert!(heights().filter(|y| (y - 1.1).abs() < 1e-12).count() > 4);
+        // Every point once: an edge that is cut has one point on the cut.
+        for (i, p) in cut.points.iter().enumerate() {
+            assert!(cut.points[..i].iter().all(|q| distance(*p, *q) > 1e-9));
+        }
+        assert_eq!(Obj::honeycomb(2).faces.len(), 19);
+    }
+
     /// Three by three hexagons of a honeycomb, by their corners' places.
     fn honeycomb() -> Obj {
         let mut obj = Obj::default();
@@ -270,8 +348,8 @@ mod tests {
         let strips = obj.strips(4);
         assert_eq!(strips.len(), 3);
         for strip in &strips {
-            assert!(strip.len() == 3, "{strip:?}");
-            let [a, b, c] = [strip[0], strip[1], strip[2]];
+            assert!(strip.len() == 3 && strip[1] == 4, "{strip:?}");
+            let [a, b, c] = [0, 1, 2].map(|k| obj.centre(&obj.faces[strip[k]]));
             assert!((0..3).all(|k| (a[k] + c[k] - 2.0 * b[k]).abs() < 1e-9));
         }
     }

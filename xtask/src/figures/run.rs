@@ -1,5 +1,8 @@
 //! Running the program `phex` for the figures.
 
+use super::steps;
+use std::cell::RefCell;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -36,6 +39,8 @@ impl Said {
 pub struct Phex {
     root: PathBuf,
     program: PathBuf,
+    /// What was made already: figures share inputs, and each gives the commands that make its own.
+    made: RefCell<HashSet<String>>,
 }
 
 impl Phex {
@@ -51,6 +56,7 @@ impl Phex {
         Ok(Self {
             root: root.to_path_buf(),
             program,
+            made: RefCell::default(),
         })
     }
 
@@ -80,6 +86,32 @@ impl Phex {
                 said.code, said.err
             ))
         }
+    }
+
+    /// Makes what a command line makes, of the program, of `cargo xtask obj` or of `printf`, unless that was done already.
+    pub fn follow(&self, line: &str) -> Result<(), String> {
+        if !self.made.borrow_mut().insert(line.to_owned()) {
+            return Ok(());
+        }
+        if let Some(line) = line.strip_prefix("phex ") {
+            return self.make(line).map(|_| ());
+        }
+        if let Some(step) = line.strip_prefix("cargo xtask obj ") {
+            let words: Vec<&str> = step.split_whitespace().collect();
+            return steps::run(&self.root, &words);
+        }
+        let text = line
+            .strip_prefix("printf '")
+            .and_then(|l| l.split_once("' > "));
+        let (text, path) = text.ok_or_else(|| format!("`{line}` is not understood"))?;
+        let path = self.root.join(path);
+        std::fs::write(&path, text.replace("\\n", "\n"))
+            .map_err(|e| format!("{}: {e}", path.display()))
+    }
+
+    /// Remembers that a command line of the program was run.
+    pub fn remember(&self, line: &str) {
+        self.made.borrow_mut().insert(format!("phex {line}"));
     }
 
     /// The path of an intermediate file.

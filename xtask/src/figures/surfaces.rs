@@ -1,36 +1,28 @@
-//! The surfaces of the table and the figures.
+//! The surfaces of the table and the figures, each with the commands that make it.
 
-use super::obj::Obj;
-use super::run::{Phex, WORK};
+use super::run::WORK;
 
-/// Name of each surface of the table, and the built-in shape that it is made of.
-pub const SURFACES: [(&str, &str); 7] = [
-    ("sphere", "sphere"),
-    ("ellipsoid", "ellipsoid"),
-    ("blob", "sphere"),
-    ("torus", "torus"),
-    ("wave", "wave"),
-    ("monkey-saddle", "monkey-saddle"),
-    ("b-spline", "b-spline"),
+/// Names of the surfaces of the table.
+pub const SURFACES: [&str; 7] = [
+    "sphere",
+    "ellipsoid",
+    "blob",
+    "torus",
+    "wave",
+    "monkey-saddle",
+    "b-spline",
 ];
 
-/// Writes all of them.
-pub fn make(phex: &Phex) -> Result<(), String> {
-    for (name, shape) in SURFACES {
-        phex.make(&format!(
-            "shape {shape} --triangles 6000 -o {WORK}/{name}.obj -q"
-        ))?;
+/// The commands that make a surface in the work folder.
+pub fn commands(name: &str) -> Vec<String> {
+    let shape =
+        |shape: &str| format!("phex shape {shape} --triangles 6000 -o {WORK}/{shape}.obj -q");
+    let step = |words: &str, out: &str| {
+        format!("cargo xtask obj {words} {WORK}/sphere.obj -o {WORK}/{out}.obj")
+    };
+    match name {
+        "blob" => vec![shape("sphere"), step("blob", "blob")],
+        "dome" => vec![shape("sphere"), step("above z 0.05", "dome")],
+        other => vec![shape(other)],
     }
-    let path = phex.work("blob.obj");
-    Obj::read(&path)?.mapped(superellipsoid).write(&path)?;
-    let dome = Obj::read(&phex.work("sphere.obj"))?.part(|c| c[2] > 0.05);
-    dome.write(&phex.work("dome.obj"))
-}
-
-/// The point of `|x|^3.5 + |y / 0.9|^3.5 + |z / 0.7|^3.5 = 1` in a direction: convex, with six nearly flat parts.
-fn superellipsoid(d: [f64; 3]) -> [f64; 3] {
-    const EXPONENT: f64 = 3.5;
-    let axes = [1.0, 0.9, 0.7];
-    let sum: f64 = (0..3).map(|k| (d[k] / axes[k]).abs().powf(EXPONENT)).sum();
-    d.map(|x| x * sum.powf(-1.0 / EXPONENT))
 }

@@ -1,7 +1,7 @@
 //! The table "method x surface".
 
 use super::run::{Phex, Said, WORK};
-use super::surfaces::SURFACES;
+use super::surfaces::{SURFACES, commands};
 use std::fmt::Write;
 
 /// Methods in the order of the table; the last two are ours.
@@ -20,11 +20,14 @@ const PANELS: usize = 200;
 
 /// The table as Markdown, with what refused runs said below it.
 pub fn table(phex: &Phex) -> Result<String, String> {
+    for line in SURFACES.iter().flat_map(|name| commands(name)) {
+        phex.follow(&line)?;
+    }
     let mut rows = String::new();
     let mut refusals = String::new();
     for method in METHODS {
         let _ = write!(rows, "| `{method}` |");
-        for (surface, _) in SURFACES {
+        for surface in SURFACES {
             let (cell, refusal) = cell(phex, method, surface)?;
             let _ = write!(rows, " {cell} |");
             if let Some(reason) = refusal {
@@ -33,11 +36,14 @@ pub fn table(phex: &Phex) -> Result<String, String> {
         }
         rows.push('\n');
     }
-    let names: Vec<&str> = SURFACES.iter().map(|s| s.0).collect();
+    let commands = SURFACES.iter().flat_map(|name| commands(name));
+    let commands: Vec<String> = commands.collect();
     Ok(format!(
-        "| method | {} |\n|---|{}\n{rows}\n### What the refused runs say\n\n{refusals}",
-        names.join(" | "),
-        "---|".repeat(names.len())
+        "| method | {} |\n|---|{}\n{rows}\n```sh\n{}\nphex mesh SURFACE -o {WORK}/table.obj --method METHOD -n {PANELS} --keep-invalid\n```\n\n\
+         ### What the refused runs say\n\n{refusals}",
+        SURFACES.join(" | "),
+        "---|".repeat(SURFACES.len()),
+        commands.join("\n")
     ))
 }
 

@@ -75,7 +75,7 @@ impl Wanted {
     }
 }
 
-/// Makes the rows; without `--compare` the whole list becomes the new yardstick.
+/// Makes the rows; without `--compare` they become the new yardstick, those that were not made staying as they are.
 pub fn ledger(root: &Path, words: &[&str]) -> Result<(), String> {
     let wanted = Wanted::parse(root, words)?;
     let program = match &wanted.program {
@@ -87,10 +87,13 @@ pub fn ledger(root: &Path, words: &[&str]) -> Result<(), String> {
     if let Some(kept) = &kept {
         print!("{}", table::comparison(kept, &made));
     }
-    let whole = wanted.only.is_empty() && !wanted.quick;
-    if !wanted.compare && whole {
-        made.write(&root.join(KEPT))?;
-        crate::write(&root.join(TABLE), &table::markdown(&made))?;
+    if !wanted.compare && !wanted.quick {
+        let all = match kept {
+            Some(kept) if !wanted.only.is_empty() => kept.with(made),
+            _ => made,
+        };
+        all.write(&root.join(KEPT))?;
+        crate::write(&root.join(TABLE), &table::markdown(&all))?;
         println!("written: {KEPT}, {TABLE}");
         return Ok(());
     }

@@ -50,6 +50,17 @@ impl Ledger {
         crate::write(path, &(json + "\n"))
     }
 
+    /// The same with rows in place of those of their names.
+    pub fn with(mut self, other: Self) -> Self {
+        for row in other.rows {
+            match self.rows.iter_mut().find(|old| old.name == row.name) {
+                Some(old) => *old = row,
+                None => self.rows.push(row),
+            }
+        }
+        self
+    }
+
     /// The row of a name.
     pub fn row(&self, name: &str) -> Option<&Entry> {
         self.rows.iter().find(|row| row.name == name)

@@ -48,6 +48,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     }
     let mut report = assessed.1;
     table += &summary::of_features(&mut report, &mesh, facets.as_ref());
+    table += &summary::of_verdict(report.verdict);
     tell(command.talk.quiet || command.json, &table)?;
     report.statistics = json!({ "indicatrix": indicatrix });
     if dropped > 0 {

@@ -1,78 +1,84 @@
-//! Writing a mesh that was made without settings of its own: table, files, exit code.
+//! Delivering a mesh that was made: files, table, exit code. Every command that makes a mesh ends here.
 
 use super::tell;
 use crate::args::{Extras, Talk};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::output::{Content, write_mesh};
-use crate::summary::{self, Table};
-use crate::verdict::{TypedLimits, written};
-use phex::report::{InputFile, References, RunReport, Verdict};
-use phex_mesh::{HexMesh, TriangleSurface};
-use serde_json::Value;
+use crate::summary;
+use crate::units::Unit;
+use crate::verdict::{TypedLimits, exit_of, written};
+use phex::report::{References, RunReport, Verdict};
 use std::path::Path;
 
 /// A mesh on its way to the user.
 pub struct Delivery<'a> {
-    /// The command.
-    pub command: &'static str,
-    /// The mesh.
-    pub mesh: &'a HexMesh,
-    /// Where it goes.
-    pub output: &'a Path,
+    /// The mesh, and what it is shown with.
+    pub shown: Shown<'a>,
+    /// Where it goes; nowhere if only its figures are wanted.
+    pub output: Option<&'a Path>,
+    /// Whether it is written even if it is not valid.
+    pub keep_invalid: bool,
+    /// Whether it is judged as a panelling; a dual is none.
+    pub panels: bool,
     /// Report and picture.
     pub extras: &'a Extras,
     /// How to talk.
     pub talk: &'a Talk,
-    /// What it is judged by.
-    pub limits: TypedLimits,
-    /// The surface that it stands for.
-    pub surface: Option<&'a TriangleSurface>,
-    /// Whether the checks of panels apply; a dual is no panelling.
-    pub panels: bool,
-    /// Lines that the command adds to the table.
-    pub table: Table,
-    /// Settings for the report.
-    pub settings: Value,
-    /// Statistics for the report.
-    pub statistics: Value,
-    /// What was read.
-    pub inputs: Vec<InputFile>,
+    /// Unit of the coordinates.
+    pub unit: Unit,
+    /// Lines of the table before the mesh's figures.
+    pub before: String,
+    /// Lines of the table after the mesh's figures.
+    pub after: String,
+    /// The report, made round the mesh's assessment.
+    pub report: RunReport,
 }
 
 impl Delivery<'_> {
-    /// Writes everything and prints the table.
+    /// Writes everything, prints the table, which ends with the verdict, and says with which code the program ends.
     ///
     /// # Errors
     /// If something can't be written.
     pub fn send(self) -> Result<Exit, Failure> {
-        let references = References {
-            facets: self.surface,
-            ..Default::default()
-        };
-        let assessment = self.limits.judge(self.mesh, references);
-        let figures = summary::of_assessment(&assessment, self.limits.unit, self.talk.verbose);
-        let mut report = RunReport::new(self.command, assessment);
-        report.unit = self.limits.unit.to_string();
-        report.settings = self.settings;
-        report.statistics = self.statistics;
-        report.inputs = self.inputs;
-        write_mesh(self.output, &self.mesh.to_soup())?;
-        report.outputs.push(written("mesh", self.output));
-        let shown = Shown {
-            surface: self.surface,
-            ..Shown::of(self.mesh)
-        };
-        self.extras.write(&shown, &mut report)?;
-        let figures = if self.panels { figures } else { String::new() };
-        let text = figures + &self.table.into_text() + &summary::of_outputs(&report);
+        let (mut report, output) = (self.report, self.output);
+        let verdict = report.verdict;
+        let kept = !self.panels || verdict != Verdict::Invalid || self.keep_invalid;
+        if let Some(path) = output.filter(|_| kept) {
+            write_mesh(path, &self.shown.mesh.to_soup())?;
+            report.outputs.push(written("mesh", path));
+        }
+        self.extras.write(&self.shown, &mut report)?;
+        let mut text = self.before;
+        if self.panels {
+            let assessment = report.assessment();
+            text += &summary::of_assessment(&assessment, self.unit, self.talk.verbose);
+        }
+        text += &self.after;
+        text += &summary::of_files(&report);
+        if output.is_some() && !kept {
+            text += &summary::not_written();
+        }
+        if self.panels {
+            text += &summary::of_verdict(verdict);
+        }
         tell(self.talk.quiet, &text)?;
-        Ok(if self.panels && report.verdict != Verdict::Pass {
-            Exit::OutsideTolerance
-        } else {
-            Exit::Success
+        Ok(match self.panels {
+            true => exit_of(verdict),
+            false => Exit::Success,
         })
     }
+}
+
+/// The report of a mesh judged by typed limits against the surface that it is shown with.
+pub fn judged(command: &'static str, shown: &Shown<'_>, limits: &TypedLimits) -> RunReport {
+    let references = References {
+        facets: shown.surface,
+        ..Default::default()
+    };
+    let mut report = RunReport::new(command, limits.judge(shown.mesh, references));
+    report.unit = limits.unit.to_string();
+    report
 }
 
 /// The files that a command writes.

@@ -1,9 +1,10 @@
 //! `phex dual`: the dual of a mesh with respect to a quadric.
 
-use super::deliver::{Delivery, outputs};
+use super::deliver::{Delivery, judged, outputs};
 use crate::args::Limits;
 use crate::dual_arguments::DualCommand;
 use crate::exit::{Exit, Failure, OrExit};
+use crate::html::Shown;
 use crate::input::MeshFile;
 use crate::output::check_writable;
 use crate::summary::Table;
@@ -40,19 +41,22 @@ pub fn run(command: &DualCommand) -> Result<Exit, Failure> {
     );
     let planarity = measure(&dual.mesh).planarity.max;
     table.row("planarity", format!("max {planarity:.1e} mean edges"));
+    let (shown, limits) = (Shown::of(&dual.mesh), TypedLimits::from(&Limits::default()));
+    let mut report = judged("dual", &shown, &limits);
+    report.settings = json!({ "quadric": quadric.matrix().as_slice() });
+    report.statistics = json!({ "dropped_faces": mesh.topology().n_faces() - t.n_vertices() });
+    report.inputs = vec![file.record];
     Delivery {
-        command: "dual",
-        mesh: &dual.mesh,
-        output: &command.output,
+        shown,
+        output: Some(&command.output),
+        keep_invalid: true,
+        panels: false,
         extras: &command.extras,
         talk: &command.talk,
-        limits: TypedLimits::from(&Limits::default()),
-        surface: None,
-        panels: false,
-        table,
-        settings: json!({ "quadric": quadric.matrix().as_slice() }),
-        statistics: json!({ "dropped_faces": mesh.topology().n_faces() - t.n_vertices() }),
-        inputs: vec![file.record],
+        unit: limits.unit,
+        before: String::new(),
+        after: table.into_text(),
+        report,
     }
     .send()
 }

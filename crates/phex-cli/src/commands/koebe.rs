@@ -1,27 +1,27 @@
 //! `phex koebe`: the mesh of a given graph whose edges touch the unit sphere.
 
-use super::tell;
+use super::deliver::{Delivery, judged, outputs};
 use crate::args::{KoebeBoundary, KoebeCommand, Limits};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::input::MeshFile;
-use crate::output::{Content, check_writable, write_mesh};
+use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
-use crate::summary::{self, Table};
-use crate::verdict::{TypedLimits, written};
+use crate::summary::Table;
+use crate::verdict::TypedLimits;
 use anyhow::Context;
 use phex::parallel_mesh::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
-use phex::report::{References, RunReport, Verdict};
-use phex_mesh::HexMesh;
 use serde_json::json;
-use std::path::Path;
 
 /// Runs the command.
 ///
 /// # Errors
 /// If the graph has no Koebe mesh, there is no result, or the output can't be written.
 pub fn run(command: &KoebeCommand) -> Result<Exit, Failure> {
-    check_writable(&outputs(command), &[&command.input])?;
+    check_writable(
+        &outputs(&command.output, &command.extras),
+        &[&command.input],
+    )?;
     let reporter = Reporter::new(&command.talk);
     let file = MeshFile::read(&command.input)?;
     let (mesh, _) = file.polygon_mesh()?;
@@ -37,12 +37,26 @@ pub fn run(command: &KoebeCommand) -> Result<Exit, Failure> {
         let message = format!("the circles were not found: {:?}", made.outcome.status);
         return Err(Failure::new(Exit::NoValidResult, message));
     }
-    let mut report = report(&made, &options, command);
+    let limits = TypedLimits::from(&Limits::default());
+    let shown = Shown::of(&made.mesh);
+    let mut report = judged("koebe", &shown, &limits);
+    report.settings = json!({ "koebe": options, "unit": "sphere of radius 1" });
+    report.outcome = json!(made.outcome);
+    report.statistics = json!({ "defects": made.defects });
     report.inputs = vec![file.record];
-    write(command, &made.mesh, &mut report)?;
-    tell(command.talk.quiet, &table(&made, &report))?;
-    // A coarse polyhedron has folds that panels must not have; that is told, but no failure.
-    Ok(Exit::Success)
+    Delivery {
+        shown,
+        output: Some(&command.output),
+        keep_invalid: command.keep_invalid,
+        panels: true,
+        extras: &command.extras,
+        talk: &command.talk,
+        unit: limits.unit,
+        before: table(&made),
+        after: String::new(),
+        report,
+    }
+    .send()
 }
 
 fn options(command: &KoebeCommand) -> KoebeOptions {
@@ -58,46 +72,15 @@ fn options(command: &KoebeCommand) -> KoebeOptions {
     }
 }
 
-fn outputs(command: &KoebeCommand) -> Vec<(&Path, Content)> {
-    std::iter::once((command.output.as_path(), Content::Mesh))
-        .chain(command.extras.outputs())
-        .collect()
-}
-
-fn report(made: &Koebe, options: &KoebeOptions, command: &KoebeCommand) -> RunReport {
-    let limits = TypedLimits::from(&Limits::default());
-    let none = References::default();
-    let mut report = RunReport::new("koebe", limits.judge(&made.mesh, none));
-    report.settings =
-        json!({ "koebe": options, "unit": "sphere of radius 1", "verbose": command.talk.verbose });
-    report.outcome = json!(made.outcome);
-    report.statistics = json!({ "defects": made.defects });
-    report
-}
-
-fn write(command: &KoebeCommand, mesh: &HexMesh, report: &mut RunReport) -> Result<(), Failure> {
-    write_mesh(&command.output, &mesh.to_soup())?;
-    report.outputs.push(written("mesh", &command.output));
-    command.extras.write(&Shown::of(mesh), report)
-}
-
-fn table(made: &Koebe, report: &RunReport) -> String {
+/// What makes it a Koebe mesh.
+fn table(made: &Koebe) -> String {
     let mut table = Table::default();
-    let t = made.mesh.topology();
     let defects = &made.defects;
     table.row(
-        "mesh",
-        format!("{} vertices, {} faces", t.n_vertices(), t.n_faces()),
-    );
-    table.row(
         "tangency",
-        format!("edges touch the unit sphere to {:.1e}", defects.tangency),
-    );
-    table.row(
-        "planarity",
         format!(
-            "vertices off their planes by at most {:.1e}",
-            defects.planarity
+            "edges touch the unit sphere to {:.1e}, vertices are off their planes by at most {:.1e}",
+            defects.tangency, defects.planarity
         ),
     );
     table.row(
@@ -111,8 +94,5 @@ fn table(made: &Koebe, report: &RunReport) -> String {
         "solved",
         format!("with {} factorisations", made.outcome.factorisations),
     );
-    if report.verdict != Verdict::Pass {
-        table.row("as panels", "some checks fail, see `phex check`");
-    }
-    table.into_text() + &summary::of_outputs(report)
+    table.into_text()
 }

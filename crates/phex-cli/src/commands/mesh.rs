@@ -1,6 +1,7 @@
 //! `phex mesh`: from a surface to planar hexagonal panels.
 
-use super::{tell, use_threads};
+use super::deliver::Delivery;
+use super::use_threads;
 use crate::args::MeshCommand;
 use crate::engine::{self, Reached};
 use crate::exit::{Exit, Failure};
@@ -13,10 +14,10 @@ use crate::progress::{Reporter, is_interrupted};
 use crate::settings::MeshSettings;
 use crate::size_field::SizeField;
 use crate::summary;
-use crate::verdict::{TypedLimits, exit_of, written};
+use crate::verdict::{TypedLimits, written};
 use anyhow::Context;
 use phex::MeshOptions;
-use phex::report::{References, RunReport, StageTime, Verdict};
+use phex::report::{References, RunReport, StageTime};
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, TriangleSurface};
 use serde_json::Value;
 use std::path::Path;
@@ -82,7 +83,6 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let assessment = limits.judge(&mesh, references);
     let told = |run: &Reached| of_portfolio(&run.tried) + &of_method(run.classical.as_ref());
     let methods: String = runs.iter().map(told).collect();
-    let table = methods + &summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
     let mut report = RunReport::new("mesh", assessment);
     report.inputs = vec![file.record];
     report.threads = threads;
@@ -99,12 +99,23 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         mesh: &mesh,
     };
     let features = summary::of_features(&mut report, &mesh, shown.surface);
-    write(command, &shown, smooth.as_ref(), &mut report)?;
-    tell(
-        command.talk.quiet,
-        &(table + &features + &summary::of_outputs(&report)),
-    )?;
-    Ok(exit_of(report.verdict))
+    if let (Some(path), Some(smooth)) = (&command.write_target, &smooth) {
+        write_mesh(path, &to_soup(smooth))?;
+        report.outputs.push(written("smooth_target", path));
+    }
+    Delivery {
+        shown,
+        output: Some(&command.output),
+        keep_invalid: command.keep_invalid,
+        panels: true,
+        extras: &command.extras,
+        talk: &command.talk,
+        unit: limits.unit,
+        before: methods,
+        after: features,
+        report,
+    }
+    .send()
 }
 
 fn settings(command: &MeshCommand) -> Result<MeshSettings, Failure> {
@@ -313,23 +324,6 @@ fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
         }
     }
     sums
-}
-
-fn write(
-    command: &MeshCommand,
-    shown: &Shown<'_>,
-    smooth: Option<&TriangleSurface>,
-    report: &mut RunReport,
-) -> Result<(), Failure> {
-    if report.verdict != Verdict::Invalid || command.keep_invalid {
-        write_mesh(&command.output, &shown.mesh.to_soup())?;
-        report.outputs.push(written("mesh", &command.output));
-    }
-    if let (Some(path), Some(smooth)) = (&command.write_target, smooth) {
-        write_mesh(path, &to_soup(smooth))?;
-        report.outputs.push(written("smooth_target", path));
-    }
-    command.extras.write(shown, report)
 }
 
 fn to_soup(surface: &TriangleSurface) -> PolygonSoup {

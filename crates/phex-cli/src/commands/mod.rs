@@ -18,6 +18,9 @@ mod render;
 mod report;
 mod shape;
 mod subdivide;
+mod terms;
+
+pub use terms::TERMS;
 
 use crate::args::Command;
 use crate::exit::{Exit, Failure};
@@ -46,6 +49,7 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Subdivide(command) => subdivide::run(&command),
         Command::PowerDiagram(command) => power_diagram::run(&command),
         Command::Dupin(command) => dupin::run(&command),
+        Command::Terms(command) => terms::run(&command),
     }
 }
 

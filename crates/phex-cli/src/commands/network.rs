@@ -9,9 +9,10 @@ use crate::output::{Content, check_writable, write_text};
 use crate::panel_size;
 use crate::progress::Reporter;
 use crate::settings::PanelSize;
+use crate::summary::Table;
 use crate::units::Unit;
 use phex::MeshOptions;
-use phex::directions::network::{Curve, NetworkFamily};
+use phex::directions::network::{Conjugacy, Curve, NetworkFamily};
 use phex::pipeline::NetworkCurves;
 use std::fmt::Write;
 use std::path::Path;
@@ -38,13 +39,31 @@ pub fn run(command: &NetworkCommand) -> Result<Exit, Failure> {
     let curves = engine::network(&surface, &options(command, panels), &reporter)?;
     reporter.finish();
     write_text(&command.output, &obj(&curves))?;
-    let (rows, columns) = (curves.rows.len(), curves.columns.len());
-    let path = command.output.display();
-    tell(
-        command.talk.quiet,
-        &format!("{path}: {rows} curves along rows, {columns} across\n"),
-    )?;
+    tell(command.talk.quiet, &told(&curves, &command.output))?;
     Ok(Exit::Success)
+}
+
+fn told(curves: &NetworkCurves, path: &Path) -> String {
+    let mut table = Table::default();
+    let (rows, columns) = (curves.rows.len(), curves.columns.len());
+    table.row("curves", format!("{rows} along rows, {columns} across"));
+    match &curves.conjugacy {
+        Some(Conjugacy {
+            median,
+            p95,
+            worst,
+            place,
+        }) => {
+            let [x, y, z] = [place.x, place.y, place.z];
+            let text = format!(
+                "|II(a, b)| / |II| of rows a and columns b: median {median:.4}, 95 % below {p95:.4}, worst {worst:.4} near ({x:.4}, {y:.4}, {z:.4})"
+            );
+            table.row("conjugate", text);
+        }
+        None => table.row("conjugate", "everywhere, since the surface is flat"),
+    }
+    table.row("written", path.display());
+    table.into_text()
 }
 
 /// Whether a path names an OBJ file, the only format for curves.
@@ -114,6 +133,7 @@ mod tests {
         let text = obj(&NetworkCurves {
             rows: vec![curve(true)],
             columns: vec![curve(false)],
+            conjugacy: None,
         });
         let lines: Vec<&str> = text.lines().filter(|l| l.starts_with(['l', 'g'])).collect();
         assert_eq!(lines, ["g rows", "l 1 2 3 1", "g columns", "l 4 5 6"]);

@@ -2,18 +2,19 @@
 
 mod space;
 
-use super::tell;
+use super::deliver::{Delivery, judged};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::input::{MeshFile, whole};
-use crate::output::{Content, check_writable, write_mesh, write_text};
+use crate::output::{Content, check_writable, write_text};
 use crate::parallel_arguments::{ParallelCommand, ParallelStart};
 use crate::progress::{Reporter, is_interrupted};
-use crate::summary::{self, Table};
+use crate::summary::Table;
 use crate::verdict::{TypedLimits, written};
 use anyhow::Context;
+use phex::parallel_mesh::edge_offset::face_curvatures;
 use phex::parallel_mesh::fit::{FitOptions, FitStart, Fitted, fit_parallel};
-use phex::report::{InputFile, References, RunReport, Verdict};
+use phex::report::InputFile;
 use phex_mesh::{HexMesh, TriangleSurface};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -47,27 +48,34 @@ pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
         return Err(Failure::interrupted());
     }
     let limits = TypedLimits::from(&command.limits);
-    let references = References {
-        facets: made.surface.as_ref(),
-        ..Default::default()
+    let shown = Shown {
+        surface: made.surface.as_ref(),
+        ..Shown::of(&made.mesh)
     };
-    let assessment = limits.judge(&made.mesh, references);
-    let summary = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
-    let mut report = RunReport::new("parallel", assessment);
-    report.unit = limits.unit.to_string();
+    let mut report = judged("parallel", &shown, &limits);
     report.settings = json!({ "parallel": made.settings });
     report.statistics = made.statistics.clone();
     report.inputs = std::iter::once(file.record)
         .chain(made.input.clone())
         .collect();
-    write(command, &made, &mut report)?;
-    let text = summary + &made.table.into_text() + &summary::of_outputs(&report);
-    tell(command.talk.quiet, &text)?;
-    // The file is written in any case: a coarse mesh may have folds that panels must not have.
-    Ok(match report.verdict {
-        Verdict::Pass => Exit::Success,
-        Verdict::OutsideTolerance | Verdict::Invalid => Exit::OutsideTolerance,
-    })
+    if let (Some(path), Some(text)) = (&command.basis, &made.basis) {
+        write_text(path, text)?;
+        report.outputs.push(written("basis", path));
+    }
+    Delivery {
+        shown,
+        output: command.output.as_deref(),
+        keep_invalid: command.keep_invalid,
+        // Without a file to write, the space is told and no mesh is made.
+        panels: command.output.is_some(),
+        extras: &command.extras,
+        talk: &command.talk,
+        unit: limits.unit,
+        before: String::new(),
+        after: made.table.clone().into_text(),
+        report,
+    }
+    .send()
 }
 
 fn inputs(command: &ParallelCommand) -> Vec<&Path> {
@@ -106,7 +114,7 @@ fn fitted(command: &ParallelCommand, mesh: &HexMesh, surface: &Path) -> Result<M
             "mean_curvature": fitted.mean_curvature,
             "mean_curvature_spread": fitted.mean_curvature_spread,
         }),
-        table: table(&fitted),
+        table: table(&fitted, mesh),
         basis: command
             .basis
             .is_some()
@@ -131,19 +139,7 @@ fn options(command: &ParallelCommand) -> FitOptions {
     }
 }
 
-fn write(command: &ParallelCommand, made: &Made, report: &mut RunReport) -> Result<(), Failure> {
-    if let Some(path) = &command.output {
-        write_mesh(path, &made.mesh.to_soup())?;
-        report.outputs.push(written("mesh", path));
-    }
-    if let (Some(path), Some(text)) = (&command.basis, &made.basis) {
-        write_text(path, text)?;
-        report.outputs.push(written("basis", path));
-    }
-    command.extras.write(&Shown::of(&made.mesh), report)
-}
-
-fn table(fitted: &Fitted) -> Table {
+fn table(fitted: &Fitted, gauss_image: &HexMesh) -> Table {
     let mut table = Table::default();
     table.row(
         "fit",
@@ -156,11 +152,15 @@ fn table(fitted: &Fitted) -> Table {
         );
     }
     let spread = fitted.mean_curvature_spread;
+    let faces = face_curvatures(&fitted.mesh, gauss_image);
+    let ends = faces.iter().fold([f64::MAX, f64::MIN], |[low, high], c| {
+        [low.min(c.mean), high.max(c.mean)]
+    });
     table.row(
         "curvature",
         format!(
-            "mean {:.4}, rms spread {spread:.1e} of it",
-            fitted.mean_curvature
+            "mean {:.4}, rms spread {spread:.1e} of it; faces from {:.5} to {:.5}",
+            fitted.mean_curvature, ends[0], ends[1]
         ),
     );
     table

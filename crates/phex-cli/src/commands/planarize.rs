@@ -1,17 +1,17 @@
 //! `phex planarize`: makes the faces of a polygon mesh planar.
 
-use super::{tell, use_threads};
+use super::deliver::{Delivery, outputs};
+use super::use_threads;
 use crate::args::PlanarizeCommand;
 use crate::engine::{self, Planarization, Reached};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::input::{MeshFile, whole};
-use crate::output::{Content, check_writable, write_mesh};
+use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
 use crate::settings::MeshSettings;
-use crate::summary;
-use crate::verdict::{TypedLimits, exit_of, written};
-use phex::report::{Assessment, InputFile, References, RunReport, Verdict};
+use crate::verdict::TypedLimits;
+use phex::report::{Assessment, InputFile, References, RunReport};
 use phex_mesh::TriangleSurface;
 use serde_json::json;
 use std::path::Path;
@@ -22,7 +22,10 @@ use std::path::Path;
 /// If an input can't be used, there is no result, or the output can't be written.
 pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let settings = settings(command)?;
-    check_writable(&outputs(command), &inputs(command, &settings))?;
+    check_writable(
+        &outputs(&command.output, &command.extras),
+        &inputs(command, &settings),
+    )?;
     let threads = use_threads(command.threads)?;
     let reporter = Reporter::new(&command.talk);
     let files = Files::read(command)?;
@@ -45,7 +48,6 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         ..Default::default()
     };
     let assessment = limits.judge(&reached.mesh, references);
-    let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
     let mut report = report(assessment, &limits, &how, &reached);
     report.threads = threads;
     report.inputs = files.records();
@@ -60,9 +62,19 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         start: reached.start.as_ref(),
         ..Shown::of(&reached.mesh)
     };
-    write(command, &shown, &mut report)?;
-    tell(command.talk.quiet, &(table + &summary::of_outputs(&report)))?;
-    Ok(exit_of(report.verdict))
+    Delivery {
+        shown,
+        output: Some(&command.output),
+        keep_invalid: command.keep_invalid,
+        panels: true,
+        extras: &command.extras,
+        talk: &command.talk,
+        unit: limits.unit,
+        before: String::new(),
+        after: String::new(),
+        report,
+    }
+    .send()
 }
 
 /// What is typed and in the job file.
@@ -153,22 +165,4 @@ fn inputs<'a>(command: &'a PlanarizeCommand, settings: &'a MeshSettings) -> Vec<
         .chain(command.config.as_deref())
         .chain(settings.steering.inputs())
         .collect()
-}
-
-fn outputs(command: &PlanarizeCommand) -> Vec<(&Path, Content)> {
-    std::iter::once((command.output.as_path(), Content::Mesh))
-        .chain(command.extras.outputs())
-        .collect()
-}
-
-fn write(
-    command: &PlanarizeCommand,
-    shown: &Shown<'_>,
-    report: &mut RunReport,
-) -> Result<(), Failure> {
-    if report.verdict != Verdict::Invalid || command.keep_invalid {
-        write_mesh(&command.output, &shown.mesh.to_soup())?;
-        report.outputs.push(written("mesh", &command.output));
-    }
-    command.extras.write(shown, report)
 }

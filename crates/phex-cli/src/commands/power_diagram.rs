@@ -1,9 +1,10 @@
 //! `phex power-diagram`: polyhedra from sites in the plane, on spheres and ellipsoids.
 
-use super::deliver::{Delivery, outputs};
+use super::deliver::{Delivery, judged, outputs};
 use crate::args::Limits;
 use crate::dual_arguments::PowerCommand;
 use crate::exit::{Exit, Failure, OrExit};
+use crate::html::Shown;
 use crate::input::{NumberLine, read_numbers};
 use crate::output::check_writable;
 use crate::summary::Table;
@@ -43,19 +44,21 @@ pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
             format!("{count} sites have no cell: {}", first.join(" ")),
         );
     }
+    let (shown, limits) = (Shown::of(&mesh), TypedLimits::from(&Limits::default()));
+    let mut report = judged("power-diagram", &shown, &limits);
+    report.settings = json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes, "affine": command.affine });
+    report.statistics = json!({ "hidden": diagram.hidden });
     Delivery {
-        command: "power-diagram",
-        mesh: &mesh,
-        output: &command.output,
+        shown,
+        output: Some(&command.output),
+        keep_invalid: command.keep_invalid,
+        panels: true,
         extras: &command.extras,
         talk: &command.talk,
-        limits: TypedLimits::from(&Limits::default()),
-        surface: None,
-        panels: true,
-        table,
-        settings: json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes, "affine": command.affine }),
-        statistics: json!({ "hidden": diagram.hidden }),
-        inputs: Vec::new(),
+        unit: limits.unit,
+        before: String::new(),
+        after: table.into_text(),
+        report,
     }
     .send()
 }
@@ -145,9 +148,20 @@ mod tests {
 
     #[test]
     fn sites_with_and_without_weight() {
-        let at = |s: Option<Site>| s.map(|s| (s.position.x, s.position.y, s.weight));
-        assert_eq!(at(site("1 -2")), Some((1.0, -2.0, 0.0)));
-        assert_eq!(at(site(" 1,2, 0.5 ")), Some((1.0, 2.0, 0.5)));
-        assert!(site("1").is_none() && site("a b").is_none() && site("1 inf").is_none());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sites.txt");
+        let sites = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            read_sites(&path).map(|all| {
+                let at = |s: &Site| (s.position.x, s.position.y, s.weight);
+                all.iter().map(at).collect::<Vec<_>>()
+            })
+        };
+        let both = sites("# two\n1 -2\n\n 1,2, 0.5 \n").unwrap();
+        assert_eq!(both, [(1.0, -2.0, 0.0), (1.0, 2.0, 0.5)]);
+        for wrong in ["1", "a b", "1 inf", "1 2 3 4"] {
+            let message = sites(&format!("0 0\n{wrong}\n")).unwrap_err().to_string();
+            assert!(message.contains("sites.txt:2"), "{message}");
+        }
     }
 }

@@ -2,14 +2,15 @@
 
 use super::tell;
 use crate::exit::{Exit, Failure};
-use crate::input::read_polylines;
-use crate::input::{MeshFile, whole};
+use crate::input::{MeshFile, read_numbers, read_polylines, whole};
 use crate::output::{Content, check_writable, write_picture, write_text};
 use crate::picture_arguments::RenderCommand;
 use crate::verdict::TypedLimits;
 use phex::report::References;
-use phex::report::maps::{ColourMap, Subject};
+use phex::report::maps::{Class, ColourMap, Coloured, Map, Range, Rgb, Scale, Subject};
 use phex::report::picture::{draw_svg, draw_with_curves};
+use phex_mesh::HexMesh;
+use std::path::Path;
 
 /// The formats of pictures.
 enum Format {
@@ -25,6 +26,7 @@ pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
     let format = format(command)?;
     let inputs = std::iter::once(&command.input)
         .chain(&command.surface)
+        .chain(&command.mark)
         .chain(&command.curves);
     let inputs: Vec<_> = inputs.map(|p| p.as_path()).collect();
     check_writable(&[(&command.output, Content::Other)], &inputs)?;
@@ -43,10 +45,10 @@ pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
         assessment: &assessment,
         surface: facets.as_ref(),
     };
-    let map = ColourMap::new(command.color, &subject).ok_or_else(|| {
-        let name = command.color.name();
-        Failure::input(format!("--color {name} needs a surface: give --surface"))
-    })?;
+    let map = match &command.mark {
+        Some(path) => marked(path, &mesh)?,
+        None => coloured(command, &subject)?,
+    };
     let options = command.options();
     match format {
         Format::Png => {
@@ -65,6 +67,63 @@ pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
     let written = format!("written      {}\n", command.output.display());
     tell(command.talk.quiet, &written)?;
     Ok(Exit::Success)
+}
+
+/// The colours of a map.
+fn coloured(command: &RenderCommand, subject: &Subject<'_>) -> Result<ColourMap, Failure> {
+    let (map, name) = (command.color, command.color.name());
+    let coloured = ColourMap::over(map, subject, command.range)
+        .ok_or_else(|| Failure::input(format!("--color {name} needs a surface: give --surface")))?;
+    let Range::Given([low, _]) = command.range else {
+        return Ok(coloured);
+    };
+    match &coloured.scale {
+        Scale::Classes(_) => Err(Failure::input(format!(
+            "--range: the colours of --color {name} are classes, which have no range"
+        ))),
+        Scale::Continuous(scale) if scale.logarithmic && low <= 0.0 => Err(Failure::input(
+            format!("--range: --color {name} is logarithmic, its range begins above 0"),
+        )),
+        Scale::Continuous(_) => Ok(coloured),
+    }
+}
+
+/// Colours of marked panels, the first for those that are not.
+const MARKS: [Class; 7] = [
+    class("plain", [0xF0, 0xE9, 0xE0]),
+    class("marked 1", [0x5C, 0x9C, 0xE6]),
+    class("marked 2", [0xF2, 0xA6, 0x59]),
+    class("marked 3", [0x6F, 0xB9, 0x7A]),
+    class("marked 4", [0xD9, 0x59, 0x4D]),
+    class("marked 5", [0x8C, 0x66, 0xBF]),
+    class("marked 6", [0xE8, 0xD1, 0x4E]),
+];
+
+const fn class(label: &'static str, colour: Rgb) -> Class {
+    Class { label, colour }
+}
+
+/// Colours by a file of marks.
+fn marked(path: &Path, mesh: &HexMesh) -> Result<ColourMap, Failure> {
+    let mut values = vec![0.0; mesh.topology().n_faces()];
+    for line in read_numbers(path)? {
+        let wrong = || line.wrong("`panel colour`, a panel of the mesh and a colour from 1 to 6,");
+        let [panel, colour] = line.numbers[..] else {
+            return Err(wrong());
+        };
+        let whole = [panel, colour]
+            .iter()
+            .all(|x| x.fract() == 0.0 && *x >= 0.0);
+        let fits = whole && (1.0..MARKS.len() as f64).contains(&colour);
+        let value = values.get_mut(panel as usize).filter(|_| fits);
+        *value.ok_or_else(wrong)? = colour;
+    }
+    Ok(ColourMap {
+        map: Map::Valence,
+        element: Coloured::Face,
+        values,
+        scale: Scale::Classes(MARKS.to_vec()),
+    })
 }
 
 fn format(command: &RenderCommand) -> Result<Format, Failure> {

@@ -45,8 +45,8 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
     let features = summary::of_features(&mut report, &mesh, facets.as_ref());
     html::write(&command.html, &shown, &report)?;
     let table = summary::of_assessment(&assessment, command.limits.unit, command.talk.verbose);
-    let files = summary::of_files(&report);
-    tell(command.talk.quiet, &(table + &features + &files))?;
+    let end = summary::of_files(&report) + &summary::of_verdict(report.verdict);
+    tell(command.talk.quiet, &(table + &features + &end))?;
     Ok(if report.verdict == Verdict::Pass {
         Exit::Success
     } else {

@@ -1,9 +1,10 @@
 //! `phex subdivide`: a finer mesh with planar faces.
 
-use super::deliver::{Delivery, outputs};
+use super::deliver::{Delivery, judged, outputs};
 use crate::dual_arguments::{SubdivideCommand, SubdivideRule};
 use crate::engine;
 use crate::exit::{Exit, Failure, OrExit};
+use crate::html::Shown;
 use crate::input::{MeshFile, whole};
 use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
@@ -58,21 +59,27 @@ pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
     }
     let finest = levels.last().unwrap_or(&mesh);
     let limits = TypedLimits::from(&command.limits);
+    let shown = Shown {
+        surface: surface.as_ref().filter(|_| surface_file.is_some()),
+        ..Shown::of(finest)
+    };
+    let mut report = judged("subdivide", &shown, &limits);
+    report.settings = json!({ "rule": format!("{:?}", command.rule), "levels": command.levels });
+    report.statistics = json!({ "outside_domain": outside });
+    report.inputs = std::iter::once(file.record)
+        .chain(surface_file.map(|f| f.record))
+        .collect();
     Delivery {
-        command: "subdivide",
-        mesh: finest,
-        output: &command.output,
+        shown,
+        output: Some(&command.output),
+        keep_invalid: command.keep_invalid,
+        panels: true,
         extras: &command.extras,
         talk: &command.talk,
-        limits,
-        surface: surface_file.is_some().then_some(surface.as_ref()).flatten(),
-        panels: true,
-        table,
-        settings: json!({ "rule": format!("{:?}", command.rule), "levels": command.levels }),
-        statistics: json!({ "outside_domain": outside }),
-        inputs: std::iter::once(file.record)
-            .chain(surface_file.map(|f| f.record))
-            .collect(),
+        unit: limits.unit,
+        before: String::new(),
+        after: table.into_text(),
+        report,
     }
     .send()
 }

@@ -8,8 +8,8 @@ use super::{
 };
 use crate::curvature::{self, Curvature};
 use crate::directions::network::{
-    ConjugateNetwork, Curve, Function, NetworkError, RowField, conjugate_network, level_lines,
-    row_field,
+    Conjugacy, ConjugateNetwork, Curve, Function, NetworkError, RowField, conjugacy,
+    conjugate_network, level_lines, row_field,
 };
 use crate::ground::Ground;
 use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
@@ -155,6 +155,8 @@ pub struct NetworkCurves {
     pub rows: Vec<Curve>,
     /// Curves across rows, half a brick apart.
     pub columns: Vec<Curve>,
+    /// How conjugate they are; nothing on a flat surface.
+    pub conjugacy: Option<Conjugacy>,
 }
 
 /// The conjugate network of a surface, sampled as densely as a brick wall of the given size samples it.
@@ -183,9 +185,14 @@ pub fn network_curves(
         }
         lines
     };
+    let measured = conjugacy(&site.surface, &site.curvature, [&rows, &columns]);
     Ok(NetworkCurves {
         rows: curves(&rows),
         columns: curves(&columns),
+        conjugacy: measured.map(|c| Conjugacy {
+            place: similarity.restore(c.place),
+            ..c
+        }),
     })
 }
 

@@ -22,6 +22,7 @@
 //! area. Fails, with an error that says where: on closed surfaces that are no torus, where the directions turn round a
 //! hole, and where the functions fold over.
 
+pub mod conjugacy;
 pub mod conjugate;
 pub mod cross;
 pub mod curves;
@@ -30,6 +31,7 @@ pub mod function;
 pub mod periods;
 mod sides;
 
+pub use conjugacy::{Conjugacy, conjugacy};
 pub use curves::{Curve, level_lines};
 pub use function::{Function, FunctionFamily};
 

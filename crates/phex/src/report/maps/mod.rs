@@ -1,9 +1,11 @@
-//! What colours say: one value per panel or edge, a fixed range, and the colours and histogram that belong to it.
+//! What colours say: one value per panel or edge, a range, and the colours and histogram that belong to it.
 //!
-//! The ranges are fixed, so that two pictures can be laid side by side; values outside take the colour of the nearest end.
+//! A range is that of the mesh's own values, with round ends ([`Range::Automatic`]): in a range that does for every mesh, a
+//! good one is blank. [`Range::Fixed`] is the one of the table, in which two pictures can be laid side by side; values outside
+//! take the colour of the nearest end.
 //! All colours keep apart under the common colour deficiencies: sequential maps by lightness, diverging ones blue to orange.
 //!
-//! | map | element | value | range |
+//! | map | element | value | fixed range |
 //! |---|---|---|---|
 //! | [`Map::Planarity`] | face | largest distance of a corner to the plane, mean edges | 1e-12 to 0.1, logarithmic |
 //! | [`Map::Deviation`] | face | largest distance of a corner or the centre to the surface, % of its diagonal | 0 to 0.5 |
@@ -20,7 +22,7 @@ mod scale;
 mod values;
 
 pub use feature_size::FeatureSizes;
-pub use scale::{Class, Continuous, Histogram, Rgb, Scale};
+pub use scale::{Class, Continuous, Histogram, Range, Rgb, Scale};
 pub use values::{Subject, principal_at_panels};
 
 use super::picture::palette;
@@ -129,14 +131,23 @@ pub struct ColourMap {
 }
 
 impl ColourMap {
-    /// The map of a mesh; `None` if it needs a surface and there is none.
+    /// The map of a mesh, over the range of its own values; `None` if it needs a surface and there is none.
     pub fn new(map: Map, subject: &Subject<'_>) -> Option<Self> {
+        Self::over(map, subject, Range::Automatic)
+    }
+
+    /// As [`ColourMap::new`], over a range of one's choice; classes have none.
+    pub fn over(map: Map, subject: &Subject<'_>, range: Range) -> Option<Self> {
         let (element, values) = values::values(map, subject)?;
+        let scale = match scale(map, subject) {
+            Scale::Continuous(fixed) => Scale::Continuous(fixed.over(range, &values)),
+            classes => classes,
+        };
         Some(Self {
             map,
             element,
             values,
-            scale: scale(map, subject),
+            scale,
         })
     }
 
@@ -164,6 +175,11 @@ fn scale(map: Map, subject: &Subject<'_>) -> Scale {
         ramp,
         limit: None,
         band: None,
+        middle: None,
+    };
+    let about = |middle, continuous| Continuous {
+        middle: Some(middle),
+        ..continuous
     };
     match map {
         Map::Planarity => Scale::Continuous(Continuous {
@@ -174,8 +190,14 @@ fn scale(map: Map, subject: &Subject<'_>) -> Scale {
             limit: limit("deviation", 100.0),
             ..continuous(0.0, 0.5, false, ramps::SEQUENTIAL)
         }),
-        Map::EdgeLength => Scale::Continuous(continuous(0.25, 4.0, true, ramps::DIVERGING_LINES)),
-        Map::Dihedral => Scale::Continuous(continuous(160.0, 200.0, false, ramps::DIVERGING_LINES)),
+        Map::EdgeLength => {
+            let lengths = continuous(0.25, 4.0, true, ramps::DIVERGING_LINES);
+            Scale::Continuous(about(1.0, lengths))
+        }
+        Map::Dihedral => {
+            let angles = continuous(160.0, 200.0, false, ramps::DIVERGING_LINES);
+            Scale::Continuous(about(180.0, angles))
+        }
         Map::Curvature => Scale::Continuous(Continuous {
             band: Some((PARABOLIC, ramps::PARABOLIC)),
             ..continuous(-1.0, 1.0, false, ramps::DIVERGING)

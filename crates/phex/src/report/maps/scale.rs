@@ -34,9 +34,59 @@ pub struct Continuous {
     pub limit: Option<f64>,
     /// Values closer to 0 than the first number have the colour that follows.
     pub band: Option<(f64, Rgb)>,
+    /// The value of the colour in the middle, where that says something by itself.
+    #[serde(skip)]
+    pub middle: Option<f64>,
+}
+
+/// From which value to which colours go.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Range {
+    /// Over the mesh's own values, with round ends; a ratio that lies between -1 and 1 by its nature keeps to that.
+    #[default]
+    Automatic,
+    /// The same for every mesh.
+    Fixed,
+    /// From the first number to the second, which is larger, in the unit of the values.
+    Given([f64; 2]),
 }
 
 impl Continuous {
+    /// The same colours over another range of `values`.
+    pub(super) fn over(self, range: Range, values: &[f64]) -> Self {
+        let ends = match range {
+            Range::Fixed => None,
+            Range::Given(ends) => Some(ends),
+            Range::Automatic => self.ends_of(values),
+        };
+        let [low, high] = ends.unwrap_or([self.low, self.high]);
+        Self { low, high, ..self }
+    }
+
+    /// Round ends of the range of values; nothing if the fixed range is that already, or no value has a place.
+    fn ends_of(&self, values: &[f64]) -> Option<[f64; 2]> {
+        let placed = |v: &f64| v.is_finite() && (!self.logarithmic || *v > 0.0);
+        let values = || values.iter().copied().filter(placed);
+        let (least, most) = (values().reduce(f64::min)?, values().reduce(f64::max)?);
+        match (self.middle, self.logarithmic) {
+            _ if self.band.is_some() => None,
+            (Some(middle), true) => {
+                let times = rounded_up((most / middle).max(middle / least).max(LEAST_FACTOR));
+                Some([middle / times, middle * times])
+            }
+            (Some(middle), false) => {
+                let off = rounded_up((most - middle).max(middle - least).max(LEAST_OFF));
+                Some([middle - off, middle + off])
+            }
+            (None, true) => {
+                let first = least.log10().floor() as i32;
+                let last = (most.log10().ceil() as i32).max(first + 1);
+                Some([first, last].map(|n| 10_f64.powi(n)))
+            }
+            (None, false) => (most > 0.0).then(|| [0.0, rounded_up(most)]),
+        }
+    }
+
     /// Place of a value along the colours, 0 to 1; values outside of the range are moved to its ends.
     pub fn place(&self, value: f64) -> f64 {
         let (low, high) = (self.low, self.high);
@@ -78,18 +128,37 @@ impl Continuous {
 
     /// Marks along the legend: places and labels.
     pub fn ticks(&self) -> Vec<(f64, String)> {
-        let places: &[f64] = if self.band.is_some() || !self.is_decades() {
-            &[0.0, 0.25, 0.5, 0.75, 1.0]
-        } else {
-            &[0.0, 3.0 / 11.0, 6.0 / 11.0, 9.0 / 11.0, 1.0]
+        let places = match self.decades() {
+            Some(n) => {
+                let step = n.div_ceil(4);
+                let inner = (0..n).step_by(step).map(|k| k as f64 / n as f64);
+                inner.chain([1.0]).collect()
+            }
+            None => vec![0.0, 0.25, 0.5, 0.75, 1.0],
         };
-        let places = places.iter();
-        places.map(|&t| (t, label(self.at(t)))).collect()
+        let mark = |t| (t, label(self.at(t)));
+        places.into_iter().map(mark).collect()
     }
 
-    fn is_decades(&self) -> bool {
-        self.logarithmic && self.high / self.low > 1e3
+    /// The number of powers of ten that the range spans, if it is a whole one.
+    fn decades(&self) -> Option<usize> {
+        let n = (self.high / self.low).log10();
+        let whole = self.logarithmic && n > 0.5 && (n - n.round()).abs() < 1e-6;
+        whole.then(|| n.round() as usize)
     }
+}
+
+/// The factor about the mean edge, and the degrees about a straight angle, below which colours would show rounding alone.
+const LEAST_FACTOR: f64 = 1.05;
+const LEAST_OFF: f64 = 0.1;
+
+/// A positive number rounded up to one that is read easily: one of 1, 1.2, 1.5, 2, 3, 4, 5, 6 and 8 times a power of ten.
+fn rounded_up(x: f64) -> f64 {
+    const ROUND: [f64; 10] = [1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
+    let power = 10_f64.powf(x.log10().floor());
+    // What is round already must not be rounded up for its last bit.
+    let fits = |m: &&f64| **m * power >= x * (1.0 - 1e-9);
+    ROUND.iter().find(fits).unwrap_or(&10.0) * power
 }
 
 /// A value of the legend: few digits, powers of ten for very small ones.

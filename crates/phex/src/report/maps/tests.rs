@@ -5,13 +5,66 @@ use phex_mesh::{HexMesh, TriangleSurface, Vec3};
 
 /// A map of a mesh without a surface.
 pub fn map(mesh: &HexMesh, map: Map) -> ColourMap {
+    map_over(mesh, map, Range::Automatic)
+}
+
+fn map_over(mesh: &HexMesh, map: Map, range: Range) -> ColourMap {
     let assessment = Assessment::new(mesh, References::default(), &Tolerances::default());
     let subject = Subject {
         mesh,
         assessment: &assessment,
         surface: None,
     };
-    ColourMap::new(map, &subject).unwrap()
+    ColourMap::over(map, &subject, range).unwrap()
+}
+
+/// A map that shows differences: not all elements have the colour of one end.
+fn shows_differences(map: &ColourMap) -> bool {
+    let Scale::Continuous(scale) = &map.scale else {
+        return false;
+    };
+    let places = map.values.iter().filter(|v| !v.is_nan());
+    let places: Vec<f64> = places.map(|&v| scale.place(v)).collect();
+    let low = places.iter().copied().fold(1.0, f64::min);
+    let high = places.iter().copied().fold(0.0, f64::max);
+    high - low > 0.2
+}
+
+/// Three panels in a plane, their corners off it by thousandths of an edge: next to nothing in a range for every mesh.
+fn nearly_flat() -> HexMesh {
+    let corner = |k: u32| {
+        let (sin, cos) = (std::f64::consts::FRAC_PI_3 * f64::from(k)).sin_cos();
+        let off = 1e-3 * f64::from(k * k);
+        Vec3::new(cos * (1.0 + off), sin, off)
+    };
+    let mut positions = vec![Vec3::zeros()];
+    positions.extend((0..6).map(corner));
+    HexMesh::new(positions, &[[0, 1, 2, 3], [0, 3, 4, 5], [0, 5, 6, 1]]).unwrap()
+}
+
+#[test]
+fn a_map_of_a_good_mesh_is_not_blank() {
+    let mesh = nearly_flat();
+    for kind in [Map::Planarity, Map::Dihedral, Map::EdgeLength] {
+        let shown = map(&mesh, kind);
+        assert!(shows_differences(&shown), "{kind:?}: {:?}", shown.scale);
+        let histogram = shown.histogram();
+        assert_eq!(histogram.below + histogram.above, 0, "{kind:?}");
+    }
+    assert!(!shows_differences(&map_over(
+        &mesh,
+        Map::Dihedral,
+        Range::Fixed
+    )));
+}
+
+#[test]
+fn a_range_of_one_s_choice_is_kept() {
+    let given = map_over(&corner([1.0; 2]), Map::EdgeLength, Range::Given([0.5, 2.5]));
+    let Scale::Continuous(scale) = given.scale else {
+        panic!("lengths have a range");
+    };
+    assert_eq!((scale.low, scale.high), (0.5, 2.5));
 }
 
 /// Three unit squares round a corner of a cube; a corner of the first is at (x, y) in its plane.
@@ -31,7 +84,7 @@ fn corner([x, y]: [f64; 2]) -> HexMesh {
 
 #[test]
 fn dihedral_angles_of_a_cube_are_right_angles_and_the_boundary_has_none() {
-    let dihedral = map(&corner([1.0; 2]), Map::Dihedral);
+    let dihedral = map_over(&corner([1.0; 2]), Map::Dihedral, Range::Fixed);
     let inner = dihedral.values.iter().filter(|v| !v.is_nan());
     let inner: Vec<f64> = inner.copied().collect();
     assert_eq!(inner.len(), 3);
@@ -116,7 +169,7 @@ fn without_a_surface_there_is_no_deviation() {
 #[test]
 fn values_outside_of_the_range_keep_the_colours_of_its_ends() {
     let mesh = corner([1.0; 2]);
-    let planarity = map(&mesh, Map::Planarity);
+    let planarity = map_over(&mesh, Map::Planarity, Range::Fixed);
     let colour = |v: f64| planarity.scale.colour(v);
     assert_eq!(colour(0.0), colour(1e-12));
     assert_eq!(colour(7.0), colour(0.1));
@@ -130,7 +183,7 @@ fn values_outside_of_the_range_keep_the_colours_of_its_ends() {
 fn histogram_counts_every_value_once() {
     let valence = map(&corner([1.0; 2]), Map::Valence).histogram();
     assert_eq!(valence.counts.iter().sum::<usize>(), 3);
-    let planarity = map(&corner([1.0; 2]), Map::Planarity).histogram();
+    let planarity = map_over(&corner([1.0; 2]), Map::Planarity, Range::Fixed).histogram();
     assert_eq!((planarity.counts[0], planarity.below), (3, 3));
 }
 
