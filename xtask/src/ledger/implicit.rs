@@ -14,7 +14,7 @@ const STEPS: usize = 12;
 pub fn mesh(f: impl Fn(Point) -> f64, half: f64, n: usize) -> Obj {
     let step = 2.0 * half / n as f64;
     // Half a cell of shift would put symmetric surfaces through grid points: an irrational one does not.
-    let shift = 0.318_309_886 * step;
+    let shift = std::f64::consts::FRAC_1_PI * step;
     let node = |i: [usize; 3]| i.map(|k| k as f64 * step - half + shift);
     let index = |i: [usize; 3]| (i[0] * (n + 1) + i[1]) * (n + 1) + i[2];
     let mut values = vec![0.0; (n + 1).pow(3)];

@@ -50,7 +50,7 @@ pub fn plate_with_holes() -> Obj {
             let (dx, dy) = (x - a, y - b);
             let distance = dx.hypot(dy);
             let onto = radius / distance;
-            ((distance - radius).abs() < 0.55 * cell).then(|| [a + onto * dx, b + onto * dy, z])
+            ((distance - radius).abs() < 0.55 * cell).then_some([a + onto * dx, b + onto * dy, z])
         });
         near.unwrap_or([x, y, z])
     });
