@@ -102,6 +102,7 @@ fn joined(layout: &Layout, pair: &Pair) -> Option<Layout> {
         face_point: of_faces(&face_point, &kept),
         face_normal: of_faces(&layout.face_normal, &kept),
         face_length: of_faces(&layout.face_length, &kept),
+        face_wish: of_faces(&layout.face_wish, &kept),
         face_seed: of_faces(&layout.face_seed, &kept),
     })
 }

@@ -16,6 +16,23 @@ pub enum VertexKind {
     BoundaryCorner,
 }
 
+/// Area that a panel is to have.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WishedArea {
+    /// Area, in any unit: only the proportions between panels count.
+    pub area: f64,
+    /// How much it counts, 0 (any area will do) to 1.
+    pub share: f64,
+}
+
+impl WishedArea {
+    /// Any area.
+    pub const ANY: Self = Self {
+        area: 1.0,
+        share: 0.0,
+    };
+}
+
 /// A panelling before optimisation. Lengths are those of the normalised model (bounding-box diagonal 1).
 #[derive(Clone, Debug)]
 pub struct Layout {
@@ -29,6 +46,8 @@ pub struct Layout {
     pub face_normal: PerFace<Vec3>,
     /// Local panel length (distance of neighbouring panel centres).
     pub face_length: PerFace<f64>,
+    /// Area of each panel as the field of sizes asks for it, whatever size the lattice could give it.
+    pub face_wish: PerFace<WishedArea>,
     /// Vertex of the refined surface that each cell grew from; the repair loop drops seeds of panels that stay invalid.
     pub face_seed: PerFace<VertexId>,
 }
@@ -45,6 +64,7 @@ impl Layout {
             face_point: kept(&self.face_point, faces),
             face_normal: kept(&self.face_normal, faces),
             face_length: kept(&self.face_length, faces),
+            face_wish: kept(&self.face_wish, faces),
             face_seed: kept(&self.face_seed, faces),
         }
     }

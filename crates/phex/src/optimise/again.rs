@@ -3,6 +3,7 @@
 //! Vertices of which the panels are those of an earlier layout keep the places that the optimiser had found for them. Around panels
 //! with others some rings go all the way from the start, everything else at rest.
 
+use super::areas;
 use super::options::{OptimiseError, OptimiseOptions, PathKind, StartKind};
 use super::panels::{Panels, Shape, point};
 use super::parts::with_neighbours;
@@ -90,28 +91,29 @@ pub fn optimise_again(
     let known = known.places_in(layout);
     let side = Some(layout.face_normal.as_slice().to_vec());
     let kinds = &layout.vertex_kind;
-    let stage = Stage::new(
+    let mut stage = Stage::new(
         &layout.mesh,
         Reference::Surface(target),
         side,
         kinds,
         options,
     );
-    let panels = &stage.panels;
-    let changed = faces_to_settle(panels, &known);
-    if changed.len() as f64 > MOST * panels.n_faces() as f64 {
+    let changed = faces_to_settle(&stage.panels, &known);
+    if changed.len() as f64 > MOST * stage.panels.n_faces() as f64 {
         return Ok(None);
     }
     let cancelled = || progress.is_cancelled();
     let place = |(v, known): (VertexId, &Option<Vec3>)| known.unwrap_or(layout.mesh.position(v));
     let places = layout.mesh.topology().vertices().zip(&known).map(place);
+    let panels = &stage.panels;
     let around = with_neighbours(panels, &changed);
     let mut free = vec![false; panels.n_vertices()];
     let of_face = |f: &u32| panels.vertices(*f as usize).iter();
     (around.iter().flat_map(of_face)).for_each(|v| free[*v as usize] = true);
     let smoothing = stage.smoothing(layout, target, options);
     let start = smoothing.from(places.collect(), |v| free[v], cancelled);
-    let mut solvers = Solvers::new(panels)?;
+    stage.areas = areas::of_layout(layout, &stage.panels, &start.x, options.evenness);
+    let mut solvers = Solvers::new(&stage.panels)?;
     let (run, unsettled) = stage.run_around(&mut solvers, &start, changed, options, progress)?;
     Ok(Some(Again {
         result: better(&layout.mesh, run, None),

@@ -1,5 +1,6 @@
 //! What the retries at the end want of a part of a mesh, what it may cost, and how a result is judged by that.
 
+use super::areas::AreaWish;
 use super::barrier::clearance;
 use super::energy::{Setting, distances};
 use super::guard::Breach;
@@ -8,7 +9,6 @@ use super::panels::{Panels, Shape};
 use super::parts::Part;
 use super::path::Path;
 use super::simple::area;
-use super::small::AreaTerm;
 
 /// Factor of barriers or closeness from one round for a group of panels to the next.
 const STRONGER: f64 = 4.0;
@@ -179,11 +179,14 @@ impl Demand {
                     path.barriers.iter_mut().for_each(|b| b.weight *= STRONGER);
                 }
                 if let Some(areas) = path.areas() {
-                    let wanted = wanted.iter().map(|w| AMPLE * w).collect();
-                    *areas = Some(AreaTerm {
-                        weight: heavy,
-                        wanted,
-                    });
+                    let wishes = areas.iter_mut().zip(wanted);
+                    for (wish, area) in wishes.filter(|(_, area)| **area > 0.0) {
+                        *wish = AreaWish {
+                            area: AMPLE * area,
+                            weight: heavy,
+                            at_least: true,
+                        };
+                    }
                 }
             }
         }

@@ -3,6 +3,7 @@
 //! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the guard is broken.
 
 use super::angle::AngleTerm;
+use super::areas::AreaWish;
 use super::barrier::{self, Barrier};
 use super::closeness::{ClosenessWeights, Feet, Reference};
 use super::guard::{Armed, Guard};
@@ -12,7 +13,6 @@ use super::notches::NotchTerm;
 use super::panels::{Panels, Shape, add_block};
 use super::planarity;
 use super::simple::collision;
-use super::small::AreaTerm;
 use super::spatial_barrier;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
@@ -47,6 +47,8 @@ pub(super) struct Setting<'a> {
     pub corner: &'a [bool],
     /// Vertices that the user holds.
     pub holds: &'a Holds,
+    /// Areas that faces are to have, weights relative to that of the closeness of vertices.
+    pub areas: &'a [AreaWish],
     pub mean_edge: f64,
 }
 
@@ -60,8 +62,8 @@ pub(super) struct PanelEnergy<'a> {
     pub hinges: Option<HingeTerm>,
     /// What re-entrant corners pay, where they are to go.
     pub notches: Option<NotchTerm>,
-    /// What small faces pay, where they are to grow.
-    pub areas: Option<AreaTerm>,
+    /// Areas that faces are to have.
+    pub areas: Vec<AreaWish>,
     /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a penalty alone; second derivatives
     /// are exact then.
     pub multipliers: Option<Vec<f64>>,
@@ -100,7 +102,7 @@ impl<'a> PanelEnergy<'a> {
             angles: None,
             hinges: None,
             notches: None,
-            areas: None,
+            areas: setting.areas.to_vec(),
             multipliers: None,
             armed: setting
                 .guard
@@ -220,9 +222,7 @@ impl<'a> PanelEnergy<'a> {
             if let Some(notches) = notches {
                 *energy += notches.energy(f, corners);
             }
-            if let Some(areas) = areas {
-                *energy += areas.energy(f, corners);
-            }
+            *energy += areas[f].energy(corners);
         };
         let mut none = vec![(); panels.n_corners()];
         panels.for_each_face(&mut self.face_energy, &mut none, &mut [], &|_| 0, &work);
@@ -288,9 +288,7 @@ impl<'a> PanelEnergy<'a> {
             if let Some(notches) = notches {
                 notches.add(f, frame, corners, gradient, block);
             }
-            if let Some(areas) = areas {
-                areas.add(f, frame, corners, gradient, block);
-            }
+            areas[f].add(frame, corners, gradient, block);
         };
         let assembly = self.assembly;
         let face_entries = assembly.block(panels.n_faces()).start;

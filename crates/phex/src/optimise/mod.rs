@@ -7,6 +7,7 @@
 //! E = w_p/2 sum h^2                      planarity, a penalty that rises: 1, 30, 1e3, 1e4
 //!   + w_c/2 sum |x - p(x)|^2             closeness of vertices, w_cf of face centres, w_bd of the rim to the boundary curve
 //!   + w_s/2 sum |x_a + x_(a+m) - M|^2    fairness: central symmetry of each panel
+//!   + w_a/2 sum (a - A)^2 / a            evenness: areas of inner panels
 //!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
 //!   + w_t/2 sum |x - x_0|^2              anchor, w_k at the corners of the boundary
 //! ```
@@ -23,6 +24,7 @@
 //! | `w_p` | [`OptimiseOptions::penalties`] | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
+//! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
 //!
 //! Before it the **fast path** (`fast.rs`) is tried where the tangent planes of the panels meet in a start that is nearly planar, as on
 //! conjugate layouts: the same closeness under exact planarity, one factorisation of a matrix half the size. Its result is taken
@@ -53,6 +55,7 @@
 
 mod again;
 mod angle;
+mod areas;
 mod barrier;
 mod closeness;
 mod constraints;
@@ -82,7 +85,6 @@ mod shape_target;
 mod share;
 mod shortcut;
 mod simple;
-mod small;
 mod solvers;
 mod spatial_barrier;
 mod start;
@@ -95,6 +97,7 @@ pub(crate) mod tests;
 
 use crate::layout::{Layout, VertexKind};
 use crate::progress::{Event, Progress};
+use areas::AreaWish;
 use closeness::Reference;
 use guard::Guard;
 use holds::{Hold, Holds};
@@ -209,10 +212,11 @@ pub fn optimise(
     check_layout(layout)?;
     let reference = Reference::Surface(target);
     let side = Some(layout.face_normal.as_slice().to_vec());
-    let stage = Stage::new(&layout.mesh, reference, side, &layout.vertex_kind, options);
+    let mut stage = Stage::new(&layout.mesh, reference, side, &layout.vertex_kind, options);
     let cancelled = || progress.is_cancelled();
-    let (panels, guard) = (&stage.panels, &stage.guard);
     let cells = stage.smoothing(layout, target, options).of_cells(cancelled);
+    stage.areas = areas::of_layout(layout, &stage.panels, &cells.x, options.evenness);
+    let (panels, guard) = (&stage.panels, &stage.guard);
     let tangents = TangentCells::of(layout);
     let mut solvers = Solvers::new(panels)?;
     if let Some(run) = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress)
@@ -319,6 +323,9 @@ fn from_mesh(
     let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
     let kinds = kinds_of(mesh);
     let mut stage = Stage::new(mesh, reference, side, &kinds, options);
+    if target.is_some() {
+        stage.keep_areas(&x, options);
+    }
     stage.holds = steering::resolve(steering, mesh)?;
     if let Some((held, curves)) = rim {
         stage.holds.keep_rim(held, curves);
@@ -344,6 +351,8 @@ struct Stage<'a> {
     rim: Vec<u32>,
     corner: Vec<bool>,
     holds: Holds,
+    /// Areas that faces are to have; any at first.
+    areas: Vec<AreaWish>,
     diagonal: f64,
 }
 
@@ -369,12 +378,18 @@ impl<'a> Stage<'a> {
                 .map(|k| *k == VertexKind::BoundaryCorner)
                 .collect(),
             holds: Holds::default(),
+            areas: areas::any(mesh.topology().n_faces()),
             diagonal: mesh.diagonal(),
         }
     }
 }
 
 impl Stage<'_> {
+    /// From now on inner faces keep the areas that they have at `x`.
+    fn keep_areas(&mut self, x: &[f64], options: &OptimiseOptions) {
+        self.areas = areas::as_they_are(self.topology, &self.panels, x, options.evenness);
+    }
+
     fn smoothing<'b>(
         &'b self,
         layout: &'b Layout,

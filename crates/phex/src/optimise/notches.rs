@@ -204,6 +204,7 @@ mod tests {
             rim: &[],
             corner: &corner,
             holds: &Holds::default(),
+            areas: &super::super::areas::any(panels.n_faces()),
             mean_edge: panels.mean_edge(&x),
         };
         test(&setting, &x);

@@ -65,6 +65,7 @@ pub fn onto_boundary(
     let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
     let (reference, kinds) = (Reference::Surface(target), kinds_of(mesh));
     let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
+    stage.keep_areas(&x, options);
     let mut solvers = Solvers::new(&panels)?;
     let before = stage.judged(&x, options).summary.quality;
     let mut held = holds(mesh, hold);

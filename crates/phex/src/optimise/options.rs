@@ -79,6 +79,9 @@ pub struct OptimiseOptions {
     /// `w_s`: central symmetry of panels with an even number of corners, >= 0. From 1e-2 on clearances suffer, 0 costs
     /// three degrees in the sharpest corners.
     pub fairness: f64,
+    /// `w_a`: areas of inner panels as they are wished for, >= 0. From 5e-2 on clearances suffer, 0 lets areas differ by a factor
+    /// of three.
+    pub evenness: f64,
     /// `w_t`: hold on the start, > 0; it decides where nothing else does, as along the surface.
     pub anchor: f64,
     /// The same where there is no surface and the mesh stands for itself, >= 0: at 1e-4 vertices slide by an edge and more, at
@@ -133,6 +136,7 @@ impl Default for OptimiseOptions {
             boundary_closeness: 3.0,
             corner_closeness: 3.0,
             fairness: 1e-3,
+            evenness: 2e-2,
             anchor: 1e-4,
             start_closeness: 0.1,
             barrier: 5e-2,
@@ -257,6 +261,7 @@ impl OptimiseOptions {
             ("boundary_closeness", self.boundary_closeness),
             ("corner_closeness", self.corner_closeness),
             ("fairness", self.fairness),
+            ("evenness", self.evenness),
             ("start_closeness", self.start_closeness),
             ("energy_tolerance", self.energy_tolerance),
             ("step_tolerance", self.step_tolerance),

@@ -4,6 +4,7 @@
 //! Parts are made by bisection of the face centres and overlap by a few rings of faces. From phase to phase the cuts lie elsewhere, so that
 //! no place stays near one. The energy never rises and no panel is ever crossed, as with all vertices at once.
 
+use super::areas::AreaWish;
 use super::closeness::Reference;
 use super::endgame::minimise_on_constraints;
 use super::energy::{PanelEnergy, Setting};
@@ -42,6 +43,7 @@ pub(super) struct Part<'a> {
     rim: Vec<u32>,
     corner: Vec<bool>,
     holds: Holds,
+    areas: Vec<AreaWish>,
 }
 
 impl<'a> Part<'a> {
@@ -68,6 +70,7 @@ impl<'a> Part<'a> {
             rim: whole.rim.iter().filter_map(local).collect(),
             corner: vertices.iter().map(|&v| whole.corner[v as usize]).collect(),
             holds,
+            areas: faces.iter().map(|&f| whole.areas[f as usize]).collect(),
             faces,
             vertices,
         }
@@ -81,6 +84,7 @@ impl<'a> Part<'a> {
             rim: &self.rim,
             corner: &self.corner,
             holds: &self.holds,
+            areas: &self.areas,
             mean_edge,
         }
     }

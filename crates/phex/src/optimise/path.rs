@@ -1,5 +1,6 @@
 //! The feasible path from one start: phases of rising penalties, and what is tried where they do not lead to planar panels.
 
+use super::areas::AreaWish;
 use super::barrier::{Barrier, clearance};
 use super::closeness::Reference;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
@@ -11,7 +12,6 @@ use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
 use super::run::{Reached, barriers, better, weights};
 use super::shortcut::Projection;
-use super::small::AreaTerm;
 use super::solvers::{Dual, Reporter, Solvers};
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
@@ -120,8 +120,8 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// What small faces pay. Meshes in parts do without.
-    pub fn areas(&mut self) -> Option<&mut Option<AreaTerm>> {
+    /// Areas that faces are to have. In meshes in parts they can't be changed.
+    pub fn areas(&mut self) -> Option<&mut Vec<AreaWish>> {
         match &mut self.descent {
             Descent::Whole(whole) => Some(&mut whole.energy.areas),
             Descent::Parts => None,

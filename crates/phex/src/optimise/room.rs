@@ -70,6 +70,7 @@ fn finished(
     let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
     let (reference, kinds) = (Reference::Surface(target), kinds_of(mesh));
     let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
+    stage.keep_areas(&x, options);
     stage.holds = rim_holds(mesh, &shape, hold);
     let rest = rest
         .iter()

@@ -52,6 +52,7 @@ impl Stage<'_> {
             rim: &self.rim,
             corner: &self.corner,
             holds: &self.holds,
+            areas: &self.areas,
             mean_edge: self.panels.mean_edge(x),
         }
     }

@@ -1,6 +1,7 @@
 //! Shorter ways than the feasible path: the projection alone, and the fast path.
 
 use super::Stage;
+use super::areas::unevenness;
 use super::constraints::PlanarityConstraints;
 use super::energy::Setting;
 use super::fast::NearlyPlanar;
@@ -23,6 +24,8 @@ const FAST_ITERATIONS: usize = 40;
 const FAST_STEP: f64 = 1e-8;
 /// Clearance, in mean edges, below which a result of the fast path is not accepted: the barrier would do better.
 const FAST_CLEARANCE: f64 = 0.2;
+/// Spread of areas over wished ones (95 % over 5 % quantile) above which it is not accepted either: it knows nothing of areas.
+const FAST_UNEVENNESS: f64 = 1.3;
 /// Planarity of a start, in mean edges, beyond which the fast path is not tried.
 const FAST_START: f64 = 1e-2;
 
@@ -149,6 +152,8 @@ impl Stage<'_> {
         };
         let run = self.conclude(start.n_bad, Reached::at(&setting, x), way, options);
         let clear = run.summary.quality.clearance >= FAST_CLEARANCE;
-        (run.is_cancelled() || (clear && run.is_good(options, self.diagonal))).then_some(run)
+        let even = unevenness(&self.areas, &self.panels, &run.x) <= FAST_UNEVENNESS;
+        let good = clear && even && run.is_good(options, self.diagonal);
+        (run.is_cancelled() || good).then_some(run)
     }
 }

@@ -301,6 +301,7 @@ mod tests {
             rim: &[],
             corner: &vec![false; panels.n_vertices()],
             holds: &holds,
+            areas: &super::super::areas::any(panels.n_faces()),
             mean_edge: panels.mean_edge(&x),
         };
         let assembly = energy_assembly(&panels);

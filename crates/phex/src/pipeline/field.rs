@@ -11,7 +11,7 @@ use crate::directions::{cones, size};
 use crate::ground::Ground;
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
-use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed};
+use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed, WishedArea};
 use crate::target::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -22,6 +22,8 @@ pub(super) struct Field {
     pub level: usize,
     pub curvature: Curvature,
     pub directions: Directions,
+    /// Panel length at each vertex as the field of sizes asks for it, without the metric's own changes of size.
+    pub length: PerVertex<f64>,
     pub placed: Placed,
     /// How its lattice was found.
     pub options: LayoutOptions,
@@ -60,6 +62,7 @@ impl Field {
             level,
             curvature,
             directions,
+            length,
             placed,
             options: options.layout.clone(),
         })
@@ -175,7 +178,7 @@ pub(super) struct Way {
 }
 
 /// What the conformal factor's screening and limit are multiplied by for a seamless lattice.
-const SEAMLESS_SCREENING: f64 = 0.05;
+const SEAMLESS_SCREENING: f64 = 0.0125;
 const SEAMLESS_LIMIT: f64 = 2.0;
 
 impl Way {
@@ -330,6 +333,8 @@ pub(super) struct FineSurface {
     metric: PerVertex<Matrix3<f64>>,
     mesh: IntrinsicMesh,
     corners: HashSet<VertexId>,
+    /// Area that a panel is to have at each vertex.
+    wish: PerVertex<WishedArea>,
 }
 
 impl FineSurface {
@@ -337,10 +342,13 @@ impl FineSurface {
         let smooth = &ground.smooth;
         let mut curvature = field.curvature.clone();
         let mut metric = field.directions.metric.clone();
+        let mut length = field.length.clone();
         for step in &smooth.refinements[field.level..] {
             curvature = curvature.refined(step);
             metric = step.apply(&metric);
+            length = step.apply(&length);
         }
+        let wish = wished_areas(&curvature, &length);
         let surface = smooth.finest().clone().with_normals(curvature.normal);
         let mesh = IntrinsicMesh::new(&surface, &metric);
         let corners = spaced_corners(smooth, |v, d| {
@@ -351,12 +359,15 @@ impl FineSurface {
             metric,
             mesh,
             corners,
+            wish,
         }
     }
 
     /// The panels that grow from seeds, made more regular.
     pub(super) fn calm_panels(&self, seeds: &[Seed]) -> Result<Layout, LayoutError> {
-        layout::panelling(&self.cells(), seeds).map(layout::calmed)
+        let mut layout = layout::panelling(&self.cells(), seeds).map(layout::calmed)?;
+        layout.face_wish = layout.face_seed.map(|seed| self.wish[*seed]);
+        Ok(layout)
     }
 
     pub(super) fn cells(&self) -> CellSurface<'_> {
@@ -367,6 +378,19 @@ impl FineSurface {
             corners: &self.corners,
         }
     }
+}
+
+/// Areas that panels are to have. Where a panel is longer than the radius of curvature planarity decides what area it can have: wishes
+/// fade there with the fourth power of their ratio.
+fn wished_areas(curvature: &Curvature, length: &PerVertex<f64>) -> PerVertex<WishedArea> {
+    let principal = curvature.principal();
+    PerVertex::from_fn(length.len(), |v| {
+        let turn = length[v] * principal[v].large.abs().max(principal[v].small.abs());
+        WishedArea {
+            area: CELL * length[v].powi(2),
+            share: 1.0 / (1.0 + turn.powi(4)),
+        }
+    })
 }
 
 /// Sharp boundary corners at least half a panel apart, the sharpest first; `distance` in panels.

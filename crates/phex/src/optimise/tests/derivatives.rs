@@ -1,6 +1,7 @@
 //! Gradients and Hessians against finite differences, and the constraints against their own Jacobian.
 
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_saddle, turn_edge};
+use crate::optimise::areas::{AreaWish, any};
 use crate::optimise::barrier::Barrier;
 use crate::optimise::closeness::{ClosenessWeights, Reference};
 use crate::optimise::constraints::PlanarityConstraints;
@@ -10,7 +11,6 @@ use crate::optimise::holds::Holds;
 use crate::optimise::jacobian::Jacobian;
 use crate::optimise::notches::NotchTerm;
 use crate::optimise::panels::{Panels, unknowns};
-use crate::optimise::small::AreaTerm;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
@@ -57,6 +57,7 @@ pub(super) fn with_energy(
         rim: &rim,
         corner: &corner,
         holds: &Holds::default(),
+        areas: &any(panels.n_faces()),
         mean_edge: panels.mean_edge(&x),
     };
     let dofs = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
@@ -216,7 +217,7 @@ fn gradient_of_notches() {
 }
 
 #[test]
-fn gradient_of_small_areas() {
+fn gradient_of_areas() {
     let mesh = rough(Shape::MonkeySaddle);
     with_energy(
         &mesh,
@@ -225,13 +226,14 @@ fn gradient_of_small_areas() {
         NO_BARRIER,
         |energy, x, hessian| {
             let panels = energy.panels();
-            // All lack some, but those that may have any.
-            let size = 4.0 * mesh.mean_edge().powi(2);
-            let wanted = (0..panels.n_faces()).map(|f| if f % 3 > 0 { size } else { 0.0 });
-            energy.areas = Some(AreaTerm {
-                weight: 2.0,
-                wanted: wanted.collect(),
-            });
+            // Some lack, some have too much, some may have any area, some any that is large enough.
+            let size = mesh.mean_edge().powi(2);
+            let wish = |f: usize| AreaWish {
+                area: [4.0, 1.0, 4.0, 4.0, 1.0][f % 5] * size,
+                weight: [2.0, 2.0, 0.0, 2.0, 2.0][f % 5],
+                at_least: f % 5 > 2,
+            };
+            energy.areas = (0..panels.n_faces()).map(wish).collect();
             gradient_agrees(energy, x, hessian, mesh.mean_edge());
         },
     );
@@ -318,6 +320,7 @@ fn normal_matrix_is_the_product_of_the_jacobian() {
         rim: &[],
         corner: &corner,
         holds: &Holds::default(),
+        areas: &any(panels.n_faces()),
         mean_edge: panels.mean_edge(&x),
     };
     let count = PlanarityConstraints::count(&panels);

@@ -131,6 +131,10 @@ impl<'a> Start<'a> {
             level: self.level,
             curvature: self.curvature.clone(),
             directions,
+            length: PerVertex::filled(
+                self.surface.positions().len(),
+                panel_length(self.surface, ground.panels),
+            ),
             placed,
             options: options.layout.clone(),
         })
