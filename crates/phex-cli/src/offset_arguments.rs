@@ -16,7 +16,7 @@ pub struct OffsetCommand {
     /// Mesh with planar faces, three at each interior vertex: OBJ, PLY or OFF
     #[arg(value_name = "MESH")]
     pub input: PathBuf,
-    /// Folder to write the layers into
+    /// Folder to write the layers into; only files that an earlier run wrote are written over
     #[arg(
         short,
         long,

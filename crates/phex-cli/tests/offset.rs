@@ -137,6 +137,31 @@ fn vertices_at_a_distance() {
     }
 }
 
+/// A folder is shared with the user, and with earlier runs.
+#[test]
+fn only_layers_of_earlier_runs_are_written_over() {
+    let shop = with_cuboid();
+    std::fs::create_dir(shop.path("layers")).unwrap();
+    shop.write("layers/layer_+0.1.obj", "mine");
+    shop.write("layers/notes.txt", "notes");
+    let offset = "offset m.obj -o layers --distance";
+    shop.phex(&format!("{offset} 0.1"))
+        .refuses(4, &["layer_+0.1.obj is in the way"]);
+    assert_eq!(shop.read("layers/layer_+0.1.obj"), b"mine");
+    shop.succeed(&format!("{offset} 0.2"));
+    shop.succeed(&format!("{offset} 0.3"));
+    let solids = "offset m.obj -o layers --distance 0.2,0.4 --solids --format ply";
+    shop.succeed(solids);
+    shop.succeed(&format!("{offset} 0.2"));
+    assert!(shop.path("layers/layer_+0.3.obj").exists());
+    shop.write("layers/layer_+0.2.obj", "changed");
+    shop.phex(&format!("{offset} 0.2"))
+        .refuses(4, &["layer_+0.2.obj has been changed since"]);
+    shop.succeed(&format!("{offset} 0.3"));
+    assert_eq!(shop.read("layers/layer_+0.2.obj"), b"changed");
+    assert_eq!(shop.read("layers/notes.txt"), b"notes");
+}
+
 #[test]
 fn wrong_meshes_are_refused_with_the_element() {
     let shop = Workshop::new();
