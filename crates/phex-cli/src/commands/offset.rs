@@ -62,7 +62,7 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
         write_text(path, &format!("{:#}\n", told.report()))?;
     }
     tell(command.talk.quiet, &told.summary())?;
-    Ok(if base.inheritance.violations.is_empty() {
+    Ok(if base.is_within_limits() {
         Exit::Success
     } else {
         Exit::OutsideTolerance
