@@ -15,7 +15,7 @@ pub struct FabCommand {
     /// Valid mesh with planar faces, three at each interior vertex: OBJ, PLY or OFF
     #[arg(value_name = "MESH")]
     pub input: PathBuf,
-    /// Folder to make; one of an earlier run is replaced
+    /// Folder to write: a new one, or that of an earlier run, in which only what that run wrote is replaced
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Thickness of the panels, e.g. `0.05` (model units) or `50mm`

@@ -12,6 +12,7 @@ mod input;
 mod method_summary;
 mod offset_arguments;
 mod output;
+mod output_folder;
 mod panel_size;
 mod parallel_arguments;
 mod picture_arguments;

@@ -2,6 +2,7 @@
 
 use crate::args::Talk;
 use crate::exit::EXIT_CODES;
+use crate::settings::DEFAULT_DEVIATION;
 use crate::units::{NoQuantity, Quantity, Unit};
 use clap::{Args, ValueEnum};
 use phex::parallel_mesh::OffsetKind;
@@ -16,7 +17,7 @@ pub struct OffsetCommand {
     /// Mesh with planar faces, three at each interior vertex: OBJ, PLY or OFF
     #[arg(value_name = "MESH")]
     pub input: PathBuf,
-    /// Folder to write the layers into
+    /// Folder to write the layers into; only files that an earlier run wrote are written over
     #[arg(
         short,
         long,
@@ -47,6 +48,15 @@ pub struct OffsetCommand {
     /// Surface to stay close to when optimising
     #[arg(long, value_name = "SURFACE", requires = "optimise")]
     pub surface: Option<PathBuf>,
+    /// Largest distance of the moved vertices and of panel centres to that surface, or to the given mesh
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        default_value_t = DEFAULT_DEVIATION,
+        requires = "optimise",
+        help_heading = "Tolerances"
+    )]
+    pub max_deviation: Quantity,
     /// Also write closed panels with mitred sides between successive layers (one layer: between the mesh and it)
     #[arg(long, help_heading = "Files")]
     pub solids: bool,

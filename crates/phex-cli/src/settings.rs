@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Panels where neither a number nor a size is asked for.
 const DEFAULT_PANELS: u64 = 500;
 /// Largest deviation where nothing else is asked for.
-const DEFAULT_DEVIATION: Quantity = Quantity::percent(0.5);
+pub const DEFAULT_DEVIATION: Quantity = Quantity::percent(0.5);
 
 /// Settings of `phex mesh`; the names in a job file are those of the options.
 #[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize)]

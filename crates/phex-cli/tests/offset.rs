@@ -137,6 +137,139 @@ fn vertices_at_a_distance() {
     }
 }
 
+/// A quadrilateral whose corners must move far to have a circle; it stays in its plane.
+#[test]
+fn how_far_vertices_move_is_measured_from_where_they_were() {
+    let shop = Workshop::new();
+    shop.write("m.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 2 0\nf 1 2 3 4\n");
+    shop.write(
+        "s.obj",
+        "v 0 0 .1\nv 2 0 0\nv 2 1 0\nv 0 2 0\nf 1 2 3\nf 1 3 4\n",
+    );
+    let offset = "offset m.obj --kind vertex --optimise --distance 0.1 --report run.json";
+    let run = shop.succeed(&format!("{offset} -o free"));
+    let made = |shop: &Workshop| shop.json("run.json")["angle_condition"].clone();
+    let (before, after) = (
+        coordinates(&shop, "m.obj"),
+        coordinates(&shop, "free/mesh.obj"),
+    );
+    let steps = before.chunks(3).zip(after.chunks(3));
+    let step =
+        |(p, q): (&[f64], &[f64])| p.iter().zip(q).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+    let moved = steps.map(step).fold(0.0, f64::max).sqrt();
+    let told = made(&shop);
+    assert!(moved > 0.01, "{moved}");
+    assert!(
+        (told["moved"].as_f64().unwrap() - moved).abs() < 1e-12,
+        "{told} {moved}"
+    );
+    assert!(
+        run.stdout
+            .contains(&format!("moved by up to {moved:.3e} m")),
+        "{}",
+        run.stdout
+    );
+    assert!(told["deviation"].as_f64().unwrap() < 1e-9, "{told}");
+
+    let close = |limit: &str| {
+        shop.phex(&format!(
+            "{offset} -o bound --surface s.obj --max-deviation {limit}"
+        ))
+    };
+    let run = close("1%");
+    assert_eq!(run.code, Some(3), "{}{}", run.stdout, run.stderr);
+    assert!(run.stdout.contains("OUTSIDE"), "{}", run.stdout);
+    let told = made(&shop);
+    assert_eq!(told["within_deviation"], false);
+    let deviation = told["deviation"].as_f64().unwrap();
+    // What `phex check` measures for the same two files.
+    shop.phex("check bound/mesh.obj --surface s.obj --report check.json");
+    let check = shop.json("check.json");
+    let figures = &check["deviation_facets"];
+    let length = |name: &str| figures[name].as_f64().unwrap();
+    let judged = length("deviation_max") * length("diagonal");
+    assert!((deviation - judged).abs() < 1e-9, "{deviation} {judged}");
+    assert_eq!(close("50%").code, Some(0));
+}
+
+/// A folded strip: only where it is open do edges turn, and that is said with the edge and the angle.
+#[test]
+fn edges_that_turn_at_the_rim_are_told() {
+    let shop = with_cuboid();
+    let run = shop.succeed("offset m.obj --distance 0.1 -o closed --report run.json");
+    assert!(
+        !run.stdout.contains("boundary edges turn"),
+        "{}",
+        run.stdout
+    );
+    assert_eq!(shop.json("run.json")["layers"][0]["turned"]["edges"], 0);
+    // Three faces of a cuboid with slanted outer edges.
+    shop.write(
+        "m.obj",
+        "v 0 0 0\nv 2 0 0\nv 3 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 0 3 2\nf 1 2 3 4\nf 1 5 6 2\nf 1 4 7 5\n",
+    );
+    let run = shop.phex("offset m.obj --distance 0.1 -o open --report run.json --gauss-image");
+    assert!(
+        run.stdout.contains("boundary edges turn"),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+    let report = shop.json("run.json");
+    let turned = &report["layers"][0]["turned"];
+    let (before, after) = (
+        coordinates(&shop, "m.obj"),
+        coordinates(&shop, "open/layer_+0.1.obj"),
+    );
+    let edge = |x: &[f64], [a, b]: [usize; 2]| [0, 1, 2].map(|k| x[3 * b + k] - x[3 * a + k]);
+    let dot = |p: [f64; 3], q: [f64; 3]| (0..3).map(|k| p[k] * q[k]).sum::<f64>();
+    let rim = [[1, 2], [2, 3], [3, 6], [6, 4], [4, 5], [5, 1]];
+    let angles = rim.map(|ends| {
+        let (p, q) = (edge(&before, ends), edge(&after, ends));
+        (dot(p, q) / (dot(p, p) * dot(q, q)).sqrt()).min(1.0).acos()
+    });
+    let most = angles.into_iter().fold(0.0, f64::max);
+    assert!(most > 1e-3, "{angles:?}");
+    assert!(
+        (turned["angle"].as_f64().unwrap() - most).abs() < 1e-7,
+        "{turned} {angles:?}"
+    );
+    let count = angles.iter().filter(|a| **a > 1e-7).count();
+    assert_eq!(turned["edges"], count);
+    assert_eq!(
+        report["gauss_image"]["turned_edges"]
+            .as_array()
+            .unwrap()
+            .len(),
+        count
+    );
+}
+
+/// A folder is shared with the user, and with earlier runs.
+#[test]
+fn only_layers_of_earlier_runs_are_written_over() {
+    let shop = with_cuboid();
+    std::fs::create_dir(shop.path("layers")).unwrap();
+    shop.write("layers/layer_+0.1.obj", "mine");
+    shop.write("layers/notes.txt", "notes");
+    let offset = "offset m.obj -o layers --distance";
+    shop.phex(&format!("{offset} 0.1"))
+        .refuses(4, &["layer_+0.1.obj is in the way"]);
+    assert_eq!(shop.read("layers/layer_+0.1.obj"), b"mine");
+    shop.succeed(&format!("{offset} 0.2"));
+    shop.succeed(&format!("{offset} 0.3"));
+    let solids = "offset m.obj -o layers --distance 0.2,0.4 --solids --format ply";
+    shop.succeed(solids);
+    shop.succeed(&format!("{offset} 0.2"));
+    assert!(shop.path("layers/layer_+0.3.obj").exists());
+    shop.write("layers/layer_+0.2.obj", "changed");
+    shop.phex(&format!("{offset} 0.2"))
+        .refuses(4, &["layer_+0.2.obj has been changed since"]);
+    shop.succeed(&format!("{offset} 0.3"));
+    assert_eq!(shop.read("layers/layer_+0.2.obj"), b"changed");
+    assert_eq!(shop.read("layers/notes.txt"), b"notes");
+}
+
 #[test]
 fn wrong_meshes_are_refused_with_the_element() {
     let shop = Workshop::new();

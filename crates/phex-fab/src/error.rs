@@ -1,8 +1,9 @@
 //! Why workshop files can't be made.
 
+use crate::options::Rotations;
 use phex::parallel_mesh::OffsetError;
 use phex_mesh::Invalid;
-use std::path::PathBuf;
+use std::fmt;
 use thiserror::Error;
 
 /// Why workshop files can't be made; panels are named as in the files.
@@ -37,23 +38,9 @@ pub enum FabError {
         /// What fails.
         cause: OffsetError,
     },
-    /// A panel does not fit on a sheet.
-    #[error(
-        "panel {panel} ({:.0} x {:.0} mm) does not fit on a sheet of {:.0} x {:.0} mm with {spacing} mm around it{}",
-        .size[0], .size[1], .sheet[0], .sheet[1], more(.others)
-    )]
-    TooLarge {
-        /// The panel.
-        panel: String,
-        /// Its least bounding rectangle, in mm.
-        size: [f64; 2],
-        /// The sheet, in mm.
-        sheet: [f64; 2],
-        /// The spacing, in mm.
-        spacing: f64,
-        /// Further panels that do not fit.
-        others: usize,
-    },
+    /// Panels do not fit on a sheet.
+    #[error("{0}")]
+    TooLarge(Box<TooLarge>),
     /// The nesting library refuses a shape.
     #[error("panel {panel} can't be placed on sheets: {cause}")]
     Nest {
@@ -73,14 +60,6 @@ pub enum FabError {
         /// What is wrong.
         cause: String,
     },
-    /// The folder can't be used.
-    #[error("{}: {cause}", .path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// What is wrong.
-        cause: String,
-    },
 }
 
 fn named(names: &[String]) -> String {
@@ -97,9 +76,53 @@ fn largest(distance: &Option<f64>) -> String {
     })
 }
 
-fn more(count: &usize) -> String {
-    match count {
-        0 => String::new(),
-        n => format!(", and {n} more do not"),
+/// Panels that do not fit on a sheet, and the sheets that would do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TooLarge {
+    /// All of them; at least one.
+    pub panels: Vec<String>,
+    /// Length along and across the sheet that the first one needs in the rotations that are allowed, in mm.
+    pub size: [f64; 2],
+    /// The sheet, in mm.
+    pub sheet: [f64; 2],
+    /// The spacing, in mm.
+    pub spacing: f64,
+    /// How panels may be turned.
+    pub rotations: Rotations,
+    /// The smallest sheet that holds any of the panels of the mesh, in mm.
+    pub smallest: [f64; 2],
+    /// The same if panels could be turned freely, where they can't.
+    pub smallest_free: Option<[f64; 2]>,
+}
+
+impl fmt::Display for TooLarge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([length, width], [long, wide]) = (self.size, self.sheet);
+        write!(
+            f,
+            "panel {} ({length:.1} x {width:.1} mm) does not fit on a sheet of {long} x {wide} mm with {} mm around it",
+            self.panels[0], self.spacing
+        )?;
+        if let [_, others @ ..] = self.panels.as_slice()
+            && !others.is_empty()
+        {
+            write!(
+                f,
+                ", and {} more do not: {}",
+                others.len(),
+                others.join(", ")
+            )?;
+        }
+        if let Some(angles) = self.rotations.limited() {
+            let angles: Vec<String> = angles.iter().map(f64::to_string).collect();
+            let angles = angles.join(", ");
+            write!(f, "; panels may be turned by {angles} degrees only")?;
+        }
+        let [a, b] = self.smallest;
+        write!(f, "; the smallest sheet for all panels is {a} x {b} mm")?;
+        match self.smallest_free {
+            Some([a, b]) => write!(f, ", and {a} x {b} mm if they may be turned freely"),
+            None => Ok(()),
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The folder of workshop files: made whole beside its place, then moved there.
+//! The files of the workshop folder.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -6,7 +6,7 @@
 //! | `panels.csv`, `edges.csv`, `nodes.csv`, `cut_list.csv`, `groups.csv` | tables ([`schedule`](crate::schedule)) |
 //! | `schedules.xlsx` | the same tables |
 //! | `solids.obj`, `solids.stl` | thick panels in place, model units; an object for each panel in OBJ |
-//! | `plates.dxf` | the same as closed 3D polylines, on the layers `TOP` and `BOTTOM`, with the same number of points |
+//! | `plates.dxf` | the same in mm, as all DXF here: closed 3D polylines on the layers `TOP` and `BOTTOM`, with the same number of points |
 //! | `mesh.json` | the mesh for COMPAS, panels with their names and measures |
 //! | `fab.json` | options, counts, use of sheets |
 
@@ -19,15 +19,10 @@ use phex::parallel_mesh::joined;
 use phex_mesh::io::{
     DxfDrawing, FaceAttributes, Format, compas_json, obj_of_objects, write_soup_to,
 };
-use phex_mesh::{FlatFace, PolygonSoup};
+use phex_mesh::{FlatFace, PolygonSoup, Vec3};
 use serde_json::{Value, json};
-use std::fs;
-use std::path::{Path, PathBuf};
 
-/// A file that a folder holds if and only if it was made here.
-const MARK: &str = "fab.json";
-
-/// One file: its path in the folder, and its bytes.
+/// One file: its path in the folder, with `/` between its parts, and its bytes.
 pub type File = (String, Vec<u8>);
 
 /// Path of a sheet's drawing, without extension.
@@ -56,7 +51,7 @@ pub fn files(fabrication: &Fabrication) -> Result<Vec<File>, FabError> {
     files.extend(solids(fabrication)?);
     files.push(("mesh.json".into(), mesh_json(fabrication)));
     let summary = format!("{:#}\n", summary(fabrication));
-    files.push((MARK.into(), summary.into_bytes()));
+    files.push(("fab.json".into(), summary.into_bytes()));
     Ok(files)
 }
 
@@ -75,9 +70,11 @@ fn solids(fabrication: &Fabrication) -> Result<[File; 3], FabError> {
         .map(|s| (name(s.face), s.surface()))
         .collect();
     let mut plates = DxfDrawing::new(&[("TOP", 1), ("BOTTOM", 5)]);
+    let unit = fabrication.options.unit_mm;
+    let in_mm = |points: &[Vec3]| points.iter().map(|p| p * unit).collect::<Vec<_>>();
     for solid in &fabrication.solids {
-        plates.polyline_3d("TOP", &solid.top, true);
-        plates.polyline_3d("BOTTOM", &solid.bottom, true);
+        plates.polyline_3d("TOP", &in_mm(&solid.top), true);
+        plates.polyline_3d("BOTTOM", &in_mm(&solid.bottom), true);
     }
     Ok([
         ("solids.obj".into(), obj_of_objects(&objects)),
@@ -132,84 +129,5 @@ pub fn summary(fabrication: &Fabrication) -> Value {
         "distinct_dihedral_angles": groups.dihedrals.len(),
         "distinct_corner_angles": groups.corners.len(),
         "labels_left_out": left_out,
-    })
-}
-
-/// Checks that a folder can be written to: it does not exist, is empty, or was made here before.
-///
-/// # Errors
-/// If it holds other things, or its parent is no folder.
-pub fn check_place(folder: &Path) -> Result<(), FabError> {
-    let refused = |cause: String| {
-        Err(FabError::Folder {
-            path: folder.to_path_buf(),
-            cause,
-        })
-    };
-    match fs::read_dir(folder) {
-        Ok(mut entries) => {
-            if entries.next().is_some() && !folder.join(MARK).is_file() {
-                return refused(format!(
-                    "the folder holds other files (and no `{MARK}` of an earlier run)"
-                ));
-            }
-            Ok(())
-        }
-        Err(_) if folder.exists() => refused("it is no folder".into()),
-        Err(_) => match existing_ancestor(folder) {
-            Some(parent) if parent.is_dir() => Ok(()),
-            _ => refused("there is no folder to make it in".into()),
-        },
-    }
-}
-
-fn existing_ancestor(folder: &Path) -> Option<PathBuf> {
-    let absolute = std::path::absolute(folder).ok()?;
-    absolute
-        .ancestors()
-        .skip(1)
-        .find(|p| p.exists())
-        .map(Path::to_path_buf)
-}
-
-/// Writes all files into a temporary folder beside `folder`, and gives it that name when it is whole. A folder of an
-/// earlier run is replaced.
-///
-/// # Errors
-/// If the folder holds other things, or the system refuses; what was there stays.
-pub fn write(folder: &Path, files: &[File]) -> Result<(), FabError> {
-    check_place(folder)?;
-    replace(folder, files).map_err(|e| FabError::Folder {
-        path: folder.to_path_buf(),
-        cause: e.to_string(),
-    })
-}
-
-fn replace(folder: &Path, files: &[File]) -> std::io::Result<()> {
-    let place = std::path::absolute(folder)?;
-    let parent = place.parent().unwrap_or(Path::new("/"));
-    fs::create_dir_all(parent)?;
-    let temporary = tempfile::Builder::new()
-        .prefix(".phex-")
-        .suffix(".tmp")
-        .tempdir_in(parent)?;
-    let made = temporary.path().join("new");
-    for (name, bytes) in files {
-        let path = made.join(name);
-        fs::create_dir_all(path.parent().unwrap_or(&made))?;
-        let mut file = fs::File::create(&path)?;
-        std::io::Write::write_all(&mut file, bytes)?;
-        file.sync_all()?;
-    }
-    let old = temporary.path().join("old");
-    let existed = place.exists();
-    if existed {
-        fs::rename(&place, &old)?;
-    }
-    fs::rename(&made, &place).inspect_err(|_| {
-        if existed {
-            // The one that was there comes back; if even that fails it is in the temporary folder's error.
-            let _ = fs::rename(&old, &place);
-        }
     })
 }

@@ -6,9 +6,13 @@
 //! the `panels` table of the last run ([`PanelIds::keeping`]): every panel whose centre is within half a mean edge of
 //! one in that table, and nearer to it than any other, keeps its name; names of panels that are gone are not used again.
 //!
+//! Names are engraved in capitals, stand in lists and in tables that spreadsheets open; what can't be told apart or read there
+//! is no name ([`check_name`]).
+//!
 //! *Edges* and *nodes* are `E0001` and `N0001`, in the order of the mesh.
 
 use crate::rows::rows;
+use crate::strokes::is_drawn;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerFace, Vec3, VertexId};
 use std::collections::HashSet;
 
@@ -38,13 +42,13 @@ impl PanelIds {
     pub fn keeping(mesh: &HexMesh, previous: &[(String, Vec3)]) -> Self {
         let fresh = Self::new(mesh);
         let kept = kept(mesh, previous);
-        let mut taken: HashSet<String> = previous.iter().map(|(name, _)| name.clone()).collect();
+        let mut taken: HashSet<String> = previous.iter().map(|(name, _)| engraved(name)).collect();
         let mut next = mesh.topology().n_faces();
         let name = |f: FaceId| match kept[f] {
             Some(k) => previous[k].0.clone(),
             None => {
                 let mut name = fresh.names[f].clone();
-                while !taken.insert(name.clone()) {
+                while !taken.insert(engraved(&name)) {
                     name = numbered('P', next, next + 1);
                     next += 1;
                 }
@@ -66,6 +70,45 @@ impl PanelIds {
     pub fn has_rows(&self) -> bool {
         self.has_rows
     }
+}
+
+/// Most characters of a name.
+const LONGEST: usize = 32;
+
+/// Checks that a text can be the name of a panel: 1 to 32 letters A to Z, digits, blanks and `.-_+/:%°`, no blank at either end,
+/// and none of the signs with which a spreadsheet's formulas begin at the start.
+///
+/// # Errors
+/// Says what is wrong.
+pub fn check_name(name: &str) -> Result<(), String> {
+    let count = name.chars().count();
+    if count > LONGEST {
+        return Err(format!(
+            "the name has {count} characters, more than {LONGEST}"
+        ));
+    }
+    let Some(first) = name.chars().next() else {
+        return Err("the name is empty".into());
+    };
+    if "=+-@".contains(first) {
+        return Err(format!(
+            "the name {name:?} begins with {first:?}, as formulas of spreadsheets do"
+        ));
+    }
+    if let Some(sign) = name.chars().find(|&c| c != ' ' && !is_drawn(c)) {
+        return Err(format!(
+            "the name {name:?} holds {sign:?}, which can't be engraved: take letters A to Z, digits, blanks and .-_+/:%°"
+        ));
+    }
+    if name.trim() != name {
+        return Err(format!("the name {name:?} begins or ends with a blank"));
+    }
+    Ok(())
+}
+
+/// A name as it is engraved: two names that are the same here can't be told apart.
+pub fn engraved(name: &str) -> String {
+    name.to_ascii_uppercase()
 }
 
 /// Name of an edge.

@@ -12,11 +12,11 @@
 //! | [`nest`] | panels on sheets |
 //! | [`drawing`] | sheets as DXF and SVG |
 //! | [`schedule`] | tables as CSV and XLSX |
-//! | [`folder`] | all files, written whole or not at all |
+//! | [`folder`] | all files, by name |
 //! | [`error`] | why not |
 //!
-//! Units: lengths of a [`ValidHexMesh`](phex_mesh::ValidHexMesh), its thickness and gap are model units; everything flat and every table is in
-//! millimetres and degrees, as workshops work. Angles of the library are radians.
+//! Units: lengths of a [`ValidHexMesh`](phex_mesh::ValidHexMesh), its thickness and gap are model units; everything flat, every table and every
+//! drawing is in millimetres and degrees, as workshops work. Angles of the library are radians.
 //!
 //! *Guaranteed*: flat panels are the faces of the solids up to rounding; every panel is on exactly one sheet, and keeps its
 //! distance from the others and from the border (checked with every run, on both faces); equal inputs give equal bytes.

@@ -38,6 +38,16 @@ pub enum Rotations {
     Degrees(Vec<f64>),
 }
 
+impl Rotations {
+    /// The angles that are allowed, in degrees, where not all are.
+    pub fn limited(&self) -> Option<&[f64]> {
+        match self {
+            Self::Free => None,
+            Self::Degrees(angles) => Some(angles),
+        }
+    }
+}
+
 /// Options of [`fabricate`](crate::fabricate).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

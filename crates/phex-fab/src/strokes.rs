@@ -54,8 +54,14 @@ fn glyph(c: char) -> &'static str {
         ':' => "2122 2425",
         '%' => "0046 0516 3041",
         '°' => "1526352415",
+        '_' => "0040",
         _ => "",
     }
+}
+
+/// Whether the font has a character; a blank is none.
+pub fn is_drawn(c: char) -> bool {
+    !glyph(c).is_empty()
 }
 
 /// Width of a text of a given height.
@@ -92,7 +98,7 @@ mod tests {
     fn every_sign_in_use_has_strokes_of_its_own_inside_its_cell() {
         let all: Vec<char> = ('A'..='Z')
             .chain('0'..='9')
-            .chain(".-+/:%°".chars())
+            .chain(".-+/:%°_".chars())
             .collect();
         for (i, c) in all.iter().enumerate() {
             let shape = strokes(&c.to_string(), 6.0);

@@ -1,13 +1,14 @@
 //! `phex fab`: the folder of workshop files.
 
 use super::{tell, use_threads};
-use crate::exit::{Exit, Failure, OrExit};
+use crate::exit::{Exit, Failure};
 use crate::fab_arguments::{FabCommand, millimetres};
 use crate::input::MeshFile;
-use crate::progress::{Reporter, is_interrupted, while_writing};
+use crate::output_folder::{Extent, OutputFolder};
+use crate::progress::Reporter;
 use crate::summary::Table;
 use crate::units::Unit;
-use phex_fab::folder::{check_place, files, summary, write};
+use phex_fab::folder::{files, summary};
 use phex_fab::schedule::panel_centres;
 use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mesh};
 use phex_mesh::measure::diagonal;
@@ -17,11 +18,14 @@ use std::path::Path;
 /// Runs the command.
 ///
 /// # Errors
-/// If the mesh is not valid, the thickness goes past the safe offset, a panel does not fit on a sheet, or the folder can't
-/// be made; nothing is written then.
+/// If the mesh is not valid, the thickness goes past the safe offset, a panel does not fit on a sheet, the folder can't be
+/// written, or it holds an input or files of others that are in the way; nothing is written then.
 pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     use_threads(command.threads)?;
-    check_place(&command.output).or_exit(Exit::InputUnusable)?;
+    let folder = OutputFolder::new(&command.output, "fab", Extent::Whole);
+    let inputs = [Some(&command.input), command.keep_ids.as_ref()];
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(AsRef::as_ref).collect();
+    folder.check(&[], &inputs)?;
     let (mesh, _) = MeshFile::read(&command.input)?.polygon_mesh()?;
     let options = options(command, &mesh);
     let ids = ids(command.keep_ids.as_deref(), &mesh, options.unit_mm)?;
@@ -31,10 +35,7 @@ pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     reporter.finish();
     let fabrication = fabrication.map_err(failure)?;
     let files = files(&fabrication).map_err(failure)?;
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
-    while_writing(|| write(&command.output, &files)).or_exit(Exit::Internal)?;
+    folder.write(&files)?;
     tell(command.talk.quiet, &text(&fabrication, &command.output))?;
     Ok(Exit::Success)
 }

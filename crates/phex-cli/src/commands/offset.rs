@@ -24,7 +24,8 @@ use told::Told;
 /// Runs the command.
 ///
 /// # Errors
-/// If the mesh can't be used, has no such offset, or a distance goes too far; nothing is written then.
+/// If the mesh can't be used, has no such offset, a distance goes too far, or files of others are in the way; nothing is
+/// written then.
 pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
     use_threads(command.threads)?;
     let input = MeshFile::read(&command.input)?;
@@ -37,6 +38,10 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
         .map(|(path, c)| (path.as_path(), *c))
         .collect();
     check_writable(&paths, &job.inputs())?;
+    let folder = files.folder();
+    if let Some(folder) = &folder {
+        folder.check(&files.in_folder(), &[])?;
+    }
     let base = Base::new(&job, given)?;
     let safe = command.max_distance.then(|| base.safe_distances(&job));
     let layers = base.layers(&job)?;
@@ -44,7 +49,8 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
         return Err(Failure::interrupted());
     }
     let contents = files.contents(command, &job, &base, &layers)?;
-    contents.iter().try_for_each(files::Content::write)?;
+    let written: Vec<_> = contents.iter().map(files::Content::file).collect();
+    folder.map_or(Ok(()), |folder| folder.write(&written))?;
     let told = Told {
         job: &job,
         base: &base,
@@ -56,7 +62,7 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
         write_text(path, &format!("{:#}\n", told.report()))?;
     }
     tell(command.talk.quiet, &told.summary())?;
-    Ok(if base.inheritance.violations.is_empty() {
+    Ok(if base.is_within_limits() {
         Exit::Success
     } else {
         Exit::OutsideTolerance

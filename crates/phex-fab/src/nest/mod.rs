@@ -26,13 +26,13 @@ mod grow;
 mod left;
 mod separate;
 mod shape;
+mod smallest;
 mod squeeze;
 #[cfg(test)]
 mod tests;
 
-use crate::error::FabError;
-use crate::options::FabOptions;
-use crate::outline::least_rectangle;
+use crate::error::{FabError, TooLarge};
+use crate::options::{FabOptions, Rotations};
 use crate::plate::Plate;
 use body::Body;
 use engine::{Engine, Margins, Refusal};
@@ -43,6 +43,7 @@ use phex::{Event, Progress};
 use phex_mesh::Vec2;
 use rayon::prelude::*;
 use shape::{Place, Shape};
+use smallest::smallest_sheet;
 use squeeze::squeeze;
 
 /// Where a panel lies on a sheet: `p -> rotation p + translation`, in mm; the sheet's corner is the origin.
@@ -86,10 +87,27 @@ pub fn nest(
         panel: name(k),
         cause,
     };
-    let shapes = shapes(plates, margins, options).map_err(|(k, cause)| refused(k, cause))?;
+    let with = |rotations: &Rotations| {
+        shapes(plates, margins, rotations).map_err(|(k, cause)| refused(k, cause))
+    };
+    let shapes = with(&options.rotations)?;
     let border = Border::new(options.sheet_mm, margins);
     let empty = Engine::new(&border.corners()).map_err(|cause| refused(0, cause))?;
-    check_sizes(&shapes, plates, &border, &empty, options, &name)?;
+    let large = too_large(&shapes, &border, &empty);
+    if let Some(&first) = large.first() {
+        let rotations = options.rotations.clone();
+        let free = rotations.limited().map(|_| with(&Rotations::Free));
+        let free = free.transpose()?;
+        return Err(FabError::TooLarge(Box::new(TooLarge {
+            size: shapes[first].least_box(&plates[first].outline),
+            panels: large.into_iter().map(&name).collect(),
+            sheet: options.sheet_mm,
+            spacing: options.spacing_mm,
+            rotations,
+            smallest: smallest_sheet(&shapes, margins),
+            smallest_free: free.map(|shapes| smallest_sheet(&shapes, margins)),
+        })));
+    }
     let bodies: Vec<Body> = shapes.iter().map(Shape::body).collect();
     let exchange = Exchange {
         bodies: &bodies,
@@ -136,10 +154,9 @@ pub fn nest(
 fn shapes(
     plates: &[Plate],
     margins: Margins,
-    options: &FabOptions,
+    rotations: &Rotations,
 ) -> Result<Vec<Shape>, (usize, Refusal)> {
-    let shape =
-        |(k, plate)| Shape::new(k, plate, margins, &options.rotations).map_err(|cause| (k, cause));
+    let shape = |(k, plate)| Shape::new(k, plate, margins, rotations).map_err(|cause| (k, cause));
     plates.iter().enumerate().map(shape).collect()
 }
 
@@ -187,36 +204,15 @@ impl Stock<'_> {
     }
 }
 
-/// Refuses panels that do not fit on an empty sheet.
-fn check_sizes(
-    shapes: &[Shape],
-    plates: &[Plate],
-    border: &Border,
-    empty: &Engine,
-    options: &FabOptions,
-    name: &impl Fn(usize) -> String,
-) -> Result<(), FabError> {
+/// The panels that do not fit on an empty sheet.
+fn too_large(shapes: &[Shape], border: &Border, empty: &Engine) -> Vec<usize> {
     let fits = |shape: &Shape| {
         shape
             .best_place(&shape.rotations, border, &[], empty)
             .is_some()
     };
-    let large: Vec<usize> = shapes
-        .par_iter()
-        .enumerate()
-        .filter(|(_, s)| !fits(s))
-        .map(|(k, _)| k)
-        .collect();
-    let Some(&first) = large.first() else {
-        return Ok(());
-    };
-    Err(FabError::TooLarge {
-        panel: name(first),
-        size: least_rectangle(&plates[first].outline),
-        sheet: options.sheet_mm,
-        spacing: options.spacing_mm,
-        others: large.len() - 1,
-    })
+    let large = shapes.par_iter().filter(|shape| !fits(shape));
+    large.map(|shape| shape.plate).collect()
 }
 
 /// The part of a sheet that shapes (with half of the spacing round them) may cover.

@@ -6,7 +6,7 @@ use super::convex::convex_pieces;
 use super::engine::{Engine, Margins, Refusal, item};
 use super::{Border, Placement};
 use crate::options::Rotations;
-use crate::outline::{convex_hull, grown, sides};
+use crate::outline::{bounds, convex_hull, grown, sides};
 use crate::plate::Plate;
 use jagua_rs::entities::Item;
 use phex_mesh::Vec2;
@@ -134,6 +134,27 @@ impl Shape {
             .reduce(|a, b| if b.cost < a.cost { b } else { a })
     }
 
+    /// The convex pieces in a rotation.
+    pub fn turned(&self, rotation: f64) -> Vec<Vec<Vec2>> {
+        let turn = turn(self.plate, rotation);
+        self.pieces.iter().map(|p| turn.apply(p)).collect()
+    }
+
+    /// Length and width of the smallest box round a polygon of the panel, over the rotations.
+    pub fn least_box(&self, polygon: &[Vec2]) -> [f64; 2] {
+        let sizes = self.rotations.iter().map(|&rotation| {
+            let [low, high] = bounds(&turn(self.plate, rotation).apply(polygon));
+            [high.x - low.x, high.y - low.y]
+        });
+        let area = |[a, b]: [f64; 2]| a * b;
+        let least = sizes.min_by(|&a, &b| area(a).total_cmp(&area(b)));
+        let [a, b] = least.unwrap_or_default();
+        if self.is_free {
+            return [a.max(b), a.min(b)];
+        }
+        [a, b]
+    }
+
     fn best_at(
         &self,
         rotation: f64,
@@ -141,12 +162,7 @@ impl Shape {
         placed: &[Zone],
         engine: &Engine,
     ) -> Option<Place> {
-        let turn = Placement {
-            plate: self.plate,
-            rotation,
-            translation: Vec2::zeros(),
-        };
-        let pieces: Vec<Vec<Vec2>> = self.pieces.iter().map(|p| turn.apply(p)).collect();
+        let pieces = self.turned(rotation);
         let mut scratch = self.item.shape_cd().as_ref().clone();
         let free = |at| engine.is_free(&self.item, rotation, at, &mut scratch);
         let (cost, translation, reach) = cheapest(border, placed, &pieces, free)?;
@@ -156,6 +172,14 @@ impl Shape {
             cost,
             reach,
         })
+    }
+}
+
+fn turn(plate: usize, rotation: f64) -> Placement {
+    Placement {
+        plate,
+        rotation,
+        translation: Vec2::zeros(),
     }
 }
 

@@ -14,7 +14,9 @@ pub use workbook::xlsx;
 
 use crate::error::FabError;
 use crate::fabricate::Fabrication;
+use crate::ids::{check_name, engraved};
 use phex_mesh::Vec3;
+use std::collections::HashMap;
 
 /// One cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,7 +107,7 @@ pub fn csv(table: &Table) -> Result<Vec<u8>, FabError> {
 /// Names and centres (mm) of the panels of a `panels` table.
 ///
 /// # Errors
-/// If a column is missing or holds no number; the line is named.
+/// If a column is missing or holds no number, or a name can't be one or is there twice; the line is named.
 pub fn panel_centres(bytes: &[u8]) -> Result<Vec<(String, Vec3)>, FabError> {
     let failed = |cause: String| FabError::Content {
         name: "table of panels".into(),
@@ -118,28 +120,84 @@ pub fn panel_centres(bytes: &[u8]) -> Result<Vec<(String, Vec3)>, FabError> {
             .position(|h| h == name)
             .ok_or_else(|| failed(format!("there is no column `{name}`")))
     };
-    let (id, x, y, z) = (
-        column("id")?,
+    let id = column("id")?;
+    let centre = [
         column("centre_x_mm")?,
         column("centre_y_mm")?,
         column("centre_z_mm")?,
-    );
-    let row = |(k, record): (usize, Result<csv::StringRecord, csv::Error>)| {
+    ];
+    let mut lines = HashMap::new();
+    let row = |record: Result<csv::StringRecord, csv::Error>| {
         let record = record.map_err(|e| failed(e.to_string()))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let at = |cause: String| failed(format!("line {line}: {cause}"));
+        let name = &record[id];
+        check_name(name).map_err(at)?;
+        if let Some(first) = lines.insert(engraved(name), line) {
+            return Err(at(format!("`{name}` is the panel of line {first}, too")));
+        }
         let number = |c: usize| {
             let value = record[c].parse::<f64>().ok().filter(|v| v.is_finite());
-            value.ok_or_else(|| failed(format!("line {}: `{}` is no number", k + 2, &record[c])))
+            value.ok_or_else(|| at(format!("{:?} is no number", shortened(&record[c]))))
         };
+        let [x, y, z] = centre;
         Ok((
-            record[id].to_owned(),
+            name.to_owned(),
             Vec3::new(number(x)?, number(y)?, number(z)?),
         ))
     };
-    reader.records().enumerate().map(row).collect()
+    reader.records().map(row).collect()
+}
+
+fn shortened(text: &str) -> String {
+    text.chars().take(40).collect()
 }
 
 /// Values of one cell.
 fn list<T: ToString>(values: impl IntoIterator<Item = T>) -> Cell {
     let words: Vec<String> = values.into_iter().map(|v| v.to_string()).collect();
     words.join(";").into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(names: &[&str]) -> Result<Vec<(String, Vec3)>, String> {
+        let mut text = "id,centre_x_mm,centre_y_mm,centre_z_mm\n".to_owned();
+        for name in names {
+            text += &format!("\"{name}\",1,2,3\n");
+        }
+        panel_centres(text.as_bytes()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn names_that_can_t_tell_panels_apart_are_refused_with_their_line() {
+        let long = "N".repeat(33);
+        for (names, cause) in [
+            (
+                vec!["A1", "B 2", "A1"],
+                "line 4: `A1` is the panel of line 2",
+            ),
+            (vec!["A1", "a1"], "line 3: `a1` is the panel of line 2"),
+            (vec!["A1", ""], "line 3: the name is empty"),
+            (vec![long.as_str()], "line 2: the name has 33 characters"),
+            (vec!["A\01"], "line 2: the name \"A\\01\" holds '\\0'"),
+            (vec!["A1", "A\n2"], "line 3: the name \"A\\n2\" holds '\\n'"),
+            (vec!["A\r2"], "holds '\\r'"),
+            (vec!["A1;A2"], "holds ';'"),
+            (vec!["=1+1"], "line 2: the name \"=1+1\" begins with '='"),
+            (vec!["+1"], "begins with '+'"),
+            (vec!["-1"], "begins with '-'"),
+            (vec!["@A"], "begins with '@'"),
+            (vec![" A1"], "begins or ends with a blank"),
+            (vec!["S\u{fc}d"], "holds '\u{fc}'"),
+        ] {
+            let refused = read(&names).unwrap_err();
+            assert!(refused.contains(cause), "{names:?}: {refused}");
+        }
+        let good = ["A1", "NORTH-12", "P0007", "b_2/3", "1.5"];
+        let found: Vec<String> = read(&good).unwrap().into_iter().map(|p| p.0).collect();
+        assert_eq!(found, good);
+    }
 }

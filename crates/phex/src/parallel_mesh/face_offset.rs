@@ -58,7 +58,8 @@ pub fn face_gauss_image(
 }
 
 /// Displacements that move every face by its own distance along its normal. On the boundary, where fewer than three
-/// faces meet, vertices move by the shortest such vector.
+/// faces meet, vertices move by the shortest such vector; edges of the boundary may turn by that in the planes of their faces
+/// ([`GaussImage::turned_edges`]).
 ///
 /// # Errors
 /// If a face is not planar or a vertex has not three faces (at most three on the boundary), or faces that lie in one

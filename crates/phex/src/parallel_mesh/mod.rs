@@ -33,6 +33,10 @@
 //! *Guaranteed*: a [`layer`] has no violation that its mesh has not, and no edge that points backwards; a distance up to the safe one gives such a
 //! layer at every place that was looked at ([`safe_distances`]). Error estimates of vertex normals cover rounding.
 //!
+//! *Not guaranteed*: at the boundary fewer than three faces say where a vertex of a face offset goes, and it takes the shortest
+//! way. Edges at the boundary may turn by that, in the planes of their faces, and `M'` is not parallel there
+//! ([`GaussImage::turned_edges`] lists them); inner edges never do.
+//!
 //! *Fails*: for face offsets only where a vertex has not three faces, or faces that lie in one plane are asked to part.
 //! Vertex offsets need the angle condition and, round odd faces inside and round loops, a start that closes
 //! (`optimise::satisfy_angle_condition` makes both hold near a mesh).
@@ -73,7 +77,7 @@ pub use beams::{BeamAxis, NodeAxis, beam_axes, node_axes};
 pub use edge_gauss_image::{EdgeGaussImage, edge_gauss_image};
 pub use error::OffsetError;
 pub use face_offset::{FaceOffset, face_gauss_image, face_offset};
-pub use gauss_image::{GaussImage, OffsetKind};
+pub use gauss_image::{GaussImage, OffsetKind, TurnedEdge};
 pub use inheritance::Inheritance;
 pub use layers::{SafeDistance, SafeDistances, layer, safe_distances};
 pub use null_space::Rank;

@@ -10,11 +10,13 @@ use phex::optimise::{
     AngleOptimised, AngleOptions, Fault, Offender, SurfaceTarget, Target, satisfy_angle_condition,
 };
 use phex::parallel_mesh::{
-    EdgeGaussImage, GaussImage, Inheritance, OffsetError, SafeDistances, SphericalMesh,
+    EdgeGaussImage, GaussImage, Inheritance, OffsetError, SafeDistances, SphericalMesh, TurnedEdge,
     angle_conditions, distance_error, edge_gauss_image, face_distance_error, face_offset, layer,
     safe_distances, spherical_mesh, vertex_gauss_image,
 };
-use phex_mesh::{FlatFace, HexMesh, PerFace, VertexId};
+use phex_mesh::measure::{deviation, diagonal};
+use phex_mesh::{EdgeId, FlatFace, HexMesh, PerFace, Vec3, VertexId};
+use serde::Serialize;
 
 /// How the vertices move, with what is known of it.
 pub(super) enum Motion {
@@ -54,7 +56,31 @@ pub(super) struct Base {
     pub motion: Motion,
     /// What is wrong with the mesh already.
     pub inheritance: Inheritance,
-    pub optimised: Option<AngleOptimised>,
+    pub optimised: Option<Optimised>,
+    /// Edges of the Gauss image that are not parallel to those of the mesh.
+    pub turned: Vec<TurnedEdge>,
+}
+
+/// What moved the vertices first, and how far.
+pub(super) struct Optimised {
+    pub result: AngleOptimised,
+    /// Largest distance of a vertex from where it was given, in model units.
+    pub moved: f64,
+    /// Largest distance of a vertex or panel centre to the surface, as `phex check` measures it, or without one to the tangent
+    /// planes of the given mesh; in model units.
+    pub deviation: f64,
+    /// What that is the distance to.
+    pub reference: &'static str,
+    /// Largest deviation that is allowed, in model units.
+    pub limit: f64,
+    /// Diagonal of the reference's bounding box, in model units.
+    pub diagonal: f64,
+}
+
+impl Optimised {
+    pub fn keeps_to_surface(&self) -> bool {
+        self.deviation <= self.limit
+    }
 }
 
 impl Base {
@@ -64,13 +90,24 @@ impl Base {
             .optimise
             .then(|| optimise(job, &given))
             .transpose()?;
-        let mesh = optimised.as_ref().map_or(given, |o| o.mesh.clone());
+        let mesh = optimised.as_ref().map_or(given, |o| o.result.mesh.clone());
+        let motion = Motion::of(&mesh, job).map_err(advised)?;
         Ok(Self {
-            motion: Motion::of(&mesh, job).map_err(advised)?,
+            turned: motion.image().turned_edges(&mesh),
+            motion,
             inheritance: Inheritance::of(&mesh, &job.options).or_exit(Exit::InputUnusable)?,
             mesh,
             optimised,
         })
+    }
+
+    /// Whether the mesh is sound itself, and as close to the surface as it should be.
+    pub fn is_within_limits(&self) -> bool {
+        let close = self
+            .optimised
+            .as_ref()
+            .is_none_or(Optimised::keeps_to_surface);
+        close && self.inheritance.violations.is_empty()
     }
 
     pub fn safe_distances(&self, job: &Job<'_>) -> SafeDistances {
@@ -90,7 +127,13 @@ impl Base {
         let moved = layer(&self.mesh, image, distance, &job.options)
             .map_err(|e| self.refusal(job, distance, &e))?;
         let error = distance_error(&self.mesh, &moved, image.kind, distance);
-        Ok(Layer::new(moved, distance, error.or_exit(Exit::Internal)?))
+        let turned = Turned::of(&image.turned_edges(&self.mesh), distance);
+        Ok(Layer::new(
+            moved,
+            distance,
+            error.or_exit(Exit::Internal)?,
+            turned,
+        ))
     }
 
     fn own_distances(&self, job: &Job<'_>, distances: &PerFace<f64>) -> Result<Layer, Failure> {
@@ -103,7 +146,14 @@ impl Base {
             .checked(&self.mesh, offset.apply(&self.mesh), largest)
             .or_exit(Exit::NoValidResult)?;
         let error = face_distance_error(&self.mesh, &moved, distances);
-        Ok(Layer::new(moved, largest, error.or_exit(Exit::Internal)?))
+        // The displacements are those of this layer already.
+        let turned = Turned::of(&offset.into_image().turned_edges(&self.mesh), 1.0);
+        Ok(Layer::new(
+            moved,
+            largest,
+            error.or_exit(Exit::Internal)?,
+            turned,
+        ))
     }
 
     /// Why a distance does not work, and how far it might go.
@@ -134,7 +184,7 @@ fn advised(error: OffsetError) -> Failure {
     Failure::input(format!("{error}{advice}"))
 }
 
-fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<AngleOptimised, Failure> {
+fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<Optimised, Failure> {
     let reporter = Reporter::new(&job.command.talk);
     let file = job
         .command
@@ -155,10 +205,31 @@ fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<AngleOptimised, Failure> {
     }
     // A tight panel is valid; it is told.
     let tight = |o: &Offender| matches!(o.fault, Fault::LowClearance { .. });
-    if result.is_converged() && result.offenders.iter().all(tight) {
-        return Ok(result);
+    if !result.is_converged() || !result.offenders.iter().all(tight) {
+        return Err(Failure::new(Exit::NoValidResult, unreached(&result)));
     }
-    Err(Failure::new(Exit::NoValidResult, unreached(&result)))
+    let (deviation, reference, diagonal) = match &surface {
+        Some(surface) => {
+            let found = deviation(&result.mesh, surface);
+            (
+                found.deviation_max * found.diagonal,
+                "surface",
+                found.diagonal,
+            )
+        }
+        None => (result.deviation[1], "given mesh", diagonal(mesh)),
+    };
+    let (limit, unit) = (job.command.max_deviation, job.command.unit);
+    let step = |(p, q): (&Vec3, &Vec3)| (p - q).norm();
+    let steps = mesh.positions.iter().zip(&result.mesh.positions).map(step);
+    Ok(Optimised {
+        moved: steps.fold(0.0, f64::max),
+        deviation,
+        reference,
+        limit: limit.length(unit, diagonal),
+        diagonal,
+        result,
+    })
 }
 
 /// Panels that a refusal names.
@@ -226,10 +297,35 @@ pub(super) struct Layer {
     pub planarity: f64,
     /// In model units.
     pub mean_edge: f64,
+    /// Edges that are not parallel to those of the mesh.
+    pub turned: Turned,
+}
+
+/// Edges at the boundary that are not parallel to those of the mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(super) struct Turned {
+    /// Their number.
+    pub edges: usize,
+    /// The largest angle, in radians.
+    pub angle: f64,
+    /// The edge where that is.
+    pub edge: Option<EdgeId>,
+}
+
+impl Turned {
+    fn of(edges: &[TurnedEdge], distance: f64) -> Self {
+        let angles = edges.iter().map(|t| (t.angle(distance), t.edge));
+        let most = angles.max_by(|a, b| a.0.total_cmp(&b.0));
+        Self {
+            edges: edges.len(),
+            angle: most.map_or(0.0, |(angle, _)| angle),
+            edge: most.map(|(_, edge)| edge),
+        }
+    }
 }
 
 impl Layer {
-    fn new(mesh: HexMesh, distance: f64, distance_error: f64) -> Self {
+    fn new(mesh: HexMesh, distance: f64, distance_error: f64, turned: Turned) -> Self {
         let faces = FlatFace::all(&mesh);
         let bent = faces.iter().map(|f| f.planarity_length).fold(0.0, f64::max);
         let mean_edge = mesh.mean_edge();
@@ -238,6 +334,7 @@ impl Layer {
             distance_error,
             planarity: bent / mean_edge,
             mean_edge,
+            turned,
             mesh,
         }
     }

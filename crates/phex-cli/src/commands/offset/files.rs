@@ -2,10 +2,12 @@
 
 use super::between::{Pair, beam_table, node_table, solids};
 use super::{Base, Job, Layer};
-use crate::exit::Failure;
+use crate::exit::{Exit, Failure, OrExit};
 use crate::offset_arguments::OffsetCommand;
-use crate::output::{self, write_mesh, write_text};
+use crate::output;
+use crate::output_folder::{Extent, NamedFile, OutputFolder};
 use phex_mesh::PolygonSoup;
+use phex_mesh::io::{Format, write_soup_to};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -18,11 +20,11 @@ pub(super) struct Files {
     tables: Vec<String>,
 }
 
-/// One file with what it will hold.
+/// One file with what it holds.
 pub(super) struct Content {
     path: PathBuf,
     what: &'static str,
-    body: Body,
+    file: NamedFile,
     volume: Option<f64>,
 }
 
@@ -31,12 +33,23 @@ enum Body {
     Text(String),
 }
 
+impl Body {
+    fn bytes(self, name: &str) -> Result<Vec<u8>, Failure> {
+        let soup = match self {
+            Self::Text(text) => return Ok(text.into_bytes()),
+            Self::Mesh(soup) => soup,
+        };
+        let mut bytes = Vec::new();
+        let format = Format::from_path(Path::new(name)).or_exit(Exit::Internal)?;
+        write_soup_to(&mut bytes, &soup, format).or_exit(Exit::InputUnusable)?;
+        Ok(bytes)
+    }
+}
+
 impl Content {
-    pub fn write(&self) -> Result<(), Failure> {
-        match &self.body {
-            Body::Mesh(soup) => write_mesh(&self.path, soup),
-            Body::Text(text) => write_text(&self.path, text),
-        }
+    /// The file, to be written into the folder.
+    pub fn file(&self) -> NamedFile {
+        self.file.clone()
     }
 
     pub fn record(&self) -> Value {
@@ -64,7 +77,7 @@ impl Files {
         let any = !layers.is_empty() || command.gauss_image;
         if any && command.output.is_none() {
             return Err(Failure::new(
-                crate::exit::Exit::Usage,
+                Exit::Usage,
                 "give a folder with -o to write layers",
             ));
         }
@@ -91,17 +104,38 @@ impl Files {
 
     /// All paths, for checking that they can be written.
     pub fn outputs(&self) -> Vec<(PathBuf, output::Content)> {
-        let meshes = self.names.iter().map(|n| self.path(n, self.extension));
-        let tables = self.tables.iter().map(|n| self.path(n, "csv"));
+        let meshes = self
+            .meshes()
+            .map(|n| (self.path(&n), output::Content::Mesh));
+        let tables = self.tables().map(|n| self.path(&n));
         let others = tables.chain(self.report.clone());
-        let mesh = meshes.map(|path| (path, output::Content::Mesh));
-        mesh.chain(others.map(|path| (path, output::Content::Other)))
+        meshes
+            .chain(others.map(|path| (path, output::Content::Other)))
             .collect()
     }
 
-    fn path(&self, name: &str, extension: &str) -> PathBuf {
+    /// The folder, if anything is written into it.
+    pub fn folder(&self) -> Option<OutputFolder<'_>> {
+        let path = self.folder.as_deref().filter(|_| !self.names.is_empty())?;
+        Some(OutputFolder::new(path, "offset", Extent::Added))
+    }
+
+    /// Names of all files in the folder.
+    pub fn in_folder(&self) -> Vec<String> {
+        self.meshes().chain(self.tables()).collect()
+    }
+
+    fn meshes(&self) -> impl Iterator<Item = String> {
+        self.names.iter().map(|n| format!("{n}.{}", self.extension))
+    }
+
+    fn tables(&self) -> impl Iterator<Item = String> {
+        self.tables.iter().map(|n| format!("{n}.csv"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
         let folder = self.folder.as_deref().unwrap_or(Path::new("."));
-        folder.join(format!("{name}.{extension}"))
+        folder.join(name)
     }
 
     /// What is to be written.
@@ -133,8 +167,6 @@ impl Files {
         if base.optimised.is_some() && !self.names.is_empty() {
             bodies.push(("mesh", Body::Mesh(base.mesh.to_soup()), None));
         }
-        let meshes = self.names.iter().map(|n| self.path(n, self.extension));
-        let tables = self.tables.iter().map(|n| self.path(n, "csv"));
         if command.beams {
             for pair in &pairs {
                 bodies.push(("beams", Body::Text(beam_table(pair)?), None));
@@ -143,14 +175,19 @@ impl Files {
                 bodies.push(("nodes", Body::Text(node_table(pair)?), None));
             }
         }
-        let content =
-            |(path, (what, body, volume)): (PathBuf, (&'static str, Body, Option<f64>))| Content {
-                path,
+        let content = |(name, (what, body, volume)): (String, (&'static str, Body, _))| {
+            Ok(Content {
+                path: self.path(&name),
                 what,
-                body,
+                file: (name.clone(), body.bytes(&name)?),
                 volume,
-            };
-        Ok(meshes.chain(tables).zip(bodies).map(content).collect())
+            })
+        };
+        self.in_folder()
+            .into_iter()
+            .zip(bodies)
+            .map(content)
+            .collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! What `phex offset` says: the short table, and the report.
 
 use super::Job;
-use super::base::{Base, Layer, Motion};
+use super::base::{Base, Layer, Motion, Optimised, Turned};
 use super::files::Content;
 use crate::summary::Table;
 use phex::parallel_mesh::{OffsetKind, SafeDistance, SafeDistances};
@@ -29,6 +29,7 @@ impl Told<'_> {
                 "distance_error": l.distance_error,
                 "planarity": l.planarity,
                 "mean_edge": l.mean_edge,
+                "turned": l.turned,
             })
         });
         json!({
@@ -39,15 +40,18 @@ impl Told<'_> {
             "unit": job.command.unit,
             "kind": base.motion.image().kind,
             "settings": { "offset": job.options, "gap": job.gap },
-            "angle_condition": base.optimised.as_ref().map(|o| json!({
-                "defect_before": o.angle_defect[0],
-                "defect_after": o.angle_defect[1],
-                "closing_before": o.closing_defect[0],
-                "closing_after": o.closing_defect[1],
-                "deviation": o.deviation[1],
-                "tight_panels": o.offenders,
+            "angle_condition": base.optimised.as_ref().map(|made| json!({
+                "defect_before": made.result.angle_defect[0],
+                "defect_after": made.result.angle_defect[1],
+                "closing_before": made.result.closing_defect[0],
+                "closing_after": made.result.closing_defect[1],
+                "moved": made.moved,
+                "deviation": made.deviation,
+                "max_deviation": made.limit,
+                "within_deviation": made.keeps_to_surface(),
+                "tight_panels": made.result.offenders,
             })),
-            "gauss_image": gauss_image(&base.motion),
+            "gauss_image": gauss_image(base),
             "inherited": base.inheritance.violations,
             "safe_distances": self.safe.map(sides),
             "layers": layers.collect::<Vec<_>>(),
@@ -70,20 +74,8 @@ impl Told<'_> {
             "mesh",
             format!("{panels} panels, mean edge {edge:.4} {unit}; {keeps} keep their distance"),
         );
-        if let Some(o) = &base.optimised {
-            let [before, after] = o.angle_defect;
-            let text = format!(
-                "condition {before:.1e} -> {after:.1e} rad; vertices moved by up to {:.3e} {unit}",
-                o.deviation[1]
-            );
-            table.row("angles", text);
-            if !o.offenders.is_empty() {
-                let (n, least) = (o.offenders.len(), o.quality.clearance);
-                table.row(
-                    "TIGHT",
-                    format!("{n} panels have little clearance, at least {least:.3} mean edges"),
-                );
-            }
+        if let Some(made) = &base.optimised {
+            self.add_optimised(&mut table, made);
         }
         table.row("gauss image", certainty(&base.motion));
         self.add_safe(&mut table);
@@ -93,6 +85,9 @@ impl Told<'_> {
                 layer.distance, layer.distance_error, layer.planarity, layer.mean_edge
             );
             table.row("layer", text);
+        }
+        if let Some(text) = self.turned() {
+            table.row("rim", text);
         }
         for volume in self.contents.iter().filter_map(Content::volume) {
             table.row(
@@ -107,6 +102,59 @@ impl Told<'_> {
             table.row("written", content.path().display());
         }
         table.into_text()
+    }
+
+    fn add_optimised(&self, table: &mut Table, made: &Optimised) {
+        let (unit, edge) = (self.job.command.unit, self.base.mesh.mean_edge());
+        let [before, after] = made.result.angle_defect;
+        let text = format!(
+            "condition {before:.1e} -> {after:.1e} rad; vertices moved by up to {:.3e} {unit} ({:.2} mean edges)",
+            made.moved,
+            made.moved / edge
+        );
+        table.row("angles", text);
+        let (name, advice) = if made.keeps_to_surface() {
+            ("deviation", "")
+        } else {
+            ("OUTSIDE", ": smaller panels stay closer")
+        };
+        let percent = |length: f64| 100.0 * length / made.diagonal;
+        let text = format!(
+            "{:.3e} {unit} from the {}, {:.3} % of the diagonal; limit {:.3e} {unit}, {:.3} %{advice}",
+            made.deviation,
+            made.reference,
+            percent(made.deviation),
+            made.limit,
+            percent(made.limit)
+        );
+        table.row(name, text);
+        if !made.result.offenders.is_empty() {
+            let (n, least) = (made.result.offenders.len(), made.result.quality.clearance);
+            table.row(
+                "TIGHT",
+                format!("{n} panels have little clearance, at least {least:.3} mean edges"),
+            );
+        }
+    }
+
+    /// Edges at the boundary that are not parallel to those of the mesh, and where they turn most.
+    fn turned(&self) -> Option<String> {
+        let edges = self.base.turned.len();
+        let worse = |a: Turned, b: Turned| if b.angle > a.angle { b } else { a };
+        let layers = self.layers.iter().map(|l| l.turned);
+        let worst = layers.reduce(worse).unwrap_or_default();
+        let most = worst.edge.map(|edge| {
+            let degrees = worst.angle.to_degrees();
+            format!(", in these layers by up to {degrees:.2} degrees (edge {edge})")
+        });
+        let all = self.base.mesh.topology();
+        let all = all.edges().filter(|&e| all.is_boundary_edge(e)).count();
+        (edges > 0).then(|| {
+            format!(
+                "{edges} of {all} boundary edges turn in the planes of their panels{}; all others stay parallel",
+                most.unwrap_or_default()
+            )
+        })
     }
 
     fn add_safe(&self, table: &mut Table) {
@@ -132,7 +180,13 @@ fn side(safe: &SafeDistance) -> Value {
     })
 }
 
-fn gauss_image(motion: &Motion) -> Value {
+fn gauss_image(base: &Base) -> Value {
+    let mut value = motion(&base.motion);
+    value["turned_edges"] = json!(base.turned);
+    value
+}
+
+fn motion(motion: &Motion) -> Value {
     match motion {
         Motion::Face(_, (vertex, error)) => {
             json!({ "error_estimate": error, "worst_vertex": vertex })
@@ -160,21 +214,9 @@ fn certainty(motion: &Motion) -> String {
             found.defect, found.facing
         ),
         Motion::Vertex(found) => format!(
-            "closes to {:.1e} (loops {}, odd faces inside {}); cosine to the normals at least {:.3}{}",
-            found.holonomy.defect,
-            found.holonomy.loops,
-            found.holonomy.odd_faces,
-            found.facing,
-            turned(found.free_edges.len())
+            "closes to {:.1e} (loops {}, odd faces inside {}); cosine to the normals at least {:.3}",
+            found.holonomy.defect, found.holonomy.loops, found.holonomy.odd_faces, found.facing
         ),
-    }
-}
-
-/// Edges that are not parallel in a vertex offset.
-fn turned(free_edges: usize) -> String {
-    match free_edges {
-        0 => String::new(),
-        n => format!("; {n} boundary edges turn in the planes of their odd panels"),
     }
 }
 

@@ -70,6 +70,31 @@ fn inner_edges_stay_parallel() {
     }
 }
 
+/// Which edges turn at the boundary, and how far, is told as it is measured on the coordinates of a layer.
+#[test]
+fn turned_edges_are_those_at_the_rim_that_are_not_parallel() {
+    for (name, mesh) in meshes() {
+        let (image, topology) = (image(&mesh), mesh.topology());
+        let turned = image.turned_edges(&mesh);
+        let is_rim = |e| topology.is_boundary_edge(e);
+        assert!(turned.iter().all(|t| is_rim(t.edge)), "{name}");
+        assert_eq!(turned.is_empty(), name != "paraboloid", "{name}");
+        for d in [0.1 * mesh.mean_edge(), -0.05 * mesh.mean_edge()] {
+            let moved = image.offset(&mesh, d);
+            for e in topology.edges() {
+                let [a, b] = topology.edge_vertices(e);
+                let along = |m: &HexMesh| m.position(b) - m.position(a);
+                let measured = along(&mesh).angle(&along(&moved));
+                let told = turned.iter().find(|t| t.edge == e);
+                let told = told.map_or(0.0, |t| t.angle(d));
+                assert!((measured - told).abs() < 1e-7, "{name}: {e} at {d}");
+            }
+            let most = turned.iter().map(|t| t.angle(d)).fold(0.0, f64::max);
+            assert!(turned.is_empty() || most > 1e-4, "{name}: {most}");
+        }
+    }
+}
+
 /// A mesh flattened to a slope of 1e-10 moves straight up, to all digits.
 #[test]
 fn nearly_flat_vertices_do_not_drift() {
