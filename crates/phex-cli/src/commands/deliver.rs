@@ -7,7 +7,7 @@ use crate::html::Shown;
 use crate::output::{Content, write_mesh};
 use crate::summary::{self, Table};
 use crate::verdict::{TypedLimits, written};
-use phex::report::{InputFile, References, RunReport, Verdict};
+use phex::report::{InputFile, References, Verdict};
 use phex_mesh::{HexMesh, TriangleSurface};
 use serde_json::Value;
 use std::path::Path;
@@ -51,9 +51,8 @@ impl Delivery<'_> {
             ..Default::default()
         };
         let assessment = self.limits.judge(self.mesh, references);
-        let figures = summary::of_assessment(&assessment, self.limits.unit, self.talk.verbose);
-        let mut report = RunReport::new(self.command, assessment);
-        report.unit = self.limits.unit.to_string();
+        let figures = summary::of_assessment(&assessment, &self.limits, self.talk.verbose);
+        let mut report = self.limits.report(self.command, assessment);
         report.settings = self.settings;
         report.statistics = self.statistics;
         report.inputs = self.inputs;

@@ -67,7 +67,7 @@ fn outputs(command: &KoebeCommand) -> Vec<(&Path, Content)> {
 fn report(made: &Koebe, options: &KoebeOptions, command: &KoebeCommand) -> RunReport {
     let limits = TypedLimits::from(&Limits::default());
     let none = References::default();
-    let mut report = RunReport::new("koebe", limits.judge(&made.mesh, none));
+    let mut report = limits.report("koebe", limits.judge(&made.mesh, none));
     report.settings =
         json!({ "koebe": options, "unit": "sphere of radius 1", "verbose": command.talk.verbose });
     report.outcome = json!(made.outcome);

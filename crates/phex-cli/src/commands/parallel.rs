@@ -52,9 +52,8 @@ pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
         ..Default::default()
     };
     let assessment = limits.judge(&made.mesh, references);
-    let summary = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
-    let mut report = RunReport::new("parallel", assessment);
-    report.unit = limits.unit.to_string();
+    let summary = summary::of_assessment(&assessment, &limits, command.talk.verbose);
+    let mut report = limits.report("parallel", assessment);
     report.settings = json!({ "parallel": made.settings });
     report.statistics = made.statistics.clone();
     report.inputs = std::iter::once(file.record)

@@ -44,7 +44,7 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         ..Default::default()
     };
     let assessment = limits.judge(&reached.mesh, references);
-    let table = summary::of_assessment(&assessment, limits.unit, command.talk.verbose);
+    let table = summary::of_assessment(&assessment, &limits, command.talk.verbose);
     let mut report = report(assessment, &limits, &how, &reached);
     report.threads = threads;
     report.inputs = files.records();
@@ -117,8 +117,7 @@ fn report(
     how: &Planarization,
     reached: &Reached,
 ) -> RunReport {
-    let mut report = RunReport::new("planarize", assessment);
-    report.unit = limits.unit.to_string();
+    let mut report = limits.report("planarize", assessment);
     report.settings = json!({
         "planarity": limits.planarity,
         "max-deviation": limits.max_deviation,
