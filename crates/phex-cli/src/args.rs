@@ -9,7 +9,7 @@ use crate::input::number;
 use crate::offset_arguments::OffsetCommand;
 use crate::parallel_arguments::ParallelCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
-use crate::settings::MeshSettings;
+use crate::settings::{AtBoundary, MeshSettings};
 use crate::steering::SteeringSettings;
 use crate::units::{Quantity, Unit};
 use clap::builder::PossibleValuesParser;
@@ -260,6 +260,12 @@ pub struct CheckCommand {
     /// Surface that the mesh stands for
     #[arg(long, value_name = "SURFACE")]
     pub surface: Option<PathBuf>,
+    /// Report of the run that made the mesh: its limits, unit and surfaces hold where nothing else is given
+    #[arg(long, value_name = "RUN.JSON")]
+    pub report_of: Option<PathBuf>,
+    /// What panels were to do at the boundary: judges that, too [default: what --report-of says]
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub boundary: Option<AtBoundary>,
     /// Limits.
     #[command(flatten)]
     pub limits: Limits,

@@ -17,6 +17,7 @@ mod panel_size;
 mod parallel_arguments;
 mod picture_arguments;
 mod progress;
+mod promise;
 mod settings;
 mod size_field;
 mod steering;

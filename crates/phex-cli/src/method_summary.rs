@@ -78,15 +78,27 @@ pub fn of_method(classical: Option<&ClassicalStatistics>) -> String {
     }
     if let Some(panels) = told.forecast {
         let doubt = told.in_doubt.unwrap_or(0);
-        table.row(
-            "forecast",
-            format!("{panels} panels cross themselves by the sign rule, {doubt} more may (third order), the rim apart"),
-        );
+        table.row("forecast", forecast(panels, doubt, told));
     }
     if let Some(edges) = told.edges_at_bound.filter(|n| *n > 0) {
         table.row("bound", format!("{edges} edges as short as is allowed"));
     }
     table.into_text()
+}
+
+/// What the sign rule foresaw, and what became of it.
+fn forecast(panels: usize, doubt: usize, told: &ClassicalStatistics) -> String {
+    let became = match (told.forecast_taken_out, told.forecast_came_true) {
+        (Some(taken_out), Some(crossed)) if panels > 0 => {
+            format!(
+                "; {taken_out} of the {panels} were taken out, {crossed} of them are in the mesh and do cross themselves"
+            )
+        }
+        _ => String::new(),
+    };
+    format!(
+        "{panels} panels cross themselves by the sign rule, {doubt} more may (third order), the rim apart{became}"
+    )
 }
 
 /// Singular and duplicated points of the dual surface.

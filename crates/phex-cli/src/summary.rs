@@ -2,8 +2,9 @@
 
 use crate::html;
 use crate::units::Unit;
+use crate::verdict::TypedLimits;
 use phex::report::maps::FeatureSizes;
-use phex::report::{Assessment, Check, ElementKind, RunReport, Verdict};
+use phex::report::{Assessment, Check, ElementKind, Reason, RunReport, Scale, Verdict};
 use phex_mesh::ElementId;
 use phex_mesh::measure::{BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures};
 use phex_mesh::{HexMesh, TriangleSurface};
@@ -32,7 +33,8 @@ impl Table {
 }
 
 /// Figures, deviation and failed checks of a mesh; with `every_check` also the checks that pass.
-pub fn of_assessment(assessment: &Assessment, unit: Unit, every_check: bool) -> String {
+pub fn of_assessment(assessment: &Assessment, limits: &TypedLimits, every_check: bool) -> String {
+    let unit = limits.unit;
     let mut table = Table::default();
     let measures = &assessment.measures;
     table.row("panels", panels(measures));
@@ -45,22 +47,26 @@ pub fn of_assessment(assessment: &Assessment, unit: Unit, every_check: bool) -> 
     if let Some(deviation) = &assessment.deviation_smooth {
         table.row(
             "deviation",
-            format!("{} from the smooth surface", distance(deviation, unit)),
+            format!("{} from the smooth surface", distance(deviation, limits)),
         );
     }
     if let Some(deviation) = &assessment.deviation_facets {
         table.row(
             "deviation",
-            format!("{} from the given facets", distance(deviation, unit)),
+            format!("{} from the given facets", distance(deviation, limits)),
         );
     }
     if let Some(fit) = &assessment.boundary {
         table.row("boundary", boundary(fit));
-        table.row("", rim(fit));
     }
+    table.row("areas", areas(measures));
     for check in assessment.checks.iter().filter(|c| every_check || !c.pass) {
         table.row(if check.pass { "ok" } else { "FAILED" }, said(check));
+        if let Some(advice) = &check.advice {
+            table.row("", format!("what helps: {advice}"));
+        }
     }
+    table.text += &not_checked(assessment);
     table.into_text()
 }
 
@@ -76,6 +82,30 @@ pub fn of_verdict(verdict: Verdict) -> String {
     table.into_text()
 }
 
+/// The checks that were not made, a line for each reason; none if all were.
+fn not_checked(assessment: &Assessment) -> String {
+    let mut table = Table::default();
+    let reasons = [
+        (Reason::NoSurface, "there is no surface to compare with"),
+        (
+            Reason::NoLimit,
+            "no limit is known (`phex check` takes --boundary snap, clip or whole, or --report-of RUN.JSON)",
+        ),
+        (
+            Reason::NoSmoothSurface,
+            "the smooth surface was not kept (`phex mesh --write-target` writes it)",
+        ),
+    ];
+    for (reason, why) in reasons {
+        let of_reason = assessment.not_checked.iter().filter(|o| o.reason == reason);
+        let names: Vec<&str> = of_reason.map(|o| o.name).collect();
+        if !names.is_empty() {
+            table.row("not checked", format!("{}: {why}", names.join(", ")));
+        }
+    }
+    table.into_text()
+}
+
 /// Panels that are too large for the surface's features, if there are any; kept in the report too.
 pub fn of_features(
     report: &mut RunReport,
@@ -84,7 +114,7 @@ pub fn of_features(
 ) -> String {
     let sizes = surface.map(|surface| FeatureSizes::new(mesh, surface));
     let mut table = Table::default();
-    if let Some(warning) = sizes.as_ref().and_then(FeatureSizes::warning) {
+    if let Some(warning) = sizes.as_ref().and_then(|s| s.warning(&report.checks)) {
         table.row("WARNING", &warning);
         report.notes.push(warning);
     }
@@ -215,17 +245,19 @@ fn edges(measures: &MeshMeasures, unit: Unit) -> String {
         ..
     } = measures;
     format!(
-        "mean {mean_edge:.4} {unit}, from {:.2}{} to {:.2} of it",
+        "mean {} {unit}, from {:.2}{} to {:.2} of it",
+        figure(*mean_edge),
         edge_length.min,
         worst("edge", &edge_length.worst),
         edge_length.max
     )
 }
 
-fn distance(deviation: &Deviation, unit: Unit) -> String {
-    let length = deviation.deviation_max * deviation.diagonal;
+fn distance(deviation: &Deviation, limits: &TypedLimits) -> String {
+    let (unit, of_unit) = limits.shown();
+    let length = figure(deviation.deviation_max * deviation.diagonal / of_unit);
     format!(
-        "max {}, rms {} of the diagonal, back {}; max {length:.4} {unit}{}",
+        "max {}, rms {} of the diagonal, back {}; max {length} {unit}{}",
         percent(deviation.deviation_max),
         percent(deviation.deviation_rms),
         percent(deviation.coverage_max),
@@ -263,21 +295,22 @@ fn boundary(fit: &BoundaryFit) -> String {
     text
 }
 
-/// The smallest panels at the boundary.
-fn rim(fit: &BoundaryFit) -> String {
-    let area = &fit.rim_area;
+/// The smallest and the largest panels; small ones are named.
+fn areas(measures: &MeshMeasures) -> String {
+    let area = &measures.area_ratio;
     let mut text = format!(
-        "{} panels at the boundary, the smallest has {:.2} of the mean area{}",
-        area.count,
+        "from {:.2}{} to {:.2} of the mean",
         area.min,
-        worst("face", &area.worst)
+        worst("face", &area.worst),
+        area.max
     );
-    if let Some(first) = fit.small.first() {
+    if !measures.small_faces.is_empty() {
+        let ids: Vec<usize> = measures.small_faces.iter().map(|f| f.index()).collect();
         let _ = write!(
             text,
-            "; {} have less than {LEAST_RIM_AREA} (first face {})",
-            fit.small.len(),
-            first.index()
+            "; {} have less than {LEAST_RIM_AREA}: {}",
+            ids.len(),
+            listed("faces", &ids)
         );
     }
     text
@@ -287,16 +320,13 @@ fn percent(fraction: f64) -> String {
     format!("{:.3} %", 100.0 * fraction)
 }
 
-/// One check: name, figure, limit, first offenders.
+/// One check: name, figure, limit, the worst place, first offenders.
 fn said(check: &Check) -> String {
-    let mut text = format!(
-        "{}: {}, limit {}",
-        check.name,
-        figure(check.value),
-        figure(check.limit)
-    );
-    if check.ids.is_empty() {
-        return text;
+    let [value, limit, unit] = figures(check);
+    let mut text = format!("{}: {value}, limit {limit}{unit}", check.name);
+    if let Some(place) = check.place {
+        let [x, y, z] = place.map(|x| digits(x, PLACE_DIGITS));
+        let _ = write!(text, ", worst at ({x}, {y}, {z})");
     }
     let kind = match check.element {
         ElementKind::Vertex => "vertices",
@@ -304,40 +334,91 @@ fn said(check: &Check) -> String {
         ElementKind::Face => "faces",
         ElementKind::Mesh => "elements",
     };
-    let first: Vec<String> = check
-        .ids
-        .iter()
-        .take(LISTED)
-        .map(ToString::to_string)
-        .collect();
-    let _ = write!(text, "; {kind} {}", first.join(" "));
-    if check.ids.len() > LISTED {
-        let _ = write!(text, " and {} more", check.ids.len() - LISTED);
+    if !check.ids.is_empty() {
+        let _ = write!(text, "; {}", listed(kind, &check.ids));
     }
     text
 }
 
+/// Figure, limit and unit of a check, as the limit was typed.
+fn figures(check: &Check) -> [String; 3] {
+    let of_whole = match check.scale {
+        Scale::Count => "",
+        Scale::MeanEdges => "mean edges",
+        Scale::Diagonals => "of the diagonal",
+        Scale::Area => "of the area",
+    };
+    let (factor, unit) = match (&check.reading, check.scale) {
+        (Some(reading), _) => {
+            let unit = match (reading.unit.as_str(), check.scale) {
+                ("%", Scale::MeanEdges) => " % of the mean edge".to_owned(),
+                ("%", _) => format!(" % {of_whole}"),
+                (unit, _) => format!(" {unit}"),
+            };
+            let value = format!("{} {}", figure(reading.value), reading.unit);
+            return [value, figure(reading.limit), unit];
+        }
+        (None, Scale::Count) => (1.0, String::new()),
+        (None, Scale::MeanEdges) => (1.0, format!(" {of_whole}")),
+        (None, _) => (100.0, format!(" % {of_whole}")),
+    };
+    [
+        figure(factor * check.value),
+        figure(factor * check.limit),
+        unit,
+    ]
+}
+
+/// The first of some numbers of elements, and how many more there are.
+fn listed(kind: &str, ids: &[usize]) -> String {
+    let first = ids.iter().take(LISTED).map(ToString::to_string);
+    let mut text = format!("{kind} {}", first.collect::<Vec<_>>().join(" "));
+    if ids.len() > LISTED {
+        let _ = write!(text, " and {} more", ids.len() - LISTED);
+    }
+    text
+}
+
+/// Digits of a figure.
+const FIGURE_DIGITS: i32 = 4;
+/// Digits of a coordinate.
+const PLACE_DIGITS: i32 = 6;
+
 fn figure(value: f64) -> String {
-    let plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
-    if plain && value.fract() == 0.0 {
-        format!("{value:.0}")
-    } else if plain {
-        format!("{value:.4}")
-    } else {
-        format!("{value:.1e}")
+    digits(value, FIGURE_DIGITS)
+}
+
+/// A number with at most so many digits that mean something; very large and small ones with two and a power of ten.
+fn digits(value: f64, most: i32) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-3..1e6).contains(&size) {
+        return format!("{value:.1e}").replace(".0e", "e");
+    }
+    let decimals = (most - 1 - size.log10().floor() as i32).max(0) as usize;
+    let text = format!("{value:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use phex::report::Reading;
 
     #[test]
     fn figures_are_short_at_every_size() {
         let cases = [
             (0.0, "0"),
             (3.0, "3"),
-            (0.05, "0.0500"),
+            (0.05, "0.05"),
+            (62.4567, "62.46"),
+            (-86.134_976_790_457_93, "-86.13"),
+            (1e-9, "1e-9"),
             (4.2e-15, "4.2e-15"),
             (f64::NAN, "NaN"),
         ];
@@ -346,16 +427,51 @@ mod tests {
         }
     }
 
-    #[test]
-    fn long_lists_of_offenders_are_cut() {
-        let check = Check {
-            name: "faces_not_simple",
+    fn failed(name: &'static str, scale: Scale) -> Check {
+        Check {
+            name,
             limit: 0.0,
-            value: 12.0,
+            value: 0.0,
+            scale,
+            limit_length: None,
+            value_length: None,
+            reading: None,
             pass: false,
             decisive: true,
             element: ElementKind::Face,
+            ids: Vec::new(),
+            faces: Vec::new(),
+            place: None,
+            advice: None,
+        }
+    }
+
+    #[test]
+    fn a_limit_in_millimetres_is_told_in_millimetres_with_the_place() {
+        let check = Check {
+            limit: 0.001,
+            value: 0.003_123,
+            reading: Some(Reading {
+                unit: "mm".to_owned(),
+                limit: 20.0,
+                value: 62.456_789,
+            }),
+            place: Some([1.0, -2.000_04, 3.123_456_789]),
+            ids: vec![7],
+            ..failed("deviation", Scale::Diagonals)
+        };
+        assert_eq!(
+            said(&check),
+            "deviation: 62.46 mm, limit 20 mm, worst at (1, -2.00004, 3.12346); faces 7"
+        );
+    }
+
+    #[test]
+    fn long_lists_of_offenders_are_cut() {
+        let check = Check {
+            value: 12.0,
             ids: (0..12).collect(),
+            ..failed("faces_not_simple", Scale::Count)
         };
         assert_eq!(
             said(&check),

@@ -95,6 +95,25 @@ impl Quantity {
         }
     }
 
+    /// The unit it was typed in, and the length of that unit in model units: a plain number has the model's, and 100 % is `whole`.
+    pub fn unit(self, model_unit: Unit, whole: f64) -> (&'static str, f64) {
+        match self.suffix {
+            Suffix::Plain => (model_unit.name(), 1.0),
+            Suffix::Unit(unit) => (unit.name(), unit.metres() / model_unit.metres()),
+            Suffix::Percent => ("%", 0.01 * whole),
+        }
+    }
+
+    /// Whether it was typed without a unit.
+    pub fn is_plain(self) -> bool {
+        self.suffix == Suffix::Plain
+    }
+
+    /// The number that was typed.
+    pub fn value(self) -> f64 {
+        self.value
+    }
+
     /// The length over `whole`: a plain number is one already.
     pub fn fraction(self, model_unit: Unit, whole: f64) -> f64 {
         match self.suffix {

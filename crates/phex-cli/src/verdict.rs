@@ -9,24 +9,25 @@ use crate::units::{Quantity, Unit};
 use anyhow::Context;
 use phex::Boundary;
 use phex::optimise::OptimiseOptions;
-use phex::pipeline::Method;
 use phex::report::picture::{PictureOptions, draw};
 use phex::report::{
-    Assessment, BoundaryLimit, OutputFile, References, RunReport, Tolerances, Verdict,
+    Assessment, Check, OutputFile, Reading, References, RunReport, Scale, Tolerances, Verdict,
 };
 use phex_mesh::validate::ValidateOptions;
 use phex_mesh::{HexMesh, TriangleSurface};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::path::Path;
 
-/// Share of the surface's area that whole panels cover at least.
-const WHOLE_COVERAGE: f64 = 0.97;
+/// Share of an open surface's area that panels cover at least, whatever happens at the boundary.
+const COVERED: f64 = 0.97;
 
 /// Planarity that the optimiser reaches in double precision, in diagonals over mean edges. What is asked for below is judged as it is, but
 /// nothing else is given up for it.
 const REACHED: f64 = 16.0 * f64::EPSILON;
 
-/// Limits as they were typed.
-#[derive(Clone, Copy, Debug)]
+/// Limits as they were typed: what every command judges a mesh by, and what its report says of that.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct TypedLimits {
     /// Of planarity.
     pub planarity: Option<Quantity>,
@@ -34,7 +35,7 @@ pub struct TypedLimits {
     pub max_deviation: Quantity,
     /// The model's unit.
     pub unit: Unit,
-    /// What panels were to do at the boundary, where the method keeps to it and neither curve nor ground plane says otherwise.
+    /// What panels were to do at the boundary, where neither curve nor ground plane says otherwise.
     pub boundary: Option<Boundary>,
 }
 
@@ -59,17 +60,37 @@ impl From<&MeshSettings> for TypedLimits {
         // A curve or a ground plane says where the boundary goes instead.
         let steering = &stages.steering;
         let free = steering.curves.is_empty() && steering.grounds.is_empty();
-        let keeps_to_boundary = matches!(stages.method, Method::Lattice | Method::Best) && free;
         Self {
             planarity: settings.planarity,
             max_deviation: settings.max_deviation(),
             unit: settings.unit.unwrap_or_default(),
-            boundary: keeps_to_boundary.then_some(stages.boundary),
+            boundary: free.then_some(stages.boundary),
         }
     }
 }
 
 impl TypedLimits {
+    /// What is typed, and where nothing is what an earlier run promised; the unit is that run's.
+    pub fn or_promised(
+        limits: &Limits,
+        boundary: Option<Boundary>,
+        promised: Option<Self>,
+    ) -> Self {
+        let typed = Self {
+            boundary,
+            ..Self::from(limits)
+        };
+        let Some(promised) = promised else {
+            return typed;
+        };
+        Self {
+            planarity: limits.planarity.or(promised.planarity),
+            max_deviation: limits.max_deviation.unwrap_or(promised.max_deviation),
+            unit: promised.unit,
+            boundary: boundary.or(promised.boundary),
+        }
+    }
+
     /// Tells the optimiser what is demanded of a mesh with edges of length `edge` and diagonal `extent`, model units; percentages of
     /// the deviation refer to the diagonal `whole`.
     pub fn demand(&self, options: &mut OptimiseOptions, edge: f64, extent: f64, whole: f64) {
@@ -82,24 +103,20 @@ impl TypedLimits {
     }
 
     fn tolerances(&self, mesh: &HexMesh, surface: Option<&TriangleSurface>) -> Tolerances {
-        let default = ValidateOptions::default();
-        let planarity = self.planarity.map_or(default.planarity, |q| {
-            q.fraction(self.unit, mesh.mean_edge())
-        });
+        let planarity = self.planarity;
+        let planarity = planarity.map(|q| q.fraction(self.unit, mesh.mean_edge()));
         let relative = |surface: &TriangleSurface| {
             let diagonal = surface.diagonal();
             self.max_deviation.length(self.unit, diagonal) / diagonal
         };
         let deviation_rel = surface.map(relative);
-        let boundary = self.boundary.zip(deviation_rel);
+        let follows = self.boundary.is_some_and(|how| how != Boundary::Whole);
         Tolerances {
-            boundary: boundary.map(|(how, distance)| match how {
-                Boundary::Whole => BoundaryLimit::Covers(WHOLE_COVERAGE),
-                _ => BoundaryLimit::Follows(distance),
-            }),
+            boundary_rel: deviation_rel.filter(|_| follows),
+            covered: self.boundary.map(|_| COVERED),
             validity: ValidateOptions {
                 planarity,
-                ..default
+                ..Default::default()
             },
             deviation_rel,
         }
@@ -108,7 +125,47 @@ impl TypedLimits {
     /// Judges a mesh by these limits.
     pub fn judge(&self, mesh: &HexMesh, references: References<'_>) -> Assessment {
         let tolerances = self.tolerances(mesh, references.smooth.or(references.facets));
-        Assessment::new(mesh, references, &tolerances)
+        let mut assessment = Assessment::new(mesh, references, &tolerances);
+        let edge = assessment.measures.mean_edge;
+        let diagonal = assessment.judged_deviation().map(|d| d.diagonal);
+        for check in &mut assessment.checks {
+            check.reading = self.reading(check, edge, diagonal);
+        }
+        assessment
+    }
+
+    /// A check's figures in the unit in which its limit was typed.
+    fn reading(&self, check: &Check, edge: f64, diagonal: Option<f64>) -> Option<Reading> {
+        let planarity = self.planarity.filter(|q| !q.is_plain());
+        let (typed, whole) = match (check.name, check.scale) {
+            ("planarity", _) => (planarity?, edge),
+            (_, Scale::Diagonals) => (self.max_deviation, diagonal?),
+            _ => return None,
+        };
+        let (unit, length) = typed.unit(self.unit, whole);
+        Some(Reading {
+            unit: unit.to_owned(),
+            limit: typed.value(),
+            value: check.value_length? / length,
+        })
+    }
+
+    /// The unit in which distances are told: that of the limit, where it was typed with one.
+    pub fn shown(&self) -> (&'static str, f64) {
+        match self.max_deviation.unit(self.unit, 1.0) {
+            ("%", _) => (self.unit.name(), 1.0),
+            unit => unit,
+        }
+    }
+
+    /// A report of a command around what came of judging by these limits.
+    pub fn report(&self, command: &'static str, assessment: Assessment) -> RunReport {
+        RunReport {
+            unit: self.unit.to_string(),
+            // Text and numbers always become JSON.
+            limits: serde_json::to_value(self).unwrap_or(Value::Null),
+            ..RunReport::new(command, assessment)
+        }
     }
 }
 

@@ -63,3 +63,57 @@ fn unusable_values_are_refused() {
         .refuses(4, &["axis"]);
     shop.succeed("network wave.obj -o net.obj --columns-along 1,0,0 -n 200");
 }
+
+/// The surface z = x^2 - y^2 over a square, whose boundary turns by 37 degrees at its corners.
+fn saddle(shop: &Workshop) {
+    let side = 31;
+    let at = |k: usize| k as f64 / 15.0 - 1.0;
+    let places = (0..side * side).map(|v| (at(v % side), at(v / side)));
+    let vertices = places.map(|(x, y)| format!("v {x} {y} {}\n", x * x - y * y));
+    let cells = (0..side * side).filter(|v| v % side + 1 < side && v / side + 1 < side);
+    let faces = cells.map(|v| format!("f {} {} {} {}\n", v + 1, v + 2, v + side + 2, v + side + 1));
+    shop.write("saddle.obj", vertices.chain(faces).collect::<String>());
+}
+
+/// A check of a report.
+fn check_of(shop: &Workshop, report: &str, name: &str) -> serde_json::Value {
+    let report = shop.json(report);
+    let checks = report["checks"].as_array().unwrap();
+    let check = checks.iter().find(|c| c["name"] == name);
+    check.unwrap_or_else(|| panic!("no {name}")).clone()
+}
+
+#[test]
+fn bricks_keep_blunt_corners_of_the_boundary_and_are_judged_by_it() {
+    let shop = Workshop::new();
+    saddle(&shop);
+    shop.succeed("mesh saddle.obj -o wall.obj -n 300 --method brick-wall --report run.json");
+    for name in ["boundary", "covered_area"] {
+        assert_eq!(check_of(&shop, "run.json", name)["pass"], true);
+    }
+}
+
+#[test]
+fn the_area_that_panels_cover_is_judged_for_every_method_and_what_became_of_the_forecast_is_told() {
+    let shop = Workshop::new();
+    saddle(&shop);
+    let run = shop.phex("mesh saddle.obj -o planes.obj -n 150 --method tangent-planes --report run.json --keep-invalid");
+    assert_ne!(run.code, Some(0), "{}{}", run.stdout, run.stderr);
+    let covered = check_of(&shop, "run.json", "covered_area");
+    assert_eq!(
+        (&covered["limit"], &covered["pass"]),
+        (&0.97.into(), &false.into())
+    );
+    assert!(!covered["ids"].as_array().unwrap().is_empty());
+    let told = &shop.json("run.json")["statistics"][0]["classical"];
+    let count = |name: &str| told[name].as_u64().unwrap();
+    assert!(
+        count("forecast_taken_out") + count("forecast_came_true") <= count("forecast"),
+        "{told}"
+    );
+    assert!(
+        count("forecast") == 0 || run.stdout.contains("were taken out"),
+        "{}",
+        run.stdout
+    );
+}

@@ -102,6 +102,33 @@ fn check_passes_a_flat_honeycomb_and_names_a_lifted_corner() {
 }
 
 #[test]
+fn a_typed_planarity_is_held_far_from_the_origin_and_only_the_default_follows_rounding() {
+    let shop = Workshop::new();
+    // Coordinates of 1e10 are rounded to 2e-6, so that panels of edge 1 are planar to about that.
+    let far = |_, [x, y, _]: [f64; 3]| [x + 1e10, y, 0.3 * (x + 1e10) + 0.7 * y];
+    shop.write("far.obj", honeycomb(4, 5, far));
+    let planarity = |run: &str| {
+        let report: serde_json::Value = serde_json::from_str(run).unwrap();
+        let checks = report["checks"].as_array().unwrap().clone();
+        let check = checks.into_iter().find(|c| c["name"] == "planarity");
+        check.unwrap()
+    };
+    let by_default = planarity(&shop.succeed("check far.obj --json").stdout);
+    assert!(by_default["limit"].as_f64().unwrap() > 1e-6);
+
+    let typed = shop.phex("check far.obj --planarity 1e-9 --json");
+    assert_eq!(typed.code, Some(3), "{}{}", typed.stdout, typed.stderr);
+    let typed = planarity(&typed.stdout);
+    assert_eq!(
+        (&typed["limit"], &typed["pass"]),
+        (&1e-9.into(), &false.into())
+    );
+    assert!(!typed["ids"].as_array().unwrap().is_empty());
+    let told = shop.phex("check far.obj --planarity 1e-9").stdout;
+    assert!(told.contains("limit 1e-9"), "{told}");
+}
+
+#[test]
 fn check_tells_a_self_intersecting_face_from_a_concave_one() {
     let shop = Workshop::new();
     // The corner that only the first panel holds.
@@ -390,4 +417,135 @@ fn words_of_the_tables_are_explained() {
             assert!(explained, "{line}: {word}");
         }
     }
+}
+
+/// A plane of unit squares over the honeycomb and `margin` beyond it, with `lift` at the vertex in its middle.
+fn plane(margin: i32, lift: f64) -> String {
+    let (low, high) = (-margin, 8 + margin);
+    let side = high - low + 1;
+    let places = (0..side * side).map(|v| (low + v % side, low + v / side));
+    let vertex = |(x, y): (i32, i32)| {
+        let z = if (x, y) == (4, 4) { lift } else { 0.0 };
+        format!("v {x} {y} {z}\n")
+    };
+    let vertices: String = places.map(vertex).collect();
+    let cells = (0..side * side).filter(|v| v % side + 1 < side && v / side + 1 < side);
+    let face = |v: i32| {
+        let (a, b) = (v + 1, v + 1 + side);
+        format!("f {a} {} {b}\nf {} {} {b}\n", a + 1, a + 1, b + 1)
+    };
+    vertices + &cells.map(face).collect::<String>()
+}
+
+/// The check of a name in a report.
+fn check_of(report: &serde_json::Value, name: &str) -> serde_json::Value {
+    let checks = report["checks"].as_array().unwrap();
+    let check = checks.iter().find(|c| c["name"] == name);
+    check.unwrap_or_else(|| panic!("no {name}")).clone()
+}
+
+#[test]
+fn failures_at_the_boundary_and_of_the_coverage_name_panels_and_a_place() {
+    let shop = Workshop::new();
+    shop.write("mesh.obj", honeycomb(6, 5, |_, p| p));
+    shop.write("plane.obj", plane(3, 2.0));
+    let run = shop.phex("check mesh.obj --surface plane.obj --boundary snap --report run.json");
+    assert_eq!(run.code, Some(3), "{}{}", run.stdout, run.stderr);
+    let report = shop.json("run.json");
+    for name in ["coverage_inner", "boundary", "covered_area"] {
+        let check = check_of(&report, name);
+        assert_eq!(check["pass"], false, "{check}");
+        assert!(!check["ids"].as_array().unwrap().is_empty(), "{check}");
+        assert_eq!(check["element"], "face", "{check}");
+        assert_eq!(check["place"].as_array().unwrap().len(), 3, "{check}");
+        assert!(check["advice"].is_string(), "{check}");
+    }
+    assert_eq!(
+        check_of(&report, "coverage_inner")["place"],
+        serde_json::json!([4.0, 4.0, 2.0])
+    );
+    let far = check_of(&report, "boundary")["place"][0].as_f64().unwrap();
+    assert!(
+        far == -3.0 || far == 11.0,
+        "a corner of the plane, not {far}"
+    );
+    assert!(
+        run.stdout.contains("FAILED       covered_area") && run.stdout.contains("worst at ("),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn check_says_what_it_could_not_check() {
+    let shop = Workshop::new();
+    shop.write("mesh.obj", honeycomb(6, 5, |_, p| p));
+    shop.write("plane.obj", plane(0, 0.0));
+    let run = shop.succeed("check mesh.obj");
+    let all = "same_topology, deviation, coverage_inner, boundary, covered_area";
+    assert!(
+        run.stdout
+            .contains(&format!("not checked  {all}: there is no surface")),
+        "{}",
+        run.stdout
+    );
+    let run = shop.phex("check mesh.obj --surface plane.obj --report run.json");
+    assert!(
+        run.stdout.contains("not checked  boundary, covered_area")
+            && run.stdout.contains("--report-of"),
+        "{}",
+        run.stdout
+    );
+    let left_out = &shop.json("run.json")["not_checked"];
+    assert_eq!(left_out[0]["name"], "boundary");
+    assert_eq!(left_out[0]["reason"], "no_limit");
+    let run = shop.phex("check mesh.obj --surface plane.obj --boundary clip");
+    assert!(!run.stdout.contains("not checked"), "{}", run.stdout);
+}
+
+#[test]
+fn a_limit_in_millimetres_is_told_in_millimetres() {
+    let shop = Workshop::new();
+    shop.write("mesh.obj", honeycomb(6, 5, |_, p| p));
+    shop.write("plane.obj", plane(3, 0.0).replace(" 0\n", " 0.1\n"));
+    let run =
+        shop.phex("check mesh.obj --surface plane.obj --max-deviation 90mm --report run.json");
+    assert_eq!(run.code, Some(3), "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("deviation: 100 mm, limit 90 mm") && run.stdout.contains("max 100 mm"),
+        "{}",
+        run.stdout
+    );
+    let check = check_of(&shop.json("run.json"), "deviation");
+    let reading = &check["reading"];
+    assert_eq!(
+        (&reading["unit"], &reading["limit"]),
+        (&"mm".into(), &90.0.into())
+    );
+    assert!((reading["value"].as_f64().unwrap() - 100.0).abs() < 1e-9);
+    assert!(
+        (check["limit_length"].as_f64().unwrap() - 0.09).abs() < 1e-12,
+        "metres"
+    );
+}
+
+#[test]
+fn tiny_inner_panels_are_listed() {
+    let shop = Workshop::new();
+    let places = [0.0, 1.4, 1.6, 3.0];
+    let vertices = places
+        .iter()
+        .flat_map(|y| places.map(|x| format!("v {x} {y} 0\n")));
+    let faces = [1, 2, 3, 5, 6, 7, 9, 10, 11];
+    let faces = faces.map(|a| format!("f {a} {} {} {}\n", a + 1, a + 5, a + 4));
+    shop.write("mesh.obj", vertices.collect::<String>() + &faces.concat());
+    let run = shop.phex("check mesh.obj --report run.json");
+    assert!(
+        run.stdout.contains("1 have less than 0.25: faces 4"),
+        "{}",
+        run.stdout
+    );
+    assert!(run.stdout.contains("from 0.04 (face 4)"), "{}", run.stdout);
+    let small = &shop.json("run.json")["measures"]["small_faces"];
+    assert_eq!(small, &serde_json::json!([4]));
 }

@@ -185,11 +185,12 @@ fn a_bound_on_the_deviation_is_kept_to_or_missed_and_said() {
 }
 
 #[test]
-fn a_tolerance_of_planarity_is_held_and_nothing_is_given_up_for_less_than_rounding() {
+fn a_tolerance_of_planarity_is_held_and_nothing_else_is_given_up_for_less_than_rounding() {
     let shop = Workshop::new();
     shop.write("bent.obj", egg_crate());
-    let run = |planarity: &str| {
-        shop.succeed(&format!("planarize bent.obj -o {planarity}.obj --planarity {planarity} --max-deviation 5% --report {planarity}.json"));
+    let run = |planarity: &str, code: i32| {
+        let run = shop.phex(&format!("planarize bent.obj -o {planarity}.obj --planarity {planarity} --max-deviation 5% --report {planarity}.json"));
+        assert_eq!(run.code, Some(code), "{}{}", run.stdout, run.stderr);
         let report = shop.json(&format!("{planarity}.json"));
         (
             report["measures"]["planarity"]["max"].as_f64().unwrap(),
@@ -198,8 +199,8 @@ fn a_tolerance_of_planarity_is_held_and_nothing_is_given_up_for_less_than_roundi
                 .unwrap(),
         )
     };
-    let (loose, near) = run("1e-4");
-    let (tight, as_near) = run("1e-19");
+    let (loose, near) = run("1e-4", 0);
+    let (tight, as_near) = run("1e-19", 3);
     assert!(loose <= 1e-4 && tight <= 1e-13, "{loose:e} {tight:e}");
     assert!(as_near <= 1.01 * near, "{as_near} {near}");
     // What is not planar enough is refused.
@@ -223,4 +224,51 @@ fn planarize_flattens_a_bent_honeycomb() {
     shop.succeed("planarize bent.obj -o flat.obj --max-deviation 1% --report run.json");
     assert_eq!(shop.json("run.json")["verdict"], "pass");
     shop.succeed("check flat.obj --surface bent.obj --max-deviation 1%");
+}
+
+#[test]
+fn check_judges_by_what_the_run_promised() {
+    let shop = dome();
+    shop.succeed("mesh dome.obj -o whole.obj -n 60 --boundary whole --report whole.json --write-target smooth.ply");
+    let by_facets = shop.phex("check whole.obj --surface dome.obj");
+    assert_eq!(
+        by_facets.code,
+        Some(3),
+        "panels stick out: {}",
+        by_facets.stdout
+    );
+    let again = shop.succeed("check whole.obj --report-of whole.json --report again.json");
+    assert!(!again.stdout.contains("not checked"), "{}", again.stdout);
+    let figure = |report: &str, name: &str| {
+        let report = shop.json(report);
+        let checks = report["checks"].as_array().unwrap();
+        let check = checks.iter().find(|c| c["name"] == name).unwrap();
+        check["value"].as_f64().unwrap()
+    };
+    for name in ["covered_area", "coverage_inner"] {
+        let [first, second] = ["whole.json", "again.json"].map(|r| figure(r, name));
+        assert!(
+            (first / second - 1.0).abs() < 1e-6,
+            "{name}: {first} {second}"
+        );
+    }
+    shop.succeed("check whole.obj --surface dome.obj --boundary whole --max-deviation 1%");
+
+    // A limit that the run missed is missed again, without being typed.
+    let run =
+        shop.phex("mesh dome.obj -o near.obj -n 60 --max-deviation 0.0001% --report near.json");
+    assert_eq!(run.code, Some(3));
+    let again = shop.phex("check near.obj --report-of near.json");
+    assert_eq!(again.code, Some(3), "{}{}", again.stdout, again.stderr);
+    assert!(
+        again.stdout.contains("limit 1e-4 %") && again.stdout.contains("deviation_smooth"),
+        "{}",
+        again.stdout
+    );
+    shop.write("no.json", "{}");
+    shop.phex("check near.obj --report-of no.json")
+        .refuses(4, &["no.json", "no run report"]);
+    shop.write("dome.obj", honeycomb(2, 2, |_, p| p));
+    shop.phex("check near.obj --report-of near.json")
+        .refuses(4, &["dome.obj", "changed", "--surface"]);
 }

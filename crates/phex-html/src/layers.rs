@@ -56,7 +56,7 @@ fn offset_options(report: &Report<'_>) -> OffsetOptions {
     let mut options = OffsetOptions::default();
     let planarity = report.run.checks.iter().find(|c| c.name == "planarity");
     if let Some(check) = planarity {
-        options.validity.planarity = check.limit;
+        options.validity.planarity = Some(check.limit);
     }
     options
 }

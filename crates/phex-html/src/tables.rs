@@ -53,7 +53,7 @@ fn head(names: &[&str]) -> Vec<String> {
 }
 
 /// What a check is called, and what it means.
-const CHECKS: [(&str, &str, &str); 14] = [
+const CHECKS: [(&str, &str, &str); 16] = [
     (
         "planarity",
         "Planarity",
@@ -116,6 +116,16 @@ const CHECKS: [(&str, &str, &str); 14] = [
         "Coverage",
         "largest distance of the surface to the panels, over its diagonal",
     ),
+    (
+        "boundary",
+        "Boundary",
+        "largest distance between the boundaries of panels and surface, over its diagonal",
+    ),
+    (
+        "covered_area",
+        "Covered area",
+        "share of the surface’s area under panels",
+    ),
 ];
 
 /// The checks with figures, limits and offenders.
@@ -133,7 +143,7 @@ fn check(check: &Check) -> Vec<String> {
         (false, true) => "<span class=\"mark invalid\">fail</span>",
         (false, false) => "<span class=\"mark outside\">fail</span>",
     };
-    let lower = ["clearance", "edge_length"].contains(&check.name);
+    let lower = ["clearance", "edge_length", "covered_area"].contains(&check.name);
     let sign = if lower { "≥" } else { "≤" };
     vec![
         mark.to_owned(),
@@ -164,7 +174,11 @@ fn named(check: &Check) -> String {
         0 => String::new(),
         n => format!(" and {n} more"),
     };
-    format!("{kind} {list}{more}")
+    let place = check.place.map(|p| p.map(figure));
+    let place = place.map_or_else(String::new, |[x, y, z]| {
+        format!(", worst at ({x}, {y}, {z})")
+    });
+    format!("{kind} {list}{more}{place}")
 }
 
 /// Figures with least, mean, 95 % and largest value.

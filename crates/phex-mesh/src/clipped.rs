@@ -3,7 +3,7 @@
 use crate::ear_clip::ear_clip_or_fan;
 use crate::{FaceId, FlatFace, HexMesh, PerFace, Vec3};
 use parry3d_f64::math::Vector;
-use parry3d_f64::query::PointQuery;
+use parry3d_f64::query::{PointQuery, PointQueryWithLocation};
 use parry3d_f64::shape::TriMesh;
 
 /// Triangles of all faces.
@@ -34,6 +34,15 @@ impl ClippedMesh {
             owner,
             diagonal,
         }
+    }
+
+    /// The face closest to a point, and its distance in model units.
+    pub fn closest(&self, p: Vec3) -> (FaceId, f64) {
+        let (found, (triangle, _)) =
+            (self.hierarchy).project_local_point_and_get_location(to_parry(p), false);
+        let closest = found.point;
+        let distance = (Vec3::new(closest.x, closest.y, closest.z) - p).norm();
+        (self.owner[triangle as usize], distance)
     }
 
     /// Distance of a point to the closest triangle, in model units.

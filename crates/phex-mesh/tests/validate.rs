@@ -73,7 +73,7 @@ fn raised_vertex_is_located() {
         );
     }
     let loose = ValidateOptions {
-        planarity: 0.6e-6,
+        planarity: Some(0.6e-6),
         ..Default::default()
     };
     assert_eq!(violations(&mesh, None, &loose), []);

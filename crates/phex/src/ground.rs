@@ -47,6 +47,13 @@ pub struct Beyond {
     pub facets: TriangleSurface,
 }
 
+/// A surface continued beyond its boundary as far as whole panels may stick out, where there are so many; `None` if it is closed.
+pub fn continued(surface: &TriangleSurface, panels: usize) -> Option<TriangleSurface> {
+    let length = (surface.area() / (CELL * panels.max(1) as f64)).sqrt();
+    let extension = extend::extend(surface, WHOLE_STRIP * length, SMALL_HOLE * length);
+    extension.map(|e| e.surface)
+}
+
 impl Beyond {
     /// The same with all points mapped by a similarity.
     pub(crate) fn moved(&self, map: impl Fn(Vec3) -> Vec3) -> Self {

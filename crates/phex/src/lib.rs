@@ -27,7 +27,7 @@ pub mod report;
 pub mod target;
 pub mod trim;
 
-pub use ground::Beyond;
+pub use ground::{Beyond, continued};
 pub use pipeline::{MeshOptions, MeshRun, PanelSize, PipelineError, mesh_surface};
 pub use progress::{Event, Progress, Silent};
 pub use ranges::BadOption;

@@ -1,53 +1,71 @@
 //! `phex check`: judges any polygon mesh.
 
 use super::tell;
-use crate::args::{CheckCommand, Limits};
+use crate::args::CheckCommand;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::input::{MeshFile, whole};
 use crate::output::{self, check_writable};
 use crate::progress::Reporter;
+use crate::promise::Promise;
 use crate::summary::{self, Table};
 use crate::verdict::TypedLimits;
 use anyhow::Context;
 use phex::curvature::dupin::{free_panels, indicatrix_distances};
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::layout::lattice::CELL;
-use phex::report::{Assessment, References, RunReport, Verdict};
+use phex::report::{Assessment, InputFile, Omitted, Reason, References, RunReport, Verdict};
+use phex::{Boundary, continued};
 use phex_mesh::measure::Metric;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface};
 use serde::Serialize;
 use serde_json::json;
+use std::path::Path;
 
 /// Runs the command.
 ///
 /// # Errors
 /// If an input can't be used or an output can't be written.
 pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
-    let inputs: Vec<_> = [Some(&command.input), command.surface.as_ref()]
-        .into_iter()
-        .flatten()
-        .collect();
-    let outputs: Vec<_> = command.extras.outputs().collect();
-    check_writable(
-        &outputs,
-        &inputs.iter().map(|p| p.as_path()).collect::<Vec<_>>(),
-    )?;
-    let file = MeshFile::read(&command.input)?;
-    let surface = command.surface.as_deref().map(MeshFile::read).transpose()?;
-    let (mesh, dropped) = file.polygon_mesh()?;
-    let facets = surface
-        .as_ref()
-        .map(|s| whole(&s.surfaces()?.components))
+    let inputs = [
+        Some(&command.input),
+        command.surface.as_ref(),
+        command.report_of.as_ref(),
+    ];
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(AsRef::as_ref).collect();
+    check_writable(&command.extras.outputs().collect::<Vec<_>>(), &inputs)?;
+    let promise = command
+        .report_of
+        .as_deref()
+        .map(Promise::read)
         .transpose()?;
-    let assessed = judged(&command.limits, &mesh, facets.as_ref(), "check");
-    let mut table = summary::of_assessment(&assessed.0, command.limits.unit, command.talk.verbose);
-    let indicatrix = facets.as_ref().map(|surface| indicatrix(&mesh, surface));
+    let promised = promise.as_ref().map(Promise::limits).transpose()?;
+    let boundary = command.boundary.map(Into::into);
+    let limits = TypedLimits::or_promised(&command.limits, boundary, promised);
+    let file = MeshFile::read(&command.input)?;
+    let (mesh, dropped) = file.polygon_mesh()?;
+    let surfaces = Surfaces::read(command, promise.as_ref())?;
+    let beyond = surfaces.beyond(&limits, mesh.topology().n_faces());
+    let references = References {
+        smooth: surfaces.smooth.as_ref(),
+        facets: surfaces.facets.as_ref(),
+        beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
+    };
+    let mut assessment = limits.judge(&mesh, references);
+    if promise.is_some_and(|p| p.has_smooth()) && surfaces.smooth.is_none() {
+        assessment.not_checked.push(Omitted {
+            name: "deviation_smooth",
+            reason: Reason::NoSmoothSurface,
+        });
+    }
+    let mut table = summary::of_assessment(&assessment, &limits, command.talk.verbose);
+    let facets = surfaces.facets.as_ref();
+    let indicatrix = facets.map(|surface| indicatrix(&mesh, surface));
     if let Some(metric) = indicatrix.as_ref().filter(|m| m.all.count > 0) {
         table += &inscribed(metric);
     }
-    let mut report = assessed.1;
-    table += &summary::of_features(&mut report, &mesh, facets.as_ref());
+    let mut report = report_of(&limits, assessment, "check");
+    table += &summary::of_features(&mut report, &mesh, facets);
     table += &summary::of_verdict(report.verdict);
     tell(command.talk.quiet || command.json, &table)?;
     report.statistics = json!({ "indicatrix": indicatrix });
@@ -57,10 +75,10 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         report.notes.push(note);
     }
     report.inputs = std::iter::once(file.record)
-        .chain(surface.map(|s| s.record))
+        .chain(surfaces.records)
         .collect();
     let shown = Shown {
-        surface: facets.as_ref(),
+        surface: surfaces.facets.as_ref(),
         ..Shown::of(&mesh)
     };
     command.extras.write(&shown, &mut report)?;
@@ -74,27 +92,63 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     })
 }
 
-/// The assessment of a mesh, and a report around it.
-pub(super) fn judged(
-    limits: &Limits,
-    mesh: &HexMesh,
-    facets: Option<&TriangleSurface>,
+/// The surfaces that a mesh stands for.
+struct Surfaces {
+    facets: Option<TriangleSurface>,
+    smooth: Option<TriangleSurface>,
+    records: Vec<InputFile>,
+}
+
+impl Surfaces {
+    /// Those that are typed, or else those of an earlier run.
+    fn read(command: &CheckCommand, promise: Option<&Promise>) -> Result<Self, Failure> {
+        let (facets, smooth) = match (&command.surface, promise) {
+            (Some(path), _) => (Some(MeshFile::read(path)?), None),
+            (None, Some(promise)) => (promise.surface()?, promise.smooth()?),
+            (None, None) => (None, None),
+        };
+        let surface = |file: &Option<MeshFile>| -> Result<Option<TriangleSurface>, Failure> {
+            let file = file.as_ref();
+            file.map(|f| whole(&f.surfaces()?.components)).transpose()
+        };
+        Ok(Self {
+            facets: surface(&facets)?,
+            smooth: surface(&smooth)?,
+            records: [facets, smooth]
+                .into_iter()
+                .flatten()
+                .map(|f| f.record)
+                .collect(),
+        })
+    }
+
+    /// Both continued beyond the boundary, where so many whole panels may stick out of it.
+    fn beyond(&self, limits: &TypedLimits, panels: usize) -> Option<[TriangleSurface; 2]> {
+        let facets = self
+            .facets
+            .as_ref()
+            .filter(|_| limits.boundary == Some(Boundary::Whole))?;
+        let longer = |s: &TriangleSurface| continued(s, panels).unwrap_or_else(|| s.clone());
+        Some([
+            longer(self.smooth.as_ref().unwrap_or(facets)),
+            longer(facets),
+        ])
+    }
+}
+
+/// A report of a command that judges a mesh.
+pub(super) fn report_of(
+    limits: &TypedLimits,
+    assessment: Assessment,
     command: &'static str,
-) -> (Assessment, RunReport) {
-    let limits = TypedLimits::from(limits);
-    let references = References {
-        facets,
-        ..Default::default()
-    };
-    let assessment = limits.judge(mesh, references);
-    let mut report = RunReport::new(command, assessment.clone());
-    report.unit = limits.unit.to_string();
+) -> RunReport {
+    let mut report = limits.report(command, assessment);
     report.settings = json!({
         "planarity": limits.planarity,
         "max-deviation": limits.max_deviation,
         "unit": limits.unit,
     });
-    (assessment, report)
+    report
 }
 
 /// How far the corners of inner panels are from a homothetic copy of Dupin's indicatrix, over the panel's radius.

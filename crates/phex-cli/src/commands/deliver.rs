@@ -6,7 +6,6 @@ use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::output::{Content, write_mesh};
 use crate::summary;
-use crate::units::Unit;
 use crate::verdict::{TypedLimits, exit_of, written};
 use phex::report::{References, RunReport, Verdict};
 use std::path::Path;
@@ -25,8 +24,8 @@ pub struct Delivery<'a> {
     pub extras: &'a Extras,
     /// How to talk.
     pub talk: &'a Talk,
-    /// Unit of the coordinates.
-    pub unit: Unit,
+    /// What it was judged by.
+    pub limits: TypedLimits,
     /// Lines of the table before the mesh's figures.
     pub before: String,
     /// Lines of the table after the mesh's figures.
@@ -52,7 +51,7 @@ impl Delivery<'_> {
         let mut text = self.before;
         if self.panels {
             let assessment = report.assessment();
-            text += &summary::of_assessment(&assessment, self.unit, self.talk.verbose);
+            text += &summary::of_assessment(&assessment, &self.limits, self.talk.verbose);
         }
         text += &self.after;
         text += &summary::of_files(&report);
@@ -76,9 +75,7 @@ pub fn judged(command: &'static str, shown: &Shown<'_>, limits: &TypedLimits) ->
         facets: shown.surface,
         ..Default::default()
     };
-    let mut report = RunReport::new(command, limits.judge(shown.mesh, references));
-    report.unit = limits.unit.to_string();
-    report
+    limits.report(command, limits.judge(shown.mesh, references))
 }
 
 /// The files that a command writes.

@@ -53,7 +53,7 @@ pub fn run(command: &DualCommand) -> Result<Exit, Failure> {
         panels: false,
         extras: &command.extras,
         talk: &command.talk,
-        unit: limits.unit,
+        limits,
         before: String::new(),
         after: table.into_text(),
         report,

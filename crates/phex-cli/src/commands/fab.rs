@@ -42,10 +42,9 @@ pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
 
 fn options(command: &FabCommand, mesh: &HexMesh) -> FabOptions {
     let (unit, size) = (command.unit, diagonal(mesh));
-    let default = ValidateOptions::default();
     let planarity = command
         .planarity
-        .map_or(default.planarity, |q| q.fraction(unit, mesh.mean_edge()));
+        .map(|q| q.fraction(unit, mesh.mean_edge()));
     FabOptions {
         thickness: command.thickness.length(unit, size),
         gap: command.gap.map_or(0.0, |gap| gap.length(unit, size)),
@@ -60,7 +59,7 @@ fn options(command: &FabCommand, mesh: &HexMesh) -> FabOptions {
         text_mm: millimetres(command.text),
         validity: ValidateOptions {
             planarity,
-            ..default
+            ..Default::default()
         },
     }
 }

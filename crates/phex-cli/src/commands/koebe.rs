@@ -51,7 +51,7 @@ pub fn run(command: &KoebeCommand) -> Result<Exit, Failure> {
         panels: true,
         extras: &command.extras,
         talk: &command.talk,
-        unit: limits.unit,
+        limits,
         before: table(&made),
         after: String::new(),
         report,

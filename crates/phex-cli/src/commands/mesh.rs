@@ -83,7 +83,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let assessment = limits.judge(&mesh, references);
     let told = |run: &Reached| of_portfolio(&run.tried) + &of_method(run.classical.as_ref());
     let methods: String = runs.iter().map(told).collect();
-    let mut report = RunReport::new("mesh", assessment);
+    let mut report = limits.report("mesh", assessment);
     report.inputs = vec![file.record];
     report.threads = threads;
     report.notes = notes;
@@ -110,7 +110,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         panels: true,
         extras: &command.extras,
         talk: &command.talk,
-        unit: limits.unit,
+        limits,
         before: methods,
         after: features,
         report,
@@ -301,7 +301,6 @@ fn describe(
     settings: &MeshSettings,
     runs: Vec<Reached>,
 ) -> Result<(), Failure> {
-    report.unit = settings.unit.unwrap_or_default().to_string();
     report.settings = serde_json::to_value(settings).context("the settings")?;
     report.seed = settings.stages.layout.seed;
     report.stages = summed(runs.iter().flat_map(|run| &run.stages));

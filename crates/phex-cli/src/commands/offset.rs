@@ -81,10 +81,9 @@ struct Job<'a> {
 impl<'a> Job<'a> {
     fn new(command: &'a OffsetCommand, mesh: &HexMesh) -> Result<Self, Failure> {
         let (unit, size) = (command.unit, diagonal(mesh));
-        let default = ValidateOptions::default();
         let planarity = command
             .planarity
-            .map_or(default.planarity, |q| q.fraction(unit, mesh.mean_edge()));
+            .map(|q| q.fraction(unit, mesh.mean_edge()));
         let mut distances: Vec<f64> = command
             .distance
             .iter()
@@ -113,7 +112,7 @@ impl<'a> Job<'a> {
             options: OffsetOptions {
                 validity: ValidateOptions {
                     planarity,
-                    ..default
+                    ..Default::default()
                 },
                 ..Default::default()
             },

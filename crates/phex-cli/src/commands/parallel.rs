@@ -70,7 +70,7 @@ pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
         panels: command.output.is_some(),
         extras: &command.extras,
         talk: &command.talk,
-        unit: limits.unit,
+        limits,
         before: String::new(),
         after: made.table.clone().into_text(),
         report,

@@ -69,7 +69,7 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         panels: true,
         extras: &command.extras,
         talk: &command.talk,
-        unit: limits.unit,
+        limits,
         before: String::new(),
         after: String::new(),
         report,
@@ -143,8 +143,7 @@ fn report(
     how: &Planarization,
     reached: &Reached,
 ) -> RunReport {
-    let mut report = RunReport::new("planarize", assessment);
-    report.unit = limits.unit.to_string();
+    let mut report = limits.report("planarize", assessment);
     report.settings = json!({
         "planarity": limits.planarity,
         "max-deviation": limits.max_deviation,

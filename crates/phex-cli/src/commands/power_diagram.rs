@@ -55,7 +55,7 @@ pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
         panels: true,
         extras: &command.extras,
         talk: &command.talk,
-        unit: limits.unit,
+        limits,
         before: String::new(),
         after: table.into_text(),
         report,

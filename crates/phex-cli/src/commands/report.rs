@@ -1,6 +1,6 @@
 //! `phex report`: the report of a mesh as one HTML file.
 
-use super::check::judged;
+use super::check::report_of;
 use super::tell;
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
@@ -8,8 +8,8 @@ use crate::input::{MeshFile, whole};
 use crate::output::{Content, check_writable};
 use crate::picture_arguments::ReportCommand;
 use crate::summary;
-use crate::verdict::written;
-use phex::report::Verdict;
+use crate::verdict::{TypedLimits, written};
+use phex::report::{References, Verdict};
 
 /// Runs the command.
 ///
@@ -32,7 +32,13 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
         .as_ref()
         .map(|s| whole(&s.surfaces()?.components))
         .transpose()?;
-    let (assessment, mut report) = judged(&command.limits, &mesh, facets.as_ref(), "report");
+    let limits = TypedLimits::from(&command.limits);
+    let references = References {
+        facets: facets.as_ref(),
+        ..Default::default()
+    };
+    let assessment = limits.judge(&mesh, references);
+    let mut report = report_of(&limits, assessment.clone(), "report");
     let start = before.as_ref().map(|file| file.soup.clone());
     let files = std::iter::once(file).chain(surface).chain(before);
     report.inputs = files.map(|file| file.record).collect();
@@ -44,7 +50,7 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
     };
     let features = summary::of_features(&mut report, &mesh, facets.as_ref());
     html::write(&command.html, &shown, &report)?;
-    let table = summary::of_assessment(&assessment, command.limits.unit, command.talk.verbose);
+    let table = summary::of_assessment(&assessment, &limits, command.talk.verbose);
     let end = summary::of_files(&report) + &summary::of_verdict(report.verdict);
     tell(command.talk.quiet, &(table + &features + &end))?;
     Ok(if report.verdict == Verdict::Pass {

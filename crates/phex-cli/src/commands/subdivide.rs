@@ -76,7 +76,7 @@ pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
         panels: true,
         extras: &command.extras,
         talk: &command.talk,
-        unit: limits.unit,
+        limits,
         before: String::new(),
         after: table.into_text(),
         report,

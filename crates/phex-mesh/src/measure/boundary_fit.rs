@@ -38,6 +38,23 @@ pub struct BoundaryFit {
     pub rim_area: Metric<FaceId>,
     /// Those with less than [`LEAST_RIM_AREA`].
     pub small: Vec<FaceId>,
+    /// How far the boundaries are apart, at points of both; not serialised.
+    #[serde(skip)]
+    pub apart: Vec<Spot>,
+    /// Points of the surface that no panel covers, with their distance to the mesh; not serialised.
+    #[serde(skip)]
+    pub bare: Vec<Spot>,
+}
+
+/// A point, how far it is from what it is compared with, and the face there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// The face of the mesh that holds the point, or is closest to it.
+    pub face: FaceId,
+    /// The point, model coordinates.
+    pub point: Vec3,
+    /// The distance over the diagonal of the surface's bounding box.
+    pub distance: f64,
 }
 
 impl BoundaryFit {
@@ -53,32 +70,68 @@ pub fn boundary_fit(mesh: &HexMesh, surface: &TriangleSurface) -> Option<Boundar
     let rim: Vec<Vec<Vec3>> = rim_loops(mesh);
     let rim_curve = BoundaryCurve::of_polylines(&rim)?;
     let diagonal = surface.diagonal();
-    let farthest = |points: &[Vec3], to: &BoundaryCurve| {
-        let distances = points.par_iter().map(|p| distance(to, *p));
-        distances.reduce(|| 0.0, f64::max) / diagonal
-    };
     let vertices: Vec<Vec3> = rim.iter().flatten().copied().collect();
-    let edges = rim.iter().flat_map(|line| line.windows(2));
-    let along: Vec<Vec3> = edges.flat_map(|w| points_between(w[0], w[1])).collect();
+    let panels = ClippedMesh::new(mesh, &FlatFace::all(mesh));
     let loops = surface.topology().boundary_loops();
     let place = |v: &VertexId| surface.positions()[*v];
     let boundary: Vec<Vec3> = loops.iter().flatten().map(place).collect();
+    let mut apart = spots(&points_on_rim(mesh), &curve, diagonal);
+    let to_curve_max = largest(&apart);
+    let behind: Vec<(FaceId, Vec3)> = (boundary.par_iter())
+        .map(|&p| (panels.closest(p).0, p))
+        .collect();
+    let from_boundary = spots(&behind, &rim_curve, diagonal);
+    let from_curve_max = largest(&from_boundary);
+    apart.extend(from_boundary);
+    let (covered_area, bare) = covered(&panels, surface, &rim_curve);
     let corners: Vec<Vec3> = loops.iter().flat_map(|l| corners(surface, l)).collect();
     let to_vertex = |p: &Vec3| {
         let distances = vertices.iter().map(|v| (v - p).norm());
         distances.fold(f64::INFINITY, f64::min)
     };
     Some(BoundaryFit {
-        vertices_max: farthest(&vertices, &curve),
-        to_curve_max: farthest(&along, &curve),
-        from_curve_max: farthest(&boundary, &rim_curve),
-        covered_area: covered(mesh, surface, &rim_curve),
-        overhang_area: overhang(mesh, surface, &curve),
+        vertices_max: vertices
+            .iter()
+            .map(|p| distance(&curve, *p))
+            .fold(0.0, f64::max)
+            / diagonal,
+        to_curve_max,
+        from_curve_max,
+        covered_area,
+        overhang_area: overhang(&panels, surface, &curve),
         corners: corners.len(),
         corner_max: corners.iter().map(to_vertex).fold(0.0, f64::max) / diagonal,
         rim_area: Metric::small_is_bad(rim_areas(mesh)),
         small: small_rim_faces(mesh),
+        apart,
+        bare,
     })
+}
+
+/// Points of faces with their distances to a curve over a diagonal.
+fn spots(points: &[(FaceId, Vec3)], curve: &BoundaryCurve, diagonal: f64) -> Vec<Spot> {
+    let spot = |&(face, point): &(FaceId, Vec3)| Spot {
+        face,
+        point,
+        distance: distance(curve, point) / diagonal,
+    };
+    points.par_iter().map(spot).collect()
+}
+
+fn largest(spots: &[Spot]) -> f64 {
+    spots.iter().map(|s| s.distance).fold(0.0, f64::max)
+}
+
+/// Points along the edges of the mesh's boundary, each with the face of its edge.
+fn points_on_rim(mesh: &HexMesh) -> Vec<(FaceId, Vec3)> {
+    let topology = mesh.topology();
+    let rim = topology.edges().filter(|&e| topology.is_boundary_edge(e));
+    let of_edge = |e| {
+        let h = topology.edge_half_edge(e);
+        let [a, b] = [topology.origin(h), topology.target(h)].map(|v| mesh.position(v));
+        points_between(a, b).map(move |p| (topology.face(h), p))
+    };
+    rim.flat_map(of_edge).collect()
 }
 
 fn distance(curve: &BoundaryCurve, p: Vec3) -> f64 {
@@ -111,47 +164,62 @@ fn corners(surface: &TriangleSurface, boundary: &[VertexId]) -> Vec<Vec3> {
     (0..n).filter(sharp).map(at).collect()
 }
 
-/// Share of the surface's area whose closest point of the mesh is not on the mesh's boundary.
-fn covered(mesh: &HexMesh, surface: &TriangleSurface, rim: &BoundaryCurve) -> f64 {
-    let panels = ClippedMesh::new(mesh, &FlatFace::all(mesh));
-    let rounding = SAME * surface.diagonal();
+/// Share of the surface's area whose closest point of the mesh is not on the mesh's boundary, and points of the rest.
+fn covered(
+    panels: &ClippedMesh,
+    surface: &TriangleSurface,
+    rim: &BoundaryCurve,
+) -> (f64, Vec<Spot>) {
+    let diagonal = surface.diagonal();
+    let rounding = SAME * diagonal;
     let triangles: Vec<[Vec3; 3]> = (surface.topology().faces())
         .map(|f| surface.corners(f))
         .collect();
-    share_of(&triangles, rim, |p| {
+    let (share, outside) = share_of(&triangles, rim, |p| {
         distance(rim, p) > panels.distance(p) + rounding
-    })
+    });
+    let bare = |&point: &Vec3| {
+        let (face, distance) = panels.closest(point);
+        Spot {
+            face,
+            point,
+            distance: distance / diagonal,
+        }
+    };
+    (share, outside.par_iter().map(bare).collect())
 }
 
 /// Share of the mesh's area whose closest point of the surface is on the surface's boundary.
-fn overhang(mesh: &HexMesh, surface: &TriangleSurface, curve: &BoundaryCurve) -> f64 {
-    let panels = ClippedMesh::new(mesh, &FlatFace::all(mesh));
+fn overhang(panels: &ClippedMesh, surface: &TriangleSurface, curve: &BoundaryCurve) -> f64 {
     let rounding = SAME * surface.diagonal();
     let triangles: Vec<[Vec3; 3]> = (panels.hierarchy.triangles())
         .map(|t| [t.a, t.b, t.c].map(|p| Vec3::new(p.x, p.y, p.z)))
         .collect();
-    share_of(&triangles, curve, |p| {
+    let beyond = |p: Vec3| {
         let foot = surface.closest_point(p).position;
         distance(curve, p) <= (foot - p).norm() + rounding
-    })
+    };
+    share_of(&triangles, curve, beyond).0
 }
 
-/// Share of the triangles' area where a predicate holds that changes near a curve only.
+/// Share of the triangles' area where a predicate holds that changes near a curve only, and points where it does not.
 fn share_of(
     triangles: &[[Vec3; 3]],
     curve: &BoundaryCurve,
     holds: impl Fn(Vec3) -> bool + Sync,
-) -> f64 {
+) -> (f64, Vec<Vec3>) {
     let part = |&[a, b, c]: &[Vec3; 3]| {
         let centre = (a + b + c) / 3.0;
         let reach = [a, b, c].map(|p| (p - centre).norm());
         let near = distance(curve, centre) < reach.into_iter().fold(0.0, f64::max);
-        let points = spread([a, b, c], if near { ROWS } else { 1 });
-        let share = points.iter().filter(|p| holds(**p)).count() as f64 / points.len() as f64;
+        let mut points = spread([a, b, c], if near { ROWS } else { 1 });
+        let all = points.len() as f64;
+        points.retain(|p| !holds(*p));
         let area = (b - a).cross(&(c - a)).norm();
-        (area * share, area)
+        ((area * (1.0 - points.len() as f64 / all), area), points)
     };
-    share(triangles.par_iter().map(part).collect())
+    let parts: (Vec<(f64, f64)>, Vec<Vec<Vec3>>) = triangles.par_iter().map(part).unzip();
+    (share(parts.0), parts.1.concat())
 }
 
 /// The sum of the first over the sum of the second figures, in their order.

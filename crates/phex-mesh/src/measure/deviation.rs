@@ -45,6 +45,9 @@ pub struct Deviation {
     /// Distance of each surface vertex to the mesh, in model units; not serialised.
     #[serde(skip)]
     pub coverage_distance: PerVertex<f64>,
+    /// The face of the mesh closest to each surface vertex; not serialised.
+    #[serde(skip)]
+    pub coverage_face: PerVertex<FaceId>,
     /// Surface vertices that count for `coverage_inner_max`; not serialised.
     #[serde(skip)]
     pub inside: PerVertex<bool>,
@@ -71,7 +74,7 @@ pub fn deviation_beyond(
         .chain(&face_distance)
         .map(|d| d / diagonal)
         .collect();
-    let coverage_distance = to_mesh(surface, mesh);
+    let (coverage_face, coverage_distance) = to_mesh(surface, mesh);
     let coverage = metric(&coverage_distance, diagonal);
     let inside = inside(surface, 2.0 * mesh.mean_edge());
     let inner = coverage_distance.iter().zip(&inside).filter(|(_, i)| **i);
@@ -89,6 +92,7 @@ pub fn deviation_beyond(
         vertex_distance,
         face_distance,
         coverage_distance,
+        coverage_face,
         inside,
     }
 }
@@ -106,10 +110,15 @@ fn to_surface<I: ElementId>(surface: &TriangleSurface, points: &[Vec3]) -> PerEl
     PerElement::from_vec(distances.collect())
 }
 
-fn to_mesh(surface: &TriangleSurface, mesh: &HexMesh) -> PerVertex<f64> {
+/// The face of the mesh closest to each surface vertex, and its distance.
+fn to_mesh(surface: &TriangleSurface, mesh: &HexMesh) -> (PerVertex<FaceId>, PerVertex<f64>) {
     let clipped = ClippedMesh::new(mesh, &FlatFace::all(mesh));
     let points = surface.positions().as_slice();
-    PerVertex::from_vec(points.par_iter().map(|&p| clipped.distance(p)).collect())
+    let closest: (Vec<FaceId>, Vec<f64>) = points.par_iter().map(|&p| clipped.closest(p)).unzip();
+    (
+        PerVertex::from_vec(closest.0),
+        PerVertex::from_vec(closest.1),
+    )
 }
 
 fn sorted_quantile(values: &PerVertex<f64>, q: f64) -> f64 {

@@ -10,6 +10,7 @@
 //! | `edge_length` | over `L` |
 //! | `clearance` | of a face, in its plane: least distance of a vertex to an edge that does not hold it, over `L` |
 //! | `angle` | of a face, in its plane: least interior angle, in degrees |
+//! | `area_ratio` | of a face, over the mean area; those below [`LEAST_RIM_AREA`] are `small_faces`, at the boundary or not |
 //! | `dihedral` | of an interior edge: angle between its faces on the side away from their normals, in degrees; 180 is flat, less is convex |
 //! | `hex` | faces with six corners among the faces without a boundary edge |
 //! | `irregular` | faces without a boundary edge that have not six corners, less the `6 |chi|` that a closed mesh can't do without |
@@ -26,7 +27,7 @@ mod deviation;
 mod evenness;
 mod metric;
 
-pub use boundary_fit::{BoundaryFit, LEAST_RIM_AREA, boundary_fit, small_rim_faces};
+pub use boundary_fit::{BoundaryFit, LEAST_RIM_AREA, Spot, boundary_fit, small_rim_faces};
 pub use deviation::{Deviation, deviation, deviation_beyond};
 pub use evenness::{Evenness, aspect};
 pub use metric::{BINS, Histogram, Metric, WORST};
@@ -100,6 +101,10 @@ pub struct MeshMeasures {
     pub dihedral: Metric<EdgeId>,
     /// Areas of the faces over the total.
     pub face_area: Metric<FaceId>,
+    /// The same over the mean area; small ones are the worst.
+    pub area_ratio: Metric<FaceId>,
+    /// Faces with less than [`LEAST_RIM_AREA`] of the mean area, wherever they are.
+    pub small_faces: Vec<FaceId>,
     /// The values that were summed up; not serialised.
     #[serde(skip)]
     pub per_element: ElementMeasures,
@@ -136,6 +141,8 @@ pub fn measure(mesh: &HexMesh) -> MeshMeasures {
     let values = ElementMeasures::new(mesh, &flat, mean_edge);
     let area: f64 = values.area.iter().sum();
     let face_area = Metric::large_is_bad(scaled(&values.area, 1.0 / area));
+    let over_mean = topology.n_faces() as f64 / area;
+    let small = scaled(&values.area, over_mean).filter(|a| a.1 < LEAST_RIM_AREA);
     MeshMeasures {
         vertices: topology.n_vertices(),
         edges: topology.n_edges(),
@@ -174,6 +181,8 @@ pub fn measure(mesh: &HexMesh) -> MeshMeasures {
         angle: Metric::small_is_bad(least_angles(topology, &values.corner_angle)),
         dihedral: dihedral_metric(&values.dihedral),
         face_area,
+        area_ratio: Metric::small_is_bad(scaled(&values.area, over_mean)),
+        small_faces: small.map(|a| a.0).collect(),
         per_element: values,
     }
 }

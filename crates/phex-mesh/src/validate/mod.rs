@@ -23,10 +23,10 @@ use std::ops::Deref;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ValidateOptions {
-    /// Largest distance of a vertex to the least-squares plane of its face, in mean edges; at least 0. Positions in
-    /// double precision cannot be planar beyond rounding, so what counts is the larger of this and
-    /// [`planarity_floor`]. Default 1e-12: a nanometre on a panel of a kilometre, so "exactly planar".
-    pub planarity: f64,
+    /// Largest distance of a vertex to the least-squares plane of its face, in mean edges; at least 0, and held as it is
+    /// given. Default `None`: 1e-12 (a nanometre on a panel of a kilometre, so "exactly planar"), or [`planarity_floor`]
+    /// where rounding of the coordinates allows no less than that.
+    pub planarity: Option<f64>,
     /// Smallest edge length, in mean edges; at least 0. Default 0.05: shorter edges can't be built, and dihedral
     /// angles and offsets there are badly determined.
     pub edge_length_rel: f64,
@@ -41,11 +41,22 @@ pub struct ValidateOptions {
 impl Default for ValidateOptions {
     fn default() -> Self {
         Self {
-            planarity: 1e-12,
+            planarity: None,
             edge_length_rel: 0.05,
             clearance: 0.05,
             corner_angle: 1e-9,
         }
+    }
+}
+
+/// The limit of planarity, in mean edges, where none is given and coordinates are fine enough for it.
+const PLANAR: f64 = 1e-12;
+
+impl ValidateOptions {
+    /// The limit of planarity for a mesh, in mean edges: what is asked for, or else 1e-12 or rounding, whichever is larger.
+    pub fn planarity_limit(&self, mesh: &HexMesh) -> f64 {
+        let exact = || PLANAR.max(planarity_floor(mesh));
+        self.planarity.unwrap_or_else(exact)
     }
 }
 
@@ -199,7 +210,7 @@ impl<'a> Inspection<'a> {
             options,
             faces: FlatFace::all(mesh),
             mean_edge: mesh.mean_edge(),
-            planarity_limit: options.planarity.max(planarity_floor(mesh)),
+            planarity_limit: options.planarity_limit(mesh),
         }
     }
 

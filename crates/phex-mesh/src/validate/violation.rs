@@ -1,6 +1,6 @@
 //! What can be wrong with a mesh, and where.
 
-use crate::{EdgeId, FaceId, Topology, VertexId};
+use crate::{EdgeId, FaceId, HexMesh, Topology, Vec3, VertexId};
 use serde::Serialize;
 use std::fmt;
 
@@ -149,6 +149,51 @@ impl Violation {
             Self::WrongFan { faces, .. } => faces.to_vec(),
             Self::Fold { faces, .. } => faces.to_vec(),
             Self::Crossing { edge, face, .. } => edge_faces(topology, edge).chain([face]).collect(),
+        }
+    }
+
+    /// Where to look for it, in model coordinates: at the named vertex, the middle of the named edge, or the centre of the named face; for a
+    /// vertex without finite coordinates the mean of the finite ones round it. `None` if there are none.
+    pub fn place(&self, mesh: &HexMesh) -> Option<Vec3> {
+        let place = match *self {
+            Self::NotFinite { .. } => None,
+            Self::NotSimple { face }
+            | Self::NotPlanar { face, .. }
+            | Self::FlippedFace { face, .. } => Some(mesh.centre(face)),
+            Self::SmallClearance { vertex, .. }
+            | Self::FoldedCorner { vertex, .. }
+            | Self::WrongFan { vertex, .. }
+            | Self::WrongDegree { vertex, .. } => Some(mesh.position(vertex)),
+            Self::CollapsedEdge { edge, .. }
+            | Self::Fold { edge, .. }
+            | Self::Crossing { edge, .. } => {
+                let [a, b] = (mesh.topology().edge_vertices(edge)).map(|v| mesh.position(v));
+                Some((a + b) * 0.5)
+            }
+        };
+        let is_finite = |p: &Vec3| p.iter().all(|x| x.is_finite());
+        place.filter(is_finite).or_else(|| {
+            let faces = self.faces(mesh.topology());
+            let corners = faces.iter().flat_map(|f| mesh.corners(*f));
+            let finite: Vec<Vec3> = corners.filter(is_finite).collect();
+            (!finite.is_empty()).then(|| finite.iter().sum::<Vec3>() / finite.len() as f64)
+        })
+    }
+
+    /// How bad it is, to compare violations of one kind; larger is worse.
+    pub fn severity(&self) -> f64 {
+        match *self {
+            Self::NotPlanar { planarity, .. } => planarity,
+            Self::CollapsedEdge { length_rel, .. } => -length_rel,
+            Self::SmallClearance { clearance, .. } => -clearance,
+            Self::FoldedCorner { angle, .. } => -angle.min(std::f64::consts::TAU - angle),
+            Self::WrongFan { turns, .. } => (turns - 1.0).abs(),
+            Self::Fold { angle, .. } => angle,
+            Self::WrongDegree { degree, .. } => degree as f64,
+            Self::NotFinite { .. }
+            | Self::NotSimple { .. }
+            | Self::FlippedFace { .. }
+            | Self::Crossing { .. } => 0.0,
         }
     }
 }

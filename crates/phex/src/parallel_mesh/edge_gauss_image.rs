@@ -50,7 +50,7 @@ pub fn edge_gauss_image(
     mesh: &HexMesh,
     options: &OffsetOptions,
 ) -> Result<EdgeGaussImage, OffsetError> {
-    check_planar_mesh(mesh, options.validity.planarity)?;
+    check_planar_mesh(mesh, &options.validity)?;
     check_connected(mesh)?;
     let normals = vertex_directions(mesh)?;
     let vertices = mesh.topology().vertices();

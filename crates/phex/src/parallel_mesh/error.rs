@@ -3,6 +3,14 @@
 use phex_mesh::{EdgeId, FaceId, VertexId, Violation};
 use thiserror::Error;
 
+/// A figure with as many digits as one reads.
+fn short(value: f64) -> String {
+    match value.abs() {
+        size if size >= 1e-2 || size == 0.0 => format!("{value:.2}"),
+        _ => format!("{value:.1e}"),
+    }
+}
+
 /// Why an offset can't be made; names the element and the cause.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum OffsetError {
@@ -84,7 +92,7 @@ pub enum OffsetError {
     },
     /// A face with an even number of corners does not satisfy the angle condition (4.1).
     #[error(
-        "face {face} does not satisfy the angle condition: the sum of every other angle misses a multiple of 180 degrees by {} degrees ({count} faces in all)", .defect.to_degrees()
+        "face {face} does not satisfy the angle condition: the sum of every other angle misses a multiple of 180 degrees by {} degrees ({count} faces in all)", short(.defect.to_degrees())
     )]
     AngleCondition {
         /// The face that is farthest from it.

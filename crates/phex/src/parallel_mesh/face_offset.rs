@@ -3,8 +3,9 @@
 use super::gauss_image::{GaussImage, OffsetKind};
 use super::vertex_normal::{Displacement, TrivalentVertex, minimum_norm, three_face_displacement};
 use super::{OffsetError, OffsetOptions};
-use phex_mesh::validate::planarity_floor;
-use phex_mesh::{FlatFace, HalfEdgeId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
+use phex_mesh::{
+    FlatFace, HalfEdgeId, HexMesh, PerFace, PerVertex, Topology, ValidateOptions, Vec3, VertexId,
+};
 
 /// Residual, over the largest distance, above which no point is called common to the moved planes.
 const COMMON_POINT: f64 = 1e-9;
@@ -69,7 +70,7 @@ pub fn face_offset(
     distances: &PerFace<f64>,
     options: &OffsetOptions,
 ) -> Result<FaceOffset, OffsetError> {
-    check_planar_mesh(mesh, options.validity.planarity)?;
+    check_planar_mesh(mesh, &options.validity)?;
     check_distances(mesh, distances)?;
     let normals = face_normals(mesh)?;
     let largest = distances.iter().fold(0.0f64, |m, d| m.max(d.abs()));
@@ -137,7 +138,10 @@ pub(super) fn newell(mesh: &HexMesh, topology: &Topology, face: phex_mesh::FaceI
 }
 
 /// Checks coordinates, vertex degrees and planarity.
-pub(super) fn check_planar_mesh(mesh: &HexMesh, planarity: f64) -> Result<(), OffsetError> {
+pub(super) fn check_planar_mesh(
+    mesh: &HexMesh,
+    limits: &ValidateOptions,
+) -> Result<(), OffsetError> {
     let broken = |p: &Vec3| !p.iter().all(|x| x.is_finite());
     if let Some((vertex, _)) = mesh.positions.enumerate().find(|(_, p)| broken(p)) {
         return Err(OffsetError::NotFinite { vertex });
@@ -149,7 +153,7 @@ pub(super) fn check_planar_mesh(mesh: &HexMesh, planarity: f64) -> Result<(), Of
             return Err(OffsetError::WrongDegree { vertex, degree });
         }
     }
-    let (unit, limit) = (mesh.mean_edge(), planarity.max(planarity_floor(mesh)));
+    let (unit, limit) = (mesh.mean_edge(), limits.planarity_limit(mesh));
     let faces = FlatFace::all(mesh);
     let planar = |f: &FlatFace| f.planarity_length <= limit * unit;
     match faces.enumerate().find(|(_, f)| !planar(f)) {

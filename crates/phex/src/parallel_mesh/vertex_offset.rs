@@ -68,7 +68,7 @@ pub fn vertex_gauss_image(
     mesh: &HexMesh,
     options: &OffsetOptions,
 ) -> Result<SphericalMesh, OffsetError> {
-    check_planar_mesh(mesh, options.validity.planarity)?;
+    check_planar_mesh(mesh, &options.validity)?;
     check_angles(mesh, options.angle)?;
     let spherical = spherical_mesh(mesh)?;
     let holonomy = spherical.holonomy;

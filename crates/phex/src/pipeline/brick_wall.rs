@@ -20,6 +20,17 @@ use crate::target::Similarity;
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;
 
+/// Turning angle of the boundary, degrees, above which bricks keep a corner at the most: rows that meet it askew would cut off blunter
+/// ones than other panels do.
+const CORNER: f64 = 30.0;
+
+/// The options with the corners that bricks keep.
+fn with_corners(options: &MeshOptions) -> MeshOptions {
+    let mut options = options.clone();
+    options.target.corner_angle = options.target.corner_angle.min(CORNER);
+    options
+}
+
 /// The ground with everything that bricks are laid on, in normalised coordinates.
 struct Site {
     similarity: Similarity,
@@ -39,6 +50,7 @@ impl Site {
     ) -> Result<Self, PipelineError> {
         let similarity = Similarity::normalising(input);
         let normalised = moved(input, |p| similarity.normalise(p));
+        let options = &with_corners(options);
         let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
         let smooth = &ground.smooth;
         let level = ground.field_level(options);

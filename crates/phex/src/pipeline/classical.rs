@@ -52,17 +52,18 @@ pub(super) fn mesh_with_panels(
     };
     let made = make(&ground, &mut clock).map_err(|e| model.error(e))?;
     let reported = &made.reported;
+    let mut classical = made.classical;
     let mesh = match &made.fine {
         Some(fine) => {
-            clock
-                .timed("trim", || ground.trimmed(&made.mesh, &fine.surface))?
-                .mesh
+            let trimmed = clock.timed("trim", || ground.trimmed(&made.mesh, &fine.surface))?;
+            classical.follow(trimmed.parent.as_slice());
+            trimmed.mesh
         }
         None => made.mesh,
     };
+    classical.compare(&mesh);
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(&fine.surface));
-    let mut classical = made.classical;
     let map = |p: Vec3| similarity.restore(p);
     let outside = classical.outside.take();
     classical.outside_domain = outside.map(|e| e.mapped(|p| model.place(p)).to_string());

@@ -1,9 +1,10 @@
 //! Measures, checks and verdict of a mesh.
 
+use super::check::{Check, boundary_checks, surface_checks, validity_checks};
 use phex_mesh::measure::{
     BoundaryFit, Deviation, MeshMeasures, boundary_fit, deviation_beyond, measure,
 };
-use phex_mesh::validate::{ValidateOptions, Violation, planarity_floor, violations};
+use phex_mesh::validate::{ValidateOptions, Violation, violations};
 use phex_mesh::{HexMesh, TriangleSurface, add_flips};
 use serde::{Deserialize, Serialize};
 
@@ -16,18 +17,31 @@ pub struct Tolerances {
     /// Largest distance between mesh and reference surface, over the diagonal of the surface's bounding box; `None` does
     /// not limit it. PH-CPF allows 0.005.
     pub deviation_rel: Option<f64>,
-    /// What the mesh must keep to at the boundary of an open surface; `None` does not limit it.
-    pub boundary: Option<BoundaryLimit>,
+    /// Largest distance between the boundaries of mesh and open surface, over the same diagonal; `None` does not limit it.
+    pub boundary_rel: Option<f64>,
+    /// Least share of an open surface's area that panels cover, 0 to 1; `None` does not limit it.
+    pub covered: Option<f64>,
 }
 
-/// What a mesh must keep to at the boundary of an open surface.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// A check that was not made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Omitted {
+    /// Name of the check.
+    pub name: &'static str,
+    /// Why not.
+    pub reason: Reason,
+}
+
+/// Why a check was not made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum BoundaryLimit {
-    /// The two boundaries lie within this distance of each other, over the diagonal of the surface's bounding box.
-    Follows(f64),
-    /// Panels cover at least this share of the surface's area.
-    Covers(f64),
+pub enum Reason {
+    /// There is no surface to compare with.
+    NoSurface,
+    /// It is not known what the mesh is to keep to.
+    NoLimit,
+    /// The smooth surface that the mesh was fitted to is not at hand.
+    NoSmoothSurface,
 }
 
 /// The surfaces that a mesh stands for, in its coordinates.
@@ -46,39 +60,6 @@ impl<'a> References<'a> {
     fn judge(&self) -> Option<&'a TriangleSurface> {
         self.smooth.or(self.facets)
     }
-}
-
-/// The kind of element that a check's ids number, from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ElementKind {
-    /// Vertices.
-    Vertex,
-    /// Edges.
-    Edge,
-    /// Faces.
-    Face,
-    /// The mesh as a whole.
-    Mesh,
-}
-
-/// A figure, its limit, and the elements that exceed it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Check {
-    /// Name, as in the table of the documentation.
-    pub name: &'static str,
-    /// The limit; a smallest one for `edge_length`, `clearance` and `covered_area`, else a largest one.
-    pub limit: f64,
-    /// The figure; for checks that count, the number of offenders.
-    pub value: f64,
-    /// Whether the check holds.
-    pub pass: bool,
-    /// Whether a failure means that the mesh is no panelling at all.
-    pub decisive: bool,
-    /// What the ids number.
-    pub element: ElementKind,
-    /// The offenders, in order.
-    pub ids: Vec<usize>,
 }
 
 /// What the checks amount to.
@@ -100,6 +81,8 @@ pub struct Assessment {
     pub verdict: Verdict,
     /// Every check that was made.
     pub checks: Vec<Check>,
+    /// Every check that was not.
+    pub not_checked: Vec<Omitted>,
     /// Figures of the mesh.
     pub measures: MeshMeasures,
     /// Distance to the smooth target.
@@ -125,15 +108,17 @@ impl Assessment {
         let deviation_facets = references.facets.map(|s| away(s, 1));
         let boundary = references.judge().and_then(|s| boundary_fit(mesh, s));
         let mut checks = validity_checks(mesh, &measures, &violations, &tolerances.validity);
-        if let Some(deviation) = deviation_smooth.as_ref().or(deviation_facets.as_ref()) {
-            checks.extend(surface_checks(mesh, deviation, tolerances));
-        }
-        if let (Some(fit), Some(limit)) = (&boundary, tolerances.boundary) {
-            checks.push(boundary_check(fit, limit));
+        let deviation = deviation_smooth.as_ref().or(deviation_facets.as_ref());
+        if let (Some(deviation), Some(surface)) = (deviation, references.judge()) {
+            checks.extend(surface_checks(mesh, surface, deviation, tolerances));
+            if let Some(fit) = &boundary {
+                checks.extend(boundary_checks(fit, deviation.diagonal, tolerances));
+            }
         }
         Self {
             verdict: verdict(&checks),
             checks,
+            not_checked: omitted(references.judge(), boundary.is_some(), tolerances),
             measures,
             deviation_smooth,
             deviation_facets,
@@ -155,6 +140,36 @@ impl Assessment {
     }
 }
 
+/// The checks that a mesh is not put to; `ends` says whether mesh and surface both have a boundary.
+fn omitted(surface: Option<&TriangleSurface>, ends: bool, tolerances: &Tolerances) -> Vec<Omitted> {
+    let free = tolerances.boundary_rel.is_none() && tolerances.covered.is_none();
+    let no_limit = |name, without: bool| without.then_some((name, Reason::NoLimit));
+    let named: Vec<(&'static str, Reason)> = match surface {
+        None => [
+            "same_topology",
+            "deviation",
+            "coverage_inner",
+            "boundary",
+            "covered_area",
+        ]
+        .map(|name| (name, Reason::NoSurface))
+        .to_vec(),
+        Some(_) => [
+            no_limit("deviation", tolerances.deviation_rel.is_none()),
+            no_limit("coverage_inner", tolerances.deviation_rel.is_none()),
+            no_limit("boundary", ends && free),
+            no_limit("covered_area", ends && free),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
+    };
+    let omitted = named.into_iter();
+    omitted
+        .map(|(name, reason)| Omitted { name, reason })
+        .collect()
+}
+
 fn verdict(checks: &[Check]) -> Verdict {
     let of = |check: &Check| match (check.pass, check.decisive) {
         (true, _) => Verdict::Pass,
@@ -162,178 +177,6 @@ fn verdict(checks: &[Check]) -> Verdict {
         (false, true) => Verdict::Invalid,
     };
     checks.iter().map(of).max().unwrap_or(Verdict::Pass)
-}
-
-/// Checks that count violations of a kind: name, kind, what the ids number, whether one offender is decisive.
-const COUNTED: [(&str, &str, ElementKind, bool); 8] = [
-    ("finite", "not_finite", ElementKind::Vertex, true),
-    ("faces_not_simple", "not_simple", ElementKind::Face, true),
-    ("folded_corners", "folded_corner", ElementKind::Face, true),
-    ("flipped_faces", "flipped_face", ElementKind::Face, true),
-    ("wrong_fans", "wrong_fan", ElementKind::Vertex, true),
-    ("wrong_degree", "wrong_degree", ElementKind::Vertex, true),
-    ("crossings", "crossing", ElementKind::Edge, true),
-    ("folds", "fold", ElementKind::Edge, false),
-];
-
-fn validity_checks(
-    mesh: &HexMesh,
-    measures: &MeshMeasures,
-    violations: &[Violation],
-    limits: &ValidateOptions,
-) -> Vec<Check> {
-    let counted = COUNTED.map(|(name, kind, element, decisive)| {
-        let ids = offenders(violations, kind);
-        let value = ids.len() as f64;
-        Check {
-            name,
-            limit: 0.0,
-            value,
-            pass: ids.is_empty(),
-            decisive,
-            element,
-            ids,
-        }
-    });
-    let planarity = limits.planarity.max(planarity_floor(mesh));
-    let (clearance, edge) = (limits.clearance, limits.edge_length_rel);
-    use ElementKind::{Edge, Face};
-    let measured = [
-        (
-            "planarity",
-            "not_planar",
-            Face,
-            planarity,
-            measures.planarity.max,
-        ),
-        (
-            "clearance",
-            "small_clearance",
-            Face,
-            clearance,
-            measures.clearance.min,
-        ),
-        (
-            "edge_length",
-            "collapsed_edge",
-            Edge,
-            edge,
-            measures.edge_length.min,
-        ),
-    ];
-    let measured = measured.map(|(name, kind, element, limit, value)| {
-        let ids = offenders(violations, kind);
-        Check {
-            name,
-            limit,
-            value,
-            pass: ids.is_empty(),
-            decisive: false,
-            element,
-            ids,
-        }
-    });
-    measured.into_iter().chain(counted).collect()
-}
-
-/// Numbers of the elements with a violation of a kind, in order.
-fn offenders(violations: &[Violation], kind: &str) -> Vec<usize> {
-    let of_kind = violations.iter().filter(|v| v.kind() == kind);
-    let mut ids: Vec<usize> = of_kind.map(element).collect();
-    ids.sort_unstable();
-    ids.dedup();
-    ids
-}
-
-/// Number of the element that a violation is listed under.
-fn element(violation: &Violation) -> usize {
-    match *violation {
-        Violation::NotFinite { vertex }
-        | Violation::WrongFan { vertex, .. }
-        | Violation::WrongDegree { vertex, .. } => vertex.index(),
-        Violation::NotSimple { face }
-        | Violation::NotPlanar { face, .. }
-        | Violation::SmallClearance { face, .. }
-        | Violation::FoldedCorner { face, .. }
-        | Violation::FlippedFace { face, .. } => face.index(),
-        Violation::CollapsedEdge { edge, .. }
-        | Violation::Fold { edge, .. }
-        | Violation::Crossing { edge, .. } => edge.index(),
-    }
-}
-
-fn surface_checks(mesh: &HexMesh, deviation: &Deviation, tolerances: &Tolerances) -> Vec<Check> {
-    let mut checks = vec![topology_check(deviation)];
-    let Some(limit) = tolerances.deviation_rel else {
-        return checks;
-    };
-    let length = limit * deviation.diagonal;
-    let topology = mesh.topology();
-    let far = topology.faces().filter(|&f| {
-        let corners = topology.face_vertices(f).iter();
-        deviation.face_distance[f] > length
-            || corners
-                .into_iter()
-                .any(|&v| deviation.vertex_distance[v] > length)
-    });
-    let within = |name, value: f64, element, ids| Check {
-        name,
-        limit,
-        value,
-        pass: value <= limit,
-        decisive: false,
-        element,
-        ids,
-    };
-    let faces = far.map(|f| f.index()).collect();
-    checks.push(within(
-        "deviation",
-        deviation.deviation_max,
-        ElementKind::Face,
-        faces,
-    ));
-    let value = deviation.coverage_inner_max;
-    checks.push(within(
-        "coverage_inner",
-        value,
-        ElementKind::Mesh,
-        Vec::new(),
-    ));
-    checks
-}
-
-fn boundary_check(fit: &BoundaryFit, limit: BoundaryLimit) -> Check {
-    let (name, limit, value, pass) = match limit {
-        BoundaryLimit::Follows(limit) => {
-            let distance = fit.distance_max();
-            ("boundary", limit, distance, distance <= limit)
-        }
-        BoundaryLimit::Covers(limit) => {
-            let covered = fit.covered_area;
-            ("covered_area", limit, covered, covered >= limit)
-        }
-    };
-    Check {
-        name,
-        limit,
-        value,
-        pass,
-        decisive: false,
-        element: ElementKind::Mesh,
-        ids: Vec::new(),
-    }
-}
-
-fn topology_check(deviation: &Deviation) -> Check {
-    Check {
-        name: "same_topology",
-        limit: 0.0,
-        value: f64::from(u8::from(!deviation.same_topology)),
-        pass: deviation.same_topology,
-        decisive: false,
-        element: ElementKind::Mesh,
-        ids: Vec::new(),
-    }
 }
 
 #[cfg(test)]

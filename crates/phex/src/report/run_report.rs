@@ -1,7 +1,7 @@
 //! The JSON report of a run.
 
 use super::maps::FeatureSizes;
-use super::{Assessment, Check, Verdict};
+use super::{Assessment, Check, Omitted, Verdict};
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures};
 use phex_mesh::validate::Violation;
 use serde::Serialize;
@@ -88,6 +88,10 @@ pub struct RunReport {
     pub verdict: Verdict,
     /// Every check that was made.
     pub checks: Vec<Check>,
+    /// Every check that was not.
+    pub not_checked: Vec<Omitted>,
+    /// What the mesh was judged by, as it was typed: `planarity`, `max_deviation`, `boundary`, `unit`; `phex check --report-of` reads it.
+    pub limits: Value,
     /// Figures of the mesh.
     pub measures: MeshMeasures,
     /// Distance to the smooth target.
@@ -123,6 +127,8 @@ impl RunReport {
             outcome: Value::Null,
             verdict: assessment.verdict,
             checks: assessment.checks,
+            not_checked: assessment.not_checked,
+            limits: Value::Null,
             measures: assessment.measures,
             deviation_smooth: assessment.deviation_smooth,
             deviation_facets: assessment.deviation_facets,
@@ -139,6 +145,7 @@ impl RunReport {
         Assessment {
             verdict: self.verdict,
             checks: self.checks.clone(),
+            not_checked: self.not_checked.clone(),
             measures: self.measures.clone(),
             deviation_smooth: self.deviation_smooth.clone(),
             deviation_facets: self.deviation_facets.clone(),

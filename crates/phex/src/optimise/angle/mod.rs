@@ -46,6 +46,7 @@ use super::panels::{Panels, Shape, points, unknowns};
 use super::solvers::energy_assembly;
 use super::{Reference, Stage, Target, check_mesh, kinds_of};
 use crate::progress::Progress;
+use phex_mesh::validate::planarity_floor;
 use phex_mesh::{HexMesh, PerVertex, ValidateOptions, violations};
 use phex_numeric::{Outcome, Status};
 use serde::{Deserialize, Serialize};
@@ -217,8 +218,9 @@ impl Rank {
 
 /// What is wrong with a mesh in itself.
 fn n_violations(mesh: &HexMesh, options: &AngleOptions) -> usize {
+    let planarity = options.optimise.planarity_tolerance;
     let validity = ValidateOptions {
-        planarity: options.optimise.planarity_tolerance,
+        planarity: Some(planarity.max(planarity_floor(mesh))),
         ..ValidateOptions::default()
     };
     violations(mesh, None, &validity).len()

@@ -338,7 +338,7 @@ fn two_holes_have_a_holonomy() {
         angle: 1.0,
         ..OffsetOptions::default()
     };
-    loose.validity.planarity = 1.0;
+    loose.validity.planarity = Some(1.0);
     let refused = vertex_gauss_image(&holed, &loose).unwrap_err();
     let OffsetError::Holonomy {
         defect,

@@ -98,6 +98,9 @@ impl<'a> Start<'a> {
             goldberg: None,
             edges_at_bound: None,
             forecast: None,
+            forecast_taken_out: None,
+            forecast_came_true: None,
+            foreseen: Vec::new(),
             in_doubt: None,
         }
     }

@@ -6,7 +6,7 @@ use crate::layout::duality::{Flipped, Plane, without_broken_rim};
 use crate::layout::forecast::forecast;
 use crate::layout::projective_dual::DualDefects;
 use crate::pipeline::Method;
-use phex_mesh::{HexMesh, PerFace};
+use phex_mesh::{ElementId, FaceId, FlatFace, HexMesh, PerFace, polygon::is_simple};
 use serde::Serialize;
 
 /// What a method by planes and poles met with.
@@ -37,6 +37,13 @@ pub struct ClassicalStatistics {
     pub edges_at_bound: Option<usize>,
     /// Panels that the sign rule says will cross themselves; nothing where there is no layout to ask, or panels are those of a convex hull.
     pub forecast: Option<usize>,
+    /// How many of these were taken out on the way or by the boundary.
+    pub forecast_taken_out: Option<usize>,
+    /// How many of these are in the mesh and cross themselves.
+    pub forecast_came_true: Option<usize>,
+    /// The foreseen panels that are still there, by their numbers now.
+    #[serde(skip)]
+    pub(super) foreseen: Vec<FaceId>,
     /// Panels of which it says they will not, but where terms of third order may decide otherwise.
     pub in_doubt: Option<usize>,
 }
@@ -56,12 +63,30 @@ impl ClassicalStatistics {
         }
         let (left, kept) = without_broken_rim(&mesh, planes);
         self.taken_out += planes.len() - kept.len();
+        self.follow(&kept);
         left
+    }
+
+    /// Goes on with the foreseen panels among those that are left; `left` says which panel each of them was.
+    pub(super) fn follow(&mut self, left: &[FaceId]) {
+        let numbers = left.iter().enumerate();
+        let foreseen = numbers.filter(|(_, was)| self.foreseen.contains(was));
+        self.foreseen = foreseen.map(|(now, _)| FaceId::from_index(now)).collect();
+    }
+
+    /// Counts what became of the foreseen panels in the finished mesh.
+    pub(super) fn compare(&mut self, mesh: &HexMesh) {
+        let flat = FlatFace::all(mesh);
+        let crossed = |f: &&FaceId| !is_simple(&flat[**f].polygon);
+        self.forecast_taken_out = self.forecast.map(|n| n.saturating_sub(self.foreseen.len()));
+        self.forecast_came_true =
+            (self.forecast).map(|_| self.foreseen.iter().filter(crossed).count());
     }
 
     pub(super) fn foresee(&mut self, layout: &Layout) {
         let told = forecast(layout);
         self.forecast = Some(told.crossing.len());
+        self.foreseen.clone_from(&told.crossing);
         self.in_doubt = Some(told.in_doubt.len());
     }
 }

@@ -1,18 +1,20 @@
-//! Whether panels are small enough for the surface: the length of a panel times the largest curvature under it.
+//! Whether panels are small enough for the surface: how far the surface turns from one corner of a panel to another.
 
-use super::values::principal_at;
 use crate::curvature::{self, CurvatureOptions};
-use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3};
+use crate::report::Check;
+use nalgebra::Matrix3;
+use phex_mesh::{FaceId, HexMesh, SurfacePoint, TriangleSurface, Vec3};
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Largest length times curvature of a panel that resolves the surface. From 1 on the panel is longer than the radius of
-/// curvature: the surface turns by more than a radian under it.
+/// curvature in some direction: the surface turns by more than a radian under it.
 pub(super) const BOUND: f64 = 1.0;
 /// Where curvature is looked at, over the side of a square of a panel's area: details half as large as a panel count.
 const SCALE: f64 = 0.5;
 
-/// `L k_max` of every panel: its diameter (largest distance of two corners) times the largest absolute principal curvature
-/// of the surface at its centre and corners. No unit.
+/// `max L(d) |k(d)|` of every panel, over the directions `d` from one of its corners to another: their distance times the largest absolute
+/// normal curvature of the surface in that direction at the panel's centre and corners. No unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FeatureSizes {
     /// Values above this are of panels that are too large for the surface's features.
@@ -33,17 +35,20 @@ impl FeatureSizes {
         let curvature = curvature::curvature(surface, SCALE * side, &CurvatureOptions::default());
         let mut points = mesh.positions.as_slice().to_vec();
         points.extend(topology.faces().map(|f| mesh.centre(f)));
-        let bend: Vec<f64> = surface
-            .closest_points(&points)
-            .iter()
-            .map(|p| principal_at(surface, &curvature, p).large.abs())
-            .collect();
-        let largest = |f: FaceId| {
-            let corners = topology.face_vertices(f).iter().map(|v| bend[v.index()]);
-            corners.fold(bend[topology.n_vertices() + f.index()], f64::max)
+        let tensor = |p: &SurfacePoint| -> (Vec3, Matrix3<f64>) {
+            let corners = surface.topology().face_vertices(p.triangle).iter();
+            let parts = corners.zip(p.barycentric);
+            (p.normal, parts.map(|(&v, b)| curvature.tensor[v] * b).sum())
         };
-        let value = |f: FaceId| diameter(mesh, f) * largest(f);
-        let per_face: Vec<f64> = topology.faces().map(value).collect();
+        let bend: Vec<_> = surface.closest_points(&points).iter().map(tensor).collect();
+        let turn = |f: FaceId| {
+            let corners = topology.face_vertices(f).iter().map(|v| v.index());
+            let there = corners.chain([topology.n_vertices() + f.index()]);
+            let arms = arms(mesh, f);
+            let largest = |k: usize| arms.iter().map(|a| turned(a, &bend[k])).fold(0.0, f64::max);
+            there.map(largest).fold(0.0, f64::max)
+        };
+        let per_face: Vec<f64> = topology.faces().map(turn).collect();
         let is_coarse = |k: &usize| per_face[*k] > BOUND;
         Self {
             bound: BOUND,
@@ -53,29 +58,43 @@ impl FeatureSizes {
         }
     }
 
-    /// What to tell the user where panels are too large.
-    pub fn warning(&self) -> Option<String> {
-        let count = self.coarse.len();
-        (count > 0).then(|| {
-            format!(
-                "the surface has features below the panel size: {count} of {} panels are longer than its radius of curvature \
-                 (length times curvature up to {:.2}, bound {})",
-                self.per_face.len(),
-                self.max,
-                self.bound
-            )
-        })
+    /// What to tell the user where panels are too large and the surface is missed there, which the failed ones of the checks say.
+    pub fn warning(&self, checks: &[Check]) -> Option<String> {
+        let distances = ["deviation", "coverage_inner"];
+        let failed = checks.iter().filter(|c| distances.contains(&c.name));
+        let missed: BTreeSet<usize> = failed.flat_map(|c| c.faces.iter().copied()).collect();
+        let coarse: Vec<usize> = self
+            .coarse
+            .iter()
+            .copied()
+            .filter(|f| missed.contains(f))
+            .collect();
+        let first = coarse.first()?;
+        let largest = coarse.iter().map(|&f| self.per_face[f]).fold(0.0, f64::max);
+        Some(format!(
+            "the surface has features below the panel size: {} of {} panels miss it and are longer than its radius of curvature in that direction \
+             (length times curvature up to {largest:.2}, bound {}; first face {first})",
+            coarse.len(),
+            self.per_face.len(),
+            self.bound
+        ))
     }
 }
 
-/// Largest distance of two corners.
-fn diameter(mesh: &HexMesh, face: FaceId) -> f64 {
-    let corners: Vec<Vec3> = mesh
-        .topology()
-        .face_vertices(face)
-        .iter()
-        .map(|&v| mesh.position(v))
-        .collect();
-    let from = |p: &Vec3| corners.iter().map(|q| (p - q).norm()).fold(0.0, f64::max);
-    corners.iter().map(from).fold(0.0, f64::max)
+/// Vectors from each corner of a panel to the later ones.
+fn arms(mesh: &HexMesh, face: FaceId) -> Vec<Vec3> {
+    let corners: Vec<Vec3> = mesh.corners(face).collect();
+    let later = |k: usize| corners[k + 1..].iter().map(move |q| (k, q));
+    let pairs = (0..corners.len()).flat_map(later);
+    pairs.map(|(k, q)| q - corners[k]).collect()
+}
+
+/// How far the surface turns along a vector, in radians: its length times the normal curvature in its direction, where normal and shape operator
+/// are given.
+fn turned(arm: &Vec3, (normal, tensor): &(Vec3, Matrix3<f64>)) -> f64 {
+    let along = arm - normal * normal.dot(arm);
+    let Some(direction) = along.try_normalize(0.0) else {
+        return 0.0;
+    };
+    arm.norm() * direction.dot(&(tensor * direction)).abs()
 }

@@ -12,7 +12,7 @@
 //! | [`Map::EdgeLength`] | edge | over the mean edge | 1/4 to 4, logarithmic |
 //! | [`Map::Dihedral`] | edge | angle between the panels, degrees; less than 180 is convex | 160 to 200 |
 //! | [`Map::Curvature`] | face | `k1 / k2` with `abs(k1) <= abs(k2)`: has the sign of `K`, 0 is parabolic | -1 to 1 |
-//! | [`Map::FeatureSize`] | face | panel's diameter times largest curvature under it ([`FeatureSizes`]) | 0 to 2 |
+//! | [`Map::FeatureSize`] | face | distance of two corners times the curvature under it in that direction, the largest ([`FeatureSizes`]) | 0 to 2 |
 //! | [`Map::Valence`] | face | number of corners, hexagons convex or concave | classes |
 //! | [`Map::Validity`] | face | what holds of the panel | classes |
 

@@ -204,11 +204,49 @@ fn panels_longer_than_the_radius_of_curvature_are_too_large() {
     let longest = lengths.fold(0.0, f64::max);
     let sizes = FeatureSizes::new(&small, &surface);
     assert!((sizes.max / longest - 1.0).abs() < 0.05, "the radius is 1");
-    assert!(sizes.coarse.is_empty() && sizes.warning().is_none());
+    let judged = |mesh: &HexMesh| {
+        let references = References {
+            facets: Some(&surface),
+            ..Default::default()
+        };
+        let tolerances = Tolerances {
+            deviation_rel: Some(0.005),
+            ..Default::default()
+        };
+        Assessment::new(mesh, references, &tolerances).checks
+    };
+    assert!(sizes.coarse.is_empty() && sizes.warning(&judged(&small)).is_none());
 
     let octant = vec![Vec3::x(), Vec3::y(), Vec3::z()];
     let large = HexMesh::new(octant, &[[0, 1, 2]]).unwrap();
     let sizes = FeatureSizes::new(&large, &surface);
     assert_eq!(sizes.coarse, [0], "the square root of 2");
-    assert!(sizes.warning().unwrap().contains("below the panel size"));
+    let warning = sizes.warning(&judged(&large)).unwrap();
+    assert!(warning.contains("below the panel size"));
+    assert_eq!(sizes.warning(&[]), None, "where the surface is not missed");
+}
+
+#[test]
+fn a_panel_may_be_long_where_the_surface_is_straight() {
+    // A strip of a cylinder of radius 1 about the x axis, and a panel 4 long and 0.2 round.
+    let at = |x: f64, angle: f64| Vec3::new(x, angle.sin(), angle.cos());
+    let (columns, rows) = (41u32, 21u32);
+    let places = (0..columns * rows).map(|v| {
+        let (i, k) = (f64::from(v % columns), f64::from(v / columns));
+        at(0.15 * i - 3.0, 0.05 * k - 0.5)
+    });
+    let cells = (0..(columns - 1) * (rows - 1)).map(|c| (c % (columns - 1), c / (columns - 1)));
+    let triangles: Vec<[u32; 3]> = cells
+        .flat_map(|(i, k)| {
+            let a = k * columns + i;
+            let (b, c, d) = (a + columns, a + columns + 1, a + 1);
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    let surface = TriangleSurface::new(places.collect(), &triangles).unwrap();
+    let corners = [(-2.0, -0.1), (-2.0, 0.1), (2.0, 0.1), (2.0, -0.1)];
+    let positions = corners.map(|(x, angle)| at(x, angle)).to_vec();
+    let mesh = HexMesh::new(positions, &[[0, 1, 2, 3]]).unwrap();
+    let sizes = FeatureSizes::new(&mesh, &surface);
+    assert!(sizes.max > 0.1 && sizes.max < 0.3, "{}", sizes.max);
 }

@@ -1,0 +1,108 @@
+//! What an earlier run promised, as its report tells it: limits and surfaces, so that its mesh can be judged again in the same way.
+
+use crate::exit::{Exit, Failure, OrExit};
+use crate::input::MeshFile;
+use crate::verdict::TypedLimits;
+use anyhow::Context;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// The part of a run report that says what its mesh was judged by.
+#[derive(Debug, Deserialize)]
+pub struct Promise {
+    command: String,
+    limits: Option<TypedLimits>,
+    inputs: Vec<Read>,
+    outputs: Vec<Written>,
+    /// Where the report lies.
+    #[serde(skip)]
+    folder: PathBuf,
+}
+
+#[derive(Debug, Deserialize)]
+struct Read {
+    path: PathBuf,
+    sha256: String,
+}
+
+#[derive(Debug, Deserialize)]
+struct Written {
+    content: String,
+    path: PathBuf,
+}
+
+impl Promise {
+    /// Reads a run report.
+    ///
+    /// # Errors
+    /// If the file can't be read or is no run report.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let name = || path.display().to_string();
+        let text = std::fs::read_to_string(path).with_context(name);
+        let text = text.or_exit(Exit::InputUnusable)?;
+        let promise = serde_json::from_str::<Self>(&text);
+        let promise = promise.with_context(|| format!("{} is no run report", name()));
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        Ok(Self {
+            folder,
+            ..promise.or_exit(Exit::InputUnusable)?
+        })
+    }
+
+    /// What the mesh was judged by.
+    ///
+    /// # Errors
+    /// If the report does not say it.
+    pub fn limits(&self) -> Result<TypedLimits, Failure> {
+        self.limits.ok_or_else(|| {
+            Failure::input("the report does not say what its mesh was judged by: it is of another command, or of an earlier version")
+        })
+    }
+
+    /// The surface that the run was given; nothing if there was none.
+    ///
+    /// # Errors
+    /// If the file is not there any more, or is another one.
+    pub fn surface(&self) -> Result<Option<MeshFile>, Failure> {
+        // `mesh` reads the surface first, the others the mesh.
+        let place = usize::from(self.command != "mesh");
+        let Some(read) = self.inputs.get(place) else {
+            return Ok(None);
+        };
+        let path = self.found(&read.path).ok_or_else(|| {
+            let path = read.path.display();
+            Failure::input(format!(
+                "{path}: the surface of the report is not there; give it with --surface"
+            ))
+        })?;
+        let file = MeshFile::read(&path)?;
+        if file.record.sha256 != read.sha256 {
+            let path = path.display();
+            return Err(Failure::input(format!(
+                "{path}: has changed since the report was written; give the surface with --surface"
+            )));
+        }
+        Ok(Some(file))
+    }
+
+    /// The smooth surface that the run wrote; nothing if it wrote none, or that is not there any more.
+    ///
+    /// # Errors
+    /// If the file can't be used.
+    pub fn smooth(&self) -> Result<Option<MeshFile>, Failure> {
+        let smooth = self.outputs.iter().find(|o| o.content == "smooth_target");
+        let path = smooth.and_then(|o| self.found(&o.path));
+        path.as_deref().map(MeshFile::read).transpose()
+    }
+
+    /// Whether the run judged its mesh by a smooth surface.
+    pub fn has_smooth(&self) -> bool {
+        self.command == "mesh"
+    }
+
+    /// A file of the report: where it says, or from where the report lies.
+    fn found(&self, path: &Path) -> Option<PathBuf> {
+        let places = [path.to_path_buf(), self.folder.join(path)];
+        places.into_iter().find(|p| p.is_file())
+    }
+}

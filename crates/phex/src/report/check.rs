@@ -1,0 +1,370 @@
+//! One check: a figure, its limit, the panels that exceed it, the worst place, and what would help.
+
+use super::Tolerances;
+use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures, Spot};
+use phex_mesh::validate::{ValidateOptions, Violation, planarity_floor};
+use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3, VertexId};
+use serde::Serialize;
+use std::collections::BTreeSet;
+
+/// The kind of element that a check's ids number, from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ElementKind {
+    /// Vertices.
+    Vertex,
+    /// Edges.
+    Edge,
+    /// Faces.
+    Face,
+    /// The mesh as a whole.
+    Mesh,
+}
+
+/// What a check's limit and figure are given in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scale {
+    /// A number of elements.
+    Count,
+    /// Mean edges of the mesh.
+    MeanEdges,
+    /// Diagonals of the surface's bounding box.
+    Diagonals,
+    /// Share of the surface's area, 0 to 1.
+    Area,
+}
+
+/// Limit and figure in the unit in which the limit was typed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reading {
+    /// The unit.
+    pub unit: String,
+    /// The limit.
+    pub limit: f64,
+    /// The figure.
+    pub value: f64,
+}
+
+/// A figure, its limit, and the elements that exceed it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// Name, as in the table of the documentation.
+    pub name: &'static str,
+    /// The limit; a smallest one for `edge_length`, `clearance` and `covered_area`, else a largest one.
+    pub limit: f64,
+    /// The figure; for checks that count, the number of offenders.
+    pub value: f64,
+    /// What the two are given in.
+    pub scale: Scale,
+    /// The limit as a length in model units; `None` where it is none.
+    pub limit_length: Option<f64>,
+    /// The figure as a length in model units; `None` where it is none.
+    pub value_length: Option<f64>,
+    /// Both as the user typed the limit; `None` where none was typed, or in the unit of `scale`.
+    pub reading: Option<Reading>,
+    /// Whether the check holds.
+    pub pass: bool,
+    /// Whether a failure means that the mesh is no panelling at all.
+    pub decisive: bool,
+    /// What the ids number.
+    pub element: ElementKind,
+    /// The offenders, in order.
+    pub ids: Vec<usize>,
+    /// The faces that take part in a failure, in order: the offenders, those that hold them, or those closest to the place.
+    pub faces: Vec<usize>,
+    /// Where it is worst, in model coordinates; `None` where the check holds.
+    pub place: Option<[f64; 3]>,
+    /// What would help; `None` where the check holds, or where nothing general can be said.
+    pub advice: Option<String>,
+}
+
+impl Check {
+    /// A check without offenders.
+    fn new(name: &'static str, [limit, value]: [f64; 2], scale: Scale, pass: bool) -> Self {
+        Self {
+            name,
+            limit,
+            value,
+            scale,
+            limit_length: None,
+            value_length: None,
+            reading: None,
+            pass,
+            decisive: false,
+            element: ElementKind::Face,
+            ids: Vec::new(),
+            faces: Vec::new(),
+            place: None,
+            advice: None,
+        }
+    }
+
+    /// The same with both figures as lengths; `unit` is the length of 1 in its scale.
+    fn as_lengths(self, unit: f64) -> Self {
+        Self {
+            limit_length: Some(self.limit * unit),
+            value_length: Some(self.value * unit),
+            ..self
+        }
+    }
+
+    /// The same with faces as offenders, if it fails.
+    fn at(self, faces: impl IntoIterator<Item = FaceId>, place: Option<Vec3>) -> Self {
+        if self.pass {
+            return self;
+        }
+        let faces: BTreeSet<usize> = faces.into_iter().map(FaceId::index).collect();
+        Self {
+            ids: faces.iter().copied().collect(),
+            faces: faces.into_iter().collect(),
+            place: place.map(Into::into),
+            ..self
+        }
+    }
+
+    /// The same with the elements of violations as offenders.
+    fn named(self, mesh: &HexMesh, found: &[&Violation], element: ElementKind) -> Self {
+        let faces = found.iter().flat_map(|v| v.faces(mesh.topology()));
+        let worst = found.iter().rev();
+        let worst = worst.max_by(|a, b| a.severity().total_cmp(&b.severity()));
+        let ids: BTreeSet<usize> = found.iter().map(|v| number(v)).collect();
+        Self {
+            element,
+            ids: ids.into_iter().collect(),
+            ..self.at(faces, worst.and_then(|v| v.place(mesh)))
+        }
+    }
+
+    /// The same with what would help, if it fails.
+    fn advised(self, advice: &str) -> Self {
+        let advice = (!self.pass).then(|| advice.to_owned());
+        Self { advice, ..self }
+    }
+}
+
+/// Number of the element that a violation is listed under.
+fn number(violation: &Violation) -> usize {
+    match *violation {
+        Violation::NotFinite { vertex }
+        | Violation::WrongFan { vertex, .. }
+        | Violation::WrongDegree { vertex, .. } => vertex.index(),
+        Violation::NotSimple { face }
+        | Violation::NotPlanar { face, .. }
+        | Violation::SmallClearance { face, .. }
+        | Violation::FoldedCorner { face, .. }
+        | Violation::FlippedFace { face, .. } => face.index(),
+        Violation::CollapsedEdge { edge, .. }
+        | Violation::Fold { edge, .. }
+        | Violation::Crossing { edge, .. } => edge.index(),
+    }
+}
+
+/// Checks that count violations of a kind: name, kind, what the ids number, whether one offender is decisive.
+const COUNTED: [(&str, &str, ElementKind, bool); 8] = [
+    ("finite", "not_finite", ElementKind::Vertex, true),
+    ("faces_not_simple", "not_simple", ElementKind::Face, true),
+    ("folded_corners", "folded_corner", ElementKind::Face, true),
+    ("flipped_faces", "flipped_face", ElementKind::Face, true),
+    ("wrong_fans", "wrong_fan", ElementKind::Vertex, true),
+    ("wrong_degree", "wrong_degree", ElementKind::Vertex, true),
+    ("crossings", "crossing", ElementKind::Edge, true),
+    ("folds", "fold", ElementKind::Edge, false),
+];
+
+/// The checks of a mesh in itself.
+pub(super) fn validity_checks(
+    mesh: &HexMesh,
+    measures: &MeshMeasures,
+    violations: &[Violation],
+    limits: &ValidateOptions,
+) -> Vec<Check> {
+    let of_kind = |kind: &str| -> Vec<&Violation> {
+        violations.iter().filter(|v| v.kind() == kind).collect()
+    };
+    let counted = COUNTED.map(|(name, kind, element, decisive)| {
+        let found = of_kind(kind);
+        let check = Check::new(name, [0.0, 0.0], Scale::Count, found.is_empty());
+        let check = check.named(mesh, &found, element);
+        Check {
+            value: check.ids.len() as f64,
+            decisive,
+            ..check
+        }
+    });
+    let planarity = limits.planarity_limit(mesh);
+    use ElementKind::{Edge, Face};
+    #[rustfmt::skip]
+    let measured = [
+        ("planarity", "not_planar", Face, [planarity, measures.planarity.max]),
+        ("clearance", "small_clearance", Face, [limits.clearance, measures.clearance.min]),
+        ("edge_length", "collapsed_edge", Edge, [limits.edge_length_rel, measures.edge_length.min]),
+    ];
+    let measured = measured.map(|(name, kind, element, figures)| {
+        let found = of_kind(kind);
+        let check = Check::new(name, figures, Scale::MeanEdges, found.is_empty());
+        let check = check.as_lengths(measures.mean_edge);
+        check.named(mesh, &found, element)
+    });
+    let rounding = planarity_floor(mesh);
+    let [planar, rest @ ..] = measured;
+    let planar = if planarity < rounding {
+        planar.advised(&format!(
+            "coordinates are rounded to {rounding:.1e} mean edges: move the model nearer to the origin, or ask for no less"
+        ))
+    } else {
+        planar
+    };
+    [planar].into_iter().chain(rest).chain(counted).collect()
+}
+
+/// The checks of a mesh against a surface.
+pub(super) fn surface_checks(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    deviation: &Deviation,
+    tolerances: &Tolerances,
+) -> Vec<Check> {
+    let topology = topology_check(mesh, surface, deviation);
+    let Some(limit) = tolerances.deviation_rel else {
+        return vec![topology];
+    };
+    vec![
+        topology,
+        deviation_check(mesh, deviation, limit),
+        coverage_check(surface, deviation, limit),
+    ]
+}
+
+const NEARER: &str = "more panels, smaller ones there, or a larger deviation";
+
+fn deviation_check(mesh: &HexMesh, deviation: &Deviation, limit: f64) -> Check {
+    let length = limit * deviation.diagonal;
+    let topology = mesh.topology();
+    let far = |f: &FaceId| {
+        let mut corners = topology.face_vertices(*f).iter();
+        deviation.face_distance[*f] > length
+            || corners.any(|&v| deviation.vertex_distance[v] > length)
+    };
+    let vertices = (deviation.vertex_distance.enumerate()).map(|(v, d)| (*d, mesh.position(v)));
+    let centres = (deviation.face_distance.enumerate()).map(|(f, d)| (*d, mesh.centre(f)));
+    let value = deviation.deviation_max;
+    Check::new(
+        "deviation",
+        [limit, value],
+        Scale::Diagonals,
+        value <= limit,
+    )
+    .as_lengths(deviation.diagonal)
+    .at(topology.faces().filter(far), worst(vertices.chain(centres)))
+    .advised(NEARER)
+}
+
+fn coverage_check(surface: &TriangleSurface, deviation: &Deviation, limit: f64) -> Check {
+    let length = limit * deviation.diagonal;
+    let inside = || {
+        let distances = deviation.coverage_distance.enumerate();
+        distances.filter(|(v, _)| deviation.inside[*v])
+    };
+    let far = inside().filter(|(_, d)| **d > length);
+    let faces = far.map(|(v, _)| deviation.coverage_face[v]);
+    let points = inside().map(|(v, d)| (*d, surface.positions()[v]));
+    let value = deviation.coverage_inner_max;
+    Check::new(
+        "coverage_inner",
+        [limit, value],
+        Scale::Diagonals,
+        value <= limit,
+    )
+    .as_lengths(deviation.diagonal)
+    .at(faces, worst(points))
+    .advised(NEARER)
+}
+
+/// The point with the largest distance.
+fn worst(points: impl Iterator<Item = (f64, Vec3)>) -> Option<Vec3> {
+    points.max_by(|a, b| a.0.total_cmp(&b.0)).map(|p| p.1)
+}
+
+/// Bare points are named with the worst one where they are at least this share as far from the panels.
+const AS_BAD: f64 = 0.25;
+
+/// The checks of a mesh against the boundary of an open surface.
+pub(super) fn boundary_checks(
+    fit: &BoundaryFit,
+    diagonal: f64,
+    tolerances: &Tolerances,
+) -> Vec<Check> {
+    let place = |spots: &[Spot]| worst(spots.iter().map(|s| (s.distance, s.point)));
+    let follows = tolerances.boundary_rel.map(|limit| {
+        let value = fit.distance_max();
+        let far = fit.apart.iter().filter(|s| s.distance > limit);
+        Check::new("boundary", [limit, value], Scale::Diagonals, value <= limit)
+            .as_lengths(diagonal)
+            .at(far.map(|s| s.face), place(&fit.apart))
+            .advised("more panels, another --boundary, or a larger deviation")
+    });
+    let covers = tolerances.covered.map(|limit| {
+        let value = fit.covered_area;
+        let farthest = fit.bare.iter().map(|s| s.distance).fold(0.0, f64::max);
+        let far = fit.bare.iter().filter(|s| s.distance >= AS_BAD * farthest);
+        Check::new("covered_area", [limit, value], Scale::Area, value >= limit)
+            .at(far.map(|s| s.face), place(&fit.bare))
+            .advised("more panels, or another --boundary")
+    });
+    follows.into_iter().chain(covers).collect()
+}
+
+fn topology_check(mesh: &HexMesh, surface: &TriangleSurface, deviation: &Deviation) -> Check {
+    let pass = deviation.same_topology;
+    let value = f64::from(u8::from(!pass));
+    let check = Check::new("same_topology", [0.0, value], Scale::Count, pass);
+    if pass {
+        return check;
+    }
+    let ours = mesh.topology().boundary_loops();
+    let theirs = surface.topology().boundary_loops();
+    let at = |l: &[VertexId]| -> Vec<Vec3> { l.iter().map(|v| mesh.position(*v)).collect() };
+    let below =
+        |l: &[VertexId]| -> Vec<Vec3> { l.iter().map(|v| surface.positions()[*v]).collect() };
+    let [mine, given] = [
+        ours.iter().map(|l| at(l)).collect::<Vec<_>>(),
+        theirs.iter().map(|l| below(l)).collect(),
+    ];
+    let (faces, place): (Vec<FaceId>, Option<Vec3>) = if mine.len() > given.len() {
+        let odd = loneliest(&mine, &given);
+        let around = ours[odd].iter().flat_map(|v| mesh.topology().outgoing(*v));
+        let faces = around.map(|h| mesh.topology().face(h)).collect();
+        (faces, mine[odd].first().copied())
+    } else if mine.len() < given.len() {
+        let odd = loneliest(&given, &mine);
+        let faces = theirs[odd].iter().map(|v| deviation.coverage_face[*v]);
+        (faces.collect(), given[odd].first().copied())
+    } else {
+        // Parts or handles differ: where the mesh is farthest from the surface.
+        let distances = deviation.coverage_distance.enumerate();
+        let far = distances.max_by(|a, b| a.1.total_cmp(b.1)).map(|d| d.0);
+        let faces = far.map(|v| deviation.coverage_face[v]);
+        (
+            faces.into_iter().collect(),
+            far.map(|v| surface.positions()[v]),
+        )
+    };
+    check.at(faces, place).advised(
+        "more panels; a hole or a handle is closed or torn, or parts hang together by a corner",
+    )
+}
+
+/// The loop that is farthest from all of the others.
+fn loneliest(loops: &[Vec<Vec3>], others: &[Vec<Vec3>]) -> usize {
+    let gap = |l: &Vec<Vec3>| {
+        let to = |p: &Vec3| {
+            let points = others.iter().flatten();
+            points.map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min)
+        };
+        l.iter().map(to).fold(0.0, f64::max)
+    };
+    let gaps: Vec<f64> = loops.iter().map(gap).collect();
+    let order = (0..gaps.len()).max_by(|&i, &j| gaps[i].total_cmp(&gaps[j]));
+    order.unwrap_or(0)
+}
