@@ -278,14 +278,12 @@ fn broken(m: &mut Maker<'_>) -> Result<(), String> {
 
 /// The three pictures of the paper's method.
 fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Result<(), String> {
-    // A third of the panels' curves: all of them hide the surface.
-    let sparse = panels / 3;
     let unoptimised = "[stages.optimise]\nstarts = \"smoothed_cells\"\npenalties = []\nprojection_iterations = 0\n";
     m.job("unoptimised.toml", unoptimised)?;
     m.surface(surface)?;
     m.measured(
         "Network",
-        &format!("network {WORK}/{surface}.obj -o {WORK}/{surface}-network.obj -n {sparse}"),
+        &format!("network {WORK}/{surface}.obj -o {WORK}/{surface}-network.obj -n {panels}"),
     )?;
     m.run(&format!(
         "shape {surface} --triangles 60000 -o {WORK}/{surface}-smooth.obj -q"

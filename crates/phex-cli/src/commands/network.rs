@@ -56,7 +56,7 @@ fn told(curves: &NetworkCurves, path: &Path) -> String {
         }) => {
             let [x, y, z] = [place.x, place.y, place.z];
             let text = format!(
-                "|II(a, b)| / |II| of rows a and columns b: median {median:.4}, 95 % below {p95:.4}, worst {worst:.4} near ({x:.4}, {y:.4}, {z:.4})"
+                "|II(a, b)| / |II| of rows a and columns b: median {median:.1e}, 95 % below {p95:.1e}, worst {worst:.1e} near ({x:.4}, {y:.4}, {z:.4})"
             );
             table.row("conjugate", text);
         }
