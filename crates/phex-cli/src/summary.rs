@@ -81,6 +81,16 @@ pub fn of_features(
     table.into_text()
 }
 
+/// What came of wishes, by what each is about; kept in the report too.
+pub fn of_wishes(report: &mut RunReport, told: Vec<(&'static str, String)>) -> String {
+    let mut table = Table::default();
+    for (what, sentence) in told {
+        table.row(what, &sentence);
+        report.notes.push(format!("{what}: {sentence}"));
+    }
+    table.into_text()
+}
+
 /// The files that were written, or why the mesh was not.
 pub fn of_outputs(report: &RunReport) -> String {
     let mut table = Table::default();

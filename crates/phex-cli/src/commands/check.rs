@@ -29,6 +29,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         .flatten()
         .collect();
     let outputs: Vec<_> = command.extras.outputs().collect();
+    command.limits.check(command.surface.is_some())?;
     check_writable(
         &outputs,
         &inputs.iter().map(|p| p.as_path()).collect::<Vec<_>>(),

@@ -145,9 +145,20 @@ mod tests {
 
     #[test]
     fn sites_with_and_without_weight() {
-        let at = |s: Option<Site>| s.map(|s| (s.position.x, s.position.y, s.weight));
-        assert_eq!(at(site("1 -2")), Some((1.0, -2.0, 0.0)));
-        assert_eq!(at(site(" 1,2, 0.5 ")), Some((1.0, 2.0, 0.5)));
-        assert!(site("1").is_none() && site("a b").is_none() && site("1 inf").is_none());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sites.txt");
+        let sites = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            read_sites(&path).map(|all| {
+                let at = |s: &Site| (s.position.x, s.position.y, s.weight);
+                all.iter().map(at).collect::<Vec<_>>()
+            })
+        };
+        let both = sites("# two\n1 -2\n\n 1,2, 0.5 \n").unwrap();
+        assert_eq!(both, [(1.0, -2.0, 0.0), (1.0, 2.0, 0.5)]);
+        for wrong in ["1", "a b", "1 inf", "1 2 3 4"] {
+            let message = sites(&format!("0 0\n{wrong}\n")).unwrap_err().to_string();
+            assert!(message.contains("sites.txt:2"), "{message}");
+        }
     }
 }
