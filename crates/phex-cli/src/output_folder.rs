@@ -155,9 +155,10 @@ impl<'a> OutputFolder<'a> {
         let names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
         self.check_files(&listed, &names)?;
         let new = List::of(files);
+        let found = listed.found_in(self.path);
         let mut last = match self.extent {
             Extent::Whole => List::default(),
-            Extent::Added => listed.found_in(self.path),
+            Extent::Added => found.clone(),
         };
         last.replace(&new);
         let mut either = listed.clone();
@@ -178,7 +179,8 @@ impl<'a> OutputFolder<'a> {
         staged.extend(missing().map(|(name, bytes)| stage(name, bytes)));
         let mut placed = vec![place(LIST, LIST)];
         placed.extend(missing().map(|(name, _)| place(name, name)));
-        let gone = listed.names().filter(|name| !last.holds(name));
+        // A listed file that has been changed is the user's.
+        let gone = found.names().filter(|name| !last.holds(name));
         placed.extend(gone.map(|name| Step::Remove(name.to_owned())));
         placed.push(place(LAST_LIST, LIST));
         Ok([staged, placed])

@@ -176,7 +176,7 @@ fn how_far_vertices_move_is_measured_from_where_they_were() {
             "{offset} -o bound --surface s.obj --max-deviation {limit}"
         ))
     };
-    let run = close("1%");
+    let run = close("0.05%");
     assert_eq!(run.code, Some(3), "{}{}", run.stdout, run.stderr);
     assert!(run.stdout.contains("OUTSIDE"), "{}", run.stdout);
     let told = made(&shop);
@@ -189,7 +189,7 @@ fn how_far_vertices_move_is_measured_from_where_they_were() {
     let length = |name: &str| figures[name].as_f64().unwrap();
     let judged = length("deviation_max") * length("diagonal");
     assert!((deviation - judged).abs() < 1e-9, "{deviation} {judged}");
-    assert_eq!(close("50%").code, Some(0));
+    assert_eq!(close("1%").code, Some(0));
 }
 
 /// A folded strip: only where it is open do edges turn, and that is said with the edge and the angle.

@@ -235,6 +235,15 @@ fn added_files_leave_those_of_earlier_runs_and_of_others() {
             .map(|(n, t)| (n.as_str(), t.as_str()))
             .eq(expected)
     );
+
+    // One that the user has changed is neither written over nor removed, nor listed any more.
+    fs::write(place.join("a.obj"), "mine now").unwrap();
+    folder.write(&files(&[("b.obj", "d")])).unwrap();
+    let found = content(place);
+    assert_eq!(found["a.obj"], "mine now");
+    let list = List::of(&files(&[("b.obj", "d")]));
+    assert_eq!(found[LIST], list.text("offset"));
+    refused(folder, &files(&[("a.obj", "a")]), &["a.obj is in the way"]);
 }
 
 #[test]

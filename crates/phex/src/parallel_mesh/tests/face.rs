@@ -78,7 +78,9 @@ fn turned_edges_are_those_at_the_rim_that_are_not_parallel() {
         let turned = image.turned_edges(&mesh);
         let is_rim = |e| topology.is_boundary_edge(e);
         assert!(turned.iter().all(|t| is_rim(t.edge)), "{name}");
-        assert_eq!(turned.is_empty(), name != "paraboloid", "{name}");
+        if !name.contains("paraboloid") {
+            assert!(turned.is_empty(), "{name}");
+        }
         for d in [0.1 * mesh.mean_edge(), -0.05 * mesh.mean_edge()] {
             let moved = image.offset(&mesh, d);
             for e in topology.edges() {
@@ -90,7 +92,7 @@ fn turned_edges_are_those_at_the_rim_that_are_not_parallel() {
                 assert!((measured - told).abs() < 1e-7, "{name}: {e} at {d}");
             }
             let most = turned.iter().map(|t| t.angle(d)).fold(0.0, f64::max);
-            assert!(turned.is_empty() || most > 1e-4, "{name}: {most}");
+            assert_eq!(most > 1e-4, name == "paraboloid", "{name}: {most}");
         }
     }
 }
