@@ -7,7 +7,7 @@ use crate::tables::{self, figure};
 use crate::viewer_data::{MOST_OFFENDERS, ViewerData, offenders};
 use crate::{CurveFamily, Report};
 use phex::curvature::Principal;
-use phex::report::maps::{ColourMap, Map, Subject, principal_at_panels};
+use phex::report::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 use phex::report::{Assessment, Verdict};
 use phex_mesh::{FaceId, Vec3};
 
@@ -98,8 +98,17 @@ fn maps(report: &Report<'_>) -> Vec<ColourMap> {
     let subject = subject(report, &assessment);
     Map::ALL
         .into_iter()
-        .filter_map(|map| ColourMap::new(map, &subject))
+        .filter_map(|map| ColourMap::over(map, &subject, range(map)))
         .collect()
+}
+
+/// Planarity has the same range in every report: panels before and after an optimisation are compared in it, and what is planar
+/// is to look so.
+fn range(map: Map) -> Range {
+    match map {
+        Map::Planarity => Range::Fixed,
+        _ => Range::Automatic,
+    }
 }
 
 fn head(report: &Report<'_>) -> String {

@@ -188,7 +188,7 @@ fn indicatrices(m: &mut Maker<'_>) -> Result<(), String> {
         "one panel in three",
         &torus,
     )?;
-    let convex = format!("--curves {WORK}/convex-panel-dupin.obj --no-legend");
+    let convex = format!("--curves {WORK}/convex-panel-dupin.obj --no-legend --view right");
     m.draw(
         "convex-panel.obj",
         "figure-05-ellipse",

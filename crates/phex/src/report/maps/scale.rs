@@ -71,7 +71,9 @@ impl Continuous {
         match (self.middle, self.logarithmic) {
             _ if self.band.is_some() => None,
             (Some(middle), true) => {
-                let times = rounded_up((most / middle).max(middle / least).max(LEAST_FACTOR));
+                let factor = (most / middle).max(middle / least).max(LEAST_FACTOR);
+                // A factor near 1 is read by what it is over 1.
+                let times = 1.0 + rounded_up(factor - 1.0);
                 Some([middle / times, middle * times])
             }
             (Some(middle), false) => {

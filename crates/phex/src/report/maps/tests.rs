@@ -100,7 +100,7 @@ fn dihedral_angles_of_a_cube_are_right_angles_and_the_boundary_has_none() {
 
 #[test]
 fn edges_of_mean_length_are_in_the_middle_of_the_scale() {
-    let lengths = map(&corner([1.0; 2]), Map::EdgeLength);
+    let lengths = map_over(&corner([1.0; 2]), Map::EdgeLength, Range::Fixed);
     assert!(lengths.values.iter().all(|v| (v - 1.0).abs() < 1e-12));
     let Scale::Continuous(scale) = &lengths.scale else {
         panic!("lengths have a range");
