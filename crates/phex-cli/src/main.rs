@@ -22,6 +22,7 @@ mod steering;
 mod summary;
 mod units;
 mod verdict;
+mod whole_run;
 
 use args::{Arguments, ProgressMode, Talk};
 use clap::Parser;
