@@ -16,6 +16,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use phex_mesh::shapes::Shape;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Planar hexagonal meshes of free-form surfaces
 #[derive(Debug, Parser)]
@@ -109,7 +110,7 @@ pub enum ProgressMode {
 /// How the program talks.
 #[derive(Clone, Debug, Default, Args)]
 pub struct Talk {
-    /// Progress on standard error: a bar on a terminal, nothing, or a JSON object a line
+    /// Progress on standard error: a bar on a terminal, nothing, or a JSON object a line (`progress`: share done of the whole run, seconds left, about)
     #[arg(
         long,
         value_enum,
@@ -165,6 +166,12 @@ pub struct MeshCommand {
     /// Write the mesh even if it is not valid (the exit code is still 5)
     #[arg(long, help_heading = "Files")]
     pub keep_invalid: bool,
+    /// On Ctrl-C, end with the best mesh so far: it is judged and written as ever (a second Ctrl-C ends at once)
+    #[arg(long, help_heading = "Time")]
+    pub keep_best: bool,
+    /// End after a time, `90s`, `5min` or `1h`, with the best mesh so far: it is judged and written as ever
+    #[arg(long, value_name = "TIME", value_parser = crate::progress::time_limit, help_heading = "Time")]
+    pub time_limit: Option<Duration>,
     /// Report and picture.
     #[command(flatten)]
     pub extras: Extras,

@@ -40,10 +40,10 @@ pub struct Reached {
     pub tried: Vec<AttemptSummary>,
 }
 
-/// Covers a connected surface with panels.
+/// Covers a connected surface with panels. A run that is cancelled gives the best mesh so far.
 ///
 /// # Errors
-/// If the surface can't be used, no panelling exists, or the user interrupts.
+/// If the surface can't be used, no panelling exists, or the run is cancelled before there is a mesh.
 pub fn mesh(
     surface: &TriangleSurface,
     options: &MeshOptions,
@@ -52,10 +52,10 @@ pub fn mesh(
     reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
 }
 
-/// Brings an earlier mesh to a connected surface again.
+/// Brings an earlier mesh to a connected surface again. A run that is cancelled gives the mesh that it has come to.
 ///
 /// # Errors
-/// If the mesh can't be used or held, or the user interrupts.
+/// If the mesh can't be used or held.
 pub fn refit(
     earlier: &HexMesh,
     surface: &TriangleSurface,
@@ -72,7 +72,7 @@ fn reached(run: MeshRun) -> Result<Reached, Failure> {
         seconds: s.seconds,
     });
     Ok(Reached {
-        outcome: ended(&run.outcome)?,
+        outcome: value(&run.outcome)?,
         stages: times.collect(),
         statistics: value(&run.statistics)?,
         cones: run.statistics.cones,

@@ -30,7 +30,7 @@ pub const EXIT_CODES: &str = "Exit codes:
   3    written, but a figure is outside a tolerance (`check`: a check fails)
   4    a file, path or value can't be used (the message names element and cause); no file is touched
   5    no valid mesh was reached; the mesh file is not written (unless --keep-invalid)
-  130  interrupted; no file is half written";
+  130  interrupted; no file is half written (with --keep-best, once there is a mesh: 0, 3 or 5 as above)";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {

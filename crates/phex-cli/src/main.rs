@@ -25,6 +25,7 @@ mod steering;
 mod summary;
 mod units;
 mod verdict;
+mod whole_run;
 mod wishes;
 
 use args::{Arguments, ProgressMode, Talk};

@@ -2,23 +2,54 @@
 
 use crate::args::{ProgressMode, Talk};
 use crate::output::printable;
+use crate::whole_run::{WholeProgress, WholeRun};
 use indicatif::{ProgressBar, ProgressStyle};
 use phex::{Event, Progress};
 use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Held while a file is written, so that an interruption never leaves a part of one.
 static WRITING: Mutex<()> = Mutex::new(());
+/// Whether an interruption ends the computation alone, and what it has reached is written.
+static KEEPS_BEST: AtomicBool = AtomicBool::new(false);
 /// How long a computation may take to end by itself after an interruption.
 const GRACE: Duration = Duration::from_millis(500);
 
 /// Whether the user has interrupted the program.
 pub fn is_interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
+}
+
+/// From now on the first interruption ends the computation, the second one the program.
+pub fn keep_best() {
+    KEEPS_BEST.store(true, Ordering::Relaxed);
+}
+
+/// The computation has ended: from now on an interruption ends the program. Tells whether there was one.
+pub fn take_interruption() -> bool {
+    KEEPS_BEST.store(false, Ordering::Relaxed);
+    INTERRUPTED.swap(false, Ordering::Relaxed)
+}
+
+/// Reads a time: `90s`, `5min`, `1h`; a plain number is seconds.
+///
+/// # Errors
+/// If it is none, or no time at all.
+pub fn time_limit(text: &str) -> Result<Duration, String> {
+    const UNITS: [(&str, f64); 4] = [("min", 60.0), ("h", 3600.0), ("s", 1.0), ("", 1.0)];
+    let text = text.trim();
+    let number = UNITS
+        .iter()
+        .find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
+    let seconds = number.and_then(|(n, unit)| Some(n.trim().parse::<f64>().ok()? * unit));
+    let duration = seconds.filter(|s| *s > 0.0);
+    duration
+        .and_then(|s| Duration::try_from_secs_f64(s).ok())
+        .ok_or_else(|| format!("`{text}` is no time: give a number above 0 with s, min or h"))
 }
 
 /// Runs `write` such that an interruption waits for its end.
@@ -33,7 +64,10 @@ pub fn while_writing<T>(write: impl FnOnce() -> T) -> T {
 /// If the system refuses the handler.
 pub fn install_interrupt_handler() -> Result<(), ctrlc::Error> {
     ctrlc::set_handler(|| {
-        INTERRUPTED.store(true, Ordering::Relaxed);
+        let again = INTERRUPTED.swap(true, Ordering::Relaxed);
+        if KEEPS_BEST.load(Ordering::Relaxed) && !again {
+            return;
+        }
         std::thread::sleep(GRACE);
         while_writing(|| {
             eprintln!("interrupted");
@@ -45,6 +79,10 @@ pub fn install_interrupt_handler() -> Result<(), ctrlc::Error> {
 /// Shows the events of a computation the way the user wants them.
 pub struct Reporter {
     bar: Option<ProgressBar>,
+    whole: Mutex<WholeRun>,
+    until: Option<Instant>,
+    /// Whether the computation was told that the time is over.
+    late: AtomicBool,
     json: bool,
     verbose: bool,
     quiet: bool,
@@ -60,11 +98,30 @@ impl Reporter {
             talk.progress == ProgressMode::Auto && !talk.quiet && std::io::stderr().is_terminal();
         Self {
             bar: wants_bar.then(bar),
+            whole: Mutex::new(WholeRun::new()),
+            until: None,
+            late: AtomicBool::new(false),
             json,
             verbose: talk.verbose,
             quiet: talk.quiet,
             said: Mutex::default(),
         }
+    }
+
+    /// The same, and the computation is cancelled when a time is over.
+    pub fn within(self, limit: Option<Duration>) -> Self {
+        let until = limit.and_then(|l| Instant::now().checked_add(l));
+        Self { until, ..self }
+    }
+
+    /// Whether the computation was cancelled because its time was over.
+    pub fn was_late(&self) -> bool {
+        self.late.load(Ordering::Relaxed)
+    }
+
+    fn is_late(&self) -> bool {
+        let late = self.until.is_some_and(|until| Instant::now() >= until);
+        self.late.fetch_or(late, Ordering::Relaxed) || late
     }
 
     /// Says something that the user should know.
@@ -76,6 +133,9 @@ impl Reporter {
 
     /// Takes the bar off the terminal.
     pub fn finish(&self) {
+        if self.json {
+            say(self.whole().end());
+        }
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
@@ -85,6 +145,16 @@ impl Reporter {
     fn is_new(&self, note: &str) -> bool {
         let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
         said.insert(note.to_owned())
+    }
+
+    fn whole(&self) -> MutexGuard<'_, WholeRun> {
+        self.whole.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Time that is left at the most.
+    fn most_left(&self) -> Option<Duration> {
+        self.until
+            .map(|u| u.saturating_duration_since(Instant::now()))
     }
 
     fn line(&self, text: &str) {
@@ -99,7 +169,7 @@ impl Reporter {
 fn bar() -> ProgressBar {
     let bar = ProgressBar::new_spinner();
     // The template is constant; a test draws it.
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4} {msg}") {
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4} {prefix} {msg}") {
         bar.set_style(style);
     }
     bar.enable_steady_tick(Duration::from_millis(120));
@@ -113,14 +183,19 @@ impl Progress for Reporter {
         {
             return;
         }
+        let whole = self.whole().take(event, self.most_left());
         if self.json {
             if let Ok(line) = serde_json::to_string(event) {
                 eprintln!("{}", printable(&line));
             }
+            whole.into_iter().for_each(say);
             return;
         }
         if let Some(bar) = &self.bar {
             bar.set_message(printable(&sentence(event)).into_owned());
+            if let Some(whole) = whole {
+                bar.set_prefix(whole.to_string());
+            }
         }
         match event {
             Event::Note { message } if !self.quiet => self.line(&format!("note: {message}")),
@@ -130,7 +205,13 @@ impl Progress for Reporter {
     }
 
     fn is_cancelled(&self) -> bool {
-        is_interrupted()
+        is_interrupted() || self.is_late()
+    }
+}
+
+fn say(whole: WholeProgress) {
+    if let Ok(line) = serde_json::to_string(&whole) {
+        eprintln!("{line}");
     }
 }
 
@@ -157,7 +238,19 @@ mod tests {
 
     #[test]
     fn the_bar_s_template_is_valid() {
-        assert!(ProgressStyle::with_template("{spinner} {elapsed:>4} {msg}").is_ok());
+        assert!(ProgressStyle::with_template("{spinner} {elapsed:>4} {prefix} {msg}").is_ok());
+    }
+
+    #[test]
+    fn times_are_read_with_their_unit() {
+        let seconds = |text| time_limit(text).map(|d| d.as_secs_f64());
+        assert_eq!(seconds("90s"), Ok(90.0));
+        assert_eq!(seconds("1.5 min"), Ok(90.0));
+        assert_eq!(seconds("2h"), Ok(7200.0));
+        assert_eq!(seconds("0.25"), Ok(0.25));
+        for wrong in ["", "s", "0s", "-3s", "nan", "1e300h", "5 days"] {
+            assert!(seconds(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

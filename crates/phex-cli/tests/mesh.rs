@@ -48,6 +48,75 @@ fn surface_becomes_a_mesh_that_check_passes() {
 }
 
 #[test]
+fn an_edge_length_is_met() {
+    let shop = dome();
+    for edge in [0.2, 0.3] {
+        shop.succeed(&format!(
+            "mesh dome.obj -o out.obj --edge-length {edge} --report run.json -q"
+        ));
+        let mean = shop.json("run.json")["measures"]["mean_edge"].as_f64();
+        let ratio = mean.unwrap() / edge;
+        assert!((ratio - 1.0).abs() < 0.05, "{edge}: {ratio}");
+    }
+}
+
+/// What the stages were asked for is in the report, and what was typed is never farther off than what is usual.
+#[test]
+fn a_tighter_deviation_is_aimed_at_and_reported() {
+    let shop = dome();
+    let run = |limit: &str| {
+        shop.phex(&format!(
+            "mesh dome.obj -o out.obj -n 40 --report run.json -q {limit}"
+        ));
+        let report = shop.json("run.json");
+        let aim = report["settings"]["stages"]["optimise"]["max_deviation"].as_f64();
+        let deviation = report["deviation_smooth"].clone();
+        let reached =
+            ["deviation_max", "coverage_inner_max"].map(|k| deviation[k].as_f64().unwrap());
+        (
+            aim.expect("the limit of the stages"),
+            reached[0].max(reached[1]),
+        )
+    };
+    let (usual, reached) = run("");
+    assert!((usual - 0.005).abs() < 1e-9, "{usual}");
+    let (tight, nearer) = run("--max-deviation 0.05%");
+    assert!((tight - 0.0005).abs() < 1e-9, "{tight}");
+    assert!(nearer <= reached * (1.0 + 1e-9), "{nearer} {reached}");
+}
+
+#[test]
+fn progress_is_of_the_whole_run_and_never_goes_back() {
+    let shop = dome();
+    let run = shop.succeed("mesh dome.obj -o out.obj -n 80 --progress json");
+    let lines = run.stderr.lines();
+    let events: Vec<serde_json::Value> =
+        lines.filter_map(|l| serde_json::from_str(l).ok()).collect();
+    let of_run = events.iter().filter(|e| e["event"] == "progress");
+    let done: Vec<f64> = of_run
+        .clone()
+        .map(|e| e["done"].as_f64().unwrap())
+        .collect();
+    assert!(done.len() > 5 && done.is_sorted(), "{done:?}");
+    assert_eq!(done.last(), Some(&1.0));
+    assert!(
+        of_run
+            .clone()
+            .all(|e| e["left_seconds"].as_f64().unwrap() >= 0.0)
+    );
+}
+
+#[test]
+fn a_time_limit_without_a_mesh_says_so() {
+    let shop = dome();
+    shop.phex("mesh dome.obj -o out.obj -n 80 --time-limit 0.0001s")
+        .refuses(5, &["no mesh was reached within 0.0001 s"]);
+    assert!(!shop.path("out.obj").exists());
+    shop.phex("mesh dome.obj -o out.obj --time-limit soon")
+        .refuses(2, &["is no time"]);
+}
+
+#[test]
 fn bytes_do_not_depend_on_the_number_of_threads() {
     let shop = dome();
     shop.succeed("mesh dome.obj -o one.obj -n 60 -t 1");

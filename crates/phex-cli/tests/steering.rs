@@ -93,6 +93,40 @@ fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
         .refuses(4, &["--fix", "no numbers"]);
 }
 
+/// Edges of the surface's own boundary, and all of it: vertices of the adjoining edges stay where they are, and panels planar.
+#[test]
+fn a_curve_along_the_boundary_itself_breaks_nothing() {
+    let shop = Workshop::new();
+    shop.write("hill.obj", hill(20));
+    let points = vertices(&hill(20));
+    let along = |numbers: Vec<usize>, closed: bool| {
+        let mut text = String::new();
+        for v in &numbers {
+            let [x, y, z] = points[*v];
+            text += &format!("v {x} {y} {z}\n");
+        }
+        let line = (1..=numbers.len()).chain(closed.then_some(1));
+        text + "l" + &line.map(|k| format!(" {k}")).collect::<String>() + "\n"
+    };
+    let sides: [Vec<usize>; 4] = [
+        (0..20).collect(),
+        (0..20).map(|j| j * 21 + 20).collect(),
+        (0..20).map(|i| 440 - i).collect(),
+        (0..20).map(|j| (20 - j) * 21).collect(),
+    ];
+    for k in 0..4 {
+        let mut side = sides[k].clone();
+        side.push(sides[(k + 1) % 4][0]);
+        shop.write(&format!("curve{k}.obj"), along(side, false));
+    }
+    shop.write("curve4.obj", along(sides.concat(), true));
+    for k in 0..5 {
+        shop.succeed(&format!(
+            "mesh hill.obj -o out.obj -n 80 --curve curve{k}.obj -q"
+        ));
+    }
+}
+
 /// Two hills side by side: what is held goes to the nearest, the ground holds both, and a warm start takes both.
 #[test]
 fn surfaces_of_several_parts_are_held_too() {

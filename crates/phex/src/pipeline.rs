@@ -38,11 +38,11 @@ use crate::optimise::{Offender, OptimiseError, OptimiseOptions, RunSummary, Stee
 use crate::parallel_mesh::fit::FitError;
 use crate::progress::{Event, Progress};
 use crate::ranges::BadOption;
-use crate::target::{Similarity, TargetOptions};
+use crate::target::{Normalised, Similarity, TargetOptions};
 use crate::trim::{Boundary, TrimError};
 use field::panel_length;
 use judge::between_panels;
-use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Violation};
+use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Vec3, Violation};
 use phex_numeric::{NumericError, Outcome};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -54,7 +54,7 @@ use thiserror::Error;
 pub enum PanelSize {
     /// Number of panels, at least 1.
     Panels(usize),
-    /// Mean edge length, model units; met by a second run where the first is off.
+    /// Mean edge length, model units; met by another run or two where the first is off.
     EdgeLength(f64),
 }
 
@@ -154,13 +154,71 @@ impl Default for MeshOptions {
     }
 }
 
+/// Distance to the surface, over the diagonal, that panels are to keep to where nothing else is asked for.
+const USUAL_DEVIATION: f64 = 5e-3;
+/// Share of it with which nothing else is tried: what is measured on a finer surface may be a little more.
+const GOOD_SHARE: f64 = 0.9;
+
 impl MeshOptions {
-    /// The options for the normalised surface.
-    fn normalised(&self, surface: &TriangleSurface, similarity: &Similarity) -> Self {
+    /// Distance to the surface, over the diagonal, with which nothing else is tried: a little below what is allowed.
+    pub(crate) fn good_deviation(&self) -> f64 {
+        GOOD_SHARE * self.optimise.max_deviation.unwrap_or(USUAL_DEVIATION)
+    }
+
+    /// The same with the usual limit where that is wider; `None` where the limit is no tighter than usual.
+    fn with_usual_deviation(&self) -> Option<Self> {
+        // In single precision the usual limit itself is a little less.
+        let tight = |limit: &f64| *limit < (1.0 - 1e-6) * USUAL_DEVIATION;
+        self.optimise.max_deviation.filter(tight)?;
         let mut options = self.clone();
-        let guides = self.directions.guides.moved(|p| similarity.normalise(p));
-        options.directions.guides = guides.with_creases(surface);
-        options
+        options.optimise.max_deviation = Some(USUAL_DEVIATION);
+        Some(options)
+    }
+
+    /// The options for the normalised surface.
+    fn normalised(&self, model: &Normalised) -> Result<Self, PipelineError> {
+        let mut options = self.clone();
+        let guides = self.directions.guides.moved(|p| model.place(p));
+        options.directions.guides = guides.with_creases(&model.surface);
+        options.dual.quadric = classical::quadric(&self.dual, &model.similarity)?;
+        options.optimise.max_deviation = self.optimise.max_deviation.map(without_unit);
+        if let Some(values) = &self.size_field {
+            check_size_field(values, model.given.len())?;
+            options.size_field = Some(relative_sizes(&model.in_order(values)));
+        }
+        Ok(options)
+    }
+}
+
+/// Refuses sizes that are none, or not one for each vertex of the input.
+fn check_size_field(values: &[f64], vertices: usize) -> Result<(), PipelineError> {
+    if values.len() != vertices {
+        let count = values.len();
+        return Err(PipelineError::Size(format!(
+            "the size field has {count} values, the surface {vertices} vertices"
+        )));
+    }
+    let wrong = |v: &f64| !(*v > 0.0 && v.is_finite());
+    match values.iter().position(wrong) {
+        Some(i) => Err(PipelineError::Size(format!(
+            "the size at vertex {i} is {}, it must be positive and finite",
+            values[i]
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Sizes over the largest one, without the last bits that come from a unit.
+fn relative_sizes(values: &[f64]) -> Vec<f64> {
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    values.iter().map(|v| without_unit(v / largest)).collect()
+}
+
+/// A positive ratio in single precision: in another unit it is the same.
+fn without_unit(ratio: f64) -> f64 {
+    match ratio > f64::from(f32::MIN_POSITIVE) {
+        true => f64::from(ratio as f32),
+        false => ratio,
     }
 }
 
@@ -201,6 +259,21 @@ pub enum PipelineError {
     /// The caller cancelled before there was a mesh.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl PipelineError {
+    /// The same error with its places in model coordinates.
+    fn in_model(self, model: &Normalised) -> Self {
+        let restore = |p: Vec3| model.similarity.restore(p);
+        match self {
+            Self::Layout(LayoutError::Domain(e)) => {
+                LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()
+            }
+            Self::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(restore)).into(),
+            Self::Layout(LayoutError::Network(e)) => LayoutError::from(e.mapped(restore)).into(),
+            other => other,
+        }
+    }
 }
 
 /// Seconds that a stage took.
@@ -278,6 +351,25 @@ pub struct MeshRun {
 }
 
 impl MeshRun {
+    /// The same in model coordinates.
+    fn restored(mut self, similarity: &Similarity) -> Self {
+        let restore = |p: Vec3| similarity.restore(p);
+        let positions = self.mesh.positions.map(|p| restore(*p));
+        self.mesh = self.mesh.with_positions(positions);
+        for p in self.start.iter_mut().flat_map(|s| &mut s.positions) {
+            *p = restore(*p);
+        }
+        self.target = moved(&self.target, restore);
+        self.beyond = self.beyond.map(|b| b.moved(restore));
+        for cone in &mut self.statistics.cones {
+            cone.position = restore(cone.position.into()).into();
+        }
+        if let Some(centre) = (self.statistics.classical.as_mut()).and_then(|c| c.centre.as_mut()) {
+            *centre = restore((*centre).into()).into();
+        }
+        self
+    }
+
     /// Whether every panel is planar and simple, and no two of them meet where they should not.
     pub fn is_sound(&self) -> bool {
         self.offenders.is_empty() && self.violations.is_empty()
@@ -303,46 +395,59 @@ fn mesh_of_size(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    let panels = panel_count(surface, options.size)?;
-    let first = mesh_with_panels(surface, panels, options, progress)?;
+    let mut panels = panel_count(surface, options.size)?;
+    let mut best = mesh_with_panels(surface, panels, options, progress)?;
     let PanelSize::EdgeLength(wanted) = options.size else {
-        return Ok(first);
+        return Ok(best);
     };
     // Panels that are long or re-entrant have longer edges than regular ones of their area: how much is known afterwards.
     let error = |run: &MeshRun| (run.mesh.mean_edge() / wanted).ln();
-    let count = (panels as f64 * (2.0 * error(&first)).exp()).round();
-    if error(&first).abs() < EDGE_TOLERANCE || !(1.0..=MAX_PANELS as f64).contains(&count) {
-        return Ok(first);
+    let mut last = error(&best);
+    for _ in 0..EDGE_CORRECTIONS {
+        let count = (panels as f64 * (2.0 * last).exp()).round();
+        let possible = (1.0..=MAX_PANELS as f64).contains(&count) && count != panels as f64;
+        if error(&best).abs() < EDGE_TOLERANCE || !possible || progress.is_cancelled() {
+            break;
+        }
+        panels = count as usize;
+        let Ok(next) = mesh_with_panels(surface, panels, options, progress) else {
+            break;
+        };
+        last = error(&next);
+        if last.abs() < error(&best).abs() && next.is_sound() >= best.is_sound() {
+            best = next;
+        }
     }
-    match mesh_with_panels(surface, count as usize, options, progress) {
-        Ok(second) if error(&second).abs() < error(&first).abs() => Ok(second),
-        _ => Ok(first),
-    }
+    Ok(best)
 }
 
-/// Relative error of the mean edge that is corrected by another run.
-const EDGE_TOLERANCE: f64 = 0.08;
+/// Relative error of the mean edge that is corrected by another run, and such runs at the most: a lattice has the number of panels that is
+/// asked for up to a few per cent, so that one may miss.
+const EDGE_TOLERANCE: f64 = 0.025;
+const EDGE_CORRECTIONS: usize = 2;
 
+/// Goes to normalised coordinates, which all methods work in, and back.
 fn mesh_with_panels(
     surface: &TriangleSurface,
     panels: usize,
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    let make = match options.method {
-        Method::Lattice | Method::Best => portfolio::mesh_with_panels,
-        Method::BrickWall => brick_wall::mesh_with_panels,
-        _ => classical::mesh_with_panels,
+    let model = Normalised::of(surface);
+    let options = options.normalised(&model)?;
+    let made = match options.method {
+        Method::Lattice | Method::Best => {
+            portfolio::mesh_with_panels(&model.surface, panels, &options, progress)
+        }
+        Method::BrickWall => {
+            brick_wall::mesh_with_panels(&model.surface, panels, &options, progress)
+        }
+        _ => classical::mesh_with_panels(&model, panels, &options, progress),
     };
-    make(surface, panels, options, progress)
-}
-
-/// The same polygons in model coordinates.
-fn restored(mut soup: PolygonSoup, similarity: &Similarity) -> PolygonSoup {
-    for p in &mut soup.positions {
-        *p = similarity.restore(*p);
+    match made {
+        Ok(run) => Ok(run.restored(&model.similarity)),
+        Err(error) => Err(error.in_model(&model)),
     }
-    soup
 }
 
 /// Panels that a size means for a surface.
@@ -376,10 +481,7 @@ fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, Pipe
     Ok(count.round() as usize)
 }
 
-pub(crate) fn moved(
-    surface: &TriangleSurface,
-    f: impl Fn(phex_mesh::Vec3) -> phex_mesh::Vec3,
-) -> TriangleSurface {
+pub(crate) fn moved(surface: &TriangleSurface, f: impl Fn(Vec3) -> Vec3) -> TriangleSurface {
     let positions = surface.positions().map(|p| f(*p)).into_vec();
     let triangles: Vec<[u32; 3]> = surface
         .topology()

@@ -10,8 +10,8 @@ use crate::input::{MeshFile, joined, sentences, whole};
 use crate::method_summary::{members, of_method, of_portfolio};
 use crate::output::{Content, check_writable, write_mesh};
 use crate::panel_size::{self, edge_length, shares};
-use crate::progress::{Reporter, is_interrupted};
-use crate::settings::MeshSettings;
+use crate::progress::{Reporter, is_interrupted, keep_best, take_interruption};
+use crate::settings::{MeshSettings, PanelSize};
 use crate::size_field::SizeField;
 use crate::summary;
 use crate::verdict::{TypedLimits, written};
@@ -32,7 +32,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let settings = settings(command)?;
     check_writable(&outputs(command), &inputs(command, &settings))?;
     let threads = use_threads(settings.threads)?;
-    let reporter = Reporter::new(&command.talk);
+    let reporter = Reporter::new(&command.talk).within(command.time_limit);
     let file = MeshFile::read(&command.input)?;
     let parts = file.surfaces()?;
     check_components(&parts.components, &settings)?;
@@ -58,6 +58,15 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     settings.guides.apply(&mut stages.directions.guides)?;
     check_steering(command, &settings)?;
     check_near(&settings.stages, &facets)?;
+    let mut limits = TypedLimits::from(&settings);
+    if command.start.is_some() {
+        limits.boundary = None;
+    }
+    let (edge, extent) = (
+        edge_length(facets.area() / panels as f64),
+        facets.diagonal(),
+    );
+    limits.demand(&mut settings.stages.optimise, edge, extent, extent);
     let job = Job {
         components: &parts.components,
         facets: &facets,
@@ -65,20 +74,29 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         field: field.as_ref(),
         settings: &settings,
         reporter: &reporter,
+        keeps_best: command.keep_best,
     };
+    if command.keep_best {
+        keep_best();
+    }
     let runs = match &command.start {
-        Some(path) => vec![job.refit(path)?],
-        None => job.mesh_each()?,
+        Some(path) => job.refit(path).map(|run| vec![run]),
+        None => job.mesh_each(),
     };
     reporter.finish();
+    let runs = runs.map_err(|failure| too_late(failure, command))?;
+    if let Some(note) = stopped(command, &reporter, settings.stages.steering.is_empty()) {
+        reporter.note(&note);
+        notes.push(note);
+    }
     let mesh = joined_mesh(&runs)?;
+    if let Some(note) = missed_edge(&settings, &mesh, extent) {
+        reporter.note(&note);
+        notes.push(note);
+    }
     let smooth = joined_target(&runs)?;
     let beyond = joined_beyond(&runs, &parts.components)?;
 
-    let mut limits = TypedLimits::from(&settings);
-    if command.start.is_some() {
-        limits.boundary = None;
-    }
     let references = References {
         smooth: smooth.as_ref(),
         facets: Some(&facets),
@@ -239,6 +257,8 @@ struct Job<'a> {
     field: Option<&'a SizeField>,
     settings: &'a MeshSettings,
     reporter: &'a Reporter,
+    /// Whether an interruption ends the computation alone.
+    keeps_best: bool,
 }
 
 impl Job<'_> {
@@ -248,7 +268,7 @@ impl Job<'_> {
         let mut options = self.settings.stages.clone();
         self.demand(&mut options, self.facets, earlier.mean_edge());
         let reached = engine::refit(&earlier, self.facets, &options, self.reporter)?;
-        uninterrupted(reached)
+        self.unless_interrupted(reached)
     }
 
     fn mesh_each(&self) -> Result<Vec<Reached>, Failure> {
@@ -260,15 +280,28 @@ impl Job<'_> {
         let counts = shares(self.panels, &areas);
         let mesh = |(k, (part, &count)): (usize, (&SurfaceComponent, &u64))| {
             let mut options = self.settings.options(count);
+            if let PanelSize::EdgeLength(length) = self.settings.size() {
+                let unit = self.settings.unit.unwrap_or_default();
+                let length = length.length(unit, self.facets.diagonal());
+                options.size = phex::PanelSize::EdgeLength(length);
+            }
             options.steering = steering[k].clone();
             self.demand(&mut options, &part.surface, edge);
             if let Some(field) = self.field {
                 options.size_field = Some(field.of(k).to_vec());
             }
-            uninterrupted(engine::mesh(&part.surface, &options, self.reporter)?)
+            self.unless_interrupted(engine::mesh(&part.surface, &options, self.reporter)?)
         };
         let parts = self.components.iter().zip(&counts).enumerate();
         parts.map(mesh).collect()
+    }
+
+    /// What a run has reached, unless an interruption ends the program.
+    fn unless_interrupted(&self, reached: Reached) -> Result<Reached, Failure> {
+        match is_interrupted() && !self.keeps_best {
+            true => Err(Failure::interrupted()),
+            false => Ok(reached),
+        }
     }
 
     /// Tells the optimiser of the limits, on a surface with panels of edge length `edge`.
@@ -279,10 +312,48 @@ impl Job<'_> {
     }
 }
 
-fn uninterrupted(reached: Reached) -> Result<Reached, Failure> {
-    match is_interrupted() {
-        true => Err(Failure::interrupted()),
-        false => Ok(reached),
+/// Relative error of the mean edge length that is told.
+const TOLD_EDGE_ERROR: f64 = 0.03;
+
+/// What is said where panels do not have the edges that were asked for.
+fn missed_edge(settings: &MeshSettings, mesh: &HexMesh, extent: f64) -> Option<String> {
+    let PanelSize::EdgeLength(asked) = settings.size() else {
+        return None;
+    };
+    let unit = settings.unit.unwrap_or_default();
+    let ratio = mesh.mean_edge() / asked.length(unit, extent);
+    let missed = (ratio - 1.0).abs() > TOLD_EDGE_ERROR;
+    missed.then(|| {
+        format!("--edge-length {asked}: the panels' edges are {ratio:.3} times as long on average")
+    })
+}
+
+/// What is said of a run that ended early.
+fn stopped(command: &MeshCommand, reporter: &Reporter, is_free: bool) -> Option<String> {
+    let interrupted = command.keep_best && take_interruption();
+    let why = match (interrupted, reporter.was_late()) {
+        (true, _) => "interrupted",
+        (false, true) => "the time limit is over",
+        (false, false) => return None,
+    };
+    let held = match is_free {
+        true => "",
+        false => "; vertices may not yet be held where they were to be",
+    };
+    Some(format!("{why}: this is the best mesh so far{held}"))
+}
+
+/// A run that ended early without a mesh: by itself, unless the user interrupted it.
+fn too_late(failure: Failure, command: &MeshCommand) -> Failure {
+    match command.time_limit {
+        Some(limit) if failure.exit == Exit::Interrupted && !is_interrupted() => Failure::new(
+            Exit::NoValidResult,
+            format!(
+                "no mesh was reached within {} s; allow more time, or ask for fewer panels",
+                limit.as_secs_f64()
+            ),
+        ),
+        _ => failure,
     }
 }
 

@@ -14,7 +14,7 @@ use super::panels::{add_block, point};
 use nalgebra::Matrix3;
 use phex_mesh::{BoundaryCurve, Vec3};
 use phex_numeric::Assembly;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What holds a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +53,13 @@ impl Holds {
             self.held.entry(v).or_insert(hold);
         }
         self.rim = Some(curves.clone());
+    }
+
+    /// Lets vertices go that slide on curves.
+    pub fn release(&mut self, loose: &BTreeSet<u32>) {
+        let slides = |hold: &Hold| matches!(hold, Hold::OnCurve | Hold::OnRim);
+        self.held
+            .retain(|v, hold| !(loose.contains(v) && slides(hold)));
     }
 
     /// The held vertices, in order, with the tangent spaces `T` at `x`.

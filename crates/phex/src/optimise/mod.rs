@@ -108,7 +108,7 @@ use run::Run;
 use serde::Serialize;
 use solvers::Solvers;
 use start::{Smoothing, TangentCells};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub use again::{Again, Known, optimise_again};
 pub(crate) use angle::free_edges;
@@ -266,7 +266,8 @@ pub fn refit(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
-    from_mesh(mesh, target, (steering, None), options, progress, false)
+    let what = (steering, None, &BTreeSet::new());
+    from_mesh(mesh, target, what, options, progress, false)
 }
 
 /// As [`planarize`], with vertices held where the user wants them: fixed ones to the last bit, those in a plane or on a curve
@@ -296,15 +297,40 @@ fn steer_with(
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
     let only_project = steering.anchors.is_empty();
-    let what = (steering, rim);
+    let mut loose = BTreeSet::new();
+    for _ in 0..LETTING_GO {
+        let what = (steering, rim, &loose);
+        let result = from_mesh(mesh, target, what, options, progress, only_project);
+        let faces: Vec<phex_mesh::FaceId> = match &result {
+            Ok(made) => made.offenders.iter().map(|o| o.face).collect(),
+            Err(OptimiseError::Steering(SteeringError::Crossed { face })) => vec![*face],
+            Err(_) => return result,
+        };
+        let over = faces.is_empty() || progress.is_cancelled() || steering.curves.is_empty();
+        let holds = || steering::resolve(steering, mesh);
+        if over || !steering::let_go(&holds()?, mesh, &faces, &mut loose) {
+            if !loose.is_empty() {
+                let message = format!(
+                    "{} vertices near the curve are not held on it: panels there could not be planar",
+                    loose.len()
+                );
+                progress.report(&Event::Note { message });
+            }
+            return result;
+        }
+    }
+    let what = (steering, rim, &loose);
     from_mesh(mesh, target, what, options, progress, only_project)
 }
+
+/// Rounds in which vertices are let go of a curve at the most.
+const LETTING_GO: usize = 4;
 
 /// `only_project`: a mesh that is nearly planar is not optimised otherwise.
 fn from_mesh(
     mesh: &HexMesh,
     target: Option<&dyn Target>,
-    (steering, rim): (&Steering, Rim<'_>),
+    (steering, rim, loose): (&Steering, Rim<'_>, &BTreeSet<u32>),
     options: &OptimiseOptions,
     progress: &dyn Progress,
     only_project: bool,
@@ -330,6 +356,7 @@ fn from_mesh(
     if let Some((held, curves)) = rim {
         stage.holds.keep_rim(held, curves);
     }
+    stage.holds.release(loose);
     let x = steering::put_in_place(&stage.holds, &panels, mesh)?;
     let mut solvers = Solvers::new(&panels)?;
     let run = match only_project {

@@ -10,6 +10,7 @@ use super::panels::{Panels, Shape, flatten, points, unknowns};
 use super::simple::is_simple;
 use phex_mesh::{BoundaryCurve, FaceId, FacePlane, HexMesh, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// A plane in which vertices stay.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,7 +66,8 @@ pub struct Steering {
     /// Planes in which vertices of the boundary stay.
     pub grounds: Vec<GroundPlane>,
     /// Polylines, model units, on which the vertices of the boundary within half a mean edge slide; closed where the last
-    /// point repeats the first. A panel with three corners on a curve lies in the plane of the curve there.
+    /// point repeats the first. A panel with three corners on a curve lies in the plane of the curve there: where panels can't be
+    /// planar so, corners between their ends are let go.
     pub curves: Vec<Vec<[f64; 3]>>,
     /// Pulls of the nearest vertices.
     pub anchors: Vec<Anchor>,
@@ -154,6 +156,8 @@ pub enum SteeringError {
 const MOST_MOVE: f64 = 1.5;
 /// Mean edges within which vertices of the boundary slide on a curve.
 const CURVE_REACH: f64 = 0.5;
+/// Mean edges from the end of a curve within which a vertex beyond it is put on it.
+const END_REACH: f64 = 0.05;
 /// Rounds in which a displacement spreads to the neighbours.
 const SPREADING: usize = 40;
 
@@ -251,15 +255,21 @@ impl Resolver<'_> {
 
     /// Holds the free vertices of the boundary that `near` says so of; tells whether there are any.
     fn hold_rim(&mut self, hold: Hold, near: impl Fn(Vec3) -> bool) -> bool {
-        let topology = self.mesh.topology();
         let mut any = false;
-        for v in topology.vertices() {
-            if topology.is_boundary_vertex(v) && near(self.mesh.positions[v]) {
+        for v in self.rim() {
+            if near(self.mesh.positions[v]) {
                 self.holds.held.entry(v.index() as u32).or_insert(hold);
                 any = true;
             }
         }
         any
+    }
+
+    /// Vertices of the boundary.
+    fn rim(&self) -> Vec<VertexId> {
+        let topology = self.mesh.topology();
+        let all = topology.vertices();
+        all.filter(|v| topology.is_boundary_vertex(*v)).collect()
     }
 
     fn slide(&mut self, curves: &[Vec<[f64; 3]>]) -> Result<(), SteeringError> {
@@ -281,7 +291,13 @@ impl Resolver<'_> {
             };
         };
         let reach = CURVE_REACH * self.mean_edge;
-        let near = |p: Vec3| (curve.closest_point(p).position - p).norm() <= reach;
+        // Beyond the end of a curve another edge of the boundary begins, whose vertices stay on it.
+        let (ends, at_end) = (open_ends(&lines), END_REACH * self.mean_edge);
+        let beyond = |p: Vec3, foot: Vec3| ends.contains(&foot) && (p - foot).norm() > at_end;
+        let near = |p: Vec3| {
+            let foot = curve.closest_point(p).position;
+            (foot - p).norm() <= reach && !beyond(p, foot)
+        };
         if !self.hold_rim(Hold::OnCurve, near) {
             return Err(SteeringError::NothingNear {
                 what: "a curve",
@@ -355,6 +371,54 @@ impl Resolver<'_> {
         }
         Ok(())
     }
+}
+
+/// Ends of polylines that are not closed, and where no other one goes on.
+fn open_ends(lines: &[Vec<Vec3>]) -> Vec<Vec3> {
+    let ends = lines
+        .iter()
+        .flat_map(|l| l.first().into_iter().chain(l.last()));
+    let all: Vec<Vec3> = ends.copied().collect();
+    let alone = |e: &Vec3| all.iter().filter(|f| *f == e).count() == 1;
+    all.iter().copied().filter(alone).collect()
+}
+
+/// Lets go of corners of single panels that slide on a curve, in some faces, else beside them, else all: a panel between two others needs only
+/// its ends on the curve, and with a corner between them it would have to lie in the plane of the curve. In the end any vertex of the faces is let go.
+/// Tells whether there was one.
+pub(super) fn let_go(
+    holds: &Holds,
+    mesh: &HexMesh,
+    faces: &[FaceId],
+    loose: &mut BTreeSet<u32>,
+) -> bool {
+    let topology = mesh.topology();
+    let corners = |faces: &[FaceId]| -> Vec<VertexId> {
+        let all = faces.iter().flat_map(|f| topology.face_vertices(*f));
+        all.copied().collect()
+    };
+    let own = corners(faces);
+    let around = own.iter().flat_map(|v| topology.outgoing(*v));
+    let around: Vec<FaceId> = around.map(|h| topology.face(h)).collect();
+    let single = |v: &VertexId| topology.face_degree(*v) == 1;
+    let slides = |v: &VertexId| {
+        let number = v.index() as u32;
+        holds.held.get(&number) == Some(&Hold::OnCurve) && !loose.contains(&number)
+    };
+    let sets = [
+        own.iter().copied().filter(single).collect(),
+        corners(&around).into_iter().filter(single).collect(),
+        topology.vertices().filter(single).collect(),
+        own,
+    ];
+    let sets = sets.map(|set: Vec<VertexId>| {
+        let sliding = set.iter().filter(|v| slides(v));
+        sliding.map(|v| v.index() as u32).collect::<Vec<u32>>()
+    });
+    let found = sets.into_iter().find(|set| !set.is_empty());
+    let any = found.is_some();
+    loose.extend(found.into_iter().flatten());
+    any
 }
 
 /// The mesh with held vertices at their places, where that breaks no panel.

@@ -3,8 +3,8 @@
 
 use super::field::spaced_corners;
 use super::{
-    Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, panel_count,
-    panel_length, restored,
+    Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, panel_count,
+    panel_length,
 };
 use crate::curvature::{self, Curvature};
 use crate::directions::network::{
@@ -16,7 +16,7 @@ use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
-use crate::target::Similarity;
+use crate::target::Normalised;
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;
 
@@ -33,7 +33,6 @@ fn with_corners(options: &MeshOptions) -> MeshOptions {
 
 /// The ground with everything that bricks are laid on, in normalised coordinates.
 struct Site {
-    similarity: Similarity,
     ground: Ground,
     surface: TriangleSurface,
     curvature: Curvature,
@@ -43,15 +42,13 @@ struct Site {
 
 impl Site {
     fn new(
-        input: &TriangleSurface,
+        normalised: &TriangleSurface,
         panels: usize,
         options: &MeshOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let similarity = Similarity::normalising(input);
-        let normalised = moved(input, |p| similarity.normalise(p));
         let options = &with_corners(options);
-        let ground = clock.stage("target", || Ground::new(&normalised, panels, options))?;
+        let ground = clock.stage("target", || Ground::new(normalised, panels, options))?;
         let smooth = &ground.smooth;
         let level = ground.field_level(options);
         let coarse = &smooth.levels[level];
@@ -63,7 +60,7 @@ impl Site {
             .stage("directions", || {
                 row_field(coarse, &curvature, length, &options.brick_wall.network)
             })?
-            .map_err(|e| in_model(e, &similarity))?;
+            .map_err(LayoutError::from)?;
         for step in &smooth.refinements[level..] {
             curvature = curvature.refined(step);
             field = field.refined(step);
@@ -74,7 +71,6 @@ impl Site {
             .with_normals(curvature.normal.clone());
         let corners = spaced_corners(smooth, |_, d| d.norm() / length);
         Ok(Self {
-            similarity,
             ground,
             surface,
             curvature,
@@ -93,28 +89,19 @@ impl Site {
     }
 }
 
-fn in_model(error: NetworkError, similarity: &Similarity) -> PipelineError {
-    LayoutError::Network(error.mapped(|p| similarity.restore(p))).into()
-}
-
-/// Makes a brick wall of a surface planar.
+/// Makes a brick wall of a normalised surface planar.
 pub(super) fn mesh_with_panels(
-    input: &TriangleSurface,
+    normalised: &TriangleSurface,
     panels: usize,
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
     let mut clock = Clock::new(progress);
-    let site = Site::new(input, panels, options, &mut clock)?;
-    let (ground, similarity) = (&site.ground, site.similarity);
-    let (layout, wall) = clock
-        .stage("layout", || {
-            brick_wall(&site.bricks(), ground.panels, &options.brick_wall)
-        })?
-        .map_err(|e| match e {
-            LayoutError::Network(e) => in_model(e, &similarity),
-            other => other.into(),
-        })?;
+    let site = Site::new(normalised, panels, options, &mut clock)?;
+    let ground = &site.ground;
+    let (layout, wall) = clock.stage("layout", || {
+        brick_wall(&site.bricks(), ground.panels, &options.brick_wall)
+    })??;
     let target = SurfaceTarget::new(ground.close_to(&site.surface));
     let result = clock.timed("optimise", || {
         optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
@@ -138,12 +125,11 @@ pub(super) fn mesh_with_panels(
         repairs: Vec::new(),
         tried: Vec::new(),
     };
-    let positions = mesh.positions.map(|p| similarity.restore(*p));
     Ok(MeshRun {
-        start: Some(restored(layout.mesh.to_soup(), &similarity)),
-        mesh: mesh.with_positions(positions),
-        target: moved(reported, |p| similarity.restore(p)),
-        beyond: (ground.beyond(&site.surface)).map(|b| b.moved(|p| similarity.restore(p))),
+        start: Some(layout.mesh.to_soup()),
+        mesh,
+        target: reported.clone(),
+        beyond: ground.beyond(&site.surface),
         outcome: result.outcome,
         offenders: result.offenders,
         violations,
@@ -183,17 +169,17 @@ pub fn network_curves(
     options.check()?;
     let mut clock = Clock::new(progress);
     let panels = panel_count(input, options.size)?;
-    let site = Site::new(input, panels, options, &mut clock)?;
-    let similarity = site.similarity;
-    let [rows, columns] = clock
-        .stage("layout", || {
-            sampled_network(&site, site.ground.panels, options)
-        })?
-        .map_err(|e| in_model(e, &similarity))?;
+    let model = Normalised::of(input);
+    let in_model = |e: PipelineError| e.in_model(&model);
+    let site = Site::new(&model.surface, panels, options, &mut clock).map_err(in_model)?;
+    let sampled = clock.stage("layout", || {
+        sampled_network(&site, site.ground.panels, options)
+    })?;
+    let [rows, columns] = sampled.map_err(|e| in_model(LayoutError::from(e).into()))?;
     let curves = |function: &Function| {
         let mut lines = level_lines(&site.surface, function);
         for point in lines.iter_mut().flat_map(|c| &mut c.points) {
-            *point = similarity.restore(*point);
+            *point = model.similarity.restore(*point);
         }
         lines
     };
@@ -202,7 +188,7 @@ pub fn network_curves(
         rows: curves(&rows),
         columns: curves(&columns),
         conjugacy: measured.map(|c| Conjugacy {
-            place: similarity.restore(c.place),
+            place: model.similarity.restore(c.place),
             ..c
         }),
     })

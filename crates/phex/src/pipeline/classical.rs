@@ -10,47 +10,36 @@ mod start;
 mod statistics;
 mod subdivision;
 
+pub(super) use model::{place_in, quadric};
 pub use statistics::ClassicalStatistics;
 
 use super::field::{Field, FineSurface, boundary_length, panel_length};
-use super::{
-    Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, between_panels, moved,
-};
+use super::{Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, between_panels};
 use crate::directions::guides::{Cone, Guides};
 use crate::ground::Ground;
 use crate::layout::domain::DomainError;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::Optimised;
 use crate::progress::Progress;
-use crate::target::Similarity;
+use crate::target::Normalised;
 use joined::{cells, fitted_planes, joined, met};
-use model::Model;
-use phex_mesh::{HexMesh, TriangleSurface, Vec3};
+use phex_mesh::{HexMesh, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 use start::Start;
 
-/// Panels by one of the methods.
+/// Panels by one of the methods, of a normalised surface.
 pub(super) fn mesh_with_panels(
-    input: &TriangleSurface,
+    model: &Normalised,
     panels: usize,
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
     let mut clock = Clock::new(progress);
-    let similarity = Similarity::normalising(input);
-    let normalised = moved(input, |p| similarity.normalise(p));
-    let mut options = options.normalised(&normalised, &similarity);
-    options.dual.quadric = model::quadric(&options.dual, &similarity)?;
-    let options = &options;
     let ground = clock.stage("target", || match options.method {
-        Method::DualSubdivision => subdivision::ground(&normalised, panels, options),
-        _ => Ground::new(&normalised, panels, options),
+        Method::DualSubdivision => subdivision::ground(&model.surface, panels, options),
+        _ => Ground::new(&model.surface, panels, options),
     })?;
-    let model = Model {
-        normalised: &normalised,
-        similarity,
-    };
-    let made = make(&ground, &mut clock).map_err(|e| model.error(e))?;
+    let made = make(&ground, &mut clock)?;
     let reported = &made.reported;
     let mut classical = made.classical;
     let mesh = match &made.fine {
@@ -64,14 +53,10 @@ pub(super) fn mesh_with_panels(
     classical.compare(&mesh);
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(&fine.surface));
-    let map = |p: Vec3| similarity.restore(p);
     let outside = classical.outside.take();
-    classical.outside_domain = outside.map(|e| e.mapped(|p| model.place(p)).to_string());
-    classical.centre = classical
-        .centre
-        .map(|c| similarity.restore(c.into()).into());
+    classical.outside_domain = outside.map(|e| e.mapped(|p| place_in(model, p)).to_string());
     let statistics = Statistics {
-        cones: Guides::of_cones(made.cones).moved(map).cones,
+        cones: Guides::of_cones(made.cones).cones,
         panels_asked: panels,
         target_vertices: ground
             .smooth
@@ -96,13 +81,12 @@ pub(super) fn mesh_with_panels(
         repairs: Vec::new(),
         tried: Vec::new(),
     };
-    let positions = mesh.positions.map(|p| similarity.restore(*p));
     let optimised = made.optimised;
     Ok(MeshRun {
         start: None,
-        mesh: mesh.with_positions(positions),
-        target: moved(reported, map),
-        beyond: beyond.map(|b| b.moved(map)),
+        mesh,
+        target: reported.clone(),
+        beyond,
         outcome: made.outcome,
         offenders: optimised.map_or_else(Vec::new, |o| o.offenders),
         violations,

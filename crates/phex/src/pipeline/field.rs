@@ -253,10 +253,8 @@ fn panel_lengths(
     options: &MeshOptions,
 ) -> Result<PerVertex<f64>, PipelineError> {
     let surface = &smooth.levels[level];
-    let field = match &options.size_field {
-        Some(values) => Some(refined_sizes(smooth, level, values)?),
-        None => None,
-    };
+    let field = options.size_field.as_deref();
+    let field = field.map(|values| refined_sizes(smooth, level, values));
     let principal = curvature.principal();
     let adapts = options.sizes.adaptive.is_some();
     let thickness = adapts.then(|| thickness(surface, THICK * uniform));
@@ -283,31 +281,12 @@ fn panel_lengths(
     ))
 }
 
-fn refined_sizes(
-    smooth: &SmoothTarget,
-    level: usize,
-    values: &[f64],
-) -> Result<PerVertex<f64>, PipelineError> {
-    let expected = smooth.levels[0].positions().len();
-    if values.len() != expected {
-        let message = format!(
-            "the size field has {} values, the surface {expected} vertices",
-            values.len()
-        );
-        return Err(PipelineError::Size(message));
-    }
-    if let Some(i) = values.iter().position(|v| !(*v > 0.0 && v.is_finite())) {
-        let message = format!(
-            "the size at vertex {i} is {}, it must be positive and finite",
-            values[i]
-        );
-        return Err(PipelineError::Size(message));
-    }
+fn refined_sizes(smooth: &SmoothTarget, level: usize, values: &[f64]) -> PerVertex<f64> {
     let start = PerVertex::from_vec(values.iter().map(|v| v.ln()).collect());
     let steps = smooth.refinements[..level].iter();
-    Ok(steps
+    steps
         .fold(start, |field, step| step.apply(&field))
-        .map(|l| l.exp()))
+        .map(|l| l.exp())
 }
 
 /// Distance of neighbouring panel centres for a number of panels.

@@ -1,7 +1,6 @@
 //! What a round of the repair loop is judged by.
 
 use super::cures::{Ill, Place};
-use super::portfolio::GOOD_DEVIATION;
 use super::{Clock, MeshOptions, PipelineError, rim};
 use crate::ground::Ground;
 use crate::layout::Layout;
@@ -340,7 +339,7 @@ fn bare_places(
     deviation: &Deviation,
     options: &MeshOptions,
 ) -> Vec<(Vec3, f64)> {
-    let limit = GOOD_DEVIATION * deviation.diagonal;
+    let limit = options.good_deviation() * deviation.diagonal;
     let distances = deviation.coverage_distance.enumerate();
     let mut far: Vec<(VertexId, f64)> = distances
         .filter(|(v, d)| **d > limit && deviation.inside[*v])

@@ -7,14 +7,10 @@
 use super::field::Way;
 use super::judge::inner_deviation;
 use super::repair::attempt;
-use super::{
-    Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall, moved, rim,
-};
-use crate::directions::guides::Guides;
+use super::{Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall, rim};
 use crate::ground::Ground;
 use crate::optimise::Fault;
 use crate::progress::{Event, Progress};
-use crate::target::Similarity;
 use phex_mesh::{HexMesh, TriangleSurface};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -106,8 +102,6 @@ pub struct AttemptSummary {
     pub kept: bool,
 }
 
-/// Deviation, over the diagonal, with which nothing else is tried: a little below the usual tolerance of 0.5 %.
-pub(super) const GOOD_DEVIATION: f64 = 4.5e-3;
 /// Share of panels that are irregular without need, up to which nothing else is tried.
 const GOOD_IRREGULAR: f64 = 0.025;
 /// The same where sizes vary: every change of size costs a pair.
@@ -135,7 +129,8 @@ impl AttemptSummary {
 
     /// Whether nothing else needs to be tried.
     fn is_good(&self, options: &MeshOptions) -> bool {
-        let close = self.deviation <= GOOD_DEVIATION && self.clearance >= options.good_clearance;
+        let close =
+            self.deviation <= options.good_deviation() && self.clearance >= options.good_clearance;
         let sized = options.sizes.adaptive.is_some() || options.size_field.is_some();
         let regular = match self.regular_possible {
             true => self.irregular == 0,
@@ -150,13 +145,14 @@ impl AttemptSummary {
     }
 
     /// What members are compared by, smaller is better: valid first, then close, clear and regular.
-    fn cost(&self) -> f64 {
+    fn cost(&self, options: &MeshOptions) -> f64 {
+        let off = self.deviation / options.good_deviation();
         let invalid = if self.planar { 0.0 } else { 1e6 } + 100.0 * self.invalid as f64;
-        let far = 10.0 * (self.deviation / GOOD_DEVIATION - 1.0).max(0.0);
+        let far = 10.0 * (off - 1.0).max(0.0);
         let tight = (0.15 / self.clearance.max(1e-3) - 1.0).max(0.0);
         let weight = if self.regular_possible { 100.0 } else { 10.0 };
         let irregular = weight * self.irregular_share();
-        invalid + far + tight + irregular + self.deviation / GOOD_DEVIATION * 0.1
+        invalid + far + tight + irregular + off * 0.1
     }
 }
 
@@ -166,12 +162,11 @@ struct Judged {
     run: MeshRun,
 }
 
-/// What is made, of what, and how large.
+/// What is made, of what, and how large, all normalised.
 struct Task<'a> {
     surface: &'a TriangleSurface,
     panels: usize,
     options: &'a MeshOptions,
-    similarity: Similarity,
     ground: Ground,
 }
 
@@ -186,37 +181,18 @@ pub(super) fn mesh_with_panels(
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
     let mut clock = Clock::new(progress);
-    let similarity = Similarity::normalising(surface);
-    let normalised = moved(surface, |p| similarity.normalise(p));
-    let here = options.normalised(&normalised, &similarity);
-    let ground = clock.stage("target", || Ground::new(&normalised, panels, &here))?;
+    let ground = clock.stage("target", || Ground::new(surface, panels, options))?;
     let task = Task {
         surface,
         panels,
         options,
-        similarity,
         ground,
     };
-    let results = match options.method {
-        Method::Best => task.all(progress),
-        _ => task.until_good(&mut clock),
+    let (mut runs, best) = match options.with_usual_deviation() {
+        None => task.members(&mut clock)?,
+        Some(usual) => task.with_usual(&usual, &mut clock)?,
     };
-    let (mut runs, mut errors) = (Vec::new(), Vec::new());
-    for result in results {
-        match result {
-            Ok(judged) => runs.push(judged),
-            Err(error) => errors.push(error),
-        }
-    }
     let mut tried: Vec<AttemptSummary> = runs.iter().map(|r| r.summary.clone()).collect();
-    let mut best = (0..tried.len()).collect::<Vec<_>>();
-    best.sort_by(|&a, &b| tried[a].cost().total_cmp(&tried[b].cost()));
-    let Some(&best) = best.first() else {
-        return Err(errors
-            .into_iter()
-            .next()
-            .unwrap_or(PipelineError::Cancelled));
-    };
     tried[best].kept = true;
     runs.iter().for_each(|r| clock.add(&r.run.stages));
     let mut run = runs.swap_remove(best).run;
@@ -235,23 +211,77 @@ fn give_room(
     if !run.offenders.is_empty() || !run.violations.is_empty() {
         return Ok(());
     }
-    let similarity = &task.similarity;
-    let here = |surface: &TriangleSurface| moved(surface, |p| similarity.normalise(p));
-    let positions = run.mesh.positions.map(|p| similarity.normalise(*p));
-    let mesh = run.mesh.with_positions(positions);
-    let surface = here(&run.target);
-    let beyond = run.beyond.as_ref().map(|b| here(&b.smooth));
-    let surfaces = [&surface, beyond.as_ref().unwrap_or(&surface)];
-    let roomy = rim::roomier(&mesh, surfaces, &task.ground.options, progress)?;
+    let beyond = run.beyond.as_ref().map_or(&run.target, |b| &b.smooth);
+    let surfaces = [&run.target, beyond];
+    let roomy = rim::roomier(&run.mesh, surfaces, &task.ground.options, progress)?;
     if let Some(roomy) = roomy {
-        let positions = roomy.mesh.positions.map(|p| similarity.restore(*p));
-        run.mesh = run.mesh.with_positions(positions);
+        run.mesh = roomy.mesh;
         run.statistics.runs.extend(roomy.runs);
     }
     Ok(())
 }
 
+/// The member of the least cost, of those that are admitted.
+fn cheapest(
+    runs: &[Judged],
+    options: &MeshOptions,
+    admitted: impl Fn(&AttemptSummary) -> bool,
+) -> Option<usize> {
+    let cost = |k: &usize| runs[*k].summary.cost(options);
+    let all = (0..runs.len()).filter(|k| admitted(&runs[*k].summary));
+    all.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
 impl Task<'_> {
+    /// The members that gave a mesh, and which is the best.
+    fn members(&self, clock: &mut Clock<'_>) -> Result<(Vec<Judged>, usize), PipelineError> {
+        let results = match self.options.method {
+            Method::Best => self.all(clock.progress),
+            _ => self.until_good(clock),
+        };
+        let (mut runs, mut errors) = (Vec::new(), Vec::new());
+        for result in results {
+            match result {
+                Ok(judged) => runs.push(judged),
+                Err(error) => errors.push(error),
+            }
+        }
+        match cheapest(&runs, self.options, |_| true) {
+            Some(best) => Ok((runs, best)),
+            None => Err((errors.into_iter().next()).unwrap_or(PipelineError::Cancelled)),
+        }
+    }
+
+    /// The same for a limit that is tighter than usual. What the usual limit gives comes first, and is enough if it keeps to the tight one; else
+    /// nothing is taken that stands off farther: panels that can't be as near as is asked for are drawn hither and thither, and may end
+    /// farther away than if less had been asked of them.
+    fn with_usual(
+        &self,
+        usual: &MeshOptions,
+        clock: &mut Clock<'_>,
+    ) -> Result<(Vec<Judged>, usize), PipelineError> {
+        let mut ground = self.ground.clone();
+        ground.options.optimise.max_deviation = usual.optimise.max_deviation;
+        let task = Task {
+            options: usual,
+            ground,
+            ..*self
+        };
+        let (mut runs, best) = task.members(clock)?;
+        let least = runs[best].summary.clone();
+        if least.deviation <= self.options.good_deviation() || clock.progress.is_cancelled() {
+            return Ok((runs, best));
+        }
+        if let Ok((tight, _)) = self.members(clock) {
+            runs.extend(tight);
+        }
+        let no_worse = |s: &AttemptSummary| {
+            s.deviation <= least.deviation && s.invalid <= least.invalid && s.planar >= least.planar
+        };
+        let kept = cheapest(&runs, self.options, no_worse).unwrap_or(best);
+        Ok((runs, kept))
+    }
+
     /// One after the other until one is good. A seamless lattice is tried only where it can be regular: elsewhere sizes must change,
     /// and dislocations are where they do. So is a brick wall, which few surfaces have a network for.
     fn until_good(&self, clock: &mut Clock<'_>) -> Vec<Result<Judged, PipelineError>> {
@@ -308,7 +338,7 @@ impl Task<'_> {
         candidate: Candidate,
         progress: &dyn Progress,
     ) -> Result<Judged, PipelineError> {
-        let (ground, similarity) = (&self.ground, &self.similarity);
+        let ground = &self.ground;
         let mut clock = Clock::new(progress);
         let made = attempt(ground, candidate.way(), &mut clock)?;
         let mesh = made.left.trimmed.mesh;
@@ -321,13 +351,12 @@ impl Task<'_> {
             ..AttemptSummary::of_mesh(candidate, &mesh)
         };
         let levels = ground.smooth.levels.iter();
-        let cones = Guides::of_cones(made.cones);
         let statistics = Statistics {
             panels_asked: self.panels,
             target_vertices: levels.map(|l| l.positions().len()).collect(),
             interpolation_error: ground.smooth.interpolation_error,
             layout: made.layout,
-            cones: cones.moved(|p| similarity.restore(p)).cones,
+            cones: made.cones,
             brick_wall: None,
             classical: None,
             runs: made.result.runs.clone(),
@@ -335,12 +364,11 @@ impl Task<'_> {
             repairs: made.repairs,
             tried: Vec::new(),
         };
-        let positions = mesh.positions.map(|p| similarity.restore(*p));
         let run = MeshRun {
-            start: Some(super::restored(made.left.start, similarity)),
-            mesh: mesh.with_positions(positions),
-            target: moved(&made.reported, |p| similarity.restore(p)),
-            beyond: made.beyond.map(|b| b.moved(|p| similarity.restore(p))),
+            start: Some(made.left.start),
+            mesh,
+            target: made.reported,
+            beyond: made.beyond,
             outcome: made.result.outcome,
             offenders: made.left.offenders,
             violations: made.left.violations,

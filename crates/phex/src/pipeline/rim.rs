@@ -2,7 +2,6 @@
 //! edges would cut the curve short.
 
 use super::judge::{Left, between_panels, inner_deviation};
-use super::portfolio::GOOD_DEVIATION;
 use super::{MeshOptions, PipelineError};
 use crate::optimise::{self, BoundaryHold, Optimised, RunSummary, SurfaceTarget};
 use crate::progress::Progress;
@@ -86,10 +85,11 @@ pub(super) fn enlarged(
     };
     let (target, settings) = (SurfaceTarget::new(surface), &options.optimise);
     let larger = optimise::enlarge_small(mesh, &target, &rim.hold(), settings, progress)?;
+    let good = options.good_deviation();
     let off = |mesh: &HexMesh| off(mesh, [surface, surface])[0];
-    let bare = |mesh: &HexMesh| bare_rim(mesh, surface, options, GOOD_DEVIATION).len();
+    let bare = |mesh: &HexMesh| bare_rim(mesh, surface, options, good).len();
     Ok(larger.filter(|larger| {
-        let near = off(&larger.mesh) <= off(mesh).max(GOOD_DEVIATION);
+        let near = off(&larger.mesh) <= off(mesh).max(good);
         near && bare(&larger.mesh) <= bare(mesh)
     }))
 }

@@ -8,7 +8,7 @@ use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, moved, rim};
 use crate::layout::LayoutStatistics;
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
-use crate::target::{self, Similarity, SmoothTarget, TargetKind};
+use crate::target::{self, Normalised, SmoothTarget, TargetKind};
 use phex_mesh::{HexMesh, TriangleSurface};
 
 /// Holds the vertices that the options say, in a finished run.
@@ -42,16 +42,15 @@ pub fn refit_surface(
     options.check()?;
     let mut clock = Clock::new(progress);
     let panels = earlier.topology().n_faces();
-    let similarity = Similarity::normalising(surface);
-    let normalised = moved(surface, |p| similarity.normalise(p));
+    let model = Normalised::of(surface);
     let density = options.cell_density.max(options.field_density);
     let vertices = (density * panels as f64) as usize;
     let smooth = clock.stage("target", || {
-        target::smooth_target(&normalised, vertices, &options.target)
+        target::smooth_target(&model.surface, vertices, &options.target)
     })?;
     let close_to = match options.target.kind {
         TargetKind::Facets => surface.clone(),
-        _ => moved(smooth.finest(), |p| similarity.restore(p)),
+        _ => moved(smooth.finest(), |p| model.similarity.restore(p)),
     };
     let target = SurfaceTarget::new(&close_to);
     let refitted = clock.stage("optimise", || {

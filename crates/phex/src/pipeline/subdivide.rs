@@ -5,7 +5,7 @@ use crate::layout::dual_subdivision::chamfer;
 use crate::layout::{Layout, LayoutError, VertexKind, WishedArea};
 use crate::optimise::{self, OptimiseOptions, Optimised, SurfaceTarget};
 use crate::progress::Progress;
-use crate::target::{self, Similarity, TargetOptions};
+use crate::target::{self, Normalised, TargetOptions};
 use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
 
 /// Vertices of the smooth target per panel.
@@ -32,10 +32,14 @@ pub fn subdivide(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Vec<Level>, PipelineError> {
-    let similarity = Similarity::normalising(surface);
+    let Normalised {
+        surface: normalised,
+        similarity,
+        ..
+    } = Normalised::of(surface);
     let panels = mesh.topology().n_faces() << (2 * levels);
     let smooth = target::smooth_target(
-        &super::moved(surface, |p| similarity.normalise(p)),
+        &normalised,
         TARGET_DENSITY * panels,
         &TargetOptions::default(),
     );

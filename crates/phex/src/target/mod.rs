@@ -1,8 +1,8 @@
 //! Target: the smooth surface that everything else looks at.
 //!
-//! The input's facets are a sample of a smooth surface. It is normalised (bounding-box diagonal 1, box centre at the
-//! origin, so that no later figure depends on the unit), and refined by Loop subdivision whose control points are
-//! corrected until the refined surface passes through the input's vertices:
+//! The input's facets are a sample of a smooth surface. It is normalised ([`Normalised`]: bounding-box diagonal 1, box centre at the
+//! origin, coordinates on a grid, vertices in the order of their places, so that no later figure depends on the unit or on numbers),
+//! and refined by Loop subdivision whose control points are corrected until the refined surface passes through the input's vertices:
 //! `C <- C + damping * (V - (M C)|input)`, with `M` the subdivision matrix.
 //!
 //! | symbol | variable |
@@ -17,7 +17,10 @@
 
 pub mod extend;
 mod local;
+mod normalise;
 pub mod subdivide;
+
+pub use normalise::Normalised;
 
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
