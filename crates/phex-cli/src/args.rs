@@ -2,7 +2,7 @@
 
 use crate::commands::TERMS;
 use crate::dual_arguments::{DualCommand, DupinCommand, PowerCommand, SubdivideCommand, three};
-use crate::exit::EXIT_CODES;
+use crate::exit::{EXIT_CODES, Failure};
 use crate::fab_arguments::FabCommand;
 use crate::html;
 use crate::input::number;
@@ -250,6 +250,21 @@ pub struct Limits {
     pub unit: Unit,
 }
 
+impl Limits {
+    /// Refuses a limit of the distance to a surface where there is no surface.
+    ///
+    /// # Errors
+    /// If there is such a limit.
+    pub fn check(&self, has_surface: bool) -> Result<(), Failure> {
+        match self.max_deviation.filter(|_| !has_surface) {
+            None => Ok(()),
+            Some(limit) => Err(Failure::input(format!(
+                "--max-deviation {limit} has no effect without a surface: give --surface"
+            ))),
+        }
+    }
+}
+
 /// Arguments of `phex check`.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
@@ -334,7 +349,7 @@ pub struct ShapeCommand {
     #[arg(long, default_value_t = 0.0)]
     pub jitter: f64,
     /// Seed of the random moves
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, requires = "jitter")]
     pub seed: u64,
     /// Set a parameter of the surface, e.g. `--set minor=0.3`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parameter)]
@@ -375,12 +390,12 @@ pub struct KoebeCommand {
     /// Mesh to write: OBJ, PLY or OFF
     #[arg(short, long, value_name = "MESH")]
     pub output: PathBuf,
-    /// What is given at the boundary, if there is one
-    #[arg(long, value_enum, default_value_t)]
-    pub boundary: KoebeBoundary,
-    /// Angle in degrees between the middle of an open mesh and its boundary, seen from the centre (0 to 180)
-    #[arg(long, value_name = "DEGREES", default_value_t = 60.0)]
-    pub opening: f64,
+    /// What is given at the boundary of an open mesh [default: equal-radii]
+    #[arg(long, value_enum)]
+    pub boundary: Option<KoebeBoundary>,
+    /// Angle in degrees between the middle of an open mesh and its boundary, seen from the centre (0 to 180) [default: 60]
+    #[arg(long, value_name = "DEGREES")]
+    pub opening: Option<f64>,
     /// Write the mesh even if it is not valid (the exit code is still 5)
     #[arg(long, help_heading = "Files")]
     pub keep_invalid: bool,

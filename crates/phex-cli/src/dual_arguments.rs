@@ -3,6 +3,7 @@
 use crate::args::{Extras, Limits, Talk};
 use crate::exit::EXIT_CODES;
 use crate::input::number;
+use crate::steering::positive;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -20,7 +21,7 @@ pub struct DualCommand {
     #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
     pub centre: Option<[f64; 3]>,
     /// Radius of the sphere, model units
-    #[arg(long, value_name = "R", default_value_t = 1.0)]
+    #[arg(long, value_name = "R", default_value_t = 1.0, value_parser = positive)]
     pub radius: f64,
     /// Any other quadric: the ten numbers of the upper triangle of its symmetric matrix Q, row by row
     #[arg(long, value_name = "Q", value_parser = ten, allow_hyphen_values = true, conflicts_with_all = ["centre", "radius"])]
@@ -137,7 +138,12 @@ pub struct DupinCommand {
     #[arg(short = 'n', long, value_name = "N", default_value_t = 100, conflicts_with_all = ["at", "panels"])]
     pub points: usize,
     /// Size of the curves over the distance at which points are spread
-    #[arg(long, value_name = "X", default_value_t = 0.4)]
+    #[arg(
+        long,
+        value_name = "X",
+        default_value_t = 0.4,
+        conflicts_with = "panels"
+    )]
     pub size: f64,
     /// Progress and messages.
     #[command(flatten)]

@@ -2,6 +2,7 @@
 
 use crate::exit::{Exit, Failure, OrExit};
 use anyhow::Context;
+use phex::directions::guides::Cone;
 use phex::directions::network::NetworkError;
 use phex::layout::LayoutError;
 use phex::layout::duality::DualityError;
@@ -31,6 +32,8 @@ pub struct Reached {
     pub stages: Vec<StageTime>,
     /// What the stages counted.
     pub statistics: Value,
+    /// The cones of the lattice's field, in model coordinates.
+    pub cones: Vec<Cone>,
     /// What a method by planes and poles met with.
     pub classical: Option<ClassicalStatistics>,
     /// The ways of the portfolio that were tried.
@@ -72,6 +75,7 @@ fn reached(run: MeshRun) -> Result<Reached, Failure> {
         outcome: ended(&run.outcome)?,
         stages: times.collect(),
         statistics: value(&run.statistics)?,
+        cones: run.statistics.cones,
         classical: run.statistics.classical,
         tried: run.statistics.tried,
         mesh: run.mesh,
@@ -131,6 +135,7 @@ pub fn planarize(
             seconds,
         }],
         statistics: value(&run.runs)?,
+        cones: Vec::new(),
         classical: None,
         tried: Vec::new(),
         start: Some(mesh.to_soup()),

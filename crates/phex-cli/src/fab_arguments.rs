@@ -43,6 +43,7 @@ pub struct FabCommand {
         long,
         value_name = "LENGTH",
         default_value = "5mm",
+        value_parser = spacing,
         help_heading = "Sheets"
     )]
     pub spacing: Quantity,
@@ -117,6 +118,9 @@ impl From<PanelSide> for Side {
     }
 }
 
+/// Longest side of a sheet, millimetres: a kilometre, which nobody makes.
+const LARGEST_SHEET: f64 = 1e6;
+
 /// A width and a length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheetSize([Quantity; 2]);
@@ -138,8 +142,14 @@ impl FromStr for SheetSize {
             .ok_or("write WIDTHxLENGTH, e.g. 1250x2500")?;
         let side = |part: &str| {
             let quantity = part.parse::<Quantity>().map_err(|e| e.to_string())?;
-            if millimetres(quantity).is_nan() {
+            let side = millimetres(quantity);
+            if side.is_nan() {
                 return Err("the size of a sheet can't be a percentage".to_owned());
+            }
+            if side > LARGEST_SHEET {
+                return Err(format!(
+                    "a sheet is at most {LARGEST_SHEET} mm wide and long"
+                ));
             }
             Ok(quantity)
         };
@@ -150,6 +160,17 @@ impl FromStr for SheetSize {
 /// A length of the workshop: a plain number is in millimetres, a percentage has no meaning and gives not a number.
 pub fn millimetres(quantity: Quantity) -> f64 {
     quantity.length(Unit::Mm, f64::NAN)
+}
+
+/// A spacing that leaves room for panels on some sheet.
+fn spacing(text: &str) -> Result<Quantity, String> {
+    let spacing = text.parse::<Quantity>().map_err(|e| e.to_string())?;
+    match millimetres(spacing) <= LARGEST_SHEET {
+        true => Ok(spacing),
+        false => Err(format!(
+            "`{text}` is no length of at most {LARGEST_SHEET} mm"
+        )),
+    }
 }
 
 fn rotations(text: &str) -> Result<Rotations, String> {
@@ -179,6 +200,7 @@ mod tests {
         assert_eq!(size("2.5mx1250mm").unwrap(), [2500.0, 1250.0]);
         assert!(size("1250").is_err() && size("ax2").is_err() && size("-1x2").is_err());
         assert!(size("10%x2").unwrap_err().contains("percentage"));
+        assert!(size("1e300x1e300").unwrap_err().contains("at most"));
     }
 
     #[test]

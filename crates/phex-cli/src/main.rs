@@ -3,6 +3,7 @@
 mod args;
 mod commands;
 mod dual_arguments;
+mod effects;
 mod engine;
 mod exit;
 mod fab_arguments;
@@ -24,6 +25,7 @@ mod steering;
 mod summary;
 mod units;
 mod verdict;
+mod wishes;
 
 use args::{Arguments, ProgressMode, Talk};
 use clap::Parser;

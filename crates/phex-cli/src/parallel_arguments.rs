@@ -41,16 +41,16 @@ pub struct ParallelCommand {
     #[arg(long, value_name = "BASIS.CSV", help_heading = "Files")]
     pub basis: Option<PathBuf>,
     /// Where the fit begins
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, requires = "surface")]
     pub start: ParallelStart,
     /// Shortest edge allowed, over the mean edge (0 to 1)
-    #[arg(long, value_name = "X", default_value_t = 0.05)]
+    #[arg(long, value_name = "X", default_value_t = 0.05, requires = "surface")]
     pub least_edge: f64,
     /// Weight of edge lengths in proportion to the input's, over that of closeness
-    #[arg(long, value_name = "X", default_value_t = 1e-3)]
+    #[arg(long, value_name = "X", default_value_t = 1e-3, requires = "surface")]
     pub fairness: f64,
     /// Weight of one mean curvature for all faces, over that of closeness
-    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, requires = "surface")]
     pub constant_mean_curvature: f64,
     /// Limits.
     #[command(flatten)]

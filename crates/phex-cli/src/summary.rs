@@ -122,6 +122,16 @@ pub fn of_features(
     table.into_text()
 }
 
+/// What came of wishes, by what each is about; kept in the report too.
+pub fn of_wishes(report: &mut RunReport, told: Vec<(&'static str, String)>) -> String {
+    let mut table = Table::default();
+    for (what, sentence) in told {
+        table.row(what, &sentence);
+        report.notes.push(format!("{what}: {sentence}"));
+    }
+    table.into_text()
+}
+
 /// Why the mesh was not written.
 pub fn not_written() -> String {
     let mut table = Table::default();

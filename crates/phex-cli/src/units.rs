@@ -126,10 +126,15 @@ impl Quantity {
 
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Zeros without end tell nobody anything.
+        match self.value {
+            0.0 | 1e-9..1e12 => write!(f, "{}", self.value)?,
+            value => write!(f, "{value:e}")?,
+        }
         match self.suffix {
-            Suffix::Plain => write!(f, "{}", self.value),
-            Suffix::Unit(unit) => write!(f, "{}{unit}", self.value),
-            Suffix::Percent => write!(f, "{}%", self.value),
+            Suffix::Plain => Ok(()),
+            Suffix::Unit(unit) => write!(f, "{unit}"),
+            Suffix::Percent => f.write_str("%"),
         }
     }
 }
@@ -214,7 +219,7 @@ mod tests {
 
     #[test]
     fn what_is_written_reads_back() {
-        for text in ["20mm", "0.5%", "1.25", "3ft"] {
+        for text in ["20mm", "0.5%", "1.25", "3ft", "1e-12", "1e300m", "0"] {
             assert_eq!(quantity(text).to_string(), text);
         }
     }

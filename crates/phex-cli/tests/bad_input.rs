@@ -551,3 +551,86 @@ fn a_link_to_a_file_that_is_not_there_is_followed() {
     let both = "mesh a.obj -o same.ply --write-target a.ply -n 5";
     shop.phex(both).refuses(4, &["also read or written"]);
 }
+
+/// What is typed is carried out or refused, by name.
+#[test]
+fn options_without_effect_are_refused() {
+    let shop = with_square("a.obj");
+    shop.write("points.txt", "0.5 0.5 0\n");
+    let refused = |arguments: &str, texts: &[&str]| refused_as_is(&shop, arguments, texts);
+    let mesh = "mesh a.obj -o out.obj -n 5 --method";
+    for option in [
+        "--rotate 10",
+        "--adaptive",
+        "--size-field points.txt",
+        "--guide a.obj",
+        "--cones points.txt",
+    ] {
+        let name = option.trim_start_matches('-').split(' ').next().unwrap();
+        for method in ["brick-wall", "power-diagram"] {
+            let said = format!("`{name}` has no effect with `{method}`");
+            refused(&format!("{mesh} {method} {option}"), &[&said, "lattice"]);
+        }
+    }
+    refused(
+        &format!("{mesh} projective-dual --guide a.obj"),
+        &["`guide`", "lattice"],
+    );
+    for option in [
+        "--fairness 2",
+        "--closeness 2",
+        "--target facets",
+        "--solver barrier",
+    ] {
+        refused(
+            &format!("{mesh} support-function {option}"),
+            &["no effect", "brick-wall"],
+        );
+    }
+    refused(
+        "mesh a.obj -o out.obj -n 5 --ground-reach 1",
+        &["`ground-reach`", "`ground`"],
+    );
+    refused(
+        "mesh a.obj -o out.obj -n 5 --rotate 9 --start a.obj",
+        &["`panels`, `rotate`", "start"],
+    );
+    refused(
+        "planarize a.obj -o out.obj --ground-reach 1",
+        &["`ground-reach`", "`ground`"],
+    );
+    refused(
+        "check a.obj --max-deviation 1mm",
+        &["--max-deviation 1mm", "--surface"],
+    );
+    refused(
+        "subdivide a.obj -o out.obj --any-domain",
+        &["--any-domain", "robust"],
+    );
+    refused("offset a.obj -o out --distance 5e-324", &["5e-324"]);
+    refused("offset a.obj -o out --distance 0.1,1e-30", &["1e-30"]);
+    refused("offset a.obj -o out --distance 1e308", &["1e308"]);
+    for arguments in [
+        "parallel a.obj --basis b.csv --least-edge 0.1",
+        "dupin a.obj -o c.obj --panels a.obj --size 0.3",
+        "shape sphere -o s.obj --seed 3",
+        "offset a.obj -o out --max-distance --solids",
+    ] {
+        assert_eq!(shop.phex(arguments).code, Some(2), "{arguments}");
+    }
+}
+
+#[test]
+fn points_that_are_nowhere_near_the_surface() {
+    let shop = with_square("a.obj");
+    shop.write("far.txt", "0.5 0.5 0\n500 0 0 1\n");
+    shop.write("far.obj", "v 0 0 0\nv 0 1e49 0\nl 1 2\n");
+    for (option, what) in [
+        ("--anchors far.txt", "anchor 1"),
+        ("--curve far.obj", "curve 0"),
+        ("--guide far.obj", "guide line 0"),
+    ] {
+        let arguments = format!("mesh a.obj -o out.obj -n 5 {option}");
+        refused_as_is(&shop, &arguments, &[what, "diagonals", "another unit"]);
+    }
+}

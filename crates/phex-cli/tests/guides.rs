@@ -17,7 +17,13 @@ fn cones_are_where_the_file_says_and_are_reported() {
         .flat_map(|k| [ring(k, 0.66), ring(k, -0.66)])
         .collect();
     shop.write("cones.txt", file);
-    shop.succeed("mesh sphere.obj -o mesh.obj -n 300 --cones cones.txt --report run.json");
+    let run =
+        shop.succeed("mesh sphere.obj -o mesh.obj -n 300 --cones cones.txt --report run.json");
+    assert!(
+        run.stdout.contains("all 12 prescribed ones"),
+        "{}",
+        run.stdout
+    );
     let report = shop.json("run.json");
     let cones = report["statistics"][0]["cones"].as_array().unwrap();
     assert_eq!(cones.len(), 12);
@@ -83,7 +89,9 @@ fn rows_run_along_a_line() {
         format!("v {} {} 0\nv {x} {y} 0\nl 1 2\n", -x, -y),
     );
     let made = |options: &str| {
-        shop.succeed(&format!("mesh plate.obj -o mesh.obj -n 150 {options}"));
+        let run = shop.succeed(&format!("mesh plate.obj -o mesh.obj -n 150 {options}"));
+        let told = run.stdout.contains("rows run along");
+        assert_eq!(told, !options.is_empty(), "{}", run.stdout);
         String::from_utf8(shop.read("mesh.obj")).unwrap()
     };
     let (with, without) = (fit(&made("--guide line.obj"), along), fit(&made(""), along));
@@ -95,9 +103,47 @@ fn creases_are_guides_from_a_job_file_too() {
     let shop = Workshop::new();
     shop.succeed("shape plane --triangles 300 -o plate.obj");
     shop.write("job.toml", "[guides]\ncrease = 25\n");
-    shop.succeed("mesh plate.obj -o mesh.obj -n 40 --config job.toml --report run.json");
+    let run = shop.succeed("mesh plate.obj -o mesh.obj -n 40 --config job.toml --report run.json");
+    let idle = "NO EFFECT: no edge of the surface is as sharp as 25 degrees, the sharpest has 0.0";
+    assert!(run.stdout.contains(idle), "{}", run.stdout);
+    let notes = shop.json("run.json")["notes"].to_string();
+    assert!(notes.contains("creases: NO EFFECT"), "{notes}");
     let guides = &shop.json("run.json")["settings"]["stages"]["directions"]["guides"];
     assert_eq!(guides["crease"], 25.0);
     shop.phex("mesh plate.obj -o mesh.obj -n 40 --crease 200")
         .refuses(2, &["between 0 and 180"]);
+}
+
+/// A field of directions can't follow everything: what it did not is told with figures.
+#[test]
+fn wishes_that_come_to_nothing_are_told() {
+    let shop = Workshop::new();
+    shop.succeed("shape sphere --triangles 800 -o sphere.obj");
+    let run = shop.phex("mesh sphere.obj -o mesh.obj -n 60 --adaptive --boundary clip");
+    let told = run.stdout + &run.stderr;
+    assert!(
+        told.contains("adaptive     NO EFFECT: panels of one size"),
+        "{told}"
+    );
+    assert!(told.contains("--boundary has no effect"), "{told}");
+    // Rows can't turn as fast as a zigzag of half a panel.
+    let zigzag: String = (0..40)
+        .map(|k| {
+            format!(
+                "v {} {} 0\n",
+                0.04 * f64::from(k) - 0.8,
+                0.06 * f64::from(k % 2)
+            )
+        })
+        .collect();
+    let line: String = (1..=40).map(|k| format!(" {k}")).collect();
+    shop.write("zigzag.obj", format!("{zigzag}l{line}\n"));
+    shop.succeed("shape plane --triangles 600 -o plate.obj");
+    let run = shop.phex("mesh plate.obj -o mesh.obj -n 60 --guide zigzag.obj");
+    assert!(
+        run.stdout
+            .contains("guides       NOT FOLLOWED: rows run along"),
+        "{}",
+        run.stdout
+    );
 }

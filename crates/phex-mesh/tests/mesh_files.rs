@@ -382,3 +382,35 @@ fn check(soup: &PolygonSoup) {
     let _ = TriangleSurface::from_soup(soup).map(|parts| parts.components.len());
     let _ = HexMesh::from_soup(soup);
 }
+
+/// A line that goes on over many lines costs its length, not its square: that would be minutes here.
+#[test]
+fn a_long_continued_line_is_read_at_once() {
+    const PARTS: usize = 400_000;
+    let points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let text = format!("{points}f \\\n{}1\n", "1 2 3 \\\n".repeat(PARTS));
+    let start = std::time::Instant::now();
+    let soup = parse_soup(text.as_bytes(), Format::Obj).unwrap();
+    assert_eq!(soup.faces[0].len(), 3 * PARTS + 1);
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+/// What overflows when it is computed with is no mesh, nor is a mesh without extent.
+#[test]
+fn a_mesh_keeps_to_the_limits_of_surfaces() {
+    let triangle = |size: f64| PolygonSoup {
+        positions: vec![Vec3::zeros(), Vec3::x() * size, Vec3::y() * size],
+        faces: vec![vec![0, 1, 2]],
+    };
+    for size in [1e-50, 1.0, 1e50] {
+        assert!(HexMesh::from_soup(&triangle(size)).is_ok(), "{size:e}");
+        assert!(
+            TriangleSurface::from_soup(&triangle(size)).is_ok(),
+            "{size:e}"
+        );
+    }
+    for size in [0.0, 1e-51, 1e51, 1e155] {
+        let error = HexMesh::from_soup(&triangle(size)).unwrap_err();
+        assert!(error.to_string().contains("extent"), "{size:e}: {error}");
+    }
+}

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// An option has a value outside its range.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("{option} can't be {value}: it must be {range}")]
+#[error("{option} can't be {}: it must be {range}", shown(*.value))]
 pub struct BadOption {
     /// Name of the option, after those of the tables that it is in, with dots between them.
     pub option: String,
@@ -65,15 +65,16 @@ pub fn counts(options: &[(&'static str, usize)]) -> Result<(), BadOption> {
 /// The first of them that is not.
 pub fn within(range: RangeInclusive<f64>, options: Named<'_>) -> Result<(), BadOption> {
     let (least, most) = (*range.start(), *range.end());
-    let shown = |x: f64| {
-        if x.abs() < 1e6 {
-            x.to_string()
-        } else {
-            format!("{x:e}")
-        }
-    };
     let text = || format!("from {} to {}", shown(least), shown(most));
     all(options, |x| range.contains(&x), text)
+}
+
+/// A number without endless zeros.
+fn shown(x: f64) -> String {
+    match x.abs() {
+        0.0 | 1e-6..1e6 => x.to_string(),
+        _ => format!("{x:e}"),
+    }
 }
 
 fn all(
@@ -122,5 +123,10 @@ mod tests {
         let error = within(-1.0..=1e12, &[("a", 0.5), ("b", -2.0)]).unwrap_err();
         let said = "t.b can't be -2: it must be from -1 to 1e12";
         assert_eq!(error.in_table("t").to_string(), said);
+        let error = positive(&[("a", f64::NAN)]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "a can't be NaN: it must be above 0, at most 1e12"
+        );
     }
 }

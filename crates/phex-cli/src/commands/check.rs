@@ -33,6 +33,9 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         command.report_of.as_ref(),
     ];
     let inputs: Vec<&Path> = inputs.into_iter().flatten().map(AsRef::as_ref).collect();
+    command
+        .limits
+        .check(command.surface.is_some() || command.report_of.is_some())?;
     check_writable(&command.extras.outputs().collect::<Vec<_>>(), &inputs)?;
     let promise = command
         .report_of

@@ -16,6 +16,9 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
 
+/// Size of curves over their distance at the most: larger ones are nothing to be seen.
+const LARGEST_SIZE: f64 = 1e6;
+
 /// Runs the command.
 ///
 /// # Errors
@@ -26,10 +29,12 @@ pub fn run(command: &DupinCommand) -> Result<Exit, Failure> {
         .collect();
     check_writable(&[(&command.output, Content::Mesh)], &inputs)?;
     super::network::check_obj(&command.output)?;
-    if !(command.size > 0.0 && command.size.is_finite()) || command.points == 0 {
+    if !(command.size > 0.0 && command.size <= LARGEST_SIZE) || command.points == 0 {
         return Err(Failure::new(
             Exit::Usage,
-            "size and number of points must be positive",
+            format!(
+                "size and number of points must be positive, and the size at most {LARGEST_SIZE}"
+            ),
         ));
     }
     let reporter = Reporter::new(&command.talk);

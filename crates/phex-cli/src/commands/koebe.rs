@@ -25,6 +25,7 @@ pub fn run(command: &KoebeCommand) -> Result<Exit, Failure> {
     let reporter = Reporter::new(&command.talk);
     let file = MeshFile::read(&command.input)?;
     let (mesh, _) = file.polygon_mesh()?;
+    check_effects(command, &mesh)?;
     let options = options(command);
     let made = koebe(&mesh, &options, &reporter)
         .with_context(|| command.input.display().to_string())
@@ -60,16 +61,33 @@ pub fn run(command: &KoebeCommand) -> Result<Exit, Failure> {
 }
 
 fn options(command: &KoebeCommand) -> KoebeOptions {
-    let boundary = match command.boundary {
+    let default = KoebeOptions::default();
+    let boundary = match command.boundary.unwrap_or_default() {
         KoebeBoundary::EqualRadii => BoundaryCondition::EqualRadii,
         KoebeBoundary::GaussImage => BoundaryCondition::GaussImage,
         KoebeBoundary::Angles => BoundaryCondition::Angles,
     };
     KoebeOptions {
         boundary,
-        opening: command.opening,
-        ..KoebeOptions::default()
+        opening: command.opening.unwrap_or(default.opening),
+        ..default
     }
+}
+
+/// Refuses options of the boundary that mean nothing.
+fn check_effects(command: &KoebeCommand, mesh: &HexMesh) -> Result<(), Failure> {
+    let closed = mesh.topology().boundary_loops().is_empty();
+    if closed && (command.boundary.is_some() || command.opening.is_some()) {
+        return Err(Failure::input(
+            "--boundary and --opening have no effect: the mesh has no boundary",
+        ));
+    }
+    if command.opening.is_some() && command.boundary == Some(KoebeBoundary::GaussImage) {
+        return Err(Failure::input(
+            "--opening has no effect with --boundary gauss-image, which says how far the mesh opens",
+        ));
+    }
+    Ok(())
 }
 
 /// What makes it a Koebe mesh.

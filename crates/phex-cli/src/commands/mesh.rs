@@ -15,8 +15,10 @@ use crate::settings::MeshSettings;
 use crate::size_field::SizeField;
 use crate::summary;
 use crate::verdict::{TypedLimits, written};
+use crate::wishes::{Wishes, check_near};
 use anyhow::Context;
 use phex::MeshOptions;
+use phex::directions::guides::Cone;
 use phex::report::{References, RunReport, StageTime};
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, TriangleSurface};
 use serde_json::Value;
@@ -35,7 +37,8 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let parts = file.surfaces()?;
     check_components(&parts.components, &settings)?;
     let facets = whole(&parts.components)?;
-    let notes = sentences(parts.notes);
+    let mut notes = sentences(parts.notes);
+    notes.extend(without_effect(command, &settings, &facets));
     notes.iter().for_each(|note| reporter.note(note));
 
     let unit = settings.unit.unwrap_or_default();
@@ -54,6 +57,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     (settings.steering).apply(&mut stages.steering, &mut stages.optimise)?;
     settings.guides.apply(&mut stages.directions.guides)?;
     check_steering(command, &settings)?;
+    check_near(&settings.stages, &facets)?;
     let job = Job {
         components: &parts.components,
         facets: &facets,
@@ -91,12 +95,25 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         .notes
         .extend(runs.iter().flat_map(|run| members(&run.tried)));
     let start = joined_start(&runs);
+    let cones: Vec<Cone> = runs.iter().flat_map(|run| run.cones.clone()).collect();
     describe(&mut report, &settings, runs)?;
     let shown = Shown {
         surface: smooth.as_ref().or(Some(&facets)),
         start: start.as_ref(),
         given: Some(&facets),
         mesh: &mesh,
+    };
+    let wishes = Wishes {
+        options: &settings.stages,
+        panels,
+        facets: &facets,
+        smooth: smooth.as_ref().unwrap_or(&facets),
+        mesh: &mesh,
+        cones: &cones,
+    };
+    let wished = match command.start {
+        None => summary::of_wishes(&mut report, wishes.told()),
+        Some(_) => String::new(),
     };
     let features = summary::of_features(&mut report, &mesh, shown.surface);
     if let (Some(path), Some(smooth)) = (&command.write_target, &smooth) {
@@ -112,7 +129,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         talk: &command.talk,
         limits,
         before: methods,
-        after: features,
+        after: wished + &features,
         report,
     }
     .send()
@@ -126,7 +143,35 @@ fn settings(command: &MeshCommand) -> Result<MeshSettings, Failure> {
         .transpose()?;
     let settings = command.settings.clone().over(file.unwrap_or_default());
     settings.check()?;
-    Ok(settings)
+    let typed = command.settings.idle_on_start();
+    match &command.start {
+        Some(_) if !typed.is_empty() => Err(Failure::input(format!(
+            "`{}` has no effect with `start`, which lays nothing out: leave it out",
+            typed.join("`, `")
+        ))),
+        Some(_) => Ok(settings),
+        None => settings.check_effects().map(|()| settings),
+    }
+}
+
+/// What a job file sets and a warm start does not heed, and what asks for a boundary that there is not.
+fn without_effect(
+    command: &MeshCommand,
+    settings: &MeshSettings,
+    facets: &TriangleSurface,
+) -> Vec<String> {
+    let mut told = Vec::new();
+    let idle = settings.idle_on_start();
+    if command.start.is_some() && !idle.is_empty() {
+        told.push(format!(
+            "`{}` of the job file has no effect with --start, which lays nothing out",
+            idle.join("`, `")
+        ));
+    }
+    if settings.boundary.is_some() && facets.boundary_loops().is_empty() {
+        told.push("--boundary has no effect: the surface has no boundary".to_owned());
+    }
+    told
 }
 
 fn inputs<'a>(command: &'a MeshCommand, settings: &'a MeshSettings) -> Vec<&'a Path> {

@@ -17,7 +17,7 @@ use base::{Base, Layer};
 use files::Files;
 use phex::parallel_mesh::OffsetOptions;
 use phex_mesh::measure::diagonal;
-use phex_mesh::{HexMesh, PerFace, ValidateOptions};
+use phex_mesh::{HexMesh, LARGEST_COORDINATE, PerFace, ValidateOptions};
 use std::path::Path;
 use told::Told;
 
@@ -90,6 +90,7 @@ impl<'a> Job<'a> {
             .map(|d| d.length(unit, size))
             .collect();
         distances.sort_by(f64::total_cmp);
+        check_distances(&distances, mesh)?;
         let face_distances = command.face_distances.as_deref().map(read_distances);
         if command.face_distances.is_some() && command.kind != Kind::Face {
             return Err(Failure::new(
@@ -105,6 +106,13 @@ impl<'a> Job<'a> {
             return Err(Failure::new(
                 Exit::Usage,
                 "give --distance, --face-distances, --max-distance or --gauss-image",
+            ));
+        }
+        let between = command.solids || command.beams;
+        if silent && between {
+            return Err(Failure::new(
+                Exit::Usage,
+                "--solids and --beams have no effect without layers: give --distance or --face-distances",
             ));
         }
         Ok(Self {
@@ -128,6 +136,21 @@ impl<'a> Job<'a> {
         std::iter::once(command.input.as_path())
             .chain(more.into_iter().flatten().map(AsRef::as_ref))
             .collect()
+    }
+}
+
+/// Refuses distances that the coordinates can't hold: the layer would be the mesh itself, or nowhere.
+fn check_distances(distances: &[f64], mesh: &HexMesh) -> Result<(), Failure> {
+    let largest = mesh.positions.iter().map(|p| p.amax()).fold(0.0, f64::max);
+    let range = 4.0 * f64::EPSILON * largest..=LARGEST_COORDINATE;
+    let held = |d: &&f64| **d == 0.0 || range.contains(&d.abs());
+    match distances.iter().find(|d| !held(d)) {
+        None => Ok(()),
+        Some(d) => Err(Failure::input(format!(
+            "--distance {d:e}: coordinates as large as {largest:.1e} hold distances from {:.1e} to {:e} (model units)",
+            range.start(),
+            range.end()
+        ))),
     }
 }
 

@@ -37,6 +37,7 @@ struct Made {
 /// # Errors
 /// If an input can't be used, or the output can't be written.
 pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
+    command.limits.check(command.surface.is_some())?;
     check_writable(&outputs(command), &inputs(command))?;
     let file = MeshFile::read(&command.input)?;
     let (mesh, _) = file.polygon_mesh()?;

@@ -86,7 +86,11 @@ fn settings(command: &PlanarizeCommand) -> Result<MeshSettings, Failure> {
     };
     let settings = settings.over(file.transpose()?.unwrap_or_default());
     settings.check()?;
-    Ok(settings)
+    let idle = settings.steering.without_effect();
+    match idle.is_empty() {
+        true => Ok(settings),
+        false => Err(Failure::input(format!("{}: leave it out", idle.join("; ")))),
+    }
 }
 
 /// The options of a job file, what is held and how the dials stand.

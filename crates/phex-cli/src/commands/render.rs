@@ -29,6 +29,7 @@ pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
         .chain(&command.mark)
         .chain(&command.curves);
     let inputs: Vec<_> = inputs.map(|p| p.as_path()).collect();
+    command.limits.check(command.surface.is_some())?;
     check_writable(&[(&command.output, Content::Other)], &inputs)?;
     let (mesh, _) = MeshFile::read(&command.input)?.polygon_mesh()?;
     let file = command.surface.as_deref().map(MeshFile::read).transpose()?;

@@ -20,6 +20,7 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
         .chain(&command.surface)
         .chain(&command.before);
     let inputs: Vec<_> = inputs.map(|p| p.as_path()).collect();
+    command.limits.check(command.surface.is_some())?;
     check_writable(&[(&command.html, Content::Other)], &inputs)?;
     let file = MeshFile::read(&command.input)?;
     let surface = command.surface.as_deref().map(MeshFile::read).transpose()?;

@@ -25,6 +25,12 @@ pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
         .flatten()
         .map(|p| p.as_path())
         .collect();
+    if command.any_domain && command.rule == SubdivideRule::Robust {
+        return Err(Failure::input(
+            "--any-domain has no effect with --rule robust, which takes any surface",
+        ));
+    }
+    command.limits.check(command.surface.is_some())?;
     check_writable(&outputs(&command.output, &command.extras), &inputs)?;
     let reporter = Reporter::new(&command.talk);
     let file = MeshFile::read(&command.input)?;

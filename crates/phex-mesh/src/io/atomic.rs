@@ -210,7 +210,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let (left, held, user) = (at(".phex-aB3.tmp"), at(".phex-xY9.tmp"), at(".phex-notes"));
-        [&left, &held, &user].map(|path| fs::write(path, "half").unwrap());
+        for path in [&left, &held, &user] {
+            fs::write(path, "half").unwrap();
+        }
         let other_run = fs::File::open(&held).unwrap();
         other_run.lock().unwrap();
         atomic_write(&at("out.obj"), |out| out.write_all(b"whole")).unwrap();
