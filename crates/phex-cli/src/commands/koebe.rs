@@ -11,6 +11,7 @@ use crate::summary::Table;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
 use phex::parallel_mesh::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
+use phex_mesh::HexMesh;
 use serde_json::json;
 
 /// Runs the command.
