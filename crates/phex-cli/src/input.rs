@@ -127,7 +127,8 @@ pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, Failure> {
         let words = data.split(|c: char| c.is_whitespace() || c == ',');
         let numbers: Result<Vec<f64>, String> =
             words.filter(|w| !w.is_empty()).map(number).collect();
-        let numbers = numbers.map_err(|e| Failure::input(format!("{place}: {e}")))?;
+        let wrong = |e| Failure::input(format!("{place}: {e} in `{}`", shown(line.trim())));
+        let numbers = numbers.map_err(wrong)?;
         if !numbers.is_empty() {
             lines.push(NumberLine { numbers, place });
         }

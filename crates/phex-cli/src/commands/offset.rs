@@ -9,7 +9,7 @@ mod told;
 
 use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
-use crate::input::{MeshFile, read_numbers};
+use crate::input::{MeshFile, number, read_text};
 use crate::offset_arguments::{Kind, OffsetCommand};
 use crate::output::{check_writable, write_text};
 use crate::progress::is_interrupted;
@@ -155,7 +155,11 @@ fn check_distances(distances: &[f64], mesh: &HexMesh) -> Result<(), Failure> {
 }
 
 fn read_distances(path: &Path) -> Result<PerFace<f64>, Failure> {
-    let lines = read_numbers(path)?;
-    let all = lines.into_iter().flat_map(|line| line.numbers).collect();
-    Ok(PerFace::from_vec(all))
+    let text = read_text(path)?;
+    let at = |(k, word): (usize, &str)| {
+        let refused = |e| Failure::input(format!("{}: number {}: {e}", path.display(), k + 1));
+        number(word).map_err(refused)
+    };
+    let all: Result<Vec<f64>, Failure> = text.split_whitespace().enumerate().map(at).collect();
+    all.map(PerFace::from_vec)
 }

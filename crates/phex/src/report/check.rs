@@ -101,7 +101,7 @@ impl Check {
     }
 
     /// The same with both figures as lengths; `unit` is the length of 1 in its scale.
-    fn as_lengths(self, unit: f64) -> Self {
+    fn in_lengths(self, unit: f64) -> Self {
         Self {
             limit_length: Some(self.limit * unit),
             value_length: Some(self.value * unit),
@@ -203,7 +203,7 @@ pub(super) fn validity_checks(
     let measured = measured.map(|(name, kind, element, figures)| {
         let found = of_kind(kind);
         let check = Check::new(name, figures, Scale::MeanEdges, found.is_empty());
-        let check = check.as_lengths(measures.mean_edge);
+        let check = check.in_lengths(measures.mean_edge);
         check.named(mesh, &found, element)
     });
     let rounding = planarity_floor(mesh);
@@ -255,7 +255,7 @@ fn deviation_check(mesh: &HexMesh, deviation: &Deviation, limit: f64) -> Check {
         Scale::Diagonals,
         value <= limit,
     )
-    .as_lengths(deviation.diagonal)
+    .in_lengths(deviation.diagonal)
     .at(topology.faces().filter(far), worst(vertices.chain(centres)))
     .advised(NEARER)
 }
@@ -276,7 +276,7 @@ fn coverage_check(surface: &TriangleSurface, deviation: &Deviation, limit: f64) 
         Scale::Diagonals,
         value <= limit,
     )
-    .as_lengths(deviation.diagonal)
+    .in_lengths(deviation.diagonal)
     .at(faces, worst(points))
     .advised(NEARER)
 }
@@ -300,7 +300,7 @@ pub(super) fn boundary_checks(
         let value = fit.distance_max();
         let far = fit.apart.iter().filter(|s| s.distance > limit);
         Check::new("boundary", [limit, value], Scale::Diagonals, value <= limit)
-            .as_lengths(diagonal)
+            .in_lengths(diagonal)
             .at(far.map(|s| s.face), place(&fit.apart))
             .advised("more panels, another --boundary, or a larger deviation")
     });
