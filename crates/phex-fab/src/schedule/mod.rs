@@ -182,7 +182,7 @@ mod tests {
             (vec!["A1", "a1"], "line 3: `a1` is the panel of line 2"),
             (vec!["A1", ""], "line 3: the name is empty"),
             (vec![long.as_str()], "line 2: the name has 33 characters"),
-            (vec!["A\01"], "line 2: the name \"A\\01\" holds '\\0'"),
+            (vec!["A\x001"], "line 2: the name \"A\\01\" holds '\\0'"),
             (vec!["A1", "A\n2"], "line 3: the name \"A\\n2\" holds '\\n'"),
             (vec!["A\r2"], "holds '\\r'"),
             (vec!["A1;A2"], "holds ';'"),
