@@ -165,9 +165,10 @@ pub fn millimetres(quantity: Quantity) -> f64 {
 /// A spacing that leaves room for panels on some sheet.
 fn spacing(text: &str) -> Result<Quantity, String> {
     let spacing = text.parse::<Quantity>().map_err(|e| e.to_string())?;
-    match millimetres(spacing) <= LARGEST_SHEET {
-        true => Ok(spacing),
-        false => Err(format!(
+    // What has no length at all, a percentage, is refused by its name later.
+    match millimetres(spacing) > LARGEST_SHEET {
+        false => Ok(spacing),
+        true => Err(format!(
             "`{text}` is no length of at most {LARGEST_SHEET} mm"
         )),
     }

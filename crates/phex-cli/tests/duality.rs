@@ -229,7 +229,8 @@ fn a_method_says_where_the_surface_leaves_its_domain() {
     let run = shop.phex(
         "mesh torus.obj -o x.obj --method projective-dual -n 80 --any-domain --report r.json",
     );
-    assert_eq!(run.code, Some(5), "{}", run.stdout);
+    // What becomes of it stands far off the surface, or crosses itself.
+    assert!(matches!(run.code, Some(3 | 5)), "{}", run.stdout);
     let told = &shop.json("r.json")["statistics"][0]["classical"];
     assert!(
         told["outside_domain"]

@@ -119,7 +119,7 @@ fn creases_are_guides_from_a_job_file_too() {
 fn wishes_that_come_to_nothing_are_told() {
     let shop = Workshop::new();
     shop.succeed("shape sphere --triangles 800 -o sphere.obj");
-    let run = shop.phex("mesh sphere.obj -o mesh.obj -n 40 --boundary clip");
+    let run = shop.phex("mesh sphere.obj -o mesh.obj -n 150 --boundary clip");
     run.refuses(0, &["--boundary has no effect"]);
     shop.succeed("shape plane --triangles 600 -o plate.obj");
     let run = shop.phex("mesh plate.obj -o mesh.obj -n 60 --adaptive");

@@ -183,8 +183,8 @@ impl MeshOptions {
         options.dual.quadric = classical::quadric(&self.dual, &model.similarity)?;
         options.optimise.max_deviation = self.optimise.max_deviation.map(without_unit);
         if let Some(values) = &self.size_field {
-            check_size_field(values, model.given.len())?;
-            options.size_field = Some(relative_sizes(&model.in_order(values)));
+            check_size_field(values, model.surface.positions().len())?;
+            options.size_field = Some(relative_sizes(values));
         }
         Ok(options)
     }

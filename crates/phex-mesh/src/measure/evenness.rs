@@ -81,7 +81,12 @@ pub fn aspect(polygon: &[Vec2]) -> f64 {
     }
     let about_centroid = (second - first * first.transpose() / area) / area;
     let moments = about_centroid.symmetric_eigenvalues();
-    (moments.max() / moments.min().max(0.0)).sqrt()
+    // A polygon without area has moments that are no numbers.
+    let width = moments.min().max(0.0);
+    match area == 0.0 {
+        true => f64::INFINITY,
+        false => (moments.max() / width).sqrt(),
+    }
 }
 
 #[cfg(test)]

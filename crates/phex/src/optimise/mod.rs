@@ -102,7 +102,7 @@ use closeness::Reference;
 use guard::Guard;
 use holds::{Hold, Holds};
 use panels::{Panels, Shape, points, unknowns};
-use phex_mesh::{BoundaryCurve, HexMesh, PerFace, PerVertex, Topology, Vec3};
+use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
 use run::Run;
 use serde::Serialize;
@@ -298,29 +298,33 @@ fn steer_with(
 ) -> Result<Optimised, OptimiseError> {
     let only_project = steering.anchors.is_empty();
     let mut loose = BTreeSet::new();
-    for _ in 0..LETTING_GO {
+    let mut rounds = 0;
+    let result = loop {
         let what = (steering, rim, &loose);
         let result = from_mesh(mesh, target, what, options, progress, only_project);
-        let faces: Vec<phex_mesh::FaceId> = match &result {
+        let faces: Vec<FaceId> = match &result {
             Ok(made) => made.offenders.iter().map(|o| o.face).collect(),
             Err(OptimiseError::Steering(SteeringError::Crossed { face })) => vec![*face],
-            Err(_) => return result,
+            Err(_) => break result,
         };
-        let over = faces.is_empty() || progress.is_cancelled() || steering.curves.is_empty();
-        let holds = || steering::resolve(steering, mesh);
-        if over || !steering::let_go(&holds()?, mesh, &faces, &mut loose) {
-            if !loose.is_empty() {
-                let message = format!(
-                    "{} vertices near the curve are not held on it: panels there could not be planar",
-                    loose.len()
-                );
-                progress.report(&Event::Note { message });
-            }
-            return result;
+        let idle = faces.is_empty() || steering.curves.is_empty();
+        if idle || rounds == LETTING_GO || progress.is_cancelled() {
+            break result;
         }
+        if !steering::let_go(
+            &steering::resolve(steering, mesh)?,
+            mesh,
+            &faces,
+            &mut loose,
+        ) {
+            break result;
+        }
+        rounds += 1;
+    };
+    if let Some(message) = steering::told_loose(&loose) {
+        progress.report(&Event::Note { message });
     }
-    let what = (steering, rim, &loose);
-    from_mesh(mesh, target, what, options, progress, only_project)
+    result
 }
 
 /// Rounds in which vertices are let go of a curve at the most.

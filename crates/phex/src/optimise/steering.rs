@@ -421,6 +421,24 @@ pub(super) fn let_go(
     any
 }
 
+/// Vertices named in a note at the most.
+const NAMED: usize = 10;
+
+/// What to tell of vertices that were let go of curves; nothing of none.
+pub(super) fn told_loose(loose: &BTreeSet<u32>) -> Option<String> {
+    let names: Vec<String> = loose.iter().take(NAMED).map(u32::to_string).collect();
+    let more = match loose.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    (!loose.is_empty()).then(|| {
+        format!(
+            "vertices near the curve that are not held on it, since panels there could not be planar: {}{more}",
+            names.join(" ")
+        )
+    })
+}
+
 /// The mesh with held vertices at their places, where that breaks no panel.
 pub(super) fn put_in_place(
     holds: &Holds,

@@ -35,7 +35,6 @@ pub fn subdivide(
     let Normalised {
         surface: normalised,
         similarity,
-        ..
     } = Normalised::of(surface);
     let panels = mesh.topology().n_faces() << (2 * levels);
     let smooth = target::smooth_target(

@@ -412,9 +412,10 @@ impl Progress for Notes {
     }
 }
 
-/// Three corners of a panel on a curve in a plane, the others off it: it can't be planar, and is named.
+/// Three corners of a panel on a curve in a plane, the others off it: it can't be planar and is named, and so are the corners that
+/// are let go for it.
 #[test]
-fn a_panel_that_its_holds_bend_is_named() {
+fn a_panel_that_its_holds_bend_is_named_and_let_go() {
     let wall = brick_wall(Shape::Wave, 15, 8);
     let at = |k: i32| {
         let x = 0.05 * f64::from(k);
@@ -427,13 +428,13 @@ fn a_panel_that_its_holds_bend_is_named() {
     let notes = Notes::default();
     let options = OptimiseOptions::default();
     let result = steer(&wall, Some(&Shape::Wave), &steering, &options, &notes).unwrap();
-    assert!(!result.is_sound());
+    assert!(result.is_sound(), "{:?}", result.offenders);
     let notes = notes.0.into_inner().unwrap();
-    assert!(
-        notes
-            .iter()
-            .any(|n| n.contains("of its 6 corners are held")),
-        "{notes:?}"
-    );
+    for told in [
+        "of its 6 corners are held",
+        "vertices near the curve that are not held on it",
+    ] {
+        assert!(notes.iter().any(|n| n.contains(told)), "{notes:?}");
+    }
     assert!(all_simple(&result.mesh));
 }

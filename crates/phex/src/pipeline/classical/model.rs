@@ -12,7 +12,7 @@ pub(in crate::pipeline) fn place_in(model: &Normalised, place: Place) -> Place {
     let all = model.surface.positions().enumerate();
     let nearest = all.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
     nearest.map_or(place, |(vertex, p)| Place {
-        vertex: model.given[vertex],
+        vertex,
         position: model.similarity.restore(*p),
     })
 }
