@@ -86,7 +86,7 @@ impl Default for DirectionOptions {
             curvature_floor: 0.05,
             alignment: 5.0,
             gentle_alignment: 0.3,
-            conformal_screening: 0.4,
+            conformal_screening: 0.2,
             conformal_limit: 0.6,
             rotate: 0.0,
             boundary_alignment: 0.5,

@@ -178,7 +178,7 @@ pub(super) struct Way {
 }
 
 /// What the conformal factor's screening and limit are multiplied by for a seamless lattice.
-const SEAMLESS_SCREENING: f64 = 0.0125;
+const SEAMLESS_SCREENING: f64 = 0.025;
 const SEAMLESS_LIMIT: f64 = 2.0;
 
 impl Way {

@@ -53,7 +53,7 @@ impl<'a> Start<'a> {
         clock: &mut Clock<'_>,
     ) -> Result<(Self, Field), PipelineError> {
         let start = Self::new(ground, clock)?;
-        let options = start.saddle_options(&ground.options);
+        let options = start.lattice_options(&ground.options);
         let settings = direction_options(&options, options.directions.anisotropy);
         let level = ground.field_level(&options);
         let field = Field::new(ground, level, &options, &settings, clock)?;
@@ -64,14 +64,16 @@ impl<'a> Start<'a> {
         SignedPlaces::find(self.surface, &self.curvature).sign()
     }
 
-    /// Options for a lattice that keeps the sign rule with a margin where `K < 0`: its edges stay off the asymptotic directions, to which rows along the boundary may
+    /// Options for a lattice with few dislocations, at which planes cross. It keeps the sign rule with a margin where `K < 0`: its edges stay off the asymptotic directions, to which rows along the boundary may
     /// come too near, and it has no dislocations.
-    fn saddle_options(&self, options: &MeshOptions) -> MeshOptions {
+    fn lattice_options(&self, options: &MeshOptions) -> MeshOptions {
         let mut options = options.clone();
         if self.sign() == CurvatureSign::Hyperbolic {
             options.directions.saddle_alignment = SADDLE_ALIGNMENT;
             options.directions.boundary_alignment = 0.0;
             allow_sizes(&mut options);
+        } else {
+            options.directions.conformal_screening *= CLASSICAL_SCREENING;
         }
         options
     }
@@ -112,7 +114,7 @@ impl<'a> Start<'a> {
         mut metric: PerVertex<Matrix3<f64>>,
         clock: &mut Clock<'_>,
     ) -> Result<Field, PipelineError> {
-        let options = &self.saddle_options(&ground.options);
+        let options = &self.lattice_options(&ground.options);
         let settings = direction_options(options, 1.0);
         cones::prescribed_faces(self.surface, &settings.guides.cones)?;
         let (wished, weight) = saddle::wishes(
@@ -144,6 +146,8 @@ impl<'a> Start<'a> {
     }
 }
 
+/// Screening of the conformal factor, over that of lattices for the optimiser, which evens out areas and mends dislocations.
+const CLASSICAL_SCREENING: f64 = 0.5;
 /// Weight of the alignment where `K < 0`.
 const SADDLE_ALIGNMENT: f64 = 20.0;
 
