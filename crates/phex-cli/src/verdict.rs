@@ -35,7 +35,7 @@ pub struct TypedLimits {
     pub max_deviation: Quantity,
     /// The model's unit.
     pub unit: Unit,
-    /// What panels were to do at the boundary, where neither curve nor ground plane says otherwise.
+    /// What panels were to do at the boundary, where neither curve nor ground plane leads it elsewhere.
     pub boundary: Option<Boundary>,
 }
 
@@ -57,14 +57,11 @@ impl From<&Limits> for TypedLimits {
 impl From<&MeshSettings> for TypedLimits {
     fn from(settings: &MeshSettings) -> Self {
         let stages = &settings.stages;
-        // A curve or a ground plane says where the boundary goes instead.
-        let steering = &stages.steering;
-        let free = steering.curves.is_empty() && steering.grounds.is_empty();
         Self {
             planarity: settings.planarity,
             max_deviation: settings.max_deviation(),
             unit: settings.unit.unwrap_or_default(),
-            boundary: free.then_some(stages.boundary),
+            boundary: Some(stages.boundary),
         }
     }
 }

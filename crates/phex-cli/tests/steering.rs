@@ -249,3 +249,48 @@ fn the_paper_s_solver_is_there_to_compare() {
     shop.phex("mesh hill.obj -o b.obj -n 60 --solver magic")
         .refuses(2, &["magic", "tetrahedra"]);
 }
+
+/// The rim at the bottom stands on the ground, the one at the top is judged as ever.
+#[test]
+fn a_ground_plane_leaves_the_other_rim_to_be_judged() {
+    let shop = Workshop::new();
+    shop.succeed("shape catenoid --triangles 3000 -o shell.obj");
+    let check = |name: &str| {
+        let report = shop.json("run.json");
+        let checks = report["checks"].as_array().unwrap().clone();
+        checks.into_iter().find(|c| c["name"] == name)
+    };
+    let line = "mesh shell.obj -o m.obj -n 200 --report run.json --max-deviation";
+    shop.succeed(&format!("{line} 1% --ground -0.8"));
+    assert_eq!(check("boundary").unwrap()["pass"], true);
+    // Panels are never that near the rim: the check is made, and names faces of the rim at the top alone.
+    shop.phex(&format!("{line} 0.0001% --ground -0.8"));
+    let boundary = check("boundary").unwrap();
+    assert_eq!(boundary["pass"], false);
+    assert!(boundary["place"][2].as_f64().unwrap() > 0.5, "{boundary}");
+    assert!(!boundary["ids"].as_array().unwrap().is_empty());
+}
+
+/// On a rim that is not level the ground takes panels off the surface, which is told with the panels and by how much.
+#[test]
+fn a_rim_that_is_not_level_is_told() {
+    let shop = Workshop::new();
+    shop.succeed("shape catenoid --triangles 3000 -o level.obj");
+    let text = String::from_utf8(shop.read("level.obj")).unwrap();
+    let waved = text.lines().map(|line| match line.strip_prefix("v ") {
+        None => line.to_owned() + "\n",
+        Some(xyz) => {
+            let p: Vec<f64> = (xyz.split_whitespace().map(|x| x.parse().unwrap())).collect();
+            let lift = 0.1 * (2.0 * p[1].atan2(p[0])).sin() * (-p[2]).max(0.0);
+            format!("v {} {} {}\n", p[0], p[1], p[2] + lift)
+        }
+    });
+    shop.write("shell.obj", waved.collect::<String>());
+    let run = shop.phex("mesh shell.obj -o m.obj -n 200 --ground -0.8 --report run.json");
+    assert_eq!(run.code, Some(3), "{}", run.stdout);
+    let report = shop.json("run.json");
+    let far = report["checks"].as_array().unwrap().iter();
+    let far = far.clone().find(|c| c["name"] == "deviation").unwrap();
+    assert_eq!(far["pass"], false);
+    assert!(far["place"][2].as_f64().unwrap() < -0.6, "{far}");
+}

@@ -51,6 +51,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         smooth: surfaces.smooth.as_ref(),
         facets: surfaces.facets.as_ref(),
         beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
+        ..Default::default()
     };
     let mut assessment = limits.judge(&mesh, references);
     if promise.is_some_and(|p| p.has_smooth()) && surfaces.smooth.is_none() {

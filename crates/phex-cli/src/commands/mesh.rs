@@ -19,6 +19,7 @@ use crate::wishes::{Wishes, check_near};
 use anyhow::Context;
 use phex::MeshOptions;
 use phex::directions::guides::Cone;
+use phex::optimise::led_elsewhere;
 use phex::report::{References, RunReport, StageTime};
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, TriangleSurface};
 use serde_json::Value;
@@ -97,14 +98,20 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let smooth = joined_target(&runs)?;
     let beyond = joined_beyond(&runs, &parts.components)?;
 
+    let elsewhere = led_elsewhere(&settings.stages.steering, &mesh);
     let references = References {
         smooth: smooth.as_ref(),
         facets: Some(&facets),
         beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
+        elsewhere: &elsewhere,
     };
     let assessment = limits.judge(&mesh, references);
     let told = |run: &Reached| of_portfolio(&run.tried) + &of_method(run.classical.as_ref());
     let methods: String = runs.iter().map(told).collect();
+    if !elsewhere.is_empty() {
+        // A later judge does not know where the boundary was to go.
+        limits.boundary = None;
+    }
     let mut report = limits.report("mesh", assessment);
     report.inputs = vec![file.record];
     report.threads = threads;

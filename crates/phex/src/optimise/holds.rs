@@ -55,9 +55,10 @@ impl Holds {
         self.rim = Some(curves.clone());
     }
 
-    /// Lets vertices go that slide on curves.
+    /// Lets vertices go that slide on curves or in planes.
     pub fn release(&mut self, loose: &BTreeSet<u32>) {
-        let slides = |hold: &Hold| matches!(hold, Hold::OnCurve | Hold::OnRim);
+        let slides =
+            |hold: &Hold| matches!(hold, Hold::OnCurve | Hold::OnRim | Hold::InPlane { .. });
         self.held
             .retain(|v, hold| !(loose.contains(v) && slides(hold)));
     }

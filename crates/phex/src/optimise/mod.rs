@@ -118,7 +118,7 @@ pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind, Starts};
 pub use room::{enlarge_small, give_room};
 pub use shape_target::ShapeTarget;
-pub use steering::{Anchor, GroundPlane, Steering, SteeringError};
+pub use steering::{Anchor, GroundPlane, Steering, SteeringError, led_elsewhere};
 pub use surface_target::SurfaceTarget;
 
 /// Foot point on a target surface.
@@ -307,7 +307,8 @@ fn steer_with(
             Err(OptimiseError::Steering(SteeringError::Crossed { face })) => vec![*face],
             Err(_) => break result,
         };
-        let idle = faces.is_empty() || steering.curves.is_empty();
+        let leads = !(steering.curves.is_empty() && steering.grounds.is_empty());
+        let idle = faces.is_empty() || !leads;
         if idle || rounds == LETTING_GO || progress.is_cancelled() {
             break result;
         }
@@ -327,7 +328,7 @@ fn steer_with(
     result
 }
 
-/// Rounds in which vertices are let go of a curve at the most.
+/// Rounds in which vertices are let go of curves and planes at the most.
 const LETTING_GO: usize = 4;
 
 /// `only_project`: a mesh that is nearly planar is not optimised otherwise.

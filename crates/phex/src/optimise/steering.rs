@@ -383,8 +383,8 @@ fn open_ends(lines: &[Vec<Vec3>]) -> Vec<Vec3> {
     all.iter().copied().filter(alone).collect()
 }
 
-/// Lets go of corners of single panels that slide on a curve, in some faces, else beside them, else all: a panel between two others needs only
-/// its ends on the curve, and with a corner between them it would have to lie in the plane of the curve. In the end any vertex of the faces is let go.
+/// Lets go of corners of single panels that slide on a curve or in a plane, in some faces, else beside them, else all: a panel between two others needs only
+/// its ends there, and with a corner between them it would have to lie in the plane of the curve. In the end any vertex of the faces is let go.
 /// Tells whether there was one.
 pub(super) fn let_go(
     holds: &Holds,
@@ -403,7 +403,11 @@ pub(super) fn let_go(
     let single = |v: &VertexId| topology.face_degree(*v) == 1;
     let slides = |v: &VertexId| {
         let number = v.index() as u32;
-        holds.held.get(&number) == Some(&Hold::OnCurve) && !loose.contains(&number)
+        let slides = matches!(
+            holds.held.get(&number),
+            Some(Hold::OnCurve | Hold::InPlane { .. })
+        );
+        slides && !loose.contains(&number)
     };
     let sets = [
         own.iter().copied().filter(single).collect(),
@@ -424,7 +428,24 @@ pub(super) fn let_go(
 /// Vertices named in a note at the most.
 const NAMED: usize = 10;
 
-/// What to tell of vertices that were let go of curves; nothing of none.
+/// Faces of which a vertex is led along a curve or in a ground plane, in order: their boundary is not that of the surface.
+pub fn led_elsewhere(steering: &Steering, mesh: &HexMesh) -> Vec<FaceId> {
+    let leading = Steering {
+        curves: steering.curves.clone(),
+        grounds: steering.grounds.clone(),
+        ..Steering::default()
+    };
+    // What can't be led at all was refused before there was a mesh.
+    let held = resolve(&leading, mesh)
+        .map_or_else(|_| Vec::new(), |holds| holds.held.into_keys().collect());
+    let faces = held
+        .into_iter()
+        .flat_map(|v| mesh.topology().outgoing(VertexId::new(v)));
+    let faces: BTreeSet<FaceId> = faces.map(|h| mesh.topology().face(h)).collect();
+    faces.into_iter().collect()
+}
+
+/// What to tell of vertices that were let go of curves and planes; nothing of none.
 pub(super) fn told_loose(loose: &BTreeSet<u32>) -> Option<String> {
     let names: Vec<String> = loose.iter().take(NAMED).map(u32::to_string).collect();
     let more = match loose.len().saturating_sub(NAMED) {
@@ -433,7 +454,7 @@ pub(super) fn told_loose(loose: &BTreeSet<u32>) -> Option<String> {
     };
     (!loose.is_empty()).then(|| {
         format!(
-            "vertices near the curve that are not held on it, since panels there could not be planar: {}{more}",
+            "vertices of the boundary that are not held on the curve or in the plane, since panels there could not be planar: {}{more}",
             names.join(" ")
         )
     })

@@ -5,7 +5,7 @@ use phex_mesh::measure::{
     BoundaryFit, Deviation, MeshMeasures, boundary_fit, deviation_beyond, measure,
 };
 use phex_mesh::validate::{ValidateOptions, Violation, violations};
-use phex_mesh::{HexMesh, TriangleSurface, add_flips};
+use phex_mesh::{FaceId, HexMesh, TriangleSurface, add_flips};
 use serde::{Deserialize, Serialize};
 
 /// What a mesh must keep to.
@@ -53,6 +53,9 @@ pub struct References<'a> {
     pub facets: Option<&'a TriangleSurface>,
     /// Both continued beyond the boundary, where panels may stick out: their distance is measured to these.
     pub beyond: Option<[&'a TriangleSurface; 2]>,
+    /// Faces whose boundary is led elsewhere than along the surface's own, by a curve or a ground plane: there it is not compared
+    /// with that, and no share of the area is asked for.
+    pub elsewhere: &'a [FaceId],
 }
 
 impl<'a> References<'a> {
@@ -112,7 +115,13 @@ impl Assessment {
         if let (Some(deviation), Some(surface)) = (deviation, references.judge()) {
             checks.extend(surface_checks(mesh, surface, deviation, tolerances));
             if let Some(fit) = &boundary {
-                checks.extend(boundary_checks(fit, deviation.diagonal, tolerances));
+                let elsewhere = references.elsewhere;
+                checks.extend(boundary_checks(
+                    fit,
+                    deviation.diagonal,
+                    tolerances,
+                    elsewhere,
+                ));
             }
         }
         Self {

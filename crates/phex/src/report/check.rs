@@ -294,17 +294,21 @@ pub(super) fn boundary_checks(
     fit: &BoundaryFit,
     diagonal: f64,
     tolerances: &Tolerances,
+    elsewhere: &[FaceId],
 ) -> Vec<Check> {
     let place = |spots: &[Spot]| worst(spots.iter().map(|s| (s.distance, s.point)));
     let follows = tolerances.boundary_rel.map(|limit| {
-        let value = fit.distance_max();
-        let far = fit.apart.iter().filter(|s| s.distance > limit);
+        let follows = |s: &&Spot| !elsewhere.contains(&s.face);
+        let apart: Vec<Spot> = fit.apart.iter().filter(follows).copied().collect();
+        let value = apart.iter().map(|s| s.distance).fold(0.0, f64::max);
+        let far = apart.iter().filter(|s| s.distance > limit);
         Check::new("boundary", [limit, value], Scale::Diagonals, value <= limit)
             .in_lengths(diagonal)
-            .at(far.map(|s| s.face), place(&fit.apart))
+            .at(far.map(|s| s.face), place(&apart))
             .advised("more panels, another --boundary, or a larger deviation")
     });
-    let covers = tolerances.covered.map(|limit| {
+    let covered = tolerances.covered.filter(|_| elsewhere.is_empty());
+    let covers = covered.map(|limit| {
         let value = fit.covered_area;
         let farthest = fit.bare.iter().map(|s| s.distance).fold(0.0, f64::max);
         let far = fit.bare.iter().filter(|s| s.distance >= AS_BAD * farthest);

@@ -432,7 +432,7 @@ fn a_panel_that_its_holds_bend_is_named_and_let_go() {
     let notes = notes.0.into_inner().unwrap();
     for told in [
         "of its 6 corners are held",
-        "vertices near the curve that are not held on it",
+        "vertices of the boundary that are not held",
     ] {
         assert!(notes.iter().any(|n| n.contains(told)), "{notes:?}");
     }
