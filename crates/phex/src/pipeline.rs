@@ -424,7 +424,7 @@ fn mesh_of_size(
 /// Relative error of the mean edge that is corrected by another run, and such runs at the most: a lattice has the number of panels that is
 /// asked for up to a few per cent, so that one may miss.
 const EDGE_TOLERANCE: f64 = 0.025;
-const EDGE_CORRECTIONS: usize = 2;
+const EDGE_CORRECTIONS: usize = 4;
 
 /// Goes to normalised coordinates, which all methods work in, and back.
 fn mesh_with_panels(
