@@ -270,6 +270,25 @@ fn topology_key(
     (t.n_faces(), figures(t), common::valences(&run.mesh))
 }
 
+/// Without the term that holds areas, panels slide along the surface.
+#[test]
+fn inner_panels_have_the_areas_that_are_asked_for() {
+    let surface = shape("wave", 3000);
+    let spread = |evenness: f64| {
+        let mut options = panels(150);
+        options.optimise.evenness = evenness;
+        let run = mesh_surface(&surface, &options, &Silent).unwrap();
+        assert!(run.is_sound());
+        let evenness = phex_mesh::measure(&run.mesh).evenness;
+        evenness.expect("panels inside").area_spread
+    };
+    let (even, free) = (
+        spread(MeshOptions::default().optimise.evenness),
+        spread(0.0),
+    );
+    assert!(even < 1.2 && free > 1.5, "{even} {free}");
+}
+
 /// A model turned in space, and moved, is the same model.
 #[test]
 fn turning_a_model_turns_its_panels() {
