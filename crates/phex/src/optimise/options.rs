@@ -231,7 +231,7 @@ impl OptimiseOptions {
     /// The theorem takes faces that converge to tangent planes. Distances to the surface fall with the square of the size `L`, lengths within panels with `L`: with fixed weights fairness
     /// and barrier win, and tilt planes by a share of `L` that stays. So closeness grows as `L^-2`. Where a row of panels runs along an asymptotic direction, panels that are inscribed in
     /// the indicatrix have an edge without length, which a barrier of fixed reach never allows: its reach shrinks as `L^(1/2)`. Panels of the whole sequence stay simple, but have
-    /// ever less clearance there: for studies of the limit, not for building.
+    /// ever less clearance there: for studies of the limit, not for building. Areas are left free, since what holds them tilts planes as fairness does.
     pub fn refined(mut self, factor: f64) -> Self {
         let dials = Dials {
             closeness: factor * factor,
@@ -239,6 +239,7 @@ impl OptimiseOptions {
         };
         dials.turn(&mut self);
         self.barrier_reach /= factor.sqrt();
+        self.evenness = 0.0;
         self.newton_iterations = Some(REFINED_NEWTON);
         self
     }
