@@ -31,16 +31,15 @@ fn member(summary: &AttemptSummary) -> String {
         (_, true) => format!("seamless lattice, anisotropy {}", candidate.anisotropy),
         (_, false) => format!("lattice, anisotropy {}", candidate.anisotropy),
     };
-    let state = match (summary.planar, summary.invalid) {
-        (true, 0) => "valid".to_owned(),
-        (true, n) => format!("{n} invalid"),
-        (false, _) => "not planar".to_owned(),
+    let state = match &summary.merit {
+        merit if merit.invalid > 0.0 => "not valid",
+        merit if merit.outside > 0.0 => "outside limits",
+        _ => "valid",
     };
     format!(
-        "{way}: {state}, {} of {} panels irregular without need, deviation {:.3} %, clearance {:.3}, angle {:.1}{}",
+        "{way}: {state}, {} of {} panels irregular without need, clearance {:.3}, angle {:.1}{}",
         summary.irregular,
         summary.panels,
-        100.0 * summary.deviation,
         summary.clearance,
         summary.least_angle,
         if summary.kept { " (kept)" } else { "" }

@@ -10,17 +10,12 @@ use anyhow::Context;
 use phex::Boundary;
 use phex::optimise::OptimiseOptions;
 use phex::report::picture::{PictureOptions, draw};
-use phex::report::{
-    Assessment, Check, OutputFile, Reading, References, RunReport, Scale, Tolerances, Verdict,
-};
-use phex_mesh::validate::ValidateOptions;
+use phex::quality::{Assessment, Check, Reading, References, Scale, Verdict};
+use phex::report::{OutputFile, RunReport};
 use phex_mesh::{HexMesh, TriangleSurface};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
-
-/// Share of an open surface's area that panels cover at least, whatever happens at the boundary.
-const COVERED: f64 = 0.97;
 
 /// Planarity that the optimiser reaches in double precision, in diagonals over mean edges. What is asked for below is judged as it is, but
 /// nothing else is given up for it.
@@ -99,30 +94,21 @@ impl TypedLimits {
         options.max_deviation = (most > 0.0).then_some(most);
     }
 
-    fn tolerances(&self, mesh: &HexMesh, surface: Option<&TriangleSurface>) -> Tolerances {
+    fn limits(&self, mesh: &HexMesh, surface: Option<&TriangleSurface>) -> phex::quality::Limits {
         let planarity = self.planarity;
-        let planarity = planarity.map(|q| q.fraction(self.unit, mesh.mean_edge()));
         let relative = |surface: &TriangleSurface| {
             let diagonal = surface.diagonal();
             self.max_deviation.length(self.unit, diagonal) / diagonal
         };
-        let deviation_rel = surface.map(relative);
-        let follows = self.boundary.is_some_and(|how| how != Boundary::Whole);
-        Tolerances {
-            boundary_rel: deviation_rel.filter(|_| follows),
-            covered: self.boundary.map(|_| COVERED),
-            validity: ValidateOptions {
-                planarity,
-                ..Default::default()
-            },
-            deviation_rel,
-        }
+        let mut limits = phex::quality::Limits::new(surface.map(relative), self.boundary);
+        limits.validity.planarity = planarity.map(|q| q.fraction(self.unit, mesh.mean_edge()));
+        limits
     }
 
     /// Judges a mesh by these limits.
     pub fn judge(&self, mesh: &HexMesh, references: References<'_>) -> Assessment {
-        let tolerances = self.tolerances(mesh, references.smooth.or(references.facets));
-        let mut assessment = Assessment::new(mesh, references, &tolerances);
+        let limits = self.limits(mesh, references.smooth.or(references.facets));
+        let mut assessment = Assessment::new(mesh, references, &limits);
         let edge = assessment.measures.mean_edge;
         let diagonal = assessment.judged_deviation().map(|d| d.diagonal);
         for check in &mut assessment.checks {

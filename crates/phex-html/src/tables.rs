@@ -2,7 +2,7 @@
 
 use crate::Report;
 use crate::escape::escaped;
-use phex::report::{Check, ElementKind};
+use phex::quality::{Check, ElementKind};
 use phex_mesh::measure::Metric;
 use serde_json::Value;
 

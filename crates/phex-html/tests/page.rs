@@ -2,7 +2,8 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use phex::report::{Assessment, InputFile, References, RunReport, Tolerances};
+use phex::quality::{Assessment, Limits, References};
+use phex::report::{InputFile, RunReport};
 use phex_html::{CurveFamily, Report, Viewer, page};
 use phex_mesh::{HexMesh, TriangleSurface, Vec3};
 use serde_json::Value;
@@ -33,7 +34,7 @@ fn run(mesh: &HexMesh, surface: Option<&TriangleSurface>) -> RunReport {
     };
     let mut run = RunReport::new(
         "report",
-        Assessment::new(mesh, references, &Tolerances::default()),
+        Assessment::new(mesh, references, &Limits::default()),
     );
     run.settings = serde_json::json!({ "note": HOSTILE, "stages": { "seed": 7 } });
     run.notes = vec![HOSTILE.to_owned()];

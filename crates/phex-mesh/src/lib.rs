@@ -44,7 +44,7 @@ pub use flat_face::FlatFace;
 pub use hex_mesh::HexMesh;
 pub use id_map::{IdMap, IdSet};
 pub use ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
-pub use measure::{
+pub use measure::{closest_faces,
     BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures, Metric, boundary_fit, deviation,
     deviation_beyond, irregular_faces, measure, small_rim_faces,
 };

@@ -23,7 +23,9 @@ pub mod parallel_mesh;
 pub mod pipeline;
 pub mod progress;
 pub mod ranges;
+pub mod quality;
 pub mod report;
+pub mod search;
 pub mod target;
 pub mod trim;
 

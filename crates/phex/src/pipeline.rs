@@ -1,226 +1,44 @@
-//! The whole flow, and its one loop.
-//!
-//! surface -> target -> curvature -> directions -> layout -> optimise -> trim; panels that stay invalid go back to the
-//! layout as seeds to drop, and layout and optimiser run again.
+//! The whole flow: surface -> target -> curvature -> directions -> layout -> optimise -> trim -> quality -> search.
 
 mod brick_wall;
 mod check;
 mod classical;
-mod cures;
-mod draws;
 mod field;
-mod folds;
-mod judge;
+mod finish;
+mod lattice;
+mod options;
 mod portfolio;
-mod repair;
 mod rim;
-mod rounds;
 mod steered;
 mod subdivide;
 
 pub use brick_wall::{NetworkCurves, network_curves};
 pub use classical::ClassicalStatistics;
+pub use options::{MeshOptions, Method, PanelSize};
 pub use portfolio::{AttemptSummary, Candidate};
 pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
 
-use crate::curvature::CurvatureOptions;
-use crate::directions::DirectionOptions;
 use crate::directions::cones::ConeError;
 use crate::directions::guides::Cone;
-use crate::directions::size::SizeOptions;
 use crate::ground::Beyond;
-use crate::layout::brick_wall::{BrickWallOptions, BrickWallStatistics};
-use crate::layout::duality::DualOptions;
+use crate::layout::brick_wall::BrickWallStatistics;
 use crate::layout::lattice::CELL;
-use crate::layout::{LayoutError, LayoutOptions, LayoutStatistics};
-use crate::optimise::{Offender, OptimiseError, OptimiseOptions, RunSummary, Steering};
+use crate::layout::{LayoutError, LayoutStatistics};
+use crate::optimise::{OptimiseError, RunSummary};
 use crate::parallel_mesh::fit::FitError;
 use crate::progress::{Event, Progress};
 use crate::ranges::BadOption;
-use crate::target::{Normalised, Similarity, TargetOptions};
-use crate::trim::{Boundary, TrimError};
+use crate::search::SearchSummary;
+use crate::target::{Normalised, Similarity, SmoothTarget};
+use crate::trim::TrimError;
 use field::panel_length;
-use judge::between_panels;
+use phex_mesh::validate::ValidateOptions;
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Vec3, Violation};
 use phex_numeric::{NumericError, Outcome};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::time::Instant;
 use thiserror::Error;
-
-/// How large panels are.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PanelSize {
-    /// Number of panels, at least 1.
-    Panels(usize),
-    /// Mean edge length, model units; met by another run or two where the first is off.
-    EdgeLength(f64),
-}
-
-/// How panels are laid out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// A hexagonal lattice in the metric of the second fundamental form, on any surface; others of the portfolio's lattices where
-    /// that gives no good result.
-    #[default]
-    Lattice,
-    /// All of the portfolio, side by side; the best is kept.
-    Best,
-    /// A brick wall on a conjugate curve network, where the surface has one.
-    BrickWall,
-    /// A Goldberg polyhedron on the ellipsoid that the surface is.
-    PowerDiagram,
-    /// A regular triangulation of the dual surface, mapped back.
-    ProjectiveDual,
-    /// A coarse mesh of tangent planes, refined through its dual.
-    DualSubdivision,
-    /// A regular triangulation of the Gauss sphere, and tangent planes with its normals.
-    SupportFunction,
-    /// Tangent planes of the lattice's panels, intersected.
-    TangentPlanes,
-    /// A mesh parallel to one that tangent planes give, fitted to the surface.
-    Parallel,
-}
-
-/// Options of [`mesh_surface`]: one struct per stage, and what concerns the whole flow.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MeshOptions {
-    /// Size of the panels.
-    pub size: PanelSize,
-    /// Where panels are smaller.
-    pub sizes: SizeOptions,
-    /// Relative size of panels at each vertex of the input (positive; only ratios matter).
-    pub size_field: Option<Vec<f64>>,
-    /// What happens at the boundary.
-    pub boundary: Boundary,
-    /// Smooth target.
-    pub target: TargetOptions,
-    /// Curvature.
-    pub curvature: CurvatureOptions,
-    /// Metric and direction field.
-    pub directions: DirectionOptions,
-    /// How panels are laid out.
-    pub method: Method,
-    /// What is tried where the lattice of these options gives no good result, or beside it; the best is kept.
-    pub portfolio: Vec<Candidate>,
-    /// Layout by a lattice.
-    pub layout: LayoutOptions,
-    /// Lattices tried at the most, from different random starts; the most regular is kept.
-    pub draws: usize,
-    /// Layout as a brick wall.
-    pub brick_wall: BrickWallOptions,
-    /// The methods that work by planes and their poles.
-    pub dual: DualOptions,
-    /// Optimiser.
-    pub optimise: OptimiseOptions,
-    /// Vertices that are held in the end; numbers of vertices make sense for a warm start only.
-    pub steering: Steering,
-    /// Vertices per panel, at least, of the mesh on which directions and lattice are computed.
-    pub field_density: f64,
-    /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are kept close.
-    pub cell_density: f64,
-    /// Rounds of the repair loop at the most.
-    pub max_repairs: usize,
-    /// Clearance, in mean edges, below which a valid panel is given more room in the repair loop.
-    pub good_clearance: f64,
-}
-
-impl Default for MeshOptions {
-    fn default() -> Self {
-        Self {
-            size: PanelSize::Panels(500),
-            sizes: SizeOptions::default(),
-            size_field: None,
-            boundary: Boundary::default(),
-            target: TargetOptions::default(),
-            curvature: CurvatureOptions::default(),
-            directions: DirectionOptions::default(),
-            method: Method::default(),
-            portfolio: Candidate::others(),
-            layout: LayoutOptions::default(),
-            draws: 4,
-            brick_wall: BrickWallOptions::default(),
-            dual: DualOptions::default(),
-            optimise: OptimiseOptions::default(),
-            steering: Steering::default(),
-            field_density: 8.0,
-            cell_density: 25.0,
-            max_repairs: 12,
-            good_clearance: 0.15,
-        }
-    }
-}
-
-/// Distance to the surface, over the diagonal, that panels are to keep to where nothing else is asked for.
-const USUAL_DEVIATION: f64 = 5e-3;
-/// Share of it with which nothing else is tried: what is measured on a finer surface may be a little more.
-const GOOD_SHARE: f64 = 0.9;
-
-impl MeshOptions {
-    /// Distance to the surface, over the diagonal, with which nothing else is tried: a little below what is allowed.
-    pub(crate) fn good_deviation(&self) -> f64 {
-        GOOD_SHARE * self.optimise.max_deviation.unwrap_or(USUAL_DEVIATION)
-    }
-
-    /// The same with the usual limit where that is wider; `None` where the limit is no tighter than usual.
-    fn with_usual_deviation(&self) -> Option<Self> {
-        // In single precision the usual limit itself is a little less.
-        let tight = |limit: &f64| *limit < (1.0 - 1e-6) * USUAL_DEVIATION;
-        self.optimise.max_deviation.filter(tight)?;
-        let mut options = self.clone();
-        options.optimise.max_deviation = Some(USUAL_DEVIATION);
-        Some(options)
-    }
-
-    /// The options for the normalised surface.
-    fn normalised(&self, model: &Normalised) -> Result<Self, PipelineError> {
-        let mut options = self.clone();
-        let guides = self.directions.guides.moved(|p| model.place(p));
-        options.directions.guides = guides.with_creases(&model.surface);
-        options.dual.quadric = classical::quadric(&self.dual, &model.similarity)?;
-        options.optimise.max_deviation = self.optimise.max_deviation.map(without_unit);
-        if let Some(values) = &self.size_field {
-            check_size_field(values, model.surface.positions().len())?;
-            options.size_field = Some(relative_sizes(values));
-        }
-        Ok(options)
-    }
-}
-
-/// Refuses sizes that are none, or not one for each vertex of the input.
-fn check_size_field(values: &[f64], vertices: usize) -> Result<(), PipelineError> {
-    if values.len() != vertices {
-        let count = values.len();
-        return Err(PipelineError::Size(format!(
-            "the size field has {count} values, the surface {vertices} vertices"
-        )));
-    }
-    let wrong = |v: &f64| !(*v > 0.0 && v.is_finite());
-    match values.iter().position(wrong) {
-        Some(i) => Err(PipelineError::Size(format!(
-            "the size at vertex {i} is {}, it must be positive and finite",
-            values[i]
-        ))),
-        None => Ok(()),
-    }
-}
-
-/// Sizes over the largest one, without the last bits that come from a unit.
-fn relative_sizes(values: &[f64]) -> Vec<f64> {
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    values.iter().map(|v| without_unit(v / largest)).collect()
-}
-
-/// A positive ratio in single precision: in another unit it is the same.
-fn without_unit(ratio: f64) -> f64 {
-    match ratio > f64::from(f32::MIN_POSITIVE) {
-        true => f64::from(ratio as f32),
-        false => ratio,
-    }
-}
 
 /// Most panels that one run is asked for: the refined surface has 25 vertices and more for each, and memory ends.
 pub const MAX_PANELS: usize = 200_000;
@@ -285,21 +103,6 @@ pub struct StageSeconds {
     pub seconds: f64,
 }
 
-/// One round of the repair loop.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RepairRound {
-    /// Panels before the round.
-    pub panels: usize,
-    /// Seeds that were dropped, or moved.
-    pub dropped: usize,
-    /// Seeds that were added, or moved.
-    pub added: usize,
-    /// Places where seeds were changed, because panels were invalid or tight or the surface stood off.
-    pub places: usize,
-    /// Changes that had not helped and were taken back.
-    pub undone: usize,
-}
-
 /// What the stages did, for the report.
 #[derive(Clone, Debug, Serialize)]
 pub struct Statistics {
@@ -317,14 +120,33 @@ pub struct Statistics {
     pub brick_wall: Option<BrickWallStatistics>,
     /// The method by planes and poles, if that was one.
     pub classical: Option<ClassicalStatistics>,
-    /// The optimiser's runs of the last round.
+    /// The optimiser's runs.
     pub runs: Vec<RunSummary>,
-    /// Factorisations of the optimiser in all rounds.
+    /// Factorisations of these.
     pub factorisations: usize,
-    /// The repair loop.
-    pub repairs: Vec<RepairRound>,
+    /// The search for local changes, if there was one.
+    pub search: Option<SearchSummary>,
     /// The ways of the portfolio that were tried, the first first; the best was kept.
     pub tried: Vec<AttemptSummary>,
+}
+
+impl Statistics {
+    /// Those of a target alone.
+    fn of(smooth: &SmoothTarget, panels: usize) -> Self {
+        Self {
+            panels_asked: panels,
+            target_vertices: smooth.levels.iter().map(|l| l.positions().len()).collect(),
+            interpolation_error: smooth.interpolation_error,
+            layout: LayoutStatistics::default(),
+            cones: Vec::new(),
+            brick_wall: None,
+            classical: None,
+            runs: Vec::new(),
+            factorisations: 0,
+            search: None,
+            tried: Vec::new(),
+        }
+    }
 }
 
 /// What [`mesh_surface`] made.
@@ -340,9 +162,7 @@ pub struct MeshRun {
     pub beyond: Option<Beyond>,
     /// How the optimiser ended.
     pub outcome: Outcome,
-    /// Panels that are not as they should be; empty if the mesh is sound.
-    pub offenders: Vec<Offender>,
-    /// Violations between panels (crossings, folds) that the optimiser does not see.
+    /// Everything that is wrong with the mesh; empty if it is sound.
     pub violations: Vec<Violation>,
     /// What the stages did.
     pub statistics: Statistics,
@@ -372,7 +192,7 @@ impl MeshRun {
 
     /// Whether every panel is planar and simple, and no two of them meet where they should not.
     pub fn is_sound(&self) -> bool {
-        self.offenders.is_empty() && self.violations.is_empty()
+        self.violations.is_empty()
     }
 }
 
@@ -479,6 +299,11 @@ fn panel_count(surface: &TriangleSurface, size: PanelSize) -> Result<usize, Pipe
         )));
     }
     Ok(count.round() as usize)
+}
+
+/// What is wrong with a mesh in itself, and with the sides that its panels show.
+fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
+    phex_mesh::violations(mesh, Some(surface), &ValidateOptions::default())
 }
 
 pub(crate) fn moved(surface: &TriangleSurface, f: impl Fn(Vec3) -> Vec3) -> TriangleSurface {

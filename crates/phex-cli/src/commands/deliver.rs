@@ -7,7 +7,8 @@ use crate::html::Shown;
 use crate::output::{Content, write_mesh};
 use crate::summary;
 use crate::verdict::{TypedLimits, exit_of, written};
-use phex::report::{References, RunReport, Verdict};
+use phex::quality::{References, Verdict};
+use phex::report::RunReport;
 use std::path::Path;
 
 /// A mesh on its way to the user.

@@ -6,7 +6,7 @@ use crate::input::{MeshFile, read_numbers, read_polylines, whole};
 use crate::output::{Content, check_writable, write_picture, write_text};
 use crate::picture_arguments::RenderCommand;
 use crate::verdict::TypedLimits;
-use phex::report::References;
+use phex::quality::References;
 use phex::report::maps::{Class, ColourMap, Coloured, Map, Range, Rgb, Scale, Subject};
 use phex::report::picture::{draw_svg, draw_with_curves};
 use phex_mesh::HexMesh;

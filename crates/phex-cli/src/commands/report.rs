@@ -9,7 +9,7 @@ use crate::output::{Content, check_writable};
 use crate::picture_arguments::ReportCommand;
 use crate::summary;
 use crate::verdict::{TypedLimits, written};
-use phex::report::{References, Verdict};
+use phex::quality::{References, Verdict};
 
 /// Runs the command.
 ///

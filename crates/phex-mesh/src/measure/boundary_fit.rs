@@ -75,7 +75,7 @@ pub fn boundary_fit(mesh: &HexMesh, surface: &TriangleSurface) -> Option<Boundar
     let loops = surface.topology().boundary_loops();
     let place = |v: &VertexId| surface.positions()[*v];
     let boundary: Vec<Vec3> = loops.iter().flatten().map(place).collect();
-    let mut apart = spots(&points_on_rim(mesh), &curve, diagonal);
+    let mut apart = spots(&points_on_boundary(mesh), &curve, diagonal);
     let to_curve_max = largest(&apart);
     let behind: Vec<(FaceId, Vec3)> = (boundary.par_iter())
         .map(|&p| (panels.closest(p).0, p))
@@ -122,8 +122,8 @@ fn largest(spots: &[Spot]) -> f64 {
     spots.iter().map(|s| s.distance).fold(0.0, f64::max)
 }
 
-/// Points along the edges of the mesh's boundary, each with the face of its edge.
-fn points_on_rim(mesh: &HexMesh) -> Vec<(FaceId, Vec3)> {
+/// Points along the edges of the mesh's boundary, four on each, with the faces of their edges.
+pub fn points_on_boundary(mesh: &HexMesh) -> Vec<(FaceId, Vec3)> {
     let topology = mesh.topology();
     let rim = topology.edges().filter(|&e| topology.is_boundary_edge(e));
     let of_edge = |e| {

@@ -112,13 +112,18 @@ fn to_surface<I: ElementId>(surface: &TriangleSurface, points: &[Vec3]) -> PerEl
 
 /// The face of the mesh closest to each surface vertex, and its distance.
 fn to_mesh(surface: &TriangleSurface, mesh: &HexMesh) -> (PerVertex<FaceId>, PerVertex<f64>) {
-    let clipped = ClippedMesh::new(mesh, &FlatFace::all(mesh));
-    let points = surface.positions().as_slice();
-    let closest: (Vec<FaceId>, Vec<f64>) = points.par_iter().map(|&p| clipped.closest(p)).unzip();
+    let closest = closest_faces(mesh, surface.positions().as_slice());
+    let closest: (Vec<FaceId>, Vec<f64>) = closest.into_iter().unzip();
     (
         PerVertex::from_vec(closest.0),
         PerVertex::from_vec(closest.1),
     )
+}
+
+/// The face of the mesh closest to each point, and its distance, in model units. Faces count as their ear-clipped triangles.
+pub fn closest_faces(mesh: &HexMesh, points: &[Vec3]) -> Vec<(FaceId, f64)> {
+    let clipped = ClippedMesh::new(mesh, &FlatFace::all(mesh));
+    points.par_iter().map(|&p| clipped.closest(p)).collect()
 }
 
 fn sorted_quantile(values: &PerVertex<f64>, q: f64) -> f64 {

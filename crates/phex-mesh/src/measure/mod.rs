@@ -27,8 +27,10 @@ mod deviation;
 mod evenness;
 mod metric;
 
-pub use boundary_fit::{BoundaryFit, LEAST_RIM_AREA, Spot, boundary_fit, small_rim_faces};
-pub use deviation::{Deviation, deviation, deviation_beyond};
+pub use boundary_fit::{
+    BoundaryFit, LEAST_RIM_AREA, Spot, boundary_fit, points_on_boundary, small_rim_faces,
+};
+pub use deviation::{Deviation, closest_faces, deviation, deviation_beyond};
 pub use evenness::{Evenness, aspect};
 pub use metric::{BINS, Histogram, Metric, WORST};
 

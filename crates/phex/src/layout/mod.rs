@@ -31,7 +31,6 @@ pub mod polish;
 pub mod power_diagram;
 pub mod projective_dual;
 pub mod record;
-pub mod reseed;
 pub mod rim;
 pub mod seamless;
 pub mod seeds;

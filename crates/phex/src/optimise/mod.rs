@@ -53,7 +53,6 @@
 //! higher penalties are then tried). Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair
 //! loop may drop their seeds.
 
-mod again;
 mod angle;
 mod areas;
 mod barrier;
@@ -70,6 +69,7 @@ mod hinges;
 mod holds;
 mod inspect;
 mod jacobian;
+mod local;
 mod notches;
 mod on_boundary;
 mod options;
@@ -110,12 +110,12 @@ use solvers::Solvers;
 use start::{Smoothing, TangentCells};
 use std::collections::{BTreeMap, BTreeSet};
 
-pub use again::{Again, Known, optimise_again};
 pub(crate) use angle::free_edges;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
 pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
-pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind, Starts};
+pub use local::LocalPart;
+pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind};
 pub use room::{enlarge_small, give_room};
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, SteeringError, led_elsewhere};
@@ -169,8 +169,6 @@ pub struct RunSummary {
     pub offenders: usize,
     /// Figures of the result.
     pub quality: Quality,
-    /// What the runs are compared by; smaller is better.
-    pub score: f64,
 }
 
 /// What the optimiser made.
@@ -216,27 +214,14 @@ pub fn optimise(
     let cancelled = || progress.is_cancelled();
     let cells = stage.smoothing(layout, target, options).of_cells(cancelled);
     stage.areas = areas::of_layout(layout, &stage.panels, &cells.x, options.evenness);
-    let (panels, guard) = (&stage.panels, &stage.guard);
     let tangents = TangentCells::of(layout);
-    let mut solvers = Solvers::new(panels)?;
-    if let Some(run) = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress)
-    {
-        return Ok(better(&layout.mesh, run, None));
-    }
-    let mut from = |kind: StartKind| {
-        let start = match kind {
-            StartKind::Circumcentres => &start::circumcentres(&tangents, panels, guard, &cells),
-            _ => &cells,
-        };
-        stage.run(&mut solvers, kind, start, options, progress)
+    let mut solvers = Solvers::new(&stage.panels)?;
+    let fast = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress);
+    let run = match fast {
+        Some(run) => run,
+        None => stage.run(&mut solvers, StartKind::SmoothedCells, &cells, options, progress)?,
     };
-    if options.starts == Starts::Circumcentres {
-        return Ok(better(&layout.mesh, from(StartKind::Circumcentres)?, None));
-    }
-    let first = from(StartKind::SmoothedCells)?;
-    let again = wants_second(options, &first, stage.diagonal);
-    let second = again.then(|| from(StartKind::Circumcentres)).transpose()?;
-    Ok(better(&layout.mesh, first, second))
+    Ok(finished(&layout.mesh, run))
 }
 
 /// Makes the faces of any polygon mesh planar and simple, close to `target` or, without one, to where they are.
@@ -371,7 +356,7 @@ fn from_mesh(
     if let Some(message) = steering::blame(&stage.holds, &panels, &run.offenders) {
         progress.report(&Event::Note { message });
     }
-    Ok(better(mesh, run, None))
+    Ok(finished(mesh, run))
 }
 
 /// What all runs on one mesh share.
@@ -450,30 +435,15 @@ fn kinds_of(mesh: &HexMesh) -> PerVertex<VertexKind> {
     })
 }
 
-fn wants_second(options: &OptimiseOptions, first: &Run, diagonal: f64) -> bool {
-    let wanted = match options.starts {
-        Starts::SmoothedCells | Starts::Circumcentres => false,
-        Starts::Both => true,
-        Starts::Auto => !first.is_good(options, diagonal),
-    };
-    wanted && !first.is_cancelled()
-}
-
-/// The run with the smaller score, as a mesh.
-fn better(mesh: &HexMesh, first: Run, second: Option<Run>) -> Optimised {
-    let runs = std::iter::once(&first).chain(&second);
-    let summaries = runs.map(|r| r.summary.clone()).collect();
-    let best = match second {
-        Some(second) if second.summary.score < first.summary.score => second,
-        _ => first,
-    };
+/// What a run has reached, as a mesh.
+fn finished(mesh: &HexMesh, run: Run) -> Optimised {
     Optimised {
-        mesh: mesh.with_positions(PerVertex::from_vec(points(&best.x))),
-        outcome: best.outcome,
-        start: best.summary.start,
-        runs: summaries,
-        offenders: best.offenders,
-        quality: best.summary.quality,
+        mesh: mesh.with_positions(PerVertex::from_vec(points(&run.x))),
+        outcome: run.outcome,
+        start: run.summary.start,
+        quality: run.summary.quality,
+        runs: vec![run.summary],
+        offenders: run.offenders,
     }
 }
 

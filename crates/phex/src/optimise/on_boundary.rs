@@ -13,7 +13,7 @@ use super::run::{Reached, Run, Way};
 use super::solvers::Solvers;
 use super::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,
-    Stage, StartKind, Steering, Target, better, check_mesh, kinds_of, steering,
+    Stage, StartKind, Steering, Target, finished as finished_mesh, check_mesh, kinds_of, steering,
 };
 use crate::progress::Progress;
 use phex_mesh::{
@@ -85,7 +85,7 @@ pub fn onto_boundary(
         let run = stage.run_projection(&mut solvers, &stage.start_at(&start), options, progress);
         let harmed = harmed(mesh, &run, &before, hold.curves);
         if harmed.is_empty() {
-            return Ok((!run.is_cancelled()).then(|| better(mesh, run, None)));
+            return Ok((!run.is_cancelled()).then(|| finished_mesh(mesh, run)));
         }
         let around = beside(mesh, &harmed);
         let farther = beside(mesh, &around);

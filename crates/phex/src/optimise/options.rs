@@ -4,21 +4,6 @@ use crate::ranges::{self, BadOption};
 use phex_mesh::{FaceId, VertexId};
 use serde::{Deserialize, Serialize};
 
-/// Which starts to optimise.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Starts {
-    /// Smoothed cells; blended circumcentres only if that result is not good, and then the better of both.
-    #[default]
-    Auto,
-    /// Both, and the better result.
-    Both,
-    /// Only smoothed cells.
-    SmoothedCells,
-    /// Only blended circumcentres.
-    Circumcentres,
-}
-
 /// How panels are made planar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -40,6 +25,8 @@ pub enum StartKind {
     Circumcentres,
     /// The mesh as it was given.
     AsGiven,
+    /// A part of a mesh with its panels joined anew, smoothed on the surface.
+    Local,
 }
 
 /// The way from a start to planar panels.
@@ -65,8 +52,8 @@ pub enum PathKind {
 pub struct OptimiseOptions {
     /// How panels are made planar.
     pub solver: Solver,
-    /// Starts to try.
-    pub starts: Starts,
+    /// Whether the fast path is tried first.
+    pub fast: bool,
     /// `w_c`: closeness of vertices to the surface, > 0.
     pub vertex_closeness: f64,
     /// `w_cf`: closeness of face centres, >= 0. Without it the middle of large convex panels stands off by 0.5 % of
@@ -121,16 +108,13 @@ pub struct OptimiseOptions {
     pub least_side: f64,
     /// Smoothing steps of the start: at least the first, at most the second number.
     pub smoothing: [usize; 2],
-    /// Deviation, over the diagonal, up to which a first result with clearance is good enough for [`Starts::Auto`] not to
-    /// try the second start.
-    pub good_deviation: f64,
 }
 
 impl Default for OptimiseOptions {
     fn default() -> Self {
         Self {
             solver: Solver::Barrier,
-            starts: Starts::Auto,
+            fast: true,
             vertex_closeness: 1.0,
             centre_closeness: 3.0,
             boundary_closeness: 3.0,
@@ -153,7 +137,6 @@ impl Default for OptimiseOptions {
             least_clearance: 0.05,
             least_side: 0.1,
             smoothing: [3, 40],
-            good_deviation: 2.5e-3,
         }
     }
 }
@@ -268,7 +251,6 @@ impl OptimiseOptions {
             ("step_tolerance", self.step_tolerance),
             ("clearance_margin", self.clearance_margin),
             ("least_clearance", self.least_clearance),
-            ("good_deviation", self.good_deviation),
         ])?;
         ranges::within(-1.0..=1.0, &[("least_side", self.least_side)])?;
         ranges::counts(&[

@@ -28,8 +28,6 @@ const TIGHT_IN_PARTS: f64 = 1.0;
 const SMALL: f64 = 0.4;
 /// Rings of faces around a panel that count as its surroundings; two more move along.
 const RINGS: usize = 2;
-/// The same where a layout has changed; more where with fewer panels do not become planar.
-const SETTLED_RINGS: [usize; 2] = [2, 5];
 /// Least reach of the barriers around tight panels of a finished mesh, over the clearance that is wanted: small panels are kept
 /// open, and what lies beside gives way without becoming tight.
 const BEYOND: f64 = 1.25;
@@ -222,50 +220,6 @@ impl Path<'_> {
         let tight = (0..panels.n_faces() as u32).filter(tight).collect();
         let wish = Wish::Room { clearance, reach };
         self.retry_around(tight, &Demand { wish, allowed }, x)
-    }
-
-    /// Takes what is around some faces from the start to planar panels, everything else at rest in `x`; left are the faces of groups that
-    /// do not become planar.
-    pub fn settle_around(
-        &mut self,
-        faces: Vec<u32>,
-        x: &mut [f64],
-    ) -> Result<Vec<u32>, OptimiseError> {
-        let mut left = Vec::new();
-        for group in groups(self.setting.panels, faces) {
-            let mut settled = false;
-            for rings in SETTLED_RINGS {
-                settled = settled || self.is_over() || self.settle_group(&group, rings, x)?;
-            }
-            if !settled {
-                left.extend(group);
-            }
-        }
-        Ok(left)
-    }
-
-    fn settle_group(
-        &mut self,
-        group: &[u32],
-        rings: usize,
-        x: &mut [f64],
-    ) -> Result<bool, OptimiseError> {
-        let part = Part::around(self.setting, &self.surroundings(group, rings), x);
-        let setting = part.setting(self.setting.mean_edge);
-        let (mut solvers, start) = (Solvers::new(&part.panels)?, part.of_vertices(self.start));
-        let (options, progress) = (self.options, &self.reporter);
-        let mut path = Path::new(&setting, &mut solvers, &start, options, progress)?;
-        path.barriers = part.of_faces(&self.barriers);
-        let reached = path.settle()?;
-        self.in_parts += path.in_parts + path.outcome.factorisations;
-        if path.is_over() {
-            self.outcome.status = path.outcome.status;
-        }
-        let settled = path.is_over() || reached.is_planar(options);
-        if settled {
-            part.write_back(&reached.x, x);
-        }
-        Ok(settled)
     }
 
     /// Faces and some rings around them.

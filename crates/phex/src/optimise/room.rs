@@ -12,7 +12,7 @@ use super::run::{Reached, Way};
 use super::solvers::Solvers;
 use super::{
     BoundaryHold, Hold, Holds, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference,
-    Stage, StartKind, Target, better, check_mesh, kinds_of,
+    Stage, StartKind, Target, finished as finished_mesh, check_mesh, kinds_of,
 };
 use crate::progress::Progress;
 use phex_mesh::{BoundaryCurve, HexMesh, Vec3, VertexId};
@@ -96,11 +96,11 @@ fn finished(
     let as_it_was = stage.judged(&x, options).offenders;
     let run = stage.conclude(0, Reached::at(&setting, now), way, options);
     let sound = run.offenders.len() <= as_it_was.len();
-    Ok(sound.then(|| better(mesh, run, None)))
+    Ok(sound.then(|| finished_mesh(mesh, run)))
 }
 
 /// What keeps the boundary: on its curve where it lies there, along the curve where it does not, at rest where no curve is known.
-fn rim_holds(mesh: &HexMesh, shape: &Shape, hold: Option<&BoundaryHold<'_>>) -> Holds {
+pub(super) fn rim_holds(mesh: &HexMesh, shape: &Shape, hold: Option<&BoundaryHold<'_>>) -> Holds {
     let topology = mesh.topology();
     let rim = topology
         .vertices()

@@ -32,14 +32,6 @@ impl Run {
     pub fn is_cancelled(&self) -> bool {
         self.outcome.status == Status::Cancelled
     }
-
-    /// Whether there is no reason to try another start.
-    pub fn is_good(&self, options: &OptimiseOptions, diagonal: f64) -> bool {
-        let quality = &self.summary.quality;
-        self.offenders.is_empty()
-            && quality.clearance >= options.clearance_margin
-            && quality.deviation_max <= options.good_deviation * diagonal
-    }
 }
 
 impl Stage<'_> {
@@ -78,7 +70,7 @@ impl Stage<'_> {
         if !path.is_over() && best.is_planar(options) {
             best = path.finish(best)?;
         }
-        if !path.is_over() && best.is_planar(options) {
+        if !path.is_over() && best.is_planar(options) && kind != StartKind::Local {
             best = path.retry(best)?;
         }
         let way = Way {
@@ -156,12 +148,6 @@ impl Stage<'_> {
         if planar && outcome.status != Status::Cancelled {
             outcome.status = Status::Converged;
         }
-        let faulty = offenders.chunk_by(|a, b| a.face == b.face).count() as f64;
-        // Valid first, then close, then clear.
-        let score = f64::from(u8::from(!planar)) * 100.0
-            + 10.0 * faulty
-            + quality.deviation_max / (2e-3 * self.diagonal)
-            + 0.1 / quality.clearance.max(1e-3);
         let summary = RunSummary {
             start: way.kind,
             path: way.path,
@@ -172,7 +158,6 @@ impl Stage<'_> {
             part_factorisations: way.in_parts,
             offenders: offenders.len(),
             quality,
-            score,
         };
         Run {
             x: reached.x,

@@ -5,7 +5,7 @@ use super::areas::unevenness;
 use super::constraints::PlanarityConstraints;
 use super::energy::Setting;
 use super::fast::NearlyPlanar;
-use super::options::{OptimiseOptions, PathKind, StartKind, Starts};
+use super::options::{OptimiseOptions, PathKind, StartKind};
 use super::run::{Reached, Run, Way};
 use super::solvers::{Dual, Reporter, Solvers};
 use super::start::{Start, TangentCells, circumcentres, kinked};
@@ -24,6 +24,8 @@ const FAST_ITERATIONS: usize = 40;
 const FAST_STEP: f64 = 1e-8;
 /// Clearance, in mean edges, below which a result of the fast path is not accepted: the barrier would do better.
 const FAST_CLEARANCE: f64 = 0.2;
+/// Deviation, over the diagonal, above which it is not accepted.
+const FAST_DEVIATION: f64 = 2.5e-3;
 /// Spread of areas over wished ones (95 % over 5 % quantile) above which it is not accepted either: it knows nothing of areas.
 const FAST_UNEVENNESS: f64 = 1.3;
 /// Planarity of a start, in mean edges, beyond which the fast path is not tried.
@@ -107,7 +109,7 @@ impl Stage<'_> {
         options: &OptimiseOptions,
         progress: &dyn Progress,
     ) -> Option<Run> {
-        if options.starts != Starts::Auto || cells.n_bad > 0 {
+        if !options.fast || cells.n_bad > 0 {
             return None;
         }
         let closer = |start: &Start| circumcentres(tangents, &self.panels, &self.guard, start);
@@ -153,7 +155,8 @@ impl Stage<'_> {
         let run = self.conclude(start.n_bad, Reached::at(&setting, x), way, options);
         let clear = run.summary.quality.clearance >= FAST_CLEARANCE;
         let even = unevenness(&self.areas, &self.panels, &run.x) <= FAST_UNEVENNESS;
-        let good = clear && even && run.is_good(options, self.diagonal);
+        let near = run.summary.quality.deviation_max <= FAST_DEVIATION * self.diagonal;
+        let good = clear && even && near && run.offenders.is_empty();
         (run.is_cancelled() || good).then_some(run)
     }
 }

@@ -13,9 +13,10 @@ use crate::directions::network::{
 };
 use crate::ground::Ground;
 use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
-use crate::layout::{LayoutError, LayoutStatistics};
+use crate::layout::LayoutError;
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
+use crate::quality::{Judge, Merit, References};
 use crate::target::Normalised;
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;
@@ -111,19 +112,10 @@ pub(super) fn mesh_with_panels(
     let mesh = trimmed.mesh;
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let statistics = Statistics {
-        cones: Vec::new(),
-        panels_asked: panels,
-        target_vertices: (ground.smooth.levels.iter())
-            .map(|l| l.positions().len())
-            .collect(),
-        interpolation_error: ground.smooth.interpolation_error,
-        layout: LayoutStatistics::default(),
         brick_wall: Some(wall),
-        classical: None,
         factorisations: result.runs.iter().map(|r| r.factorisations).sum(),
         runs: result.runs.clone(),
-        repairs: Vec::new(),
-        tried: Vec::new(),
+        ..Statistics::of(&ground.smooth, panels)
     };
     Ok(MeshRun {
         start: Some(layout.mesh.to_soup()),
@@ -131,11 +123,23 @@ pub(super) fn mesh_with_panels(
         target: reported.clone(),
         beyond: ground.beyond(&site.surface),
         outcome: result.outcome,
-        offenders: result.offenders,
         violations,
         statistics,
         stages: clock.stages,
     })
+}
+
+/// What a wall is compared with others by.
+pub(super) fn merit(run: &MeshRun, ground: &Ground) -> Merit {
+    let references = References {
+        smooth: Some(&run.target),
+        facets: Some(ground.given_facets()),
+        beyond: run.beyond.as_ref().map(|b| [&b.smooth, &b.facets]),
+        elsewhere: &[],
+    };
+    let judge = Judge::new(&run.target, references, ground.options.limits());
+    let any = vec![0.0; run.mesh.topology().n_faces()];
+    judge.whole(&run.mesh, &any).merit
 }
 
 /// Options that do not smooth a start which is simple: smoothing would undo the kinks.

@@ -31,8 +31,6 @@ impl MeshOptions {
         ];
         positive(&densities)?;
         within(0.0..=LARGEST_RATIO, &densities)?;
-        within(0.0..=1.0, &[("good_clearance", self.good_clearance)])?;
-        counts(&[("draws", self.draws), ("max_repairs", self.max_repairs)])?;
         let sizes = self.size_field.iter().flatten();
         sizes
             .map(|&x| ("size_field", x))

@@ -55,40 +55,21 @@ pub(super) fn mesh_with_panels(
     let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(&fine.surface));
     let outside = classical.outside.take();
     classical.outside_domain = outside.map(|e| e.mapped(|p| place_in(model, p)).to_string());
+    let runs = made.optimised.map_or_else(Vec::new, |o| o.runs);
     let statistics = Statistics {
         cones: Guides::of_cones(made.cones).cones,
-        panels_asked: panels,
-        target_vertices: ground
-            .smooth
-            .levels
-            .iter()
-            .map(|l| l.positions().len())
-            .collect(),
-        interpolation_error: ground.smooth.interpolation_error,
         layout: made.layout,
-        brick_wall: None,
         classical: Some(classical),
-        runs: made
-            .optimised
-            .as_ref()
-            .map_or_else(Vec::new, |o| o.runs.clone()),
-        factorisations: made
-            .optimised
-            .iter()
-            .flat_map(|o| &o.runs)
-            .map(|r| r.factorisations)
-            .sum(),
-        repairs: Vec::new(),
-        tried: Vec::new(),
+        factorisations: runs.iter().map(|r| r.factorisations).sum(),
+        runs,
+        ..Statistics::of(&ground.smooth, panels)
     };
-    let optimised = made.optimised;
     Ok(MeshRun {
         start: None,
         mesh,
-        target: reported.clone(),
+        target: made.reported,
         beyond,
         outcome: made.outcome,
-        offenders: optimised.map_or_else(Vec::new, |o| o.offenders),
         violations,
         statistics,
         stages: clock.stages,

@@ -25,8 +25,6 @@ pub(super) struct Field {
     /// Panel length at each vertex as the field of sizes asks for it, without the metric's own changes of size.
     pub length: PerVertex<f64>,
     pub placed: Placed,
-    /// How its lattice was found.
-    pub options: LayoutOptions,
 }
 
 /// Deviation from the number of panels asked for that is corrected by another lattice.
@@ -64,7 +62,6 @@ impl Field {
             directions,
             length,
             placed,
-            options: options.layout.clone(),
         })
     }
 
@@ -175,7 +172,12 @@ pub(super) fn with_seeds(
 pub(super) struct Way {
     pub anisotropy: f64,
     pub seamless: bool,
+    pub resolving: bool,
 }
+
+/// Largest panel length over the least radius of curvature with which panels resolve a surface: all those with at most half of it
+/// pass at once, and most of those with more than 1.2 do not.
+const RESOLVED: f64 = 0.8;
 
 /// What the conformal factor's screening and limit are multiplied by for a seamless lattice.
 const SEAMLESS_SCREENING: f64 = 0.025;
@@ -186,6 +188,9 @@ impl Way {
     pub fn options(self, options: &MeshOptions) -> MeshOptions {
         let mut options = options.clone();
         options.directions.anisotropy = self.anisotropy;
+        if self.resolving {
+            options.sizes.adaptive = Some(RESOLVED);
+        }
         if self.seamless {
             allow_sizes(&mut options);
             options.field_density = options.field_density.max(options.cell_density);
@@ -313,7 +318,7 @@ pub(super) struct FineSurface {
     mesh: IntrinsicMesh,
     corners: HashSet<VertexId>,
     /// Area that a panel is to have at each vertex.
-    wish: PerVertex<WishedArea>,
+    pub wish: PerVertex<WishedArea>,
 }
 
 impl FineSurface {

@@ -3,12 +3,12 @@
 //! Held vertices refer to the mesh as it is delivered, so they come last, after the boundary is trimmed, in model coordinates. Vertices that
 //! are on the boundary then stay on it, where neither the user nor planarity wants them elsewhere.
 
-use super::judge::between_panels;
-use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, moved, rim};
-use crate::layout::LayoutStatistics;
+use super::{
+    Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, rim,
+};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
-use crate::target::{self, Normalised, SmoothTarget, TargetKind};
+use crate::target::{self, Normalised, TargetKind};
 use phex_mesh::{HexMesh, TriangleSurface};
 
 /// Holds the vertices that the options say, in a finished run.
@@ -69,9 +69,8 @@ pub fn refit_surface(
         target: close_to,
         beyond: None,
         outcome: refitted.outcome.clone(),
-        offenders: Vec::new(),
         violations: Vec::new(),
-        statistics: statistics(panels, &smooth),
+        statistics: Statistics::of(&smooth, panels),
         stages: Vec::new(),
     };
     Ok(with_result(run, refitted, clock))
@@ -83,24 +82,6 @@ fn with_result(mut run: MeshRun, result: Optimised, mut clock: Clock<'_>) -> Mes
     run.statistics.runs.extend(result.runs);
     run.mesh = result.mesh;
     run.outcome = result.outcome;
-    run.offenders = result.offenders;
     run.stages = clock.stages;
     run
-}
-
-fn statistics(panels: usize, smooth: &SmoothTarget) -> Statistics {
-    let levels = smooth.levels.iter();
-    Statistics {
-        cones: Vec::new(),
-        panels_asked: panels,
-        target_vertices: levels.map(|l| l.positions().len()).collect(),
-        interpolation_error: smooth.interpolation_error,
-        layout: LayoutStatistics::default(),
-        brick_wall: None,
-        classical: None,
-        runs: Vec::new(),
-        factorisations: 0,
-        repairs: Vec::new(),
-        tried: Vec::new(),
-    }
 }

@@ -1,7 +1,7 @@
 //! The JSON report of a run.
 
 use super::maps::FeatureSizes;
-use super::{Assessment, Check, Omitted, Verdict};
+use crate::quality::{Assessment, Check, Omitted, Verdict};
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures};
 use phex_mesh::validate::Violation;
 use serde::Serialize;
@@ -165,7 +165,7 @@ impl RunReport {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{References, Tolerances};
+    use crate::quality::{Limits, References};
     use super::*;
     use phex_mesh::{HexMesh, Vec3};
 
@@ -182,7 +182,7 @@ mod tests {
             .map(|&(x, y, z)| Vec3::new(x, y, z))
             .collect();
         let mesh = HexMesh::new(positions, &[[0, 1, 2, 3]]).unwrap();
-        let assessment = Assessment::new(&mesh, References::default(), &Tolerances::default());
+        let assessment = Assessment::new(&mesh, References::default(), &Limits::default());
         let json = RunReport::new("check", assessment).to_json().unwrap();
         let report: Value = serde_json::from_str(&json).unwrap();
         assert_eq!(report["schema_version"], 1);

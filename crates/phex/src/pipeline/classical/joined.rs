@@ -4,24 +4,22 @@ use super::ClassicalStatistics;
 use crate::ground::Ground;
 use crate::layout::domain::CurvatureSign;
 use crate::layout::duality::{Plane, convex_panels, envelope, saddle_flips, uncrossing_flips};
-use crate::layout::seeds::Seed;
 use crate::layout::tangent_planes::tangent_planes as tangent_planes_of;
 use crate::layout::{self, Layout, LayoutError};
-use crate::pipeline::draws::{Drawn, most_regular};
 use crate::pipeline::field::{Field, FineSurface};
 use crate::pipeline::{Clock, PipelineError};
 use phex_mesh::{FacePlane, HexMesh, PerFace};
 
-/// The panels of a lattice as its cells give them, the most regular of a few.
+/// The panels of a lattice as its cells give them.
 pub(super) fn cells(
     ground: &Ground,
     field: &Field,
     clock: &mut Clock<'_>,
-) -> Result<(FineSurface, Drawn), PipelineError> {
+) -> Result<(FineSurface, Layout), PipelineError> {
     let fine = FineSurface::new(ground, field);
-    let made = |seeds: &[Seed]| layout::panelling(&fine.cells(), seeds);
-    let drawn = most_regular(ground, field, made, clock)?;
-    Ok((fine, drawn))
+    let seeds = &field.placed.seeds;
+    let layout = clock.stage("layout", || layout::panelling(&fine.cells(), seeds))??;
+    Ok((fine, layout))
 }
 
 /// The mesh of a layout's tangent planes.

@@ -10,7 +10,6 @@ use crate::layout::tangent_planes::{METHOD as TANGENT_PLANES, regularised};
 use crate::layout::{LayoutError, support_function};
 use crate::optimise::{self, SurfaceTarget};
 use crate::pipeline::brick_wall::kinked;
-use crate::pipeline::draws::Drawn;
 use crate::pipeline::field::Field;
 use crate::pipeline::{Clock, Method, PipelineError};
 
@@ -63,8 +62,7 @@ pub(super) fn tangent_planes(
     let mut classical = start.statistics(Method::TangentPlanes);
     // Planes of any lattice can be taken; what becomes of them where facets hide the curvature is not the method's fault.
     classical.outside = start.resolved(ground, TANGENT_PLANES).err();
-    let (fine, drawn) = cells(ground, &field, clock)?;
-    let Drawn { placed, mut layout } = drawn;
+    let (fine, mut layout) = cells(ground, &field, clock)?;
     classical.foresee(&layout);
     let (mesh, optimised) = if options.dual.regularisation > 0.0 {
         layout.mesh = regularised(&layout, options.dual.regularisation);
@@ -81,7 +79,7 @@ pub(super) fn tangent_planes(
         ground,
         mesh,
         fine,
-        (&field, placed.statistics),
+        (&field, field.placed.statistics.clone()),
         optimised,
         classical,
     ))
@@ -94,7 +92,7 @@ fn tangent_panels(
     mut classical: ClassicalStatistics,
     clock: &mut Clock<'_>,
 ) -> Result<Made, PipelineError> {
-    let (fine, Drawn { placed, layout }) = cells(ground, field, clock)?;
+    let (fine, layout) = cells(ground, field, clock)?;
     let layout = joined(ground, layout, &mut classical)?;
     // Panels of a hull are convex, whatever the second order says.
     if !(ground.options.dual.hull && classical.curvature == CurvatureSign::Elliptic) {
@@ -105,7 +103,7 @@ fn tangent_panels(
         ground,
         mesh,
         fine,
-        (field, placed.statistics),
+        (field, field.placed.statistics.clone()),
         None,
         classical,
     ))

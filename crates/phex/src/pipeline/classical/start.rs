@@ -141,7 +141,6 @@ impl<'a> Start<'a> {
                 panel_length(self.surface, ground.panels),
             ),
             placed,
-            options: options.layout.clone(),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Whether panels are small enough for the surface: how far the surface turns from one corner of a panel to another.
 
 use crate::curvature::{self, CurvatureOptions};
-use crate::report::Check;
+use crate::quality::Check;
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, HexMesh, SurfacePoint, TriangleSurface, Vec3};
 use serde::Serialize;

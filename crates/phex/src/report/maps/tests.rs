@@ -1,5 +1,5 @@
 use super::*;
-use crate::report::{Assessment, References, Tolerances};
+use crate::quality::{Assessment, Limits, References};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{HexMesh, TriangleSurface, Vec3};
 
@@ -9,7 +9,7 @@ pub fn map(mesh: &HexMesh, map: Map) -> ColourMap {
 }
 
 fn map_over(mesh: &HexMesh, map: Map, range: Range) -> ColourMap {
-    let assessment = Assessment::new(mesh, References::default(), &Tolerances::default());
+    let assessment = Assessment::new(mesh, References::default(), &Limits::default());
     let subject = Subject {
         mesh,
         assessment: &assessment,
@@ -139,7 +139,7 @@ fn curvature_has_the_sign_of_the_surface() {
             facets: Some(&surface),
             ..Default::default()
         };
-        let assessment = Assessment::new(&mesh, references, &Tolerances::default());
+        let assessment = Assessment::new(&mesh, references, &Limits::default());
         let subject = Subject {
             mesh: &mesh,
             assessment: &assessment,
@@ -157,7 +157,7 @@ fn curvature_has_the_sign_of_the_surface() {
 #[test]
 fn without_a_surface_there_is_no_deviation() {
     let mesh = corner([1.0; 2]);
-    let assessment = Assessment::new(&mesh, References::default(), &Tolerances::default());
+    let assessment = Assessment::new(&mesh, References::default(), &Limits::default());
     let subject = Subject {
         mesh: &mesh,
         assessment: &assessment,
@@ -209,7 +209,7 @@ fn panels_longer_than_the_radius_of_curvature_are_too_large() {
             facets: Some(&surface),
             ..Default::default()
         };
-        let tolerances = Tolerances {
+        let tolerances = Limits {
             deviation_rel: Some(0.005),
             ..Default::default()
         };

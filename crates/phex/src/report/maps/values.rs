@@ -2,7 +2,8 @@
 
 use super::{Class, Coloured, FeatureSizes, Map};
 use crate::curvature::{self, Curvature, CurvatureOptions, Principal};
-use crate::report::{Assessment, picture::palette};
+use crate::quality::Assessment;
+use crate::report::picture::palette;
 use phex_mesh::{ElementId, FaceId, HexMesh, PerFace, TriangleSurface};
 use std::collections::BTreeSet;
 

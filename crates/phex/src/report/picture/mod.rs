@@ -220,7 +220,7 @@ mod tests {
         };
         let mesh = chevron();
         let assessment =
-            crate::report::Assessment::new(&mesh, Default::default(), &Default::default());
+            crate::quality::Assessment::new(&mesh, Default::default(), &Default::default());
         let subject = crate::report::maps::Subject {
             mesh: &mesh,
             assessment: &assessment,

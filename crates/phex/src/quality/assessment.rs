@@ -1,27 +1,13 @@
 //! Measures, checks and verdict of a mesh.
 
+use super::Limits;
 use super::check::{Check, boundary_checks, surface_checks, validity_checks};
 use phex_mesh::measure::{
     BoundaryFit, Deviation, MeshMeasures, boundary_fit, deviation_beyond, measure,
 };
-use phex_mesh::validate::{ValidateOptions, Violation, violations};
+use phex_mesh::validate::{Violation, violations};
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, add_flips};
-use serde::{Deserialize, Serialize};
-
-/// What a mesh must keep to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Tolerances {
-    /// Limits of validity; lengths in mean edges.
-    pub validity: ValidateOptions,
-    /// Largest distance between mesh and reference surface, over the diagonal of the surface's bounding box; `None` does
-    /// not limit it. PH-CPF allows 0.005.
-    pub deviation_rel: Option<f64>,
-    /// Largest distance between the boundaries of mesh and open surface, over the same diagonal; `None` does not limit it.
-    pub boundary_rel: Option<f64>,
-    /// Least share of an open surface's area that panels cover, 0 to 1; `None` does not limit it.
-    pub covered: Option<f64>,
-}
+use serde::Serialize;
 
 /// A check that was not made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -59,7 +45,7 @@ pub struct References<'a> {
 }
 
 impl<'a> References<'a> {
-    /// The surface that the tolerances refer to: the smooth one where there is one.
+    /// The surface that the limits refer to: the smooth one where there is one.
     fn judge(&self) -> Option<&'a TriangleSurface> {
         self.smooth.or(self.facets)
     }
@@ -100,9 +86,9 @@ pub struct Assessment {
 
 impl Assessment {
     /// Judges a mesh.
-    pub fn new(mesh: &HexMesh, references: References<'_>, tolerances: &Tolerances) -> Self {
+    pub fn new(mesh: &HexMesh, references: References<'_>, limits: &Limits) -> Self {
         let measures = measure(mesh);
-        let mut violations = violations(mesh, references.judge(), &tolerances.validity);
+        let mut violations = violations(mesh, references.judge(), &limits.validity);
         if let (Some(_), Some(facets)) = (references.smooth, references.facets) {
             add_flips(&mut violations, mesh, facets);
         }
@@ -110,16 +96,16 @@ impl Assessment {
         let deviation_smooth = references.smooth.map(|s| away(s, 0));
         let deviation_facets = references.facets.map(|s| away(s, 1));
         let boundary = references.judge().and_then(|s| boundary_fit(mesh, s));
-        let mut checks = validity_checks(mesh, &measures, &violations, &tolerances.validity);
+        let mut checks = validity_checks(mesh, &measures, &violations, &limits.validity);
         let deviation = deviation_smooth.as_ref().or(deviation_facets.as_ref());
         if let (Some(deviation), Some(surface)) = (deviation, references.judge()) {
-            checks.extend(surface_checks(mesh, surface, deviation, tolerances));
+            checks.extend(surface_checks(mesh, surface, deviation, limits));
             if let Some(fit) = &boundary {
                 let elsewhere = references.elsewhere;
                 checks.extend(boundary_checks(
                     fit,
                     deviation.diagonal,
-                    tolerances,
+                    limits,
                     elsewhere,
                 ));
             }
@@ -127,7 +113,7 @@ impl Assessment {
         Self {
             verdict: verdict(&checks),
             checks,
-            not_checked: omitted(references.judge(), boundary.is_some(), tolerances),
+            not_checked: omitted(references.judge(), boundary.is_some(), limits),
             measures,
             deviation_smooth,
             deviation_facets,
@@ -150,8 +136,8 @@ impl Assessment {
 }
 
 /// The checks that a mesh is not put to; `ends` says whether mesh and surface both have a boundary.
-fn omitted(surface: Option<&TriangleSurface>, ends: bool, tolerances: &Tolerances) -> Vec<Omitted> {
-    let free = tolerances.boundary_rel.is_none() && tolerances.covered.is_none();
+fn omitted(surface: Option<&TriangleSurface>, ends: bool, limits: &Limits) -> Vec<Omitted> {
+    let free = limits.boundary_rel.is_none() && limits.covered.is_none();
     let no_limit = |name, without: bool| without.then_some((name, Reason::NoLimit));
     let named: Vec<(&'static str, Reason)> = match surface {
         None => [
@@ -164,8 +150,8 @@ fn omitted(surface: Option<&TriangleSurface>, ends: bool, tolerances: &Tolerance
         .map(|name| (name, Reason::NoSurface))
         .to_vec(),
         Some(_) => [
-            no_limit("deviation", tolerances.deviation_rel.is_none()),
-            no_limit("coverage_inner", tolerances.deviation_rel.is_none()),
+            no_limit("deviation", limits.deviation_rel.is_none()),
+            no_limit("coverage_inner", limits.deviation_rel.is_none()),
             no_limit("boundary", ends && free),
             no_limit("covered_area", ends && free),
         ]
@@ -213,7 +199,7 @@ mod tests {
         let a = Assessment::new(
             &three_panels(0.0, 0.0),
             References::default(),
-            &Tolerances::default(),
+            &Limits::default(),
         );
         assert_eq!((a.verdict, failing(&a)), (Verdict::Pass, vec![]));
     }
@@ -223,7 +209,7 @@ mod tests {
         let a = Assessment::new(
             &three_panels(0.01, 0.0),
             References::default(),
-            &Tolerances::default(),
+            &Limits::default(),
         );
         assert_eq!(failing(&a), ["planarity"]);
         assert_eq!(a.verdict, Verdict::OutsideTolerance);
@@ -237,7 +223,7 @@ mod tests {
         let a = Assessment::new(
             &three_panels(0.0, 2.0),
             References::default(),
-            &Tolerances::default(),
+            &Limits::default(),
         );
         assert_eq!(a.verdict, Verdict::Invalid);
         assert!(
@@ -260,11 +246,11 @@ mod tests {
             ..Default::default()
         };
         let judged = |limit| {
-            let tolerances = Tolerances {
+            let limits = Limits {
                 deviation_rel: Some(limit),
                 ..Default::default()
             };
-            Assessment::new(&three_panels(0.0, 0.0), references, &tolerances)
+            Assessment::new(&three_panels(0.0, 0.0), references, &limits)
         };
         let rel = 0.05 / 32.0_f64.sqrt();
         assert!(!failing(&judged(rel * 1.001)).contains(&"deviation"));

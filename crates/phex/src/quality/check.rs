@@ -1,6 +1,6 @@
 //! One check: a figure, its limit, the panels that exceed it, the worst place, and what would help.
 
-use super::Tolerances;
+use super::Limits;
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures, Spot};
 use phex_mesh::validate::{ValidateOptions, Violation, planarity_floor};
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3, VertexId};
@@ -223,10 +223,10 @@ pub(super) fn surface_checks(
     mesh: &HexMesh,
     surface: &TriangleSurface,
     deviation: &Deviation,
-    tolerances: &Tolerances,
+    limits: &Limits,
 ) -> Vec<Check> {
     let topology = topology_check(mesh, surface, deviation);
-    let Some(limit) = tolerances.deviation_rel else {
+    let Some(limit) = limits.deviation_rel else {
         return vec![topology];
     };
     vec![
@@ -293,11 +293,11 @@ const AS_BAD: f64 = 0.25;
 pub(super) fn boundary_checks(
     fit: &BoundaryFit,
     diagonal: f64,
-    tolerances: &Tolerances,
+    limits: &Limits,
     elsewhere: &[FaceId],
 ) -> Vec<Check> {
     let place = |spots: &[Spot]| worst(spots.iter().map(|s| (s.distance, s.point)));
-    let follows = tolerances.boundary_rel.map(|limit| {
+    let follows = limits.boundary_rel.map(|limit| {
         let follows = |s: &&Spot| !elsewhere.contains(&s.face);
         let apart: Vec<Spot> = fit.apart.iter().filter(follows).copied().collect();
         let value = apart.iter().map(|s| s.distance).fold(0.0, f64::max);
@@ -307,7 +307,7 @@ pub(super) fn boundary_checks(
             .at(far.map(|s| s.face), place(&apart))
             .advised("more panels, another --boundary, or a larger deviation")
     });
-    let covered = tolerances.covered.filter(|_| elsewhere.is_empty());
+    let covered = limits.covered.filter(|_| elsewhere.is_empty());
     let covers = covered.map(|limit| {
         let value = fit.covered_area;
         let farthest = fit.bare.iter().map(|s| s.distance).fold(0.0, f64::max);

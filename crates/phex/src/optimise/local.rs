@@ -1,0 +1,111 @@
+//! A part of a mesh whose panels are joined anew, made planar with everything around it at rest.
+
+use super::holds::Hold;
+use super::panels::{Shape, unknowns};
+use super::path::Path;
+use super::room::rim_holds;
+use super::run::{Reached, Way};
+use super::solvers::Solvers;
+use super::{
+    BoundaryHold, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference, Stage, StartKind,
+    Target, areas, check_layout, check_mesh, finished,
+};
+use crate::layout::Layout;
+use crate::progress::Progress;
+use phex_mesh::VertexId;
+
+/// A part of a mesh.
+pub struct LocalPart<'a> {
+    /// Its panels.
+    pub layout: &'a Layout,
+    /// Whether each vertex may move; those on the boundary of the surface slide along it.
+    pub free: &'a [bool],
+    /// The boundary of the surface; `None` where vertices on the boundary of the part rest.
+    pub hold: Option<&'a BoundaryHold<'a>>,
+    /// Diagonal of the whole mesh.
+    pub diagonal: f64,
+}
+
+impl LocalPart<'_> {
+    /// Makes the panels planar, simple and close to `target`: free vertices are smoothed on the surface and go the feasible path,
+    /// the others rest.
+    ///
+    /// # Errors
+    /// If the part or an option can't be used; what can't be *reached* is told by [`Optimised`].
+    pub fn settled(
+        &self,
+        target: &dyn Target,
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Result<Optimised, OptimiseError> {
+        let (mesh, options) = (&self.layout.mesh, &self.scaled(options));
+        let mut stage = self.stage(target, options)?;
+        let inside = |v: usize| !mesh.topology().is_boundary_vertex(VertexId::new(v as u32));
+        let smoothing = stage.smoothing(self.layout, target, options);
+        let places = mesh.positions.as_slice().to_vec();
+        let moves = |v: usize| self.free[v] && inside(v);
+        let start = smoothing.from(places, moves, || progress.is_cancelled());
+        stage.areas = areas::of_layout(self.layout, &stage.panels, &start.x, options.evenness);
+        let mut solvers = Solvers::new(&stage.panels)?;
+        let run = stage.run(&mut solvers, StartKind::Local, &start, options, progress)?;
+        Ok(finished(mesh, run))
+    }
+
+    /// Goes on from planar panels: those that stand off, fold or are tight are tried again.
+    ///
+    /// # Errors
+    /// As [`LocalPart::settled`].
+    pub fn improved(
+        &self,
+        target: &dyn Target,
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Result<Optimised, OptimiseError> {
+        let (mesh, options) = (&self.layout.mesh, &self.scaled(options));
+        let mut stage = self.stage(target, options)?;
+        let x = unknowns(mesh);
+        stage.areas = areas::of_layout(self.layout, &stage.panels, &x, options.evenness);
+        let setting = stage.setting(&x);
+        let mut solvers = Solvers::new(&stage.panels)?;
+        let mut path = Path::new(&setting, &mut solvers, &x, options, progress)?;
+        let reached = path.retry(Reached::at(&setting, x.clone()))?;
+        let way = Way {
+            kind: StartKind::Local,
+            path: PathKind::Feasible,
+            in_parts: path.in_parts,
+            outcome: path.outcome,
+        };
+        Ok(finished(mesh, stage.conclude(0, reached, way, options)))
+    }
+
+    /// The options with the largest deviation over the diagonal of the part.
+    fn scaled(&self, options: &OptimiseOptions) -> OptimiseOptions {
+        let scale = self.diagonal / self.layout.mesh.diagonal();
+        OptimiseOptions {
+            max_deviation: options.max_deviation.map(|limit| limit * scale),
+            ..options.clone()
+        }
+    }
+
+    fn stage<'b>(
+        &'b self,
+        target: &'b dyn Target,
+        options: &OptimiseOptions,
+    ) -> Result<Stage<'b>, OptimiseError> {
+        let layout = self.layout;
+        let mesh = &layout.mesh;
+        check_mesh(mesh)?;
+        check_layout(layout)?;
+        let side = Some(layout.face_normal.as_slice().to_vec());
+        let reference = Reference::Surface(target);
+        let mut stage = Stage::new(mesh, reference, side, &layout.vertex_kind, options);
+        let shape = Shape::at(&stage.panels, &unknowns(mesh));
+        stage.holds = rim_holds(mesh, &shape, self.hold);
+        let rests = |v: &VertexId| !self.free[v.index()];
+        for v in mesh.topology().vertices().filter(rests) {
+            let hold = Hold::At(mesh.position(v));
+            stage.holds.held.insert(v.index() as u32, hold);
+        }
+        Ok(stage)
+    }
+}

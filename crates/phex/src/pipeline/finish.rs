@@ -1,0 +1,73 @@
+//! The last steps of a pass, before it is judged: the boundary, folds, and room for tight panels. Each is kept unless the judge
+//! finds more that is invalid or outside limits.
+
+use super::rim::{Rim, enlarged, follow_rim, on_curve, roomier};
+use super::{Clock, PipelineError};
+use crate::ground::Ground;
+use crate::optimise::OptimiseError;
+use crate::quality::Judgement;
+use crate::search::Site;
+use crate::trim::{Trimmed, folds};
+use phex_mesh::HexMesh;
+
+/// A mesh on its way, and what the judge says of it.
+struct Candidate<'a> {
+    mesh: HexMesh,
+    judgement: Judgement,
+    site: &'a Site<'a>,
+}
+
+impl<'a> Candidate<'a> {
+    fn new(mesh: HexMesh, site: &'a Site<'a>) -> Self {
+        Self {
+            judgement: site.judged(&mesh),
+            mesh,
+            site,
+        }
+    }
+
+    /// Takes another mesh in its place unless that is worse.
+    fn offer(&mut self, mesh: Option<HexMesh>) {
+        let Some(mesh) = mesh else { return };
+        let judgement = self.site.judged(&mesh);
+        if judgement.merit.is_no_worse(&self.judgement.merit) {
+            (self.mesh, self.judgement) = (mesh, judgement);
+        }
+    }
+
+    fn is_valid(&self) -> bool {
+        self.judgement.merit.invalid == 0.0
+    }
+}
+
+/// A trimmed mesh brought to the boundary.
+pub(super) fn finished(
+    trimmed: Trimmed,
+    site: &Site<'_>,
+    ground: &Ground,
+    clock: &mut Clock<'_>,
+) -> Result<(HexMesh, Judgement), PipelineError> {
+    let (options, progress) = (&ground.options, clock.progress);
+    let surface = site.judge.surface();
+    let mut now = clock.timed("validate", || Candidate::new(trimmed.mesh.clone(), site));
+    if now.judgement.of_face.iter().any(|f| f.folded > 0.0) {
+        let unfolded = clock.timed("trim", || folds::without_folds(&trimmed, Some(surface)));
+        now.offer(unfolded.map(|t| t.mesh));
+    }
+    let rim = Rim::kept(surface, options);
+    if now.is_valid() && !progress.is_cancelled() {
+        clock.timed("optimise", || -> Result<(), OptimiseError> {
+            if let Some(rim) = &rim {
+                for step in [enlarged, on_curve, enlarged] {
+                    let next = step(&now.mesh, site, rim, progress)?;
+                    now.offer(next.map(|n| n.mesh));
+                }
+                now.offer(follow_rim(&now.mesh, surface, options));
+            }
+            let roomy = roomier(&now.mesh, site, rim.as_ref(), progress)?;
+            now.offer(roomy.map(|n| n.mesh));
+            Ok(())
+        })?;
+    }
+    Ok((now.mesh, now.judgement))
+}

@@ -1,0 +1,145 @@
+//! One pass for a lattice of one kind: layout, optimiser, boundary; then it is judged, and nothing has been repaired.
+
+use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
+use super::finish::finished;
+use super::rim::Rim;
+use super::{Clock, PipelineError, between_panels};
+use crate::directions::guides::Cone;
+use crate::ground::{Beyond, Ground};
+use crate::layout::{Layout, LayoutStatistics};
+use crate::optimise::{self, Optimised, SurfaceTarget};
+use crate::quality::{Judge, Judgement, Limits, References};
+use crate::search::{AreaField, Searched, Site, search};
+use crate::trim::Trimmed;
+use phex_mesh::{FaceId, HexMesh, PolygonSoup, TriangleSurface, Violation};
+use std::collections::BTreeSet;
+
+/// A panelling made in one way.
+pub(super) struct Pass {
+    pub mesh: HexMesh,
+    /// The panels as they were laid out.
+    pub start: PolygonSoup,
+    pub layout: LayoutStatistics,
+    /// Cones of the direction field, normalised.
+    pub cones: Vec<Cone>,
+    /// See [`Field::regular_possible`].
+    pub regular_possible: bool,
+    pub optimised: Optimised,
+    pub judgement: Judgement,
+    surfaces: Surfaces,
+}
+
+/// The surfaces of a pass.
+pub(super) struct Surfaces {
+    fine: FineSurface,
+    pub reported: TriangleSurface,
+    facets: TriangleSurface,
+    pub beyond: Option<Beyond>,
+    limits: Limits,
+}
+
+impl Surfaces {
+    fn new(ground: &Ground, fine: FineSurface) -> Self {
+        Self {
+            reported: ground.reported(&fine.surface).clone(),
+            facets: ground.given_facets().clone(),
+            beyond: ground.beyond(&fine.surface),
+            limits: ground.options.limits(),
+            fine,
+        }
+    }
+
+    /// What is wrong between the panels of a mesh, and with the sides that they show.
+    pub fn violations(&self, mesh: &HexMesh) -> Vec<Violation> {
+        let mut violations = between_panels(mesh, &self.reported);
+        phex_mesh::add_flips(&mut violations, mesh, &self.facets);
+        violations
+    }
+
+    /// Does something with the site of these surfaces.
+    pub fn with_site<T>(&self, ground: &Ground, work: impl FnOnce(&Site<'_>) -> T) -> T {
+        let beyond = self.beyond.as_ref().map(|b| [&b.smooth, &b.facets]);
+        let references = References {
+            smooth: Some(&self.reported),
+            facets: Some(&self.facets),
+            beyond,
+            elsewhere: &[],
+        };
+        let judge = Judge::new(&self.reported, references, self.limits);
+        let rim = Rim::kept(&self.reported, &ground.options);
+        work(&Site {
+            judge: &judge,
+            close_to: beyond.map_or(&self.reported, |b| b[0]),
+            hold: rim.as_ref().map(Rim::hold),
+            areas: Some(AreaField {
+                surface: &self.fine.surface,
+                wish: &self.fine.wish,
+            }),
+            options: &ground.options.optimise,
+        })
+    }
+}
+
+/// One pass for a lattice of one kind.
+pub(super) fn pass(
+    ground: &Ground,
+    way: Way,
+    clock: &mut Clock<'_>,
+) -> Result<Pass, PipelineError> {
+    let (options, progress) = (&way.options(&ground.options), clock.progress);
+    let settings = direction_options(options, way.anisotropy);
+    let finer = match way.seamless {
+        true => finer_ground(ground, options, &settings, clock)?,
+        false => None,
+    };
+    let plain = || (ground, ground.field_level(options));
+    let (ground, level) = finer.as_ref().map_or_else(plain, |(g, l)| (g, *l));
+    let field = Field::new(ground, level, options, &settings, clock)?;
+    let fine = FineSurface::new(ground, &field);
+    let layout = clock.stage("layout", || fine.calm_panels(&field.placed.seeds))??;
+    let optimised = {
+        let target = SurfaceTarget::new(ground.close_to(&fine.surface));
+        let made = || optimise::optimise(&layout, &target, &options.optimise, progress);
+        clock.timed("optimise", made)?
+    };
+    let trimmed = clock.timed("trim", || ground.trimmed(&optimised.mesh, &fine.surface))?;
+    let start = laid_out(&layout, &trimmed);
+    let surfaces = Surfaces::new(ground, fine);
+    let (mesh, judgement) = surfaces.with_site(ground, |site| {
+        finished(trimmed, site, ground, clock)
+    })?;
+    Ok(Pass {
+        mesh,
+        start,
+        layout: field.placed.statistics.clone(),
+        cones: field.cones(&ground.smooth),
+        regular_possible: field.regular_possible(&ground.smooth),
+        optimised,
+        judgement,
+        surfaces,
+    })
+}
+
+impl Pass {
+    /// Searches the mesh where something is wrong.
+    pub fn searched(&self, ground: &Ground, clock: &mut Clock<'_>) -> Searched {
+        let progress = clock.progress;
+        let work = |site: &Site<'_>| search(self.mesh.clone(), site, progress);
+        clock.timed("search", || self.surfaces.with_site(ground, work))
+    }
+
+    /// The surfaces that the mesh is reported against.
+    pub fn into_surfaces(self) -> Surfaces {
+        self.surfaces
+    }
+}
+
+/// The panels of a layout of which something is left.
+fn laid_out(layout: &Layout, trimmed: &Trimmed) -> PolygonSoup {
+    let kept: BTreeSet<FaceId> = trimmed.parent.iter().copied().collect();
+    let mut soup = layout.mesh.to_soup();
+    let mut numbers = layout.mesh.topology().faces();
+    soup.faces
+        .retain(|_| numbers.next().is_some_and(|f| kept.contains(&f)));
+    soup
+}

@@ -1,0 +1,45 @@
+//! Defects: places where a mesh is outside its limits, or a panel is tight or small.
+
+use super::judge::Judgement;
+use phex_mesh::{FaceId, HexMesh, Vec3};
+use std::collections::BTreeSet;
+
+/// Faces that hang together and are not as they should be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Defect {
+    /// The faces, the worst first.
+    pub faces: Vec<FaceId>,
+    /// The middle of the worst.
+    pub place: Vec3,
+    /// Whether panels are too large there: the surface stands off, or sheets cross.
+    pub needs_more: bool,
+    /// How bad it is, to compare defects.
+    pub amount: f64,
+}
+
+/// The defects of a mesh, the worst first: each a face with those of its neighbours that are no better.
+pub fn defects(mesh: &HexMesh, judgement: &Judgement) -> Vec<Defect> {
+    let findings = &judgement.of_face;
+    let found = findings.enumerate().filter(|(_, found)| found.is_defect());
+    let mut faces: Vec<FaceId> = found.map(|(f, _)| f).collect();
+    let amount = |f: &FaceId| findings[*f].amount();
+    faces.sort_by(|a, b| amount(b).total_cmp(&amount(a)).then(a.cmp(b)));
+    let mut left: BTreeSet<FaceId> = faces.iter().copied().collect();
+    let mut defects = Vec::new();
+    for f in faces {
+        if left.remove(&f) {
+            let topology = mesh.topology();
+            let twins = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
+            let beside = twins.map(|t| topology.face(t)).filter(|g| left.remove(g));
+            let faces: Vec<FaceId> = std::iter::once(f).chain(beside).collect();
+            let worst = &findings[f];
+            defects.push(Defect {
+                place: mesh.centre(f),
+                needs_more: worst.crossed || worst.bare > 0.0 || worst.far > 0.0,
+                amount: faces.iter().map(amount).sum(),
+                faces,
+            });
+        }
+    }
+    defects
+}

@@ -1,0 +1,356 @@
+//! The judge: by how much each face of a mesh, or of a part of one, is outside its limits.
+
+use super::merit::Merit;
+use super::{Limits, References, USUAL_DEVIATION};
+use phex_mesh::measure::{LEAST_RIM_AREA, points_on_boundary};
+use phex_mesh::validate::{ValidateOptions, Violation, add_flips, violations};
+use phex_mesh::{
+    BoundaryCurve, FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId,
+    closest_faces,
+};
+
+/// Clearance, in mean edges, below which a panel is tight: it is allowed from a third of that on, and not liked.
+const ROOMY: f64 = 0.15;
+/// Excess over a limit, in limits, above which it does not matter how far it is exceeded.
+const LARGEST_EXCESS: f64 = 10.0;
+/// Mean edges from the boundary within which the surface need not be covered.
+const RIM: f64 = 2.0;
+
+/// What lengths and areas of a part are compared with: those of the whole mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Yardstick {
+    /// Mean length of the edges.
+    pub mean_edge: f64,
+    /// Mean area of the faces.
+    pub mean_area: f64,
+    /// Number of faces.
+    pub panels: usize,
+    /// Largest planarity, mean edges.
+    planarity: f64,
+}
+
+impl Yardstick {
+    /// That of a mesh.
+    pub fn of(mesh: &HexMesh, limits: &Limits) -> Self {
+        let panels = mesh.topology().n_faces();
+        let area: f64 = FlatFace::all(mesh).iter().map(FlatFace::area).sum();
+        Self {
+            mean_edge: mesh.mean_edge(),
+            mean_area: area / panels as f64,
+            panels,
+            planarity: limits.validity.planarity_limit(mesh),
+        }
+    }
+}
+
+/// What is looked at: a mesh, or a part of one as a mesh of its own.
+pub struct Scope<'a> {
+    /// The mesh.
+    pub mesh: &'a HexMesh,
+    /// Whether each face counts; in a part those at its rim do not.
+    pub counts: &'a [bool],
+    /// Vertices of the surface that the faces are to cover.
+    pub points: &'a [VertexId],
+    /// Area that each face is to have; 0 for any.
+    pub wished: &'a [f64],
+}
+
+/// By how much a face is outside limits, each over its limit, 0 where it is within.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Findings {
+    /// Violations that make it no panel, or not planar.
+    pub invalid: f64,
+    /// Whether another panel passes through it.
+    pub crossed: bool,
+    /// Folds against its neighbours.
+    pub folded: f64,
+    /// Clearance or an edge below the limit.
+    pub narrow: f64,
+    /// Distance to the surface.
+    pub far: f64,
+    /// Distance of the surface to it.
+    pub bare: f64,
+    /// Distance between the boundaries.
+    pub rim: f64,
+    /// Distance to the surface, in limits.
+    pub off: f64,
+    /// What a tight panel costs.
+    pub tight: f64,
+    /// What a small panel at the boundary costs.
+    pub small: f64,
+    /// Square of the logarithm of its area over the area that it is to have.
+    pub uneven: f64,
+    /// Whether it is an inner panel without six corners.
+    pub irregular: bool,
+}
+
+impl Findings {
+    /// All excesses over limits.
+    pub fn outside(&self) -> f64 {
+        self.folded + self.narrow + self.far + self.bare + self.rim
+    }
+
+    /// How bad it is, to compare faces: what is invalid counts before what is outside, and that before what is not liked.
+    pub(super) fn amount(&self) -> f64 {
+        1e3 * self.invalid + self.outside() + 1e-3 * (self.tight + self.small)
+    }
+
+    /// Whether something is to be done there.
+    pub fn is_defect(&self) -> bool {
+        self.invalid + self.outside() + self.tight + self.small > 0.0
+    }
+}
+
+/// What a judge says.
+#[derive(Clone, Debug)]
+pub struct Judgement {
+    /// By face.
+    pub of_face: PerFace<Findings>,
+    /// In all.
+    pub merit: Merit,
+    /// The face closest to each of the points that were to be covered.
+    pub nearest: Vec<FaceId>,
+}
+
+/// Surfaces and limits by which meshes are judged.
+pub struct Judge<'a> {
+    references: References<'a>,
+    surface: &'a TriangleSurface,
+    limits: Limits,
+    curve: Option<BoundaryCurve>,
+    /// Distance of each vertex of the surface to its boundary; infinite where there is none.
+    to_boundary: PerVertex<f64>,
+    on_boundary: PerVertex<bool>,
+    diagonal: f64,
+}
+
+impl<'a> Judge<'a> {
+    /// The judge of meshes that stand for a surface.
+    pub fn new(
+        surface: &'a TriangleSurface,
+        references: References<'a>,
+        limits: Limits,
+    ) -> Self {
+        let curve = BoundaryCurve::of(surface);
+        let distance = |p: &Vec3| match &curve {
+            Some(curve) => (curve.closest_point(*p).position - p).norm(),
+            None => f64::INFINITY,
+        };
+        let topology = surface.topology();
+        Self {
+            to_boundary: surface.positions().map(distance),
+            on_boundary: PerVertex::from_fn(topology.n_vertices(), |v| topology.is_boundary_vertex(v)),
+            diagonal: surface.diagonal(),
+            curve,
+            references,
+            surface,
+            limits,
+        }
+    }
+
+    /// The surface that meshes are compared with.
+    pub fn surface(&self) -> &'a TriangleSurface {
+        self.surface
+    }
+
+    /// The limits.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// All vertices of the surface.
+    pub fn points(&self) -> Vec<VertexId> {
+        self.surface.topology().vertices().collect()
+    }
+
+    /// Looks at a whole mesh.
+    pub fn whole(&self, mesh: &HexMesh, wished: &[f64]) -> Judgement {
+        let scope = Scope {
+            mesh,
+            counts: &vec![true; mesh.topology().n_faces()],
+            points: &self.points(),
+            wished,
+        };
+        self.judge(&scope, &Yardstick::of(mesh, &self.limits))
+    }
+
+    /// Looks at a mesh or a part of one.
+    pub fn judge(&self, scope: &Scope<'_>, yardstick: &Yardstick) -> Judgement {
+        let mesh = scope.mesh;
+        let mut of_face: PerFace<Findings> = PerFace::filled(mesh.topology().n_faces(), Findings::default());
+        self.add_violations(mesh, yardstick, &mut of_face);
+        self.add_distances(mesh, &mut of_face);
+        let nearest = self.add_coverage(scope, yardstick, &mut of_face);
+        self.add_boundary(scope, &nearest, &mut of_face);
+        add_shapes(scope, yardstick, &mut of_face);
+        let counted = of_face.as_slice().iter().zip(scope.counts);
+        let counted = counted.filter(|(_, c)| **c).map(|(f, _)| f);
+        Judgement {
+            merit: Merit::of(counted, yardstick.panels, 0),
+            of_face,
+            nearest,
+        }
+    }
+
+    /// What lies at the rim of a part is judged as far as it can be seen.
+    fn add_violations(
+        &self,
+        mesh: &HexMesh,
+        yardstick: &Yardstick,
+        of_face: &mut PerFace<Findings>,
+    ) {
+        let scale = yardstick.mean_edge / mesh.mean_edge();
+        let validity = &self.limits.validity;
+        let options = ValidateOptions {
+            planarity: Some(yardstick.planarity * scale),
+            edge_length_rel: validity.edge_length_rel * scale,
+            clearance: validity.clearance * scale,
+            ..*validity
+        };
+        let mut found = violations(mesh, Some(self.surface), &options);
+        if let Some(facets) = self.references.facets {
+            add_flips(&mut found, mesh, facets);
+        }
+        for violation in &found {
+            let faces = violation.faces(mesh.topology());
+            let share = 1.0 / faces.len().max(1) as f64;
+            for f in faces {
+                add_violation(violation, share, &mut of_face[f]);
+            }
+        }
+    }
+
+    fn limit(&self) -> f64 {
+        self.diagonal * self.limits.deviation_rel.unwrap_or(USUAL_DEVIATION)
+    }
+
+    fn excess(&self, limit: Option<f64>, distance: f64) -> f64 {
+        let over = |limit: f64| (distance / (limit * self.diagonal) - 1.0).clamp(0.0, LARGEST_EXCESS);
+        limit.map_or(0.0, over)
+    }
+
+    fn add_distances(&self, mesh: &HexMesh, of_face: &mut PerFace<Findings>) {
+        let surface = self.references.beyond.map_or(self.surface, |b| b[0]);
+        let distances = |points: &[Vec3]| -> Vec<f64> {
+            let feet = surface.closest_points(points);
+            let pairs = points.iter().zip(&feet);
+            pairs.map(|(p, foot)| (foot.position - p).norm()).collect()
+        };
+        let corners = distances(mesh.positions.as_slice());
+        let centres: Vec<Vec3> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
+        for (f, centre) in mesh.topology().faces().zip(distances(&centres)) {
+            let vertices = mesh.topology().face_vertices(f).iter();
+            let farthest = vertices.map(|v| corners[v.index()]).fold(centre, f64::max);
+            let face = &mut of_face[f];
+            face.off = face.off.max(farthest / self.limit());
+            face.far = self.excess(self.limits.deviation_rel, farthest);
+        }
+    }
+
+    fn add_coverage(
+        &self,
+        scope: &Scope<'_>,
+        yardstick: &Yardstick,
+        of_face: &mut PerFace<Findings>,
+    ) -> Vec<FaceId> {
+        let place = |v: &VertexId| self.surface.positions()[*v];
+        let places: Vec<Vec3> = scope.points.iter().map(place).collect();
+        let closest = closest_faces(scope.mesh, &places);
+        for (v, &(f, distance)) in scope.points.iter().zip(&closest) {
+            if self.to_boundary[*v] > RIM * yardstick.mean_edge {
+                let face = &mut of_face[f];
+                face.off = face.off.max(distance / self.limit());
+                face.bare = face.bare.max(self.excess(self.limits.deviation_rel, distance));
+            }
+        }
+        closest.into_iter().map(|c| c.0).collect()
+    }
+
+    /// How far the boundaries are apart, from both.
+    fn add_boundary(&self, scope: &Scope<'_>, nearest: &[FaceId], of_face: &mut PerFace<Findings>) {
+        let (Some(curve), Some(limit)) = (&self.curve, self.limits.boundary_rel) else {
+            return;
+        };
+        let counts = |f: &FaceId| scope.counts[f.index()];
+        let rim = points_on_boundary(scope.mesh);
+        let mut add = |f: FaceId, distance: f64| {
+            let face = &mut of_face[f];
+            face.rim = face.rim.max(self.excess(Some(limit), distance));
+        };
+        for (f, p) in rim.iter().filter(|(f, _)| counts(f)) {
+            add(*f, (curve.closest_point(*p).position - p).norm());
+        }
+        let Some(own) = rim_curve(scope, &rim) else {
+            return;
+        };
+        let points = scope.points.iter().zip(nearest);
+        for (v, f) in points.filter(|(v, _)| self.on_boundary[**v]) {
+            let p = self.surface.positions()[*v];
+            add(*f, (own.closest_point(p).position - p).norm());
+        }
+    }
+}
+
+/// The boundary edges of the faces of a scope as curves.
+fn rim_curve(scope: &Scope<'_>, rim: &[(FaceId, Vec3)]) -> Option<BoundaryCurve> {
+    let topology = scope.mesh.topology();
+    if rim.is_empty() {
+        return None;
+    }
+    let edges = topology.edges().filter(|e| topology.is_boundary_edge(*e));
+    let ends = edges.map(|e| {
+        let ends = topology.edge_vertices(e).map(|v| scope.mesh.position(v));
+        ends.to_vec()
+    });
+    BoundaryCurve::of_polylines(&ends.collect::<Vec<_>>())
+}
+
+fn add_violation(violation: &Violation, share: f64, face: &mut Findings) {
+    match *violation {
+        Violation::NotPlanar {
+            planarity, limit, ..
+        } => {
+            // From the limit, counted as a hundredth, to a mean edge, counted as 1.
+            let decades = (planarity / limit).log10() / -limit.log10();
+            face.invalid += share * decades.clamp(0.01, 1.0);
+        }
+        Violation::Fold { .. } => face.folded += share,
+        Violation::SmallClearance {
+            clearance, limit, ..
+        } => face.narrow += share * (1.0 - clearance / limit),
+        Violation::CollapsedEdge {
+            length_rel, limit, ..
+        } => face.narrow += share * (1.0 - length_rel / limit),
+        Violation::Crossing { .. } => {
+            face.invalid += share;
+            face.crossed = true;
+        }
+        _ => face.invalid += share,
+    }
+}
+
+/// Room, areas and corners.
+fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Findings>) {
+    let topology = scope.mesh.topology();
+    for (f, flat) in FlatFace::all(scope.mesh).enumerate() {
+        if !scope.counts[f.index()] {
+            continue;
+        }
+        let face = &mut of_face[f];
+        let (area, at_rim) = (flat.area(), topology.is_boundary_face(f));
+        let clearance = flat.clearance().distance / yardstick.mean_edge;
+        // Cuts make panels at the boundary small by chance; they are allowed to be tight as well.
+        if !at_rim {
+            face.tight = (1.0 - clearance / ROOMY).max(0.0).powi(2);
+        }
+        face.irregular = !at_rim && topology.valence(f) != 6;
+        let wished = scope.wished[f.index()];
+        if !at_rim && wished > 0.0 && area > 0.0 {
+            face.uneven = (area / wished).ln().powi(2);
+        }
+        if at_rim {
+            let share = area / yardstick.mean_area / LEAST_RIM_AREA;
+            face.small = if share < 1.0 { 1.5 - share } else { 0.0 };
+        }
+    }
+}

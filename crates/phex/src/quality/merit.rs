@@ -1,0 +1,129 @@
+//! The order of meshes.
+
+use super::judge::Findings;
+use serde::Serialize;
+use std::cmp::Ordering;
+
+/// What meshes are compared by, smaller is better; the first difference counts.
+///
+/// | part | what it is |
+/// |---|---|
+/// | `invalid` | violations that make a mesh no planar panelling; what is not planar counts by how much |
+/// | `outside` | excesses over limits, in limits, summed over faces |
+/// | `cost` | what is allowed and not liked: irregular, small, tight, uneven panels, and the distance to the surface |
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Merit {
+    /// Violations.
+    pub invalid: f64,
+    /// Excesses over limits.
+    pub outside: f64,
+    /// What is not liked.
+    pub cost: f64,
+}
+
+/// Share of an amount by which it must differ to count: less is rounding, or chance.
+const GAIN: f64 = 0.02;
+/// The same for sums over a whole mesh, of which most has not changed.
+const ROUNDING: f64 = 1e-9;
+/// Costs of a mesh in which every panel is irregular, and in which every area is off by a factor of e.
+const IRREGULAR: f64 = 10.0;
+const UNEVEN: f64 = 1.0;
+/// Cost of a distance to the surface that is just allowed.
+const OFF: f64 = 0.1;
+/// Factor of the cost of irregular panels where a lattice can do without any that topology does not ask for.
+const NEEDLESS: f64 = 10.0;
+
+impl Merit {
+    /// The merit of faces of a mesh that has so many `panels`; `needed` of them must be irregular.
+    pub(super) fn of<'a>(
+        faces: impl Iterator<Item = &'a Findings>,
+        panels: usize,
+        needed: usize,
+    ) -> Self {
+        let (mut merit, mut irregular, mut off) = (Self::default(), 0, 0.0_f64);
+        let share = 1.0 / panels.max(1) as f64;
+        for face in faces {
+            merit.invalid += face.invalid;
+            merit.outside += face.outside();
+            merit.cost += face.tight + face.small + UNEVEN * share * face.uneven;
+            irregular += usize::from(face.irregular);
+            off = off.max(face.off);
+        }
+        merit.cost += IRREGULAR * share * irregular.saturating_sub(needed) as f64 + OFF * off;
+        merit
+    }
+
+    /// The same where irregular panels are `needless`: a lattice without any is possible.
+    pub fn regular_possible(self, irregular_share: f64) -> Self {
+        Self {
+            cost: self.cost + (NEEDLESS - 1.0) * IRREGULAR * irregular_share,
+            ..self
+        }
+    }
+
+    /// Whether nothing is invalid or outside a limit.
+    pub fn is_within(&self) -> bool {
+        self.invalid == 0.0 && self.outside == 0.0
+    }
+
+    /// The order; amounts that differ by chance are the same.
+    pub fn compare(&self, other: &Self) -> Ordering {
+        let parts = |m: &Self| [m.invalid, m.outside, m.cost];
+        let differing = |(a, b): &(f64, f64)| (a - b).abs() > GAIN * a.max(*b);
+        let pairs = parts(self).into_iter().zip(parts(other));
+        let first = pairs.into_iter().find(differing);
+        first.map_or(Ordering::Equal, |(a, b)| a.total_cmp(&b))
+    }
+
+    /// Whether no more is invalid or outside, whatever it costs.
+    pub fn is_no_worse(&self, other: &Self) -> bool {
+        let parts = |m: &Self| [m.invalid, m.outside];
+        let pairs = parts(self).into_iter().zip(parts(other));
+        let more = |(a, b): (f64, f64)| a > b * (1.0 + ROUNDING);
+        !pairs.into_iter().any(more)
+    }
+
+    /// The exact order, in which to look for the best of many.
+    pub fn total_cmp(&self, other: &Self) -> Ordering {
+        let parts = |m: &Self| [m.invalid, m.outside, m.cost];
+        let pairs = parts(self).into_iter().zip(parts(other));
+        let orders = pairs.map(|(a, b)| a.total_cmp(&b));
+        orders.fold(Ordering::Equal, Ordering::then)
+    }
+
+    /// Whether it is less, by however little.
+    pub fn is_less(&self, other: &Self) -> bool {
+        let parts = |m: &Self| [m.invalid, m.outside, m.cost];
+        let pairs = parts(self).into_iter().zip(parts(other));
+        let differing = |(a, b): &(f64, f64)| (a - b).abs() > ROUNDING * a.max(*b);
+        pairs.into_iter().find(differing).is_some_and(|(a, b)| a < b)
+    }
+
+    /// Whether it is better by more than chance.
+    pub fn is_better(&self, other: &Self) -> bool {
+        self.compare(other) == Ordering::Less
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn merit(invalid: f64, outside: f64, cost: f64) -> Merit {
+        Merit {
+            invalid,
+            outside,
+            cost,
+        }
+    }
+
+    #[test]
+    fn what_is_valid_comes_first_then_what_is_within_limits() {
+        assert!(merit(0.0, 9.0, 9.0).is_better(&merit(1.0, 0.0, 0.0)));
+        assert!(merit(0.0, 0.1, 9.0).is_better(&merit(0.0, 0.2, 0.0)));
+        assert!(merit(0.0, 0.0, 1.0).is_better(&merit(0.0, 0.0, 1.1)));
+        assert!(!merit(0.0, 0.0, 1.0).is_better(&merit(0.0, 0.0, 1.01)));
+        assert!(merit(0.0, 0.199, 1.0).is_better(&merit(0.0, 0.2, 2.0)));
+        assert!(merit(0.0, 0.0, 9.0).is_within() && !merit(0.0, 1e-9, 0.0).is_within());
+    }
+}

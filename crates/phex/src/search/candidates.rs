@@ -1,0 +1,84 @@
+//! What is tried at a defect, mild changes first.
+
+use super::draft::{Draft, Side};
+use super::patch::Patch;
+
+/// Panels of a defect that are merged or split at the most.
+const WORST: usize = 2;
+/// Splits of a panel that are tried, and merges of one with its neighbours.
+const SPLITS: usize = 2;
+const MERGES: usize = 4;
+
+/// The drafts that are tried, in order. `needs_more` tells that panels are too large, `wide` that mild changes have failed.
+pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Draft> {
+    let draft = &patch.draft;
+    let worst = &patch.core[..patch.core.len().min(WORST)];
+    let halves = || worst.iter().flat_map(|f| draft.halves(*f).into_iter().take(SPLITS));
+    let merges = || worst.iter().flat_map(|f| merges(draft, *f));
+    let same = || std::iter::once(draft.clone());
+    let all: Vec<Draft> = match (needs_more, wide) {
+        (true, false) => halves().chain(finer(patch, 1)).chain(same()).chain(merges()).collect(),
+        (false, false) => (same().chain(merges()).chain(turns(draft, worst)).chain(halves())).collect(),
+        (true, true) => (finer(patch, 1).into_iter()).chain(finer(patch, 2)).chain(finer(patch, 3)).chain(turns(draft, worst)).collect(),
+        (false, true) => (finer(patch, 1).into_iter()).chain(anew(patch)).chain(finer(patch, 2)).collect(),
+    };
+    let mut calmed: Vec<Draft> = Vec::new();
+    for draft in all {
+        let draft = draft.calmed();
+        if calmed.iter().all(|other| other.faces != draft.faces) {
+            calmed.push(draft);
+        }
+    }
+    calmed
+}
+
+/// A panel merged with one of its neighbours, those with the fewest corners first.
+fn merges(draft: &Draft, f: usize) -> Vec<Draft> {
+    let mut sides: Vec<(usize, Side)> = (draft.neighbours(f).into_iter())
+        .map(|(side, g)| (draft.faces[g].len(), side))
+        .collect();
+    sides.sort_unstable();
+    let merged = sides.iter().filter_map(|(_, side)| draft.merged(*side));
+    merged.take(MERGES).collect()
+}
+
+/// Each side of panels turned.
+fn turns(draft: &Draft, faces: &[usize]) -> Vec<Draft> {
+    let sides = faces.iter().flat_map(|f| draft.neighbours(*f));
+    sides.filter_map(|(side, _)| draft.turned(side)).collect()
+}
+
+/// The panels within some rings of the defect split, one after the other.
+fn finer(patch: &Patch, rings: usize) -> Option<Draft> {
+    let mut faces = patch.core.clone();
+    for _ in 1..rings {
+        let around: Vec<usize> = (faces.iter())
+            .flat_map(|f| patch.draft.neighbours(*f))
+            .map(|(_, g)| g)
+            .collect();
+        faces.extend(around);
+        faces.sort_unstable();
+        faces.dedup();
+    }
+    let mut draft = patch.draft.clone();
+    for f in &faces {
+        if let Some(next) = draft.halves(*f).into_iter().next() {
+            draft = next.calmed();
+        }
+    }
+    (draft.faces.len() > patch.draft.faces.len()).then_some(draft)
+}
+
+/// A panel of the defect merged with a neighbour, and a neighbour of these split.
+fn anew(patch: &Patch) -> Vec<Draft> {
+    let f = patch.core[0];
+    let merged = merges(&patch.draft, f).into_iter().map(Draft::calmed);
+    let split = |draft: Draft| {
+        let beside = draft.neighbours(if draft.faces[f].is_empty() { return Vec::new() } else { f });
+        let mut large: Vec<usize> = beside.into_iter().map(|(_, g)| g).collect();
+        large.sort_by_key(|g| std::cmp::Reverse(draft.faces[*g].len()));
+        let halves = large.iter().take(2).filter_map(|g| draft.halves(*g).into_iter().next());
+        halves.collect::<Vec<Draft>>()
+    };
+    merged.flat_map(split).collect()
+}

@@ -1,0 +1,252 @@
+//! Panels of a patch while they are joined anew: edges are turned (a T1 step, as in foams), two panels are merged by taking the edge between
+//! them away, and one is split by a new edge. Interior vertices keep three panels throughout.
+
+use phex_mesh::Vec3;
+use std::collections::BTreeMap;
+
+/// Corners that a panel must keep, and that it may come to have.
+const LEAST: usize = 4;
+const MOST: usize = 9;
+/// Turns of edges after a change at the most.
+const TURNS: usize = 24;
+/// Share of the way from a turned edge's middle to its new ends.
+const OPENING: f64 = 0.25;
+
+/// Panels as lists of corners.
+#[derive(Clone, Debug)]
+pub(super) struct Draft {
+    /// Corners of each panel, counter-clockwise; empty where it was merged with another.
+    pub faces: Vec<Vec<u32>>,
+    pub places: Vec<Vec3>,
+    /// Whether the corners of each panel may change.
+    pub open: Vec<bool>,
+    /// Whether each corner lies on the boundary of the surface.
+    pub on_boundary: Vec<bool>,
+    /// The panel that each was made from, for those that are new its own number.
+    pub origin: Vec<usize>,
+}
+
+/// An edge as its corners in the order of the panel on its left.
+pub(super) type Side = [u32; 2];
+
+impl Draft {
+    /// Panels by the sides that they have.
+    fn owners(&self) -> BTreeMap<Side, usize> {
+        let sides = |(f, face): (usize, &Vec<u32>)| {
+            let n = face.len();
+            let side = move |k: usize| [face[k], face[(k + 1) % n]];
+            (0..n).map(|k| (side(k), f)).collect::<Vec<_>>()
+        };
+        self.faces.iter().enumerate().flat_map(sides).collect()
+    }
+
+    /// The sides of a panel and the panels across them.
+    pub fn neighbours(&self, f: usize) -> Vec<(Side, usize)> {
+        let owners = self.owners();
+        let face = &self.faces[f];
+        let sides = (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]);
+        let across = |[a, b]: Side| owners.get(&[b, a]).map(|g| ([a, b], *g));
+        sides.filter_map(across).collect()
+    }
+
+    fn faces_at(&self, v: u32) -> Vec<usize> {
+        let has = |f: &usize| self.faces[*f].contains(&v);
+        (0..self.faces.len()).filter(has).collect()
+    }
+
+    /// How irregular a panel with `n` corners is; panels at the boundary may have any number.
+    fn irregularity(&self, f: usize, n: usize) -> i64 {
+        let at_rim = self.faces[f].iter().any(|v| self.on_boundary[*v as usize]);
+        match at_rim {
+            true if (LEAST..=7).contains(&n) => 0,
+            true => 1,
+            false => (n as i64 - 6).pow(2),
+        }
+    }
+
+    /// Turns an edge; `None` if one of the four panels can't take part, or would have too few or too many corners.
+    pub fn turned(&self, [u, v]: Side) -> Option<Self> {
+        let turn = self.turn([u, v])?;
+        let mut next = self.clone();
+        next.faces[turn.left].retain(|x| *x != v);
+        next.faces[turn.right].retain(|x| *x != u);
+        // The left panel comes after u in the panel there, and keeps u; the right one comes after v, and keeps v.
+        insert_before(&mut next.faces[turn.at_u], u, v);
+        insert_before(&mut next.faces[turn.at_v], v, u);
+        let centre = |f: usize| self.centre(f);
+        let middle = (self.places[u as usize] + self.places[v as usize]) * 0.5;
+        let open = |f: usize| (centre(f) - middle) * OPENING;
+        next.places[u as usize] = middle + open(turn.left);
+        next.places[v as usize] = middle + open(turn.right);
+        Some(next)
+    }
+
+    /// What a turn does to the sum of irregularities.
+    fn gain(&self, side: Side) -> Option<i64> {
+        let turn = self.turn(side)?;
+        let change = |f: usize, by: i64| {
+            let n = self.faces[f].len();
+            self.irregularity(f, n) - self.irregularity(f, (n as i64 + by) as usize)
+        };
+        Some(
+            change(turn.left, -1)
+                + change(turn.right, -1)
+                + change(turn.at_u, 1)
+                + change(turn.at_v, 1),
+        )
+    }
+
+    fn turn(&self, [u, v]: Side) -> Option<Turn> {
+        if self.on_boundary[u as usize] || self.on_boundary[v as usize] {
+            return None;
+        }
+        let owners = self.owners();
+        let (left, right) = (*owners.get(&[u, v])?, *owners.get(&[v, u])?);
+        let other = |x: u32| {
+            let all = self.faces_at(x);
+            let mut rest = all.iter().filter(|f| **f != left && **f != right);
+            let found = rest.next().copied();
+            found.filter(|_| all.len() == 3)
+        };
+        let (at_u, at_v) = (other(u)?, other(v)?);
+        let open = [left, right, at_u, at_v].iter().all(|f| self.open[*f]);
+        let apart = at_u != at_v && !self.share_a_corner(at_u, at_v);
+        let enough = self.faces[left].len() > LEAST && self.faces[right].len() > LEAST;
+        let few = self.faces[at_u].len() < MOST && self.faces[at_v].len() < MOST;
+        (open && apart && enough && few).then_some(Turn {
+            left,
+            right,
+            at_u,
+            at_v,
+        })
+    }
+
+    fn share_a_corner(&self, f: usize, g: usize) -> bool {
+        self.faces[f].iter().any(|x| self.faces[g].contains(x))
+    }
+
+    /// Takes the edge between two panels away.
+    pub fn merged(&self, [u, v]: Side) -> Option<Self> {
+        let owners = self.owners();
+        let (f, g) = (*owners.get(&[u, v])?, *owners.get(&[v, u])?);
+        let shared = self.faces[f].iter().filter(|x| self.faces[g].contains(x));
+        let inside = |x: &u32| self.faces_at(*x).len() == 3 && !self.on_boundary[*x as usize];
+        if f == g || shared.count() != 2 || !self.open[f] || !self.open[g] {
+            return None;
+        }
+        let mut next = self.clone();
+        let mut ring = from(&self.faces[f], v);
+        let other = from(&self.faces[g], u);
+        ring.extend(&other[1..other.len() - 1]);
+        next.faces[f] = ring;
+        next.faces[g].clear();
+        for x in [u, v].into_iter().filter(inside) {
+            for h in self.faces_at(x) {
+                if h != f && h != g && (!self.open[h] || self.faces[h].len() <= LEAST) {
+                    return None;
+                }
+            }
+            next.faces.iter_mut().for_each(|face| face.retain(|y| *y != x));
+        }
+        (next.faces[f].len() >= LEAST).then_some(next)
+    }
+
+    /// Splits a panel by an edge between the middles of its sides number `i` and `j`.
+    pub fn split(&self, f: usize, i: usize, j: usize) -> Option<Self> {
+        let owners = self.owners();
+        let face = &self.faces[f];
+        let n = face.len();
+        let side = |k: usize| [face[k % n], face[(k + 1) % n]];
+        let mut next = self.clone();
+        let mut cuts = Vec::new();
+        for [a, b] in [side(i), side(j)] {
+            let x = next.places.len() as u32;
+            let across = owners.get(&[b, a]);
+            if across.is_some_and(|g| !self.open[*g] || self.faces[*g].len() >= MOST) {
+                return None;
+            }
+            let middle = (self.places[a as usize] + self.places[b as usize]) * 0.5;
+            next.places.push(middle);
+            next.on_boundary.push(across.is_none());
+            if let Some(g) = across {
+                insert_between(&mut next.faces[*g], b, a, x);
+            }
+            cuts.push(x);
+        }
+        let part = |from: usize, to: usize, first: u32, last: u32| {
+            let count = (to + n - from) % n;
+            let corners = (1..=count).map(|k| face[(from + k) % n]);
+            let ring = std::iter::once(first).chain(corners).chain([last]);
+            ring.collect::<Vec<u32>>()
+        };
+        let (one, two) = (part(i, j, cuts[0], cuts[1]), part(j, i, cuts[1], cuts[0]));
+        if !self.open[f] || one.len() < LEAST || two.len() < LEAST {
+            return None;
+        }
+        next.faces[f] = one;
+        next.faces.push(two);
+        next.open.push(true);
+        next.origin.push(f);
+        Some(next)
+    }
+
+    /// Splits of a panel into halves, the one across its longest extent first.
+    pub fn halves(&self, f: usize) -> Vec<Self> {
+        let face = &self.faces[f];
+        let n = face.len();
+        let middle = |k: usize| {
+            (self.places[face[k % n] as usize] + self.places[face[(k + 1) % n] as usize]) * 0.5
+        };
+        let mut cuts: Vec<(f64, usize)> = (0..n.div_ceil(2))
+            .map(|i| ((middle(i) - middle(i + n / 2)).norm(), i))
+            .collect();
+        cuts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let split = |(_, i): &(f64, usize)| self.split(f, *i, (i + n / 2) % n);
+        cuts.iter().filter_map(split).collect()
+    }
+
+    /// Turns edges while that makes panels more regular.
+    pub fn calmed(mut self) -> Self {
+        for _ in 0..TURNS {
+            let sides: Vec<Side> = self.owners().into_keys().filter(|[a, b]| a < b).collect();
+            let gains = sides.iter().filter_map(|s| Some((self.gain(*s)?, *s)));
+            let best = gains.max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1)));
+            let Some((_, side)) = best.filter(|b| b.0 > 0) else {
+                break;
+            };
+            let Some(next) = self.turned(side) else { break };
+            self = next;
+        }
+        self
+    }
+
+    pub fn centre(&self, f: usize) -> Vec3 {
+        let corners = self.faces[f].iter().map(|v| self.places[*v as usize]);
+        corners.sum::<Vec3>() / self.faces[f].len().max(1) as f64
+    }
+}
+
+/// The panels that take part in a turn of the edge from `u` to `v`.
+struct Turn {
+    left: usize,
+    right: usize,
+    at_u: usize,
+    at_v: usize,
+}
+
+/// The corners from one of them on.
+fn from(face: &[u32], x: u32) -> Vec<u32> {
+    let k = face.iter().position(|y| *y == x).expect("a corner of the panel");
+    face[k..].iter().chain(&face[..k]).copied().collect()
+}
+
+fn insert_before(face: &mut Vec<u32>, old: u32, new: u32) {
+    let k = face.iter().position(|y| *y == old).expect("a corner of the panel");
+    face.insert(k, new);
+}
+
+fn insert_between(face: &mut Vec<u32>, a: u32, b: u32, new: u32) {
+    let k = face.iter().position(|y| *y == a).expect("a corner of the panel");
+    debug_assert_eq!(face[(k + 1) % face.len()], b);
+    face.insert(k + 1, new);
+}

@@ -1,0 +1,272 @@
+//! Search: local changes of a finished mesh, each kept if the judge says that it is better.
+//!
+//! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the same panels anew, two of them
+//! merged, an edge turned, a panel split, or all of them. Each candidate is made regular again by turns of edges (`draft`), made
+//! planar by the optimiser with everything around it at rest, and judged ([`crate::quality::Judge`]) with the same figures as the whole
+//! mesh; the best is kept if it is better than what there was, else nothing has changed. Places that do not touch are searched
+//! side by side. It is one mechanism for closed and open, uniform and adaptive meshes, whatever made them.
+//!
+//! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three panels; outside of the patches that
+//! are kept positions are the same to the last bit; the same result for any number of threads. What it costs follows the number
+//! of defects.
+//!
+//! *Fails* where panels are too large for the surface in many places: then defects are left, and named.
+
+mod candidates;
+mod draft;
+mod patch;
+mod site;
+
+use crate::progress::Progress;
+use crate::quality::{Defect, Judgement, Merit, defects};
+use draft::Draft;
+use patch::{Built, Change, Patch, applied};
+use phex_mesh::{FaceId, HexMesh, Vec3};
+use rayon::prelude::*;
+use serde::Serialize;
+pub use site::{AreaField, Site};
+use site::{Step, Whole};
+use std::collections::BTreeSet;
+
+/// Rings of panels around a defect that may be joined anew, at first and where that has failed.
+const RINGS: [usize; 2] = [2, 3];
+/// Sweeps over all defects at the most.
+const SWEEPS: usize = 60;
+/// Candidates that are tried again with all that the optimiser can do for them.
+const IMPROVED: usize = 3;
+/// Mean edges within which two places are the same.
+const SAME: f64 = 0.8;
+/// Mean edges from a change within which other changes may help that have not before.
+const NEAR: f64 = 6.0;
+
+/// What a search came to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SearchSummary {
+    /// Defects before it.
+    pub defects: usize,
+    /// Sweeps over them.
+    pub sweeps: usize,
+    /// Places at which something was tried.
+    pub places: usize,
+    /// Candidates that were made planar and judged.
+    pub tried: usize,
+    /// Changes that were kept.
+    pub kept: usize,
+    /// Defects that are left.
+    pub left: usize,
+}
+
+/// A mesh after a search.
+pub struct Searched {
+    /// The mesh.
+    pub mesh: HexMesh,
+    /// What the judge says of it.
+    pub judgement: Judgement,
+    /// What was done.
+    pub summary: SearchSummary,
+}
+
+/// A place where candidates have failed.
+struct Failed {
+    place: Vec3,
+    times: usize,
+}
+
+/// Searches a mesh until no local change makes it better, or until it is cancelled.
+pub fn search(mut mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Searched {
+    let mut whole = Whole::of(&mesh, site);
+    let mut summary = SearchSummary {
+        defects: defects(&mesh, &whole.findings).len(),
+        ..SearchSummary::default()
+    };
+    let mut failed: Vec<Failed> = Vec::new();
+    while summary.sweeps < SWEEPS && !progress.is_cancelled() {
+        let places = chosen(&mesh, &whole, &failed);
+        if places.is_empty() {
+            break;
+        }
+        summary.sweeps += 1;
+        summary.places += places.len();
+        let tried: Vec<(Option<Change>, usize)> = (places.par_iter().with_max_len(1))
+            .map(|place| place.best(&whole, site, progress))
+            .collect();
+        summary.tried += tried.iter().map(|t| t.1).sum::<usize>();
+        let edge = whole.yardstick.mean_edge;
+        let (mut at, mut changes) = (Vec::new(), Vec::new());
+        for (place, (change, _)) in places.iter().zip(tried) {
+            match change {
+                Some(change) => {
+                    at.push(place.defect.place);
+                    changes.push(change);
+                }
+                None => fail(&mut failed, place.defect.place, edge),
+            }
+        }
+        for (at, kept) in at.iter().zip(take(&mut mesh, &mut whole, &changes, site)) {
+            match kept {
+                Some(true) => {
+                    summary.kept += 1;
+                    failed.retain(|f| (f.place - at).norm() > NEAR * edge);
+                }
+                Some(false) => fail(&mut failed, *at, edge),
+                None => {}
+            }
+        }
+    }
+    summary.left = defects(&mesh, &whole.findings).len();
+    Searched {
+        mesh,
+        judgement: whole.findings,
+        summary,
+    }
+}
+
+/// Notes that candidates have failed at a place.
+fn fail(failed: &mut Vec<Failed>, place: Vec3, mean_edge: f64) {
+    let known = failed.iter_mut().find(|f| (f.place - place).norm() < SAME * mean_edge);
+    match known {
+        Some(failed) => failed.times += 1,
+        None => failed.push(Failed { place, times: 1 }),
+    }
+}
+
+/// A defect, and the patch around it.
+struct Place {
+    defect: Defect,
+    patch: Patch,
+    wide: bool,
+}
+
+/// Defects at which something is left to try, the worst first, none of whose patches touch.
+fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed]) -> Vec<Place> {
+    let same = SAME * whole.yardstick.mean_edge;
+    let mut taken: BTreeSet<FaceId> = BTreeSet::new();
+    let mut places = Vec::new();
+    for defect in defects(mesh, &whole.findings) {
+        let before = failed.iter().find(|f| (f.place - defect.place).norm() < same);
+        let times = before.map_or(0, |f| f.times);
+        let Some(rings) = RINGS.get(times) else {
+            continue;
+        };
+        if defect.faces.iter().any(|f| taken.contains(f)) {
+            continue;
+        }
+        let patch = Patch::around(mesh, &defect.faces, *rings);
+        if patch.faces.iter().all(|f| !taken.contains(f)) {
+            taken.extend(&patch.faces);
+            places.push(Place {
+                defect,
+                patch,
+                wide: times > 0,
+            });
+        }
+    }
+    places
+}
+
+impl Place {
+    /// The best candidate, if it is better than what there is, and how many were tried.
+    fn best(
+        &self,
+        whole: &Whole,
+        site: &Site<'_>,
+        progress: &dyn Progress,
+    ) -> (Option<Change>, usize) {
+        let patch = &self.patch;
+        let points = whole.points(patch);
+        let judged = |built: &Built, mesh: &HexMesh| {
+            site.judged_part(mesh, &built.counts, whole, &points)
+        };
+        let Some(now) = patch.built(&patch.draft) else {
+            return (None, 0);
+        };
+        let before = judged(&now, &now.mesh).merit;
+        let mut settled: Vec<Settled> = Vec::new();
+        let mut tried = 0;
+        for draft in candidates::candidates(patch, self.defect.needs_more, self.wide) {
+            let Some(built) = patch.built(&draft).filter(|_| !progress.is_cancelled()) else {
+                continue;
+            };
+            tried += 1;
+            if let Some(mesh) = site.settled(&built, whole, Step::Settle, progress) {
+                let judgement = judged(&built, &mesh);
+                let next = Settled {
+                    merit: judgement.merit,
+                    draft,
+                    built: built.with(mesh),
+                };
+                if is_cured(&judgement, &next.built.counts) && next.merit.is_better(&before) {
+                    return (Some(next.change(patch)), tried);
+                }
+                settled.push(next);
+            }
+        }
+        settled.sort_by(|a, b| a.merit.total_cmp(&b.merit));
+        settled.truncate(IMPROVED);
+        for next in &mut settled {
+            if let Some(mesh) = site.settled(&next.built, whole, Step::Improve, progress) {
+                let merit = judged(&next.built, &mesh).merit;
+                if merit.is_less(&next.merit) {
+                    (next.merit, next.built.mesh) = (merit, mesh);
+                }
+            }
+        }
+        let best = settled.into_iter().min_by(|a, b| a.merit.total_cmp(&b.merit));
+        let best = best.filter(|best| best.merit.is_better(&before));
+        (best.map(|best| best.change(patch)), tried)
+    }
+}
+
+/// A candidate with planar panels.
+struct Settled {
+    merit: Merit,
+    draft: Draft,
+    built: Built,
+}
+
+impl Settled {
+    fn change(&self, patch: &Patch) -> Change {
+        Change::new(patch, &self.draft, &self.built)
+    }
+}
+
+/// Whether nothing is left to be done.
+fn is_cured(judgement: &Judgement, counts: &[bool]) -> bool {
+    let faces = judgement.of_face.as_slice().iter().zip(counts);
+    let mut judged = faces.filter(|(_, counts)| **counts);
+    judged.all(|(found, _)| !found.is_defect())
+}
+
+/// Takes changes: all of them if the mesh as a whole is better for it, else the first that makes it better. Tells which were kept; nothing of
+/// those that are to be tried again, because panels have other numbers now.
+fn take(
+    mesh: &mut HexMesh,
+    whole: &mut Whole,
+    changes: &[Change],
+    site: &Site<'_>,
+) -> Vec<Option<bool>> {
+    let mut are_better = |which: &[&Change]| {
+        let Some(next) = applied(mesh, which) else {
+            return false;
+        };
+        let judged = Whole::of(&next, site);
+        let better = judged.findings.merit.is_less(&whole.findings.merit);
+        if better {
+            (*mesh, *whole) = (next, judged);
+        }
+        better
+    };
+    let all: Vec<&Change> = changes.iter().collect();
+    if !all.is_empty() && are_better(&all) {
+        return vec![Some(true); all.len()];
+    }
+    let mut kept = vec![None; all.len()];
+    for (k, change) in all.iter().enumerate() {
+        let better = all.len() > 1 && are_better(&[change]);
+        kept[k] = Some(better);
+        if better {
+            break;
+        }
+    }
+    kept
+}

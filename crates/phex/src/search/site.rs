@@ -1,0 +1,152 @@
+//! What patches are laid on, kept close to, and judged by.
+
+use super::patch::{Built, Patch};
+use crate::layout::WishedArea;
+use crate::optimise::{BoundaryHold, LocalPart, OptimiseOptions, SurfaceTarget};
+use crate::progress::Progress;
+use crate::quality::{Judge, Judgement, Scope, Yardstick};
+use phex_mesh::{FaceId, FlatFace, HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
+
+/// Areas that panels are to have, at the vertices of a surface.
+pub struct AreaField<'a> {
+    /// The surface.
+    pub surface: &'a TriangleSurface,
+    /// The areas.
+    pub wish: &'a PerVertex<WishedArea>,
+}
+
+/// What a mesh is searched with.
+pub struct Site<'a> {
+    /// The judge.
+    pub judge: &'a Judge<'a>,
+    /// The surface that panels are kept close to.
+    pub close_to: &'a TriangleSurface,
+    /// The boundary that panels end at; `None` where they rest.
+    pub hold: Option<BoundaryHold<'a>>,
+    /// Areas; `None` for any.
+    pub areas: Option<AreaField<'a>>,
+    /// The optimiser's options.
+    pub options: &'a OptimiseOptions,
+}
+
+impl Site<'_> {
+    /// Area that a panel with its middle at a point is to have.
+    pub(super) fn wished(&self, p: Vec3) -> WishedArea {
+        let Some(field) = &self.areas else {
+            return WishedArea::ANY;
+        };
+        let foot = field.surface.closest_point(p);
+        field.wish[field.surface.topology().face_vertices(foot.triangle)[0]]
+    }
+
+    /// Areas that panels are to have, as much in all as they have; 0 for any.
+    fn wished_areas(&self, mesh: &HexMesh) -> Vec<f64> {
+        let topology = mesh.topology();
+        let wishes: Vec<WishedArea> = (topology.faces()).map(|f| self.wished(mesh.centre(f))).collect();
+        let inner = |f: &FaceId| !topology.is_boundary_face(*f) && wishes[f.index()].share > 0.0;
+        let areas = FlatFace::all(mesh).map(FlatFace::area);
+        let has: f64 = topology.faces().filter(inner).map(|f| areas[f]).sum();
+        let wants: f64 = (topology.faces().filter(inner)).map(|f| wishes[f.index()].area).sum();
+        let area = |f: FaceId| match inner(&f) {
+            true => wishes[f.index()].area * has / wants,
+            false => 0.0,
+        };
+        topology.faces().map(area).collect()
+    }
+
+    /// Looks at a mesh.
+    pub fn judged(&self, mesh: &HexMesh) -> Judgement {
+        self.judge.whole(mesh, &self.wished_areas(mesh))
+    }
+
+    /// Looks at a part.
+    pub(super) fn judged_part(
+        &self,
+        part: &HexMesh,
+        counts: &[bool],
+        whole: &Whole,
+        points: &[VertexId],
+    ) -> Judgement {
+        let scope = Scope {
+            mesh: part,
+            counts,
+            points,
+            wished: &self.wished_areas(part),
+        };
+        self.judge.judge(&scope, &whole.yardstick)
+    }
+
+    /// The panels of a draft, made planar, and then perhaps better; `None` if that can't be done.
+    pub(super) fn settled(
+        &self,
+        built: &Built,
+        whole: &Whole,
+        step: Step,
+        progress: &dyn Progress,
+    ) -> Option<HexMesh> {
+        let part = LocalPart {
+            layout: &built.layout(self),
+            free: &built.free,
+            hold: self.hold.as_ref(),
+            diagonal: whole.diagonal,
+        };
+        let target = SurfaceTarget::new(self.close_to);
+        let quiet = Quiet(progress);
+        let made = match step {
+            Step::Settle => part.settled(&target, self.options, &quiet),
+            Step::Improve => part.improved(&target, self.options, &quiet),
+        };
+        Some(made.ok()?.mesh)
+    }
+}
+
+/// What the optimiser does with a part.
+#[derive(Clone, Copy)]
+pub(super) enum Step {
+    /// From joined panels to planar ones.
+    Settle,
+    /// From planar panels to better ones.
+    Improve,
+}
+
+/// What is known of a mesh as a whole.
+pub(super) struct Whole {
+    pub yardstick: Yardstick,
+    pub diagonal: f64,
+    pub findings: Judgement,
+    /// The vertices of the surface that each face is nearest to.
+    pub covers: Vec<Vec<VertexId>>,
+}
+
+impl Whole {
+    pub fn of(mesh: &HexMesh, site: &Site<'_>) -> Self {
+        let findings = site.judged(mesh);
+        let mut covers = vec![Vec::new(); mesh.topology().n_faces()];
+        for (v, f) in site.judge.points().into_iter().zip(&findings.nearest) {
+            covers[f.index()].push(v);
+        }
+        Self {
+            yardstick: Yardstick::of(mesh, site.judge.limits()),
+            diagonal: mesh.diagonal(),
+            findings,
+            covers,
+        }
+    }
+
+    /// The vertices of the surface that a patch is to cover.
+    pub fn points(&self, patch: &Patch) -> Vec<VertexId> {
+        let faces = patch.faces.iter();
+        faces.flat_map(|f| &self.covers[f.index()]).copied().collect()
+    }
+}
+
+/// Cancels as another does, and says nothing: many patches at a time have no progress to tell of.
+struct Quiet<'a>(&'a dyn Progress);
+
+impl Progress for Quiet<'_> {
+    fn report(&self, _: &crate::progress::Event) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled()
+    }
+}
