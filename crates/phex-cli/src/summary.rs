@@ -3,9 +3,9 @@
 use crate::html;
 use crate::units::Unit;
 use crate::verdict::TypedLimits;
-use phex::report::maps::FeatureSizes;
 use phex::quality::{Assessment, Check, ElementKind, Reason, Scale, Verdict};
 use phex::report::RunReport;
+use phex::report::maps::FeatureSizes;
 use phex_mesh::ElementId;
 use phex_mesh::measure::{BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures};
 use phex_mesh::{HexMesh, TriangleSurface};
@@ -419,7 +419,7 @@ fn digits(value: f64, most: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use phex::report::Reading;
+    use phex::quality::Reading;
 
     #[test]
     fn figures_are_short_at_every_size() {

@@ -7,8 +7,8 @@ use crate::tables::{self, figure};
 use crate::viewer_data::{MOST_OFFENDERS, ViewerData, offenders};
 use crate::{CurveFamily, Report};
 use phex::curvature::Principal;
-use phex::report::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 use phex::quality::{Assessment, Verdict};
+use phex::report::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 use phex_mesh::{FaceId, Vec3};
 
 const STYLE: &str = include_str!("report.css");

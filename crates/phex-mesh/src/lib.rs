@@ -44,9 +44,9 @@ pub use flat_face::FlatFace;
 pub use hex_mesh::HexMesh;
 pub use id_map::{IdMap, IdSet};
 pub use ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
-pub use measure::{closest_faces,
-    BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures, Metric, boundary_fit, deviation,
-    deviation_beyond, irregular_faces, measure, small_rim_faces,
+pub use measure::{
+    BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures, Metric, boundary_fit, closest_faces,
+    deviation, deviation_beyond, irregular_faces, measure, small_rim_faces,
 };
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;

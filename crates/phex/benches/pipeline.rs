@@ -24,10 +24,10 @@ fn mesh((name, panels): (&str, usize)) -> MeshRun {
 fn print(case: (&str, usize), run: &MeshRun) {
     let total: f64 = run.stages.iter().map(|s| s.seconds).sum();
     println!(
-        "{case:?}: {total:.2} s, {} panels, {} factorisations, {} repairs, sound: {}",
+        "{case:?}: {total:.2} s, {} panels, {} factorisations, {} local changes, sound: {}",
         run.mesh.topology().n_faces(),
         run.statistics.factorisations,
-        run.statistics.repairs.len(),
+        run.statistics.search.as_ref().map_or(0, |s| s.kept),
         run.is_sound()
     );
     for stage in &run.stages {

@@ -95,8 +95,7 @@ fn measure(
         method,
         // One lattice and few repairs, so that nothing but the size differs.
         portfolio: Vec::new(),
-        max_repairs: 2,
-        good_clearance: 0.05,
+        search: false,
         ..Default::default()
     };
     if refined {

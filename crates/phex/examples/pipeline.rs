@@ -30,8 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("planarity {:.1e} mean edges", figures.planarity.max);
     let off = 100.0 * deviation(&run.mesh, &run.target).deviation_max;
     println!("off the smooth surface by {off:.3} % of its diagonal at most");
-    for offender in &run.offenders {
-        println!("face {}: {:?}", offender.face, offender.fault);
+    for violation in &run.violations {
+        println!("{violation}");
     }
     Ok(())
 }

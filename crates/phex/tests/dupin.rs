@@ -19,10 +19,8 @@ fn measured(
     let options = MeshOptions {
         size: PanelSize::Panels(panels),
         method,
-        // One anisotropy and few repairs, so that nothing but the size differs.
-        portfolio: Vec::new(),
-        max_repairs: 2,
-        good_clearance: 0.05,
+        // Nothing but the size differs.
+        search: false,
         optimise,
         ..Default::default()
     };

@@ -32,8 +32,12 @@ pub fn turns_after_join(topology: &Topology, sides: Sides) -> Option<Vec<Sides>>
 
 /// Sequences of turns, each of which makes the panels inside more regular; no two of them change the same panel.
 pub fn sequences(topology: &Topology) -> Vec<Vec<Sides>> {
+    sequences_beside(topology, BTreeSet::new())
+}
+
+/// The same where some panels must stay as they are.
+pub fn sequences_beside(topology: &Topology, mut taken: BTreeSet<FaceId>) -> Vec<Vec<Sides>> {
     let irregular = |f: &FaceId| !topology.is_boundary_face(*f) && topology.valence(*f) != 6;
-    let mut taken = BTreeSet::new();
     let mut found = Vec::new();
     for f in topology.faces().filter(irregular) {
         let mut patch = Patch::around(topology, f, &taken);

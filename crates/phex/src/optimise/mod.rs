@@ -113,8 +113,8 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) use angle::free_edges;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use inspect::{Fault, Offender, Quality};
-pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
 pub use local::LocalPart;
+pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind};
 pub use room::{enlarge_small, give_room};
 pub use shape_target::ShapeTarget;
@@ -219,7 +219,13 @@ pub fn optimise(
     let fast = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress);
     let run = match fast {
         Some(run) => run,
-        None => stage.run(&mut solvers, StartKind::SmoothedCells, &cells, options, progress)?,
+        None => stage.run(
+            &mut solvers,
+            StartKind::SmoothedCells,
+            &cells,
+            options,
+            progress,
+        )?,
     };
     Ok(finished(&layout.mesh, run))
 }

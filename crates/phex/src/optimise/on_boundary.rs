@@ -13,7 +13,7 @@ use super::run::{Reached, Run, Way};
 use super::solvers::Solvers;
 use super::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,
-    Stage, StartKind, Steering, Target, finished as finished_mesh, check_mesh, kinds_of, steering,
+    Stage, StartKind, Steering, Target, check_mesh, finished as finished_mesh, kinds_of, steering,
 };
 use crate::progress::Progress;
 use phex_mesh::{

@@ -12,7 +12,7 @@ use super::run::{Reached, Way};
 use super::solvers::Solvers;
 use super::{
     BoundaryHold, Hold, Holds, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference,
-    Stage, StartKind, Target, finished as finished_mesh, check_mesh, kinds_of,
+    Stage, StartKind, Target, check_mesh, finished as finished_mesh, kinds_of,
 };
 use crate::progress::Progress;
 use phex_mesh::{BoundaryCurve, HexMesh, Vec3, VertexId};

@@ -12,8 +12,8 @@ use crate::directions::network::{
     conjugate_network, level_lines, row_field,
 };
 use crate::ground::Ground;
-use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
 use crate::layout::LayoutError;
+use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
 use crate::quality::{Judge, Merit, References};

@@ -30,7 +30,7 @@ impl<'a> Candidate<'a> {
     fn offer(&mut self, mesh: Option<HexMesh>) {
         let Some(mesh) = mesh else { return };
         let judgement = self.site.judged(&mesh);
-        if judgement.merit.is_no_worse(&self.judgement.merit) {
+        if judgement.merit.compare(&self.judgement.merit).is_le() {
             (self.mesh, self.judgement) = (mesh, judgement);
         }
     }
@@ -58,7 +58,9 @@ pub(super) fn finished(
     if now.is_valid() && !progress.is_cancelled() {
         clock.timed("optimise", || -> Result<(), OptimiseError> {
             if let Some(rim) = &rim {
-                for step in [enlarged, on_curve, enlarged] {
+                // What was cut is small by chance.
+                let steps = [enlarged, on_curve, enlarged];
+                for step in &steps[usize::from(!ground.is_extended())..] {
                     let next = step(&now.mesh, site, rim, progress)?;
                     now.offer(next.map(|n| n.mesh));
                 }

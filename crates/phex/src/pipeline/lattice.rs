@@ -105,9 +105,8 @@ pub(super) fn pass(
     let trimmed = clock.timed("trim", || ground.trimmed(&optimised.mesh, &fine.surface))?;
     let start = laid_out(&layout, &trimmed);
     let surfaces = Surfaces::new(ground, fine);
-    let (mesh, judgement) = surfaces.with_site(ground, |site| {
-        finished(trimmed, site, ground, clock)
-    })?;
+    let (mesh, judgement) =
+        surfaces.with_site(ground, |site| finished(trimmed, site, ground, clock))?;
     Ok(Pass {
         mesh,
         start,

@@ -119,7 +119,8 @@ impl MeshOptions {
         let deviation = self.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
         let mut limits = Limits::new(Some(deviation), Some(self.boundary));
         let typed = self.optimise.planarity_tolerance;
-        limits.validity.planarity = (typed > OptimiseOptions::default().planarity_tolerance).then_some(typed);
+        limits.validity.planarity =
+            (typed > OptimiseOptions::default().planarity_tolerance).then_some(typed);
         limits
     }
 

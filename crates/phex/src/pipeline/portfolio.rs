@@ -202,7 +202,10 @@ impl Task<'_> {
     fn one_or_two(&self, progress: &dyn Progress) -> Result<Vec<Member>, PipelineError> {
         let first = self.member(Candidate::first(&self.ground.options), progress)?;
         let mut members = vec![first];
-        let other = members[0].summary.alternative(self.options).filter(|_| self.options.search);
+        let other = members[0]
+            .summary
+            .alternative(self.options)
+            .filter(|_| self.options.search);
         if let Some(other) = other.filter(|_| !progress.is_cancelled()) {
             members.extend(self.member(other, progress));
         }
@@ -213,7 +216,12 @@ impl Task<'_> {
     fn all(&self, progress: &dyn Progress) -> Result<Vec<Member>, PipelineError> {
         let one_at_a_time = OneAtATime(Mutex::new(()), progress);
         let first = Candidate::first(&self.ground.options);
-        let others = self.options.portfolio.iter().copied().filter(|c| *c != first);
+        let others = self
+            .options
+            .portfolio
+            .iter()
+            .copied()
+            .filter(|c| *c != first);
         let all: Vec<Candidate> = std::iter::once(first).chain(others).collect();
         let one = |c: &Candidate| self.member(*c, &one_at_a_time);
         let results: Vec<_> = all.par_iter().with_max_len(1).map(one).collect();

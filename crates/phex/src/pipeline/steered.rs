@@ -3,9 +3,7 @@
 //! Held vertices refer to the mesh as it is delivered, so they come last, after the boundary is trimmed, in model coordinates. Vertices that
 //! are on the boundary then stay on it, where neither the user nor planarity wants them elsewhere.
 
-use super::{
-    Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, rim,
-};
+use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, rim};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::target::{self, Normalised, TargetKind};

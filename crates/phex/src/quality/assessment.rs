@@ -102,12 +102,7 @@ impl Assessment {
             checks.extend(surface_checks(mesh, surface, deviation, limits));
             if let Some(fit) = &boundary {
                 let elsewhere = references.elsewhere;
-                checks.extend(boundary_checks(
-                    fit,
-                    deviation.diagonal,
-                    limits,
-                    elsewhere,
-                ));
+                checks.extend(boundary_checks(fit, deviation.diagonal, limits, elsewhere));
             }
         }
         Self {

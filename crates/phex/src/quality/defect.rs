@@ -13,6 +13,8 @@ pub struct Defect {
     pub place: Vec3,
     /// Whether panels are too large there: the surface stands off, or sheets cross.
     pub needs_more: bool,
+    /// Whether it is allowed: a panel is tight or small, and nothing is invalid or outside limits.
+    pub is_allowed: bool,
     /// How bad it is, to compare defects.
     pub amount: f64,
 }
@@ -36,6 +38,7 @@ pub fn defects(mesh: &HexMesh, judgement: &Judgement) -> Vec<Defect> {
             defects.push(Defect {
                 place: mesh.centre(f),
                 needs_more: worst.crossed || worst.bare > 0.0 || worst.far > 0.0,
+                is_allowed: faces.iter().all(|f| findings[*f].is_within()),
                 amount: faces.iter().map(amount).sum(),
                 faces,
             });

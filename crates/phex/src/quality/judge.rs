@@ -95,6 +95,11 @@ impl Findings {
         1e3 * self.invalid + self.outside() + 1e-3 * (self.tight + self.small)
     }
 
+    /// Whether nothing is invalid or outside limits.
+    pub fn is_within(&self) -> bool {
+        self.invalid + self.outside() == 0.0
+    }
+
     /// Whether something is to be done there.
     pub fn is_defect(&self) -> bool {
         self.invalid + self.outside() + self.tight + self.small > 0.0
@@ -112,6 +117,14 @@ pub struct Judgement {
     pub nearest: Vec<FaceId>,
 }
 
+impl Judgement {
+    /// How bad the faces are that count.
+    pub fn amount(&self, counts: &[bool]) -> f64 {
+        let faces = self.of_face.as_slice().iter().zip(counts);
+        faces.filter(|(_, c)| **c).map(|(f, _)| f.amount()).sum()
+    }
+}
+
 /// Surfaces and limits by which meshes are judged.
 pub struct Judge<'a> {
     references: References<'a>,
@@ -126,11 +139,7 @@ pub struct Judge<'a> {
 
 impl<'a> Judge<'a> {
     /// The judge of meshes that stand for a surface.
-    pub fn new(
-        surface: &'a TriangleSurface,
-        references: References<'a>,
-        limits: Limits,
-    ) -> Self {
+    pub fn new(surface: &'a TriangleSurface, references: References<'a>, limits: Limits) -> Self {
         let curve = BoundaryCurve::of(surface);
         let distance = |p: &Vec3| match &curve {
             Some(curve) => (curve.closest_point(*p).position - p).norm(),
@@ -139,7 +148,9 @@ impl<'a> Judge<'a> {
         let topology = surface.topology();
         Self {
             to_boundary: surface.positions().map(distance),
-            on_boundary: PerVertex::from_fn(topology.n_vertices(), |v| topology.is_boundary_vertex(v)),
+            on_boundary: PerVertex::from_fn(topology.n_vertices(), |v| {
+                topology.is_boundary_vertex(v)
+            }),
             diagonal: surface.diagonal(),
             curve,
             references,
@@ -177,7 +188,8 @@ impl<'a> Judge<'a> {
     /// Looks at a mesh or a part of one.
     pub fn judge(&self, scope: &Scope<'_>, yardstick: &Yardstick) -> Judgement {
         let mesh = scope.mesh;
-        let mut of_face: PerFace<Findings> = PerFace::filled(mesh.topology().n_faces(), Findings::default());
+        let mut of_face: PerFace<Findings> =
+            PerFace::filled(mesh.topology().n_faces(), Findings::default());
         self.add_violations(mesh, yardstick, &mut of_face);
         self.add_distances(mesh, &mut of_face);
         let nearest = self.add_coverage(scope, yardstick, &mut of_face);
@@ -225,7 +237,8 @@ impl<'a> Judge<'a> {
     }
 
     fn excess(&self, limit: Option<f64>, distance: f64) -> f64 {
-        let over = |limit: f64| (distance / (limit * self.diagonal) - 1.0).clamp(0.0, LARGEST_EXCESS);
+        let over =
+            |limit: f64| (distance / (limit * self.diagonal) - 1.0).clamp(0.0, LARGEST_EXCESS);
         limit.map_or(0.0, over)
     }
 
@@ -260,7 +273,9 @@ impl<'a> Judge<'a> {
             if self.to_boundary[*v] > RIM * yardstick.mean_edge {
                 let face = &mut of_face[f];
                 face.off = face.off.max(distance / self.limit());
-                face.bare = face.bare.max(self.excess(self.limits.deviation_rel, distance));
+                face.bare = face
+                    .bare
+                    .max(self.excess(self.limits.deviation_rel, distance));
             }
         }
         closest.into_iter().map(|c| c.0).collect()
@@ -339,10 +354,7 @@ fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Fi
         let face = &mut of_face[f];
         let (area, at_rim) = (flat.area(), topology.is_boundary_face(f));
         let clearance = flat.clearance().distance / yardstick.mean_edge;
-        // Cuts make panels at the boundary small by chance; they are allowed to be tight as well.
-        if !at_rim {
-            face.tight = (1.0 - clearance / ROOMY).max(0.0).powi(2);
-        }
+        face.tight = (1.0 - clearance / ROOMY).max(0.0).powi(2);
         face.irregular = !at_rim && topology.valence(f) != 6;
         let wished = scope.wished[f.index()];
         if !at_rim && wished > 0.0 && area > 0.0 {

@@ -96,7 +96,10 @@ impl Merit {
         let parts = |m: &Self| [m.invalid, m.outside, m.cost];
         let pairs = parts(self).into_iter().zip(parts(other));
         let differing = |(a, b): &(f64, f64)| (a - b).abs() > ROUNDING * a.max(*b);
-        pairs.into_iter().find(differing).is_some_and(|(a, b)| a < b)
+        pairs
+            .into_iter()
+            .find(differing)
+            .is_some_and(|(a, b)| a < b)
     }
 
     /// Whether it is better by more than chance.

@@ -165,8 +165,8 @@ impl RunReport {
 
 #[cfg(test)]
 mod tests {
-    use crate::quality::{Limits, References};
     use super::*;
+    use crate::quality::{Limits, References};
     use phex_mesh::{HexMesh, Vec3};
 
     #[test]

@@ -13,14 +13,33 @@ const MERGES: usize = 4;
 pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Draft> {
     let draft = &patch.draft;
     let worst = &patch.core[..patch.core.len().min(WORST)];
-    let halves = || worst.iter().flat_map(|f| draft.halves(*f).into_iter().take(SPLITS));
+    let halves = || {
+        worst
+            .iter()
+            .flat_map(|f| draft.halves(*f).into_iter().take(SPLITS))
+    };
     let merges = || worst.iter().flat_map(|f| merges(draft, *f));
     let same = || std::iter::once(draft.clone());
     let all: Vec<Draft> = match (needs_more, wide) {
-        (true, false) => halves().chain(finer(patch, 1)).chain(same()).chain(merges()).collect(),
-        (false, false) => (same().chain(merges()).chain(turns(draft, worst)).chain(halves())).collect(),
-        (true, true) => (finer(patch, 1).into_iter()).chain(finer(patch, 2)).chain(finer(patch, 3)).chain(turns(draft, worst)).collect(),
-        (false, true) => (finer(patch, 1).into_iter()).chain(anew(patch)).chain(finer(patch, 2)).collect(),
+        (true, false) => halves()
+            .chain(finer(patch, 1))
+            .chain(same())
+            .chain(merges())
+            .collect(),
+        (false, false) => (same()
+            .chain(merges())
+            .chain(turns(draft, worst))
+            .chain(halves()))
+        .collect(),
+        (true, true) => (finer(patch, 1).into_iter())
+            .chain(finer(patch, 2))
+            .chain(finer(patch, 3))
+            .chain(turns(draft, worst))
+            .collect(),
+        (false, true) => (finer(patch, 1).into_iter())
+            .chain(anew(patch))
+            .chain(finer(patch, 2))
+            .collect(),
     };
     let mut calmed: Vec<Draft> = Vec::new();
     for draft in all {
@@ -74,10 +93,17 @@ fn anew(patch: &Patch) -> Vec<Draft> {
     let f = patch.core[0];
     let merged = merges(&patch.draft, f).into_iter().map(Draft::calmed);
     let split = |draft: Draft| {
-        let beside = draft.neighbours(if draft.faces[f].is_empty() { return Vec::new() } else { f });
+        let beside = draft.neighbours(if draft.faces[f].is_empty() {
+            return Vec::new();
+        } else {
+            f
+        });
         let mut large: Vec<usize> = beside.into_iter().map(|(_, g)| g).collect();
         large.sort_by_key(|g| std::cmp::Reverse(draft.faces[*g].len()));
-        let halves = large.iter().take(2).filter_map(|g| draft.halves(*g).into_iter().next());
+        let halves = large
+            .iter()
+            .take(2)
+            .filter_map(|g| draft.halves(*g).into_iter().next());
         halves.collect::<Vec<Draft>>()
     };
     merged.flat_map(split).collect()

@@ -1,14 +1,16 @@
 //! Panels of a patch while they are joined anew: edges are turned (a T1 step, as in foams), two panels are merged by taking the edge between
 //! them away, and one is split by a new edge. Interior vertices keep three panels throughout.
 
-use phex_mesh::Vec3;
+use crate::layout::glide;
+use phex_mesh::{Topology, Vec3};
 use std::collections::BTreeMap;
 
 /// Corners that a panel must keep, and that it may come to have.
 const LEAST: usize = 4;
 const MOST: usize = 9;
-/// Turns of edges after a change at the most.
+/// Turns of edges after a change at the most, and sequences of them.
 const TURNS: usize = 24;
+const GLIDES: usize = 6;
 /// Share of the way from a turned edge's middle to its new ends.
 const OPENING: f64 = 0.25;
 
@@ -146,7 +148,9 @@ impl Draft {
                     return None;
                 }
             }
-            next.faces.iter_mut().for_each(|face| face.retain(|y| *y != x));
+            next.faces
+                .iter_mut()
+                .for_each(|face| face.retain(|y| *y != x));
         }
         (next.faces[f].len() >= LEAST).then_some(next)
     }
@@ -205,8 +209,55 @@ impl Draft {
         cuts.iter().filter_map(split).collect()
     }
 
-    /// Turns edges while that makes panels more regular.
-    pub fn calmed(mut self) -> Self {
+    /// Turns edges, alone and in short sequences, while that makes panels more regular.
+    pub fn calmed(self) -> Self {
+        let mut calm = self.turned_greedily();
+        for _ in 0..GLIDES {
+            let Some(next) = calm.glided() else { break };
+            calm = next.turned_greedily();
+        }
+        calm
+    }
+
+    /// The panels after sequences of turns that make them more regular, though their first steps do not.
+    fn glided(&self) -> Option<Self> {
+        let (topology, numbers) = self.topology()?;
+        let closed = topology.faces().filter(|f| !self.open[numbers[f.index()]]);
+        let sequences = glide::sequences_beside(&topology, closed.collect());
+        let mut next = self.clone();
+        for sides in sequences.iter().flatten() {
+            let [f, g] = sides.map(|f| numbers[f.index()]);
+            let side = next.neighbours(f).into_iter().find(|(_, h)| *h == g)?.0;
+            next = next.turned(side)?;
+        }
+        (next.irregularities() < self.irregularities()).then_some(next)
+    }
+
+    fn irregularities(&self) -> i64 {
+        let faces = (0..self.faces.len()).filter(|f| !self.faces[*f].is_empty());
+        faces
+            .map(|f| self.irregularity(f, self.faces[f].len()))
+            .sum()
+    }
+
+    /// The connectivity, and the number of each of its panels.
+    fn topology(&self) -> Option<(Topology, Vec<usize>)> {
+        let numbers = (0..self.faces.len()).filter(|f| !self.faces[*f].is_empty());
+        let numbers: Vec<usize> = numbers.collect();
+        let mut corner: BTreeMap<u32, u32> = BTreeMap::new();
+        let mut faces: Vec<Vec<u32>> = Vec::new();
+        for f in &numbers {
+            let number = |v: &u32| {
+                let next = corner.len() as u32;
+                *corner.entry(*v).or_insert(next)
+            };
+            faces.push(self.faces[*f].iter().map(number).collect());
+        }
+        let topology = Topology::from_faces(corner.len(), &faces).ok()?;
+        Some((topology, numbers))
+    }
+
+    fn turned_greedily(mut self) -> Self {
         for _ in 0..TURNS {
             let sides: Vec<Side> = self.owners().into_keys().filter(|[a, b]| a < b).collect();
             let gains = sides.iter().filter_map(|s| Some((self.gain(*s)?, *s)));
@@ -236,17 +287,26 @@ struct Turn {
 
 /// The corners from one of them on.
 fn from(face: &[u32], x: u32) -> Vec<u32> {
-    let k = face.iter().position(|y| *y == x).expect("a corner of the panel");
+    let k = face
+        .iter()
+        .position(|y| *y == x)
+        .expect("a corner of the panel");
     face[k..].iter().chain(&face[..k]).copied().collect()
 }
 
 fn insert_before(face: &mut Vec<u32>, old: u32, new: u32) {
-    let k = face.iter().position(|y| *y == old).expect("a corner of the panel");
+    let k = face
+        .iter()
+        .position(|y| *y == old)
+        .expect("a corner of the panel");
     face.insert(k, new);
 }
 
 fn insert_between(face: &mut Vec<u32>, a: u32, b: u32, new: u32) {
-    let k = face.iter().position(|y| *y == a).expect("a corner of the panel");
+    let k = face
+        .iter()
+        .position(|y| *y == a)
+        .expect("a corner of the panel");
     debug_assert_eq!(face[(k + 1) % face.len()], b);
     face.insert(k + 1, new);
 }

@@ -32,6 +32,8 @@ use std::collections::BTreeSet;
 const RINGS: [usize; 2] = [2, 3];
 /// Sweeps over all defects at the most.
 const SWEEPS: usize = 60;
+/// Share of a defect with which it counts as cured: nothing else is tried then.
+const CURED: f64 = 0.99;
 /// Candidates that are tried again with all that the optimiser can do for them.
 const IMPROVED: usize = 3;
 /// Mean edges within which two places are the same.
@@ -96,19 +98,21 @@ pub fn search(mut mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Se
         for (place, (change, _)) in places.iter().zip(tried) {
             match change {
                 Some(change) => {
-                    at.push(place.defect.place);
+                    at.push(&place.defect);
                     changes.push(change);
                 }
                 None => fail(&mut failed, place.defect.place, edge),
             }
         }
-        for (at, kept) in at.iter().zip(take(&mut mesh, &mut whole, &changes, site)) {
+        let kept = take(&mut mesh, &mut whole, &changes, site);
+        for (defect, kept) in at.iter().zip(kept) {
+            let far = |f: &Failed| (f.place - defect.place).norm() > NEAR * edge;
             match kept {
                 Some(true) => {
                     summary.kept += 1;
-                    failed.retain(|f| (f.place - at).norm() > NEAR * edge);
+                    failed.retain(|f| defect.is_allowed || far(f));
                 }
-                Some(false) => fail(&mut failed, *at, edge),
+                Some(false) => fail(&mut failed, defect.place, edge),
                 None => {}
             }
         }
@@ -123,7 +127,9 @@ pub fn search(mut mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Se
 
 /// Notes that candidates have failed at a place.
 fn fail(failed: &mut Vec<Failed>, place: Vec3, mean_edge: f64) {
-    let known = failed.iter_mut().find(|f| (f.place - place).norm() < SAME * mean_edge);
+    let known = failed
+        .iter_mut()
+        .find(|f| (f.place - place).norm() < SAME * mean_edge);
     match known {
         Some(failed) => failed.times += 1,
         None => failed.push(Failed { place, times: 1 }),
@@ -143,9 +149,15 @@ fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed]) -> Vec<Place> {
     let mut taken: BTreeSet<FaceId> = BTreeSet::new();
     let mut places = Vec::new();
     for defect in defects(mesh, &whole.findings) {
-        let before = failed.iter().find(|f| (f.place - defect.place).norm() < same);
+        let before = failed
+            .iter()
+            .find(|f| (f.place - defect.place).norm() < same);
         let times = before.map_or(0, |f| f.times);
-        let Some(rings) = RINGS.get(times) else {
+        // What is allowed is worth one try.
+        let rings = RINGS
+            .get(times)
+            .filter(|_| times == 0 || !defect.is_allowed);
+        let Some(rings) = rings else {
             continue;
         };
         if defect.faces.iter().any(|f| taken.contains(f)) {
@@ -174,13 +186,14 @@ impl Place {
     ) -> (Option<Change>, usize) {
         let patch = &self.patch;
         let points = whole.points(patch);
-        let judged = |built: &Built, mesh: &HexMesh| {
-            site.judged_part(mesh, &built.counts, whole, &points)
-        };
+        let judged =
+            |built: &Built, mesh: &HexMesh| site.judged_part(mesh, &built.counts, whole, &points);
         let Some(now) = patch.built(&patch.draft) else {
             return (None, 0);
         };
-        let before = judged(&now, &now.mesh).merit;
+        let before = judged(&now, &now.mesh);
+        let goal = before.amount(&now.counts) - CURED * self.defect.amount;
+        let before = before.merit;
         let mut settled: Vec<Settled> = Vec::new();
         let mut tried = 0;
         for draft in candidates::candidates(patch, self.defect.needs_more, self.wide) {
@@ -195,7 +208,8 @@ impl Place {
                     draft,
                     built: built.with(mesh),
                 };
-                if is_cured(&judgement, &next.built.counts) && next.merit.is_better(&before) {
+                let cured = judgement.amount(&next.built.counts) <= goal;
+                if cured && next.merit.is_better(&before) {
                     return (Some(next.change(patch)), tried);
                 }
                 settled.push(next);
@@ -211,7 +225,9 @@ impl Place {
                 }
             }
         }
-        let best = settled.into_iter().min_by(|a, b| a.merit.total_cmp(&b.merit));
+        let best = settled
+            .into_iter()
+            .min_by(|a, b| a.merit.total_cmp(&b.merit));
         let best = best.filter(|best| best.merit.is_better(&before));
         (best.map(|best| best.change(patch)), tried)
     }
@@ -228,13 +244,6 @@ impl Settled {
     fn change(&self, patch: &Patch) -> Change {
         Change::new(patch, &self.draft, &self.built)
     }
-}
-
-/// Whether nothing is left to be done.
-fn is_cured(judgement: &Judgement, counts: &[bool]) -> bool {
-    let faces = judgement.of_face.as_slice().iter().zip(counts);
-    let mut judged = faces.filter(|(_, counts)| **counts);
-    judged.all(|(found, _)| !found.is_defect())
 }
 
 /// Takes changes: all of them if the mesh as a whole is better for it, else the first that makes it better. Tells which were kept; nothing of

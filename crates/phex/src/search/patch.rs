@@ -27,7 +27,9 @@ pub(super) struct Patch {
 pub(super) fn with_ring(mesh: &HexMesh, faces: &BTreeSet<FaceId>) -> BTreeSet<FaceId> {
     let topology = mesh.topology();
     let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
-    let around = corners.flat_map(|v| topology.outgoing(*v)).map(|h| topology.face(h));
+    let around = corners
+        .flat_map(|v| topology.outgoing(*v))
+        .map(|h| topology.face(h));
     around.chain(faces.iter().copied()).collect()
 }
 
@@ -52,7 +54,9 @@ impl Patch {
             on_boundary: (vertices.iter().map(|v| topology.is_boundary_vertex(*v))).collect(),
             origin: (0..faces.len()).collect(),
         };
-        let core = (0..faces.len()).filter(|k| core.contains(&faces[*k])).collect();
+        let core = (0..faces.len())
+            .filter(|k| core.contains(&faces[*k]))
+            .collect();
         Self {
             moves: within(&moving),
             faces,
@@ -65,7 +69,9 @@ impl Patch {
     /// A draft of the patch as a mesh; `None` if its panels are no manifold.
     pub fn built(&self, draft: &Draft) -> Option<Built> {
         let mut number: BTreeMap<u32, u32> = BTreeMap::new();
-        let kept: Vec<usize> = (0..draft.faces.len()).filter(|f| !draft.faces[*f].is_empty()).collect();
+        let kept: Vec<usize> = (0..draft.faces.len())
+            .filter(|f| !draft.faces[*f].is_empty())
+            .collect();
         for f in &kept {
             for v in &draft.faces[*f] {
                 let next = number.len() as u32;
@@ -74,7 +80,12 @@ impl Patch {
         }
         let mut vertices = vec![0; number.len()];
         number.iter().for_each(|(v, k)| vertices[*k as usize] = *v);
-        let ring = |f: &usize| draft.faces[*f].iter().map(|v| number[v]).collect::<Vec<u32>>();
+        let ring = |f: &usize| {
+            draft.faces[*f]
+                .iter()
+                .map(|v| number[v])
+                .collect::<Vec<u32>>()
+        };
         let faces: Vec<Vec<u32>> = kept.iter().map(ring).collect();
         let places = vertices.iter().map(|v| draft.places[*v as usize]);
         let mesh = HexMesh::new(places.collect(), &faces).ok()?;
@@ -120,16 +131,16 @@ impl Built {
         let centres: Vec<Vec3> = topology.faces().map(|f| self.mesh.centre(f)).collect();
         let feet = site.close_to.closest_points(&centres);
         let lengths = topology.faces().map(|f| {
-            let sides = topology.face_half_edges(f).map(|h| self.mesh.edge_length(topology.edge(h)));
+            let sides = topology
+                .face_half_edges(f)
+                .map(|h| self.mesh.edge_length(topology.edge(h)));
             sides.sum::<f64>() / topology.valence(f) as f64 * 3.0_f64.sqrt()
         });
         let wish = |p: &Vec3| site.wished(*p);
         Layout {
             vertex_kind: PerVertex::filled(topology.n_vertices(), VertexKind::Interior),
             face_point: PerFace::from_vec(feet.iter().map(|foot| foot.position).collect()),
-            face_normal: PerFace::from_vec(
-                feet.iter().map(|foot| foot.normal).collect(),
-            ),
+            face_normal: PerFace::from_vec(feet.iter().map(|foot| foot.normal).collect()),
             face_length: PerFace::from_vec(lengths.collect()),
             face_wish: PerFace::from_vec(centres.iter().map(wish).collect::<Vec<WishedArea>>()),
             face_seed: PerFace::filled(topology.n_faces(), VertexId::new(0)),
@@ -172,7 +183,9 @@ impl Change {
         Self {
             removed: patch.faces.clone(),
             faces: built.faces.iter().map(ring).collect(),
-            replaces: (built.faces.iter()).map(|f| patch.faces.get(*f).copied()).collect(),
+            replaces: (built.faces.iter())
+                .map(|f| patch.faces.get(*f).copied())
+                .collect(),
             moved,
             added,
         }
@@ -186,7 +199,10 @@ pub(super) fn applied(mesh: &HexMesh, changes: &[&Change]) -> Option<HexMesh> {
     for change in changes {
         let first = positions.len();
         positions.extend(&change.added);
-        change.moved.iter().for_each(|(v, p)| positions[v.index()] = *p);
+        change
+            .moved
+            .iter()
+            .for_each(|(v, p)| positions[v.index()] = *p);
         change.removed.iter().for_each(|f| faces[f.index()].clear());
         for (ring, place) in change.faces.iter().zip(&change.replaces) {
             let number = |c: &Corner| match c {

@@ -42,11 +42,15 @@ impl Site<'_> {
     /// Areas that panels are to have, as much in all as they have; 0 for any.
     fn wished_areas(&self, mesh: &HexMesh) -> Vec<f64> {
         let topology = mesh.topology();
-        let wishes: Vec<WishedArea> = (topology.faces()).map(|f| self.wished(mesh.centre(f))).collect();
+        let wishes: Vec<WishedArea> = (topology.faces())
+            .map(|f| self.wished(mesh.centre(f)))
+            .collect();
         let inner = |f: &FaceId| !topology.is_boundary_face(*f) && wishes[f.index()].share > 0.0;
         let areas = FlatFace::all(mesh).map(FlatFace::area);
         let has: f64 = topology.faces().filter(inner).map(|f| areas[f]).sum();
-        let wants: f64 = (topology.faces().filter(inner)).map(|f| wishes[f.index()].area).sum();
+        let wants: f64 = (topology.faces().filter(inner))
+            .map(|f| wishes[f.index()].area)
+            .sum();
         let area = |f: FaceId| match inner(&f) {
             true => wishes[f.index()].area * has / wants,
             false => 0.0,
@@ -136,7 +140,10 @@ impl Whole {
     /// The vertices of the surface that a patch is to cover.
     pub fn points(&self, patch: &Patch) -> Vec<VertexId> {
         let faces = patch.faces.iter();
-        faces.flat_map(|f| &self.covers[f.index()]).copied().collect()
+        faces
+            .flat_map(|f| &self.covers[f.index()])
+            .copied()
+            .collect()
     }
 }
 

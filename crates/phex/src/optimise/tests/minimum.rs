@@ -11,7 +11,7 @@ use crate::optimise::closeness::ClosenessWeights;
 use crate::optimise::energy::{PanelEnergy, Weights};
 use crate::optimise::jacobian::Jacobian;
 use crate::optimise::solvers::constraint_assembly;
-use crate::optimise::{OptimiseOptions, Optimised, PathKind, Starts, optimise};
+use crate::optimise::{OptimiseOptions, Optimised, PathKind, optimise};
 use phex_numeric::DampedProblem;
 
 /// Some multipliers that planar faces can have.
@@ -107,7 +107,7 @@ fn the_stand_in_for_a_surface_has_its_derivatives_and_touches_it() {
 
 fn finished(shape: Shape, newton_iterations: usize) -> Optimised {
     let options = OptimiseOptions {
-        starts: Starts::SmoothedCells,
+        fast: false,
         newton_iterations: Some(newton_iterations),
         ..OptimiseOptions::default()
     };

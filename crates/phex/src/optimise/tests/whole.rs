@@ -8,7 +8,7 @@ use crate::optimise::panels::{Panels, Shape as Faces, unknowns};
 use crate::optimise::simple::is_simple;
 use crate::optimise::{
     Fault, OptimiseError, OptimiseOptions, Optimised, PathKind, ShapeTarget, Solver, StartKind,
-    Starts, Target, TargetPoint, optimise, planarize,
+    Target, TargetPoint, optimise, planarize,
 };
 use crate::progress::{Event, Progress, Silent};
 use nalgebra::Rotation3;
@@ -307,7 +307,7 @@ fn rigid_motion_and_scale_move_the_result_along() {
 #[test]
 fn random_simple_starts_end_simple() {
     let options = OptimiseOptions {
-        starts: Starts::SmoothedCells,
+        fast: false,
         smoothing: [0, 40],
         ..OptimiseOptions::default()
     };
@@ -435,32 +435,13 @@ fn the_same_bytes_with_one_thread_and_with_two() {
 }
 
 #[test]
-fn both_starts_are_compared_and_the_better_one_is_kept() {
-    let shape = Shape::Torus(1.0);
-    let options = OptimiseOptions {
-        starts: Starts::Both,
-        ..OptimiseOptions::default()
-    };
-    let start = layout(brick_wall(shape, 30, 10), &shape);
-    let result = optimise(&start, &shape, &options, &Silent).unwrap();
-    assert_eq!(result.runs.len(), 2);
-    let winner = result
-        .runs
-        .iter()
-        .find(|r| r.start == result.start)
-        .unwrap();
-    assert!(result.runs.iter().all(|r| winner.score <= r.score));
-    assert_eq!(winner.quality, result.quality);
-}
-
-#[test]
 fn a_panel_wound_against_the_surface_is_named() {
     let shape = Shape::Wave;
     let mut start = layout(brick_wall(shape, 11, 6), &shape);
     let face = phex_mesh::FaceId::new(5);
     start.face_normal[face] = -start.face_normal[face];
     let options = OptimiseOptions {
-        starts: Starts::SmoothedCells,
+        fast: false,
         ..OptimiseOptions::default()
     };
     let result = optimise(&start, &shape, &options, &Silent).unwrap();
@@ -542,7 +523,7 @@ fn unusable_input_is_refused() {
 fn tetrahedra_flatten_panels_and_say_which_ones_cross() {
     let options = OptimiseOptions {
         solver: Solver::Tetrahedra,
-        starts: Starts::SmoothedCells,
+        fast: false,
         ..OptimiseOptions::default()
     };
     for shape in [Shape::Torus(1.0), Shape::Wave] {
