@@ -8,6 +8,7 @@ mod finish;
 mod lattice;
 mod options;
 mod portfolio;
+mod restarts;
 mod rim;
 mod steered;
 mod subdivide;

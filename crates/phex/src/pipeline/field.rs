@@ -25,6 +25,8 @@ pub(super) struct Field {
     /// Panel length at each vertex as the field of sizes asks for it, without the metric's own changes of size.
     pub length: PerVertex<f64>,
     pub placed: Placed,
+    /// Distortion up to which its lattice does without dislocations.
+    pub max_distortion: f64,
 }
 
 /// Deviation from the number of panels asked for that is corrected by another lattice.
@@ -62,6 +64,7 @@ impl Field {
             directions,
             length,
             placed,
+            max_distortion: options.layout.max_distortion,
         })
     }
 

@@ -2,6 +2,7 @@
 
 use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
 use super::finish::finished;
+use super::restarts::{Drawn, most_regular};
 use super::rim::Rim;
 use super::{Clock, PipelineError, between_panels};
 use crate::directions::guides::Cone;
@@ -96,7 +97,8 @@ pub(super) fn pass(
     let (ground, level) = finer.as_ref().map_or_else(plain, |(g, l)| (g, *l));
     let field = Field::new(ground, level, options, &settings, clock)?;
     let fine = FineSurface::new(ground, &field);
-    let layout = clock.stage("layout", || fine.calm_panels(&field.placed.seeds))??;
+    let Drawn { placed, layout } =
+        most_regular(ground, &field, |seeds| fine.calm_panels(seeds), clock)?;
     let optimised = {
         let target = SurfaceTarget::new(ground.close_to(&fine.surface));
         let made = || optimise::optimise(&layout, &target, &options.optimise, progress);
@@ -110,7 +112,7 @@ pub(super) fn pass(
     Ok(Pass {
         mesh,
         start,
-        layout: field.placed.statistics.clone(),
+        layout: placed.statistics,
         cones: field.cones(&ground.smooth),
         regular_possible: field.regular_possible(&ground.smooth),
         optimised,

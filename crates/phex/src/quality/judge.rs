@@ -366,3 +366,126 @@ fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Fi
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::tests::fixtures::{Shape, brick_wall};
+    use crate::quality::{Assessment, defects};
+    use crate::trim::Boundary;
+
+    /// A wall of flat bricks in the square from -0.9 to 0.9, and the square.
+    fn wall() -> (TriangleSurface, HexMesh) {
+        let n = 30;
+        let at = |v: u32| Vec3::new(f64::from(v % (n + 1)), f64::from(v / (n + 1)), 0.0);
+        let place = |v: u32| at(v) * (1.8 / f64::from(n)) - Vec3::new(0.9, 0.9, 0.0);
+        let cells = (0..n * n).map(|c| c % n + (c / n) * (n + 1));
+        let triangles = cells.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
+        let places = (0..(n + 1) * (n + 1)).map(place).collect();
+        let surface = TriangleSurface::new(places, &triangles.collect::<Vec<_>>()).unwrap();
+        (surface, brick_wall(Shape::Square, 25, 12))
+    }
+
+    fn judge(surface: &TriangleSurface) -> Judge<'_> {
+        let references = References {
+            smooth: Some(surface),
+            ..Default::default()
+        };
+        let limits = Limits::new(Some(5e-3), Some(Boundary::Snap));
+        Judge::new(surface, references, limits)
+    }
+
+    /// The wall with one inner vertex moved.
+    fn moved(mesh: &HexMesh, by: Vec3) -> (HexMesh, VertexId) {
+        let topology = mesh.topology();
+        let mut vertices = topology.vertices();
+        let near = |v: &VertexId| mesh.position(*v).norm() < 0.15 && topology.face_degree(*v) == 3;
+        let v = vertices.find(near).unwrap();
+        let mut positions = mesh.positions.as_slice().to_vec();
+        positions[v.index()] += by;
+        (mesh.with_positions(PerVertex::from_vec(positions)), v)
+    }
+
+    #[test]
+    fn the_judge_and_the_report_agree() {
+        let (surface, wall) = wall();
+        let judge = judge(&surface);
+        let edge = wall.mean_edge();
+        let shifts = [
+            Vec3::zeros(),
+            Vec3::new(0.0, 0.0, 1e-3 * edge),
+            Vec3::new(0.0, 0.0, 2.0 * edge),
+            Vec3::new(3.0 * edge, 0.0, 0.0),
+            Vec3::new(0.3 * edge, 0.2 * edge, 0.0),
+        ];
+        let mut within = Vec::new();
+        for by in shifts {
+            let (mesh, _) = moved(&wall, by);
+            let any = vec![0.0; mesh.topology().n_faces()];
+            let merit = judge.whole(&mesh, &any).merit;
+            let told = Assessment::new(&mesh, judge.references, judge.limits());
+            let failures: Vec<&str> = told.failures().map(|c| c.name).collect();
+            assert_eq!(merit.is_within(), failures.is_empty(), "{by}: {failures:?}");
+            within.push(merit.is_within());
+        }
+        assert_eq!(within, [true, false, false, false, true]);
+    }
+
+    #[test]
+    fn defects_are_where_the_mesh_was_spoiled() {
+        let (surface, wall) = wall();
+        let edge = wall.mean_edge();
+        let (mesh, v) = moved(&wall, Vec3::new(0.0, 0.0, 0.5 * edge));
+        let any = vec![0.0; mesh.topology().n_faces()];
+        let found = defects(&mesh, &judge(&surface).whole(&mesh, &any));
+        let around: Vec<FaceId> = (mesh.topology().outgoing(v))
+            .map(|h| mesh.topology().face(h))
+            .collect();
+        assert!(!found[0].is_allowed && around.contains(&found[0].faces[0]));
+        let named: Vec<FaceId> = found.iter().flat_map(|d| d.faces.clone()).collect();
+        assert!(around.iter().all(|f| named.contains(f)), "{named:?}");
+        let near = |f: &FaceId| (mesh.centre(*f) - mesh.position(v)).norm() < 3.0 * edge;
+        assert!(named.iter().all(near));
+    }
+
+    #[test]
+    fn a_part_is_judged_as_it_is_in_the_whole() {
+        let (surface, wall) = wall();
+        let judge = judge(&surface);
+        let (mesh, v) = moved(&wall, Vec3::new(0.0, 0.0, 0.5 * wall.mean_edge()));
+        let any = vec![0.0; mesh.topology().n_faces()];
+        let whole = judge.whole(&mesh, &any);
+        let topology = mesh.topology();
+        let near = |f: &FaceId| (mesh.centre(*f) - mesh.position(v)).norm() < 0.5;
+        let faces: Vec<FaceId> = topology.faces().filter(near).collect();
+        let lists: Vec<Vec<u32>> = (faces.iter())
+            .map(|f| {
+                topology
+                    .face_vertices(*f)
+                    .iter()
+                    .map(|v| v.index() as u32)
+                    .collect()
+            })
+            .collect();
+        let part = crate::trim::compact(mesh.positions.as_slice(), &lists).unwrap();
+        let inner = |f: FaceId| (mesh.centre(f) - mesh.position(v)).norm() < 0.3;
+        let counts: Vec<bool> = faces.iter().map(|f| inner(*f)).collect();
+        let scope = Scope {
+            mesh: &part,
+            counts: &counts,
+            points: &[],
+            wished: &vec![0.0; faces.len()],
+        };
+        let judged = judge.judge(&scope, &Yardstick::of(&mesh, judge.limits()));
+        let mut compared = 0;
+        for (k, f) in faces.iter().enumerate().filter(|(k, _)| counts[*k]) {
+            let (a, b) = (&judged.of_face.as_slice()[k], &whole.of_face[*f]);
+            // A part has another mean edge, and planarity counts by decades.
+            assert!((a.invalid - b.invalid).abs() < 1e-2, "{f}: {a:?} {b:?}");
+            assert!((a.far - b.far).abs() < 1e-9 && (a.tight - b.tight).abs() < 1e-9);
+            compared += 1;
+        }
+        assert!(compared > 5);
+        assert!((judged.merit.invalid - whole.merit.invalid).abs() < 0.05);
+    }
+}

@@ -310,3 +310,113 @@ fn insert_between(face: &mut Vec<u32>, a: u32, b: u32, new: u32) {
     debug_assert_eq!(face[(k + 1) % face.len()], b);
     face.insert(k + 1, new);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// A piece of a honeycomb, all panels open but those at its rim.
+    fn honeycomb(n: i32) -> Draft {
+        let mut corner: BTreeMap<(i32, i32), u32> = BTreeMap::new();
+        let (mut places, mut faces, mut open) = (Vec::new(), Vec::new(), Vec::new());
+        let root = 3.0_f64.sqrt();
+        for j in -n..=n {
+            for i in -n..=n {
+                let centre = [
+                    root * (f64::from(i) + 0.5 * f64::from(j)),
+                    1.5 * f64::from(j),
+                ];
+                let ring = (0..6).map(|k| {
+                    let angle = std::f64::consts::FRAC_PI_3 * (f64::from(k) + 0.5);
+                    let (x, y) = (centre[0] + angle.cos(), centre[1] + angle.sin());
+                    let key = ((x * 100.0).round() as i32, (y * 100.0).round() as i32);
+                    let next = places.len() as u32;
+                    *corner.entry(key).or_insert_with(|| {
+                        places.push(Vec3::new(x, y, 0.0));
+                        next
+                    })
+                });
+                faces.push(ring.collect());
+                open.push(i.abs() < n && j.abs() < n);
+            }
+        }
+        Draft {
+            on_boundary: vec![false; places.len()],
+            origin: (0..faces.len()).collect(),
+            faces,
+            places,
+            open,
+        }
+    }
+
+    fn middle(draft: &Draft) -> usize {
+        draft.faces.len() / 2
+    }
+
+    /// Panels as sets of corners, whatever their order.
+    fn panels(draft: &Draft) -> BTreeSet<BTreeSet<u32>> {
+        let faces = draft.faces.iter().filter(|f| !f.is_empty());
+        faces.map(|f| f.iter().copied().collect()).collect()
+    }
+
+    fn lengths(draft: &Draft) -> Vec<usize> {
+        let mut lengths: Vec<usize> = draft
+            .faces
+            .iter()
+            .map(Vec::len)
+            .filter(|n| *n != 6)
+            .collect();
+        lengths.sort_unstable();
+        lengths
+    }
+
+    #[test]
+    fn a_turned_edge_makes_two_pentagons_and_two_heptagons_and_turns_back() {
+        let draft = honeycomb(3);
+        let (side, _) = draft.neighbours(middle(&draft))[0];
+        let turned = draft.turned(side).unwrap();
+        assert_eq!(lengths(&turned), [5, 5, 7, 7]);
+        assert!(turned.topology().is_some(), "still an oriented manifold");
+        assert_eq!(panels(&turned.calmed()), panels(&draft));
+    }
+
+    #[test]
+    fn a_merge_takes_two_corners_and_a_split_brings_two() {
+        let draft = honeycomb(3);
+        let f = middle(&draft);
+        let (side, g) = draft.neighbours(f)[0];
+        let merged = draft.merged(side).unwrap();
+        assert_eq!((merged.faces[f].len(), merged.faces[g].len()), (8, 0));
+        assert!(merged.topology().is_some());
+        let split = draft.split(f, 0, 3).unwrap();
+        assert_eq!(split.places.len(), draft.places.len() + 2);
+        assert_eq!(lengths(&split), [5, 5, 7, 7]);
+        assert!(split.topology().is_some());
+        let [a, b] = [split.faces.len() - 1, f];
+        let cut = split
+            .neighbours(a)
+            .into_iter()
+            .find(|(_, h)| *h == b)
+            .unwrap()
+            .0;
+        assert_eq!(panels(&split.merged(cut).unwrap()), panels(&draft));
+    }
+
+    #[test]
+    fn what_is_closed_keeps_its_corners() {
+        let draft = honeycomb(2);
+        let closed = |f: &usize| !draft.open[*f];
+        for f in 0..draft.faces.len() {
+            for (side, _) in draft.neighbours(f) {
+                for next in [draft.turned(side), draft.merged(side)]
+                    .into_iter()
+                    .flatten()
+                {
+                    let faces = (0..draft.faces.len()).filter(closed);
+                    faces.for_each(|g| assert_eq!(next.faces[g], draft.faces[g]));
+                }
+            }
+        }
+    }
+}

@@ -17,7 +17,10 @@ mod draft;
 mod patch;
 mod site;
 
-use crate::progress::Progress;
+#[cfg(test)]
+mod tests;
+
+use crate::progress::{Event, Progress};
 use crate::quality::{Defect, Judgement, Merit, defects};
 use draft::Draft;
 use patch::{Built, Change, Patch, applied};
@@ -104,6 +107,11 @@ pub fn search(mut mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Se
                 None => fail(&mut failed, place.defect.place, edge),
             }
         }
+        progress.report(&Event::Counted {
+            stage: "search",
+            done: summary.sweeps,
+            total: SWEEPS,
+        });
         let kept = take(&mut mesh, &mut whole, &changes, site);
         for (defect, kept) in at.iter().zip(kept) {
             let far = |f: &Failed| (f.place - defect.place).norm() > NEAR * edge;

@@ -4,22 +4,24 @@ use super::ClassicalStatistics;
 use crate::ground::Ground;
 use crate::layout::domain::CurvatureSign;
 use crate::layout::duality::{Plane, convex_panels, envelope, saddle_flips, uncrossing_flips};
+use crate::layout::seeds::Seed;
 use crate::layout::tangent_planes::tangent_planes as tangent_planes_of;
 use crate::layout::{self, Layout, LayoutError};
 use crate::pipeline::field::{Field, FineSurface};
+use crate::pipeline::restarts::{Drawn, most_regular};
 use crate::pipeline::{Clock, PipelineError};
 use phex_mesh::{FacePlane, HexMesh, PerFace};
 
-/// The panels of a lattice as its cells give them.
+/// The panels of a lattice as its cells give them, the most regular of a few.
 pub(super) fn cells(
     ground: &Ground,
     field: &Field,
     clock: &mut Clock<'_>,
-) -> Result<(FineSurface, Layout), PipelineError> {
+) -> Result<(FineSurface, Drawn), PipelineError> {
     let fine = FineSurface::new(ground, field);
-    let seeds = &field.placed.seeds;
-    let layout = clock.stage("layout", || layout::panelling(&fine.cells(), seeds))??;
-    Ok((fine, layout))
+    let made = |seeds: &[Seed]| layout::panelling(&fine.cells(), seeds);
+    let drawn = most_regular(ground, field, made, clock)?;
+    Ok((fine, drawn))
 }
 
 /// The mesh of a layout's tangent planes.

@@ -11,6 +11,7 @@ use crate::layout::{LayoutError, support_function};
 use crate::optimise::{self, SurfaceTarget};
 use crate::pipeline::brick_wall::kinked;
 use crate::pipeline::field::Field;
+use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, Method, PipelineError};
 
 pub(super) fn projective_dual(
@@ -62,7 +63,7 @@ pub(super) fn tangent_planes(
     let mut classical = start.statistics(Method::TangentPlanes);
     // Planes of any lattice can be taken; what becomes of them where facets hide the curvature is not the method's fault.
     classical.outside = start.resolved(ground, TANGENT_PLANES).err();
-    let (fine, mut layout) = cells(ground, &field, clock)?;
+    let (fine, Drawn { placed, mut layout }) = cells(ground, &field, clock)?;
     classical.foresee(&layout);
     let (mesh, optimised) = if options.dual.regularisation > 0.0 {
         layout.mesh = regularised(&layout, options.dual.regularisation);
@@ -79,7 +80,7 @@ pub(super) fn tangent_planes(
         ground,
         mesh,
         fine,
-        (&field, field.placed.statistics.clone()),
+        (&field, placed.statistics),
         optimised,
         classical,
     ))
@@ -92,7 +93,7 @@ fn tangent_panels(
     mut classical: ClassicalStatistics,
     clock: &mut Clock<'_>,
 ) -> Result<Made, PipelineError> {
-    let (fine, layout) = cells(ground, field, clock)?;
+    let (fine, Drawn { placed, layout }) = cells(ground, field, clock)?;
     let layout = joined(ground, layout, &mut classical)?;
     // Panels of a hull are convex, whatever the second order says.
     if !(ground.options.dual.hull && classical.curvature == CurvatureSign::Elliptic) {
@@ -103,7 +104,7 @@ fn tangent_panels(
         ground,
         mesh,
         fine,
-        (field, field.placed.statistics.clone()),
+        (field, placed.statistics),
         None,
         classical,
     ))

@@ -8,6 +8,7 @@ use crate::layout::domain::{CurvatureSign, SignedPlaces, no_flat_point};
 use crate::layout::duality::{Plane, convex_panels, envelope};
 use crate::layout::{Layout, LayoutError};
 use crate::parallel_mesh::fit::{FitOptions, FitStart, fit_parallel};
+use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, Method, PipelineError};
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
 use phex_numeric::Outcome;
@@ -26,7 +27,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     let checked =
         checked.and_then(|sign| no_flat_point(sign, surface, curvature, METHOD, consequence));
     classical.outside = refusal(checked, ground)?;
-    let (fine, layout) = cells(ground, &field, clock)?;
+    let (fine, Drawn { placed, layout }) = cells(ground, &field, clock)?;
     let elliptic = classical.curvature == CurvatureSign::Elliptic;
     let given = if elliptic {
         gauss_image(&layout, &fine.surface, ground, &mut classical)
@@ -53,7 +54,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
         reported: ground.reported(&fine.surface).clone(),
         mesh,
         fine: Some(fine),
-        layout: field.placed.statistics.clone(),
+        layout: placed.statistics,
         cones: field.cones(&ground.smooth),
         outcome,
         optimised: None,

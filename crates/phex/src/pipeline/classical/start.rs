@@ -141,6 +141,7 @@ impl<'a> Start<'a> {
                 panel_length(self.surface, ground.panels),
             ),
             placed,
+            max_distortion: options.layout.max_distortion,
         })
     }
 }

@@ -16,6 +16,7 @@ use crate::layout::duality::{
 use crate::layout::projective_dual::{self, SurfaceDual};
 use crate::layout::tangent_planes::tangent_planes;
 use crate::layout::{Layout, LayoutError};
+use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError};
 use phex_mesh::{FaceId, HexMesh, PerFace, TriangleSurface, Vec3, VertexId};
 
@@ -56,14 +57,14 @@ pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     });
     classical.outside = refusal(checked, coarse)?;
     let (_, field) = Start::with_lattice(coarse, clock)?;
-    let (fine, layout) = cells(coarse, &field, clock)?;
+    let (fine, Drawn { placed, layout }) = cells(coarse, &field, clock)?;
     let refined = clock.stage("subdivision", || refined(coarse, layout, &classical))?;
     let (mesh, classical) = refined?;
     Ok(Made::of(
         coarse,
         mesh,
         fine,
-        (&field, field.placed.statistics.clone()),
+        (&field, placed.statistics),
         None,
         classical,
     ))

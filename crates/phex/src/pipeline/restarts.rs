@@ -1,0 +1,126 @@
+//! Restarts: lattices from several random starts, of which the most regular is kept. Where dislocations fall is chance, and
+//! panels that no optimiser has seen yet cost little.
+
+use super::field::Field;
+use super::{Clock, PipelineError};
+use crate::ground::Ground;
+use crate::layout::seeds::Seed;
+use crate::layout::{self, Layout, LayoutError, Placed};
+use rayon::prelude::*;
+
+/// Share of panels that are irregular without need, up to which one lattice is enough.
+const FEW: f64 = 0.002;
+/// Error of the number of panels, as a logarithm, up to which regularity alone counts.
+const MISCOUNT: f64 = 0.1;
+/// Lattices at the most.
+const STARTS: u64 = 4;
+/// Restarts number themselves in the upper half of the seed, so that seeds one after the other share none.
+const START_BITS: u32 = 32;
+
+/// Seeds, and the panels that grow from them.
+pub(super) struct Drawn {
+    pub placed: Placed,
+    pub layout: Layout,
+}
+
+impl Drawn {
+    /// Irregular panels first, then the distortion of the lattice.
+    fn cost(&self) -> (usize, f64) {
+        let irregular = phex_mesh::irregular_faces(self.layout.mesh.topology());
+        (irregular, self.placed.statistics.distortion_p95)
+    }
+
+    fn is_regular(&self) -> bool {
+        let panels = self.layout.mesh.topology().n_faces();
+        self.cost().0 as f64 <= FEW * panels as f64
+    }
+
+    /// How far the number of panels is from what is asked for.
+    fn miscount(&self, panels: usize) -> f64 {
+        let count = self.placed.seeds.len().max(1);
+        (count as f64 / panels as f64).ln().abs()
+    }
+}
+
+/// The most regular of a few lattices with the field's directions, the field's own the first, and the panels that are `made` of it.
+pub(super) fn most_regular(
+    ground: &Ground,
+    field: &Field,
+    made: impl Fn(&[Seed]) -> Result<Layout, LayoutError> + Sync,
+    clock: &mut Clock<'_>,
+) -> Result<Drawn, PipelineError> {
+    let drawn = |placed: Placed| {
+        let layout = made(&placed.seeds)?;
+        Ok::<_, LayoutError>(Drawn { placed, layout })
+    };
+    let again = |number: &u64| {
+        let topology = ground.smooth.levels[field.level].topology();
+        let mut options = ground.options.layout.clone();
+        options.max_distortion = field.max_distortion;
+        options.seed = options.seed.wrapping_add(number << START_BITS);
+        drawn(layout::place_seeds(topology, &field.directions, &options)?)
+    };
+    let best = clock.stage("layout", || {
+        let first = drawn(field.placed.clone())?;
+        if first.is_regular() {
+            return Ok(first);
+        }
+        let most = first.miscount(ground.panels).max(MISCOUNT);
+        let numbers: Vec<u64> = (1..STARTS).collect();
+        let others: Vec<_> = numbers.par_iter().with_max_len(1).map(again).collect();
+        // A start from which no panels come is no better than the first.
+        let others = others.into_iter().flatten();
+        let others = others.filter(|d| d.miscount(ground.panels) <= most);
+        let better = |best: Drawn, other: Drawn| match other.cost() < best.cost() {
+            true => other,
+            false => best,
+        };
+        Ok::<_, LayoutError>(others.fold(first, better))
+    })??;
+    Ok(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::MeshOptions;
+    use super::super::field::{FineSurface, direction_options};
+    use super::*;
+    use crate::progress::Silent;
+    use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+
+    /// Costs of the field's own lattice and of what is drawn.
+    fn costs(name: &str, panels: usize) -> [(usize, f64); 2] {
+        let triangulation = TriangulationOptions {
+            triangles: 4000,
+            ..Default::default()
+        };
+        let surface = triangulate(&Shape::from_name(name, &[]).unwrap(), &triangulation).unwrap();
+        let options = MeshOptions::default();
+        let mut clock = Clock::new(&Silent);
+        let ground = Ground::new(&surface, panels, &options);
+        let settings = direction_options(&options, 2.0);
+        let level = ground.field_level(&options);
+        let field = Field::new(&ground, level, &options, &settings, &mut clock).unwrap();
+        let fine = FineSurface::new(&ground, &field);
+        let made = |seeds: &[Seed]| fine.calm_panels(seeds);
+        let drawn = most_regular(&ground, &field, made, &mut clock).unwrap();
+        let first = Drawn {
+            layout: made(&field.placed.seeds).unwrap(),
+            placed: field.placed,
+        };
+        [first.cost(), drawn.cost()]
+    }
+
+    #[test]
+    fn restarts_are_more_regular() {
+        // One surface may have its best lattice first, all of them hardly.
+        let better = ["wave", "b-spline", "roof", "hyperbolic-paraboloid"].map(|name| {
+            let [first, drawn] = costs(name, 500);
+            assert!(drawn.0 <= first.0, "{name}: {first:?} {drawn:?}");
+            drawn.0 < first.0
+        });
+        assert!(better.contains(&true));
+        let [torus, drawn] = costs("torus", 300);
+        assert_eq!((torus.0, torus), (0, drawn));
+    }
+}

@@ -1,0 +1,150 @@
+//! A search cures what was spoiled, changes nothing where there is nothing to cure, and leaves the rest as it was.
+
+use super::*;
+use crate::optimise::OptimiseOptions;
+use crate::progress::Silent;
+use crate::quality::{Judge, Limits, References};
+use crate::trim::Boundary;
+use crate::{MeshOptions, PanelSize, mesh_surface};
+use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
+use std::sync::OnceLock;
+
+/// A wave, and a sound mesh of it.
+fn wave() -> &'static (TriangleSurface, HexMesh) {
+    static WAVE: OnceLock<(TriangleSurface, HexMesh)> = OnceLock::new();
+    WAVE.get_or_init(|| {
+        let triangulation = TriangulationOptions {
+            triangles: 3000,
+            ..Default::default()
+        };
+        let shape = Shape::from_name("wave", &[]).unwrap();
+        let surface = triangulate(&shape, &triangulation).unwrap();
+        let options = MeshOptions {
+            size: PanelSize::Panels(150),
+            search: false,
+            ..Default::default()
+        };
+        let run = mesh_surface(&surface, &options, &Silent).unwrap();
+        assert!(run.is_sound());
+        (run.target, run.mesh)
+    })
+}
+
+/// Searches a mesh of the wave with a largest deviation.
+fn searched(mesh: &HexMesh, deviation: f64) -> Searched {
+    let surface = &wave().0;
+    let references = References {
+        smooth: Some(surface),
+        ..Default::default()
+    };
+    let limits = Limits::new(Some(deviation), Some(Boundary::Snap));
+    let options = OptimiseOptions {
+        max_deviation: Some(deviation),
+        ..Default::default()
+    };
+    search(
+        mesh.clone(),
+        &Site {
+            judge: &Judge::new(surface, references, limits),
+            close_to: surface,
+            hold: None,
+            areas: None,
+            options: &options,
+        },
+        &Silent,
+    )
+}
+
+fn bits(mesh: &HexMesh) -> (Vec<[u64; 3]>, Vec<Vec<u32>>) {
+    let place = |p: &Vec3| [p.x, p.y, p.z].map(f64::to_bits);
+    let places = mesh.positions.iter().map(place).collect();
+    (places, mesh.topology().face_lists())
+}
+
+/// The mesh with an inner vertex moved nearly onto one of its neighbours.
+fn squeezed(mesh: &HexMesh) -> (HexMesh, Vec3) {
+    let topology = mesh.topology();
+    let at_rim = |f: FaceId| topology.is_boundary_face(f);
+    let inner = |v: &VertexId| {
+        let mut faces = topology.outgoing(*v).map(|h| topology.face(h));
+        !topology.is_boundary_vertex(*v) && !faces.any(at_rim)
+    };
+    let v = topology.vertices().find(inner).unwrap();
+    let w = topology.neighbours(v)[0];
+    let mut positions: Vec<Vec3> = mesh.positions.as_slice().to_vec();
+    positions[v.index()] += (mesh.position(w) - mesh.position(v)) * 0.97;
+    let at = positions[v.index()];
+    (mesh.with_positions(PerVertex::from_vec(positions)), at)
+}
+
+#[test]
+fn a_mesh_without_defects_stays_as_it_is() {
+    let mesh = &wave().1;
+    let result = searched(mesh, 5e-3);
+    assert_eq!(bits(&result.mesh), bits(mesh));
+    let nothing = SearchSummary::default();
+    assert_eq!(result.summary, nothing);
+    assert!(result.judgement.merit.is_within());
+}
+
+#[test]
+fn a_spoiled_place_is_cured_and_the_rest_keeps_its_bytes() {
+    let mesh = &wave().1;
+    let (spoiled, at) = squeezed(mesh);
+    let result = searched(&spoiled, 5e-3);
+    assert!(result.summary.kept > 0, "{:?}", result.summary);
+    assert_eq!(result.summary.left, 0);
+    assert!(result.judgement.merit.is_within());
+    // Far from it every vertex of before is there, to the last bit.
+    let far = |p: &&Vec3| (**p - at).norm() > 8.0 * mesh.mean_edge();
+    let (places, _) = bits(&result.mesh);
+    let before: Vec<&Vec3> = mesh.positions.iter().filter(far).collect();
+    assert!(before.len() > 50);
+    for p in before {
+        assert!(places.contains(&[p.x, p.y, p.z].map(f64::to_bits)));
+    }
+}
+
+#[test]
+fn a_change_that_is_no_better_is_taken_back() {
+    let mesh = &wave().1;
+    let surface = &wave().0;
+    // No local change meets a limit that is below what so many panels can keep to everywhere: the mesh must not get worse for it.
+    let result = searched(mesh, 2e-4);
+    let references = References {
+        smooth: Some(surface),
+        ..Default::default()
+    };
+    let limits = Limits::new(Some(2e-4), Some(Boundary::Snap));
+    let judge = Judge::new(surface, references, limits);
+    let any = vec![0.0; mesh.topology().n_faces()];
+    let before = judge.whole(mesh, &any).merit;
+    assert!(before.outside > 0.0);
+    assert!(!before.is_less(&result.judgement.merit));
+    // Undone means undone: with a limit that nothing can meet, no place is better and no bit differs.
+    let [first, again] = [0, 1].map(|_| searched(mesh, 2e-4));
+    assert_eq!(bits(&first.mesh), bits(&again.mesh));
+}
+
+#[test]
+fn panels_are_split_where_the_surface_stands_off() {
+    let mesh = &wave().1;
+    let judged = searched(mesh, 5e-3).judgement;
+    let farthest = judged.of_face.iter().map(|f| f.off).fold(0.0, f64::max);
+    // A little less than what the farthest panel has, so that few places are outside.
+    let result = searched(mesh, 0.9 * farthest * 5e-3);
+    assert!(result.summary.defects > 0 && result.summary.kept > 0);
+    assert!(result.judgement.merit.is_within(), "{:?}", result.summary);
+}
+
+#[test]
+fn the_same_for_any_number_of_threads() {
+    let (spoiled, _) = squeezed(&wave().1);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let run = || searched(&spoiled, 1e-3);
+        bits(&pool.build().unwrap().install(run).mesh)
+    };
+    assert_eq!(with(1), with(2));
+}
