@@ -3,9 +3,9 @@
 use crate::exit::{Exit, Failure, OrExit};
 use crate::progress::{is_interrupted, while_writing};
 use anyhow::Context;
-use phex::report::picture::Picture;
 use phex_mesh::PolygonSoup;
 use phex_mesh::io::{Format, WriteCause, WriteError, atomic_write, link_target, shown, write_soup};
+use phex_picture::Picture;
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::Write;

@@ -3,7 +3,7 @@
 use crate::html;
 use crate::units::Unit;
 use crate::verdict::TypedLimits;
-use phex::report::maps::FeatureSizes;
+use phex::report::FeatureSizes;
 use phex::report::{Assessment, Check, ElementKind, Reason, RunReport, Scale, Verdict};
 use phex_mesh::ElementId;
 use phex_mesh::measure::{BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures};

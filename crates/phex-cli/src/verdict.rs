@@ -9,12 +9,12 @@ use crate::units::{Quantity, Unit};
 use anyhow::Context;
 use phex::Boundary;
 use phex::optimise::OptimiseOptions;
-use phex::report::picture::{PictureOptions, draw};
 use phex::report::{
     Assessment, Check, OutputFile, Reading, References, RunReport, Scale, Tolerances, Verdict,
 };
 use phex_mesh::validate::ValidateOptions;
 use phex_mesh::{HexMesh, TriangleSurface};
+use phex_picture::{PictureOptions, draw};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;

@@ -7,9 +7,9 @@ use crate::tables::{self, figure};
 use crate::viewer_data::{MOST_OFFENDERS, ViewerData, offenders};
 use crate::{CurveFamily, Report};
 use phex::curvature::Principal;
-use phex::report::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 use phex::report::{Assessment, Verdict};
 use phex_mesh::{FaceId, Vec3};
+use phex_picture::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 
 const STYLE: &str = include_str!("report.css");
 /// What the page may load: its own scripts, styles and pictures, and nothing from anywhere else.

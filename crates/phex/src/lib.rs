@@ -12,7 +12,7 @@
 //! | [`optimise`] | planar, simple panels close to the surface |
 //! | [`trim`] | panels of an extended surface brought back to its boundary |
 //! | [`parallel_mesh`] | offsets, Gauss images, layers and solid panels |
-//! | [`report`] | what was reached: figures, checks, verdict, a picture |
+//! | [`report`] | what was reached: figures, checks, verdict |
 
 pub mod curvature;
 pub mod directions;

@@ -1,10 +1,10 @@
-//! Report: what a run reached, in numbers and as a picture.
+//! Report: what a run reached, in numbers.
 //!
 //! [`Assessment`] measures a mesh, compares it with the surfaces that it stands for and says what holds: each
 //! [`Check`] is a figure, a limit, the elements that exceed it, and the worst place; all of them together give the [`Verdict`]. What could not be
 //! checked is told ([`Omitted`]).
 //! [`RunReport`] is the JSON file of a run around it: inputs with their hashes, settings, times, outputs.
-//! [`maps`] says which colour each panel and edge has, [`picture`] draws the mesh in them.
+//! [`FeatureSizes`] tells whether panels are small enough for the surface.
 //!
 //! | verdict | when |
 //! |---|---|
@@ -17,10 +17,10 @@
 
 mod assessment;
 mod check;
-pub mod maps;
-pub mod picture;
+mod feature_size;
 mod run_report;
 
 pub use assessment::{Assessment, Omitted, Reason, References, Tolerances, Verdict};
 pub use check::{Check, ElementKind, Reading, Scale};
+pub use feature_size::FeatureSizes;
 pub use run_report::{InputFile, OutputFile, RunReport, SCHEMA_VERSION, StageTime, Tool};

@@ -16,16 +16,16 @@
 //! | [`Map::Valence`] | face | number of corners, hexagons convex or concave | classes |
 //! | [`Map::Validity`] | face | what holds of the panel | classes |
 
-mod feature_size;
+mod panel_kinds;
 mod ramps;
 mod scale;
 mod values;
 
-pub use feature_size::FeatureSizes;
+pub(crate) use panel_kinds::{PanelKind, kinds as panel_kinds};
 pub use scale::{Class, Continuous, Histogram, Range, Rgb, Scale};
 pub use values::{Subject, principal_at_panels};
 
-use super::picture::palette;
+use phex::report::FeatureSizes;
 use serde::{Deserialize, Serialize};
 
 /// What a picture's colours show.
@@ -203,10 +203,10 @@ fn scale(map: Map, subject: &Subject<'_>) -> Scale {
             ..continuous(-1.0, 1.0, false, ramps::DIVERGING)
         }),
         Map::FeatureSize => Scale::Continuous(Continuous {
-            limit: Some(feature_size::BOUND),
+            limit: Some(FeatureSizes::BOUND),
             ..continuous(0.0, 2.0, false, ramps::SEQUENTIAL)
         }),
-        Map::Valence => Scale::Classes(palette::classes()),
+        Map::Valence => Scale::Classes(panel_kinds::classes()),
         Map::Validity => Scale::Classes(values::VALIDITY.to_vec()),
     }
 }
@@ -215,4 +215,4 @@ fn scale(map: Map, subject: &Subject<'_>) -> Scale {
 const PARABOLIC: f64 = 0.1;
 
 #[cfg(test)]
-pub(super) mod tests;
+pub(crate) mod tests;

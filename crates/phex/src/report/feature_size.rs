@@ -1,15 +1,12 @@
 //! Whether panels are small enough for the surface: how far the surface turns from one corner of a panel to another.
 
+use super::Check;
 use crate::curvature::{self, CurvatureOptions};
-use crate::report::Check;
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, HexMesh, SurfacePoint, TriangleSurface, Vec3};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Largest length times curvature of a panel that resolves the surface. From 1 on the panel is longer than the radius of
-/// curvature in some direction: the surface turns by more than a radian under it.
-pub(super) const BOUND: f64 = 1.0;
 /// Where curvature is looked at, over the side of a square of a panel's area: details half as large as a panel count.
 const SCALE: f64 = 0.5;
 
@@ -28,6 +25,11 @@ pub struct FeatureSizes {
 }
 
 impl FeatureSizes {
+    /// Largest length times curvature of a panel that resolves the surface. From 1 on the panel is
+    /// longer than the radius of curvature in some direction: the surface turns by more than a
+    /// radian under it.
+    pub const BOUND: f64 = 1.0;
+
     /// Measures the panels of a mesh on the surface that they stand for.
     pub fn new(mesh: &HexMesh, surface: &TriangleSurface) -> Self {
         let topology = mesh.topology();
@@ -49,9 +51,9 @@ impl FeatureSizes {
             there.map(largest).fold(0.0, f64::max)
         };
         let per_face: Vec<f64> = topology.faces().map(turn).collect();
-        let is_coarse = |k: &usize| per_face[*k] > BOUND;
+        let is_coarse = |k: &usize| per_face[*k] > Self::BOUND;
         Self {
-            bound: BOUND,
+            bound: Self::BOUND,
             max: per_face.iter().copied().fold(0.0, f64::max),
             coarse: (0..per_face.len()).filter(is_coarse).collect(),
             per_face,

@@ -2,7 +2,7 @@
 
 use super::paint::{Legend, Strip};
 use super::strokes::text_width;
-use crate::report::maps::Rgb;
+use crate::maps::Rgb;
 use phex_mesh::Vec2;
 
 /// Distance of two lines of the legend over the picture's height.

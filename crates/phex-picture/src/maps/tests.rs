@@ -1,5 +1,5 @@
 use super::*;
-use crate::report::{Assessment, References, Tolerances};
+use phex::report::{Assessment, FeatureSizes, References, Tolerances};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{HexMesh, TriangleSurface, Vec3};
 

@@ -2,9 +2,9 @@
 
 use super::legend_layout::{Item, LegendLayout};
 use super::paint::Legend;
-use super::palette::{linear, linear_bytes};
 use super::raster::Sheet;
 use super::strokes::segments;
+use crate::srgb::{linear, linear_bytes};
 use phex_mesh::{Vec2, Vec3};
 
 /// Draws the legend in the corner where it hides least of the model, at best the lower left.

@@ -1,8 +1,8 @@
 //! The colours of a picture, and the legend that explains them.
 
-use super::palette::{self, PanelKind, linear_bytes};
-use crate::report::maps::{ColourMap, Coloured, Histogram, Rgb, Scale};
-use phex_mesh::{EdgeId, HexMesh, PerEdge, PerFace, Vec3};
+use crate::maps::{ColourMap, Coloured, Histogram, PanelKind, Rgb, Scale, panel_kinds};
+use crate::srgb::{linear, linear_bytes};
+use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerFace, Vec3};
 
 /// Colour of panels whose edges carry the colours.
 const PLAIN: Rgb = [0xEE, 0xEC, 0xE8];
@@ -52,9 +52,9 @@ const STEPS: usize = 56;
 impl Paint {
     /// Panels by kind, paler at the boundary where they are cut.
     pub fn kinds(mesh: &HexMesh) -> Self {
-        let kinds = palette::kinds(mesh);
+        let kinds = panel_kinds(mesh);
         let panels = kinds.enumerate();
-        let colours = panels.map(|(f, kind)| palette::panel_colour(mesh, f, *kind));
+        let colours = panels.map(|(f, kind)| panel_colour(mesh, f, *kind));
         let count = |kind| kinds.iter().filter(|&&k| k == kind).count();
         let lines = PanelKind::ALL.map(|kind| (kind, count(kind)));
         let line = |(kind, n): (PanelKind, usize)| (kind.colour(), format!("{n} {}", kind.label()));
@@ -98,9 +98,20 @@ impl Paint {
     }
 }
 
+/// Colour of a panel (linear light); at the boundary, where panels are cut and not chosen, it is paler.
+fn panel_colour(mesh: &HexMesh, f: FaceId, kind: PanelKind) -> Vec3 {
+    let [plain, own] = [PanelKind::ConvexHexagon, kind].map(|k| linear_bytes(k.colour()));
+    let strength = if mesh.topology().is_boundary_face(f) {
+        0.45
+    } else {
+        1.0
+    };
+    plain + (own - plain) * strength
+}
+
 /// Colour of lines that carry no value, linear light.
 fn ink() -> Vec3 {
-    palette::linear([0.10, 0.10, 0.12])
+    linear([0.10, 0.10, 0.12])
 }
 
 impl Legend {

@@ -11,9 +11,9 @@ use super::framing;
 use super::legend_layout::{Item, LegendLayout};
 use super::light::Shading;
 use super::paint::Paint;
-use super::palette::srgb_byte;
 use super::raster::PanelRaster;
-use crate::report::maps::Rgb;
+use crate::maps::Rgb;
+use crate::srgb::srgb_byte;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerFace, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -249,7 +249,7 @@ fn hex([r, g, b]: Rgb) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::picture::raster::scan_polygon;
+    use crate::raster::scan_polygon;
 
     /// Quads between `around` meridians, on a profile of `rows` points given by radius and height; closed along the profile
     /// or open.
@@ -331,8 +331,8 @@ mod tests {
     #[test]
     fn hidden_panels_are_left_out() {
         let mesh = torus(40, 24);
-        let map = crate::report::maps::tests::map(&mesh, crate::report::maps::Map::Valence);
-        let svg = super::super::draw_svg(&mesh, &map, &PictureOptions::default());
+        let map = crate::maps::tests::map(&mesh, crate::maps::Map::Valence);
+        let svg = crate::draw_svg(&mesh, &map, &PictureOptions::default());
         let paths = svg.matches("<path id=\"p").count();
         let all = mesh.topology().n_faces();
         assert!(paths < all * 3 / 4 && paths > all / 4, "{paths} of {all}");

@@ -2,8 +2,8 @@
 
 use super::camera::{Camera, panel_plane};
 use super::paint::Paint;
-use super::palette::linear;
 use super::raster::{Sheet, scan_polygon};
+use crate::srgb::linear;
 use phex_mesh::{FaceId, HexMesh, PerFace, Vec2, Vec3};
 use rayon::prelude::*;
 

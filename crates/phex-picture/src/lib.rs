@@ -13,16 +13,17 @@ mod framing;
 mod legend;
 mod legend_layout;
 mod light;
+pub mod maps;
 mod paint;
-pub(super) mod palette;
 mod raster;
-mod strokes;
+mod srgb;
+pub mod strokes;
 mod vector;
 
-use crate::report::maps::ColourMap;
-use crate::report::picture::light::Shading;
-use crate::report::picture::paint::Paint;
-use crate::report::picture::raster::{PanelRaster, Sheet};
+use crate::light::Shading;
+use crate::maps::ColourMap;
+use crate::paint::Paint;
+use crate::raster::{PanelRaster, Sheet};
 use phex_mesh::{HexMesh, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -220,13 +221,13 @@ mod tests {
         };
         let mesh = chevron();
         let assessment =
-            crate::report::Assessment::new(&mesh, Default::default(), &Default::default());
-        let subject = crate::report::maps::Subject {
+            phex::report::Assessment::new(&mesh, Default::default(), &Default::default());
+        let subject = crate::maps::Subject {
             mesh: &mesh,
             assessment: &assessment,
             surface: None,
         };
-        let map = ColourMap::new(crate::report::maps::Map::Valence, &subject).unwrap();
+        let map = ColourMap::new(crate::maps::Map::Valence, &subject).unwrap();
         let red = |z: f64| {
             let curve = vec![Vec3::new(-1.0, 1.0, z), Vec3::new(1.0, 1.0, z)];
             let picture = draw_with_curves(&mesh, &map, &[curve], &above);

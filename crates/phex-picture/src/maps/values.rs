@@ -1,8 +1,8 @@
 //! The values that maps show.
 
-use super::{Class, Coloured, FeatureSizes, Map};
-use crate::curvature::{self, Curvature, CurvatureOptions, Principal};
-use crate::report::{Assessment, picture::palette};
+use super::{Class, Coloured, Map, panel_kinds};
+use phex::curvature::{self, Curvature, CurvatureOptions, Principal};
+use phex::report::{Assessment, FeatureSizes};
 use phex_mesh::{ElementId, FaceId, HexMesh, PerFace, TriangleSurface};
 use std::collections::BTreeSet;
 
@@ -55,7 +55,7 @@ pub fn values(map: Map, subject: &Subject<'_>) -> Option<(Coloured, Vec<f64>)> {
             let sizes = FeatureSizes::new(subject.mesh, subject.surface?);
             (Face, sizes.per_face)
         }
-        Map::Valence => (Face, palette::class_numbers(subject.mesh)),
+        Map::Valence => (Face, panel_kinds::class_numbers(subject.mesh)),
         Map::Validity => (Face, validity(subject)),
     })
 }
@@ -158,7 +158,7 @@ fn own_surface(mesh: &HexMesh) -> Option<TriangleSurface> {
 }
 
 /// Principal curvatures and directions at a point of the surface.
-pub(super) fn principal_at(
+fn principal_at(
     surface: &TriangleSurface,
     curvature: &Curvature,
     point: &phex_mesh::SurfacePoint,

@@ -3,8 +3,8 @@
 use super::camera::{Camera, Seen, panel_plane};
 use super::light::Shading;
 use super::paint::Paint;
-use super::palette::srgb_byte;
 use super::{Picture, PictureOptions};
+use crate::srgb::srgb_byte;
 use phex_mesh::{EdgeId, ElementId, FaceId, HexMesh, Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! Curves over the panels.
 
 use super::camera::{Camera, Seen};
-use super::palette::linear;
 use super::raster::Sheet;
+use crate::srgb::linear;
 use phex_mesh::{Vec2, Vec3};
 
 /// Width of a curve over the picture's height.
