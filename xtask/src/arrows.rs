@@ -9,7 +9,7 @@ const ARROWS: [(&str, &[&str]); 7] = [
     ("phex", &["phex-mesh", "phex-numeric"]),
     ("phex-picture", &["phex-mesh", "phex"]),
     ("phex-html", &["phex-mesh", "phex", "phex-picture"]),
-    ("phex-fab", &["phex-mesh", "phex"]),
+    ("phex-fab", &["phex-mesh", "phex", "phex-picture"]),
     (
         "phex-cli",
         &[

@@ -8,12 +8,13 @@
 //! | `SHEET` | the sheet's border and title |
 
 use crate::fabricate::Fabrication;
+use crate::ids::written;
 use crate::labels::PanelText;
 use crate::nest::Placement;
 use crate::outline::bounds;
-use crate::strokes::strokes;
 use phex_mesh::Vec2;
 use phex_mesh::io::DxfDrawing;
+use phex_picture::strokes::strokes;
 use std::fmt::Write as _;
 
 /// A layer of a drawing.
@@ -81,7 +82,7 @@ pub fn sheet(fabrication: &Fabrication, number: usize, texts: &[PanelText]) -> V
     let mut lines = vec![line(Layer::Sheet, border.to_vec(), true)];
     let size = TITLE * width.min(height);
     let below = Vec2::new(0.0, -2.0 * size);
-    let title = strokes(&title(fabrication, number), size);
+    let title = strokes(&written(&title(fabrication, number)), size);
     let moved = |s: Vec<Vec2>| line(Layer::Sheet, s.iter().map(|p| p + below).collect(), false);
     lines.extend(title.into_iter().map(moved));
     for placement in &fabrication.sheets[number] {

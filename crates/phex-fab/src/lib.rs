@@ -6,7 +6,6 @@
 //! | [`options`] | what is asked for |
 //! | [`ids`], [`rows`](mod@rows) | names of panels, edges and nodes |
 //! | [`plate`] | thick panels, and each of them flat, with its mitre angles |
-//! | [`strokes`] | a single-line font |
 //! | [`labels`] | where text goes on a panel |
 //! | [`cluster`], [`groups`] | congruent panels, equal lengths and angles |
 //! | [`nest`] | panels on sheets |
@@ -35,7 +34,6 @@ mod outline;
 pub mod plate;
 pub mod rows;
 pub mod schedule;
-pub mod strokes;
 #[cfg(test)]
 mod test_meshes;
 

@@ -3,8 +3,8 @@
 use super::legend_layout::{Item, LegendLayout};
 use super::paint::Legend;
 use super::raster::Sheet;
-use super::strokes::segments;
 use crate::srgb::{linear, linear_bytes};
+use crate::strokes::{HEIGHT, strokes};
 use phex_mesh::{Vec2, Vec3};
 
 /// Draws the legend in the corner where it hides least of the model, at best the lower left.
@@ -69,10 +69,9 @@ fn write(sheet: &mut Sheet, start: Vec2, unit: f64, text: &str) {
     let ink = linear([0.22, 0.22, 0.25]);
     let radius = (0.32 * unit).max(0.5);
     let place = |p: Vec2| start + Vec2::new(p.x, -p.y) * unit;
-    let lines: Vec<[Vec2; 2]> = segments(text)
-        .into_iter()
-        .map(|ends| ends.map(place))
-        .collect();
+    let written = strokes(text, HEIGHT);
+    let pairs = written.iter().flat_map(|line| line.windows(2));
+    let lines: Vec<[Vec2; 2]> = pairs.map(|ends| [place(ends[0]), place(ends[1])]).collect();
     let Some((low, high)) = bounds(&lines) else {
         return;
     };

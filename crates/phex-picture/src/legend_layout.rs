@@ -1,8 +1,8 @@
 //! Where the parts of a legend stand, for pixels and for vectors alike.
 
 use super::paint::{Legend, Strip};
-use super::strokes::text_width;
 use crate::maps::Rgb;
+use crate::strokes::{self, HEIGHT};
 use phex_mesh::Vec2;
 
 /// Distance of two lines of the legend over the picture's height.
@@ -122,6 +122,11 @@ fn classes(lines: &[(Rgb, String)], step: f64) -> (Vec<Item>, Vec2) {
     let widest = widest.fold(0.0, f64::max);
     let size = Vec2::new(1.3 + UNIT_REL * widest, lines.len() as f64) * step;
     (items, size)
+}
+
+/// Length of a text in units of the alphabet.
+fn text_width(text: &str) -> f64 {
+    strokes::advance(text, HEIGHT)
 }
 
 fn text(start: Vec2, unit: f64, text: &str) -> Item {
