@@ -5,7 +5,7 @@ use crate::exit::EXIT_CODES;
 use crate::settings::DEFAULT_DEVIATION;
 use crate::units::{NoQuantity, Quantity, Unit};
 use clap::{Args, ValueEnum};
-use phex::parallel_mesh::OffsetKind;
+use phex::offset::OffsetKind;
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;

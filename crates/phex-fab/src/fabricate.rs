@@ -8,7 +8,7 @@ use crate::nest::{Placement, SheetLayout, nest};
 use crate::options::FabOptions;
 use crate::plate::{Plate, PlateSide};
 use phex::Progress;
-use phex::parallel_mesh::{
+use phex::offset::{
     GaussImage, OffsetError, OffsetOptions, PanelSolid, face_gauss_image, layer, panel_solids,
     safe_distances,
 };

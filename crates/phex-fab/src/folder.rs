@@ -15,7 +15,7 @@ use crate::error::FabError;
 use crate::fabricate::Fabrication;
 use crate::plate::Plate;
 use crate::schedule::{csv, tables, xlsx};
-use phex::parallel_mesh::joined;
+use phex::offset::joined;
 use phex_mesh::io::{
     DxfDrawing, FaceAttributes, Format, compas_json, obj_of_objects, write_soup_to,
 };

@@ -82,6 +82,22 @@ impl HexMesh {
         (hi - lo).norm()
     }
 
+    /// Mean of the unit normals of the faces at a vertex, normalised; 0 where they cancel out.
+    pub fn mean_normal(&self, v: VertexId) -> Vec3 {
+        let normal = |f| self.area_vector(f).try_normalize(0.0).unwrap_or_default();
+        let faces = self.topology.outgoing(v).map(|h| self.topology.face(h));
+        let sum: Vec3 = faces.map(normal).sum();
+        sum.try_normalize(1e-12).unwrap_or_default()
+    }
+
+    /// Twice the area vector of a face.
+    fn area_vector(&self, f: FaceId) -> Vec3 {
+        let corners: Vec<Vec3> = self.corners(f).collect();
+        let shifted = |i: usize| corners[i % corners.len()] - corners[0];
+        let sides = 1..corners.len();
+        sides.map(|i| shifted(i).cross(&shifted(i + 1))).sum()
+    }
+
     /// Position of a vertex.
     pub fn position(&self, v: VertexId) -> Vec3 {
         self.positions[v]

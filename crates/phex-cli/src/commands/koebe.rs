@@ -10,7 +10,7 @@ use crate::progress::{Reporter, is_interrupted};
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use phex::parallel_mesh::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
+use phex::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
 use phex_mesh::HexMesh;
 use serde_json::json;
 

@@ -6,13 +6,13 @@ use crate::exit::{Exit, Failure, OrExit};
 use crate::input::{MeshFile, whole};
 use crate::offset_arguments::Kind;
 use crate::progress::{Reporter, is_interrupted};
-use phex::optimise::{
-    AngleOptimised, AngleOptions, Fault, Offender, SurfaceTarget, Target, satisfy_angle_condition,
-};
-use phex::parallel_mesh::{
+use phex::offset::{
     EdgeGaussImage, GaussImage, Inheritance, OffsetError, SafeDistances, SphericalMesh, TurnedEdge,
     angle_conditions, distance_error, edge_gauss_image, face_distance_error, face_offset, layer,
     safe_distances, spherical_mesh, vertex_gauss_image,
+};
+use phex::optimise::{
+    AngleOptimised, AngleOptions, Fault, Offender, SurfaceTarget, Target, satisfy_angle_condition,
 };
 use phex_mesh::measure::{deviation, diagonal};
 use phex_mesh::{EdgeId, FlatFace, HexMesh, PerFace, Vec3, VertexId};

@@ -4,7 +4,7 @@ use super::Job;
 use super::base::{Base, Layer, Motion, Optimised, Turned};
 use super::files::Content;
 use crate::summary::Table;
-use phex::parallel_mesh::{OffsetKind, SafeDistance, SafeDistances};
+use phex::offset::{OffsetKind, SafeDistance, SafeDistances};
 use phex_mesh::Violation;
 use serde_json::{Value, json};
 

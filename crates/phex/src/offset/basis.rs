@@ -249,9 +249,9 @@ fn within(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parallel_mesh::koebe::{KoebeOptions, koebe};
-    use crate::parallel_mesh::test_meshes::*;
+    use crate::koebe::{KoebeOptions, koebe};
     use crate::progress::Silent;
+    use crate::test_meshes::*;
     use nalgebra::DMatrix;
     use phex_mesh::HexMesh;
 

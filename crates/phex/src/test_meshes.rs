@@ -1,4 +1,4 @@
-//! Meshes that the tests of this folder share.
+//! Meshes that tests of several folders share.
 
 use phex_mesh::{HexMesh, PerEdge, Topology, Vec3};
 use rand::seq::SliceRandom;

@@ -1,10 +1,10 @@
 //! Face-distance offsets.
 
 use super::fixtures::*;
+use crate::offset::face_offset::face_normals;
+use crate::offset::solids::volume;
+use crate::offset::*;
 use crate::optimise::tests::fixtures::planar_paraboloid;
-use crate::parallel_mesh::face_offset::face_normals;
-use crate::parallel_mesh::solids::volume;
-use crate::parallel_mesh::*;
 use phex_mesh::measure::diagonal;
 use phex_mesh::{FlatFace, HexMesh, PerFace, Vec3, VertexId, Violation};
 

@@ -1,9 +1,9 @@
 //! Vertex-distance offsets.
 
 use super::fixtures::*;
+use crate::offset::*;
 use crate::optimise::tests::fixtures::planar_paraboloid;
 use crate::optimise::{AngleOptimised, AngleOptions, satisfy_angle_condition};
-use crate::parallel_mesh::*;
 use crate::progress::Silent;
 use phex_mesh::{FaceId, FlatFace, HexMesh, ValidateOptions, Vec3, VertexId, violations};
 use std::f64::consts::{PI, TAU};

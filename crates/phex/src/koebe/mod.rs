@@ -42,7 +42,6 @@ mod polish;
 mod radii;
 mod sphere;
 
-use crate::parallel_mesh::fit::vertex_normal;
 use crate::progress::{Event, Progress};
 use circles::{Circles, NodeId};
 use layout::{PlaneLayout, lay_out};
@@ -413,7 +412,7 @@ fn rotation_towards(input: &HexMesh, vertices: &PerVertex<Vec3>) -> Matrix3<f64>
     let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
     let mut correlation = Matrix3::zeros();
     for (v, x) in vertices.enumerate() {
-        let aim = vertex_normal(input, v) + (input.position(v) - centre) * scale;
+        let aim = input.mean_normal(v) + (input.position(v) - centre) * scale;
         correlation += aim * x.normalize().transpose() / n;
     }
     nearest_rotation(&correlation).unwrap_or_else(Matrix3::identity)

@@ -1,9 +1,9 @@
 //! Panels, beams and nodes between layers.
 
 use super::fixtures::*;
+use crate::offset::solids::volume;
+use crate::offset::*;
 use crate::optimise::tests::fixtures::planar_paraboloid;
-use crate::parallel_mesh::solids::volume;
-use crate::parallel_mesh::*;
 use phex_mesh::{FlatFace, HexMesh, Topology};
 
 fn layers(mesh: &HexMesh, from: f64, to: f64) -> [HexMesh; 2] {

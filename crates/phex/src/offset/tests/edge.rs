@@ -1,13 +1,11 @@
 //! Edge-distance offsets of given meshes.
 
 use super::fixtures::*;
+use crate::koebe::{KoebeOptions, koebe, touching_points};
+use crate::offset::*;
 use crate::optimise::tests::fixtures::planar_paraboloid;
-use crate::parallel_mesh::koebe::{KoebeOptions, koebe, touching_points};
-use crate::parallel_mesh::test_meshes::{
-    dual, flipped_icosphere, graph, hexagon_patch, largest_turn,
-};
-use crate::parallel_mesh::*;
 use crate::progress::Silent;
+use crate::test_meshes::{dual, flipped_icosphere, graph, hexagon_patch, largest_turn};
 use phex_mesh::{HexMesh, PerFace, Vec3};
 
 fn koebe_of(mesh: &HexMesh) -> HexMesh {

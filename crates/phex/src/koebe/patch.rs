@@ -5,7 +5,6 @@ use super::layout::{PlaneCircle, PlaneLayout};
 use super::radii::Radii;
 use super::sphere::SphereCircles;
 use super::{BoundaryCondition, KoebeError, KoebeOptions};
-use crate::parallel_mesh::fit::vertex_normal;
 use nalgebra::UnitQuaternion;
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::{EdgeId, FacePlane, HexMesh, PerVertex, Topology, Vec2, Vec3, VertexId};
@@ -72,7 +71,7 @@ fn gauss_image(mesh: &HexMesh) -> PerVertex<Vec2> {
     let normals: Vec<Vec3> = mesh
         .topology()
         .vertices()
-        .map(|v| vertex_normal(mesh, v))
+        .map(|v| mesh.mean_normal(v))
         .collect();
     let mean: Vec3 = normals.iter().sum();
     let turn = UnitQuaternion::rotation_between(&mean, &Vec3::z()).unwrap_or_default();

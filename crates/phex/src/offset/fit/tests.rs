@@ -1,8 +1,8 @@
 use super::*;
-use crate::parallel_mesh::edge_offset::{edge_distances, edge_offset, face_curvatures};
-use crate::parallel_mesh::koebe::{BoundaryCondition, KoebeOptions, koebe};
-use crate::parallel_mesh::test_meshes::*;
+use crate::koebe::{BoundaryCondition, KoebeOptions, koebe};
+use crate::offset::edge_offset::{edge_distances, edge_offset, face_curvatures};
 use crate::progress::Silent;
+use crate::test_meshes::*;
 use phex_mesh::measure;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 

@@ -195,7 +195,7 @@ fn feet_by_positions(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
 
 fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
     let foot = |v| {
-        let normal = vertex_normal(mesh, v);
+        let normal = mesh.mean_normal(v);
         let closeness = |w: &VertexId| surface.normals()[*w].dot(&normal);
         let vertices = surface.topology().vertices();
         let closest = vertices.max_by(|a, b| closeness(a).total_cmp(&closeness(b)).then(b.cmp(a)));
@@ -206,23 +206,6 @@ fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
         position: feet.iter().map(|&w| surface.positions()[w]).collect(),
         normal: feet.iter().map(|&w| surface.normals()[w]).collect(),
     }
-}
-
-/// Sum of the area vectors of the faces at a vertex, normalised.
-pub(super) fn vertex_normal(mesh: &HexMesh, v: VertexId) -> Vec3 {
-    let t = mesh.topology();
-    let area = |f| {
-        let corners: Vec<Vec3> = mesh.corners(f).collect();
-        let shifted = |i: usize| corners[i % corners.len()] - corners[0];
-        (1..corners.len())
-            .map(|i| shifted(i).cross(&shifted(i + 1)))
-            .sum::<Vec3>()
-    };
-    let sum: Vec3 = t
-        .outgoing(v)
-        .map(|h| area(t.face(h)).try_normalize(0.0).unwrap_or_default())
-        .sum();
-    sum.try_normalize(1e-12).unwrap_or_default()
 }
 
 fn rounds(

@@ -18,7 +18,6 @@
 //! | [`vertex_offset`] | spherical meshes by reflections along edges, and their holonomy |
 //! | [`gauss_image`] | `M'` and `M + d M'` |
 //! | `contact` | when a face first meets itself on its way |
-//! | [`koebe`] | polyhedra and patches whose edges touch the unit sphere |
 //! | [`edge_gauss_image`](mod@edge_gauss_image) | the Koebe mesh that a given mesh is parallel to, if there is one |
 //! | [`edge_offset`] | offsets at constant edge distance, of meshes parallel to a Koebe mesh |
 //! | [`space`], `basis`, [`fit`] | the linear space of parallel meshes, a sparse basis, and those in it close to a surface |
@@ -56,7 +55,6 @@ pub mod face_offset;
 pub mod fit;
 pub mod gauss_image;
 pub mod inheritance;
-pub mod koebe;
 pub mod layers;
 mod null_space;
 pub mod options;
@@ -65,8 +63,6 @@ pub mod space;
 pub mod vertex_normal;
 pub mod vertex_offset;
 
-#[cfg(test)]
-mod test_meshes;
 #[cfg(test)]
 mod tests;
 

@@ -1,7 +1,7 @@
 //! What offsets take over from their mesh.
 
 use super::fixtures::*;
-use crate::parallel_mesh::*;
+use crate::offset::*;
 use phex_mesh::{HexMesh, Violation, violations};
 
 fn options() -> OffsetOptions {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::parallel_mesh::test_meshes::*;
+use crate::test_meshes::*;
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -25,7 +25,7 @@ fn dense_dimension(mesh: &HexMesh) -> usize {
 
 /// A mesh whose face planes touch the sphere at the vertices of a random triangulation of it.
 fn tangent_planes(seed: u64) -> HexMesh {
-    use crate::parallel_mesh::koebe::{KoebeOptions, koebe};
+    use crate::koebe::{KoebeOptions, koebe};
     let graph = dual(&graph(&random_triangulation(40, seed)));
     koebe(&graph, &KoebeOptions::default(), &crate::progress::Silent)
         .unwrap()
@@ -240,7 +240,7 @@ fn bent_faces_and_collapsed_edges_are_refused() {
 #[test]
 fn large_mesh() {
     let mesh = {
-        use crate::parallel_mesh::koebe::{KoebeOptions, koebe};
+        use crate::koebe::{KoebeOptions, koebe};
         let graph = dual(&graph(&flipped_icosphere(2500, 1000, 1)));
         koebe(&graph, &KoebeOptions::default(), &crate::progress::Silent)
             .unwrap()
