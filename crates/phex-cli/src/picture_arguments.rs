@@ -1,7 +1,7 @@
 //! What can be typed about pictures.
 
-use crate::args::{Limits, Talk};
 use crate::exit::EXIT_CODES;
+use crate::shared_arguments::{Limits, Talk};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use phex_picture::PictureOptions;

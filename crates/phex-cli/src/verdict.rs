@@ -1,10 +1,10 @@
 //! Judging a mesh: limits as they were typed to tolerances, verdicts to exit codes, reports and pictures to files.
 
-use crate::args::{Extras, Limits};
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
 use crate::output::{self, Content};
 use crate::settings::MeshSettings;
+use crate::shared_arguments::{Extras, Limits};
 use crate::units::{Quantity, Unit};
 use anyhow::Context;
 use phex::Boundary;

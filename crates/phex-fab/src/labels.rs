@@ -3,8 +3,8 @@
 //! Texts stay inside the panel's upper face and off one another, with a margin. They are as large as asked for where there is
 //! room; where there is not, all texts of the panel shrink, down to 2 mm. What does not fit then is left out and said.
 
-use crate::drawing::{Layer, Stroke};
 use crate::ids::written;
+use crate::layer::{Layer, Stroke};
 use crate::outline::{bounds, holds, outward, sides};
 use crate::plate::Plate;
 use phex_mesh::Vec2;

@@ -9,6 +9,7 @@
 //! | [`labels`] | where text goes on a panel |
 //! | [`cluster`], [`groups`] | congruent panels, equal lengths and angles |
 //! | [`nest`] | panels on sheets |
+//! | [`layer`] | lines of drawings, and their layers |
 //! | [`drawing`] | sheets as DXF and SVG |
 //! | [`schedule`] | tables as CSV and XLSX |
 //! | [`folder`] | all files, by name |
@@ -28,6 +29,7 @@ pub mod folder;
 pub mod groups;
 pub mod ids;
 pub mod labels;
+pub mod layer;
 pub mod nest;
 pub mod options;
 mod outline;

@@ -1,7 +1,8 @@
 //! Which panels hide which.
 
 use super::PictureOptions;
-use super::raster::{BAND, NO_PANEL, PanelRaster, column, scan_polygon};
+use super::raster::{BAND, NO_PANEL, PanelRaster};
+use super::scan::{column, scan_polygon};
 use phex_mesh::{FaceId, Vec2};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};

@@ -14,14 +14,17 @@ mod legend;
 mod legend_layout;
 mod light;
 pub mod maps;
+mod occlusion;
 mod paint;
 mod raster;
+mod scan;
 mod srgb;
 pub mod strokes;
 mod vector;
 
 use crate::light::Shading;
 use crate::maps::ColourMap;
+use crate::occlusion::occlusion;
 use crate::paint::Paint;
 use crate::raster::{PanelRaster, Sheet};
 use phex_mesh::{HexMesh, Vec3};
@@ -138,7 +141,7 @@ fn draw_paint(
     }
     let mut sheet = Sheet::draw(&panels, &shading, &options);
     if options.ground {
-        sheet.darken(&shading.occlusion(&sheet, &camera));
+        sheet.darken(&occlusion(&shading, &sheet, &camera));
     }
     curves::draw(&mut sheet, &camera, curves);
     if options.legend {

@@ -1,11 +1,10 @@
-//! Light: panel colours, background with contact shadow, and ambient occlusion.
+//! Light: panel colours, background with contact shadow.
 
 use super::camera::{Camera, panel_plane};
 use super::paint::Paint;
-use super::raster::{Sheet, scan_polygon};
+use super::scan::scan_polygon;
 use crate::srgb::linear;
 use phex_mesh::{FaceId, HexMesh, PerFace, Vec2, Vec3};
-use rayon::prelude::*;
 
 /// Cells per side of the shadow map.
 const SHADOW_CELLS: usize = 256;
@@ -15,20 +14,13 @@ const SHADOW_REACH: f64 = 1.8;
 const SHADOW_BLUR: usize = 9;
 /// Share of the ground's light that a deep shadow takes away.
 const SHADOW_DEPTH: f64 = 0.42;
-/// Samples of the ambient occlusion, per pixel.
-const OCCLUSION_SAMPLES: usize = 40;
-/// Farthest distance at which panels darken one another, in radii of the model.
-const OCCLUSION_REACH: f64 = 0.3;
-/// Share of light that full occlusion takes away.
-const OCCLUSION_DEPTH: f64 = 1.1;
-
 /// Colours (linear light) of everything that is drawn.
 #[derive(Clone, Debug)]
 pub struct Shading {
     /// Light that each panel sends to the eye.
     pub panels: PerFace<Vec3>,
     /// Unit normal of each panel, towards the eye.
-    normals: PerFace<Vec3>,
+    pub normals: PerFace<Vec3>,
     /// `None` is plain white.
     background: Option<Background>,
 }
@@ -58,61 +50,6 @@ impl Shading {
         let background = self.background.as_ref();
         background.map_or(Vec3::repeat(1.0), |b| b.light(x, y, height))
     }
-
-    /// Share of light that each pixel keeps where panels stand close to one another (1 where nothing is near).
-    pub fn occlusion(&self, sheet: &Sheet, camera: &Camera) -> Vec<f32> {
-        let offsets = spiral(OCCLUSION_REACH * camera.focal / camera.eye().norm());
-        let row = |y: usize| {
-            let offsets = &offsets;
-            (0..sheet.width).map(move |x| self.openness(sheet, camera, x, y, offsets))
-        };
-        (0..sheet.height)
-            .into_par_iter()
-            .flat_map_iter(row)
-            .collect()
-    }
-
-    fn openness(
-        &self,
-        sheet: &Sheet,
-        camera: &Camera,
-        x: usize,
-        y: usize,
-        offsets: &[Vec2],
-    ) -> f32 {
-        let Some((face, nearness)) = sheet.panel_at(x as f64 + 0.5, y as f64 + 0.5) else {
-            return 1.0;
-        };
-        let here = camera.unsee(x as f64 + 0.5, y as f64 + 0.5, nearness);
-        let normal = self.normals[face];
-        let hidden: f64 = offsets
-            .iter()
-            .filter_map(|o| {
-                let (u, v) = (x as f64 + 0.5 + o.x, y as f64 + 0.5 + o.y);
-                let (_, nearness) = sheet.panel_at(u, v)?;
-                Some(blocked(camera.unsee(u, v, nearness) - here, normal))
-            })
-            .sum();
-        (1.0 - OCCLUSION_DEPTH * hidden / offsets.len() as f64).max(0.25) as f32
-    }
-}
-
-/// How much a point at `offset` blocks the light of a surface element: its height over the element's plane, less with distance.
-fn blocked(offset: Vec3, normal: Vec3) -> f64 {
-    let distance = offset.norm().max(1e-9);
-    let rise = (normal.dot(&offset) / distance - 0.1).max(0.0);
-    rise * (1.0 - (distance / OCCLUSION_REACH).powi(2)).max(0.0)
-}
-
-/// Points that fill a disc evenly.
-fn spiral(radius: f64) -> Vec<Vec2> {
-    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    let point = |k: usize| {
-        let r = radius * ((k as f64 + 0.5) / OCCLUSION_SAMPLES as f64).sqrt();
-        let (sin, cos) = (golden * k as f64).sin_cos();
-        Vec2::new(r * cos, r * sin)
-    };
-    (0..OCCLUSION_SAMPLES).map(point).collect()
 }
 
 /// Key light from the upper left behind the eye, weak light from the right, sky from above.
@@ -231,18 +168,5 @@ mod tests {
         };
         assert!((weighted(|i| i % SHADOW_CELLS) - 60.0).abs() < 1e-3);
         assert!((weighted(|i| i / SHADOW_CELLS) - 100.0).abs() < 1e-3);
-    }
-
-    #[test]
-    fn only_what_rises_above_the_plane_blocks() {
-        assert_eq!(blocked(Vec3::new(0.1, 0.0, -0.05), Vec3::z()), 0.0);
-        assert!(
-            blocked(Vec3::new(0.1, 0.0, 0.1), Vec3::z())
-                > blocked(Vec3::new(0.1, 0.0, 0.03), Vec3::z())
-        );
-        assert_eq!(
-            blocked(Vec3::new(0.0, 0.0, 2.0 * OCCLUSION_REACH), Vec3::z()),
-            0.0
-        );
     }
 }

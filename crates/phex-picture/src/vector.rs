@@ -249,7 +249,7 @@ fn hex([r, g, b]: Rgb) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raster::scan_polygon;
+    use crate::scan::scan_polygon;
 
     /// Quads between `around` meridians, on a profile of `rows` points given by radius and height; closed along the profile
     /// or open.

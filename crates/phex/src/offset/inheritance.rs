@@ -4,7 +4,6 @@
 //! folds, fans and faces against their neighbours are those of the mesh at every distance. And a mesh with edges or
 //! necks shorter than panels should have is no worse for being offset: what is asked of the offset is then half of what the mesh has.
 
-use super::layers::backward_edges;
 use super::{OffsetError, OffsetOptions};
 use phex_mesh::{FlatFace, HexMesh, ValidateOptions, Violation, violations};
 use std::collections::BTreeSet;
@@ -80,6 +79,25 @@ impl Inheritance {
         found.retain(|v| place(v).is_none_or(|p| !before.contains(&p)));
         found
     }
+}
+
+/// Edges that have been flipped: they point against their direction in `mesh`.
+fn backward_edges(mesh: &HexMesh, moved: &HexMesh, limit: f64) -> Vec<Violation> {
+    let topology = mesh.topology();
+    let unit = moved.mean_edge();
+    let along = |m: &HexMesh, [a, b]: [_; 2]| m.position(b) - m.position(a);
+    let flipped = topology.edges().filter_map(|edge| {
+        let vertices = topology.edge_vertices(edge);
+        let length = along(moved, vertices).dot(&along(mesh, vertices).normalize());
+        let forward = length > 0.0;
+        (!forward).then_some(Violation::CollapsedEdge {
+            edge,
+            vertices,
+            length_rel: length / unit,
+            limit,
+        })
+    });
+    flipped.collect()
 }
 
 /// Whether offsets keep such a violation.

@@ -72,25 +72,6 @@ pub fn layer(
     inheritance.checked(mesh, moved, distance)
 }
 
-/// Edges that have been flipped: they point against their direction in `mesh`.
-pub(super) fn backward_edges(mesh: &HexMesh, moved: &HexMesh, limit: f64) -> Vec<Violation> {
-    let topology = mesh.topology();
-    let unit = moved.mean_edge();
-    let along = |m: &HexMesh, [a, b]: [_; 2]| m.position(b) - m.position(a);
-    let flipped = topology.edges().filter_map(|edge| {
-        let vertices = topology.edge_vertices(edge);
-        let length = along(moved, vertices).dot(&along(mesh, vertices).normalize());
-        let forward = length > 0.0;
-        (!forward).then_some(Violation::CollapsedEdge {
-            edge,
-            vertices,
-            length_rel: length / unit,
-            limit,
-        })
-    });
-    flipped.collect()
-}
-
 /// The largest distances to both sides for which the offset is valid.
 ///
 /// Contacts of a face with itself and vanishing edges are computed from the straight motion of the vertices. On the way to
