@@ -1,6 +1,7 @@
 //! Tasks of the project: `cargo xtask check` runs everything that continuous integration runs.
 
 mod arrows;
+mod circles;
 mod figures;
 mod foreign;
 mod ledger;
@@ -53,7 +54,7 @@ impl From<String> for Stop {
     }
 }
 
-const CHECK: [Step; 12] = [
+const CHECK: [Step; 13] = [
     Step {
         name: "formatting",
         run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
@@ -65,6 +66,10 @@ const CHECK: [Step; 12] = [
     Step {
         name: "crates depend one way",
         run: |root| Ok(arrows::check(root)?),
+    },
+    Step {
+        name: "modules use one another in no circle",
+        run: |root| Ok(circles::check(root)?),
     },
     Step {
         name: "no machine paths",
