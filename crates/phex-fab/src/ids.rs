@@ -78,6 +78,13 @@ const LONGEST: usize = 32;
 /// Checks that a text can be the name of a panel: 1 to 32 letters A to Z, digits, blanks and `.-_+/:%°`, no blank at either end,
 /// and none of the signs with which a spreadsheet's formulas begin at the start.
 ///
+/// ```
+/// use phex_fab::ids::check_name;
+///
+/// assert!(check_name("North 12-B").is_ok());
+/// assert!(check_name("=A1").is_err());
+/// ```
+///
 /// # Errors
 /// Says what is wrong.
 pub fn check_name(name: &str) -> Result<(), String> {

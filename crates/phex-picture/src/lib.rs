@@ -92,6 +92,21 @@ pub struct Picture {
 }
 
 /// Draws a mesh in the colours of its panels' kinds; options outside their ranges are moved to the nearest end.
+///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex_picture::{PictureOptions, draw};
+///
+/// let options = PictureOptions { width: 80, height: 60, ..Default::default() };
+/// let picture = draw(&cube, &options);
+/// assert_eq!(picture.rgba.len(), 4 * 80 * 60);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn draw(mesh: &HexMesh, options: &PictureOptions) -> Picture {
     draw_paint(mesh, &Paint::kinds(mesh), &[], options)
 }
@@ -119,6 +134,26 @@ pub fn draw_map(mesh: &HexMesh, map: &ColourMap, options: &PictureOptions) -> Pi
 
 /// As [`draw_map`], as vectors: an SVG drawing with one path per visible panel. Hidden panels are left out, and what is
 /// nearer is drawn later, so that the drawing needs no clipping.
+///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::report::{Assessment, References, Tolerances};
+/// use phex_picture::maps::{ColourMap, Map, Subject};
+/// use phex_picture::{PictureOptions, draw_svg};
+///
+/// let assessment = Assessment::new(&cube, References::default(), &Tolerances::default());
+/// let subject = Subject { mesh: &cube, assessment: &assessment, surface: None };
+/// let map = ColourMap::new(Map::Planarity, &subject).ok_or("planarity needs no surface")?;
+/// let svg = draw_svg(&cube, &map, &PictureOptions::default());
+/// // Three faces of the cube are seen.
+/// assert_eq!(svg.matches("<path id=\"p").count(), 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If the map is of another mesh.

@@ -265,6 +265,15 @@ pub fn is_drawn(c: char) -> bool {
 
 /// The polylines of a text whose base line starts at the origin and runs along x, and whose
 /// capitals have the given height. Characters that the font does not have are blank.
+///
+/// ```
+/// use phex_picture::strokes::{strokes, width};
+///
+/// let lines = strokes("L", 6.0);
+/// let points: Vec<[f64; 2]> = lines[0].iter().map(|p| [p.x, p.y]).collect();
+/// assert_eq!(points, [[0.0, 6.0], [0.0, 0.0], [4.0, 0.0]]);
+/// assert_eq!(width("L", 6.0), 4.0);
+/// ```
 pub fn strokes(text: &str, height: f64) -> Vec<Vec<Vec2>> {
     let scale = height / HEIGHT;
     let (mut pen, mut out) = (0.0, Vec::new());

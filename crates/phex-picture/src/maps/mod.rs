@@ -132,6 +132,24 @@ pub struct ColourMap {
 
 impl ColourMap {
     /// The map of a mesh, over the range of its own values; `None` if it needs a surface and there is none.
+    ///
+    /// ```
+    /// # use phex_mesh::{HexMesh, Vec3};
+    /// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+    /// # let faces = [
+    /// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+    /// # ];
+    /// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+    /// use phex::report::{Assessment, References, Tolerances};
+    /// use phex_picture::maps::{ColourMap, Map, Subject};
+    ///
+    /// let assessment = Assessment::new(&cube, References::default(), &Tolerances::default());
+    /// let subject = Subject { mesh: &cube, assessment: &assessment, surface: None };
+    /// let lengths = ColourMap::new(Map::EdgeLength, &subject).ok_or("lengths need no surface")?;
+    /// assert!(lengths.values.iter().all(|length| *length == 1.0));
+    /// assert!(ColourMap::new(Map::Deviation, &subject).is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(map: Map, subject: &Subject<'_>) -> Option<Self> {
         Self::over(map, subject, Range::Automatic)
     }

@@ -248,6 +248,23 @@ pub fn touching_points(mesh: &HexMesh) -> PerEdge<Vec3> {
 /// The Koebe mesh with the connectivity of `mesh`, closed or with one boundary loop. Positions matter only for its rotation
 /// and where [`BoundaryCondition`] says so.
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::Silent;
+/// use phex::koebe::{KoebeOptions, koebe, touching_points};
+///
+/// let found = koebe(&cube, &KoebeOptions::default(), &Silent)?;
+/// assert!(found.is_converged());
+/// let touching = touching_points(&found.mesh);
+/// assert!(touching.iter().all(|p| (p.norm() - 1.0).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If an option is out of its range, the mesh is not drawn on a sphere, or its graph is not 3-connected (for a patch: with a
 /// vertex outside joined to all of its boundary).

@@ -8,6 +8,20 @@ use phex_mesh::{HexMesh, PerFace, Vec3};
 /// Largest error of the distances of faces, edges or vertices (whichever `kind` says) of `moved` from those of `mesh`, in model
 /// units.
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::offset::{OffsetKind, OffsetOptions, distance_error, face_gauss_image};
+///
+/// let outer = face_gauss_image(&cube, &OffsetOptions::default())?.offset(&cube, 0.1);
+/// assert!(distance_error(&cube, &outer, OffsetKind::Face, 0.1)? < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If a face of `mesh` has no area.
 ///

@@ -42,6 +42,18 @@ impl AngleCondition {
 }
 
 /// The conditions of all faces with an even number of corners, in the order of the faces.
+///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// let conditions = phex::offset::angle_conditions(&cube);
+/// assert!(conditions.iter().all(|condition| condition.defect.abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn angle_conditions(mesh: &HexMesh) -> Vec<AngleCondition> {
     let faces = mesh.topology().faces();
     faces.filter_map(|f| AngleCondition::of(mesh, f)).collect()

@@ -57,6 +57,22 @@ pub fn node_axes(lower: &HexMesh, upper: &HexMesh) -> Result<Vec<NodeAxis>, Offs
 
 /// The beams between two layers, by edge.
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::offset::{OffsetOptions, beam_axes, face_gauss_image, layer};
+///
+/// let options = OffsetOptions::default();
+/// let image = face_gauss_image(&cube, &options)?;
+/// let outer = layer(&cube, &image, 0.1, &options)?;
+/// assert_eq!(beam_axes(&cube, &outer)?.len(), 12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the connectivity differs.
 pub fn beam_axes(lower: &HexMesh, upper: &HexMesh) -> Result<Vec<BeamAxis>, OffsetError> {

@@ -44,6 +44,22 @@ pub struct EdgeGaussImage {
 
 /// The Gauss image whose edges touch the unit sphere.
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::koebe::touching_points;
+/// use phex::offset::{OffsetOptions, edge_gauss_image};
+///
+/// let found = edge_gauss_image(&cube, &OffsetOptions::default())?;
+/// let koebe = found.image.mesh(&cube);
+/// assert!(touching_points(&koebe).iter().all(|p| (p.norm() - 1.0).abs() < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the mesh is not planar with vertices of degree 3, or no Koebe mesh is parallel to it.
 pub fn edge_gauss_image(

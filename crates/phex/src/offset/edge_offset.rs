@@ -17,6 +17,24 @@ use phex_mesh::{FaceId, FacePlane, HexMesh, PerEdge, PerFace, PerVertex, Vec3};
 
 /// `M + d K`.
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::Silent;
+/// use phex::koebe::{KoebeOptions, koebe};
+/// use phex::offset::edge_offset::{edge_distances, edge_offset};
+///
+/// let koebe = koebe(&cube, &KoebeOptions::default(), &Silent)?.mesh;
+/// let layer = edge_offset(&koebe, &koebe, 0.2);
+/// let distances = edge_distances(&koebe, &layer);
+/// assert!(distances.iter().all(|d| (d - 0.2).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If the numbers of vertices differ.
 pub fn edge_offset(mesh: &HexMesh, gauss_image: &HexMesh, distance: f64) -> HexMesh {

@@ -62,6 +62,25 @@ pub fn face_gauss_image(
 /// faces meet, vertices move by the shortest such vector; edges of the boundary may turn by that in the planes of their faces
 /// ([`GaussImage::turned_edges`]).
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::offset::{OffsetOptions, face_offset};
+/// use phex_mesh::{PerFace, VertexId};
+///
+/// // The last face alone moves outwards.
+/// let mut distances = PerFace::filled(6, 0.0);
+/// distances[phex_mesh::FaceId::new(5)] = 0.25;
+/// let moved = face_offset(&cube, &distances, &OffsetOptions::default())?.apply(&cube);
+/// let corner = moved.position(VertexId::new(7));
+/// assert!((corner - Vec3::new(1.25, 1.0, 1.0)).norm() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If a face is not planar or a vertex has not three faces (at most three on the boundary), or faces that lie in one
 /// plane are asked to part.

@@ -56,6 +56,26 @@ impl SafeDistances {
 
 /// The offset by `distance`, checked; what is wrong with it is wrong with the mesh already ([`Inheritance`]).
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::offset::{OffsetOptions, face_gauss_image, layer};
+/// use phex_mesh::VertexId;
+///
+/// let options = OffsetOptions::default();
+/// let image = face_gauss_image(&cube, &options)?;
+/// let outer = layer(&cube, &image, 0.1, &options)?;
+/// let corner = outer.position(VertexId::new(7));
+/// assert!((corner - Vec3::repeat(1.1)).norm() < 1e-15);
+/// // Inwards the faces meet at half the edge.
+/// assert!(layer(&cube, &image, -0.6, &options).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If there is a new violation; the first one is named.
 pub fn layer(
@@ -77,6 +97,22 @@ pub fn layer(
 /// Contacts of a face with itself and vanishing edges are computed from the straight motion of the vertices. On the way to
 /// the first of them the mesh is validated at 24 places, since faces that are far apart along the mesh may
 /// meet; the first place that fails is narrowed down.
+///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::offset::{OffsetOptions, face_gauss_image, safe_distances};
+///
+/// let options = OffsetOptions::default();
+/// let image = face_gauss_image(&cube, &options)?;
+/// let safe = safe_distances(&cube, &image, &options);
+/// assert!(safe.inward.distance > 0.4 && safe.inward.distance <= 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn safe_distances(
     mesh: &HexMesh,
     image: &GaussImage,

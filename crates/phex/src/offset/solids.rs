@@ -90,6 +90,24 @@ pub fn joined(solids: &[PanelSolid]) -> PolygonSoup {
 /// The solids between two layers of the same connectivity, in the order of the faces. `upper` lies on the side of the
 /// normals; `gap` is the width of the joints, in model units.
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::offset::{OffsetOptions, face_gauss_image, layer, panel_solids};
+///
+/// let options = OffsetOptions::default();
+/// let image = face_gauss_image(&cube, &options)?;
+/// let outer = layer(&cube, &image, 0.1, &options)?;
+/// let solids = panel_solids(&cube, &outer, 0.0)?;
+/// let volume: f64 = solids.iter().map(|solid| solid.volume()).sum();
+/// assert!((volume - (1.2_f64.powi(3) - 1.0)).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the connectivity differs, if the gap is negative or eats up a panel, or if a panel has no volume.
 pub fn panel_solids(

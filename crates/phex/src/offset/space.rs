@@ -92,6 +92,20 @@ struct TourStep {
 impl ParallelSpace {
     /// The meshes parallel to `mesh`.
     ///
+    /// ```
+    /// # use phex_mesh::{HexMesh, Vec3};
+    /// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+    /// # let faces = [
+    /// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+    /// # ];
+    /// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+    /// use phex::offset::space::ParallelSpace;
+    ///
+    /// // Boxes: length, width and height are free.
+    /// assert_eq!(ParallelSpace::new(&cube)?.dimension(), 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// If a face is not planar or an edge has length zero.
     pub fn new(mesh: &HexMesh) -> Result<Self, ParallelError> {

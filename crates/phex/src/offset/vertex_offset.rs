@@ -61,6 +61,20 @@ pub struct SphericalMesh {
 
 /// The Gauss image whose vertices lie on the unit sphere.
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::offset::{OffsetOptions, vertex_gauss_image};
+///
+/// let found = vertex_gauss_image(&cube, &OffsetOptions::default())?;
+/// assert!(found.image.positions.iter().all(|p| (p.norm() - 1.0).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the mesh is not planar with vertices of degree 3, if a face does not satisfy the angle condition, or if the
 /// reflections do not close up.
