@@ -25,7 +25,7 @@ pub fn check(root: &Path) -> Result<(), String> {
     for (position, stage) in ORDER.iter().enumerate() {
         for file in files.iter().filter(|file| module(&source, file) == *stage) {
             let depth = module_depth(file.strip_prefix(&source).unwrap_or(file));
-            for later in later_stages(&crate::read(&file)?, position, depth) {
+            for later in later_stages(&crate::read(file)?, position, depth) {
                 complaints.push(format!(
                     "{}: stage `{stage}` uses the later stage `{later}`",
                     file.display()
