@@ -150,8 +150,8 @@ pub fn draw_map(mesh: &HexMesh, map: &ColourMap, options: &PictureOptions) -> Pi
 /// let subject = Subject { mesh: &cube, assessment: &assessment, surface: None };
 /// let map = ColourMap::new(Map::Planarity, &subject).ok_or("planarity needs no surface")?;
 /// let svg = draw_svg(&cube, &map, &PictureOptions::default());
-/// // Three faces of the cube are seen.
-/// assert_eq!(svg.matches("<path id=\"p").count(), 3);
+/// // Three faces of the cube are seen, in a group that has a name, too.
+/// assert_eq!(svg.matches(" id=\"p").count(), 3 + 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -16,7 +16,8 @@ use crate::maps::Rgb;
 use crate::srgb::srgb_byte;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerFace, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
+use svg::node::element::{Group, Path, Rectangle, Text};
+use svg::{Document, Node};
 
 /// Width of lines over that of the picture's height.
 const LINE_REL: f64 = 0.9 / 1200.0;
@@ -32,27 +33,40 @@ pub fn draw(mesh: &HexMesh, paint: &Paint, options: &PictureOptions) -> String {
     let raster = PanelRaster::new(mesh, &camera, paint, 1);
     let covering = Covering::new(&raster, options);
     let order = drawing_order(mesh, &camera, &covering);
-    let mut svg = Svg::new(options);
-    let width = LINE_REL * options.height as f64;
-    svg.open_panels(if paint.edges.is_some() {
-        COLOURED_WIDTH * width
+    let line = LINE_REL * options.height as f64;
+    let bold = if paint.edges.is_some() {
+        COLOURED_WIDTH
     } else {
-        width
-    });
+        1.0
+    };
+    let mut panels = Group::new()
+        .set("id", "panels")
+        .set("stroke", "#1a1a1f")
+        .set("stroke-width", short(bold * line))
+        .set("stroke-linejoin", "round")
+        .set("stroke-linecap", "round");
     let see = |p: Vec3| camera.see(camera.normalised(p));
+    let seams_only = paint.edges.is_some() || !options.edges;
     for f in order {
         let outline: Vec<Seen> = mesh.corners(f).map(see).collect();
-        let seams_only = paint.edges.is_some() || !options.edges;
-        svg.panel(f, &outline, rgb(shading.panels[f]), seams_only);
+        panels.append(panel(f, &outline, rgb(shading.panels[f]), seams_only));
         if paint.edges.is_some() && options.edges {
-            svg.edges(mesh, f, &see, |e| rgb(paint.ink(e)));
+            edges(mesh, f, see, |e| rgb(paint.ink(e))).for_each(|edge| panels.append(edge));
         }
     }
-    svg.close_panels();
+    let (width, height) = (options.width, options.height);
+    let white = Rectangle::new().set("width", width).set("height", height);
+    let mut document = Document::new()
+        .set("width", width)
+        .set("height", height)
+        .set("viewBox", (0, 0, width, height))
+        .add(white.set("fill", "#ffffff"))
+        .add(panels);
     if options.legend {
-        svg.legend(paint, &covering);
+        let size = Vec2::new(width as f64, height as f64);
+        document.append(legend(paint, &covering, size));
     }
-    svg.finish()
+    format!("{document}\n")
 }
 
 fn rgb(light: Vec3) -> Rgb {
@@ -101,141 +115,89 @@ fn ranks(mesh: &HexMesh, camera: &Camera) -> PerFace<usize> {
     ranks
 }
 
-/// A drawing that grows.
-struct Svg {
-    text: String,
-    size: Vec2,
+/// A panel with its outline; where edges carry colours, the outline only closes the seams between fillings.
+fn panel(f: FaceId, outline: &[Seen], fill: Rgb, seams_only: bool) -> Path {
+    let points: Vec<String> = outline.iter().map(point).collect();
+    let path = Path::new()
+        .set("id", format!("p{}", f.index()))
+        .set("d", format!("M{}Z", points.join("L")))
+        .set("fill", hex(fill));
+    if seams_only {
+        path.set("stroke", hex(fill)).set("stroke-width", "0.6")
+    } else {
+        path
+    }
 }
 
-impl Svg {
-    fn new(options: &PictureOptions) -> Self {
-        let (width, height) = (options.width, options.height);
-        let mut svg = Self {
-            text: String::new(),
-            size: Vec2::new(width as f64, height as f64),
-        };
-        svg.line(&format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">"
-        ));
-        svg.line(&format!(
-            "<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>"
-        ));
-        svg
-    }
+/// The edges of a panel in their own colours.
+fn edges(
+    mesh: &HexMesh,
+    f: FaceId,
+    see: impl Fn(Vec3) -> Seen,
+    ink: impl Fn(EdgeId) -> Rgb,
+) -> impl Iterator<Item = Path> {
+    let topology = mesh.topology();
+    topology.face_half_edges(f).map(move |h| {
+        let ends = [topology.origin(h), topology.target(h)].map(|v| see(mesh.position(v)));
+        let [a, b] = ends.each_ref().map(point);
+        let path = Path::new().set("d", format!("M{a}L{b}"));
+        path.set("stroke", hex(ink(topology.edge(h))))
+    })
+}
 
-    fn line(&mut self, line: &str) {
-        self.text.push_str(line);
-        self.text.push('\n');
-    }
+fn legend(paint: &Paint, covering: &Covering, size: Vec2) -> Group {
+    let layout = LegendLayout::new(&paint.legend, size.y);
+    let corner = layout.place(size, |low, high| covering.seen_within(low, high));
+    let group = Group::new()
+        .set("id", "legend")
+        .set("font-family", "Helvetica, Arial, sans-serif")
+        .set("fill", "#38383f");
+    layout
+        .items
+        .iter()
+        .fold(group, |group, part| group.add(item(corner, part)))
+}
 
-    fn open_panels(&mut self, width: f64) {
-        self.line(&format!(
-            "<g id=\"panels\" stroke=\"#1a1a1f\" stroke-width=\"{width:.2}\" stroke-linejoin=\"round\" stroke-linecap=\"round\">"
-        ));
-    }
-
-    /// A panel with its outline; where edges carry colours, the outline only closes the seams between fillings.
-    fn panel(&mut self, f: FaceId, outline: &[Seen], fill: Rgb, seams_only: bool) {
-        let points: Vec<String> = outline.iter().map(point).collect();
-        let (fill, number) = (hex(fill), f.index());
-        let seam = if seams_only {
-            format!(" stroke=\"{fill}\" stroke-width=\"0.6\"")
-        } else {
-            String::new()
-        };
-        self.line(&format!(
-            "<path id=\"p{number}\" d=\"M{}Z\" fill=\"{fill}\"{seam}/>",
-            points.join("L")
-        ));
-    }
-
-    /// The edges of a panel in their own colours.
-    fn edges(
-        &mut self,
-        mesh: &HexMesh,
-        f: FaceId,
-        see: &impl Fn(Vec3) -> Seen,
-        ink: impl Fn(EdgeId) -> Rgb,
-    ) {
-        let topology = mesh.topology();
-        for h in topology.face_half_edges(f) {
-            let ends = [topology.origin(h), topology.target(h)].map(|v| see(mesh.position(v)));
-            let colour = hex(ink(topology.edge(h)));
-            let [a, b] = ends.each_ref().map(point);
-            self.line(&format!("<path d=\"M{a}L{b}\" stroke=\"{colour}\"/>"));
+fn item(corner: Vec2, item: &Item) -> Box<dyn Node> {
+    match item {
+        Item::Hexagon {
+            centre,
+            radius,
+            colour,
+        } => Box::new(hexagon(corner + centre, *radius, *colour)),
+        Item::Rectangle { low, high, colour } => {
+            let (at, size) = (corner + low, high - low);
+            let rectangle = Rectangle::new()
+                .set("x", short(at.x))
+                .set("y", short(at.y))
+                .set("width", short(size.x))
+                .set("height", short(size.y));
+            Box::new(rectangle.set("fill", hex(*colour)))
+        }
+        Item::Text { start, unit, text } => {
+            let at = corner + start;
+            let text = Text::new(text).set("x", short(at.x)).set("y", short(at.y));
+            Box::new(text.set("font-size", short(FONT * unit)))
         }
     }
+}
 
-    fn close_panels(&mut self) {
-        self.line("</g>");
-    }
+fn hexagon(centre: Vec2, radius: f64, colour: Rgb) -> Path {
+    let corner = |k: u32| {
+        let (sin, cos) = (std::f64::consts::FRAC_PI_3 * (f64::from(k) + 0.5)).sin_cos();
+        let p = centre + Vec2::new(cos, sin) * radius;
+        format!("{:.2} {:.2}", p.x, p.y)
+    };
+    let corners: Vec<String> = (0..6).map(corner).collect();
+    Path::new()
+        .set("d", format!("M{}Z", corners.join("L")))
+        .set("fill", hex(colour))
+        .set("stroke", "#40404a")
+        .set("stroke-width", "1")
+}
 
-    fn legend(&mut self, paint: &Paint, covering: &Covering) {
-        let layout = LegendLayout::new(&paint.legend, self.size.y);
-        let corner = layout.place(self.size, |low, high| covering.seen_within(low, high));
-        self.line(
-            "<g id=\"legend\" font-family=\"Helvetica, Arial, sans-serif\" fill=\"#38383f\">",
-        );
-        for item in &layout.items {
-            self.item(corner, item);
-        }
-        self.line("</g>");
-    }
-
-    fn item(&mut self, corner: Vec2, item: &Item) {
-        match item {
-            Item::Hexagon {
-                centre,
-                radius,
-                colour,
-            } => self.hexagon(corner + centre, *radius, *colour),
-            Item::Rectangle { low, high, colour } => {
-                let (at, size) = (corner + low, high - low);
-                self.line(&format!(
-                    "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\" fill=\"{}\"/>",
-                    at.x,
-                    at.y,
-                    size.x,
-                    size.y,
-                    hex(*colour)
-                ));
-            }
-            Item::Text { start, unit, text } => {
-                let at = corner + start;
-                self.line(&format!(
-                    "<text x=\"{:.2}\" y=\"{:.2}\" font-size=\"{:.2}\">{text}</text>",
-                    at.x,
-                    at.y,
-                    FONT * unit
-                ));
-            }
-        }
-    }
-
-    fn hexagon(&mut self, centre: Vec2, radius: f64, colour: Rgb) {
-        let mut path = String::new();
-        for k in 0..6 {
-            let (sin, cos) = (std::f64::consts::FRAC_PI_3 * (k as f64 + 0.5)).sin_cos();
-            let p = centre + Vec2::new(cos, sin) * radius;
-            // Writing to a string does not fail.
-            let _ = write!(
-                path,
-                "{}{:.2} {:.2}",
-                if k == 0 { 'M' } else { 'L' },
-                p.x,
-                p.y
-            );
-        }
-        self.line(&format!(
-            "<path d=\"{path}Z\" fill=\"{}\" stroke=\"#40404a\" stroke-width=\"1\"/>",
-            hex(colour)
-        ));
-    }
-
-    fn finish(mut self) -> String {
-        self.line("</svg>");
-        self.text
-    }
+fn short(x: f64) -> String {
+    format!("{x:.2}")
 }
 
 fn point(seen: &Seen) -> String {
@@ -333,7 +295,8 @@ mod tests {
         let mesh = torus(40, 24);
         let map = crate::maps::tests::map(&mesh, crate::maps::Map::Valence);
         let svg = crate::draw_svg(&mesh, &map, &PictureOptions::default());
-        let paths = svg.matches("<path id=\"p").count();
+        // The group of the panels has a name, too.
+        let paths = svg.matches(" id=\"p").count() - 1;
         let all = mesh.topology().n_faces();
         assert!(paths < all * 3 / 4 && paths > all / 4, "{paths} of {all}");
         assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
