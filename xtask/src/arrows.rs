@@ -3,15 +3,23 @@
 use std::path::Path;
 
 /// Each crate with the crates of the workspace that it may depend on.
-const ARROWS: [(&str, &[&str]); 6] = [
+const ARROWS: [(&str, &[&str]); 7] = [
     ("phex-mesh", &[]),
     ("phex-numeric", &[]),
     ("phex", &["phex-mesh", "phex-numeric"]),
-    ("phex-html", &["phex-mesh", "phex"]),
-    ("phex-fab", &["phex-mesh", "phex"]),
+    ("phex-picture", &["phex-mesh", "phex"]),
+    ("phex-html", &["phex-mesh", "phex", "phex-picture"]),
+    ("phex-fab", &["phex-mesh", "phex", "phex-picture"]),
     (
         "phex-cli",
-        &["phex-mesh", "phex-numeric", "phex", "phex-html", "phex-fab"],
+        &[
+            "phex-mesh",
+            "phex-numeric",
+            "phex",
+            "phex-picture",
+            "phex-html",
+            "phex-fab",
+        ],
     ),
 ];
 

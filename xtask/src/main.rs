@@ -1,6 +1,7 @@
 //! Tasks of the project: `cargo xtask check` runs everything that continuous integration runs.
 
 mod arrows;
+mod circles;
 mod figures;
 mod foreign;
 mod ledger;
@@ -53,7 +54,7 @@ impl From<String> for Stop {
     }
 }
 
-const CHECK: [Step; 12] = [
+const CHECK: [Step; 13] = [
     Step {
         name: "formatting",
         run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
@@ -65,6 +66,10 @@ const CHECK: [Step; 12] = [
     Step {
         name: "crates depend one way",
         run: |root| Ok(arrows::check(root)?),
+    },
+    Step {
+        name: "modules use one another in no circle",
+        run: |root| Ok(circles::check(root)?),
     },
     Step {
         name: "no machine paths",
@@ -223,6 +228,16 @@ fn succeed(command: &mut Command) -> Result<(), String> {
 /// All files below a folder, without version control, build products and results; in order.
 fn files_below(folder: &Path) -> Result<Vec<PathBuf>, String> {
     const SKIPPED: [&str; 5] = [".git", "target", "out", "node_modules", "bundle"];
+    files_without(folder, &SKIPPED)
+}
+
+/// All files below a folder, whatever their names; in order.
+fn all_files_below(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    files_without(folder, &[])
+}
+
+/// All files below a folder, without entries of some names.
+fn files_without(folder: &Path, skipped: &[&str]) -> Result<Vec<PathBuf>, String> {
     let fail = |e| format!("{}: {e}", folder.display());
     let mut entries: Vec<PathBuf> = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(fail)? {
@@ -236,11 +251,11 @@ fn files_below(folder: &Path) -> Result<Vec<PathBuf>, String> {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        if SKIPPED.contains(&name.as_str()) {
+        if skipped.contains(&name.as_str()) {
             continue;
         }
         if path.is_dir() {
-            files.extend(files_below(&path)?)
+            files.extend(files_without(&path, skipped)?)
         } else {
             files.push(path)
         }

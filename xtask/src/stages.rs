@@ -1,31 +1,33 @@
 //! The rule that a stage of the pipeline uses earlier stages only.
 
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// The stages in the order of the data flow.
-const ORDER: [&str; 8] = [
+const ORDER: [&str; 12] = [
     "target",
     "curvature",
     "directions",
     "layout",
     "optimise",
     "trim",
-    "parallel_mesh",
+    "quality",
+    "search",
+    "koebe",
+    "offset",
     "report",
+    "pipeline",
 ];
 
-/// Checks every source file of every stage.
+/// Checks every source file of every stage, and that every folder is one.
 pub fn check(root: &Path) -> Result<(), String> {
     let source = root.join("crates/phex/src");
-    let mut complaints = Vec::new();
+    let files = crate::all_files_below(&source)?;
+    let mut complaints = unknown(&source, &files);
     for (position, stage) in ORDER.iter().enumerate() {
-        let folder = source.join(stage);
-        if !folder.is_dir() {
-            continue;
-        }
-        for file in crate::files_below(&folder)? {
-            let depth = module_depth(file.strip_prefix(&source).unwrap_or(&file));
-            for later in later_stages(&crate::read(&file)?, position, depth) {
+        for file in files.iter().filter(|file| module(&source, file) == *stage) {
+            let depth = module_depth(file.strip_prefix(&source).unwrap_or(file));
+            for later in later_stages(&crate::read(file)?, position, depth) {
                 complaints.push(format!(
                     "{}: stage `{stage}` uses the later stage `{later}`",
                     file.display()
@@ -34,6 +36,35 @@ pub fn check(root: &Path) -> Result<(), String> {
         }
     }
     crate::verdict(complaints)
+}
+
+/// What is said of stages without files and of folders that are no stage.
+fn unknown(source: &Path, files: &[PathBuf]) -> Vec<String> {
+    let missing = ORDER
+        .iter()
+        .filter(|stage| !files.iter().any(|f| module(source, f) == **stage));
+    let missing = missing.map(|stage| format!("stage `{stage}` has no file"));
+    let is_folder = |f: &&PathBuf| f.parent().is_some_and(|folder| folder != source);
+    let folders: BTreeSet<String> = files
+        .iter()
+        .filter(is_folder)
+        .map(|f| module(source, f))
+        .collect();
+    let strange = folders
+        .into_iter()
+        .filter(|name| !ORDER.contains(&name.as_str()));
+    let strange = strange.map(|name| format!("folder `{name}` is no stage in the order of stages"));
+    missing.chain(strange).collect()
+}
+
+/// The module of the crate's root that a file is or lies in.
+fn module(source: &Path, file: &Path) -> String {
+    let inner = file.strip_prefix(source).unwrap_or(file);
+    let first = inner
+        .components()
+        .next()
+        .map(|c| c.as_os_str().to_string_lossy());
+    first.unwrap_or_default().trim_end_matches(".rs").to_owned()
 }
 
 /// How many modules a file lies below the crate's root.
@@ -155,6 +186,21 @@ mod tests {
             later_stages("use super::layout;", CURVATURE, 2).is_empty(),
             "a module of the stage itself"
         );
+    }
+
+    #[test]
+    fn every_folder_is_a_stage_and_every_stage_has_files() {
+        let source = Path::new("src");
+        let stages = ORDER.map(|stage| source.join(stage).join("mod.rs"));
+        assert!(unknown(source, &stages).is_empty());
+        let file = source.join("pipeline.rs");
+        let root = source.join("lib.rs");
+        let with_file: Vec<PathBuf> = stages[..9].iter().cloned().chain([file, root]).collect();
+        assert!(unknown(source, &with_file).is_empty());
+        assert_eq!(unknown(source, &stages[1..]).len(), 1);
+        let strange = source.join("out").join("deep").join("a.rs");
+        let more: Vec<PathBuf> = stages.iter().cloned().chain([strange]).collect();
+        assert_eq!(unknown(source, &more).len(), 1);
     }
 
     #[test]

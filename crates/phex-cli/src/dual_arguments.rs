@@ -1,8 +1,8 @@
 //! The command line of the tools by planes, poles and indicatrices.
 
-use crate::args::{Extras, Limits, Talk};
 use crate::exit::EXIT_CODES;
-use crate::input::number;
+use crate::number_lists::{finite, ten, three};
+use crate::shared_arguments::{Extras, Limits, Talk};
 use crate::steering::positive;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -150,26 +150,11 @@ pub struct DupinCommand {
     pub talk: Talk,
 }
 
-/// Numbers separated by commas.
-pub(crate) fn finite<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
-    let numbers = text.split(',').map(|n| number(n.trim()));
-    let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
-    numbers.try_into().map_err(|_| format!("write {form}"))
-}
-
 fn two(text: &str) -> Result<[u32; 2], String> {
     let numbers = text.split(',').map(|n| n.trim().parse());
     let numbers: Result<Vec<u32>, _> = numbers.collect();
     let pair = numbers.ok().and_then(|n| n.try_into().ok());
     pair.ok_or_else(|| "write M,N".to_owned())
-}
-
-pub(crate) fn three(text: &str) -> Result<[f64; 3], String> {
-    finite(text, "X,Y,Z")
-}
-
-pub(crate) fn ten(text: &str) -> Result<[f64; 10], String> {
-    finite(text, "ten numbers: Q11,Q12,Q13,Q14,Q22,Q23,Q24,Q33,Q34,Q44")
 }
 
 /// A 3x4 matrix; a 3x3 one gets a last column of zeros.

@@ -1,7 +1,7 @@
 //! What can be typed after `phex fab`.
 
-use crate::args::Talk;
 use crate::exit::EXIT_CODES;
+use crate::shared_arguments::Talk;
 use crate::units::{Quantity, Unit};
 use clap::{Args, ValueEnum};
 use phex_fab::{FabOptions, Rotations, Side};

@@ -11,27 +11,32 @@ mod guides;
 mod html;
 mod input;
 mod method_summary;
+mod number_lists;
 mod offset_arguments;
 mod output;
 mod output_folder;
 mod panel_size;
 mod parallel_arguments;
 mod picture_arguments;
+mod printable;
 mod progress;
 mod promise;
 mod settings;
+mod shared_arguments;
 mod size_field;
 mod steering;
 mod summary;
+mod terms;
 mod units;
 mod verdict;
 mod whole_run;
 mod wishes;
 
-use args::{Arguments, ProgressMode, Talk};
+use args::Arguments;
 use clap::Parser;
 use exit::{Exit, Failure, OrExit};
-use output::printable;
+use printable::printable;
+use shared_arguments::{ProgressMode, Talk};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

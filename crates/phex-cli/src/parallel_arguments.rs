@@ -1,7 +1,7 @@
 //! What can be typed after `phex parallel`.
 
-use crate::args::{Extras, Limits, Talk};
 use crate::exit::EXIT_CODES;
+use crate::shared_arguments::{Extras, Limits, Talk};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 

@@ -1,11 +1,11 @@
 //! What can be typed about pictures.
 
-use crate::args::{Limits, Talk};
 use crate::exit::EXIT_CODES;
+use crate::shared_arguments::{Limits, Talk};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use phex::report::maps::{Map, Range};
-use phex::report::picture::PictureOptions;
+use phex_picture::PictureOptions;
+use phex_picture::maps::{Map, Range};
 use std::path::PathBuf;
 
 /// Arguments of `phex render`.

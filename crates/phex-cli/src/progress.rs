@@ -1,7 +1,7 @@
 //! Progress on standard error, and interruption.
 
-use crate::args::{ProgressMode, Talk};
-use crate::output::printable;
+use crate::printable::printable;
+use crate::shared_arguments::{ProgressMode, Talk};
 use crate::whole_run::{WholeProgress, WholeRun};
 use indicatif::{ProgressBar, ProgressStyle};
 use phex::{Event, Progress};

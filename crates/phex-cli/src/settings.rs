@@ -37,7 +37,7 @@ pub struct MeshSettings {
     pub any_domain: bool,
     /// Quadric of `projective-dual`: the ten numbers of the upper triangle of its symmetric matrix Q, row by row [default: the unit sphere about a centre away from all
     /// tangent planes]
-    #[arg(long, value_name = "Q", value_parser = crate::dual_arguments::ten, allow_hyphen_values = true)]
+    #[arg(long, value_name = "Q", value_parser = crate::number_lists::ten, allow_hyphen_values = true)]
     pub quadric: Option<[f64; 10]>,
     /// Hold back vertices where tangent planes meet badly (0.05 to 0.5), and leave planarity to the optimiser; for `tangent-planes`
     #[arg(long, value_name = "X", value_parser = positive)]

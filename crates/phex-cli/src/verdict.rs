@@ -1,18 +1,18 @@
 //! Judging a mesh: limits as they were typed to tolerances, verdicts to exit codes, reports and pictures to files.
 
-use crate::args::{Extras, Limits};
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
 use crate::output::{self, Content};
 use crate::settings::MeshSettings;
+use crate::shared_arguments::{Extras, Limits};
 use crate::units::{Quantity, Unit};
 use anyhow::Context;
 use phex::Boundary;
 use phex::optimise::OptimiseOptions;
 use phex::quality::{Assessment, Check, Reading, References, Scale, Verdict};
-use phex::report::picture::{PictureOptions, draw};
 use phex::report::{OutputFile, RunReport};
 use phex_mesh::{HexMesh, TriangleSurface};
+use phex_picture::{PictureOptions, draw};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;

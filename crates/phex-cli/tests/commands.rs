@@ -285,7 +285,9 @@ fn render_draws_pixels_and_vectors() {
     assert_eq!(&shop.read("a.png")[..8], b"\x89PNG\r\n\x1a\n");
     shop.succeed("render torus.obj -o a.svg --color curvature --surface torus.obj --size 200x150");
     let svg = String::from_utf8(shop.read("a.svg")).unwrap();
-    assert!(svg.contains("<path id=\"p") && svg.contains("parabolic band"));
+    assert!(
+        svg.contains(" id=\"p") && svg.contains("<path d=\"M") && svg.contains("parabolic band")
+    );
     shop.succeed("render torus.obj -o b.svg --color curvature --surface torus.obj --size 200x150");
     assert_eq!(shop.read("a.svg"), shop.read("b.svg"));
 }

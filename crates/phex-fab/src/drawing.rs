@@ -8,65 +8,24 @@
 //! | `SHEET` | the sheet's border and title |
 
 use crate::fabricate::Fabrication;
+use crate::ids::written;
 use crate::labels::PanelText;
+use crate::layer::{Layer, Stroke};
 use crate::nest::Placement;
 use crate::outline::bounds;
-use crate::strokes::strokes;
 use phex_mesh::Vec2;
 use phex_mesh::io::DxfDrawing;
+use phex_picture::strokes::strokes;
 use std::fmt::Write as _;
-
-/// A layer of a drawing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Layer {
-    /// Cut through.
-    Cut,
-    /// Engraved.
-    Engrave,
-    /// To be read only.
-    Label,
-    /// The sheet itself.
-    Sheet,
-}
-
-impl Layer {
-    /// All layers.
-    pub const ALL: [Self; 4] = [Self::Cut, Self::Engrave, Self::Label, Self::Sheet];
-
-    /// Name in the files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Cut => "CUT",
-            Self::Engrave => "ENGRAVE",
-            Self::Label => "LABEL",
-            Self::Sheet => "SHEET",
-        }
-    }
-
-    /// AutoCAD colour number, and the same colour for SVG.
-    fn colour(self) -> (u8, &'static str) {
-        match self {
-            Self::Cut => (1, "#d00000"),
-            Self::Engrave => (5, "#0030c0"),
-            Self::Label => (3, "#008040"),
-            Self::Sheet => (8, "#808080"),
-        }
-    }
-}
-
-/// A polyline on a layer.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stroke {
-    /// The layer.
-    pub layer: Layer,
-    /// Its points, in mm.
-    pub points: Vec<Vec2>,
-    /// Whether the last point is joined to the first.
-    pub closed: bool,
-}
 
 /// Height of a sheet's title, over the sheet's width.
 const TITLE: f64 = 0.02;
+
+/// Path of a sheet's drawing, without extension.
+pub fn sheet_name(fabrication: &Fabrication, number: usize) -> String {
+    let width = fabrication.sheets.len().to_string().len().max(2);
+    format!("sheets/sheet-{:0width$}", number + 1)
+}
 
 /// All lines of one sheet, from its lower left corner. `texts` are those of all panels.
 pub fn sheet(fabrication: &Fabrication, number: usize, texts: &[PanelText]) -> Vec<Stroke> {
@@ -81,7 +40,7 @@ pub fn sheet(fabrication: &Fabrication, number: usize, texts: &[PanelText]) -> V
     let mut lines = vec![line(Layer::Sheet, border.to_vec(), true)];
     let size = TITLE * width.min(height);
     let below = Vec2::new(0.0, -2.0 * size);
-    let title = strokes(&title(fabrication, number), size);
+    let title = strokes(&written(&title(fabrication, number)), size);
     let moved = |s: Vec<Vec2>| line(Layer::Sheet, s.iter().map(|p| p + below).collect(), false);
     lines.extend(title.into_iter().map(moved));
     for placement in &fabrication.sheets[number] {

@@ -1,7 +1,7 @@
 //! Why workshop files can't be made.
 
 use crate::options::Rotations;
-use phex::parallel_mesh::OffsetError;
+use phex::offset::OffsetError;
 use phex_mesh::Invalid;
 use std::fmt;
 use thiserror::Error;

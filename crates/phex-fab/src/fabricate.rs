@@ -8,7 +8,7 @@ use crate::nest::{Placement, SheetLayout, nest};
 use crate::options::FabOptions;
 use crate::plate::{Plate, PlateSide};
 use phex::Progress;
-use phex::parallel_mesh::{
+use phex::offset::{
     GaussImage, OffsetError, OffsetOptions, PanelSolid, face_gauss_image, layer, panel_solids,
     safe_distances,
 };
@@ -109,6 +109,27 @@ pub fn valid_mesh(
 }
 
 /// Makes panels of a mesh and puts them on sheets.
+///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::Silent;
+/// use phex_fab::folder::files;
+/// use phex_fab::{FabOptions, PanelIds, fabricate};
+/// use phex_mesh::{ValidateOptions, validate};
+///
+/// let ids = PanelIds::new(&cube);
+/// let mesh = validate(cube, None, &ValidateOptions::default())?;
+/// let fabrication = fabricate(mesh, ids, FabOptions::default(), &Silent)?;
+/// assert_eq!(fabrication.plates.len(), 6);
+/// let names: Vec<String> = files(&fabrication)?.into_iter().map(|(name, _)| name).collect();
+/// assert!(names.contains(&"sheets/sheet-01.dxf".to_owned()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// If an option is out of range, the thickness goes past the safe offset, the gap eats up a panel, or a panel does not fit

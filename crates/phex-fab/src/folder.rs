@@ -10,12 +10,12 @@
 //! | `mesh.json` | the mesh for COMPAS, panels with their names and measures |
 //! | `fab.json` | options, counts, use of sheets |
 
-use crate::drawing::{dxf, sheet, svg};
+use crate::drawing::{dxf, sheet, sheet_name, svg};
 use crate::error::FabError;
 use crate::fabricate::Fabrication;
 use crate::plate::Plate;
 use crate::schedule::{csv, tables, xlsx};
-use phex::parallel_mesh::joined;
+use phex::offset::joined;
 use phex_mesh::io::{
     DxfDrawing, FaceAttributes, Format, compas_json, obj_of_objects, write_soup_to,
 };
@@ -24,12 +24,6 @@ use serde_json::{Value, json};
 
 /// One file: its path in the folder, with `/` between its parts, and its bytes.
 pub type File = (String, Vec<u8>);
-
-/// Path of a sheet's drawing, without extension.
-pub fn sheet_name(fabrication: &Fabrication, number: usize) -> String {
-    let width = fabrication.sheets.len().to_string().len().max(2);
-    format!("sheets/sheet-{:0width$}", number + 1)
-}
 
 /// All files.
 ///

@@ -12,8 +12,8 @@
 //! *Edges* and *nodes* are `E0001` and `N0001`, in the order of the mesh.
 
 use crate::rows::rows;
-use crate::strokes::is_drawn;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerFace, Vec3, VertexId};
+use phex_picture::strokes::{SLASHED_ZERO, is_drawn};
 use std::collections::HashSet;
 
 /// Names of all panels of a mesh.
@@ -78,6 +78,13 @@ const LONGEST: usize = 32;
 /// Checks that a text can be the name of a panel: 1 to 32 letters A to Z, digits, blanks and `.-_+/:%°`, no blank at either end,
 /// and none of the signs with which a spreadsheet's formulas begin at the start.
 ///
+/// ```
+/// use phex_fab::ids::check_name;
+///
+/// assert!(check_name("North 12-B").is_ok());
+/// assert!(check_name("=A1").is_err());
+/// ```
+///
 /// # Errors
 /// Says what is wrong.
 pub fn check_name(name: &str) -> Result<(), String> {
@@ -95,7 +102,9 @@ pub fn check_name(name: &str) -> Result<(), String> {
             "the name {name:?} begins with {first:?}, as formulas of spreadsheets do"
         ));
     }
-    if let Some(sign) = name.chars().find(|&c| c != ' ' && !is_drawn(c)) {
+    // Commas part the columns of tables.
+    let is_fit = |c| c == ' ' || !(c == ',' || c == SLASHED_ZERO) && is_drawn(c);
+    if let Some(sign) = name.chars().find(|&c| !is_fit(c)) {
         return Err(format!(
             "the name {name:?} holds {sign:?}, which can't be engraved: take letters A to Z, digits, blanks and .-_+/:%°"
         ));
@@ -109,6 +118,11 @@ pub fn check_name(name: &str) -> Result<(), String> {
 /// A name as it is engraved: two names that are the same here can't be told apart.
 pub fn engraved(name: &str) -> String {
     name.to_ascii_uppercase()
+}
+
+/// A text in the characters that are engraved: a zero is no letter.
+pub fn written(text: &str) -> String {
+    engraved(text).replace('0', &SLASHED_ZERO.to_string())
 }
 
 /// Name of an edge.

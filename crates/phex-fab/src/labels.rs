@@ -3,12 +3,13 @@
 //! Texts stay inside the panel's upper face and off one another, with a margin. They are as large as asked for where there is
 //! room; where there is not, all texts of the panel shrink, down to 2 mm. What does not fit then is left out and said.
 
-use crate::drawing::{Layer, Stroke};
+use crate::ids::written;
+use crate::layer::{Layer, Stroke};
 use crate::outline::{bounds, holds, outward, sides};
 use crate::plate::Plate;
-use crate::strokes::{strokes, width};
 use phex_mesh::Vec2;
 use phex_mesh::polygon::{point_segment_distance, segments_touch};
+use phex_picture::strokes;
 
 /// Height of a side's text over that of the name.
 const SIDE: f64 = 0.6;
@@ -121,7 +122,8 @@ impl Frame {
         let [start, ..] = self.corners(0.0);
         let (u, v) = (self.along, Vec2::new(-self.along.y, self.along.x));
         let place = move |p: Vec2| start + u * (p.x + skip) + v * p.y;
-        strokes(text, height).into_iter().map(move |line| Stroke {
+        let lines = strokes::strokes(&written(text), height);
+        lines.into_iter().map(move |line| Stroke {
             layer,
             points: line.into_iter().map(place).collect(),
             closed: false,
@@ -137,7 +139,8 @@ fn attempt(
     spots: &[(f64, Vec2)],
 ) -> PanelText {
     let mut placed = PanelText::default();
-    let frame = |&(_, p): &(f64, Vec2)| Frame::new(p, Vec2::x(), width(name, height), height);
+    let wide = width(name, height);
+    let frame = |&(_, p): &(f64, Vec2)| Frame::new(p, Vec2::x(), wide, height);
     let margin = MARGIN * height;
     match spots
         .iter()
@@ -155,6 +158,11 @@ fn attempt(
         place_side(plate, text, small, &mut placed);
     }
     placed
+}
+
+/// Width of a text as it is engraved.
+fn width(text: &str, height: f64) -> f64 {
+    strokes::width(&written(text), height)
 }
 
 fn place_side(plate: &Plate, text: &SideText, height: f64, placed: &mut PanelText) {
@@ -205,8 +213,7 @@ fn upright(d: Vec2) -> Vec2 {
 
 impl PanelText {
     fn add(&mut self, frame: &Frame, [first, second]: [(&str, Layer); 2], height: f64) {
-        let skip = width(&format!("{} ", first.0), height) + width("  ", height)
-            - 2.0 * width(" ", height);
+        let skip = strokes::advance(&written(&format!("{} ", first.0)), height);
         self.strokes
             .extend(frame.write(first.0, height, 0.0, first.1));
         self.strokes

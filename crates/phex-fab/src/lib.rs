@@ -6,10 +6,10 @@
 //! | [`options`] | what is asked for |
 //! | [`ids`], [`rows`](mod@rows) | names of panels, edges and nodes |
 //! | [`plate`] | thick panels, and each of them flat, with its mitre angles |
-//! | [`strokes`] | a single-line font |
 //! | [`labels`] | where text goes on a panel |
 //! | [`cluster`], [`groups`] | congruent panels, equal lengths and angles |
 //! | [`nest`] | panels on sheets |
+//! | [`layer`] | lines of drawings, and their layers |
 //! | [`drawing`] | sheets as DXF and SVG |
 //! | [`schedule`] | tables as CSV and XLSX |
 //! | [`folder`] | all files, by name |
@@ -29,13 +29,13 @@ pub mod folder;
 pub mod groups;
 pub mod ids;
 pub mod labels;
+pub mod layer;
 pub mod nest;
 pub mod options;
 mod outline;
 pub mod plate;
 pub mod rows;
 pub mod schedule;
-pub mod strokes;
 #[cfg(test)]
 mod test_meshes;
 

@@ -5,7 +5,7 @@
 //! the building.
 
 use crate::outline;
-use phex::parallel_mesh::PanelSolid;
+use phex::offset::PanelSolid;
 use phex_mesh::polygon::{interior_angles, signed_area};
 use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, Vec2, Vec3};
 

@@ -3,7 +3,7 @@
 use crate::mesh_data::{MeshData, numbers, points};
 use crate::thin::thinned;
 use crate::{CurveFamily, Report};
-use phex::parallel_mesh::{
+use phex::offset::{
     GaussImage, OffsetOptions, edge_gauss_image, face_gauss_image, safe_distances,
     vertex_gauss_image,
 };

@@ -8,8 +8,8 @@ use crate::viewer_data::{MOST_OFFENDERS, ViewerData, offenders};
 use crate::{CurveFamily, Report};
 use phex::curvature::Principal;
 use phex::quality::{Assessment, Verdict};
-use phex::report::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 use phex_mesh::{FaceId, Vec3};
+use phex_picture::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 
 const STYLE: &str = include_str!("report.css");
 /// What the page may load: its own scripts, styles and pictures, and nothing from anywhere else.

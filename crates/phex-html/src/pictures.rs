@@ -2,9 +2,9 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use phex::report::maps::ColourMap;
-use phex::report::picture::{Picture, PictureOptions, draw_map};
 use phex_mesh::HexMesh;
+use phex_picture::maps::ColourMap;
+use phex_picture::{Picture, PictureOptions, draw_map};
 
 /// An opaque picture as PNG.
 ///

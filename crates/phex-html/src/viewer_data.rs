@@ -4,8 +4,8 @@ use crate::Report;
 use crate::layers::{Curves, Gauss, Start, Surface, other_gauss_images};
 use crate::mesh_data::{MeshData, floats, numbers};
 use phex::quality::{Check, ElementKind};
-use phex::report::maps::{ColourMap, Coloured, Scale};
 use phex_mesh::{FaceId, HexMesh, Vec3, Violation};
+use phex_picture::maps::{ColourMap, Coloured, Scale};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -17,6 +17,20 @@ pub struct HexMesh {
 impl HexMesh {
     /// Builds a mesh from positions and faces (vertex numbers from 0, counter-clockwise).
     ///
+    /// ```
+    /// use phex_mesh::{HexMesh, Vec3};
+    ///
+    /// // A unit cube, its faces counter-clockwise from outside.
+    /// let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+    /// let faces = [
+    ///     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+    /// ];
+    /// let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+    /// assert_eq!(cube.topology().euler_characteristic(), 2);
+    /// assert_eq!(cube.mean_edge(), 1.0);
+    /// # Ok::<(), phex_mesh::TopologyError>(())
+    /// ```
+    ///
     /// # Errors
     /// If the faces are not an oriented manifold that uses every vertex.
     pub fn new<F: AsRef<[u32]>>(positions: Vec<Vec3>, faces: &[F]) -> Result<Self, TopologyError> {
@@ -80,6 +94,22 @@ impl HexMesh {
         let bounds = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lo.inf(p), hi.sup(p));
         let (lo, hi) = self.positions.iter().fold((first, first), bounds);
         (hi - lo).norm()
+    }
+
+    /// Mean of the unit normals of the faces at a vertex, normalised; 0 where they cancel out.
+    pub fn mean_normal(&self, v: VertexId) -> Vec3 {
+        let normal = |f| self.area_vector(f).try_normalize(0.0).unwrap_or_default();
+        let faces = self.topology.outgoing(v).map(|h| self.topology.face(h));
+        let sum: Vec3 = faces.map(normal).sum();
+        sum.try_normalize(1e-12).unwrap_or_default()
+    }
+
+    /// Twice the area vector of a face.
+    fn area_vector(&self, f: FaceId) -> Vec3 {
+        let corners: Vec<Vec3> = self.corners(f).collect();
+        let shifted = |i: usize| corners[i % corners.len()] - corners[0];
+        let sides = 1..corners.len();
+        sides.map(|i| shifted(i).cross(&shifted(i + 1))).sum()
     }
 
     /// Position of a vertex.

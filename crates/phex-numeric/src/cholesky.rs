@@ -37,6 +37,18 @@ pub struct Cholesky {
 impl Cholesky {
     /// Analyses and factorises `matrix`.
     ///
+    /// ```
+    /// # use phex_numeric::SymmetricMatrix;
+    /// # let entries = [(0, 0, 4.0), (1, 0, 1.0), (1, 1, 3.0)];
+    /// # let matrix = SymmetricMatrix::from_triplets(2, entries.into_iter())?;
+    /// use phex_numeric::Cholesky;
+    ///
+    /// let mut x = [6.0, 7.0];
+    /// Cholesky::new(&matrix)?.solve(&mut x);
+    /// assert!((x[0] - 1.0).abs() < 1e-15 && (x[1] - 2.0).abs() < 1e-15);
+    /// # Ok::<(), phex_numeric::NumericError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`NumericError::NotPositiveDefinite`], or [`NumericError::TooLarge`] if the factor does not fit.
     pub fn new(matrix: &SymmetricMatrix) -> Result<Self, NumericError> {

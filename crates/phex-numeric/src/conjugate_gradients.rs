@@ -34,6 +34,22 @@ pub struct ConjugateGradientResult {
 
 /// Solves `A x = b` from the given `x`; `apply(p, y)` writes `A p` into `y`, `diagonal` is that of `A`.
 ///
+/// ```
+/// # use phex_numeric::SymmetricMatrix;
+/// # let entries = [(0, 0, 4.0), (1, 0, 1.0), (1, 1, 3.0)];
+/// # let matrix = SymmetricMatrix::from_triplets(2, entries.into_iter())?;
+/// use phex_numeric::{ConjugateGradientOptions, Status, conjugate_gradients};
+///
+/// let diagonal: Vec<f64> = matrix.diagonal().collect();
+/// let mut x = [0.0; 2];
+/// let options = ConjugateGradientOptions::default();
+/// let apply = |p: &[f64], y: &mut [f64]| matrix.mul(p, y);
+/// let result = conjugate_gradients(apply, &diagonal, &[6.0, 7.0], &mut x, &options);
+/// assert_eq!(result.status, Status::Converged);
+/// assert!((x[1] - 2.0).abs() < 1e-9);
+/// # Ok::<(), phex_numeric::NumericError>(())
+/// ```
+///
 /// # Panics
 /// If the lengths differ.
 pub fn conjugate_gradients<T: Float>(

@@ -131,6 +131,51 @@ impl DampedSolver {
     /// Minimises from `x`, in place. `observe` hears of every iteration and may break off.
     ///
     /// `Converged` means that the energy or the step no longer changes by more than the tolerances.
+    ///
+    /// ```
+    /// use phex_numeric::{Cholesky, DampedOptions, DampedProblem, DampedSolver, Damping};
+    /// use phex_numeric::{Status, SymmetricMatrix};
+    /// use std::ops::ControlFlow;
+    ///
+    /// /// `(x - 3)^2`, where `x` must stay positive.
+    /// struct Parabola(f64);
+    ///
+    /// impl DampedProblem for Parabola {
+    ///     fn energy(&mut self, x: &[f64]) -> f64 {
+    ///         self.0 = x[0] - 3.0;
+    ///         if x[0] > 0.0 { self.0.powi(2) } else { f64::INFINITY }
+    ///     }
+    ///     fn linearise(&mut self, x: &[f64], gradient: &mut [f64], hessian: &mut SymmetricMatrix) {
+    ///         gradient[0] = 2.0 * (x[0] - 3.0);
+    ///         hessian.values_mut()[0] = 2.0;
+    ///     }
+    ///     fn step_bound(&mut self, x: &[f64], step: &[f64]) -> f64 {
+    ///         if x[0] + step[0] > 0.0 { 1.0 } else { 0.5 * x[0] / -step[0] }
+    ///     }
+    ///     fn step_length(&self, step: &[f64]) -> f64 {
+    ///         step[0].abs()
+    ///     }
+    ///     fn residual(&self) -> f64 {
+    ///         self.0.abs()
+    ///     }
+    /// }
+    ///
+    /// let hessian = SymmetricMatrix::from_triplets(1, [(0, 0, 2.0)].into_iter())?;
+    /// let mut solver = DampedSolver::new(Cholesky::new(&hessian)?, hessian);
+    /// let options = DampedOptions {
+    ///     max_iterations: 30,
+    ///     energy_tolerance: 1e-15,
+    ///     step_tolerance: 1e-9,
+    ///     phase: 0.0,
+    /// };
+    /// let (mut problem, mut x) = (Parabola(0.0), [1.0]);
+    /// let observe = |_: &_| ControlFlow::Continue(());
+    /// let damping = &mut Damping::default();
+    /// let outcome = solver.minimise(&mut problem, &mut x, damping, &options, observe);
+    /// assert_eq!(outcome.status, Status::Converged);
+    /// assert!((x[0] - 3.0).abs() < 1e-6);
+    /// # Ok::<(), phex_numeric::NumericError>(())
+    /// ```
     pub fn minimise(
         &mut self,
         problem: &mut impl DampedProblem,

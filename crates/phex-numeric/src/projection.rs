@@ -91,6 +91,50 @@ impl MinimumNorm {
     }
 
     /// Projects `x`, in place. `observe` hears of every iteration and may break off.
+    ///
+    /// ```
+    /// use phex_numeric::{Cholesky, Constraints, MinimumNorm, ProjectionOptions};
+    /// use phex_numeric::{Status, SymmetricMatrix};
+    /// use std::ops::ControlFlow;
+    ///
+    /// /// Points of the unit circle: `x^2 + y^2 = 1`.
+    /// struct Circle([f64; 2]);
+    ///
+    /// impl Constraints for Circle {
+    ///     fn linearise(&mut self, x: &[f64], values: &mut [f64], normal: &mut SymmetricMatrix) {
+    ///         self.0 = [2.0 * x[0], 2.0 * x[1]];
+    ///         values[0] = x[0] * x[0] + x[1] * x[1] - 1.0;
+    ///         normal.values_mut()[0] = self.0[0].powi(2) + self.0[1].powi(2);
+    ///     }
+    ///     fn transposed(&self, y: &[f64], d: &mut [f64]) {
+    ///         d.copy_from_slice(&[self.0[0] * y[0], self.0[1] * y[0]]);
+    ///     }
+    ///     fn step_bound(&mut self, _: &[f64], _: &[f64]) -> f64 {
+    ///         1.0
+    ///     }
+    ///     fn admissible(&mut self, x: &[f64]) -> Option<f64> {
+    ///         Some((x[0] * x[0] + x[1] * x[1] - 1.0).abs())
+    ///     }
+    ///     fn step_length(&self, step: &[f64]) -> f64 {
+    ///         step[0].hypot(step[1])
+    ///     }
+    /// }
+    ///
+    /// let normal = SymmetricMatrix::from_triplets(1, [(0, 0, 1.0)].into_iter())?;
+    /// let mut projection = MinimumNorm::new(Cholesky::new(&normal)?, normal);
+    /// let options = ProjectionOptions {
+    ///     max_iterations: 30,
+    ///     goal: 1e-14,
+    ///     tolerance: 1e-12,
+    ///     phase: 0.0,
+    /// };
+    /// let mut point = [0.0, 2.0];
+    /// let observe = |_: &_| ControlFlow::Continue(());
+    /// let outcome = projection.project(&mut Circle([0.0; 2]), &mut point, &options, observe);
+    /// assert_eq!(outcome.status, Status::Converged);
+    /// assert!((point[1] - 1.0).abs() < 1e-9);
+    /// # Ok::<(), phex_numeric::NumericError>(())
+    /// ```
     pub fn project(
         &mut self,
         problem: &mut impl Constraints,

@@ -73,6 +73,17 @@ impl SymmetricMatrix {
     /// Triplets with `row < column` are ignored, so that both triangles, or only the lower one, may be
     /// given. Several triplets at one place are added in the order in which they come.
     ///
+    /// ```
+    /// use phex_numeric::SymmetricMatrix;
+    ///
+    /// let entries = [(0, 0, 4.0), (1, 0, 1.0), (1, 1, 3.0)];
+    /// let matrix = SymmetricMatrix::from_triplets(2, entries.into_iter())?;
+    /// let mut product = [0.0; 2];
+    /// matrix.mul(&[1.0, 2.0], &mut product);
+    /// assert_eq!(product, [6.0, 7.0]);
+    /// # Ok::<(), phex_numeric::NumericError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`NumericError::IndexOutOfRange`] if a row or a column is not below `n`.
     pub fn from_triplets(

@@ -4,7 +4,7 @@
 //! covered with panels and offset. Each line: panels, safe distances in diagonals, and for offsets by half of them (a tenth of a diagonal at the
 //! most) the largest error of a face's distance in diagonals, the largest height of a corner over its plane in mean edges, and the estimate.
 
-use phex::parallel_mesh::{
+use phex::offset::{
     OffsetKind, OffsetOptions, distance_error, face_gauss_image, face_offset, layer, safe_distances,
 };
 use phex::{MeshOptions, PanelSize, Silent, mesh_surface};

@@ -3,9 +3,9 @@
 //! `cargo run -p phex --example koebe_dome -- FOLDER` writes the Koebe mesh, the dome and its second layer as OBJ.
 
 use phex::Silent;
-use phex::parallel_mesh::edge_offset::{edge_distances, edge_offset};
-use phex::parallel_mesh::fit::{FitOptions, fit_parallel};
-use phex::parallel_mesh::koebe::{KoebeOptions, koebe};
+use phex::koebe::{KoebeOptions, koebe};
+use phex::offset::edge_offset::{edge_distances, edge_offset};
+use phex::offset::fit::{FitOptions, fit_parallel};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{HexMesh, Vec3};
 use std::collections::HashMap;

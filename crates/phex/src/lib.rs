@@ -1,6 +1,6 @@
 //! From a surface to a planar hexagonal mesh.
 //!
-//! Data flows `target -> curvature -> directions -> layout -> optimise -> trim -> parallel_mesh -> report`; a stage uses
+//! Data flows `target -> curvature -> directions -> layout -> optimise -> trim -> koebe -> offset -> report`; a stage uses
 //! earlier stages only.
 //!
 //! | stage | what it computes |
@@ -11,15 +11,17 @@
 //! | [`layout`] | the panelling's connectivity and first positions |
 //! | [`optimise`] | planar, simple panels close to the surface |
 //! | [`trim`] | panels of an extended surface brought back to its boundary |
-//! | [`parallel_mesh`] | offsets, Gauss images, layers and solid panels |
-//! | [`report`] | what was reached: figures, checks, verdict, a picture |
+//! | [`koebe`] | polyhedra and patches whose edges touch the unit sphere |
+//! | [`offset`] | parallel meshes: offsets, Gauss images, layers and solid panels |
+//! | [`report`] | what was reached: figures, checks, verdict |
 
 pub mod curvature;
 pub mod directions;
 mod ground;
+pub mod koebe;
 pub mod layout;
+pub mod offset;
 pub mod optimise;
-pub mod parallel_mesh;
 pub mod pipeline;
 pub mod progress;
 pub mod quality;
@@ -27,6 +29,8 @@ pub mod ranges;
 pub mod report;
 pub mod search;
 pub mod target;
+#[cfg(test)]
+mod test_meshes;
 pub mod trim;
 
 pub use ground::{Beyond, continued};

@@ -4,10 +4,11 @@ mod common;
 
 use common::{Stages, figures, genus_two, punched_plane, shape, valences};
 use phex::directions::{DirectionOptions, Directions};
+use phex::layout::clusters::seeds;
 use phex::layout::dislocations::annihilate;
 use phex::layout::lattice::{Charts, Eisenstein, Plane};
 use phex::layout::seamless::{Offsets, factorised, solve_offsets};
-use phex::layout::seeds::{Seed, seeds};
+use phex::layout::seeds::Seed;
 use phex::layout::voronoi::{UNREACHED, grow};
 use phex::layout::{Layout, LayoutOptions, VertexKind, place_seeds, polish, waves};
 use phex_mesh::{FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};

@@ -1,12 +1,12 @@
 //! Offsets of meshes that the pipeline makes.
 
-use phex::optimise::{AngleOptions, SurfaceTarget, satisfy_angle_condition};
-use phex::parallel_mesh::face_offset::face_normals;
-use phex::parallel_mesh::solids::volume;
-use phex::parallel_mesh::{
+use phex::offset::face_offset::face_normals;
+use phex::offset::solids::volume;
+use phex::offset::{
     OffsetError, OffsetOptions, PanelSolid, beam_axes, face_gauss_image, face_offset, layer,
     panel_solids, safe_distances, vertex_gauss_image,
 };
+use phex::optimise::{AngleOptions, SurfaceTarget, satisfy_angle_condition};
 use phex::pipeline::Method;
 use phex::trim::Boundary;
 use phex::{MeshOptions, PanelSize, Silent, mesh_surface};

@@ -1,6 +1,6 @@
 //! Vertex normals against 80-digit references (`reference/vertex_normals.py`).
 
-use phex::parallel_mesh::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};
+use phex::offset::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};
 use phex_mesh::Vec3;
 use std::collections::BTreeMap;
 

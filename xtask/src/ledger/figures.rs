@@ -1,12 +1,8 @@
 //! The figures of a row: where each stands in the report, which way is better, and by how much it may differ by chance.
 
-use super::run::Entry;
+use super::entries::{Entry, Figures};
 use serde_json::Value;
-use std::collections::BTreeMap;
 use wait4::ResUse;
-
-/// Figures by name; one that does not exist (the boundary of a closed surface) is left out.
-pub type Figures = BTreeMap<String, f64>;
 
 /// Which way a figure is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

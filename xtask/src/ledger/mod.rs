@@ -3,6 +3,7 @@
 //! `rows` is the list, `made` the surfaces that no file holds, `run` makes a row, `figures` reads and compares its figures,
 //! `table` writes them. The committed `docs/ledger.json` is the yardstick.
 
+mod entries;
 mod figures;
 mod implicit;
 mod made;
@@ -11,8 +12,9 @@ mod rows;
 mod run;
 mod table;
 
+use entries::{Entry, Ledger};
 use rows::Row;
-use run::{Entry, Ledger, Runner};
+use run::Runner;
 use std::path::{Path, PathBuf};
 
 pub use reference::run as reference;

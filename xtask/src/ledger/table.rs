@@ -1,7 +1,7 @@
 //! The ledger for people: a table of all rows, and what changed.
 
+use super::entries::{Entry, Ledger};
 use super::figures::{Better, FIGURES, Figure, Scope, compare};
-use super::run::{Entry, Ledger};
 use std::fmt::Write;
 
 /// One row while the ledger is being made.

@@ -1,10 +1,10 @@
 //! Delivering a mesh that was made: files, table, exit code. Every command that makes a mesh ends here.
 
 use super::tell;
-use crate::args::{Extras, Talk};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::output::{Content, write_mesh};
+use crate::shared_arguments::{Extras, Talk};
 use crate::summary;
 use crate::verdict::{TypedLimits, exit_of, written};
 use phex::quality::{References, Verdict};

@@ -1,12 +1,12 @@
 //! `phex dual`: the dual of a mesh with respect to a quadric.
 
 use super::deliver::{Delivery, judged, outputs};
-use crate::args::Limits;
 use crate::dual_arguments::DualCommand;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::input::MeshFile;
 use crate::output::check_writable;
+use crate::shared_arguments::Limits;
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
 use anyhow::Context;

@@ -1,16 +1,17 @@
 //! `phex koebe`: the mesh of a given graph whose edges touch the unit sphere.
 
 use super::deliver::{Delivery, judged, outputs};
-use crate::args::{KoebeBoundary, KoebeCommand, Limits};
+use crate::args::{KoebeBoundary, KoebeCommand};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::input::MeshFile;
 use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
+use crate::shared_arguments::Limits;
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use phex::parallel_mesh::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
+use phex::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
 use phex_mesh::HexMesh;
 use serde_json::json;
 

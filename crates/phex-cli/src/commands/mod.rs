@@ -20,8 +20,6 @@ mod shape;
 mod subdivide;
 mod terms;
 
-pub use terms::TERMS;
-
 use crate::args::Command;
 use crate::exit::{Exit, Failure};
 use crate::output;

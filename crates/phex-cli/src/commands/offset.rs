@@ -15,7 +15,7 @@ use crate::output::{check_writable, write_text};
 use crate::progress::is_interrupted;
 use base::{Base, Layer};
 use files::Files;
-use phex::parallel_mesh::OffsetOptions;
+use phex::offset::OffsetOptions;
 use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, PerFace, ValidateOptions};
 use std::path::Path;

@@ -1,12 +1,12 @@
 //! `phex power-diagram`: polyhedra from sites in the plane, on spheres and ellipsoids.
 
 use super::deliver::{Delivery, judged, outputs};
-use crate::args::Limits;
 use crate::dual_arguments::PowerCommand;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::input::{NumberLine, read_numbers};
 use crate::output::check_writable;
+use crate::shared_arguments::Limits;
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
 use anyhow::Context;

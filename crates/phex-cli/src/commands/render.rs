@@ -7,9 +7,9 @@ use crate::output::{Content, check_writable, write_picture, write_text};
 use crate::picture_arguments::RenderCommand;
 use crate::verdict::TypedLimits;
 use phex::quality::References;
-use phex::report::maps::{Class, ColourMap, Coloured, Map, Range, Rgb, Scale, Subject};
-use phex::report::picture::{draw_svg, draw_with_curves};
 use phex_mesh::HexMesh;
+use phex_picture::maps::{Class, ColourMap, Coloured, Map, Range, Rgb, Scale, Subject};
+use phex_picture::{draw_svg, draw_with_curves};
 use std::path::Path;
 
 /// The formats of pictures.

@@ -11,7 +11,8 @@ use crate::progress::{Reporter, is_interrupted};
 use crate::summary::Table;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use phex::layout::dual_subdivision::{SubdivisionRule, clear_quadric, dual_subdivision, one_sign};
+use phex::layout::dual_subdivision::{clear_quadric, dual_subdivision, one_sign};
+use phex::layout::duality::SubdivisionRule;
 use phex_mesh::{HexMesh, TriangleSurface, measure};
 use serde_json::json;
 

@@ -34,7 +34,7 @@ fn row(fabrication: &Fabrication, number: usize) -> Vec<Cell> {
     let reach = fabrication.reach(number);
     vec![
         (number + 1).into(),
-        crate::folder::sheet_name(fabrication, number).into(),
+        crate::drawing::sheet_name(fabrication, number).into(),
         length.into(),
         width.into(),
         sheet.len().into(),

@@ -116,6 +116,18 @@ pub fn read_soup(path: &Path) -> Result<PolygonSoup, ReadError> {
 
 /// Reads a mesh from the bytes of a file.
 ///
+/// ```
+/// use phex_mesh::TriangleSurface;
+/// use phex_mesh::io::{Format, parse_soup};
+///
+/// let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+/// let soup = parse_soup(square, Format::Obj)?;
+/// let parts = TriangleSurface::from_soup(&soup)?;
+/// assert_eq!(parts.notes.cut_polygons, 1);
+/// assert_eq!(parts.components[0].surface.area(), 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the bytes hold no well-formed mesh with at least one face.
 pub fn parse_soup(bytes: &[u8], format: Format) -> Result<PolygonSoup, ReadError> {
@@ -158,6 +170,21 @@ pub fn write_soup(path: &Path, soup: &PolygonSoup) -> Result<(), WriteError> {
 }
 
 /// Writes a mesh in a given format.
+///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex_mesh::io::{Format, write_soup_to};
+///
+/// let mut file = Vec::new();
+/// write_soup_to(&mut file, &cube.to_soup(), Format::Off)?;
+/// assert!(file.starts_with(b"OFF"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// If a coordinate is not finite (for STL and glTF: not finite in single precision), a face has fewer than three corners

@@ -136,6 +136,19 @@ pub struct ElementMeasures {
 }
 
 /// Measures a mesh, valid or not.
+///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// let measures = phex_mesh::measure(&cube);
+/// assert_eq!((measures.faces, measures.degree3), (6, 1.0));
+/// assert_eq!(measures.per_element.planarity_length.iter().copied().fold(0.0, f64::max), 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn measure(mesh: &HexMesh) -> MeshMeasures {
     let topology = mesh.topology();
     let mean_edge = mesh.mean_edge();

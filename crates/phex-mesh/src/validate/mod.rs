@@ -116,6 +116,25 @@ impl std::error::Error for Invalid {}
 
 /// Wraps a mesh that has no violation.
 ///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex_mesh::{ValidateOptions, VertexId, validate};
+///
+/// let options = ValidateOptions::default();
+/// assert!(validate(cube.clone(), None, &options).is_ok());
+///
+/// let mut bent = cube.clone();
+/// bent.positions[VertexId::new(7)].z += 0.1;
+/// let refused = validate(bent, None, &options).unwrap_err();
+/// assert_eq!(refused.violations[0].kind(), "not_planar");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If there is a violation; the mesh is given back with all of them.
 pub fn validate(

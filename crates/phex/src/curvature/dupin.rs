@@ -44,6 +44,21 @@ pub struct Indicatrix {
 
 impl Indicatrix {
     /// At a point of a surface whose curvature is known at its vertices.
+    ///
+    /// ```
+    /// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+    /// # let options = TriangulationOptions { triangles: 2000, ..Default::default() };
+    /// # let sphere = triangulate(&Shape::from_name("sphere", &[])?, &options)?;
+    /// use phex::curvature::dupin::Indicatrix;
+    /// use phex::curvature::{CurvatureOptions, curvature};
+    /// use phex_mesh::Vec3;
+    ///
+    /// let curvature = curvature(&sphere, 0.2, &CurvatureOptions::default());
+    /// let point = sphere.closest_point(Vec3::new(0.0, 0.0, 2.0));
+    /// // Where K > 0 it is one closed curve.
+    /// assert_eq!(Indicatrix::at(&point, &sphere, &curvature).curves(0.1).len(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn at(point: &SurfacePoint, surface: &TriangleSurface, curvature: &Curvature) -> Self {
         let corners = surface.topology().face_vertices(point.triangle);
         let weights = || corners.iter().zip(point.barycentric);

@@ -58,6 +58,18 @@ pub struct Curvature {
 }
 
 /// Curvature of `surface` at the scale of panels of length `panel_length` (model units of the surface).
+///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let options = TriangulationOptions { triangles: 2000, ..Default::default() };
+/// # let sphere = triangulate(&Shape::from_name("sphere", &[])?, &options)?;
+/// use phex::curvature::{CurvatureOptions, curvature};
+///
+/// let found = curvature(&sphere, 0.2, &CurvatureOptions::default());
+/// // Of radius 1.
+/// assert!(found.principal().iter().all(|p| (p.large - 1.0).abs() < 0.05));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn curvature(
     surface: &TriangleSurface,
     panel_length: f64,

@@ -137,6 +137,20 @@ impl Directions {
 
 /// Metric and field for panels of one length.
 ///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let options = TriangulationOptions { triangles: 2000, ..Default::default() };
+/// # let sphere = triangulate(&Shape::from_name("sphere", &[])?, &options)?;
+/// use phex::curvature::{CurvatureOptions, curvature};
+/// use phex::directions::{DirectionOptions, directions};
+///
+/// let curvature = curvature(&sphere, 0.2, &CurvatureOptions::default());
+/// let found = directions(&sphere, &curvature, 0.2, &DirectionOptions::default())?;
+/// // Six times the Euler characteristic: twelve pentagons.
+/// assert_eq!(found.cone.iter().sum::<i32>(), 12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`directions_sized`].
 pub fn directions(

@@ -4,14 +4,15 @@
 //! turned then, and neighbours are near each other in memory.
 
 use super::boundary::Pin;
-use super::lattice::{Charts, Plane, Transition, rotate};
-use super::seamless::ANCHOR;
-use super::waves::waves;
+use super::lattice::{Charts, Plane, Transition, rotate, waves};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::rosy::{push_block, rough_solution};
 use phex_mesh::{EdgeId, PerVertex, Topology, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::collections::VecDeque;
+
+/// Weight, over the area, of the hold on the offsets before.
+pub(super) const ANCHOR: f64 = 1e-8;
 
 /// A spanning tree along which charts agree once they are turned.
 pub(super) struct Combing {

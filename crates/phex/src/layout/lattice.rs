@@ -3,6 +3,7 @@
 use crate::directions::Directions;
 use nalgebra::Complex;
 use phex_mesh::{EdgeId, HalfEdgeId, PerEdge, Topology};
+use std::f64::consts::TAU;
 use std::ops::{Add, AddAssign, Neg, Sub};
 
 /// Complex numbers: positions in a tangent plane, in lattice spacings.
@@ -199,6 +200,17 @@ pub fn reciprocal(m: usize) -> Plane {
         2 => Plane::new(-1.0, THIRD),
         m => -reciprocal(m - 3),
     }
+}
+
+/// The three waves of a lattice offset.
+pub(super) fn waves(z: Plane) -> [Plane; 3] {
+    let [first, second] = [0, 1].map(|m| Plane::from_polar(1.0, TAU * dot(reciprocal(m), z)));
+    [first, second, third(first, second)]
+}
+
+/// The reciprocal vectors are a sixth of a turn apart, so that the third is the second less the first.
+pub(super) fn third(first: Plane, second: Plane) -> Plane {
+    second * first.conj()
 }
 
 /// Real scalar product of two plane vectors.

@@ -18,6 +18,7 @@ pub mod boundary_nodes;
 pub mod brick_wall;
 pub mod cells;
 mod chart_graph;
+pub mod clusters;
 pub mod dislocations;
 pub mod domain;
 pub mod dual_subdivision;
@@ -178,7 +179,7 @@ pub fn place_seeds(
         distortion_p95,
     };
     Ok(Placed {
-        seeds: seeds::seeds(topology, mesh, &charts, &offsets),
+        seeds: clusters::seeds(topology, mesh, &charts, &offsets),
         statistics,
     })
 }

@@ -4,8 +4,9 @@
 //! [dislocations](super::dislocations), `min sum w |z_i - R z_j - d + n|^2` is one linear solve.
 
 use super::boundary::Pin;
-use super::lattice::{Charts, Eisenstein, Plane, dot, rotate};
-use super::waves::{self, Projector};
+use super::chart_graph::ANCHOR;
+use super::lattice::{Charts, Eisenstein, Plane, dot, rotate, waves};
+use super::waves::Projector;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::rosy::{push_block, rough_solution};
 use phex_mesh::{EdgeId, PerEdge, PerVertex, Topology};
@@ -71,9 +72,6 @@ impl Offsets {
         })
     }
 }
-
-/// Weight, over the area, of the hold on the offsets before.
-pub(super) const ANCHOR: f64 = 1e-8;
 
 /// Lattice offsets that fit the edges best with given jumps, and the pins; nearest to `near` where that leaves them free. `factor` is that
 /// of [`factorised`] with the same charts and pins.
@@ -190,7 +188,7 @@ pub(super) fn translate(
     };
     let mut sum = [Plane::new(0.0, 0.0); 3];
     for (v, &t) in turn.enumerate() {
-        let seen = waves::waves(rotate(near[v] - position[v], t));
+        let seen = waves(rotate(near[v] - position[v], t));
         for (sum, wave) in sum.iter_mut().zip(seen) {
             *sum += wave * mesh.mass[v];
         }

@@ -5,8 +5,7 @@
 //! the order of that tree, so that almost nothing is permuted and neighbours are near each other in memory.
 
 use super::chart_graph::{ChartGraph, Lists};
-use super::lattice::Plane;
-use super::waves::waves;
+use super::lattice::{Plane, waves};
 use rayon::prelude::*;
 
 /// Numbers that hold a vertex's three waves: four real parts, four imaginary ones, of which the last are 0.

@@ -7,7 +7,7 @@
 
 use super::boundary::Pin;
 use super::chart_graph::{ChartGraph, Combing};
-use super::lattice::{Charts, Eisenstein, Plane, dot, reciprocal};
+use super::lattice::{Charts, Eisenstein, Plane, dot, reciprocal, third, waves};
 use super::wave_operator::{WIDTH, WaveOperator, packed, unpacked};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology};
@@ -96,17 +96,6 @@ fn mean_move(a: &[Plane], b: &[Plane]) -> f64 {
         (d - Eisenstein::nearest(d).to_plane()).norm_sqr().sqrt()
     };
     a.iter().zip(b).map(apart).sum::<f64>() / a.len() as f64
-}
-
-/// The three waves of a lattice offset.
-pub(super) fn waves(z: Plane) -> [Plane; 3] {
-    let [first, second] = [0, 1].map(|m| Plane::from_polar(1.0, TAU * dot(reciprocal(m), z)));
-    [first, second, third(first, second)]
-}
-
-/// The reciprocal vectors are a sixth of a turn apart, so that the third is the second less the first.
-fn third(first: Plane, second: Plane) -> Plane {
-    second * first.conj()
 }
 
 /// Finds the lattice offset whose three waves are closest to given values.

@@ -1,6 +1,6 @@
 //! The JSON report of a run.
 
-use super::maps::FeatureSizes;
+use super::FeatureSizes;
 use crate::quality::{Assessment, Check, Omitted, Verdict};
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures};
 use phex_mesh::validate::Violation;

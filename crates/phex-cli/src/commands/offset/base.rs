@@ -1,18 +1,17 @@
 //! The mesh that layers are offsets of, and the layers.
 
 use super::Job;
-use super::told::rounded_down;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::input::{MeshFile, whole};
 use crate::offset_arguments::Kind;
 use crate::progress::{Reporter, is_interrupted};
-use phex::optimise::{
-    AngleOptimised, AngleOptions, Fault, Offender, SurfaceTarget, Target, satisfy_angle_condition,
-};
-use phex::parallel_mesh::{
+use phex::offset::{
     EdgeGaussImage, GaussImage, Inheritance, OffsetError, SafeDistances, SphericalMesh, TurnedEdge,
     angle_conditions, distance_error, edge_gauss_image, face_distance_error, face_offset, layer,
     safe_distances, spherical_mesh, vertex_gauss_image,
+};
+use phex::optimise::{
+    AngleOptimised, AngleOptions, Fault, Offender, SurfaceTarget, Target, satisfy_angle_condition,
 };
 use phex_mesh::measure::{deviation, diagonal};
 use phex_mesh::{EdgeId, FlatFace, HexMesh, PerFace, Vec3, VertexId};
@@ -337,5 +336,32 @@ impl Layer {
             turned,
             mesh,
         }
+    }
+}
+
+/// A positive length with five digits, never more than it is.
+pub(super) fn rounded_down(length: f64) -> f64 {
+    if length <= 0.0 || !length.is_finite() {
+        return length;
+    }
+    let digits = 4 - length.log10().floor() as i32;
+    let scale = 10f64.powi(digits.abs());
+    if digits >= 0 {
+        (length * scale).floor() / scale
+    } else {
+        (length / scale).floor() * scale
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded_down;
+
+    #[test]
+    fn five_digits_and_never_more() {
+        assert_eq!(rounded_down(0.473_689_9), 0.47368);
+        assert_eq!(rounded_down(1_234_567.0), 1_234_500.0);
+        assert_eq!(rounded_down(0.001_299_999), 0.0012999);
+        assert_eq!(rounded_down(f64::INFINITY), f64::INFINITY);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Layer;
 use crate::exit::{Exit, Failure, OrExit};
-use phex::parallel_mesh::{PanelSolid, beam_axes, joined, node_axes, panel_solids};
+use phex::offset::{PanelSolid, beam_axes, joined, node_axes, panel_solids};
 use phex_mesh::{HexMesh, PolygonSoup, Vec3};
 use std::fmt::Write as _;
 

@@ -5,7 +5,7 @@ use crate::exit::{Exit, Failure, OrExit};
 use crate::input::read_numbers;
 use crate::parallel_arguments::ParallelCommand;
 use crate::summary::Table;
-use phex::parallel_mesh::space::ParallelSpace;
+use phex::offset::space::ParallelSpace;
 use phex_mesh::{EdgeId, HexMesh, PerEdge, Topology};
 use serde_json::json;
 use std::collections::HashMap;

@@ -99,6 +99,18 @@ struct ParameterMesh {
 
 /// Triangulates a surface; see [`TriangulationOptions`].
 ///
+/// ```
+/// use phex_mesh::Vec3;
+/// use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+///
+/// let sphere = Shape::from_name("sphere", &[("radius", 2.0)])?;
+/// let options = TriangulationOptions { triangles: 2000, ..Default::default() };
+/// let surface = triangulate(&sphere, &options)?;
+/// let nearest = surface.closest_point(Vec3::new(3.0, 0.0, 0.0));
+/// assert!((nearest.position - Vec3::new(2.0, 0.0, 0.0)).norm() < 0.1);
+/// # Ok::<(), phex_mesh::shapes::ShapeError>(())
+/// ```
+///
 /// # Errors
 /// If an option is out of its range.
 pub fn triangulate<S>(

@@ -29,22 +29,12 @@ mod rim;
 pub use chamfer::chamfer;
 pub use domain::one_sign;
 
-use super::duality::{DualTriangles, DualityError, Plane, Quadric, clear_centre, envelope};
+use super::duality::{
+    DualTriangles, DualityError, Plane, Quadric, SubdivisionRule, clear_centre, envelope,
+};
 use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
 use refined::{Refined, refined};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Rule of a triangle mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SubdivisionRule {
-    /// Approximating: smooth, and pulls in.
-    #[default]
-    Loop,
-    /// Interpolating: the planes of old faces stay.
-    Butterfly,
-}
 
 /// A centre away from the planes of a mesh's faces, and how clear it is of them: see [`clear_centre`].
 pub fn clear_centre_of(mesh: &HexMesh) -> (Vec3, f64) {

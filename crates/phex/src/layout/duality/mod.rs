@@ -39,7 +39,7 @@ pub use flips::{convex_flips, convex_panels, hull_about, saddle_flips, uncrossin
 pub use hull::{HullError, convex_hull};
 pub use mesh_dual::{DualTriangles, MeshDual, dual_mesh};
 
-pub use options::DualOptions;
+pub use options::{DualOptions, SubdivisionRule};
 pub use panels::Flipped;
 pub use plane::{Plane, meet};
 pub use quadric::Quadric;

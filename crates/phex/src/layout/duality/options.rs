@@ -1,6 +1,5 @@
 //! Options of the classical methods.
 
-use crate::layout::dual_subdivision::SubdivisionRule;
 use serde::{Deserialize, Serialize};
 
 /// Options of the methods that work by planes and their poles.
@@ -36,4 +35,15 @@ impl Default for DualOptions {
             levels: 1,
         }
     }
+}
+
+/// Rule of a triangle mesh that a dual is refined by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SubdivisionRule {
+    /// Approximating: smooth, and pulls in.
+    #[default]
+    Loop,
+    /// Interpolating: the planes of old faces stay.
+    Butterfly,
 }

@@ -1,0 +1,245 @@
+//! The Gauss image for edge-distance offsets: the Koebe mesh that a given mesh is parallel to.
+//!
+//! At a vertex `x` of the image with three edges of unit directions `e_i` all three lines touch the unit sphere if and only if
+//! `(x . e_i)^2 = |x|^2 - 1`, so that
+//!
+//! ```text
+//! x = w / sqrt(|w|^2 - D^2),   w = +- e_2 x e_3 +- e_3 x e_1 +- e_1 x e_2,   D = e_1 . (e_2 x e_3).
+//! ```
+//!
+//! The edges lie on a cone of revolution about the sphere with the apex `x`. No vertex leaves a choice but for the signs, which
+//! say to which side of the vertex each line touches. One start decides them: the touching point of an edge is the same from both of
+//! its ends. The start that closes is taken; among several, the one that faces the normals best. At a corner of a single face both
+//! edges touch to the same side.
+//!
+//! So a mesh has an edge-distance offset if and only if it closes, and the image is found from its directions alone.
+//! Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer freeform structures for architecture" (2007), section 4
+//! (edge offset meshes are parallel to Koebe meshes; cones at vertices).
+//!
+//! *Guaranteed*: every edge line of an offset by `d` has the distance `|d|` from that of the mesh, to rounding, at both of its ends;
+//! the edges are parallel up to [`EdgeGaussImage::defect`]. *Fails*: where that is more than allowed ([`OffsetError::NotParallelToKoebe`]).
+
+use super::face_offset::check_planar_mesh;
+use super::gauss_image::{GaussImage, OffsetKind};
+use super::vertex_offset::{check_connected, edges_at, vertex_directions};
+use super::{OffsetError, OffsetOptions};
+use phex_mesh::{EdgeId, HexMesh, PerVertex, Vec3, VertexId};
+use std::collections::VecDeque;
+
+/// Touching points up to this far apart are the same.
+const SAME_POINT: f64 = 1e-6;
+
+/// A mesh whose edges touch the unit sphere, parallel to a given one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EdgeGaussImage {
+    /// The Gauss image; a Koebe mesh.
+    pub image: GaussImage,
+    /// Largest distance of the touching points of an edge as found from its two ends, on the unit sphere.
+    pub defect: f64,
+    /// The edge where that is.
+    pub edge: EdgeId,
+    /// Least cosine between a vertex of the Gauss image and the mean normal of the faces there.
+    pub facing: f64,
+}
+
+/// The Gauss image whose edges touch the unit sphere.
+///
+/// ```
+/// # use phex_mesh::{HexMesh, Vec3};
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// use phex::koebe::touching_points;
+/// use phex::offset::{OffsetOptions, edge_gauss_image};
+///
+/// let found = edge_gauss_image(&cube, &OffsetOptions::default())?;
+/// let koebe = found.image.mesh(&cube);
+/// assert!(touching_points(&koebe).iter().all(|p| (p.norm() - 1.0).abs() < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// If the mesh is not planar with vertices of degree 3, or no Koebe mesh is parallel to it.
+pub fn edge_gauss_image(
+    mesh: &HexMesh,
+    options: &OffsetOptions,
+) -> Result<EdgeGaussImage, OffsetError> {
+    check_planar_mesh(mesh, &options.validity)?;
+    check_connected(mesh)?;
+    let normals = vertex_directions(mesh)?;
+    let vertices = mesh.topology().vertices();
+    let most_edges = |&v: &VertexId| (star(mesh, v).len().min(3), std::cmp::Reverse(v));
+    let root = vertices.max_by_key(most_edges).unwrap_or(VertexId::new(0));
+    let images = starts(mesh, root, normals[root]).map(|x| spread(mesh, root, x, &normals));
+    let better = |a: EdgeGaussImage, b: EdgeGaussImage| {
+        let closes = |image: &EdgeGaussImage| image.defect <= options.closing;
+        let b_is = match (closes(&a), closes(&b)) {
+            (true, true) => b.facing > a.facing,
+            (false, false) => b.defect < a.defect,
+            (_, closes) => closes,
+        };
+        if b_is { b } else { a }
+    };
+    let (edge, defect) = match images.reduce(better) {
+        Some(best) if best.defect <= options.closing => return Ok(best),
+        Some(best) => (best.edge, best.defect),
+        None => (EdgeId::new(0), f64::INFINITY),
+    };
+    let vertices = mesh.topology().edge_vertices(edge);
+    Err(OffsetError::NotParallelToKoebe {
+        edge,
+        vertices,
+        defect,
+    })
+}
+
+/// An edge at a vertex.
+struct Spoke {
+    edge: EdgeId,
+    to: VertexId,
+    /// Unit vector away from the vertex.
+    along: Vec3,
+}
+
+/// Edges at a vertex, counter-clockwise.
+fn star(mesh: &HexMesh, v: VertexId) -> Vec<Spoke> {
+    let spoke = |(edge, to): (EdgeId, VertexId)| Spoke {
+        edge,
+        to,
+        along: (mesh.position(to) - mesh.position(v)).normalize(),
+    };
+    let edges = edges_at(mesh.topology(), v);
+    edges.into_iter().map(spoke).collect()
+}
+
+/// Where the line through `x` along a unit vector is closest to the centre.
+fn touching(x: Vec3, along: &Vec3) -> Vec3 {
+    x - along * x.dot(along)
+}
+
+/// The eight apexes of cones about the sphere that hold lines of three directions.
+fn apexes([a, b, c]: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
+    let products = [b.cross(&c), c.cross(&a), a.cross(&b)];
+    let volume = a.dot(&products[0]);
+    let apex = move |signs: u32| {
+        let signed = |k: usize| {
+            if signs >> k & 1 == 0 {
+                products[k]
+            } else {
+                -products[k]
+            }
+        };
+        let w = signed(0) + signed(1) + signed(2);
+        w / (w.norm_squared() - volume * volume).sqrt()
+    };
+    (0..8).map(apex).filter(|x| x.iter().all(|c| c.is_finite()))
+}
+
+/// Where the image of the root may be, on the side of the normal. A face alone gets the circle half-way between point and
+/// equator.
+fn starts(mesh: &HexMesh, root: VertexId, normal: Vec3) -> impl Iterator<Item = Vec3> {
+    let spokes = star(mesh, root);
+    let candidates: Vec<Vec3> = match &spokes[..] {
+        [a, b, c, ..] => apexes([a.along, b.along, c.along]).collect(),
+        [a, b] => {
+            let outward = a.along.cross(&normal.normalize());
+            let point = (normal.normalize() + outward).normalize();
+            vec![corner(point, &a.along, &b.along)]
+        }
+        _ => Vec::new(),
+    };
+    candidates.into_iter().filter(move |x| x.dot(&normal) > 0.0)
+}
+
+/// The point on the line of direction `back` that touches the sphere in `point`, from where a line along `ahead` touches it to
+/// the same side.
+fn corner(point: Vec3, back: &Vec3, ahead: &Vec3) -> Vec3 {
+    point + back * (point.dot(ahead) / (1.0 - back.dot(ahead)))
+}
+
+/// The image of a vertex one of whose edges touches in a given point. Where cones of both sides hold it, as at right angles,
+/// the one that faces the normal is meant.
+fn reached(mesh: &HexMesh, v: VertexId, through: EdgeId, point: Vec3, normal: &Vec3) -> Vec3 {
+    let mut spokes = star(mesh, v);
+    let first = spokes.iter().position(|s| s.edge == through).unwrap_or(0);
+    spokes.rotate_left(first);
+    let miss = |x: &Vec3| (touching(*x, &spokes[0].along) - point).norm();
+    let cosine = |x: &Vec3| x.dot(normal) / x.norm();
+    match &spokes[..] {
+        [a, b, c, ..] => {
+            let all: Vec<Vec3> = apexes([a.along, b.along, c.along]).collect();
+            let least = all.iter().map(miss).fold(f64::INFINITY, f64::min);
+            let meant = all.into_iter().filter(|x| miss(x) <= least + SAME_POINT);
+            meant
+                .max_by(|x, y| cosine(x).total_cmp(&cosine(y)))
+                .unwrap_or(point)
+        }
+        [a, b] => corner(point, &a.along, &b.along),
+        _ => point,
+    }
+}
+
+/// The image that one start leads to. Corners of single faces come last, since they do not check what they are given.
+fn spread(
+    mesh: &HexMesh,
+    root: VertexId,
+    start: Vec3,
+    normals: &PerVertex<Vec3>,
+) -> EdgeGaussImage {
+    let mut positions: PerVertex<Option<Vec3>> =
+        PerVertex::filled(mesh.topology().n_vertices(), None);
+    positions[root] = Some(start);
+    let (mut inner, mut corners) = (VecDeque::from([root]), VecDeque::new());
+    while let Some(v) = inner.pop_front().or_else(|| corners.pop_front()) {
+        let x = positions[v].unwrap_or(start);
+        for spoke in star(mesh, v) {
+            if positions[spoke.to].is_none() {
+                let point = touching(x, &spoke.along);
+                positions[spoke.to] = Some(reached(
+                    mesh,
+                    spoke.to,
+                    spoke.edge,
+                    point,
+                    &normals[spoke.to],
+                ));
+                let is_corner = mesh.topology().face_degree(spoke.to) == 1;
+                let queue = if is_corner { &mut corners } else { &mut inner };
+                queue.push_back(spoke.to);
+            }
+        }
+    }
+    let positions = positions.map(|x| x.unwrap_or(start));
+    let (edge, defect) = largest_defect(mesh, &positions);
+    let cosine = |(x, n): (&Vec3, &Vec3)| x.dot(n) / (x.norm() * n.norm());
+    let facing = positions
+        .iter()
+        .zip(normals)
+        .map(cosine)
+        .fold(f64::INFINITY, f64::min);
+    EdgeGaussImage {
+        image: GaussImage {
+            kind: OffsetKind::Edge,
+            positions,
+        },
+        defect,
+        edge,
+        facing,
+    }
+}
+
+/// The edge whose touching points, found from its ends, differ most.
+fn largest_defect(mesh: &HexMesh, positions: &PerVertex<Vec3>) -> (EdgeId, f64) {
+    let topology = mesh.topology();
+    let mut largest = (EdgeId::new(0), 0.0);
+    for edge in topology.edges() {
+        let [a, b] = topology.edge_vertices(edge);
+        let along = (mesh.position(b) - mesh.position(a)).normalize();
+        let defect = (touching(positions[a], &along) - touching(positions[b], &along)).norm();
+        if defect > largest.1 || defect.is_nan() {
+            largest = (edge, defect);
+        }
+    }
+    largest
+}

@@ -1,0 +1,510 @@
+//! The parallel mesh with positive edge lengths that is closest to a surface.
+//!
+//! Foot points `p_v` with normals `n_v` of the surface are held while the convex quadratic program
+//!
+//! ```text
+//! minimise    sum_v (n_v . (x_v - p_v))^2 + w_t |x_v - p_v|^2  +  w_f sum_e (l_e - s l0_e)^2  +  w_h sum_f (A(x, K) + H A(x))^2
+//! subject to  x_b - x_a parallel to d_e,   l_e = d_e . (x_b - x_a) >= l_min
+//! ```
+//!
+//! is solved by interior points; then new foot points are found, until the mesh rests. The mesh itself, scaled, is always
+//! admissible, so that the program always has a solution. The last term, off by default, asks for one mean curvature `H` (that of the last
+//! round) with the input as Gauss image `K`; areas are linearised at the last round. The result is projected onto the space of parallel meshes, which takes
+//! parallelism to rounding.
+//!
+//! | symbol | here |
+//! |---|---|
+//! | `d_e`, `l0_e` | direction and length of the edges of the given mesh |
+//! | `s` | mean distance of neighbouring foot points over the mean `l0_e` |
+//! | `w_t`, `w_f`, `w_h` | [`FitOptions::tangential`], [`FitOptions::fairness`], [`FitOptions::constant_mean_curvature`] |
+//! | `A(., .)`, `K`, `H` | mixed area, the input, mean curvature: see [`edge_offset`](super::edge_offset) |
+//! | `l_min` | [`FitOptions::least_edge`] times the mean distance of neighbouring foot points |
+//!
+//! Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer freeform structures for architecture" (2007), section 3.
+//! With a Koebe mesh as input the result has offsets at constant edge distance ([`edge_offset`](super::edge_offset)).
+//!
+//! *Guaranteed*: edges parallel to those of the input to rounding and of the same sense. *Fails* to come close where the surface curves
+//! in another way than the input: a mesh parallel to a convex one is convex wherever its faces are, and where the ratio of the principal curvatures
+//! differs much (by 3, for regular hexagons) edges run into `l_min`. The report says how far off it is.
+
+use super::edge_offset::{face_areas, mean_curvature, mixed_area_gradient};
+use super::null_space::Rows;
+use super::space::{ParallelError, ParallelSpace};
+use crate::progress::{Event, Progress};
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
+};
+use phex_mesh::{HexMesh, PerEdge, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_numeric::Status;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Where the first foot points come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FitStart {
+    /// The points of the surface whose normals are closest to those of the mesh: for a Gauss image, wherever it lies.
+    #[default]
+    Normals,
+    /// The points of the surface that are closest to the mesh, which lies near it.
+    Positions,
+}
+
+/// Options of [`fit_parallel`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FitOptions {
+    /// Where the first foot points come from.
+    pub start: FitStart,
+    /// `w_t`: weight of the distance along the surface, > 0. It keeps the mesh from sliding off; 1e-2 hardly costs closeness.
+    pub tangential: f64,
+    /// `w_f`: weight of edge lengths in proportion to the input's, >= 0. It decides where the surface does not, as at the rim.
+    pub fairness: f64,
+    /// `w_h`: weight of one mean curvature for all faces, >= 0; lengths in mean edges. From 1 to 100 for surfaces that nearly have one.
+    pub constant_mean_curvature: f64,
+    /// `l_min` over the mean distance of neighbouring foot points, in (0, 1).
+    pub least_edge: f64,
+    /// Rounds of foot points at the most.
+    pub max_rounds: usize,
+    /// Root mean square of the vertices' movement along the surface's normals, in mean edges, at which the mesh rests.
+    pub tolerance: f64,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self {
+            start: FitStart::Normals,
+            tangential: 1e-2,
+            fairness: 1e-3,
+            constant_mean_curvature: 0.0,
+            least_edge: 0.05,
+            max_rounds: 20,
+            tolerance: 1e-3,
+        }
+    }
+}
+
+/// Why nothing was fitted.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// An option is out of its range.
+    #[error("option {option} is {value}, it must be {range}")]
+    Option {
+        /// Its name.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// The mesh has no parallel meshes.
+    #[error(transparent)]
+    Parallel(#[from] ParallelError),
+    /// The foot points coincide: the surface is nowhere like the mesh.
+    #[error("all vertices have the same foot point on the surface (near vertex {vertex} of it)")]
+    OneFootPoint {
+        /// A vertex of the surface close to that point.
+        vertex: VertexId,
+    },
+}
+
+/// A mesh parallel to the input, close to the surface.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The mesh.
+    pub mesh: HexMesh,
+    /// How the rounds ended.
+    pub status: Status,
+    /// Number of rounds, each one quadratic program.
+    pub rounds: usize,
+    /// Largest distance of a vertex to the surface, model units.
+    pub max_distance: f64,
+    /// Root mean square of those distances.
+    pub rms_distance: f64,
+    /// Edges as short as is allowed: there the surface would rather have another mesh.
+    pub edges_at_bound: usize,
+    /// Mean curvature with the input as Gauss image, over model units.
+    pub mean_curvature: f64,
+    /// Root mean square deviation of the faces from it, over its size.
+    pub mean_curvature_spread: f64,
+}
+
+/// Fits a mesh parallel to `mesh` to `surface`.
+///
+/// # Errors
+/// If an option is out of range, or a face of the mesh is not planar, or an edge has length zero.
+pub fn fit_parallel(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    options: &FitOptions,
+    progress: &dyn Progress,
+) -> Result<Fitted, FitError> {
+    check(options)?;
+    let space = ParallelSpace::new(mesh)?;
+    let feet = match options.start {
+        FitStart::Normals => feet_by_normals(mesh, surface),
+        FitStart::Positions => feet_by_positions(mesh, surface),
+    };
+    let program = Program::new(&space, &feet, options).ok_or_else(|| FitError::OneFootPoint {
+        vertex: surface
+            .topology()
+            .face_vertices(surface.closest_point(feet.position[0]).triangle)[0],
+    })?;
+    Ok(rounds(&space, surface, &program, feet, options, progress))
+}
+
+fn check(options: &FitOptions) -> Result<(), FitError> {
+    let fail = |option, value, range| {
+        Err(FitError::Option {
+            option,
+            value,
+            range,
+        })
+    };
+    if !(options.tangential > 0.0 && options.tangential.is_finite()) {
+        return fail("tangential", options.tangential, "positive");
+    }
+    if !(options.fairness >= 0.0 && options.fairness.is_finite()) {
+        return fail("fairness", options.fairness, "0 or positive");
+    }
+    let curvature = options.constant_mean_curvature;
+    if !(curvature >= 0.0 && curvature.is_finite()) {
+        return fail("constant_mean_curvature", curvature, "0 or positive");
+    }
+    if !(options.least_edge > 0.0 && options.least_edge < 1.0) {
+        return fail("least_edge", options.least_edge, "between 0 and 1");
+    }
+    Ok(())
+}
+
+/// Foot points and normals, one per vertex.
+struct Feet {
+    position: Vec<Vec3>,
+    normal: Vec<Vec3>,
+}
+
+fn feet_by_positions(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
+    let feet = surface.closest_points(mesh.positions.as_slice());
+    Feet {
+        position: feet.iter().map(|f| f.position).collect(),
+        normal: feet.iter().map(|f| f.normal).collect(),
+    }
+}
+
+fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
+    let foot = |v| {
+        let normal = mesh.mean_normal(v);
+        let closeness = |w: &VertexId| surface.normals()[*w].dot(&normal);
+        let vertices = surface.topology().vertices();
+        let closest = vertices.max_by(|a, b| closeness(a).total_cmp(&closeness(b)).then(b.cmp(a)));
+        closest.unwrap_or_else(|| VertexId::new(0))
+    };
+    let feet: Vec<VertexId> = mesh.topology().vertices().map(foot).collect();
+    Feet {
+        position: feet.iter().map(|&w| surface.positions()[w]).collect(),
+        normal: feet.iter().map(|&w| surface.normals()[w]).collect(),
+    }
+}
+
+fn rounds(
+    space: &ParallelSpace,
+    surface: &TriangleSurface,
+    program: &Program,
+    mut feet: Feet,
+    options: &FitOptions,
+    progress: &dyn Progress,
+) -> Fitted {
+    let mut mesh = program.start(space, &feet);
+    let (mut status, mut done) = (Status::IterationLimit, 0);
+    while done < options.max_rounds {
+        if progress.is_cancelled() {
+            status = Status::Cancelled;
+            break;
+        }
+        let Some(next) = program.solve(&feet, &mesh).map(|x| space.closest(&x)) else {
+            status = Status::NumericalBreakdown;
+            break;
+        };
+        let movement = normal_movement(&mesh, &next, &feet) / program.unit;
+        mesh = next;
+        feet = feet_by_positions(&mesh, surface);
+        done += 1;
+        progress.report(&Event::Iteration {
+            stage: "parallel",
+            iteration: done,
+            limit: options.max_rounds,
+            residual: movement,
+        });
+        if movement <= options.tolerance {
+            status = Status::Converged;
+            break;
+        }
+    }
+    assess(space, program, surface, mesh, status, done)
+}
+
+/// Root mean square of the vertices' movement along the normals of their foot points.
+fn normal_movement(before: &HexMesh, after: &HexMesh, feet: &Feet) -> f64 {
+    let pairs = before.positions.iter().zip(&after.positions);
+    let squares = pairs
+        .zip(&feet.normal)
+        .map(|((a, b), n)| (b - a).dot(n).powi(2));
+    (squares.sum::<f64>() / feet.normal.len() as f64).sqrt()
+}
+
+fn assess(
+    space: &ParallelSpace,
+    program: &Program,
+    surface: &TriangleSurface,
+    mesh: HexMesh,
+    status: Status,
+    rounds: usize,
+) -> Fitted {
+    let feet = surface.closest_points(mesh.positions.as_slice());
+    let distances: Vec<f64> = mesh
+        .positions
+        .iter()
+        .zip(&feet)
+        .map(|(x, f)| (x - f.position).norm())
+        .collect();
+    let mean_square = distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64;
+    let lengths = space.lengths(&mesh);
+    let (mean_curvature, mean_curvature_spread) = mean_curvature(&mesh, space.mesh());
+    Fitted {
+        mean_curvature,
+        mean_curvature_spread,
+        status,
+        rounds,
+        max_distance: distances.iter().copied().fold(0.0, f64::max),
+        rms_distance: mean_square.sqrt(),
+        edges_at_bound: lengths
+            .iter()
+            .filter(|&&l| l < 1.01 * program.least)
+            .count(),
+        mesh,
+    }
+}
+
+/// The quadratic program, in units of the mean distance of neighbouring foot points, about the mean foot point.
+struct Program<'a> {
+    space: &'a ParallelSpace,
+    options: &'a FitOptions,
+    /// Mean distance of neighbouring foot points.
+    unit: f64,
+    /// Lower bound of the edge lengths, model units.
+    least: f64,
+    centre: Vec3,
+    /// Lengths of the input's edges with mean 1.
+    natural: PerEdge<f64>,
+    constraints: CscMatrix<f64>,
+    bounds: Vec<f64>,
+    n_equalities: usize,
+}
+
+impl<'a> Program<'a> {
+    /// `None` if all foot points coincide.
+    fn new(space: &'a ParallelSpace, feet: &Feet, options: &'a FitOptions) -> Option<Self> {
+        let t = space.mesh().topology();
+        let span = |e| {
+            let [a, b] = t.edge_vertices(e);
+            (feet.position[a.index()] - feet.position[b.index()]).norm()
+        };
+        let unit = t.edges().map(span).sum::<f64>() / t.n_edges() as f64;
+        let mean_edge = space.mesh().mean_edge();
+        let inequalities = length_rows(space);
+        let equalities = space.parallelism_rows();
+        let n_equalities = equalities.n_rows();
+        let mut bounds = vec![0.0; n_equalities];
+        bounds.resize(n_equalities + inequalities.n_rows(), -options.least_edge);
+        (unit > 0.0).then(|| Self {
+            space,
+            options,
+            unit,
+            least: unit * options.least_edge,
+            centre: feet.position.iter().sum::<Vec3>() / feet.position.len() as f64,
+            natural: space.lengths(space.mesh()).map(|l| l / mean_edge),
+            constraints: stacked(equalities, &inequalities),
+            bounds,
+            n_equalities,
+        })
+    }
+
+    /// The input itself, scaled and moved to the foot points.
+    fn start(&self, space: &ParallelSpace, feet: &Feet) -> HexMesh {
+        let mesh = space.mesh();
+        let scale = self.unit / mesh.mean_edge();
+        let mean = mesh.positions.iter().sum::<Vec3>() / feet.position.len() as f64;
+        let shift = self.centre - mean * scale;
+        mesh.with_positions(mesh.positions.map(|p| p * scale + shift))
+    }
+
+    /// Positions of the vertices for given foot points; `None` if the solver gives up.
+    fn solve(&self, feet: &Feet, current: &HexMesh) -> Option<PerVertex<Vec3>> {
+        let (hessian, gradient) = self.objective(feet, current);
+        let cones = [
+            ZeroConeT(self.n_equalities),
+            NonnegativeConeT(self.bounds.len() - self.n_equalities),
+        ];
+        let settings = DefaultSettings {
+            verbose: false,
+            max_threads: 1,
+            ..DefaultSettings::default()
+        };
+        let mut solver = DefaultSolver::new(
+            &hessian,
+            &gradient,
+            &self.constraints,
+            &self.bounds,
+            &cones,
+            settings,
+        )
+        .ok()?;
+        solver.solve();
+        let x = &solver.solution.x;
+        let usable = matches!(
+            solver.solution.status,
+            SolverStatus::Solved | SolverStatus::AlmostSolved
+        );
+        let position = |v: VertexId| {
+            let i = 3 * v.index();
+            Vec3::new(x[i], x[i + 1], x[i + 2]) * self.unit + self.centre
+        };
+        (usable && x.iter().all(|x| x.is_finite()))
+            .then(|| PerVertex::from_fn(feet.position.len(), position))
+    }
+
+    /// Upper triangle of the Hessian, and the gradient at the origin.
+    fn objective(&self, feet: &Feet, current: &HexMesh) -> (CscMatrix<f64>, Vec<f64>) {
+        let n = 3 * feet.position.len();
+        let (mut triplets, mut gradient) = (Vec::new(), vec![0.0; n]);
+        for (v, (p, normal)) in feet.position.iter().zip(&feet.normal).enumerate() {
+            let p = (p - self.centre) / self.unit;
+            let block = nalgebra::Matrix3::from_diagonal_element(self.options.tangential)
+                + normal * normal.transpose();
+            let pull = block * p;
+            for j in 0..3 {
+                gradient[3 * v + j] -= pull[j];
+                triplets.extend((0..=j).map(|i| (3 * v + i, 3 * v + j, block[(i, j)])));
+            }
+        }
+        if self.options.fairness > 0.0 {
+            self.add_fairness(&mut triplets, &mut gradient);
+        }
+        if self.options.constant_mean_curvature > 0.0 {
+            self.add_curvature(current, &mut triplets, &mut gradient);
+        }
+        (csc(n, n, triplets), gradient)
+    }
+
+    fn add_fairness(&self, triplets: &mut Vec<Triplet>, gradient: &mut [f64]) {
+        let t = self.space.mesh().topology();
+        for e in t.edges() {
+            let row = length_row(t.edge_vertices(e), self.space.direction(e));
+            add_square(
+                &row,
+                -self.natural[e],
+                self.options.fairness,
+                triplets,
+                gradient,
+            );
+        }
+    }
+
+    /// Squares of `A(x, K) - c A(x)`, linearised at the current mesh; `c` is its mean.
+    fn add_curvature(&self, current: &HexMesh, triplets: &mut Vec<Triplet>, gradient: &mut [f64]) {
+        let image = self.space.mesh();
+        let image = image.with_positions(image.positions.map(|k| k / image.mean_edge()));
+        let current =
+            current.with_positions(current.positions.map(|x| (x - self.centre) / self.unit));
+        let c = -mean_curvature(&current, &image).0;
+        for f in image.topology().faces() {
+            // A(x) = A(x0, 2 x - x0) + ..., so the row is the gradient of A(x, K - 2 c x0).
+            let at = |v| image.position(v) - 2.0 * c * current.position(v);
+            let vertices = image.topology().face_vertices(f);
+            let q: Vec<Vec3> = vertices.iter().map(|&v| at(v)).collect();
+            let by_corner = vertices
+                .iter()
+                .zip(mixed_area_gradient(&q, self.space.normal(f)));
+            let row: Vec<(usize, f64)> = by_corner
+                .flat_map(|(v, g)| (0..3).map(move |k| (3 * v.index() + k, g[k])))
+                .collect();
+            let constant = c * face_areas(&current, &image, f)[0];
+            let weight = self.options.constant_mean_curvature;
+            add_square(&row, constant, weight, triplets, gradient);
+        }
+    }
+}
+
+type Triplet = (usize, usize, f64);
+
+/// Adds `weight (row . x + constant)^2 / 2` to an objective.
+fn add_square(
+    row: &[(usize, f64)],
+    constant: f64,
+    weight: f64,
+    triplets: &mut Vec<Triplet>,
+    gradient: &mut [f64],
+) {
+    for &(j, b) in row {
+        gradient[j] += weight * b * constant;
+        let upper = row.iter().filter(|&&(i, _)| i <= j);
+        triplets.extend(upper.map(|&(i, a)| (i, j, weight * a * b)));
+    }
+}
+
+/// Coefficients of the length of an edge in the coordinates of its ends.
+fn length_row([a, b]: [VertexId; 2], d: Vec3) -> [(usize, f64); 6] {
+    std::array::from_fn(|i| {
+        let (v, sign) = if i < 3 { (a, -1.0) } else { (b, 1.0) };
+        (3 * v.index() + i % 3, sign * d[i % 3])
+    })
+}
+
+/// `-l_e` for every edge.
+fn length_rows(space: &ParallelSpace) -> Rows {
+    let t = space.mesh().topology();
+    let mut rows = Rows::new(3 * t.n_vertices());
+    for e in t.edges() {
+        rows.push(length_row(t.edge_vertices(e), -space.direction(e)));
+    }
+    rows
+}
+
+fn stacked(first: &Rows, second: &Rows) -> CscMatrix<f64> {
+    let entries = |rows: &Rows, offset: usize| -> Vec<(usize, usize, f64)> {
+        let row = |i: usize| {
+            rows.row(i)
+                .iter()
+                .map(move |&(j, a)| (offset + i, j as usize, a))
+        };
+        (0..rows.n_rows()).flat_map(row).collect()
+    };
+    let mut triplets = entries(first, 0);
+    triplets.extend(entries(second, first.n_rows()));
+    csc(
+        first.n_rows() + second.n_rows(),
+        first.n_columns(),
+        triplets,
+    )
+}
+
+/// A matrix from triplets, those at one place added.
+fn csc(n_rows: usize, n_columns: usize, mut triplets: Vec<(usize, usize, f64)>) -> CscMatrix<f64> {
+    triplets.sort_by_key(|&(i, j, _)| (j, i));
+    triplets.dedup_by(|next, kept| {
+        let same = (next.0, next.1) == (kept.0, kept.1);
+        kept.2 += if same { next.2 } else { 0.0 };
+        same
+    });
+    let mut column_start = vec![0; n_columns + 1];
+    triplets.iter().for_each(|t| column_start[t.1 + 1] += 1);
+    (0..n_columns).for_each(|j| column_start[j + 1] += column_start[j]);
+    let rows = triplets.iter().map(|t| t.0).collect();
+    let values = triplets.iter().map(|t| t.2).collect();
+    CscMatrix::new(n_rows, n_columns, column_start, rows, values)
+}
+
+#[cfg(test)]
+mod tests;
