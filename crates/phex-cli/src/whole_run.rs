@@ -1,6 +1,6 @@
 //! How much of a whole run is done, and how long the rest takes, about.
 //!
-//! How many rounds of repair a run takes, and how many layouts are tried, is known only when it ends. So every stage that ends takes a share
+//! How many layouts a run tries, and how long it searches, is known only when it ends. So every stage that ends takes a share
 //! of what was left, a smaller one each time that it comes again, and iterations lead up to the end of theirs: the share that is done
 //! never falls and is 1 only in the end. What is left is estimated from the time that it took to come here.
 
@@ -11,12 +11,13 @@ use std::fmt;
 use std::time::{Duration, Instant};
 
 /// Share of what is left that a stage takes, the first time.
-const SHARES: [(&str, f64); 5] = [
+const SHARES: [(&str, f64); 6] = [
     ("curvature", 0.03),
     ("directions", 0.06),
     ("layout", 0.12),
     ("optimise", 0.4),
     ("trim", 0.06),
+    ("search", 0.5),
 ];
 /// The same for a stage that is not listed.
 const OTHER: f64 = 0.04;

@@ -217,30 +217,48 @@ fn mesh_of_size(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    let mut panels = panel_count(surface, options.size)?;
-    let mut best = mesh_with_panels(surface, panels, options, progress)?;
-    let PanelSize::EdgeLength(wanted) = options.size else {
-        return Ok(best);
+    let panels = panel_count(surface, options.size)?;
+    let panels = match options.size {
+        PanelSize::Panels(_) => panels,
+        PanelSize::EdgeLength(wanted) => {
+            corrected_count(surface, (panels, wanted), options, progress)?
+        }
     };
-    // Panels that are long or re-entrant have longer edges than regular ones of their area: how much is known afterwards.
-    let error = |run: &MeshRun| (run.mesh.mean_edge() / wanted).ln();
-    let mut last = error(&best);
-    for _ in 0..EDGE_CORRECTIONS {
-        let count = (panels as f64 * (2.0 * last).exp()).round();
+    mesh_with_panels(surface, panels, options, progress)
+}
+
+/// The number of panels with which their mean edge is nearest to what is wanted, of a few. Panels that are long or re-entrant have longer edges
+/// than regular ones of their area: how much is known when they are there. What is searched afterwards hardly changes it.
+fn corrected_count(
+    surface: &TriangleSurface,
+    (mut panels, wanted): (usize, f64),
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<usize, PipelineError> {
+    let options = &MeshOptions {
+        search: false,
+        ..options.clone()
+    };
+    let mut best: Option<(f64, usize)> = None;
+    for _ in 0..=EDGE_CORRECTIONS {
+        let run = mesh_with_panels(surface, panels, options, progress);
+        let run = match (run, best) {
+            (Err(error), None) => return Err(error),
+            (Err(_), Some(_)) => break,
+            (Ok(run), _) => run,
+        };
+        let error = (run.mesh.mean_edge() / wanted).ln();
+        if best.is_none_or(|b| error.abs() < b.0) {
+            best = Some((error.abs(), panels));
+        }
+        let count = (panels as f64 * (2.0 * error).exp()).round();
         let possible = (1.0..=MAX_PANELS as f64).contains(&count) && count != panels as f64;
-        if error(&best).abs() < EDGE_TOLERANCE || !possible || progress.is_cancelled() {
+        if error.abs() < EDGE_TOLERANCE || !possible || progress.is_cancelled() {
             break;
         }
         panels = count as usize;
-        let Ok(next) = mesh_with_panels(surface, panels, options, progress) else {
-            break;
-        };
-        last = error(&next);
-        if last.abs() < error(&best).abs() && next.is_sound() >= best.is_sound() {
-            best = next;
-        }
     }
-    Ok(best)
+    Ok(best.map_or(panels, |b| b.1))
 }
 
 /// Relative error of the mean edge that is corrected by another run, and such runs at the most: a lattice has the number of panels that is

@@ -218,13 +218,13 @@ pub const FIGURES: [Figure; 23] = [
         |r| at(r, "/measures/mean_edge"),
     ),
     figure(
-        "rounds",
-        "rounds",
-        "rounds of the repair loop",
+        "changes",
+        "changes",
+        "local changes of the search that were kept",
         Neither,
         (0.0, 0.0),
         0,
-        |r| sum(r, |s| Some(s.pointer("/repairs")?.as_array()?.len() as f64)),
+        |r| sum(r, |s| s.pointer("/search/kept")?.as_f64()),
     ),
     figure(
         "attempts",

@@ -12,6 +12,7 @@ use crate::ground::Ground;
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed, WishedArea};
+use crate::quality::USUAL_DEVIATION;
 use crate::target::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -176,6 +177,7 @@ pub(super) struct Way {
     pub anisotropy: f64,
     pub seamless: bool,
     pub resolving: bool,
+    pub usual_deviation: bool,
 }
 
 /// Largest panel length over the least radius of curvature with which panels resolve a surface: all those with at most half of it
@@ -191,6 +193,9 @@ impl Way {
     pub fn options(self, options: &MeshOptions) -> MeshOptions {
         let mut options = options.clone();
         options.directions.anisotropy = self.anisotropy;
+        if self.usual_deviation {
+            options.optimise.max_deviation = Some(USUAL_DEVIATION);
+        }
         if self.resolving {
             options.sizes.adaptive = Some(RESOLVED);
         }

@@ -135,6 +135,9 @@ pub struct Candidate {
     pub seamless: bool,
     /// Whether panels are smaller where they would else be too large for the curvature, and larger elsewhere.
     pub resolving: bool,
+    /// Whether the optimiser heeds the usual largest deviation only, where a tighter one is asked for: panels that can't be as near as
+    /// that are drawn hither and thither, and may end farther away.
+    pub usual_deviation: bool,
 }
 
 impl Default for Candidate {
@@ -144,6 +147,7 @@ impl Default for Candidate {
             anisotropy: 2.0,
             seamless: false,
             resolving: false,
+            usual_deviation: false,
         }
     }
 }

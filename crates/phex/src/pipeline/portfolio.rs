@@ -12,7 +12,7 @@ use super::{
 };
 use crate::ground::Ground;
 use crate::progress::{Event, Progress};
-use crate::quality::Merit;
+use crate::quality::{Merit, USUAL_DEVIATION};
 use phex_mesh::{HexMesh, TriangleSurface};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -71,14 +71,23 @@ impl AttemptSummary {
     /// the options leave sizes free. `None` if this one is within limits and as regular as can be.
     fn alternative(&self, options: &MeshOptions) -> Option<Candidate> {
         let free = options.sizes.adaptive.is_none() && options.size_field.is_none();
+        let within = self.merit.is_within();
         let seamless = self.regular_possible && self.irregular > 0;
-        let resolving = free && !self.merit.is_within();
-        (seamless || resolving).then_some(Candidate {
-            seamless: seamless && !resolving,
+        let usual_deviation = !within && is_tight(options);
+        let resolving = free && !within && !usual_deviation;
+        (seamless || resolving || usual_deviation).then_some(Candidate {
+            seamless: seamless && within,
             resolving,
+            usual_deviation,
             ..self.candidate
         })
     }
+}
+
+/// Whether a largest deviation is asked for that is tighter than usual; in single precision the usual one itself is a little less.
+fn is_tight(options: &MeshOptions) -> bool {
+    let limit = options.optimise.max_deviation;
+    limit.is_some_and(|limit| limit < (1.0 - 1e-6) * USUAL_DEVIATION)
 }
 
 /// The kind of lattice that a candidate asks for.
@@ -87,6 +96,7 @@ fn way_of(candidate: Candidate) -> Way {
         anisotropy: candidate.anisotropy,
         seamless: candidate.seamless,
         resolving: candidate.resolving,
+        usual_deviation: candidate.usual_deviation,
     }
 }
 
@@ -134,7 +144,15 @@ pub(super) fn mesh_with_panels(
     }?;
     let best = (0..members.len()).reduce(|a, b| {
         let [first, second] = [a, b].map(|k| &members[k].summary.merit);
-        if second.is_better(first) { b } else { a }
+        // Of two that miss a tight limit the nearer one is better: it is no worse than what the usual limit gives.
+        let misses =
+            is_tight(options) && first.invalid == second.invalid && first.off.max(second.off) > 1.0;
+        let better = if misses {
+            second.off < first.off
+        } else {
+            second.is_better(first)
+        };
+        if better { b } else { a }
     });
     let best = best.ok_or(PipelineError::Cancelled)?;
     members[best].summary.kept = true;

@@ -19,6 +19,8 @@ pub struct Merit {
     pub outside: f64,
     /// What is not liked.
     pub cost: f64,
+    /// Largest distance between mesh and surface, in limits: no change may make the worst place worse.
+    pub off: f64,
 }
 
 /// Share of an amount by which it must differ to count: less is rounding, or chance.
@@ -49,6 +51,7 @@ impl Merit {
             irregular += usize::from(face.irregular);
             off = off.max(face.off);
         }
+        merit.off = off;
         merit.cost += IRREGULAR * share * irregular.saturating_sub(needed) as f64 + OFF * off;
         merit
     }
@@ -91,8 +94,12 @@ impl Merit {
         orders.fold(Ordering::Equal, Ordering::then)
     }
 
-    /// Whether it is less, by however little.
+    /// Whether it is less, by however little, and the worst place no worse beyond its limit.
     pub fn is_less(&self, other: &Self) -> bool {
+        let farther = self.off > other.off.max(1.0) * (1.0 + ROUNDING);
+        if farther && self.invalid >= other.invalid {
+            return false;
+        }
         let parts = |m: &Self| [m.invalid, m.outside, m.cost];
         let pairs = parts(self).into_iter().zip(parts(other));
         let differing = |(a, b): &(f64, f64)| (a - b).abs() > ROUNDING * a.max(*b);
@@ -117,7 +124,20 @@ mod tests {
             invalid,
             outside,
             cost,
+            off: 0.0,
         }
+    }
+
+    #[test]
+    fn no_change_makes_the_worst_place_worse() {
+        let off = |merit: Merit, off: f64| Merit { off, ..merit };
+        let (before, after) = (merit(0.0, 3.0, 0.0), merit(0.0, 2.0, 0.0));
+        assert!(off(after, 1.5).is_less(&off(before, 1.5)));
+        assert!(!off(after, 1.6).is_less(&off(before, 1.5)));
+        assert!(
+            off(after, 0.9).is_less(&off(before, 0.5)),
+            "within the limit"
+        );
     }
 
     #[test]
