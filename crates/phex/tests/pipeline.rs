@@ -370,6 +370,7 @@ fn a_run_can_be_repeated_and_watched() {
         "optimise",
         "trim",
         "validate",
+        "search",
     ];
     assert_eq!(order, flow);
     let timed: Vec<&str> = first.stages.iter().map(|s| s.stage).collect();

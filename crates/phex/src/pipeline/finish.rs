@@ -5,7 +5,7 @@ use super::rim::{Rim, enlarged, follow_rim, on_curve, roomier};
 use super::{Clock, PipelineError};
 use crate::ground::Ground;
 use crate::optimise::OptimiseError;
-use crate::quality::Judgement;
+use crate::quality::{Judgement, Merit};
 use crate::search::Site;
 use crate::trim::{Trimmed, folds};
 use phex_mesh::HexMesh;
@@ -26,11 +26,16 @@ impl<'a> Candidate<'a> {
         }
     }
 
-    /// Takes another mesh in its place unless that is worse.
+    /// Takes another mesh in its place unless more of it is invalid or outside limits.
     fn offer(&mut self, mesh: Option<HexMesh>) {
+        self.offer_if(mesh, Merit::is_no_worse);
+    }
+
+    /// Takes another mesh in its place if its merit is good enough beside that of this one.
+    fn offer_if(&mut self, mesh: Option<HexMesh>, is_good: impl Fn(&Merit, &Merit) -> bool) {
         let Some(mesh) = mesh else { return };
         let judgement = self.site.judged(&mesh);
-        if judgement.merit.compare(&self.judgement.merit).is_le() {
+        if is_good(&judgement.merit, &self.judgement.merit) {
             (self.mesh, self.judgement) = (mesh, judgement);
         }
     }
@@ -67,7 +72,7 @@ pub(super) fn finished(
                 now.offer(follow_rim(&now.mesh, surface, options));
             }
             let roomy = roomier(&now.mesh, site, rim.as_ref(), progress)?;
-            now.offer(roomy.map(|n| n.mesh));
+            now.offer_if(roomy.map(|n| n.mesh), |a, b| a.compare(b).is_le());
             Ok(())
         })?;
     }

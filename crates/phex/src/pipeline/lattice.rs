@@ -4,12 +4,12 @@ use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
 use super::finish::finished;
 use super::restarts::{Drawn, most_regular};
 use super::rim::Rim;
-use super::{Clock, PipelineError, between_panels};
+use super::{Clock, MeshOptions, PipelineError, between_panels};
 use crate::directions::guides::Cone;
 use crate::ground::{Beyond, Ground};
 use crate::layout::{Layout, LayoutStatistics};
 use crate::optimise::{self, Optimised, SurfaceTarget};
-use crate::quality::{Judge, Judgement, Limits, References};
+use crate::quality::{Judge, Judgement, References};
 use crate::search::{AreaField, Searched, Site, search};
 use crate::trim::Trimmed;
 use phex_mesh::{FaceId, HexMesh, PolygonSoup, TriangleSurface, Violation};
@@ -36,7 +36,6 @@ pub(super) struct Surfaces {
     pub reported: TriangleSurface,
     facets: TriangleSurface,
     pub beyond: Option<Beyond>,
-    limits: Limits,
 }
 
 impl Surfaces {
@@ -45,7 +44,6 @@ impl Surfaces {
             reported: ground.reported(&fine.surface).clone(),
             facets: ground.given_facets().clone(),
             beyond: ground.beyond(&fine.surface),
-            limits: ground.options.limits(),
             fine,
         }
     }
@@ -58,7 +56,7 @@ impl Surfaces {
     }
 
     /// Does something with the site of these surfaces.
-    pub fn with_site<T>(&self, ground: &Ground, work: impl FnOnce(&Site<'_>) -> T) -> T {
+    pub fn with_site<T>(&self, options: &MeshOptions, work: impl FnOnce(&Site<'_>) -> T) -> T {
         let beyond = self.beyond.as_ref().map(|b| [&b.smooth, &b.facets]);
         let references = References {
             smooth: Some(&self.reported),
@@ -66,8 +64,8 @@ impl Surfaces {
             beyond,
             elsewhere: &[],
         };
-        let judge = Judge::new(&self.reported, references, self.limits);
-        let rim = Rim::kept(&self.reported, &ground.options);
+        let judge = Judge::new(&self.reported, references, options.limits());
+        let rim = Rim::kept(&self.reported, options);
         work(&Site {
             judge: &judge,
             close_to: beyond.map_or(&self.reported, |b| b[0]),
@@ -76,7 +74,7 @@ impl Surfaces {
                 surface: &self.fine.surface,
                 wish: &self.fine.wish,
             }),
-            options: &ground.options.optimise,
+            options: &options.optimise,
         })
     }
 }
@@ -107,8 +105,11 @@ pub(super) fn pass(
     let trimmed = clock.timed("trim", || ground.trimmed(&optimised.mesh, &fine.surface))?;
     let start = laid_out(&layout, &trimmed);
     let surfaces = Surfaces::new(ground, fine);
-    let (mesh, judgement) =
-        surfaces.with_site(ground, |site| finished(trimmed, site, ground, clock))?;
+    let made = surfaces.with_site(options, |site| finished(trimmed, site, ground, clock));
+    let (mesh, mut judgement) = made?;
+    if way.usual_deviation {
+        judgement = surfaces.with_site(&ground.options, |site| site.judged(&mesh));
+    }
     Ok(Pass {
         mesh,
         start,
@@ -126,7 +127,7 @@ impl Pass {
     pub fn searched(&self, ground: &Ground, clock: &mut Clock<'_>) -> Searched {
         let progress = clock.progress;
         let work = |site: &Site<'_>| search(self.mesh.clone(), site, progress);
-        clock.timed("search", || self.surfaces.with_site(ground, work))
+        clock.timed("search", || self.surfaces.with_site(&ground.options, work))
     }
 
     /// The surfaces that the mesh is reported against.
