@@ -17,7 +17,6 @@
 
 pub mod curvature;
 pub mod directions;
-mod ground;
 pub mod koebe;
 pub mod layout;
 pub mod offset;
@@ -33,8 +32,9 @@ pub mod target;
 mod test_meshes;
 pub mod trim;
 
-pub use ground::{Beyond, continued};
-pub use pipeline::{MeshOptions, MeshRun, PanelSize, PipelineError, mesh_surface};
+pub use pipeline::{
+    Beyond, MeshOptions, MeshRun, PanelSize, PipelineError, continued, mesh_surface,
+};
 pub use progress::{Event, Progress, Silent};
 pub use ranges::BadOption;
 pub use trim::Boundary;

@@ -3,6 +3,7 @@
 mod brick_wall;
 mod check;
 mod classical;
+mod domain;
 mod field;
 mod finish;
 mod lattice;
@@ -15,6 +16,7 @@ mod subdivide;
 
 pub use brick_wall::{NetworkCurves, network_curves};
 pub use classical::ClassicalStatistics;
+pub use domain::{Beyond, continued};
 pub use options::{MeshOptions, Method, PanelSize};
 pub use portfolio::{AttemptSummary, Candidate};
 pub use steered::refit_surface;
@@ -22,7 +24,6 @@ pub use subdivide::{Level, subdivide};
 
 use crate::directions::cones::ConeError;
 use crate::directions::guides::Cone;
-use crate::ground::Beyond;
 use crate::layout::brick_wall::BrickWallStatistics;
 use crate::layout::lattice::CELL;
 use crate::layout::{LayoutError, LayoutStatistics};

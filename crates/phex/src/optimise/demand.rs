@@ -2,12 +2,12 @@
 
 use super::areas::AreaWish;
 use super::barrier::clearance;
-use super::energy::{Setting, distances};
 use super::guard::Breach;
 use super::notches::{self, NotchTerm};
 use super::panels::{Panels, Shape};
 use super::parts::Part;
 use super::path::Path;
+use super::setting::{Setting, distances};
 use super::simple::area;
 
 /// Factor of barriers or closeness from one round for a group of panels to the next.

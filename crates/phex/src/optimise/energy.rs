@@ -2,25 +2,23 @@
 //!
 //! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the guard is broken.
 
-use super::angle::AngleTerm;
+use super::angle_term::AngleTerm;
 use super::areas::AreaWish;
-use super::barrier::{self, Barrier};
-use super::closeness::{ClosenessWeights, Feet, Reference};
-use super::guard::{Armed, Guard};
+use super::barrier::{self, Barrier, barriers};
+use super::closeness::{ClosenessWeights, Feet};
+use super::guard::Armed;
 use super::hinges::HingeTerm;
-use super::holds::{Holds, restrict};
+use super::holds::Holds;
 use super::notches::NotchTerm;
+use super::options::OptimiseOptions;
 use super::panels::{Panels, Shape, add_block};
 use super::planarity;
-use super::simple::collision;
+use super::setting::{Setting, collision_bound, longest};
 use super::spatial_barrier;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
 use phex_numeric::{Assembly, DampedProblem, SymmetricMatrix};
-
-/// Fraction of the way to the first collision that a step may go.
-const COLLISION_FRACTION: f64 = 0.85;
 
 /// Trials in a row that demands other than simplicity may block.
 const PATIENCE: usize = 3;
@@ -36,20 +34,30 @@ pub(super) struct Weights {
     pub corner: f64,
 }
 
-/// What does not change while one start is optimised.
-pub(super) struct Setting<'a> {
-    pub panels: &'a Panels,
-    pub reference: &'a Reference<'a>,
-    pub guard: &'a Guard,
-    /// Vertices that are drawn to the boundary curve.
-    pub rim: &'a [u32],
-    /// Whether a vertex is a corner of the boundary.
-    pub corner: &'a [bool],
-    /// Vertices that the user holds.
-    pub holds: &'a Holds,
-    /// Areas that faces are to have, weights relative to that of the closeness of vertices.
-    pub areas: &'a [AreaWish],
-    pub mean_edge: f64,
+/// Weights of the energy, that of planarity 0.
+pub(super) fn weights(options: &OptimiseOptions) -> Weights {
+    Weights {
+        planarity: 0.0,
+        closeness: ClosenessWeights {
+            vertex: options.vertex_closeness,
+            centre: options.centre_closeness,
+            rim: options.boundary_closeness,
+        },
+        fairness: options.fairness,
+        anchor: options.anchor,
+        corner: options.corner_closeness,
+    }
+}
+
+/// The energy with the weights of the options; `start` is the anchor.
+pub(super) fn panel_energy<'a>(
+    setting: &'a Setting<'a>,
+    assembly: &'a Assembly,
+    start: &[f64],
+    options: &OptimiseOptions,
+) -> PanelEnergy<'a> {
+    let barriers = barriers(setting.panels, start, options);
+    PanelEnergy::new(setting, assembly, weights(options), barriers, start)
 }
 
 /// The energy at the positions that were asked for last, and what was computed there.
@@ -355,14 +363,9 @@ impl DampedProblem for PanelEnergy<'_> {
             hinges.add(panels, x, gradient, assembly, first, &mut self.blocks);
         }
         let weight = self.weights.closeness.vertex;
-        restrict(
-            self.setting,
-            assembly,
-            weight,
-            x,
-            gradient,
-            &mut self.blocks,
-        );
+        self.setting
+            .holds
+            .restrict(panels, assembly, weight, x, gradient, &mut self.blocks);
         self.assembly.assemble(&self.blocks, hessian);
     }
 
@@ -381,53 +384,5 @@ impl DampedProblem for PanelEnergy<'_> {
 
     fn retract(&self, x: &mut [f64]) {
         self.setting.holds.retract(x);
-    }
-}
-
-/// Distances of vertices, then of face centres, to the reference.
-pub(super) fn distances(setting: &Setting<'_>, x: &[f64]) -> Vec<f64> {
-    let shape = Shape::at(setting.panels, x);
-    let mut feet = Feet::default();
-    feet.update(setting.reference, &shape, x, &[]);
-    feet.distances()
-}
-
-/// Distances of vertices and face centres to the reference: largest, and root mean square.
-pub(super) fn deviation(setting: &Setting<'_>, x: &[f64]) -> (f64, f64) {
-    let distances = distances(setting, x);
-    let both = |(most, sum): (f64, f64), d: &f64| (most.max(*d), sum + d * d);
-    let (most, sum) = distances.iter().fold((0.0, 0.0), both);
-    (most, (sum / distances.len().max(1) as f64).sqrt())
-}
-
-/// Largest displacement of a vertex.
-pub(super) fn longest(step: &[f64]) -> f64 {
-    let squares = step.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum());
-    squares.fold(0.0, f64::max).sqrt()
-}
-
-/// Fraction of a step that keeps clear of collisions within every face.
-pub(super) fn collision_bound(
-    setting: &Setting<'_>,
-    armed: &Armed,
-    shape: &Shape,
-    step: &[f64],
-    corner_motion: &mut [Vec2],
-) -> f64 {
-    let panels = setting.panels;
-    let mut bound: f64 = 1.0;
-    for f in (0..panels.n_faces()).filter(|&f| armed.is_simple(f)) {
-        let motion = &mut corner_motion[panels.corners(f)];
-        for (m, &v) in motion.iter_mut().zip(panels.vertices(f)) {
-            *m = shape.frames[f]
-                .plane
-                .project_vector(point(step, v as usize));
-        }
-        bound = collision(shape.face(panels, f), motion, bound);
-    }
-    if bound < 1.0 {
-        COLLISION_FRACTION * bound
-    } else {
-        1.0
     }
 }

@@ -3,8 +3,8 @@
 use super::holds::Hold;
 use super::panels::{Shape, unknowns};
 use super::path::Path;
+use super::reached::{Reached, Way};
 use super::room::rim_holds;
-use super::run::{Reached, Way};
 use super::solvers::Solvers;
 use super::{
     BoundaryHold, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference, Stage, StartKind,

@@ -54,6 +54,7 @@
 //! loop may drop their seeds.
 
 mod angle;
+mod angle_term;
 mod areas;
 mod barrier;
 mod closeness;
@@ -61,6 +62,7 @@ mod constraints;
 mod demand;
 mod endgame;
 mod energy;
+mod error;
 mod fairness;
 mod fast;
 mod guard;
@@ -78,9 +80,13 @@ mod panels;
 mod parts;
 mod path;
 mod planarity;
+mod point_term;
+mod reached;
+mod reference;
 mod retry;
 mod room;
 mod run;
+mod setting;
 mod shape_target;
 mod share;
 mod shortcut;
@@ -98,27 +104,28 @@ pub(crate) mod tests;
 use crate::layout::{Layout, VertexKind};
 use crate::progress::{Event, Progress};
 use areas::AreaWish;
-use closeness::Reference;
 use guard::Guard;
 use holds::{Hold, Holds};
 use panels::{Panels, Shape, points, unknowns};
 use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
-use run::Run;
+use reached::Run;
+use reference::Reference;
 use serde::Serialize;
 use solvers::Solvers;
 use start::{Smoothing, TangentCells};
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(crate) use angle::free_edges;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
+pub(crate) use angle_term::walks::free_edges;
+pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
 pub use local::LocalPart;
 pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
-pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind};
+pub use options::{Dials, OptimiseOptions, PathKind, Solver, StartKind};
 pub use room::{enlarge_small, give_room};
 pub use shape_target::ShapeTarget;
-pub use steering::{Anchor, GroundPlane, Steering, SteeringError, led_elsewhere};
+pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use surface_target::SurfaceTarget;
 
 /// Foot point on a target surface.

@@ -8,9 +8,9 @@
 //! in [`super::barrier`]. The Hessian is the Gauss-Newton part in the fixed plane.
 
 use super::barrier::add_turning;
-use super::closeness::Reference;
-use super::energy::Setting;
 use super::panels::{Corner, FaceFrame, Shape, add_block};
+use super::reference::Reference;
+use super::setting::Setting;
 use nalgebra::{Matrix2, Vector3};
 use phex_mesh::{Vec2, Vec3};
 
@@ -180,13 +180,13 @@ fn curvature_ratio(steps: [Vec3; 2], turns: [Vec3; 2], normal: Vec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimise::energy::distances;
     use crate::optimise::guard::Guard;
     use crate::optimise::holds::Holds;
     use crate::optimise::options::OptimiseOptions;
     use crate::optimise::panels::{Panels, unknowns};
     use crate::optimise::path::Path;
-    use crate::optimise::run::Reached;
+    use crate::optimise::reached::Reached;
+    use crate::optimise::setting::distances;
     use crate::optimise::solvers::Solvers;
     use crate::optimise::tests::fixtures::{Shape as Surface, brick_wall, planar_saddle};
     use crate::progress::Silent;

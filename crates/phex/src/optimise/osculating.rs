@@ -9,7 +9,8 @@
 //! normals and tangents nearby. The distance to a triangulation has a kink wherever the foot point crosses an edge, which no
 //! method can minimise over to the last digits; this is a polynomial. It is off by the third order of how far a vertex still slides.
 
-use super::closeness::{PointTerm, Reference};
+use super::point_term::PointTerm;
+use super::reference::Reference;
 use super::{CurvePoint, TargetPoint};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;

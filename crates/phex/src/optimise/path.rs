@@ -1,16 +1,20 @@
 //! The feasible path from one start: phases of rising penalties, and what is tried where they do not lead to planar panels.
 
 use super::areas::AreaWish;
+use super::barrier::barriers;
 use super::barrier::{Barrier, clearance};
-use super::closeness::Reference;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
-use super::energy::{PanelEnergy, Setting, Weights, deviation};
+use super::energy::weights;
+use super::energy::{PanelEnergy, Weights};
+use super::error::OptimiseError;
 use super::hinges::HingeTerm;
 use super::notches::NotchTerm;
-use super::options::{NEWTON_ITERATIONS, OptimiseError, OptimiseOptions};
+use super::options::{NEWTON_ITERATIONS, OptimiseOptions};
 use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
-use super::run::{Reached, barriers, better, weights};
+use super::reached::{Reached, better};
+use super::reference::Reference;
+use super::setting::{Setting, deviation};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Reporter, Solvers};
 use crate::progress::Progress;

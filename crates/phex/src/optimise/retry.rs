@@ -5,17 +5,17 @@
 //! with stronger closeness or with a stronger barrier that reaches farther, and are projected. Around edges over which panels fold these
 //! phases have folds pay, around panels that are concave where the surface is convex re-entrant corners. The result is taken if it is planar, better in what was wanted, breaks nothing, and costs nothing else that counts.
 
-use super::closeness::Reference;
 use super::demand::{Allowed, Demand, Judged, Wish, areas, clearances, largest, sharpest_angle};
-use super::energy::{Setting, distances};
+use super::error::OptimiseError;
 use super::guard::Breach;
 use super::hinges::HingeTerm;
 use super::notches::{is_concave, to_be_convex};
-use super::options::OptimiseError;
 use super::panels::{Panels, Shape, extent};
 use super::parts::{LARGE, Part, with_neighbours};
 use super::path::Path;
-use super::run::Reached;
+use super::reached::Reached;
+use super::reference::Reference;
+use super::setting::{Setting, distances};
 use super::solvers::Solvers;
 
 /// Clearance, in mean edges, that a panel should have, and the share of it below which it is tight. Retries end half-way to a

@@ -8,7 +8,7 @@ use super::on_boundary::{already_there, near_corners};
 use super::options::NEWTON_ITERATIONS;
 use super::panels::{Panels, Shape, unknowns};
 use super::path::Path;
-use super::run::{Reached, Way};
+use super::reached::{Reached, Way};
 use super::solvers::Solvers;
 use super::{
     BoundaryHold, Hold, Holds, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference,

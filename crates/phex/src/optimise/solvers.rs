@@ -1,8 +1,8 @@
 //! Factorisations and memory that the runs on one mesh share, and what hears of their iterations.
 
 use super::constraints::PlanarityConstraints;
+use super::error::OptimiseError;
 use super::hinges::HingeTerm;
-use super::options::OptimiseError;
 use super::panels::Panels;
 use crate::progress::{Event, Progress};
 use phex_numeric::{Assembly, Cholesky, DampedSolver, Record, SymmetricMatrix};

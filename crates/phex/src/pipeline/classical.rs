@@ -13,10 +13,10 @@ mod subdivision;
 pub(super) use model::{place_in, quadric};
 pub use statistics::ClassicalStatistics;
 
+use super::domain::Ground;
 use super::field::{Field, FineSurface, boundary_length, panel_length};
 use super::{Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, between_panels};
 use crate::directions::guides::{Cone, Guides};
-use crate::ground::Ground;
 use crate::layout::domain::DomainError;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::Optimised;

@@ -8,13 +8,13 @@
 //! and more; central symmetry, which satisfies the condition, shows the way.
 
 use super::AngleOptions;
-use super::closing::Closing;
-use super::term::{AngleTerm, branches};
-use super::walks::{Walk, Walks};
-use crate::optimise::energy::Setting;
-use crate::optimise::options::OptimiseError;
+use crate::optimise::angle_term::closing::Closing;
+use crate::optimise::angle_term::walks::{Walk, Walks};
+use crate::optimise::angle_term::{AngleTerm, branches};
+use crate::optimise::energy::panel_energy;
+use crate::optimise::error::OptimiseError;
 use crate::optimise::panels::Shape;
-use crate::optimise::run::panel_energy;
+use crate::optimise::setting::Setting;
 use crate::optimise::solvers::{Reporter, energy_assembly_with, system};
 use crate::progress::Progress;
 use phex_numeric::{DampedOptions, DampedSolver, Damping, Outcome, Status};

@@ -25,24 +25,20 @@
 //! their tangent plane: the Gauss image of the curve is a point then, and the circles through the vertices of rows of equal panels shrink
 //! towards it in a geometric sequence without passing it (a torus); and where panels can't be sound besides. [`AngleOptimised::is_converged`] tells.
 
-mod closing;
 mod constraints;
 mod ease;
 mod path;
 mod tangent;
-mod term;
-mod walks;
 
 use self::constraints::angle_assembly;
 use self::ease::eased;
 use self::path::AnglePath;
-pub(super) use self::term::AngleTerm;
-use self::walks::Walks;
-pub(crate) use self::walks::free_edges;
-use super::energy::{Setting, deviation};
+use super::angle_term::walks::Walks;
+use super::error::OptimiseError;
 use super::inspect::{Offender, Quality, inspect};
-use super::options::{OptimiseError, OptimiseOptions};
+use super::options::OptimiseOptions;
 use super::panels::{Panels, Shape, points, unknowns};
+use super::setting::{Setting, deviation};
 use super::solvers::energy_assembly;
 use super::{Reference, Stage, Target, check_mesh, kinds_of};
 use crate::progress::Progress;
