@@ -6,10 +6,10 @@ use super::angle_term::AngleTerm;
 use super::areas::AreaWish;
 use super::barrier::{self, Barrier, barriers};
 use super::closeness::{ClosenessWeights, Feet};
+use super::concavity::ConcavityTerm;
+use super::folds::FoldTerm;
 use super::guard::Armed;
-use super::hinges::HingeTerm;
 use super::holds::Holds;
-use super::notches::NotchTerm;
 use super::options::OptimiseOptions;
 use super::panels::{Panels, Shape, add_block};
 use super::planarity;
@@ -67,9 +67,9 @@ pub(super) struct PanelEnergy<'a> {
     /// The angle condition of a vertex offset, where it is wanted.
     pub angles: Option<AngleTerm<'a>>,
     /// What folds pay, where they are to go; not together with the angle condition.
-    pub hinges: Option<HingeTerm>,
+    pub folds: Option<FoldTerm>,
     /// What re-entrant corners pay, where they are to go.
-    pub notches: Option<NotchTerm>,
+    pub concavity: Option<ConcavityTerm>,
     /// Areas that faces are to have.
     pub areas: Vec<AreaWish>,
     /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a penalty alone; second derivatives
@@ -108,8 +108,8 @@ impl<'a> PanelEnergy<'a> {
             weights,
             barriers,
             angles: None,
-            hinges: None,
-            notches: None,
+            folds: None,
+            concavity: None,
             areas: setting.areas.to_vec(),
             multipliers: None,
             armed: setting
@@ -207,7 +207,7 @@ impl<'a> PanelEnergy<'a> {
     fn panel_energy(&mut self) -> f64 {
         let (panels, shape) = (self.setting.panels, &self.shape);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, notches, areas) = (&self.angles, &self.notches, &self.areas);
+        let (angles, concavity, areas) = (&self.angles, &self.concavity, &self.areas);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -227,8 +227,8 @@ impl<'a> PanelEnergy<'a> {
             if let Some(angles) = angles {
                 *energy += angles.energy(f, corners);
             }
-            if let Some(notches) = notches {
-                *energy += notches.energy(f, corners);
+            if let Some(concavity) = concavity {
+                *energy += concavity.energy(f, corners);
             }
             *energy += areas[f].energy(corners);
         };
@@ -263,7 +263,7 @@ impl<'a> PanelEnergy<'a> {
     fn linearise_faces(&mut self) {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, notches, areas) = (&self.angles, &self.notches, &self.areas);
+        let (angles, concavity, areas) = (&self.angles, &self.concavity, &self.areas);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -293,8 +293,8 @@ impl<'a> PanelEnergy<'a> {
             if let Some(angles) = angles {
                 angles.add(f, frame, corners, gradient, block);
             }
-            if let Some(notches) = notches {
-                notches.add(f, frame, corners, gradient, block);
+            if let Some(concavity) = concavity {
+                concavity.add(f, frame, corners, gradient, block);
             }
             areas[f].add(frame, corners, gradient, block);
         };
@@ -345,7 +345,7 @@ impl DampedProblem for PanelEnergy<'_> {
             .energy(self.setting.panels.n_vertices(), closeness);
         let closing = self.angles.as_ref().map_or(0.0, |a| a.closing_energy(x));
         let panels = self.setting.panels;
-        let folds = self.hinges.as_ref().map_or(0.0, |h| h.energy(panels, x));
+        let folds = self.folds.as_ref().map_or(0.0, |h| h.energy(panels, x));
         self.panel_energy() + near + self.anchor_energy() + closing + folds
     }
 
@@ -359,8 +359,8 @@ impl DampedProblem for PanelEnergy<'_> {
         if let Some(angles) = &mut self.angles {
             angles.add_closing(x, gradient, assembly, first, &mut self.blocks);
         }
-        if let Some(hinges) = &self.hinges {
-            hinges.add(panels, x, gradient, assembly, first, &mut self.blocks);
+        if let Some(folds) = &self.folds {
+            folds.add(panels, x, gradient, assembly, first, &mut self.blocks);
         }
         let weight = self.weights.closeness.vertex;
         self.setting

@@ -35,8 +35,8 @@
 //! rounding ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
 //! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At its end panels that stand off by more than
-//! [`OptimiseOptions::max_deviation`] and tight ones are tried again, each with what is around it (`retry.rs`);
-//! so are tight panels of a mesh that has been trimmed and brought to the boundary (`room.rs`).
+//! [`OptimiseOptions::max_deviation`] and tight ones are tried again, each with what is around it (`local/retry.rs`);
+//! so are tight panels of a mesh that has been trimmed and brought to the boundary (`local/room.rs`).
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3, with the plane eliminated; the
 //! feasible path and its barrier after Li et al., "Incremental potential contact" (2020), within each face's plane.
@@ -58,21 +58,21 @@ mod angle_term;
 mod areas;
 mod barrier;
 mod closeness;
+mod components;
+mod concavity;
 mod constraints;
-mod demand;
 mod endgame;
 mod energy;
 mod error;
 mod fairness;
 mod fast;
+mod folds;
 mod guard;
 mod guarded;
-mod hinges;
 mod holds;
 mod inspect;
 mod jacobian;
 mod local;
-mod notches;
 mod on_boundary;
 mod options;
 mod osculating;
@@ -83,12 +83,9 @@ mod planarity;
 mod point_term;
 mod reached;
 mod reference;
-mod retry;
-mod room;
 mod run;
 mod setting;
 mod shape_target;
-mod share;
 mod shortcut;
 mod simple;
 mod solvers;
@@ -120,10 +117,9 @@ pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub(crate) use angle_term::walks::free_edges;
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
-pub use local::LocalPart;
+pub use local::{LocalPart, enlarge_small, give_room};
 pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, Solver, StartKind};
-pub use room::{enlarge_small, give_room};
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use surface_target::SurfaceTarget;

@@ -3,12 +3,12 @@
 use super::areas::AreaWish;
 use super::barrier::barriers;
 use super::barrier::{Barrier, clearance};
+use super::concavity::ConcavityTerm;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::weights;
 use super::energy::{PanelEnergy, Weights};
 use super::error::OptimiseError;
-use super::hinges::HingeTerm;
-use super::notches::NotchTerm;
+use super::folds::FoldTerm;
 use super::options::{NEWTON_ITERATIONS, OptimiseOptions};
 use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
@@ -109,17 +109,17 @@ impl<'a> Path<'a> {
     }
 
     /// What folds pay; the solvers must have room for it. Meshes in parts do without.
-    pub fn hinges(&mut self) -> Option<&mut Option<HingeTerm>> {
+    pub fn folds(&mut self) -> Option<&mut Option<FoldTerm>> {
         match &mut self.descent {
-            Descent::Whole(whole) => Some(&mut whole.energy.hinges),
+            Descent::Whole(whole) => Some(&mut whole.energy.folds),
             Descent::Parts => None,
         }
     }
 
     /// What re-entrant corners pay. Meshes in parts do without.
-    pub fn notches(&mut self) -> Option<&mut Option<NotchTerm>> {
+    pub fn concavity(&mut self) -> Option<&mut Option<ConcavityTerm>> {
         match &mut self.descent {
-            Descent::Whole(whole) => Some(&mut whole.energy.notches),
+            Descent::Whole(whole) => Some(&mut whole.energy.concavity),
             Descent::Parts => None,
         }
     }

@@ -18,7 +18,7 @@
 //!
 //! | `R x = x` | `Closing`: one equation for each odd panel inside, two for each loop that is no panel (`Walks`) |
 //!
-//! Where the first step does not get there from the mesh as it is, it begins from a start that is eased towards the constraints (`ease`), with
+//! Where the first step does not get there from the mesh as it is, it begins from a start that is eased towards the constraints (`continuation`), with
 //! several weights of symmetry and room.
 //!
 //! *Guaranteed*: as in the whole stage, simple panels stay simple. *Fails* on closed surfaces where rows run along a parabolic curve whose points share
@@ -26,12 +26,12 @@
 //! towards it in a geometric sequence without passing it (a torus); and where panels can't be sound besides. [`AngleOptimised::is_converged`] tells.
 
 mod constraints;
-mod ease;
+mod continuation;
 mod path;
 mod tangent;
 
 use self::constraints::angle_assembly;
-use self::ease::eased;
+use self::continuation::by_continuation;
 use self::path::AnglePath;
 use super::angle_term::walks::Walks;
 use super::error::OptimiseError;
@@ -49,17 +49,17 @@ use serde::{Deserialize, Serialize};
 
 /// A way to the constraints.
 struct Way {
-    /// From a start that is [`eased`] with these factors of fairness and barrier, or from the one that is given.
-    ease: Option<[f64; 2]>,
+    /// From a start that is found [`by_continuation`] with these factors of fairness and barrier, or from the one that is given.
+    continuation: Option<[f64; 2]>,
     /// Clearances that are then kept, over the least one of a result, one after the other: near parabolic curves some panels come through only where
     /// others may come close, and the descent opens them again.
     clearances: &'static [f64],
 }
 
 impl Way {
-    const fn eased(fairness: f64, barrier: f64) -> Self {
+    const fn by_continuation(fairness: f64, barrier: f64) -> Self {
         Self {
-            ease: Some([fairness, barrier]),
+            continuation: Some([fairness, barrier]),
             // More than the least one, since it is judged by the mean edge, which grows on the way.
             clearances: &[1.2, 0.1],
         }
@@ -69,17 +69,17 @@ impl Way {
 /// The ways that are tried, one after the other.
 const WAYS: [Way; 8] = [
     Way {
-        ease: None,
+        continuation: None,
         clearances: &[1.0],
     },
-    Way::eased(3.0, 1.0),
-    Way::eased(30.0, 1.0),
-    Way::eased(10.0, 5.0),
-    Way::eased(10.0, 15.0),
-    Way::eased(100.0, 5.0),
-    Way::eased(30.0, 30.0),
+    Way::by_continuation(3.0, 1.0),
+    Way::by_continuation(30.0, 1.0),
+    Way::by_continuation(10.0, 5.0),
+    Way::by_continuation(10.0, 15.0),
+    Way::by_continuation(100.0, 5.0),
+    Way::by_continuation(30.0, 30.0),
     Way {
-        ease: None,
+        continuation: None,
         clearances: &[0.3, 0.1],
     },
 ];
@@ -161,9 +161,9 @@ pub fn satisfy_angle_condition(
     let allowed = n_violations(mesh, options);
     let mut best: Option<(Rank, AngleOptimised)> = None;
     for way in WAYS {
-        let (from, spent) = match way.ease {
+        let (from, spent) = match way.continuation {
             None => (start.clone(), Outcome::empty(Status::Converged)),
-            Some(factors) => eased(&setting, &walks, &start, options, factors, progress)?,
+            Some(factors) => by_continuation(&setting, &walks, &start, options, factors, progress)?,
         };
         for &clearance in way.clearances {
             let mut path = AnglePath::new(

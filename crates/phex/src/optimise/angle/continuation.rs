@@ -37,7 +37,7 @@ const ITERATIONS: usize = 60;
 const LITTLE: [f64; 2] = [1e-4, 1e-4];
 
 /// Minimises from `start` on, with factors of the weights of fairness and barrier.
-pub(super) fn eased(
+pub(super) fn by_continuation(
     setting: &Setting<'_>,
     walks: &Walks,
     start: &[f64],

@@ -22,7 +22,7 @@ const DEPTH: f64 = 0.02;
 const MARGIN: f64 = 0.02;
 
 /// The penalty of all corners of the faces that are to be convex.
-pub(super) struct NotchTerm {
+pub(super) struct ConcavityTerm {
     pub weight: f64,
     /// Which faces are to be convex.
     pub faces: Vec<bool>,
@@ -30,7 +30,7 @@ pub(super) struct NotchTerm {
     pub edge: f64,
 }
 
-impl NotchTerm {
+impl ConcavityTerm {
     /// Energy of a face.
     pub fn energy(&self, f: usize, corners: &[Corner]) -> f64 {
         if !self.faces[f] {

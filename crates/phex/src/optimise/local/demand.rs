@@ -1,14 +1,14 @@
 //! What the retries at the end want of a part of a mesh, what it may cost, and how a result is judged by that.
 
-use super::areas::AreaWish;
-use super::barrier::clearance;
-use super::guard::Breach;
-use super::notches::{self, NotchTerm};
-use super::panels::{Panels, Shape};
-use super::parts::Part;
-use super::path::Path;
-use super::setting::{Setting, distances};
-use super::simple::area;
+use crate::optimise::areas::AreaWish;
+use crate::optimise::barrier::clearance;
+use crate::optimise::concavity::{self, ConcavityTerm};
+use crate::optimise::guard::Breach;
+use crate::optimise::panels::{Panels, Shape};
+use crate::optimise::parts::Part;
+use crate::optimise::path::Path;
+use crate::optimise::setting::{Setting, distances};
+use crate::optimise::simple::area;
 
 /// Factor of barriers or closeness from one round for a group of panels to the next.
 const STRONGER: f64 = 4.0;
@@ -114,7 +114,7 @@ impl Demand {
             Wish::Convex { faces } => {
                 let depth = |f: usize| {
                     let corners = at.shape.face(setting.panels, f);
-                    notches::depth(corners, setting.mean_edge)
+                    concavity::depth(corners, setting.mean_edge)
                 };
                 let wished = (0..faces.len()).filter(|&f| faces[f]);
                 wished.map(depth).sum()
@@ -159,14 +159,14 @@ impl Demand {
                 closeness.rim *= STRONGER;
             }
             Wish::Unfolded => {
-                if let Some(Some(hinges)) = path.hinges() {
-                    hinges.weight = heavy;
+                if let Some(Some(folds)) = path.folds() {
+                    folds.weight = heavy;
                 }
             }
             Wish::Convex { faces } => {
                 let edge = path.setting.mean_edge;
-                if let Some(notches) = path.notches() {
-                    *notches = Some(NotchTerm {
+                if let Some(concavity) = path.concavity() {
+                    *concavity = Some(ConcavityTerm {
                         weight: heavy,
                         faces: faces.clone(),
                         edge,

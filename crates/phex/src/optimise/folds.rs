@@ -23,12 +23,12 @@ struct Hinge {
 }
 
 /// The penalty of all inner edges of a mesh.
-pub(super) struct HingeTerm {
+pub(super) struct FoldTerm {
     pub weight: f64,
     hinges: Vec<Hinge>,
 }
 
-impl HingeTerm {
+impl FoldTerm {
     /// For the inner edges of `guard`, without weight.
     pub fn new(panels: &Panels, guard: &Guard, x: &[f64]) -> Self {
         let shape = Shape::at(panels, x);
@@ -179,7 +179,7 @@ mod tests {
         let panels = Panels::new(mesh.topology());
         let guard = Guard::new(mesh.topology(), None, 0.0);
         let x = unknowns(&mesh);
-        let mut term = HingeTerm::new(&panels, &guard, &x);
+        let mut term = FoldTerm::new(&panels, &guard, &x);
         term.weight = 2.0;
         let assembly = energy_assembly_with(&panels, term.vertices());
         let mut blocks = vec![0.0; assembly.n_block_entries()];
