@@ -1,11 +1,11 @@
 //! From a surface to a planar hexagonal mesh.
 //!
-//! Data flows `target -> curvature -> directions -> layout -> optimise -> trim -> koebe -> offset -> report`; a stage uses
+//! Data flows `smooth_surface -> curvature -> directions -> layout -> optimise -> trim -> koebe -> offset -> report`; a stage uses
 //! earlier stages only.
 //!
 //! | stage | what it computes |
 //! |---|---|
-//! | [`target`] | the smooth surface that the input's facets sample, normalised |
+//! | [`smooth_surface`] | the smooth surface that the input's facets sample, normalised |
 //! | [`curvature`] | shape operator at the scale of a panel |
 //! | [`directions`] | the metric in which panels are regular, and their lattice directions |
 //! | [`layout`] | the panelling's connectivity and first positions |
@@ -27,7 +27,7 @@ pub mod quality;
 pub mod ranges;
 pub mod report;
 pub mod search;
-pub mod target;
+pub mod smooth_surface;
 #[cfg(test)]
 mod test_meshes;
 pub mod trim;

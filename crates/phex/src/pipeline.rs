@@ -1,4 +1,4 @@
-//! The whole flow: surface -> target -> curvature -> directions -> layout -> optimise -> trim -> quality -> search.
+//! The whole flow: surface -> smooth_surface -> curvature -> directions -> layout -> optimise -> trim -> quality -> search.
 
 mod brick_wall;
 mod check;
@@ -32,7 +32,7 @@ use crate::optimise::{OptimiseError, RunSummary};
 use crate::progress::{Event, Progress};
 use crate::ranges::BadOption;
 use crate::search::SearchSummary;
-use crate::target::{Normalised, Similarity, SmoothTarget};
+use crate::smooth_surface::{Normalised, Similarity, SmoothTarget};
 use crate::trim::TrimError;
 use field::panel_length;
 use phex_mesh::validate::ValidateOptions;

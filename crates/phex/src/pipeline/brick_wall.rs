@@ -17,7 +17,7 @@ use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
 use crate::quality::{Judge, Merit, References};
-use crate::target::Normalised;
+use crate::smooth_surface::Normalised;
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;
 

@@ -21,7 +21,7 @@ use crate::layout::domain::DomainError;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::Optimised;
 use crate::progress::Progress;
-use crate::target::Normalised;
+use crate::smooth_surface::Normalised;
 use joined::{cells, fitted_planes, joined, met};
 use phex_mesh::{HexMesh, TriangleSurface};
 use phex_numeric::{Outcome, Status};

@@ -10,7 +10,7 @@ use crate::layout::brick_wall::BrickWallOptions;
 use crate::layout::duality::DualOptions;
 use crate::optimise::{OptimiseOptions, Steering};
 use crate::quality::{Limits, USUAL_DEVIATION};
-use crate::target::{Normalised, TargetOptions};
+use crate::smooth_surface::{Normalised, TargetOptions};
 use crate::trim::Boundary;
 use serde::{Deserialize, Serialize};
 

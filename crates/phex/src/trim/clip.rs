@@ -311,7 +311,7 @@ fn without_close_pairs(cuts: Vec<f64>, near: f64) -> Vec<f64> {
 mod tests {
     use super::super::dissolve::tests::{domain, square};
     use super::*;
-    use crate::target::extend;
+    use crate::smooth_surface::extend;
     use phex_mesh::FlatFace;
 
     /// A panel across the boundary whose re-entrant corner reaches a little beyond it, with two panels in the notch: both its parts are

@@ -399,7 +399,7 @@ fn replace(face: &mut [u32], old: u32, new: u32) {
 pub(super) mod tests {
     use super::super::Domain;
     use super::*;
-    use crate::target::extend::{self, Extension};
+    use crate::smooth_surface::extend::{self, Extension};
     use phex_mesh::{TriangleSurface, measure};
 
     /// A flat square from 0 to 3 as a domain, and panels on it: two in the lower row, one behind, and between the two in

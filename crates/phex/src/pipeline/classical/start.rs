@@ -11,7 +11,7 @@ use crate::pipeline::field::{
     Field, allow_sizes, counted_lattice, direction_options, panel_length, with_seeds,
 };
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError};
-use crate::target::SmoothTarget;
+use crate::smooth_surface::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface};
 
