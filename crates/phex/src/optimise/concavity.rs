@@ -40,7 +40,7 @@ impl ConcavityTerm {
         0.5 * self.weight * self.edge * self.edge * squares.sum::<f64>()
     }
 
-    fn excess(&self, turn: &Turn) -> f64 {
+    fn excess(&self, turn: &CornerTurn) -> f64 {
         (MARGIN - turn.area / (self.edge * self.edge)).max(0.0)
     }
 
@@ -82,7 +82,7 @@ impl ConcavityTerm {
 }
 
 /// How the outline turns at a corner.
-struct Turn {
+struct CornerTurn {
     /// Local corners: the one before, the corner, the one after.
     corners: [usize; 3],
     /// `s`, twice the signed area of their triangle.
@@ -93,7 +93,7 @@ struct Turn {
     tilt: Vec2,
 }
 
-fn turns(corners: &[Corner]) -> impl Iterator<Item = Turn> + '_ {
+fn turns(corners: &[Corner]) -> impl Iterator<Item = CornerTurn> + '_ {
     let k = corners.len();
     (0..k).map(move |i| {
         let around = [(i + k - 1) % k, i, (i + 1) % k];
@@ -102,7 +102,7 @@ fn turns(corners: &[Corner]) -> impl Iterator<Item = Turn> + '_ {
         let (rise_a, rise_b) = (q.height - p.height, r.height - q.height);
         let by_a = Vec2::new(b.y, -b.x);
         let by_b = Vec2::new(-a.y, a.x);
-        Turn {
+        CornerTurn {
             corners: around,
             area: a.perp(&b),
             rows: [-by_a, by_a - by_b, by_b],

@@ -58,7 +58,7 @@ impl FoldTerm {
 
     pub fn energy(&self, panels: &Panels, x: &[f64]) -> f64 {
         let energy = |hinge: &Hinge| {
-            let excess = Turn::of(panels, hinge, x).map_or(0.0, |t| t.excess);
+            let excess = FoldTurn::of(panels, hinge, x).map_or(0.0, |t| t.excess);
             0.5 * self.weight * hinge.area * excess * excess
         };
         self.hinges.iter().map(energy).sum()
@@ -77,7 +77,7 @@ impl FoldTerm {
         for (k, hinge) in self.hinges.iter().enumerate() {
             let block = &mut blocks[assembly.block(first + k)];
             block.fill(0.0);
-            let Some(turn) = Turn::of(panels, hinge, x) else {
+            let Some(turn) = FoldTurn::of(panels, hinge, x) else {
                 continue;
             };
             let weight = self.weight * hinge.area;
@@ -97,7 +97,7 @@ impl FoldTerm {
 }
 
 /// An edge at which faces turn by more than is free.
-struct Turn {
+struct FoldTurn {
     normals: [Vec3; 2],
     /// Lengths of the vector areas.
     areas: [f64; 2],
@@ -105,7 +105,7 @@ struct Turn {
     excess: f64,
 }
 
-impl Turn {
+impl FoldTurn {
     /// `None` where nothing is to pay.
     fn of(panels: &Panels, hinge: &Hinge, x: &[f64]) -> Option<Self> {
         let vectors = hinge.faces.map(|f| vector_area(panels, f, x));

@@ -280,13 +280,13 @@ pub fn steer(
 }
 
 /// Vertices that stay on the boundary, unless the user holds them, and the curves that it is.
-type Rim<'a> = Option<(&'a BTreeMap<u32, Hold>, &'a BoundaryCurve)>;
+type HeldRim<'a> = Option<(&'a BTreeMap<u32, Hold>, &'a BoundaryCurve)>;
 
 fn steer_with(
     mesh: &HexMesh,
     target: Option<&dyn Target>,
     steering: &Steering,
-    rim: Rim<'_>,
+    rim: HeldRim<'_>,
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
@@ -329,7 +329,7 @@ const LETTING_GO: usize = 4;
 fn from_mesh(
     mesh: &HexMesh,
     target: Option<&dyn Target>,
-    (steering, rim, loose): (&Steering, Rim<'_>, &BTreeSet<u32>),
+    (steering, rim, loose): (&Steering, HeldRim<'_>, &BTreeSet<u32>),
     options: &OptimiseOptions,
     progress: &dyn Progress,
     only_project: bool,

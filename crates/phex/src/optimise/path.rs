@@ -59,12 +59,12 @@ pub(super) struct Path<'a> {
 /// How a phase is minimised.
 enum Descent<'a> {
     /// All vertices at once.
-    Whole(Box<Whole<'a>>),
+    Whole(Box<WholeDescent<'a>>),
     /// One part of a large mesh after the other.
     Parts,
 }
 
-struct Whole<'a> {
+struct WholeDescent<'a> {
     energy: PanelEnergy<'a>,
     minimiser: &'a mut DampedSolver,
     damping: Damping,
@@ -85,7 +85,7 @@ impl<'a> Path<'a> {
             Descent::Parts
         } else {
             let (assembly, minimiser) = solvers.energy.prepare(setting.panels)?;
-            Descent::Whole(Box::new(Whole {
+            Descent::Whole(Box::new(WholeDescent {
                 energy: PanelEnergy::new(setting, assembly, weights, barriers.clone(), start),
                 minimiser,
                 damping: Damping::default(),
@@ -389,7 +389,7 @@ impl<'a> Path<'a> {
     }
 }
 
-impl Whole<'_> {
+impl WholeDescent<'_> {
     fn minimise(
         &mut self,
         weights: Weights,

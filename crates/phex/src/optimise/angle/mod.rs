@@ -48,7 +48,7 @@ use phex_numeric::{Outcome, Status};
 use serde::{Deserialize, Serialize};
 
 /// A way to the constraints.
-struct Way {
+struct AngleWay {
     /// From a start that is found [`by_continuation`] with these factors of fairness and barrier, or from the one that is given.
     continuation: Option<[f64; 2]>,
     /// Clearances that are then kept, over the least one of a result, one after the other: near parabolic curves some panels come through only where
@@ -56,7 +56,7 @@ struct Way {
     clearances: &'static [f64],
 }
 
-impl Way {
+impl AngleWay {
     const fn by_continuation(fairness: f64, barrier: f64) -> Self {
         Self {
             continuation: Some([fairness, barrier]),
@@ -67,18 +67,18 @@ impl Way {
 }
 
 /// The ways that are tried, one after the other.
-const WAYS: [Way; 8] = [
-    Way {
+const WAYS: [AngleWay; 8] = [
+    AngleWay {
         continuation: None,
         clearances: &[1.0],
     },
-    Way::by_continuation(3.0, 1.0),
-    Way::by_continuation(30.0, 1.0),
-    Way::by_continuation(10.0, 5.0),
-    Way::by_continuation(10.0, 15.0),
-    Way::by_continuation(100.0, 5.0),
-    Way::by_continuation(30.0, 30.0),
-    Way {
+    AngleWay::by_continuation(3.0, 1.0),
+    AngleWay::by_continuation(30.0, 1.0),
+    AngleWay::by_continuation(10.0, 5.0),
+    AngleWay::by_continuation(10.0, 15.0),
+    AngleWay::by_continuation(100.0, 5.0),
+    AngleWay::by_continuation(30.0, 30.0),
+    AngleWay {
         continuation: None,
         clearances: &[0.3, 0.1],
     },
@@ -159,7 +159,7 @@ pub fn satisfy_angle_condition(
     let walks = Walks::of(mesh);
     let assemblies = [energy_assembly(&panels), angle_assembly(&panels, &walks)];
     let allowed = n_violations(mesh, options);
-    let mut best: Option<(Rank, AngleOptimised)> = None;
+    let mut best: Option<(AngleRank, AngleOptimised)> = None;
     for way in WAYS {
         let (from, spent) = match way.continuation {
             None => (start.clone(), Outcome::empty(Status::Converged)),
@@ -178,7 +178,7 @@ pub fn satisfy_angle_condition(
             path.outcome = spent.clone();
             let made = attempt(mesh, [&start, &from], &mut path, &setting, options);
             let wrong = n_violations(&made.mesh, options).saturating_sub(allowed);
-            let rank = Rank::of(&made, wrong);
+            let rank = AngleRank::of(&made, wrong);
             let over = rank.is_sound() || progress.is_cancelled();
             if best.as_ref().is_none_or(|(old, _)| rank < *old) {
                 best = Some((rank, made));
@@ -193,12 +193,12 @@ pub fn satisfy_angle_condition(
 
 /// How far a result is from what is wanted: constraints first, then panels.
 #[derive(PartialEq, PartialOrd)]
-struct Rank {
+struct AngleRank {
     missed: f64,
     wrong: usize,
 }
 
-impl Rank {
+impl AngleRank {
     fn of(made: &AngleOptimised, wrong: usize) -> Self {
         let defect = made.angle_defect[1].max(made.closing_defect[1]);
         Self {

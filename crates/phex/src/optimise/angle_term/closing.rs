@@ -33,7 +33,7 @@ pub(in crate::optimise) struct Closing<'a> {
 }
 
 /// One step of a walk.
-struct Step {
+struct WalkStep {
     from: usize,
     to: usize,
     along: Vec3,
@@ -109,7 +109,7 @@ impl<'a> Closing<'a> {
             let mut steps = Vec::with_capacity(walk.n_steps());
             let mut image = self.start;
             for ends in walk.steps() {
-                steps.push(Step::new(x, ends, image));
+                steps.push(WalkStep::new(x, ends, image));
                 image = reflected(x, ends, image);
             }
             let gap = image - self.start;
@@ -134,7 +134,7 @@ impl<'a> Closing<'a> {
     }
 
     /// Backwards along the walk with the adjoint `y`: `d(y . H s) = -2 de . (y (e . s) + s (y . e))`.
-    fn add_derivatives(&mut self, equation: usize, steps: &[Step], direction: Vec3) {
+    fn add_derivatives(&mut self, equation: usize, steps: &[WalkStep], direction: Vec3) {
         let mut y = direction;
         for step in steps.iter().rev() {
             let (e, s) = (&step.along, &step.before);
@@ -147,7 +147,7 @@ impl<'a> Closing<'a> {
     }
 }
 
-impl Step {
+impl WalkStep {
     fn new(x: &[f64], [from, to]: [u32; 2], before: Vec3) -> Self {
         let (from, to) = (from as usize, to as usize);
         let edge = point(x, to) - point(x, from);

@@ -93,7 +93,7 @@ impl Demand {
     }
 
     /// How much is missing; 0 if nothing is.
-    fn shortfall(&self, setting: &Setting<'_>, at: &Place<'_>) -> f64 {
+    fn shortfall(&self, setting: &Setting<'_>, at: &DemandPlace<'_>) -> f64 {
         let squared = |excess: f64| excess.max(0.0).powi(2);
         match &self.wish {
             Wish::Room { clearance, .. } => {
@@ -221,7 +221,7 @@ pub(super) fn largest(values: &[f64]) -> f64 {
 }
 
 /// What is measured of a part.
-struct Place<'a> {
+struct DemandPlace<'a> {
     shape: &'a Shape,
     clearances: Vec<f64>,
     distances: Vec<f64>,
@@ -245,7 +245,7 @@ pub(super) struct Judged {
 impl Judged {
     pub fn at(setting: &Setting<'_>, demand: &Demand, x: Vec<f64>) -> Self {
         let shape = Shape::at(setting.panels, &x);
-        let place = Place {
+        let place = DemandPlace {
             shape: &shape,
             clearances: clearances(setting.panels, &shape),
             distances: distances(setting, &x),
