@@ -7,6 +7,7 @@ mod domain;
 mod field;
 mod finish;
 mod lattice;
+mod normalise;
 mod options;
 mod portfolio;
 mod restarts;
@@ -17,8 +18,8 @@ mod subdivide;
 pub use brick_wall::{NetworkCurves, network_curves};
 pub use classical::ClassicalStatistics;
 pub use domain::{Beyond, continued};
-pub use options::{MeshOptions, Method, PanelSize};
-pub use portfolio::{AttemptSummary, Candidate};
+pub use options::{Candidate, MeshOptions, Method, PanelSize};
+pub use portfolio::AttemptSummary;
 pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
 
@@ -256,7 +257,7 @@ fn mesh_with_panels(
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
     let model = Normalised::of(surface);
-    let options = options.normalised(&model)?;
+    let options = normalise::normalised(options, &model)?;
     let made = match options.method {
         Method::Lattice | Method::Best => {
             portfolio::mesh_with_panels(&model.surface, panels, &options, progress)

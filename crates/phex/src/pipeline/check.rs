@@ -1,7 +1,6 @@
 //! One check of all options, before anything is computed: every number finite and in its range, every point where it can be.
 
-use super::MeshOptions;
-use super::portfolio::Candidate;
+use super::{Candidate, MeshOptions};
 use crate::directions::guides::Guides;
 use crate::directions::size::SizeOptions;
 use crate::directions::{DirectionOptions, network::NetworkOptions};

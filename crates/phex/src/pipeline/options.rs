@@ -1,7 +1,5 @@
 //! Options of the whole flow.
 
-use super::portfolio::Candidate;
-use super::{PipelineError, classical};
 use crate::curvature::CurvatureOptions;
 use crate::directions::DirectionOptions;
 use crate::directions::size::SizeOptions;
@@ -10,7 +8,7 @@ use crate::layout::brick_wall::BrickWallOptions;
 use crate::layout::duality::DualOptions;
 use crate::optimise::{OptimiseOptions, Steering};
 use crate::quality::{Limits, USUAL_DEVIATION};
-use crate::smooth_surface::{Normalised, TargetOptions};
+use crate::smooth_surface::TargetOptions;
 use crate::trim::Boundary;
 use serde::{Deserialize, Serialize};
 
@@ -123,50 +121,55 @@ impl MeshOptions {
             (typed > OptimiseOptions::default().planarity_tolerance).then_some(typed);
         limits
     }
+}
 
-    /// The options for the normalised surface.
-    pub(super) fn normalised(&self, model: &Normalised) -> Result<Self, PipelineError> {
-        let mut options = self.clone();
-        let guides = self.directions.guides.moved(|p| model.place(p));
-        options.directions.guides = guides.with_creases(&model.surface);
-        options.dual.quadric = classical::quadric(&self.dual, &model.similarity)?;
-        options.optimise.max_deviation = self.optimise.max_deviation.map(without_unit);
-        if let Some(values) = &self.size_field {
-            check_size_field(values, model.surface.positions().len())?;
-            options.size_field = Some(relative_sizes(values));
+/// One way of laying panels out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Candidate {
+    /// [`Method::Lattice`] or [`Method::BrickWall`].
+    pub method: Method,
+    /// Largest ratio of a lattice's panel lengths along the principal directions.
+    pub anisotropy: f64,
+    /// Whether the size of a lattice's panels may change so far that it needs no dislocations.
+    pub seamless: bool,
+    /// Whether panels are smaller where they would else be too large for the curvature, and larger elsewhere.
+    pub resolving: bool,
+}
+
+impl Default for Candidate {
+    fn default() -> Self {
+        Self {
+            method: Method::Lattice,
+            anisotropy: 2.0,
+            seamless: false,
+            resolving: false,
         }
-        Ok(options)
     }
 }
 
-/// Refuses sizes that are none, or not one for each vertex of the input.
-fn check_size_field(values: &[f64], vertices: usize) -> Result<(), PipelineError> {
-    if values.len() != vertices {
-        let count = values.len();
-        return Err(PipelineError::Size(format!(
-            "the size field has {count} values, the surface {vertices} vertices"
-        )));
+impl Candidate {
+    /// What is tried beside the lattice that the options describe.
+    fn others() -> Vec<Self> {
+        let lattice = |seamless, anisotropy| Self {
+            seamless,
+            anisotropy,
+            ..Self::default()
+        };
+        let wall = Self {
+            method: Method::BrickWall,
+            ..Self::default()
+        };
+        let lattices = [(true, 2.0), (true, 1.5), (false, 1.5), (false, 1.0)];
+        let lattices = lattices.map(|(seamless, anisotropy)| lattice(seamless, anisotropy));
+        lattices.into_iter().chain([wall]).collect()
     }
-    let wrong = |v: &f64| !(*v > 0.0 && v.is_finite());
-    match values.iter().position(wrong) {
-        Some(i) => Err(PipelineError::Size(format!(
-            "the size at vertex {i} is {}, it must be positive and finite",
-            values[i]
-        ))),
-        None => Ok(()),
-    }
-}
 
-/// Sizes over the largest one, without the last bits that come from a unit.
-fn relative_sizes(values: &[f64]) -> Vec<f64> {
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    values.iter().map(|v| without_unit(v / largest)).collect()
-}
-
-/// A positive ratio in single precision: in another unit it is the same.
-fn without_unit(ratio: f64) -> f64 {
-    match ratio > f64::from(f32::MIN_POSITIVE) {
-        true => f64::from(ratio as f32),
-        false => ratio,
+    /// The lattice that the options describe.
+    pub(super) fn first(options: &MeshOptions) -> Self {
+        Self {
+            anisotropy: options.directions.anisotropy,
+            ..Self::default()
+        }
     }
 }

@@ -8,72 +8,15 @@
 use super::domain::Ground;
 use super::field::Way;
 use super::lattice::{Pass, pass};
-use super::{Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall};
+use super::{
+    Candidate, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall,
+};
 use crate::progress::{Event, Progress};
 use crate::quality::Merit;
 use phex_mesh::{HexMesh, TriangleSurface};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::sync::Mutex;
-
-/// One way of laying panels out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Candidate {
-    /// [`Method::Lattice`] or [`Method::BrickWall`].
-    pub method: Method,
-    /// Largest ratio of a lattice's panel lengths along the principal directions.
-    pub anisotropy: f64,
-    /// Whether the size of a lattice's panels may change so far that it needs no dislocations.
-    pub seamless: bool,
-    /// Whether panels are smaller where they would else be too large for the curvature, and larger elsewhere.
-    pub resolving: bool,
-}
-
-impl Default for Candidate {
-    fn default() -> Self {
-        Self {
-            method: Method::Lattice,
-            anisotropy: 2.0,
-            seamless: false,
-            resolving: false,
-        }
-    }
-}
-
-impl Candidate {
-    /// What is tried beside the lattice that the options describe.
-    pub(super) fn others() -> Vec<Self> {
-        let lattice = |seamless, anisotropy| Self {
-            seamless,
-            anisotropy,
-            ..Self::default()
-        };
-        let wall = Self {
-            method: Method::BrickWall,
-            ..Self::default()
-        };
-        let lattices = [(true, 2.0), (true, 1.5), (false, 1.5), (false, 1.0)];
-        let lattices = lattices.map(|(seamless, anisotropy)| lattice(seamless, anisotropy));
-        lattices.into_iter().chain([wall]).collect()
-    }
-
-    /// The lattice that the options describe.
-    fn first(options: &MeshOptions) -> Self {
-        Self {
-            anisotropy: options.directions.anisotropy,
-            ..Self::default()
-        }
-    }
-
-    fn way(&self) -> Way {
-        Way {
-            anisotropy: self.anisotropy,
-            seamless: self.seamless,
-            resolving: self.resolving,
-        }
-    }
-}
 
 /// One member of the portfolio, for the report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -135,6 +78,15 @@ impl AttemptSummary {
             resolving,
             ..self.candidate
         })
+    }
+}
+
+/// The kind of lattice that a candidate asks for.
+fn way_of(candidate: Candidate) -> Way {
+    Way {
+        anisotropy: candidate.anisotropy,
+        seamless: candidate.seamless,
+        resolving: candidate.resolving,
     }
 }
 
@@ -255,7 +207,7 @@ impl Task<'_> {
         progress: &dyn Progress,
     ) -> Result<Member, PipelineError> {
         let mut clock = Clock::new(progress);
-        let made = pass(&self.ground, candidate.way(), &mut clock)?;
+        let made = pass(&self.ground, way_of(candidate), &mut clock)?;
         let merit = made.judgement.merit;
         let summary = AttemptSummary {
             dislocations: made.layout.annihilation.kept,

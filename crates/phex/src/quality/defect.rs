@@ -33,11 +33,17 @@ pub fn defects(mesh: &HexMesh, judgement: &Judgement) -> Vec<Defect> {
             let topology = mesh.topology();
             let twins = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
             let beside = twins.map(|t| topology.face(t)).filter(|g| left.remove(g));
-            let faces: Vec<FaceId> = std::iter::once(f).chain(beside).collect();
             let worst = &findings[f];
+            let mut faces: Vec<FaceId> = std::iter::once(f).chain(beside).collect();
+            // The other sheet is a place of this defect, too.
+            let across = worst.crossed.filter(|g| !faces.contains(g));
+            if let Some(other) = across {
+                left.remove(&other);
+                faces.push(other);
+            }
             defects.push(Defect {
                 place: mesh.centre(f),
-                needs_more: worst.crossed || worst.bare > 0.0 || worst.far > 0.0,
+                needs_more: worst.crossed.is_some() || worst.bare > 0.0 || worst.far > 0.0,
                 is_allowed: faces.iter().all(|f| findings[*f].is_within()),
                 amount: faces.iter().map(amount).sum(),
                 faces,

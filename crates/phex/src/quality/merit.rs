@@ -1,6 +1,6 @@
 //! The order of meshes.
 
-use super::judge::Findings;
+use super::findings::Findings;
 use serde::Serialize;
 use std::cmp::Ordering;
 

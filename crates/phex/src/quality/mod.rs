@@ -17,6 +17,7 @@
 mod assessment;
 mod check;
 mod defect;
+mod findings;
 mod judge;
 mod limits;
 mod merit;
@@ -24,6 +25,7 @@ mod merit;
 pub use assessment::{Assessment, Omitted, Reason, References, Verdict};
 pub use check::{Check, ElementKind, Reading, Scale};
 pub use defect::{Defect, defects};
-pub use judge::{Findings, Judge, Judgement, Scope, Yardstick};
+pub use findings::Findings;
+pub use judge::{Judge, Judgement, Scope, Yardstick};
 pub use limits::{Limits, USUAL_DEVIATION};
 pub use merit::Merit;

@@ -378,7 +378,7 @@ mod tests {
         let turned = draft.turned(side).unwrap();
         assert_eq!(lengths(&turned), [5, 5, 7, 7]);
         assert!(turned.topology().is_some(), "still an oriented manifold");
-        assert_eq!(panels(&turned.calmed()), panels(&draft));
+        assert!(lengths(&turned.calmed()).is_empty());
     }
 
     #[test]

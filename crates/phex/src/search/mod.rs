@@ -38,7 +38,7 @@ const SWEEPS: usize = 60;
 /// Share of a defect with which it counts as cured: nothing else is tried then.
 const CURED: f64 = 0.99;
 /// Candidates that are tried again with all that the optimiser can do for them.
-const IMPROVED: usize = 3;
+const IMPROVED: usize = 2;
 /// Mean edges within which two places are the same.
 const SAME: f64 = 0.8;
 /// Mean edges from a change within which other changes may help that have not before.

@@ -1,9 +1,7 @@
 //! Patches: some panels with what is around them, as a mesh of its own, and how they go back.
 
 use super::draft::Draft;
-use super::site::Site;
-use crate::layout::{Layout, VertexKind, WishedArea};
-use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Vec3, VertexId};
+use phex_mesh::{FaceId, HexMesh, Vec3, VertexId};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rings of panels around those that may be joined anew whose corners move with them; one more ring is planar already and
@@ -17,7 +15,7 @@ pub(super) struct Patch {
     /// Its corners in the mesh.
     vertices: Vec<VertexId>,
     pub draft: Draft,
-    /// Panels, in the patch, that the defect names.
+    /// Panels, in the patch, that the defect names, the worst first.
     pub core: Vec<usize>,
     /// Whether the corners of each panel may move.
     moves: Vec<bool>,
@@ -37,8 +35,8 @@ impl Patch {
     /// The panels within `rings` rings of some may be joined anew.
     pub fn around(mesh: &HexMesh, core: &[FaceId], rings: usize) -> Self {
         let topology = mesh.topology();
-        let core: BTreeSet<FaceId> = core.iter().copied().collect();
-        let open = (0..rings).fold(core.clone(), |faces, _| with_ring(mesh, &faces));
+        let first: BTreeSet<FaceId> = core.iter().copied().collect();
+        let open = (0..rings).fold(first, |faces, _| with_ring(mesh, &faces));
         let moving = (0..MOVING).fold(open.clone(), |faces, _| with_ring(mesh, &faces));
         let faces: Vec<FaceId> = with_ring(mesh, &moving).into_iter().collect();
         let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
@@ -54,8 +52,9 @@ impl Patch {
             on_boundary: (vertices.iter().map(|v| topology.is_boundary_vertex(*v))).collect(),
             origin: (0..faces.len()).collect(),
         };
-        let core = (0..faces.len())
-            .filter(|k| core.contains(&faces[*k]))
+        let core = core
+            .iter()
+            .filter_map(|f| faces.binary_search(f).ok())
             .collect();
         Self {
             moves: within(&moving),
@@ -123,29 +122,6 @@ impl Built {
     /// The same with other places of its corners.
     pub fn with(self, mesh: HexMesh) -> Self {
         Self { mesh, ..self }
-    }
-
-    /// What the optimiser needs to know of it.
-    pub fn layout(&self, site: &Site<'_>) -> Layout {
-        let topology = self.mesh.topology();
-        let centres: Vec<Vec3> = topology.faces().map(|f| self.mesh.centre(f)).collect();
-        let feet = site.close_to.closest_points(&centres);
-        let lengths = topology.faces().map(|f| {
-            let sides = topology
-                .face_half_edges(f)
-                .map(|h| self.mesh.edge_length(topology.edge(h)));
-            sides.sum::<f64>() / topology.valence(f) as f64 * 3.0_f64.sqrt()
-        });
-        let wish = |p: &Vec3| site.wished(*p);
-        Layout {
-            vertex_kind: PerVertex::filled(topology.n_vertices(), VertexKind::Interior),
-            face_point: PerFace::from_vec(feet.iter().map(|foot| foot.position).collect()),
-            face_normal: PerFace::from_vec(feet.iter().map(|foot| foot.normal).collect()),
-            face_length: PerFace::from_vec(lengths.collect()),
-            face_wish: PerFace::from_vec(centres.iter().map(wish).collect::<Vec<WishedArea>>()),
-            face_seed: PerFace::filled(topology.n_faces(), VertexId::new(0)),
-            mesh: self.mesh.clone(),
-        }
     }
 }
 

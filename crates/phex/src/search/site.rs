@@ -1,11 +1,11 @@
 //! What patches are laid on, kept close to, and judged by.
 
 use super::patch::{Built, Patch};
-use crate::layout::WishedArea;
+use crate::layout::{Layout, VertexKind, WishedArea};
 use crate::optimise::{BoundaryHold, LocalPart, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
 use crate::quality::{Judge, Judgement, Scope, Yardstick};
-use phex_mesh::{FaceId, FlatFace, HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
 
 /// Areas that panels are to have, at the vertices of a surface.
 pub struct AreaField<'a> {
@@ -80,6 +80,29 @@ impl Site<'_> {
         self.judge.judge(&scope, &whole.yardstick)
     }
 
+    /// What the optimiser needs to know of a part.
+    fn layout(&self, part: &HexMesh) -> Layout {
+        let topology = part.topology();
+        let centres: Vec<Vec3> = topology.faces().map(|f| part.centre(f)).collect();
+        let feet = self.close_to.closest_points(&centres);
+        let lengths = topology.faces().map(|f| {
+            let sides = topology
+                .face_half_edges(f)
+                .map(|h| part.edge_length(topology.edge(h)));
+            sides.sum::<f64>() / topology.valence(f) as f64 * 3.0_f64.sqrt()
+        });
+        let wish = |p: &Vec3| self.wished(*p);
+        Layout {
+            vertex_kind: PerVertex::filled(topology.n_vertices(), VertexKind::Interior),
+            face_point: PerFace::from_vec(feet.iter().map(|foot| foot.position).collect()),
+            face_normal: PerFace::from_vec(feet.iter().map(|foot| foot.normal).collect()),
+            face_length: PerFace::from_vec(lengths.collect()),
+            face_wish: PerFace::from_vec(centres.iter().map(wish).collect::<Vec<WishedArea>>()),
+            face_seed: PerFace::filled(topology.n_faces(), VertexId::new(0)),
+            mesh: part.clone(),
+        }
+    }
+
     /// The panels of a draft, made planar, and then perhaps better; `None` if that can't be done.
     pub(super) fn settled(
         &self,
@@ -89,7 +112,7 @@ impl Site<'_> {
         progress: &dyn Progress,
     ) -> Option<HexMesh> {
         let part = LocalPart {
-            layout: &built.layout(self),
+            layout: &self.layout(&built.mesh),
             free: &built.free,
             hold: self.hold.as_ref(),
             diagonal: whole.diagonal,

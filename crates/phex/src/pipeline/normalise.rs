@@ -1,0 +1,53 @@
+//! The options for the normalised surface.
+
+use super::{MeshOptions, PipelineError, classical};
+use crate::smooth_surface::Normalised;
+
+/// The options for the normalised surface.
+pub(super) fn normalised(
+    given: &MeshOptions,
+    model: &Normalised,
+) -> Result<MeshOptions, PipelineError> {
+    let mut options = given.clone();
+    let guides = given.directions.guides.moved(|p| model.place(p));
+    options.directions.guides = guides.with_creases(&model.surface);
+    options.dual.quadric = classical::quadric(&given.dual, &model.similarity)?;
+    options.optimise.max_deviation = given.optimise.max_deviation.map(without_unit);
+    if let Some(values) = &given.size_field {
+        check_size_field(values, model.surface.positions().len())?;
+        options.size_field = Some(relative_sizes(values));
+    }
+    Ok(options)
+}
+
+/// Refuses sizes that are none, or not one for each vertex of the input.
+fn check_size_field(values: &[f64], vertices: usize) -> Result<(), PipelineError> {
+    if values.len() != vertices {
+        let count = values.len();
+        return Err(PipelineError::Size(format!(
+            "the size field has {count} values, the surface {vertices} vertices"
+        )));
+    }
+    let wrong = |v: &f64| !(*v > 0.0 && v.is_finite());
+    match values.iter().position(wrong) {
+        Some(i) => Err(PipelineError::Size(format!(
+            "the size at vertex {i} is {}, it must be positive and finite",
+            values[i]
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Sizes over the largest one, without the last bits that come from a unit.
+fn relative_sizes(values: &[f64]) -> Vec<f64> {
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    values.iter().map(|v| without_unit(v / largest)).collect()
+}
+
+/// A positive ratio in single precision: in another unit it is the same.
+fn without_unit(ratio: f64) -> f64 {
+    match ratio > f64::from(f32::MIN_POSITIVE) {
+        true => f64::from(ratio as f32),
+        false => ratio,
+    }
+}

@@ -1,0 +1,54 @@
+//! What is found on one face.
+
+use phex_mesh::FaceId;
+
+/// By how much a face is outside limits, each over its limit, 0 where it is within.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Findings {
+    /// Violations that make it no panel, or not planar.
+    pub invalid: f64,
+    /// A panel that passes through it, or it through that one.
+    pub crossed: Option<FaceId>,
+    /// Folds against its neighbours.
+    pub folded: f64,
+    /// Clearance or an edge below the limit.
+    pub narrow: f64,
+    /// Distance to the surface.
+    pub far: f64,
+    /// Distance of the surface to it.
+    pub bare: f64,
+    /// Distance between the boundaries.
+    pub rim: f64,
+    /// Distance to the surface, in limits.
+    pub off: f64,
+    /// What a tight panel costs.
+    pub tight: f64,
+    /// What a small panel at the boundary costs.
+    pub small: f64,
+    /// Square of the logarithm of its area over the area that it is to have.
+    pub uneven: f64,
+    /// Whether it is an inner panel without six corners.
+    pub irregular: bool,
+}
+
+impl Findings {
+    /// All excesses over limits.
+    pub fn outside(&self) -> f64 {
+        self.folded + self.narrow + self.far + self.bare + self.rim
+    }
+
+    /// How bad it is, to compare faces: what is invalid counts before what is outside, and that before what is not liked.
+    pub(super) fn amount(&self) -> f64 {
+        1e3 * self.invalid + self.outside() + 1e-3 * (self.tight + self.small)
+    }
+
+    /// Whether nothing is invalid or outside limits.
+    pub fn is_within(&self) -> bool {
+        self.invalid + self.outside() == 0.0
+    }
+
+    /// Whether something is to be done there.
+    pub fn is_defect(&self) -> bool {
+        self.invalid + self.outside() + self.tight + self.small > 0.0
+    }
+}
