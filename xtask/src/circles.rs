@@ -12,30 +12,6 @@ use sources::{Source, crate_folders, sources, without_tests};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Uses that still close circles. Entries are only taken away.
-const KNOWN: [Arrow; 8] = [
-    arrow("phex", "ground", "pipeline"),
-    arrow("phex::optimise", "energy", "angle"),
-    arrow("phex::optimise", "energy", "holds"),
-    arrow("phex::optimise", "energy", "notches"),
-    arrow("phex::optimise", "options", "steering"),
-    arrow("phex::optimise", "osculating", "closeness"),
-    arrow("phex::optimise", "path", "run"),
-    arrow("phex::optimise", "shortcut", "run"),
-];
-
-/// A use that closes a circle.
-struct Arrow {
-    /// The module that declares both others, from the crate's name on.
-    within: &'static str,
-    user: &'static str,
-    used: &'static str,
-}
-
-const fn arrow(within: &'static str, user: &'static str, used: &'static str) -> Arrow {
-    Arrow { within, user, used }
-}
-
 /// Which modules a module uses, with a place of each use.
 type Uses = BTreeMap<String, BTreeMap<String, String>>;
 
@@ -46,30 +22,16 @@ pub fn check(root: &Path) -> Result<(), String> {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         all.extend(uses(&name, &sources(&folder.join("src"))?));
     }
-    crate::verdict(complaints(&all, &KNOWN))
+    crate::verdict(complaints(&all))
 }
 
-/// Circles that are not known, and arrows of the list that close none any more.
-fn complaints(all: &BTreeMap<String, Uses>, known: &[Arrow]) -> Vec<String> {
-    let mut rest = all.clone();
-    for arrow in known {
-        let uses = rest.get_mut(arrow.within);
-        uses.and_then(|uses| uses.get_mut(arrow.user)?.remove(arrow.used));
-    }
-    let found = rest.iter().flat_map(|(within, uses)| {
+/// The circles of all modules.
+fn complaints(all: &BTreeMap<String, Uses>) -> Vec<String> {
+    let found = all.iter().flat_map(|(within, uses)| {
         let told = move |modules| told(within, uses, &modules);
         knots(uses).into_iter().map(told)
     });
-    let closes = |arrow: &&Arrow| {
-        let before = all.get(arrow.within).and_then(|uses| uses.get(arrow.user));
-        let is_there = before.is_some_and(|used| used.contains_key(arrow.used));
-        is_there && reached(&rest[arrow.within], arrow.used).contains(arrow.user)
-    };
-    let gone = known.iter().filter(|arrow| !closes(arrow)).map(|arrow| {
-        let (within, user, used) = (arrow.within, arrow.user, arrow.used);
-        format!("{within}: {user} -> {used} closes no circle: take it off the list of known ones")
-    });
-    found.chain(gone).collect()
+    found.collect()
 }
 
 /// For each module of a crate which of the modules that it declares use which others.
@@ -147,14 +109,14 @@ mod tests {
 
     /// The first words of each circle.
     fn found(files: &[(&str, &str)]) -> Vec<String> {
-        let complaints = complaints(&uses_of(files), &[]).into_iter();
+        let complaints = complaints(&uses_of(files)).into_iter();
         complaints
             .map(|c| c.split(" use ").next().unwrap().to_owned())
             .collect()
     }
 
     #[test]
-    fn workspace_has_no_circle_but_the_known_ones() {
+    fn workspace_has_no_circle() {
         check(&crate::root()).unwrap();
     }
 
@@ -216,24 +178,5 @@ mod tests {
             ("b/more.rs", "use crate::a::A;"),
         ];
         assert!(found(&files).is_empty());
-    }
-
-    #[test]
-    fn list_of_known_circles_only_shrinks() {
-        let circle = [
-            ("lib.rs", "mod a; mod b; mod c;"),
-            ("a.rs", "use crate::b;"),
-            ("b.rs", "use crate::a; use crate::c;"),
-            ("c.rs", ""),
-        ];
-        let all = uses_of(&circle);
-        let arrow = |user, used| arrow("x", user, used);
-        assert_eq!(complaints(&all, &[]).len(), 1);
-        assert!(complaints(&all, &[arrow("b", "a")]).is_empty());
-        let one_too_many = [arrow("b", "a"), arrow("b", "c")];
-        assert_eq!(complaints(&all, &one_too_many).len(), 1);
-        let both = [arrow("a", "b"), arrow("b", "a")];
-        assert_eq!(complaints(&all, &both).len(), 2);
-        assert_eq!(complaints(&BTreeMap::new(), &[arrow("b", "a")]).len(), 1);
     }
 }

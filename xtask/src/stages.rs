@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// The stages in the order of the data flow.
 const ORDER: [&str; 12] = [
-    "target",
+    "smooth_surface",
     "curvature",
     "directions",
     "layout",
@@ -155,7 +155,7 @@ mod tests {
         let hostile = [
             "use crate::layout::Layout;",
             "use crate::{Progress, layout::{Layout, VertexKind}};",
-            "use crate::{\n    target,\n    layout,\n};",
+            "use crate::{\n    smooth_surface,\n    layout,\n};",
             "fn f() { crate::layout::make() }",
             "use super::layout::Layout;",
             "mod tests { use super::super::layout::Layout; }",
@@ -172,9 +172,9 @@ mod tests {
     #[test]
     fn earlier_stages_own_modules_and_comments_are_free() {
         let harmless = [
-            "use crate::target::SmoothTarget;",
+            "use crate::smooth_surface::SmoothTarget;",
             "use crate::curvature::layout;",
-            "use crate::{Event, target::{layout, SmoothTarget}};",
+            "use crate::{Event, smooth_surface::{layout, SmoothTarget}};",
             "//! See [`crate::layout`].",
             "use my_crate::layout::Layout;",
             "let layout = 3;",

@@ -10,7 +10,7 @@ use phex::Boundary;
 use phex::MeshOptions;
 use phex::pipeline::Method;
 use phex::ranges::{self, BadOption};
-use phex::target::TargetKind;
+use phex::smooth_surface::TargetKind;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

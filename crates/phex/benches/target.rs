@@ -3,7 +3,7 @@
 mod common;
 
 use divan::Bencher;
-use phex::target::smooth_target;
+use phex::smooth_surface::smooth_target;
 
 fn main() {
     divan::main();

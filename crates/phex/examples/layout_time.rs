@@ -12,7 +12,7 @@ use phex::directions::intrinsic::IntrinsicMesh;
 use phex::layout::lattice::{CELL, Charts};
 use phex::layout::seamless;
 use phex::layout::{CellSurface, calmed, panelling, place_seeds};
-use phex::target::{Similarity, smooth_target};
+use phex::smooth_surface::{Similarity, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{PerVertex, TriangleSurface};
 use phex_numeric::{Cholesky, SymmetricMatrix};

@@ -3,7 +3,7 @@
 //! A sphere of 320 triangles is refined until it has 5000 vertices: the target passes through the input's vertices, and lies
 //! far closer to the sphere than the triangles did.
 
-use phex::target::{Similarity, TargetOptions, smooth_target};
+use phex::smooth_surface::{Similarity, TargetOptions, smooth_target};
 use phex_mesh::TriangleSurface;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 

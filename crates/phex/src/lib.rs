@@ -1,11 +1,11 @@
 //! From a surface to a planar hexagonal mesh.
 //!
-//! Data flows `target -> curvature -> directions -> layout -> optimise -> trim -> koebe -> offset -> report`; a stage uses
+//! Data flows `smooth_surface -> curvature -> directions -> layout -> optimise -> trim -> koebe -> offset -> report`; a stage uses
 //! earlier stages only.
 //!
 //! | stage | what it computes |
 //! |---|---|
-//! | [`target`] | the smooth surface that the input's facets sample, normalised |
+//! | [`smooth_surface`] | the smooth surface that the input's facets sample, normalised |
 //! | [`curvature`] | shape operator at the scale of a panel |
 //! | [`directions`] | the metric in which panels are regular, and their lattice directions |
 //! | [`layout`] | the panelling's connectivity and first positions |
@@ -17,7 +17,6 @@
 
 pub mod curvature;
 pub mod directions;
-mod ground;
 pub mod koebe;
 pub mod layout;
 pub mod offset;
@@ -28,13 +27,14 @@ pub mod quality;
 pub mod ranges;
 pub mod report;
 pub mod search;
-pub mod target;
+pub mod smooth_surface;
 #[cfg(test)]
 mod test_meshes;
 pub mod trim;
 
-pub use ground::{Beyond, continued};
-pub use pipeline::{MeshOptions, MeshRun, PanelSize, PipelineError, mesh_surface};
+pub use pipeline::{
+    Beyond, MeshOptions, MeshRun, PanelSize, PipelineError, continued, mesh_surface,
+};
 pub use progress::{Event, Progress, Silent};
 pub use ranges::BadOption;
 pub use trim::Boundary;

@@ -1,8 +1,9 @@
-//! The whole flow: surface -> target -> curvature -> directions -> layout -> optimise -> trim -> quality -> search.
+//! The whole flow: surface -> smooth_surface -> curvature -> directions -> layout -> optimise -> trim -> quality -> search.
 
 mod brick_wall;
 mod check;
 mod classical;
+mod domain;
 mod field;
 mod finish;
 mod lattice;
@@ -16,6 +17,7 @@ mod subdivide;
 
 pub use brick_wall::{NetworkCurves, network_curves};
 pub use classical::ClassicalStatistics;
+pub use domain::{Beyond, continued};
 pub use options::{Candidate, MeshOptions, Method, PanelSize};
 pub use portfolio::AttemptSummary;
 pub use steered::refit_surface;
@@ -23,7 +25,6 @@ pub use subdivide::{Level, subdivide};
 
 use crate::directions::cones::ConeError;
 use crate::directions::guides::Cone;
-use crate::ground::Beyond;
 use crate::layout::brick_wall::BrickWallStatistics;
 use crate::layout::lattice::CELL;
 use crate::layout::{LayoutError, LayoutStatistics};
@@ -32,7 +33,7 @@ use crate::optimise::{OptimiseError, RunSummary};
 use crate::progress::{Event, Progress};
 use crate::ranges::BadOption;
 use crate::search::SearchSummary;
-use crate::target::{Normalised, Similarity, SmoothTarget};
+use crate::smooth_surface::{Normalised, Similarity, SmoothTarget};
 use crate::trim::TrimError;
 use field::panel_length;
 use phex_mesh::validate::ValidateOptions;

@@ -109,7 +109,7 @@ fn boundary_distance(from: &TriangleSurface, to: &TriangleSurface) -> f64 {
 
 /// Largest distance of a sharp corner of the boundary to a vertex on the mesh's boundary.
 fn corner_distance(surface: &TriangleSurface, mesh: &HexMesh) -> f64 {
-    let corners = phex::target::boundary_corners(surface, 0.7);
+    let corners = phex::smooth_surface::boundary_corners(surface, 0.7);
     let topology = mesh.topology();
     let rim = topology
         .vertices()

@@ -9,7 +9,7 @@ use phex::layout::brick_wall::bricks::{Brick, Junction};
 use phex::layout::brick_wall::{BrickSurface, BrickWallOptions, BrickWallStatistics, brick_wall};
 use phex::layout::{Layout, LayoutError};
 use phex::pipeline::{Method, network_curves};
-use phex::target::smooth_target;
+use phex::smooth_surface::smooth_target;
 use phex::{MeshOptions, MeshRun, PanelSize, PipelineError, Silent, mesh_surface};
 use phex_mesh::polygon::is_simple;
 use phex_mesh::{FacePlane, TriangleSurface, Vec2, Vec3, VertexId, measure};

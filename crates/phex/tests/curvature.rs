@@ -275,7 +275,7 @@ fn noise_disappears_at_the_scale_of_panels() {
 #[test]
 fn refined_curvature_is_that_of_the_finer_surface() {
     let surface = common::normalised(&shape_with("torus", &[], 2000));
-    let target = phex::target::smooth_target(&surface, 4000, &Default::default());
+    let target = phex::smooth_surface::smooth_target(&surface, 4000, &Default::default());
     let [coarse, fine] = [0, 1].map(|i| fitted(&target.levels[i], 0.15));
     let refined = coarse.refined(&target.refinements[0]);
     let scale = fine.tensor.iter().map(|t| t.norm()).fold(0.0, f64::max);

@@ -6,7 +6,7 @@ use phex::directions::{Directions, directions};
 use phex::layout::lattice::CELL;
 use phex::layout::seeds::Seed;
 use phex::layout::{CellSurface, Layout, Placed, panelling, place_seeds};
-use phex::target::{Similarity, SmoothTarget, smooth_target};
+use phex::smooth_surface::{Similarity, SmoothTarget, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;

@@ -122,7 +122,7 @@ fn agreement(outer: &Matrix3<f64>, inner: &Matrix3<f64>) -> f64 {
 
 impl Curvature {
     /// The curvature of the next finer level: tensors and normals follow the subdivision stencils.
-    pub fn refined(&self, step: &crate::target::subdivide::Refinement) -> Self {
+    pub fn refined(&self, step: &crate::smooth_surface::subdivide::Refinement) -> Self {
         let normal = step
             .apply(&self.normal)
             .map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::z));

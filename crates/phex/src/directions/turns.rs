@@ -75,7 +75,7 @@ pub fn routes(
     leaving: bool,
     wanted: impl Fn(FaceId) -> bool,
 ) -> Vec<Route> {
-    let mut known = Reached::new();
+    let mut known = ReachedTriangles::new();
     known.insert(from, (0.0, None));
     let mut heap = BinaryHeap::from([Reverse((Distance(0.0), from))]);
     let mut found = Vec::new();
@@ -163,9 +163,9 @@ pub fn cones(
 }
 
 /// Distance of each triangle reached, and the triangle and edge before it.
-type Reached = BTreeMap<FaceId, (f64, Option<(FaceId, EdgeId)>)>;
+type ReachedTriangles = BTreeMap<FaceId, (f64, Option<(FaceId, EdgeId)>)>;
 
-fn path_to(known: &Reached, to: FaceId) -> Vec<(FaceId, EdgeId)> {
+fn path_to(known: &ReachedTriangles, to: FaceId) -> Vec<(FaceId, EdgeId)> {
     let mut path = Vec::new();
     let mut at = to;
     while let Some((before, edge)) = known[&at].1 {

@@ -99,14 +99,14 @@ fn areas(mesh: &IntrinsicMesh, label: &PerVertex<u32>, count: usize) -> Vec<f64>
 
 /// What is wrong with a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fault {
+enum CellFault {
     /// Not a disc: several loops, or one that does not close.
     NotADisc,
     /// Too few corners, or a sliver.
     TooSmall,
 }
 
-fn faults(topology: &Topology, outlines: &[Outline], area: &[f64]) -> Vec<(u32, Fault)> {
+fn faults(topology: &Topology, outlines: &[Outline], area: &[f64]) -> Vec<(u32, CellFault)> {
     let mut present: Vec<f64> = area.iter().copied().filter(|a| *a > 0.0).collect();
     present.sort_by(f64::total_cmp);
     let median = present.get(present.len() / 2).copied().unwrap_or(0.0);
@@ -116,9 +116,9 @@ fn faults(topology: &Topology, outlines: &[Outline], area: &[f64]) -> Vec<(u32, 
             continue;
         }
         if outline.open || outline.loops.len() != 1 {
-            list.push((c as u32, Fault::NotADisc));
+            list.push((c as u32, CellFault::NotADisc));
         } else if too_small(&outline.loops[0], area[c], median) {
-            list.push((c as u32, Fault::TooSmall));
+            list.push((c as u32, CellFault::TooSmall));
         }
     }
     // A mesh with two cells and more must not end with one that holds everything.
@@ -144,7 +144,7 @@ fn mend(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     complex: &mut CellComplex,
-    faults: &[(u32, Fault)],
+    faults: &[(u32, CellFault)],
 ) {
     let mut touched = HashSet::new();
     for &(cell, fault) in faults {
@@ -161,11 +161,11 @@ fn mend(
         let Some(&(largest, _)) = neighbours.first() else {
             continue;
         };
-        if fault == Fault::NotADisc && release_islands(topology, complex, &members, cell) {
+        if fault == CellFault::NotADisc && release_islands(topology, complex, &members, cell) {
             touched.extend(neighbours.iter().map(|n| n.0));
-        } else if fault == Fault::NotADisc && split(topology, mesh, complex, &members, cell) {
+        } else if fault == CellFault::NotADisc && split(topology, mesh, complex, &members, cell) {
             touched.extend(neighbours.iter().map(|n| n.0));
-        } else if touched.insert(largest) || fault == Fault::TooSmall {
+        } else if touched.insert(largest) || fault == CellFault::TooSmall {
             members.iter().for_each(|&v| complex.label[v] = largest);
             touched.extend(neighbours.iter().map(|n| n.0));
         }
@@ -280,12 +280,12 @@ fn split(
 
 /// Successor of each node on the outline of each cell.
 #[derive(Default)]
-struct Walk {
+struct OutlineWalk {
     next: IdMap<(u32, Node), Node>,
     order: Vec<(u32, Node)>,
 }
 
-impl Walk {
+impl OutlineWalk {
     fn link(&mut self, cell: u32, from: Node, to: Node) {
         if self.next.insert((cell, from), to).is_none() {
             self.order.push((cell, from));
@@ -299,7 +299,7 @@ fn outlines(
     label: &PerVertex<u32>,
     count: usize,
 ) -> Vec<Outline> {
-    let mut walk = Walk::default();
+    let mut walk = OutlineWalk::default();
     for f in topology.faces() {
         link_triangle(topology, label, f, &mut walk);
     }
@@ -311,7 +311,7 @@ fn outlines(
     closed_loops(topology, &walk, count)
 }
 
-fn link_triangle(topology: &Topology, label: &PerVertex<u32>, f: FaceId, walk: &mut Walk) {
+fn link_triangle(topology: &Topology, label: &PerVertex<u32>, f: FaceId, walk: &mut OutlineWalk) {
     let (mut leaves, mut enters) = (Vec::with_capacity(3), Vec::with_capacity(3));
     for h in topology.face_half_edges(f) {
         let (a, b) = (label[topology.origin(h)], label[topology.target(h)]);
@@ -341,7 +341,7 @@ fn link_boundary(
     corners: &HashSet<VertexId>,
     label: &PerVertex<u32>,
     h: HalfEdgeId,
-    walk: &mut Walk,
+    walk: &mut OutlineWalk,
 ) {
     let mut at = topology.target(h);
     let cell = label[at];
@@ -363,7 +363,7 @@ fn link_boundary(
     }
 }
 
-fn closed_loops(topology: &Topology, walk: &Walk, count: usize) -> Vec<Outline> {
+fn closed_loops(topology: &Topology, walk: &OutlineWalk, count: usize) -> Vec<Outline> {
     let is_vertex = |n: &Node| match n {
         Node::Edge(e) => topology.is_boundary_edge(*e),
         _ => true,

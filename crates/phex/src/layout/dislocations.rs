@@ -27,7 +27,7 @@ pub struct Annihilation {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Defect {
+enum LatticeDefect {
     None,
     Dislocation,
     Cone,
@@ -87,11 +87,11 @@ fn push_across(
     jump[e] - before
 }
 
-fn defect(c: &Circuit) -> Defect {
+fn defect(c: &Circuit) -> LatticeDefect {
     match (c.turn, c.burgers) {
-        (0, Eisenstein::ZERO) => Defect::None,
-        (0, _) => Defect::Dislocation,
-        _ => Defect::Cone,
+        (0, Eisenstein::ZERO) => LatticeDefect::None,
+        (0, _) => LatticeDefect::Dislocation,
+        _ => LatticeDefect::Cone,
     }
 }
 
@@ -108,10 +108,14 @@ pub fn annihilate(
     let mut state = PerFace::from_fn(topology.n_faces(), |f| {
         defect(&circuit(topology, charts, jump, f))
     });
-    let all = state.enumerate().filter(|(_, d)| **d != Defect::None);
+    let all = state
+        .enumerate()
+        .filter(|(_, d)| **d != LatticeDefect::None);
     let mut defects: BTreeSet<FaceId> = all.map(|(f, _)| f).collect();
-    let count = |state: &PerFace<Defect>, defects: &BTreeSet<FaceId>| {
-        let moving = defects.iter().filter(|f| state[**f] == Defect::Dislocation);
+    let count = |state: &PerFace<LatticeDefect>, defects: &BTreeSet<FaceId>| {
+        let moving = defects
+            .iter()
+            .filter(|f| state[**f] == LatticeDefect::Dislocation);
         moving.count()
     };
     let dislocations = count(&state, &defects);
@@ -135,7 +139,7 @@ pub fn annihilate(
             for g in sides.into_iter().flatten() {
                 state[g] = defect(&circuit(topology, charts, jump, g));
                 match state[g] {
-                    Defect::None => defects.remove(&g),
+                    LatticeDefect::None => defects.remove(&g),
                     _ => defects.insert(g),
                 };
             }
@@ -201,7 +205,7 @@ impl Fronts {
         &mut self,
         topology: &Topology,
         mesh: &IntrinsicMesh,
-        state: &PerFace<Defect>,
+        state: &PerFace<LatticeDefect>,
         defects: &BTreeSet<FaceId>,
         max_length: f64,
     ) -> Option<Slip> {
@@ -210,7 +214,7 @@ impl Fronts {
         for &f in defects {
             self.reach(f, f.index() as u32, 0.0, None);
         }
-        let moves = |s: u32| state.as_slice()[s as usize] == Defect::Dislocation;
+        let moves = |s: u32| state.as_slice()[s as usize] == LatticeDefect::Dislocation;
         let mut best: (f64, Option<(FaceId, EdgeId, Option<FaceId>)>) = (max_length, None);
         while let Some(Reverse((Distance(d), f))) = self.heap.pop() {
             if self.settled[f] {
@@ -303,6 +307,7 @@ pub(super) fn slip(
 
 /// Number of triangles with a dislocation.
 pub(super) fn count(topology: &Topology, charts: &Charts, jump: &PerEdge<Eisenstein>) -> usize {
-    let at = |f: &FaceId| defect(&circuit(topology, charts, jump, *f)) == Defect::Dislocation;
+    let at =
+        |f: &FaceId| defect(&circuit(topology, charts, jump, *f)) == LatticeDefect::Dislocation;
     topology.faces().filter(at).count()
 }

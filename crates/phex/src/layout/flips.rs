@@ -47,7 +47,7 @@ fn glided(layout: &Layout) -> Option<Layout> {
     for step in 0..longest {
         let topology = layout.mesh.topology();
         let sides = sequences.iter().filter_map(|s| s.get(step));
-        let turns: Option<Vec<Turn>> = sides.map(|s| turn_between(topology, *s)).collect();
+        let turns: Option<Vec<EdgeTurn>> = sides.map(|s| turn_between(topology, *s)).collect();
         layout = turned(&layout, &turns?)?;
     }
     Some(layout)
@@ -61,14 +61,14 @@ pub(super) fn turned_between(layout: Layout, sides: &[glide::Sides]) -> Option<L
     })
 }
 
-fn turn_between(topology: &Topology, [a, b]: [FaceId; 2]) -> Option<Turn> {
+fn turn_between(topology: &Topology, [a, b]: [FaceId; 2]) -> Option<EdgeTurn> {
     let mut around = topology.face_half_edges(a);
     let h = around.find(|h| face_across(topology, *h) == Some(b))?;
     inner_turn(topology, h, topology.twin(h)?)
 }
 
 /// An edge from `u` to `v`, the panels on its sides (left and right) and at its ends.
-struct Turn {
+struct EdgeTurn {
     half_edge: HalfEdgeId,
     left: FaceId,
     right: FaceId,
@@ -78,7 +78,7 @@ struct Turn {
     gain: i32,
 }
 
-impl Turn {
+impl EdgeTurn {
     fn panels(&self) -> impl Iterator<Item = FaceId> {
         let sides = [self.left, self.right, self.at_origin];
         sides.into_iter().chain(self.at_target)
@@ -86,8 +86,8 @@ impl Turn {
 }
 
 /// Turns that gain, the best first, no two of which share a panel.
-fn independent_turns(topology: &Topology) -> Vec<Turn> {
-    let mut turns: Vec<Turn> = topology
+fn independent_turns(topology: &Topology) -> Vec<EdgeTurn> {
+    let mut turns: Vec<EdgeTurn> = topology
         .edges()
         .filter_map(|e| turn_of(topology, e))
         .filter(|t| t.gain > 0)
@@ -104,7 +104,7 @@ fn independent_turns(topology: &Topology) -> Vec<Turn> {
     turns
 }
 
-fn turn_of(topology: &Topology, e: EdgeId) -> Option<Turn> {
+fn turn_of(topology: &Topology, e: EdgeId) -> Option<EdgeTurn> {
     let h = topology.edge_half_edge(e);
     let back = topology.twin(h)?;
     let inside = |h| !topology.is_boundary_vertex(topology.origin(h));
@@ -138,7 +138,7 @@ fn are_neighbours(topology: &Topology, a: FaceId, b: FaceId) -> bool {
     around.any(|h| face_across(topology, h) == Some(b))
 }
 
-fn inner_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<Turn> {
+fn inner_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<EdgeTurn> {
     let at_origin = face_across(topology, topology.prev(h))?;
     let at_target = face_across(topology, topology.next(h))?;
     let (left, right) = (topology.face(h), topology.face(back));
@@ -154,7 +154,7 @@ fn inner_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<Tu
     }
     let distinct: HashSet<FaceId> = changes.iter().map(|c| c.0).collect();
     let possible = distinct.len() == 4 && !are_neighbours(topology, at_origin, at_target);
-    possible.then_some(Turn {
+    possible.then_some(EdgeTurn {
         half_edge: h,
         left,
         right,
@@ -165,7 +165,7 @@ fn inner_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<Tu
 }
 
 /// The edge `h` runs from a vertex inside to the boundary.
-fn rim_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<Turn> {
+fn rim_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<EdgeTurn> {
     let at_origin = face_across(topology, topology.prev(h))?;
     let (left, right) = (topology.face(h), topology.face(back));
     let shrinking = [left, right];
@@ -175,7 +175,7 @@ fn rim_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<Turn
         && !topology.is_boundary_face(at_origin)
         && shrinking.iter().all(|f| corners(topology, *f) > LEAST);
     let n = corners(topology, at_origin);
-    possible.then_some(Turn {
+    possible.then_some(EdgeTurn {
         half_edge: h,
         left,
         right,
@@ -190,7 +190,7 @@ fn rim_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<Turn
 }
 
 /// The layout with all these edges turned; `None` if that is no mesh.
-fn turned(layout: &Layout, turns: &[Turn]) -> Option<Layout> {
+fn turned(layout: &Layout, turns: &[EdgeTurn]) -> Option<Layout> {
     let topology = layout.mesh.topology();
     let mut faces = topology.face_lists();
     let mut positions = layout.mesh.positions.as_slice().to_vec();
@@ -228,7 +228,7 @@ fn turned(layout: &Layout, turns: &[Turn]) -> Option<Layout> {
 
 /// With `u -> v` between left and right: afterwards `u` belongs to the left panel and `v` to the right one, and both to the
 /// panels at the ends.
-fn reconnect(faces: &mut [Vec<u32>], turn: &Turn, [u, v]: [VertexId; 2]) {
+fn reconnect(faces: &mut [Vec<u32>], turn: &EdgeTurn, [u, v]: [VertexId; 2]) {
     let [u, v] = [u, v].map(|w| w.index() as u32);
     faces[turn.left.index()].retain(|w| *w != v);
     faces[turn.right.index()].retain(|w| *w != u);
@@ -245,13 +245,13 @@ fn insert_before(face: &mut Vec<u32>, new: u32, old: u32) {
 }
 
 /// The ends on either side of the edge's middle.
-fn opened(layout: &Layout, turn: &Turn, [u, v]: [VertexId; 2]) -> [Vec3; 2] {
+fn opened(layout: &Layout, turn: &EdgeTurn, [u, v]: [VertexId; 2]) -> [Vec3; 2] {
     let middle = (layout.mesh.position(u) + layout.mesh.position(v)) * 0.5;
     [turn.left, turn.right].map(|f| middle + (layout.mesh.centre(f) - middle) * OPENING)
 }
 
 /// The ends along the boundary on either side of the edge's boundary vertex.
-fn opened_at_rim(layout: &Layout, turn: &Turn) -> [Vec3; 2] {
+fn opened_at_rim(layout: &Layout, turn: &EdgeTurn) -> [Vec3; 2] {
     let topology = layout.mesh.topology();
     let before = topology.twin(turn.half_edge).map(|t| topology.prev(t));
     let b = layout.mesh.position(topology.target(turn.half_edge));
@@ -272,7 +272,7 @@ mod tests {
     }
 
     /// The edge whose two ends lie inside, of the panel in the middle.
-    fn inner_turns(layout: &Layout) -> Vec<Turn> {
+    fn inner_turns(layout: &Layout) -> Vec<EdgeTurn> {
         let topology = layout.mesh.topology();
         let turns = topology.edges().filter_map(|e| turn_of(topology, e));
         turns.filter(|t| t.at_target.is_some()).collect()

@@ -34,11 +34,13 @@ pub struct Forecast {
 /// The forecast for a layout whose panels get the tangent planes at their points.
 pub fn forecast(layout: &Layout) -> Forecast {
     let topology = layout.mesh.topology();
-    let corners: Vec<Option<Corner>> = topology.vertices().map(|v| corner(layout, v)).collect();
+    let corners: Vec<Option<ForecastCorner>> =
+        topology.vertices().map(|v| corner(layout, v)).collect();
     let mut told = Forecast::default();
     for f in topology.faces() {
         let around = topology.face_vertices(f).iter();
-        let around: Option<Vec<&Corner>> = around.map(|v| corners[v.index()].as_ref()).collect();
+        let around: Option<Vec<&ForecastCorner>> =
+            around.map(|v| corners[v.index()].as_ref()).collect();
         let Some(around) = around else { continue };
         let simple = |outline: &[Vec3]| is_simple_along(outline, layout.face_normal[f]);
         let outline: Vec<Vec3> = around.iter().map(|c| c.place).collect();
@@ -54,7 +56,7 @@ pub fn forecast(layout: &Layout) -> Forecast {
 /// The outline with each of its corners in each of its other places.
 fn with_one_other<'a>(
     outline: Vec<Vec3>,
-    corners: &'a [&Corner],
+    corners: &'a [&ForecastCorner],
 ) -> impl Iterator<Item = Vec<Vec3>> + 'a {
     let each = corners.iter().enumerate();
     each.flat_map(|(i, c)| c.others.iter().map(move |p| (i, *p)))
@@ -66,7 +68,7 @@ fn with_one_other<'a>(
 }
 
 /// Where the panels at an inner vertex will meet.
-struct Corner {
+struct ForecastCorner {
     /// To second order.
     place: Vec3,
     /// With one-sided values of `Q`, as seen from each of the panels.
@@ -74,7 +76,7 @@ struct Corner {
 }
 
 /// The circumcentre, in `q`, of the touching points of the panels at an inner vertex.
-fn corner(layout: &Layout, v: VertexId) -> Option<Corner> {
+fn corner(layout: &Layout, v: VertexId) -> Option<ForecastCorner> {
     let topology = layout.mesh.topology();
     if topology.is_boundary_vertex(v) {
         return None;
@@ -93,7 +95,7 @@ fn corner(layout: &Layout, v: VertexId) -> Option<Corner> {
         }
     };
     let forms = |panel: usize| EDGES.map(|e| seen_from(panel, e));
-    Some(Corner {
+    Some(ForecastCorner {
         place: circumcentre(points, forms(NOBODY)),
         others: [0, 1, 2].map(|k| circumcentre(points, forms(k))),
     })

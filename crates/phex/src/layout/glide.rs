@@ -23,7 +23,7 @@ pub type Sides = [FaceId; 2];
 /// Turns after which the panels inside are more regular than before, if first the second of `sides` becomes part of the first;
 /// `None` if there are none.
 pub fn turns_after_join(topology: &Topology, sides: Sides) -> Option<Vec<Sides>> {
-    let mut patch = Patch::around(topology, sides[0], &BTreeSet::new());
+    let mut patch = DualPatch::around(topology, sides[0], &BTreeSet::new());
     let gain = patch.join(sides)?;
     let mut path = Vec::new();
     let mut found = |steps| patch.search(steps, gain, gain.min(0), &mut path);
@@ -40,7 +40,7 @@ pub fn sequences_beside(topology: &Topology, mut taken: BTreeSet<FaceId>) -> Vec
     let irregular = |f: &FaceId| !topology.is_boundary_face(*f) && topology.valence(*f) != 6;
     let mut found = Vec::new();
     for f in topology.faces().filter(irregular) {
-        let mut patch = Patch::around(topology, f, &taken);
+        let mut patch = DualPatch::around(topology, f, &taken);
         for steps in 1..=STEPS {
             let mut path = Vec::new();
             if patch.search(steps, 0, 0, &mut path) {
@@ -54,11 +54,11 @@ pub fn sequences_beside(topology: &Topology, mut taken: BTreeSet<FaceId>) -> Vec
 }
 
 /// A piece of the dual triangulation: the neighbours of each panel in the order of its outline.
-struct Patch {
+struct DualPatch {
     ring: BTreeMap<FaceId, Vec<FaceId>>,
 }
 
-impl Patch {
+impl DualPatch {
     /// The panels inside within reach of `centre`, without those in `taken`.
     fn around(topology: &Topology, centre: FaceId, taken: &BTreeSet<FaceId>) -> Self {
         let mut ring = BTreeMap::new();

@@ -37,13 +37,13 @@ fn joined_once(layout: &Layout) -> Option<Layout> {
 }
 
 /// Two panels, the panels at the ends of their common edge, and that edge's ends.
-struct Pair {
+struct PanelPair {
     halves: [FaceId; 2],
     at_ends: [FaceId; 2],
     ends: [VertexId; 2],
 }
 
-fn pair(topology: &Topology, e: EdgeId) -> Option<Pair> {
+fn pair(topology: &Topology, e: EdgeId) -> Option<PanelPair> {
     let h = topology.edge_half_edge(e);
     let back = topology.twin(h)?;
     let across = |h| topology.twin(h).map(|t| topology.face(t));
@@ -51,18 +51,18 @@ fn pair(topology: &Topology, e: EdgeId) -> Option<Pair> {
     let halves = [topology.face(h), topology.face(back)];
     let all: BTreeSet<FaceId> = halves.iter().chain(&at_ends).copied().collect();
     let inside = all.iter().all(|f| !topology.is_boundary_face(*f));
-    (all.len() == 4 && inside).then_some(Pair {
+    (all.len() == 4 && inside).then_some(PanelPair {
         halves,
         at_ends,
         ends: topology.edge_vertices(e),
     })
 }
 
-fn has_pentagon(topology: &Topology, pair: &Pair) -> bool {
+fn has_pentagon(topology: &Topology, pair: &PanelPair) -> bool {
     pair.halves.iter().any(|f| topology.valence(*f) < 6)
 }
 
-fn are_halves(layout: &Layout, pair: &Pair) -> bool {
+fn are_halves(layout: &Layout, pair: &PanelPair) -> bool {
     let [a, b] = pair.halves.map(|f| area(layout, f));
     a.max(b) < HALF && a + b < BOTH
 }
@@ -73,7 +73,7 @@ fn area(layout: &Layout, f: FaceId) -> f64 {
 }
 
 /// The layout with the second half given to the first, whose seed stays.
-fn joined(layout: &Layout, pair: &Pair) -> Option<Layout> {
+fn joined(layout: &Layout, pair: &PanelPair) -> Option<Layout> {
     let topology = layout.mesh.topology();
     let [first, second] = pair.halves;
     let [u, v] = pair.ends;

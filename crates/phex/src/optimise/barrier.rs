@@ -8,8 +8,13 @@
 //! gradient: `dn = sum_k t_k (t_k . dC n) / (l_0 - l_k)`, `C` the second moments, `l_0 = sum h^2`. The Hessian
 //! is the Gauss-Newton part `b'' grad d grad d^T` in the fixed plane.
 
-use super::panels::{Corner, FaceFrame, add_block};
+use super::options::OptimiseOptions;
+use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
+use super::simple::area;
 use phex_mesh::{Vec2, Vec3};
+
+/// Area of a regular hexagon over the square of its edge.
+const HEXAGON: f64 = 2.598_076_211_353_316;
 
 /// Barrier of one face.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +39,23 @@ impl Barrier {
         let second = -self.weight * (2.0 * log + 4.0 * u / z - (u / z).powi(2));
         (first, second / (self.reach * self.reach))
     }
+}
+
+/// Barriers in proportion to each panel's own area, so that graded meshes are treated alike everywhere.
+pub(super) fn barriers(panels: &Panels, start: &[f64], options: &OptimiseOptions) -> Vec<Barrier> {
+    let shape = Shape::at(panels, start);
+    let areas: Vec<f64> = (0..panels.n_faces())
+        .map(|f| area(shape.face(panels, f)).abs())
+        .collect();
+    let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+    let barrier = |&area: &f64| {
+        let area = area.max(0.05 * mean);
+        Barrier {
+            weight: options.barrier * options.vertex_closeness * area / HEXAGON,
+            reach: options.barrier_reach * area.sqrt(),
+        }
+    };
+    areas.iter().map(barrier).collect()
 }
 
 /// A vertex near an edge of its face.

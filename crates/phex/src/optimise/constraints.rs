@@ -1,10 +1,10 @@
 //! The planarity constraints, as a problem for `phex_numeric::MinimumNorm`.
 
-use super::energy::Setting;
 use super::guarded::GuardedSteps;
 use super::jacobian::Jacobian;
 use super::panels::Panels;
 use super::planarity::ConstraintBases;
+use super::setting::Setting;
 use nalgebra::Matrix3;
 use phex_numeric::{Assembly, Constraints, SymmetricMatrix};
 

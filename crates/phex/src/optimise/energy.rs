@@ -2,25 +2,23 @@
 //!
 //! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the guard is broken.
 
-use super::angle::AngleTerm;
+use super::angle_term::AngleTerm;
 use super::areas::AreaWish;
-use super::barrier::{self, Barrier};
-use super::closeness::{ClosenessWeights, Feet, Reference};
-use super::guard::{Armed, Guard};
-use super::hinges::HingeTerm;
-use super::holds::{Holds, restrict};
-use super::notches::NotchTerm;
+use super::barrier::{self, Barrier, barriers};
+use super::closeness::{ClosenessWeights, Feet};
+use super::concavity::ConcavityTerm;
+use super::folds::FoldTerm;
+use super::guard::Armed;
+use super::holds::Holds;
+use super::options::OptimiseOptions;
 use super::panels::{Panels, Shape, add_block};
 use super::planarity;
-use super::simple::collision;
+use super::setting::{Setting, collision_bound, longest};
 use super::spatial_barrier;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
 use phex_numeric::{Assembly, DampedProblem, SymmetricMatrix};
-
-/// Fraction of the way to the first collision that a step may go.
-const COLLISION_FRACTION: f64 = 0.85;
 
 /// Trials in a row that demands other than simplicity may block.
 const PATIENCE: usize = 3;
@@ -36,20 +34,30 @@ pub(super) struct Weights {
     pub corner: f64,
 }
 
-/// What does not change while one start is optimised.
-pub(super) struct Setting<'a> {
-    pub panels: &'a Panels,
-    pub reference: &'a Reference<'a>,
-    pub guard: &'a Guard,
-    /// Vertices that are drawn to the boundary curve.
-    pub rim: &'a [u32],
-    /// Whether a vertex is a corner of the boundary.
-    pub corner: &'a [bool],
-    /// Vertices that the user holds.
-    pub holds: &'a Holds,
-    /// Areas that faces are to have, weights relative to that of the closeness of vertices.
-    pub areas: &'a [AreaWish],
-    pub mean_edge: f64,
+/// Weights of the energy, that of planarity 0.
+pub(super) fn weights(options: &OptimiseOptions) -> Weights {
+    Weights {
+        planarity: 0.0,
+        closeness: ClosenessWeights {
+            vertex: options.vertex_closeness,
+            centre: options.centre_closeness,
+            rim: options.boundary_closeness,
+        },
+        fairness: options.fairness,
+        anchor: options.anchor,
+        corner: options.corner_closeness,
+    }
+}
+
+/// The energy with the weights of the options; `start` is the anchor.
+pub(super) fn panel_energy<'a>(
+    setting: &'a Setting<'a>,
+    assembly: &'a Assembly,
+    start: &[f64],
+    options: &OptimiseOptions,
+) -> PanelEnergy<'a> {
+    let barriers = barriers(setting.panels, start, options);
+    PanelEnergy::new(setting, assembly, weights(options), barriers, start)
 }
 
 /// The energy at the positions that were asked for last, and what was computed there.
@@ -59,9 +67,9 @@ pub(super) struct PanelEnergy<'a> {
     /// The angle condition of a vertex offset, where it is wanted.
     pub angles: Option<AngleTerm<'a>>,
     /// What folds pay, where they are to go; not together with the angle condition.
-    pub hinges: Option<HingeTerm>,
+    pub folds: Option<FoldTerm>,
     /// What re-entrant corners pay, where they are to go.
-    pub notches: Option<NotchTerm>,
+    pub concavity: Option<ConcavityTerm>,
     /// Areas that faces are to have.
     pub areas: Vec<AreaWish>,
     /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a penalty alone; second derivatives
@@ -100,8 +108,8 @@ impl<'a> PanelEnergy<'a> {
             weights,
             barriers,
             angles: None,
-            hinges: None,
-            notches: None,
+            folds: None,
+            concavity: None,
             areas: setting.areas.to_vec(),
             multipliers: None,
             armed: setting
@@ -199,7 +207,7 @@ impl<'a> PanelEnergy<'a> {
     fn panel_energy(&mut self) -> f64 {
         let (panels, shape) = (self.setting.panels, &self.shape);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, notches, areas) = (&self.angles, &self.notches, &self.areas);
+        let (angles, concavity, areas) = (&self.angles, &self.concavity, &self.areas);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -219,8 +227,8 @@ impl<'a> PanelEnergy<'a> {
             if let Some(angles) = angles {
                 *energy += angles.energy(f, corners);
             }
-            if let Some(notches) = notches {
-                *energy += notches.energy(f, corners);
+            if let Some(concavity) = concavity {
+                *energy += concavity.energy(f, corners);
             }
             *energy += areas[f].energy(corners);
         };
@@ -255,7 +263,7 @@ impl<'a> PanelEnergy<'a> {
     fn linearise_faces(&mut self) {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, notches, areas) = (&self.angles, &self.notches, &self.areas);
+        let (angles, concavity, areas) = (&self.angles, &self.concavity, &self.areas);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -285,8 +293,8 @@ impl<'a> PanelEnergy<'a> {
             if let Some(angles) = angles {
                 angles.add(f, frame, corners, gradient, block);
             }
-            if let Some(notches) = notches {
-                notches.add(f, frame, corners, gradient, block);
+            if let Some(concavity) = concavity {
+                concavity.add(f, frame, corners, gradient, block);
             }
             areas[f].add(frame, corners, gradient, block);
         };
@@ -337,7 +345,7 @@ impl DampedProblem for PanelEnergy<'_> {
             .energy(self.setting.panels.n_vertices(), closeness);
         let closing = self.angles.as_ref().map_or(0.0, |a| a.closing_energy(x));
         let panels = self.setting.panels;
-        let folds = self.hinges.as_ref().map_or(0.0, |h| h.energy(panels, x));
+        let folds = self.folds.as_ref().map_or(0.0, |h| h.energy(panels, x));
         self.panel_energy() + near + self.anchor_energy() + closing + folds
     }
 
@@ -351,18 +359,13 @@ impl DampedProblem for PanelEnergy<'_> {
         if let Some(angles) = &mut self.angles {
             angles.add_closing(x, gradient, assembly, first, &mut self.blocks);
         }
-        if let Some(hinges) = &self.hinges {
-            hinges.add(panels, x, gradient, assembly, first, &mut self.blocks);
+        if let Some(folds) = &self.folds {
+            folds.add(panels, x, gradient, assembly, first, &mut self.blocks);
         }
         let weight = self.weights.closeness.vertex;
-        restrict(
-            self.setting,
-            assembly,
-            weight,
-            x,
-            gradient,
-            &mut self.blocks,
-        );
+        self.setting
+            .holds
+            .restrict(panels, assembly, weight, x, gradient, &mut self.blocks);
         self.assembly.assemble(&self.blocks, hessian);
     }
 
@@ -381,53 +384,5 @@ impl DampedProblem for PanelEnergy<'_> {
 
     fn retract(&self, x: &mut [f64]) {
         self.setting.holds.retract(x);
-    }
-}
-
-/// Distances of vertices, then of face centres, to the reference.
-pub(super) fn distances(setting: &Setting<'_>, x: &[f64]) -> Vec<f64> {
-    let shape = Shape::at(setting.panels, x);
-    let mut feet = Feet::default();
-    feet.update(setting.reference, &shape, x, &[]);
-    feet.distances()
-}
-
-/// Distances of vertices and face centres to the reference: largest, and root mean square.
-pub(super) fn deviation(setting: &Setting<'_>, x: &[f64]) -> (f64, f64) {
-    let distances = distances(setting, x);
-    let both = |(most, sum): (f64, f64), d: &f64| (most.max(*d), sum + d * d);
-    let (most, sum) = distances.iter().fold((0.0, 0.0), both);
-    (most, (sum / distances.len().max(1) as f64).sqrt())
-}
-
-/// Largest displacement of a vertex.
-pub(super) fn longest(step: &[f64]) -> f64 {
-    let squares = step.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum());
-    squares.fold(0.0, f64::max).sqrt()
-}
-
-/// Fraction of a step that keeps clear of collisions within every face.
-pub(super) fn collision_bound(
-    setting: &Setting<'_>,
-    armed: &Armed,
-    shape: &Shape,
-    step: &[f64],
-    corner_motion: &mut [Vec2],
-) -> f64 {
-    let panels = setting.panels;
-    let mut bound: f64 = 1.0;
-    for f in (0..panels.n_faces()).filter(|&f| armed.is_simple(f)) {
-        let motion = &mut corner_motion[panels.corners(f)];
-        for (m, &v) in motion.iter_mut().zip(panels.vertices(f)) {
-            *m = shape.frames[f]
-                .plane
-                .project_vector(point(step, v as usize));
-        }
-        bound = collision(shape.face(panels, f), motion, bound);
-    }
-    if bound < 1.0 {
-        COLLISION_FRACTION * bound
-    } else {
-        1.0
     }
 }

@@ -14,11 +14,11 @@
 //! path is taken instead.
 
 use super::closeness::{ClosenessWeights, Feet};
-use super::energy::Setting;
 use super::guarded::GuardedSteps;
 use super::jacobian::Jacobian;
 use super::options::OptimiseOptions;
 use super::panels::{Shape, point};
+use super::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, SchurProblem, SymmetricMatrix};

@@ -1,8 +1,8 @@
 //! Steps of a projection that end before the first collision within a face and visit only what the guard admits.
 
-use super::energy::{Setting, collision_bound, longest};
 use super::guard::Armed;
 use super::panels::Shape;
+use super::setting::{Setting, collision_bound, longest};
 use phex_mesh::Vec2;
 
 /// Longest step, in mean edges.

@@ -9,8 +9,7 @@
 //! | in a plane | `I - n n^T` |
 //! | on a curve, or the boundary | `t t^T` |
 
-use super::energy::Setting;
-use super::panels::{add_block, point};
+use super::panels::{Panels, add_block, point};
 use nalgebra::Matrix3;
 use phex_mesh::{BoundaryCurve, Vec3};
 use phex_numeric::Assembly;
@@ -114,6 +113,33 @@ impl Holds {
             x[at..at + 3].copy_from_slice(place.as_slice());
         }
     }
+
+    /// Takes the directions in which held vertices can't move out of a gradient and the blocks of a Hessian, one for every face and
+    /// then one for every vertex; `weight` stands in their place.
+    pub fn restrict(
+        &self,
+        panels: &Panels,
+        assembly: &Assembly,
+        weight: f64,
+        x: &[f64],
+        gradient: &mut [f64],
+        blocks: &mut [f64],
+    ) {
+        for (v, freedom) in self.freedoms(x) {
+            let v = v as usize;
+            let g = freedom * point(gradient, v);
+            gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
+            for &c in panels.corners_at(v) {
+                let f = panels.face_of(c);
+                let i = c as usize - panels.corners(f).start;
+                let block = &mut blocks[assembly.block(f)];
+                restrict_block(block, i, panels.valence(f), &freedom);
+            }
+            let block = &mut blocks[assembly.block(panels.n_faces() + v)];
+            restrict_block(block, 0, 1, &freedom);
+            add_block(block, 0, 0, &((Matrix3::identity() - freedom) * weight));
+        }
+    }
 }
 
 /// The tangent space of curves at their point closest to `p`.
@@ -137,33 +163,6 @@ fn in_plane(p: Vec3, point: Vec3, normal: Vec3) -> Vec3 {
             q
         }
         None => p - normal * normal.dot(&(p - point)),
-    }
-}
-
-/// Takes the directions in which held vertices can't move out of a gradient and the blocks of a Hessian, one for every face and
-/// then one for every vertex; `weight` stands in their place.
-pub(super) fn restrict(
-    setting: &Setting<'_>,
-    assembly: &Assembly,
-    weight: f64,
-    x: &[f64],
-    gradient: &mut [f64],
-    blocks: &mut [f64],
-) {
-    let panels = setting.panels;
-    for (v, freedom) in setting.holds.freedoms(x) {
-        let v = v as usize;
-        let g = freedom * point(gradient, v);
-        gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
-        for &c in panels.corners_at(v) {
-            let f = panels.face_of(c);
-            let i = c as usize - panels.corners(f).start;
-            let block = &mut blocks[assembly.block(f)];
-            restrict_block(block, i, panels.valence(f), &freedom);
-        }
-        let block = &mut blocks[assembly.block(panels.n_faces() + v)];
-        restrict_block(block, 0, 1, &freedom);
-        add_block(block, 0, 0, &((Matrix3::identity() - freedom) * weight));
     }
 }
 

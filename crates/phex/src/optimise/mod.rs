@@ -35,8 +35,8 @@
 //! rounding ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
 //! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At its end panels that stand off by more than
-//! [`OptimiseOptions::max_deviation`] and tight ones are tried again, each with what is around it (`retry.rs`);
-//! so are tight panels of a mesh that has been trimmed and brought to the boundary (`room.rs`).
+//! [`OptimiseOptions::max_deviation`] and tight ones are tried again, each with what is around it (`local/retry.rs`);
+//! so are tight panels of a mesh that has been trimmed and brought to the boundary (`local/room.rs`).
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3, with the plane eliminated; the
 //! feasible path and its barrier after Li et al., "Incremental potential contact" (2020), within each face's plane.
@@ -54,23 +54,25 @@
 //! loop may drop their seeds.
 
 mod angle;
+mod angle_term;
 mod areas;
 mod barrier;
 mod closeness;
+mod components;
+mod concavity;
 mod constraints;
-mod demand;
 mod endgame;
 mod energy;
+mod error;
 mod fairness;
 mod fast;
+mod folds;
 mod guard;
 mod guarded;
-mod hinges;
 mod holds;
 mod inspect;
 mod jacobian;
 mod local;
-mod notches;
 mod on_boundary;
 mod options;
 mod osculating;
@@ -78,11 +80,12 @@ mod panels;
 mod parts;
 mod path;
 mod planarity;
-mod retry;
-mod room;
+mod point_term;
+mod reached;
+mod reference;
 mod run;
+mod setting;
 mod shape_target;
-mod share;
 mod shortcut;
 mod simple;
 mod solvers;
@@ -98,27 +101,27 @@ pub(crate) mod tests;
 use crate::layout::{Layout, VertexKind};
 use crate::progress::{Event, Progress};
 use areas::AreaWish;
-use closeness::Reference;
 use guard::Guard;
 use holds::{Hold, Holds};
 use panels::{Panels, Shape, points, unknowns};
 use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
-use run::Run;
+use reached::Run;
+use reference::Reference;
 use serde::Serialize;
 use solvers::Solvers;
 use start::{Smoothing, TangentCells};
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(crate) use angle::free_edges;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
+pub(crate) use angle_term::walks::free_edges;
+pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
-pub use local::LocalPart;
+pub use local::{LocalPart, enlarge_small, give_room};
 pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
-pub use options::{Dials, OptimiseError, OptimiseOptions, PathKind, Solver, StartKind};
-pub use room::{enlarge_small, give_room};
+pub use options::{Dials, OptimiseOptions, PathKind, Solver, StartKind};
 pub use shape_target::ShapeTarget;
-pub use steering::{Anchor, GroundPlane, Steering, SteeringError, led_elsewhere};
+pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use surface_target::SurfaceTarget;
 
 /// Foot point on a target surface.
@@ -277,13 +280,13 @@ pub fn steer(
 }
 
 /// Vertices that stay on the boundary, unless the user holds them, and the curves that it is.
-type Rim<'a> = Option<(&'a BTreeMap<u32, Hold>, &'a BoundaryCurve)>;
+type HeldRim<'a> = Option<(&'a BTreeMap<u32, Hold>, &'a BoundaryCurve)>;
 
 fn steer_with(
     mesh: &HexMesh,
     target: Option<&dyn Target>,
     steering: &Steering,
-    rim: Rim<'_>,
+    rim: HeldRim<'_>,
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
@@ -326,7 +329,7 @@ const LETTING_GO: usize = 4;
 fn from_mesh(
     mesh: &HexMesh,
     target: Option<&dyn Target>,
-    (steering, rim, loose): (&Steering, Rim<'_>, &BTreeSet<u32>),
+    (steering, rim, loose): (&Steering, HeldRim<'_>, &BTreeSet<u32>),
     options: &OptimiseOptions,
     progress: &dyn Progress,
     only_project: bool,

@@ -9,7 +9,7 @@
 
 use super::holds::{Hold, Holds};
 use super::panels::{Panels, Shape, point, points, unknowns};
-use super::run::{Reached, Run, Way};
+use super::reached::{Reached, Run, Way};
 use super::solvers::Solvers;
 use super::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,

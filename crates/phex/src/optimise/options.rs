@@ -1,7 +1,6 @@
-//! Options and errors of the optimiser.
+//! Options of the optimiser.
 
 use crate::ranges::{self, BadOption};
-use phex_mesh::{FaceId, VertexId};
 use serde::{Deserialize, Serialize};
 
 /// How panels are made planar.
@@ -261,44 +260,4 @@ impl OptimiseOptions {
             ("smoothing", self.smoothing[1]),
         ])
     }
-}
-
-/// Why nothing could be optimised.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum OptimiseError {
-    /// A coordinate is not a number or infinite.
-    #[error("vertex {vertex} has a coordinate that is not finite")]
-    NotFinite {
-        /// The vertex.
-        vertex: VertexId,
-    },
-    /// A normal of the layout is not a finite vector.
-    #[error("the surface normal at face {face} is not a unit vector")]
-    BadNormal {
-        /// The face.
-        face: FaceId,
-    },
-    /// A map of the layout has not as many values as the mesh has elements.
-    #[error("the layout has {found} {what} for {expected} elements")]
-    WrongCount {
-        /// Which map.
-        what: &'static str,
-        /// Number of values.
-        found: usize,
-        /// Number of elements.
-        expected: usize,
-    },
-    /// All vertices lie at one point.
-    #[error("the mesh has no extent")]
-    NoExtent,
-    /// An option has a value without meaning.
-    #[error(transparent)]
-    BadOption(#[from] BadOption),
-    /// The mesh can't be held as is asked for.
-    #[error(transparent)]
-    Steering(#[from] super::SteeringError),
-    /// The systems of equations can't be set up.
-    #[error(transparent)]
-    Numeric(#[from] phex_numeric::NumericError),
 }

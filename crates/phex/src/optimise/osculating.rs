@@ -9,7 +9,8 @@
 //! normals and tangents nearby. The distance to a triangulation has a kink wherever the foot point crosses an edge, which no
 //! method can minimise over to the last digits; this is a polynomial. It is off by the third order of how far a vertex still slides.
 
-use super::closeness::{PointTerm, Reference};
+use super::point_term::PointTerm;
+use super::reference::Reference;
 use super::{CurvePoint, TargetPoint};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
@@ -19,14 +20,14 @@ const APART: f64 = 0.25;
 
 /// The surface near a foot point.
 #[derive(Clone, Debug)]
-struct Quadric {
+struct OsculatingQuadric {
     foot: TargetPoint,
     shape: Matrix3<f64>,
 }
 
 /// The boundary curve near a foot point.
 #[derive(Clone, Debug)]
-struct Arc {
+struct OsculatingArc {
     foot: CurvePoint,
     curvature: Vec3,
 }
@@ -34,8 +35,8 @@ struct Arc {
 /// The stand-in, for vertices and then face centres, and for the vertices of the rim.
 #[derive(Clone, Debug)]
 pub(super) struct Osculating {
-    quadrics: Vec<Quadric>,
-    arcs: Vec<Arc>,
+    quadrics: Vec<OsculatingQuadric>,
+    arcs: Vec<OsculatingArc>,
 }
 
 impl Osculating {
@@ -55,7 +56,7 @@ impl Osculating {
 
     /// `phi` and its gradient at a point.
     fn distance(&self, k: usize, p: Vec3) -> (f64, Vec3) {
-        let Quadric { foot, shape } = &self.quadrics[k];
+        let OsculatingQuadric { foot, shape } = &self.quadrics[k];
         let y = p - foot.position;
         let bend = shape * y;
         (foot.normal.dot(&y) + 0.5 * y.dot(&bend), foot.normal + bend)
@@ -77,7 +78,7 @@ impl Osculating {
 
     /// From the boundary curve's stand-in to the `k`-th vertex of the rim; `None` without a curve.
     pub fn rim_residual(&self, k: usize, p: Vec3) -> Option<Vec3> {
-        let Arc { foot, curvature } = self.arcs.get(k)?;
+        let OsculatingArc { foot, curvature } = self.arcs.get(k)?;
         let y = p - foot.position;
         let s = foot.tangent.dot(&y);
         Some(y - foot.tangent * s - curvature * (0.5 * s * s))
@@ -100,7 +101,7 @@ impl Osculating {
 const AXES: usize = 3;
 
 /// Shape operators `2 / m sum dn t^T` from differences `dn` of normals along `m` axes `t` around each foot point.
-fn quadrics(reference: &Reference<'_>, feet: &[TargetPoint], apart: f64) -> Vec<Quadric> {
+fn quadrics(reference: &Reference<'_>, feet: &[TargetPoint], apart: f64) -> Vec<OsculatingQuadric> {
     let mut shapes = vec![Matrix3::zeros(); feet.len()];
     for axis in 0..AXES {
         let axes: Vec<Vec3> = feet.iter().map(|f| tangent(f.normal, axis)).collect();
@@ -122,7 +123,7 @@ fn quadrics(reference: &Reference<'_>, feet: &[TargetPoint], apart: f64) -> Vec<
     }
     let quadric = |(foot, shape): (&TargetPoint, Matrix3<f64>)| {
         let flat = Matrix3::identity() - foot.normal * foot.normal.transpose();
-        Quadric {
+        OsculatingQuadric {
             foot: *foot,
             shape: flat * (shape + shape.transpose()) * flat * 0.5,
         }
@@ -130,7 +131,7 @@ fn quadrics(reference: &Reference<'_>, feet: &[TargetPoint], apart: f64) -> Vec<
     feet.iter().zip(shapes).map(quadric).collect()
 }
 
-fn arcs(reference: &Reference<'_>, rim: &[CurvePoint], apart: f64) -> Vec<Arc> {
+fn arcs(reference: &Reference<'_>, rim: &[CurvePoint], apart: f64) -> Vec<OsculatingArc> {
     let around = |sign: f64| {
         let moved = |c: &CurvePoint| c.position + c.tangent * (sign * apart);
         let points: Vec<Vec3> = rim.iter().map(moved).collect();
@@ -148,7 +149,7 @@ fn arcs(reference: &Reference<'_>, rim: &[CurvePoint], apart: f64) -> Vec<Arc> {
                 curvature = change - foot.tangent * foot.tangent.dot(&change);
             }
         }
-        Arc {
+        OsculatingArc {
             foot: *foot,
             curvature,
         }

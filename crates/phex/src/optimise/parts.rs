@@ -5,13 +5,14 @@
 //! no place stays near one. The energy never rises and no panel is ever crossed, as with all vertices at once.
 
 use super::areas::AreaWish;
-use super::closeness::Reference;
 use super::endgame::minimise_on_constraints;
-use super::energy::{PanelEnergy, Setting};
+use super::energy::PanelEnergy;
+use super::error::OptimiseError;
 use super::guard::Guard;
 use super::holds::{Hold, Holds};
-use super::options::OptimiseError;
 use super::panels::{Panels, Shape, point};
+use super::reference::Reference;
+use super::setting::Setting;
 use super::solvers::{Dual, Reporter, constraint_assembly, energy_assembly, system};
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};

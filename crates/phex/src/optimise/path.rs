@@ -1,16 +1,20 @@
 //! The feasible path from one start: phases of rising penalties, and what is tried where they do not lead to planar panels.
 
 use super::areas::AreaWish;
+use super::barrier::barriers;
 use super::barrier::{Barrier, clearance};
-use super::closeness::Reference;
+use super::concavity::ConcavityTerm;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
-use super::energy::{PanelEnergy, Setting, Weights, deviation};
-use super::hinges::HingeTerm;
-use super::notches::NotchTerm;
-use super::options::{NEWTON_ITERATIONS, OptimiseError, OptimiseOptions};
+use super::energy::weights;
+use super::energy::{PanelEnergy, Weights};
+use super::error::OptimiseError;
+use super::folds::FoldTerm;
+use super::options::{NEWTON_ITERATIONS, OptimiseOptions};
 use super::panels::Shape;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
-use super::run::{Reached, barriers, better, weights};
+use super::reached::{Reached, better};
+use super::reference::Reference;
+use super::setting::{Setting, deviation};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Reporter, Solvers};
 use crate::progress::Progress;
@@ -55,12 +59,12 @@ pub(super) struct Path<'a> {
 /// How a phase is minimised.
 enum Descent<'a> {
     /// All vertices at once.
-    Whole(Box<Whole<'a>>),
+    Whole(Box<WholeDescent<'a>>),
     /// One part of a large mesh after the other.
     Parts,
 }
 
-struct Whole<'a> {
+struct WholeDescent<'a> {
     energy: PanelEnergy<'a>,
     minimiser: &'a mut DampedSolver,
     damping: Damping,
@@ -81,7 +85,7 @@ impl<'a> Path<'a> {
             Descent::Parts
         } else {
             let (assembly, minimiser) = solvers.energy.prepare(setting.panels)?;
-            Descent::Whole(Box::new(Whole {
+            Descent::Whole(Box::new(WholeDescent {
                 energy: PanelEnergy::new(setting, assembly, weights, barriers.clone(), start),
                 minimiser,
                 damping: Damping::default(),
@@ -105,17 +109,17 @@ impl<'a> Path<'a> {
     }
 
     /// What folds pay; the solvers must have room for it. Meshes in parts do without.
-    pub fn hinges(&mut self) -> Option<&mut Option<HingeTerm>> {
+    pub fn folds(&mut self) -> Option<&mut Option<FoldTerm>> {
         match &mut self.descent {
-            Descent::Whole(whole) => Some(&mut whole.energy.hinges),
+            Descent::Whole(whole) => Some(&mut whole.energy.folds),
             Descent::Parts => None,
         }
     }
 
     /// What re-entrant corners pay. Meshes in parts do without.
-    pub fn notches(&mut self) -> Option<&mut Option<NotchTerm>> {
+    pub fn concavity(&mut self) -> Option<&mut Option<ConcavityTerm>> {
         match &mut self.descent {
-            Descent::Whole(whole) => Some(&mut whole.energy.notches),
+            Descent::Whole(whole) => Some(&mut whole.energy.concavity),
             Descent::Parts => None,
         }
     }
@@ -385,7 +389,7 @@ impl<'a> Path<'a> {
     }
 }
 
-impl Whole<'_> {
+impl WholeDescent<'_> {
     fn minimise(
         &mut self,
         weights: Weights,

@@ -3,10 +3,10 @@
 use super::Stage;
 use super::areas::unevenness;
 use super::constraints::PlanarityConstraints;
-use super::energy::Setting;
 use super::fast::NearlyPlanar;
 use super::options::{OptimiseOptions, PathKind, StartKind};
-use super::run::{Reached, Run, Way};
+use super::reached::{Reached, Run, Way};
+use super::setting::Setting;
 use super::solvers::{Dual, Reporter, Solvers};
 use super::start::{Start, TangentCells, circumcentres, kinked};
 use crate::progress::Progress;

@@ -1,8 +1,8 @@
 //! Factorisations and memory that the runs on one mesh share, and what hears of their iterations.
 
 use super::constraints::PlanarityConstraints;
-use super::hinges::HingeTerm;
-use super::options::OptimiseError;
+use super::error::OptimiseError;
+use super::folds::FoldTerm;
 use super::panels::Panels;
 use crate::progress::{Event, Progress};
 use phex_numeric::{Assembly, Cholesky, DampedSolver, Record, SymmetricMatrix};
@@ -37,8 +37,8 @@ impl Solvers {
     }
 
     /// With room in the energy's matrix for what folds pay.
-    pub fn with_hinges(panels: &Panels, hinges: &HingeTerm) -> Result<Self, OptimiseError> {
-        let assembly = energy_assembly_with(panels, hinges.vertices());
+    pub fn with_folds(panels: &Panels, folds: &FoldTerm) -> Result<Self, OptimiseError> {
+        let assembly = energy_assembly_with(panels, folds.vertices());
         let energy = EnergySolver(Some(EnergySolver::of(assembly)?));
         Ok(Self {
             energy,

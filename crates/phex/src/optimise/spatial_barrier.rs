@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 
 /// A vertex near an edge of its face, in space.
-struct Approach {
+struct SpatialApproach {
     /// Local corners: the vertex and the two ends of the edge.
     corners: [usize; 3],
     /// Their weights in `vertex - foot`.
@@ -25,7 +25,7 @@ struct Approach {
     within: bool,
 }
 
-fn for_each_approach(corners: &[Corner], reach: f64, mut visit: impl FnMut(&Approach)) {
+fn for_each_approach(corners: &[Corner], reach: f64, mut visit: impl FnMut(&SpatialApproach)) {
     let k = corners.len();
     for edge in 0..k {
         let end = (edge + 1) % k;
@@ -39,7 +39,7 @@ fn for_each_approach(corners: &[Corner], reach: f64, mut visit: impl FnMut(&Appr
             let offset = from - along * s;
             let distance = offset.norm();
             if distance < reach {
-                visit(&Approach {
+                visit(&SpatialApproach {
                     corners: [vertex, edge, end],
                     coefficients: [1.0, s - 1.0, -s],
                     offset,
@@ -84,7 +84,7 @@ pub(super) fn add(corners: &[Corner], barrier: &Barrier, gradient: &mut [Vec3], 
     });
 }
 
-impl Approach {
+impl SpatialApproach {
     /// `g`: how the slope of the distance along the edge changes with each of the three points.
     fn slide(&self, unit: Vec3) -> [Vec3; 3] {
         let along = self.along / self.distance;

@@ -3,7 +3,7 @@
 //! Points name the nearest vertex. Vertices that must move to their places take their surroundings along (a few rounds of
 //! averaging of the displacement), so that simple panels stay simple; the optimiser then starts from there.
 
-use super::OptimiseError;
+use super::error::{MOST_MOVE, OptimiseError, SteeringError};
 use super::holds::{Anchored, Hold, Holds};
 use super::inspect::{Fault, Offender};
 use super::panels::{Panels, Shape, flatten, points, unknowns};
@@ -80,80 +80,6 @@ impl Steering {
     }
 }
 
-/// Why a mesh can't be held as is asked for.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SteeringError {
-    /// There is no such vertex.
-    #[error("vertex {vertex} is to be fixed, but the mesh has {count} vertices (numbered from 0)")]
-    NoSuchVertex {
-        /// The number.
-        vertex: u32,
-        /// How many there are.
-        count: usize,
-    },
-    /// A number is not finite, or out of its range.
-    #[error("{what} {index} can't be used: {reason}")]
-    Unusable {
-        /// What is wrong.
-        what: &'static str,
-        /// Which of them, from 0.
-        index: usize,
-        /// Why.
-        reason: &'static str,
-    },
-    /// No vertex is near a fixed point.
-    #[error(
-        "fixed point {index} is {distance:.2} mean edges from the nearest vertex, {vertex}; at most {MOST_MOVE} can be bridged"
-    )]
-    TooFar {
-        /// Which of them, from 0.
-        index: usize,
-        /// The vertex that is nearest.
-        vertex: VertexId,
-        /// How far it is, in mean edges.
-        distance: f64,
-    },
-    /// Two demands concern one vertex.
-    #[error("{what} {index} needs vertex {vertex}, which another one holds already")]
-    Taken {
-        /// What is demanded.
-        what: &'static str,
-        /// Which of them, from 0.
-        index: usize,
-        /// The vertex.
-        vertex: VertexId,
-    },
-    /// A curve or plane holds nothing.
-    #[error("no vertex of the boundary lies within {reach} mean edges of {what}")]
-    NothingNear {
-        /// Curve or plane.
-        what: &'static str,
-        /// How near it would have to be.
-        reach: f64,
-    },
-    /// Moving vertices to their places breaks a panel.
-    #[error("face {face} crosses itself when held vertices are moved to their places")]
-    Crossed {
-        /// The face.
-        face: FaceId,
-    },
-    /// A face is held so that it can't be planar.
-    #[error(
-        "face {face} can't become planar: {count} of its corners are fixed, and lie up to {distance:.1e} mean edges off a plane"
-    )]
-    OverConstrained {
-        /// The face.
-        face: FaceId,
-        /// Its fixed corners.
-        count: usize,
-        /// Their largest distance to their best plane, mean edges.
-        distance: f64,
-    },
-}
-
-/// Mean edges that a vertex is moved at the most to a fixed point.
-const MOST_MOVE: f64 = 1.5;
 /// Mean edges within which vertices of the boundary slide on a curve.
 const CURVE_REACH: f64 = 0.5;
 /// Mean edges from the end of a curve within which a vertex beyond it is put on it.

@@ -12,11 +12,11 @@
 
 use super::Stage;
 use super::closeness::Feet;
-use super::energy::Setting;
-use super::holds::restrict;
-use super::options::{OptimiseError, OptimiseOptions, PathKind, StartKind};
+use super::error::OptimiseError;
+use super::options::{OptimiseOptions, PathKind, StartKind};
 use super::panels::{Shape, add_block, point};
-use super::run::{Reached, Run, Way};
+use super::reached::{Reached, Run, Way};
+use super::setting::Setting;
 use super::solvers::{Reporter, Solvers};
 use super::start::Start;
 use crate::progress::Progress;
@@ -164,8 +164,8 @@ impl DampedProblem for Tetrahedra<'_> {
         (0..self.setting.panels.n_faces()).for_each(|f| self.add_face(f, gradient));
         self.add_vertices(x, gradient);
         let (setting, assembly) = (self.setting, self.assembly);
-        restrict(
-            setting,
+        setting.holds.restrict(
+            setting.panels,
             assembly,
             self.closeness,
             x,

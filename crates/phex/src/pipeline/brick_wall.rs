@@ -1,6 +1,7 @@
 //! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, no repair; trimmed where
 //! the boundary asks for it.
 
+use super::domain::Ground;
 use super::field::spaced_corners;
 use super::{
     Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, panel_count,
@@ -11,13 +12,12 @@ use crate::directions::network::{
     Conjugacy, ConjugateNetwork, Curve, Function, NetworkError, RowField, conjugacy,
     conjugate_network, level_lines, row_field,
 };
-use crate::ground::Ground;
 use crate::layout::LayoutError;
 use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
 use crate::quality::{Judge, Merit, References};
-use crate::target::Normalised;
+use crate::smooth_surface::Normalised;
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;
 

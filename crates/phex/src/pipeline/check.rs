@@ -9,7 +9,7 @@ use crate::layout::brick_wall::BrickWallOptions;
 use crate::layout::duality::DualOptions;
 use crate::optimise::Steering;
 use crate::ranges::{BadOption, below, counts, not_negative, positive, within};
-use crate::target::TargetOptions;
+use crate::smooth_surface::TargetOptions;
 use phex_mesh::LARGEST_COORDINATE;
 use std::f64::consts::TAU;
 

@@ -13,15 +13,15 @@ mod subdivision;
 pub(super) use model::{place_in, quadric};
 pub use statistics::ClassicalStatistics;
 
+use super::domain::Ground;
 use super::field::{Field, FineSurface, boundary_length, panel_length};
 use super::{Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, between_panels};
 use crate::directions::guides::{Cone, Guides};
-use crate::ground::Ground;
 use crate::layout::domain::DomainError;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::Optimised;
 use crate::progress::Progress;
-use crate::target::Normalised;
+use crate::smooth_surface::Normalised;
 use joined::{cells, fitted_planes, joined, met};
 use phex_mesh::{HexMesh, TriangleSurface};
 use phex_numeric::{Outcome, Status};

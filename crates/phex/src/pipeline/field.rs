@@ -1,5 +1,6 @@
 //! The lattice of a surface: curvature, metric and seeds on the level where it is computed, and the fine surface for its cells.
 
+use super::domain::Ground;
 use super::{Clock, MeshOptions, PipelineError};
 use crate::curvature::{self, Curvature, Principal};
 use crate::directions::guides::Cone;
@@ -8,12 +9,11 @@ use crate::directions::size::Demands;
 use crate::directions::thickness::thickness;
 use crate::directions::{self, DirectionOptions, Directions};
 use crate::directions::{cones, size};
-use crate::ground::Ground;
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed, WishedArea};
 use crate::quality::USUAL_DEVIATION;
-use crate::target::SmoothTarget;
+use crate::smooth_surface::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use std::collections::HashSet;

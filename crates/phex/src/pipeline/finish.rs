@@ -1,9 +1,9 @@
 //! The last steps of a pass, before it is judged: the boundary, folds, and room for tight panels. Each is kept unless the judge
 //! finds more that is invalid or outside limits.
 
+use super::domain::Ground;
 use super::rim::{Rim, enlarged, follow_rim, on_curve, roomier};
 use super::{Clock, PipelineError};
-use crate::ground::Ground;
 use crate::optimise::OptimiseError;
 use crate::quality::{Judgement, Merit};
 use crate::search::Site;

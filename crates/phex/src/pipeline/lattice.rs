@@ -1,12 +1,12 @@
 //! One pass for a lattice of one kind: layout, optimiser, boundary; then it is judged, and nothing has been repaired.
 
+use super::domain::{Beyond, Ground};
 use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
 use super::finish::finished;
 use super::restarts::{Drawn, most_regular};
 use super::rim::Rim;
 use super::{Clock, MeshOptions, PipelineError, between_panels};
 use crate::directions::guides::Cone;
-use crate::ground::{Beyond, Ground};
 use crate::layout::{Layout, LayoutStatistics};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::quality::{Judge, Judgement, References};

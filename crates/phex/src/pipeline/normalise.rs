@@ -1,7 +1,7 @@
 //! The options for the normalised surface.
 
 use super::{MeshOptions, PipelineError, classical};
-use crate::target::Normalised;
+use crate::smooth_surface::Normalised;
 
 /// The options for the normalised surface.
 pub(super) fn normalised(

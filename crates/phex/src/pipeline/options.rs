@@ -8,7 +8,7 @@ use crate::layout::brick_wall::BrickWallOptions;
 use crate::layout::duality::DualOptions;
 use crate::optimise::{OptimiseOptions, Steering};
 use crate::quality::{Limits, USUAL_DEVIATION};
-use crate::target::TargetOptions;
+use crate::smooth_surface::TargetOptions;
 use crate::trim::Boundary;
 use serde::{Deserialize, Serialize};
 

@@ -5,12 +5,12 @@
 //! the surface has a network for them. By default one other lattice is laid out, and only where the first is outside its limits (then panels are smaller
 //! where the surface bends) or less regular than it could be; with [`Method::Best`] all of them are, side by side.
 
+use super::domain::Ground;
 use super::field::Way;
 use super::lattice::{Pass, pass};
 use super::{
     Candidate, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall,
 };
-use crate::ground::Ground;
 use crate::progress::{Event, Progress};
 use crate::quality::{Merit, USUAL_DEVIATION};
 use phex_mesh::{HexMesh, TriangleSurface};

@@ -1,9 +1,9 @@
 //! Restarts: lattices from several random starts, of which the most regular is kept. Where dislocations fall is chance, and
 //! panels that no optimiser has seen yet cost little.
 
+use super::domain::Ground;
 use super::field::Field;
 use super::{Clock, PipelineError};
-use crate::ground::Ground;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, Placed};
 use rayon::prelude::*;

@@ -5,7 +5,7 @@ use super::{MeshOptions, PipelineError};
 use crate::optimise::{self, BoundaryHold, OptimiseError, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::search::Site;
-use crate::target::boundary_corners;
+use crate::smooth_surface::boundary_corners;
 use crate::trim::{Boundary, follow};
 use phex_mesh::{BoundaryCurve, HexMesh, TriangleSurface, Vec3};
 

@@ -6,7 +6,7 @@
 use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, rim};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
-use crate::target::{self, Normalised, TargetKind};
+use crate::smooth_surface::{self, Normalised, TargetKind};
 use phex_mesh::{HexMesh, TriangleSurface};
 
 /// Holds the vertices that the options say, in a finished run.
@@ -44,7 +44,7 @@ pub fn refit_surface(
     let density = options.cell_density.max(options.field_density);
     let vertices = (density * panels as f64) as usize;
     let smooth = clock.stage("target", || {
-        target::smooth_target(&model.surface, vertices, &options.target)
+        smooth_surface::smooth_target(&model.surface, vertices, &options.target)
     })?;
     let close_to = match options.target.kind {
         TargetKind::Facets => surface.clone(),

@@ -5,7 +5,7 @@ use crate::layout::dual_subdivision::chamfer;
 use crate::layout::{Layout, LayoutError, VertexKind, WishedArea};
 use crate::optimise::{self, OptimiseOptions, Optimised, SurfaceTarget};
 use crate::progress::Progress;
-use crate::target::{self, Normalised, TargetOptions};
+use crate::smooth_surface::{self, Normalised, TargetOptions};
 use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
 
 /// Vertices of the smooth target per panel.
@@ -37,7 +37,7 @@ pub fn subdivide(
         similarity,
     } = Normalised::of(surface);
     let panels = mesh.topology().n_faces() << (2 * levels);
-    let smooth = target::smooth_target(
+    let smooth = smooth_surface::smooth_target(
         &normalised,
         TARGET_DENSITY * panels,
         &TargetOptions::default(),

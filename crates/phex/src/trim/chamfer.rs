@@ -21,7 +21,7 @@ pub(super) fn cut_off(
     let topology = mesh.topology();
     let across = |h: &HalfEdgeId| topology.twin(*h).is_some_and(|t| topology.face(t) == right);
     let blade = Blade::new(topology, topology.face_half_edges(left).find(across)?)?;
-    let mut draft = Draft {
+    let mut draft = ChamferDraft {
         positions: mesh.positions.as_slice().to_vec(),
         faces: topology.face_lists(),
         least: ValidateOptions::default().clearance * mesh.mean_edge(),
@@ -82,14 +82,14 @@ impl Blade {
 }
 
 /// Positions and faces that are being changed.
-struct Draft {
+struct ChamferDraft {
     positions: Vec<Vec3>,
     faces: Vec<Vec<u32>>,
     /// Clearance that panels are to keep.
     least: f64,
 }
 
-impl Draft {
+impl ChamferDraft {
     /// Cuts an edge off at a share of the depth of the nearest vertex; false if that leaves panels that are not sound, and the draft is no use.
     fn cut(&mut self, blade: &Blade, mesh: &HexMesh, share: f64) -> bool {
         let Some(outwards) = blade.outwards(mesh) else {

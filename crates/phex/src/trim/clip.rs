@@ -98,7 +98,7 @@ impl<'a> Cut<'a> {
         // A corner that reaches to the curve between two cuts, or over it, parts the panel.
         let split = self.split_at_curve(&runs);
         let split = self.joined(&split, &plane);
-        let sound = |parts: &[Part]| {
+        let sound = |parts: &[PanelPart]| {
             let simple = parts.iter().filter(|p| p.is_simple(self, &plane));
             simple.map(|p| p.outline.len()).sum::<usize>()
         };
@@ -151,7 +151,7 @@ impl<'a> Cut<'a> {
     }
 
     /// Joins runs along the boundary curve: from the end of each to the start of the one that comes next on the curve.
-    fn joined(&mut self, runs: &[Vec<u32>], plane: &FacePlane) -> Vec<Part> {
+    fn joined(&mut self, runs: &[Vec<u32>], plane: &FacePlane) -> Vec<PanelPart> {
         let place = |v: u32| self.curve.closest(self.positions[v as usize]);
         let starts: Vec<Place> = runs.iter().map(|r| place(r[0])).collect();
         let ends: Vec<Place> = runs.iter().map(|r| place(r[r.len() - 1])).collect();
@@ -175,7 +175,7 @@ impl<'a> Cut<'a> {
                 at = next;
             }
             if !part.is_empty() {
-                parts.push(Part {
+                parts.push(PanelPart {
                     outline: part,
                     bare,
                 });
@@ -197,13 +197,13 @@ impl<'a> Cut<'a> {
 }
 
 /// A part of a panel.
-struct Part {
+struct PanelPart {
     outline: Vec<u32>,
     /// The same without its vertices along the curve.
     bare: Vec<u32>,
 }
 
-impl Part {
+impl PanelPart {
     fn is_simple(&self, cut: &Cut<'_>, plane: &FacePlane) -> bool {
         is_simple(&self.outline, &cut.positions, plane)
     }
@@ -311,7 +311,7 @@ fn without_close_pairs(cuts: Vec<f64>, near: f64) -> Vec<f64> {
 mod tests {
     use super::super::dissolve::tests::{domain, square};
     use super::*;
-    use crate::target::extend;
+    use crate::smooth_surface::extend;
     use phex_mesh::FlatFace;
 
     /// A panel across the boundary whose re-entrant corner reaches a little beyond it, with two panels in the notch: both its parts are

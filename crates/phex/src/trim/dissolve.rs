@@ -137,7 +137,7 @@ fn heirs(mesh: &HexMesh, sliver: FaceId) -> Vec<Heir> {
 }
 
 /// Positions and faces that are being changed.
-struct Draft<'a> {
+struct DissolveDraft<'a> {
     mesh: &'a HexMesh,
     curve: &'a Curve,
     positions: Vec<Vec3>,
@@ -165,7 +165,7 @@ impl Heir {
             before.map(|h| (h, topology.target(h), topology.origin(h))),
             after.map(|h| (h, topology.origin(h), topology.target(h))),
         ];
-        let mut draft = Draft::new(mesh, curve);
+        let mut draft = DissolveDraft::new(mesh, curve);
         let mut ends =
             [topology.origin(self.edge), topology.target(self.edge)].map(|v| v.index() as u32);
         let mut changed = vec![heir];
@@ -217,7 +217,7 @@ impl Heir {
             .try_normalize(0.0)?;
         let way = along * along.dot(&(rim - meet)).signum();
         let end = leaves(inside, meet, way, REACH * (rim - meet).norm())?;
-        let mut draft = Draft::new(mesh, curve);
+        let mut draft = DissolveDraft::new(mesh, curve);
         let (p, w) = (draft.add(meet), draft.add(end));
         for (k, f) in [faces[0], faces[2]].into_iter().enumerate() {
             draft.move_end(f, [corners[k], rims[k]], w, k == 0)?;
@@ -281,7 +281,7 @@ fn leaves(inside: &impl Fn(Vec3) -> bool, start: Vec3, way: Vec3, reach: f64) ->
     Some(start + way * (0.5 * (low + high) * reach))
 }
 
-impl<'a> Draft<'a> {
+impl<'a> DissolveDraft<'a> {
     fn new(mesh: &'a HexMesh, curve: &'a Curve) -> Self {
         Self {
             mesh,
@@ -399,7 +399,7 @@ fn replace(face: &mut [u32], old: u32, new: u32) {
 pub(super) mod tests {
     use super::super::Domain;
     use super::*;
-    use crate::target::extend::{self, Extension};
+    use crate::smooth_surface::extend::{self, Extension};
     use phex_mesh::{TriangleSurface, measure};
 
     /// A flat square from 0 to 3 as a domain, and panels on it: two in the lower row, one behind, and between the two in

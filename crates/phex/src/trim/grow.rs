@@ -43,7 +43,7 @@ pub(super) fn grown(
 }
 
 /// A place on a stretch of boundary, and how many of its vertices lie before it.
-type Stop = (Vec3, usize);
+type StretchPlace = (Vec3, usize);
 
 struct Growth<'a> {
     mesh: &'a HexMesh,
@@ -59,9 +59,9 @@ struct Growth<'a> {
 }
 
 /// New places of the sliver's corners.
-struct Cut {
+struct SliverCut {
     corners: Vec<Vec3>,
-    stops: [Stop; 2],
+    stops: [StretchPlace; 2],
     /// Corners along the curve, from the second stop to the first.
     way: Vec<Vec3>,
 }
@@ -107,7 +107,7 @@ impl<'a> Growth<'a> {
         })
     }
 
-    fn cuts(&self) -> Vec<Cut> {
+    fn cuts(&self) -> Vec<SliverCut> {
         let mut cuts = Vec::new();
         for corner in 0..self.corners.len() {
             for back in BACK {
@@ -121,7 +121,7 @@ impl<'a> Growth<'a> {
     }
 
     /// The cut by the plane through a corner moved back and ends moved along.
-    fn cut(&self, corner: usize, back: f64, along: [f64; 2]) -> Option<Cut> {
+    fn cut(&self, corner: usize, back: f64, along: [f64; 2]) -> Option<SliverCut> {
         let place = |v: VertexId| self.mesh.position(v);
         let behind = |[c, b]: &[VertexId; 2]| (place(*c), place(*b) - place(*c));
         let (start, way) = behind(&self.corners[corner]);
@@ -152,7 +152,7 @@ impl<'a> Growth<'a> {
             return None;
         }
         way.iter_mut().for_each(|p| *p -= normal * height(p));
-        Some(Cut {
+        Some(SliverCut {
             corners,
             stops,
             way,
@@ -164,7 +164,7 @@ impl<'a> Growth<'a> {
     }
 
     /// The place at a share of a stretch.
-    fn at(&self, k: usize, share: f64) -> Stop {
+    fn at(&self, k: usize, share: f64) -> StretchPlace {
         let points: Vec<Vec3> = self.points(k);
         let lengths = points.windows(2).map(|w| (w[1] - w[0]).norm());
         let mut left = share * lengths.sum::<f64>();
@@ -187,7 +187,7 @@ impl<'a> Growth<'a> {
     }
 
     /// Where a vertex goes; `None` if the sliver has taken its part of the boundary.
-    fn moved(&self, cut: &Cut, v: VertexId) -> Option<Vec3> {
+    fn moved(&self, cut: &SliverCut, v: VertexId) -> Option<Vec3> {
         if let Some(i) = self.corners.iter().position(|[c, _]| *c == v) {
             return Some(cut.corners[i]);
         }
@@ -202,7 +202,7 @@ impl<'a> Growth<'a> {
     }
 
     /// Least clearance of the changed faces, if they are sound and none becomes small.
-    fn clearance(&self, cut: &Cut) -> Option<f64> {
+    fn clearance(&self, cut: &SliverCut) -> Option<f64> {
         let ends = cut.stops.map(|s| s.0);
         let own = std::iter::once(ends[0]).chain(cut.corners.iter().copied());
         let own: Vec<Vec3> = own
@@ -230,7 +230,7 @@ impl<'a> Growth<'a> {
     }
 
     /// The mesh with a cut.
-    fn applied(&self, cut: &Cut) -> Option<HexMesh> {
+    fn applied(&self, cut: &SliverCut) -> Option<HexMesh> {
         let topology = self.mesh.topology();
         let mut positions = self.mesh.positions.as_slice().to_vec();
         let mut faces = topology.face_lists();

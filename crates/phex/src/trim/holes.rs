@@ -186,7 +186,7 @@ fn contains(outline: &[Vec2], p: Vec2) -> bool {
 mod tests {
     use super::super::dissolve::tests::domain;
     use super::*;
-    use crate::target::extend;
+    use crate::smooth_surface::extend;
     use crate::trim::{Boundary, trim};
     use phex_mesh::{FlatFace, TriangleSurface, measure};
 

@@ -1,7 +1,7 @@
 //! Trim: panels of the extended surface brought back to the boundary of the surface itself.
 //!
 //! With [`Boundary::Whole`] and [`Boundary::Clip`] panels are laid out and made planar on a surface that goes on beyond its boundary
-//! ([`crate::target::extend`]): far, so that nothing at the boundary disturbs them, or a little, so that the cut runs
+//! ([`crate::smooth_surface::extend`]): far, so that nothing at the boundary disturbs them, or a little, so that the cut runs
 //! across a row of panels along the boundary and leaves no slivers. Then
 //!
 //! * `whole` keeps the panels of which about half or more lies inside, so that their outline is short, and more where the coverage asks for it;
@@ -35,7 +35,7 @@ mod omit;
 mod turn;
 mod whole;
 
-use crate::target::extend::Extension;
+use crate::smooth_surface::extend::Extension;
 use curve::Curve;
 pub(crate) use dissolve::Takeover;
 use phex_mesh::{

@@ -8,7 +8,7 @@ use phex::layout::seeds::Seed;
 use phex::layout::{
     CellSurface, Layout, LayoutError, LayoutOptions, Placed, panelling, place_seeds,
 };
-use phex::target::{Similarity, SmoothTarget, smooth_target};
+use phex::smooth_surface::{Similarity, SmoothTarget, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{HexMesh, Topology, TriangleSurface, Vec3, VertexId};
 use rand::{Rng, SeedableRng};

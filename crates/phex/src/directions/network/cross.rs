@@ -58,12 +58,14 @@ pub fn combed_cross_field(
 ) -> Result<Combed, NetworkError> {
     let topology = surface.topology();
     let transport = flat_transport(topology, mesh)?;
-    let frames = PerVertex::from_fn(topology.n_vertices(), |v| Frame::new(surface, mesh, v));
+    let frames = PerVertex::from_fn(topology.n_vertices(), |v| {
+        TangentFrame::new(surface, mesh, v)
+    });
     let mut weights = wishes.map(|w| w.weight);
     let mut failure = NetworkError::Turning { quarter_turns: 0 };
     let mut radius = FIRST_RADIUS;
     for _ in 0..ATTEMPTS {
-        let problem = Smoothing {
+        let problem = CrossSmoothing {
             surface,
             mesh,
             transport: &transport,
@@ -93,7 +95,7 @@ pub fn combed_cross_field(
     Err(failure)
 }
 
-fn combed(frames: &PerVertex<Frame>, angle: &PerVertex<f64>, kept: f64) -> Combed {
+fn combed(frames: &PerVertex<TangentFrame>, angle: &PerVertex<f64>, kept: f64) -> Combed {
     Combed {
         direction: PerVertex::from_fn(angle.len(), |v| frames[v].direction(angle[v])),
         kept,
@@ -135,8 +137,10 @@ pub fn singular_triangles(
 ) -> Result<(usize, Vec3), NumericError> {
     let topology = surface.topology();
     let transport = PerEdge::from_fn(topology.n_edges(), |e| mesh.transport(e));
-    let frames = PerVertex::from_fn(topology.n_vertices(), |v| Frame::new(surface, mesh, v));
-    let problem = Smoothing {
+    let frames = PerVertex::from_fn(topology.n_vertices(), |v| {
+        TangentFrame::new(surface, mesh, v)
+    });
+    let problem = CrossSmoothing {
         surface,
         mesh,
         transport: &transport,
@@ -156,12 +160,12 @@ pub fn singular_triangles(
 }
 
 /// Two unit tangents and the polar angle of the first.
-struct Frame {
+struct TangentFrame {
     axes: [Vec3; 2],
     offset: f64,
 }
 
-impl Frame {
+impl TangentFrame {
     fn new(surface: &TriangleSurface, mesh: &IntrinsicMesh, v: VertexId) -> Self {
         let axes = crate::curvature::tangent_frame(surface.normals()[v]);
         let mut mean = Complex::new(0.0, 0.0);
@@ -187,14 +191,14 @@ impl Frame {
 }
 
 /// What the smoothing problem is about.
-struct Smoothing<'a> {
+struct CrossSmoothing<'a> {
     surface: &'a TriangleSurface,
     mesh: &'a IntrinsicMesh,
     transport: &'a PerEdge<f64>,
-    frames: &'a PerVertex<Frame>,
+    frames: &'a PerVertex<TangentFrame>,
 }
 
-impl Smoothing<'_> {
+impl CrossSmoothing<'_> {
     /// Angles of the smoothest cross field that follows the wishes with the given weights.
     fn angles(
         &self,

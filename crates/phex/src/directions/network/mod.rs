@@ -37,7 +37,7 @@ pub use function::{Function, FunctionFamily};
 
 use super::intrinsic::IntrinsicMesh;
 use crate::curvature::{Curvature, Principal};
-use crate::target::subdivide::Refinement;
+use crate::smooth_surface::subdivide::Refinement;
 use cross::Wish;
 use function::Guide;
 use nalgebra::Matrix3;

@@ -1,7 +1,7 @@
 //! The modified butterfly rule.
 
 use super::rim::{self, Stencil};
-use crate::target::subdivide::Refinement;
+use crate::smooth_surface::subdivide::Refinement;
 use phex_mesh::{EdgeId, HalfEdgeId, Topology, VertexId};
 use std::f64::consts::TAU;
 

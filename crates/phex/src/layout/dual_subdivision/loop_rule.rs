@@ -1,7 +1,7 @@
 //! Loop's rule, which at the rim does to quadratic functions what it does inside.
 
 use super::rim::{self, Stencil};
-use crate::target::subdivide::{Refinement, edge_stencil, vertex_stencil};
+use crate::smooth_surface::subdivide::{Refinement, edge_stencil, vertex_stencil};
 use phex_mesh::{EdgeId, Topology, VertexId};
 
 /// One step: old vertices are smoothed, new ones follow from the two triangles at their edge.

@@ -32,7 +32,7 @@ pub(super) fn refined(mesh: &HexMesh) -> Result<Refined, DualityError> {
         .collect();
     let old = topology.faces().map(|f| shrunk(topology, f));
     let new = edges.iter().map(|e| of_edge(topology, *e));
-    let outlines: Vec<Vec<Corner>> = old.chain(new).collect();
+    let outlines: Vec<Vec<RefinedVertex>> = old.chain(new).collect();
     let mut numbers = Numbers::new(topology);
     let faces: Vec<Vec<u32>> = outlines
         .iter()
@@ -47,7 +47,7 @@ pub(super) fn refined(mesh: &HexMesh) -> Result<Refined, DualityError> {
 
 /// A vertex of the next level.
 #[derive(Clone, Copy)]
-enum Corner {
+enum RefinedVertex {
     /// An old one.
     Old(VertexId),
     /// The corner that a panel has at the origin of a half-edge.
@@ -58,7 +58,7 @@ enum Corner {
 struct Numbers {
     old: Vec<Option<u32>>,
     new: Vec<Option<u32>>,
-    corners: Vec<Corner>,
+    corners: Vec<RefinedVertex>,
 }
 
 impl Numbers {
@@ -70,10 +70,10 @@ impl Numbers {
         }
     }
 
-    fn of(&mut self, corner: Corner) -> u32 {
+    fn of(&mut self, corner: RefinedVertex) -> u32 {
         let number = match corner {
-            Corner::Old(v) => &mut self.old[v.index()],
-            Corner::New(h) => &mut self.new[h.index()],
+            RefinedVertex::Old(v) => &mut self.old[v.index()],
+            RefinedVertex::New(h) => &mut self.new[h.index()],
         };
         *number.get_or_insert_with(|| {
             self.corners.push(corner);
@@ -83,24 +83,24 @@ impl Numbers {
 }
 
 /// An old panel; corners at the boundary that no other panel has stay.
-fn shrunk(topology: &Topology, f: FaceId) -> Vec<Corner> {
+fn shrunk(topology: &Topology, f: FaceId) -> Vec<RefinedVertex> {
     let corner = |h| {
         let v = topology.origin(h);
         if topology.face_degree(v) == 1 {
-            Corner::Old(v)
+            RefinedVertex::Old(v)
         } else {
-            Corner::New(h)
+            RefinedVertex::New(h)
         }
     };
     topology.face_half_edges(f).map(corner).collect()
 }
 
 /// The panel of an edge inside.
-fn of_edge(topology: &Topology, e: EdgeId) -> Vec<Corner> {
+fn of_edge(topology: &Topology, e: EdgeId) -> Vec<RefinedVertex> {
     let h = topology.edge_half_edge(e);
-    let side = |h: HalfEdgeId| [Corner::New(topology.next(h)), Corner::New(h)];
+    let side = |h: HalfEdgeId| [RefinedVertex::New(topology.next(h)), RefinedVertex::New(h)];
     let twin = topology.twin(h).map(side);
-    let [a, b] = [topology.origin(h), topology.target(h)].map(Corner::Old);
+    let [a, b] = [topology.origin(h), topology.target(h)].map(RefinedVertex::Old);
     let mut outline = vec![a];
     outline.extend(twin.into_iter().flatten());
     outline.push(b);
@@ -108,11 +108,11 @@ fn of_edge(topology: &Topology, e: EdgeId) -> Vec<Corner> {
     outline
 }
 
-fn place(mesh: &HexMesh, corner: Corner) -> Vec3 {
+fn place(mesh: &HexMesh, corner: RefinedVertex) -> Vec3 {
     let topology = mesh.topology();
     let h = match corner {
-        Corner::Old(v) => return mesh.positions[v],
-        Corner::New(h) => h,
+        RefinedVertex::Old(v) => return mesh.positions[v],
+        RefinedVertex::New(h) => h,
     };
     let here = mesh.positions[topology.origin(h)];
     let along = [

@@ -105,7 +105,7 @@ fn unfolded(topology: &Topology, from: HalfEdgeId, centre: Vec2) -> BTreeMap<Ver
 mod tests {
     use super::super::{butterfly, loop_rule};
     use super::*;
-    use crate::target::subdivide::Refinement;
+    use crate::smooth_surface::subdivide::Refinement;
     use phex_mesh::PerVertex;
 
     const SIDE: u32 = 6;

@@ -65,14 +65,14 @@ pub fn convex_flips(mesh: &HexMesh, poles: &PerFace<Vec3>, centre: Vec3) -> Flip
     let sense = if votes < 0.0 { -1.0 } else { 1.0 };
     flipped(mesh, |panels, star| {
         if sense * side(first(star), pole(star.behind)) >= 0.0 {
-            return Step::Stay;
+            return FlipStep::Stay;
         }
         let mut sides = [star.left, star.right].into_iter();
         if let Some(hidden) = sides.find(|&f| panels.valence(f) == 3) {
-            return Step::TakeOut(hidden);
+            return FlipStep::TakeOut(hidden);
         }
         let outward = |t: [u32; 3]| sense * side(t.map(pole), centre) > 0.0;
-        Step::flip_if(star.turned().into_iter().all(outward), 3)
+        FlipStep::flip_if(star.turned().into_iter().all(outward), 3)
     })
 }
 
@@ -101,7 +101,7 @@ pub fn saddle_flips(mesh: &HexMesh, planes: &PerFace<Plane>, points: &PerFace<Ve
         let better = count(star.turned()) < count(now);
         let sense = turn(now[0]) + turn(now[1]);
         let convex = star.turned().into_iter().all(|t| turn(t) * sense > 0.0);
-        Step::flip_if(better && convex, LEAST_SADDLE)
+        FlipStep::flip_if(better && convex, LEAST_SADDLE)
     })
 }
 
@@ -126,16 +126,16 @@ pub fn uncrossing_flips(mesh: &HexMesh, planes: &PerFace<Plane>) -> Flipped {
     flipped(mesh, |panels, star| {
         let now = count(panels, star);
         if now == 0 || !panels.can_flip(star, LEAST_SADDLE) {
-            return Step::Stay;
+            return FlipStep::Stay;
         }
         let mut turned = panels.clone();
         turned.flip(star);
-        Step::flip_if(count(&turned, star) < now, LEAST_SADDLE)
+        FlipStep::flip_if(count(&turned, star) < now, LEAST_SADDLE)
     })
 }
 
 /// What becomes of an edge.
-enum Step {
+enum FlipStep {
     /// Nothing.
     Stay,
     /// It is flipped, if the panels at it keep so many corners.
@@ -144,7 +144,7 @@ enum Step {
     TakeOut(u32),
 }
 
-impl Step {
+impl FlipStep {
     fn flip_if(wanted: bool, least: usize) -> Self {
         if wanted {
             Self::Flip { least }
@@ -155,7 +155,7 @@ impl Step {
 }
 
 /// Takes steps at the edges inside until none is left; edges near a step are looked at again.
-fn flipped(mesh: &HexMesh, step: impl Fn(&Panels, &Star) -> Step) -> Flipped {
+fn flipped(mesh: &HexMesh, step: impl Fn(&Panels, &Star) -> FlipStep) -> Flipped {
     let mut panels = Panels::new(mesh);
     let mut waiting: BTreeSet<[u32; 2]> = panels.inner_edges(mesh).into_iter().collect();
     let limit = STEPS_PER_EDGE * waiting.len();
@@ -165,11 +165,11 @@ fn flipped(mesh: &HexMesh, step: impl Fn(&Panels, &Star) -> Step) -> Flipped {
             continue;
         };
         let touched = match step(&panels, &star) {
-            Step::Flip { least } if panels.can_flip(&star, least) => {
+            FlipStep::Flip { least } if panels.can_flip(&star, least) => {
                 panels.flip(&star);
                 star.ends.to_vec()
             }
-            Step::TakeOut(f) => panels.take_out(f).into_iter().collect(),
+            FlipStep::TakeOut(f) => panels.take_out(f).into_iter().collect(),
             _ => Vec::new(),
         };
         steps += usize::from(!touched.is_empty());

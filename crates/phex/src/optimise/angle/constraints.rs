@@ -1,12 +1,14 @@
 //! The `4 F` constraints: planarity of every panel, the alternating sum of the angles of even ones, and the closing equations.
 
-use super::closing::Closing;
-use super::term::{ANGLE_UNIT, alternating_sum, angle_gradient, branches, has_angle};
-use super::walks::Walks;
-use crate::optimise::energy::Setting;
+use crate::optimise::angle_term::closing::Closing;
+use crate::optimise::angle_term::walks::Walks;
+use crate::optimise::angle_term::{
+    ANGLE_UNIT, alternating_sum, angle_gradient, branches, has_angle,
+};
 use crate::optimise::guarded::GuardedSteps;
 use crate::optimise::panels::{Panels, Shape, point};
 use crate::optimise::planarity::ConstraintBases;
+use crate::optimise::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, Constraints, SymmetricMatrix};

@@ -18,31 +18,27 @@
 //!
 //! | `R x = x` | `Closing`: one equation for each odd panel inside, two for each loop that is no panel (`Walks`) |
 //!
-//! Where the first step does not get there from the mesh as it is, it begins from a start that is eased towards the constraints (`ease`), with
+//! Where the first step does not get there from the mesh as it is, it begins from a start that is eased towards the constraints (`continuation`), with
 //! several weights of symmetry and room.
 //!
 //! *Guaranteed*: as in the whole stage, simple panels stay simple. *Fails* on closed surfaces where rows run along a parabolic curve whose points share
 //! their tangent plane: the Gauss image of the curve is a point then, and the circles through the vertices of rows of equal panels shrink
 //! towards it in a geometric sequence without passing it (a torus); and where panels can't be sound besides. [`AngleOptimised::is_converged`] tells.
 
-mod closing;
 mod constraints;
-mod ease;
+mod continuation;
 mod path;
 mod tangent;
-mod term;
-mod walks;
 
 use self::constraints::angle_assembly;
-use self::ease::eased;
+use self::continuation::by_continuation;
 use self::path::AnglePath;
-pub(super) use self::term::AngleTerm;
-use self::walks::Walks;
-pub(crate) use self::walks::free_edges;
-use super::energy::{Setting, deviation};
+use super::angle_term::walks::Walks;
+use super::error::OptimiseError;
 use super::inspect::{Offender, Quality, inspect};
-use super::options::{OptimiseError, OptimiseOptions};
+use super::options::OptimiseOptions;
 use super::panels::{Panels, Shape, points, unknowns};
+use super::setting::{Setting, deviation};
 use super::solvers::energy_assembly;
 use super::{Reference, Stage, Target, check_mesh, kinds_of};
 use crate::progress::Progress;
@@ -52,18 +48,18 @@ use phex_numeric::{Outcome, Status};
 use serde::{Deserialize, Serialize};
 
 /// A way to the constraints.
-struct Way {
-    /// From a start that is [`eased`] with these factors of fairness and barrier, or from the one that is given.
-    ease: Option<[f64; 2]>,
+struct AngleWay {
+    /// From a start that is found [`by_continuation`] with these factors of fairness and barrier, or from the one that is given.
+    continuation: Option<[f64; 2]>,
     /// Clearances that are then kept, over the least one of a result, one after the other: near parabolic curves some panels come through only where
     /// others may come close, and the descent opens them again.
     clearances: &'static [f64],
 }
 
-impl Way {
-    const fn eased(fairness: f64, barrier: f64) -> Self {
+impl AngleWay {
+    const fn by_continuation(fairness: f64, barrier: f64) -> Self {
         Self {
-            ease: Some([fairness, barrier]),
+            continuation: Some([fairness, barrier]),
             // More than the least one, since it is judged by the mean edge, which grows on the way.
             clearances: &[1.2, 0.1],
         }
@@ -71,19 +67,19 @@ impl Way {
 }
 
 /// The ways that are tried, one after the other.
-const WAYS: [Way; 8] = [
-    Way {
-        ease: None,
+const WAYS: [AngleWay; 8] = [
+    AngleWay {
+        continuation: None,
         clearances: &[1.0],
     },
-    Way::eased(3.0, 1.0),
-    Way::eased(30.0, 1.0),
-    Way::eased(10.0, 5.0),
-    Way::eased(10.0, 15.0),
-    Way::eased(100.0, 5.0),
-    Way::eased(30.0, 30.0),
-    Way {
-        ease: None,
+    AngleWay::by_continuation(3.0, 1.0),
+    AngleWay::by_continuation(30.0, 1.0),
+    AngleWay::by_continuation(10.0, 5.0),
+    AngleWay::by_continuation(10.0, 15.0),
+    AngleWay::by_continuation(100.0, 5.0),
+    AngleWay::by_continuation(30.0, 30.0),
+    AngleWay {
+        continuation: None,
         clearances: &[0.3, 0.1],
     },
 ];
@@ -163,11 +159,11 @@ pub fn satisfy_angle_condition(
     let walks = Walks::of(mesh);
     let assemblies = [energy_assembly(&panels), angle_assembly(&panels, &walks)];
     let allowed = n_violations(mesh, options);
-    let mut best: Option<(Rank, AngleOptimised)> = None;
+    let mut best: Option<(AngleRank, AngleOptimised)> = None;
     for way in WAYS {
-        let (from, spent) = match way.ease {
+        let (from, spent) = match way.continuation {
             None => (start.clone(), Outcome::empty(Status::Converged)),
-            Some(factors) => eased(&setting, &walks, &start, options, factors, progress)?,
+            Some(factors) => by_continuation(&setting, &walks, &start, options, factors, progress)?,
         };
         for &clearance in way.clearances {
             let mut path = AnglePath::new(
@@ -182,7 +178,7 @@ pub fn satisfy_angle_condition(
             path.outcome = spent.clone();
             let made = attempt(mesh, [&start, &from], &mut path, &setting, options);
             let wrong = n_violations(&made.mesh, options).saturating_sub(allowed);
-            let rank = Rank::of(&made, wrong);
+            let rank = AngleRank::of(&made, wrong);
             let over = rank.is_sound() || progress.is_cancelled();
             if best.as_ref().is_none_or(|(old, _)| rank < *old) {
                 best = Some((rank, made));
@@ -197,12 +193,12 @@ pub fn satisfy_angle_condition(
 
 /// How far a result is from what is wanted: constraints first, then panels.
 #[derive(PartialEq, PartialOrd)]
-struct Rank {
+struct AngleRank {
     missed: f64,
     wrong: usize,
 }
 
-impl Rank {
+impl AngleRank {
     fn of(made: &AngleOptimised, wrong: usize) -> Self {
         let defect = made.angle_defect[1].max(made.closing_defect[1]);
         Self {

@@ -3,10 +3,11 @@
 use super::AngleOptions;
 use super::constraints::AngleConstraints;
 use super::tangent::Tangent;
-use super::walks::Walks;
-use crate::optimise::energy::{PanelEnergy, Setting};
-use crate::optimise::options::OptimiseError;
-use crate::optimise::run::panel_energy;
+use crate::optimise::angle_term::walks::Walks;
+use crate::optimise::energy::PanelEnergy;
+use crate::optimise::energy::panel_energy;
+use crate::optimise::error::OptimiseError;
+use crate::optimise::setting::Setting;
 use crate::optimise::solvers::system;
 use crate::progress::{Event, Progress};
 use phex_numeric::{

@@ -1,7 +1,7 @@
 //! Steps along the constraints: their equations in the metric of the energy.
 
 use super::constraints::AngleConstraints;
-use crate::optimise::options::OptimiseError;
+use crate::optimise::error::OptimiseError;
 use crate::optimise::panels::point;
 use crate::optimise::solvers::system;
 use nalgebra::Matrix3;

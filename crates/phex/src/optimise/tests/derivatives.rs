@@ -3,14 +3,16 @@
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_saddle, turn_edge};
 use crate::optimise::areas::{AreaWish, any};
 use crate::optimise::barrier::Barrier;
-use crate::optimise::closeness::{ClosenessWeights, Reference};
+use crate::optimise::closeness::ClosenessWeights;
+use crate::optimise::concavity::ConcavityTerm;
 use crate::optimise::constraints::PlanarityConstraints;
-use crate::optimise::energy::{PanelEnergy, Setting, Weights};
+use crate::optimise::energy::{PanelEnergy, Weights};
 use crate::optimise::guard::Guard;
 use crate::optimise::holds::Holds;
 use crate::optimise::jacobian::Jacobian;
-use crate::optimise::notches::NotchTerm;
 use crate::optimise::panels::{Panels, unknowns};
+use crate::optimise::reference::Reference;
+use crate::optimise::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
@@ -198,7 +200,7 @@ fn gradient_of_closeness() {
 }
 
 #[test]
-fn gradient_of_notches() {
+fn gradient_of_concavity() {
     let mesh = jittered(&planar_saddle(7, 4, 0.05), 0.05, 3);
     with_energy(
         &mesh,
@@ -206,7 +208,7 @@ fn gradient_of_notches() {
         NOTHING,
         NO_BARRIER,
         |energy, x, hessian| {
-            energy.notches = Some(NotchTerm {
+            energy.concavity = Some(ConcavityTerm {
                 weight: 2.0,
                 faces: vec![true; energy.panels().n_faces()],
                 edge: mesh.mean_edge(),

@@ -2,11 +2,12 @@
 
 use super::fixtures::{Shape, brick_wall, layout};
 use super::whole::{all_simple, assert_sound};
-use crate::optimise::closeness::Reference;
+use crate::optimise::barrier::barriers;
 use crate::optimise::energy::PanelEnergy;
+use crate::optimise::energy::{panel_energy, weights};
 use crate::optimise::panels::{points, unknowns};
 use crate::optimise::parts::{Cuts, minimise_in_parts};
-use crate::optimise::run::{barriers, panel_energy, weights};
+use crate::optimise::reference::Reference;
 use crate::optimise::solvers::{Reporter, energy_assembly};
 use crate::optimise::{
     Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, optimise, planarize,

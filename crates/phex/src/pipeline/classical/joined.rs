@@ -1,12 +1,12 @@
 //! The panels of a lattice, joined as their tangent planes want it, and the mesh of these planes.
 
 use super::ClassicalStatistics;
-use crate::ground::Ground;
 use crate::layout::domain::CurvatureSign;
 use crate::layout::duality::{Plane, convex_panels, envelope, saddle_flips, uncrossing_flips};
 use crate::layout::seeds::Seed;
 use crate::layout::tangent_planes::tangent_planes as tangent_planes_of;
 use crate::layout::{self, Layout, LayoutError};
+use crate::pipeline::domain::Ground;
 use crate::pipeline::field::{Field, FineSurface};
 use crate::pipeline::restarts::{Drawn, most_regular};
 use crate::pipeline::{Clock, PipelineError};

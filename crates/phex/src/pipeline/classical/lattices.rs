@@ -2,7 +2,6 @@
 
 use super::joined::{cells, joined, met};
 use super::{ClassicalStatistics, Made, Start, refusal};
-use crate::ground::Ground;
 use crate::layout::domain::CurvatureSign;
 use crate::layout::duality::Quadric;
 use crate::layout::projective_dual::{self, SurfaceDual};
@@ -10,6 +9,7 @@ use crate::layout::tangent_planes::{METHOD as TANGENT_PLANES, regularised};
 use crate::layout::{LayoutError, support_function};
 use crate::optimise::{self, SurfaceTarget};
 use crate::pipeline::brick_wall::kinked;
+use crate::pipeline::domain::Ground;
 use crate::pipeline::field::Field;
 use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, Method, PipelineError};

@@ -3,7 +3,7 @@
 use crate::layout::LayoutError;
 use crate::layout::domain::Place;
 use crate::layout::duality::{DualOptions, DualityError, Quadric};
-use crate::target::{Normalised, Similarity};
+use crate::smooth_surface::{Normalised, Similarity};
 use phex_mesh::Vec3;
 
 /// The vertex of the input that is nearest to a place on the refined surface.

@@ -3,11 +3,11 @@
 //! their Gauss image.
 
 use super::{ClassicalStatistics, Made, Start, cells, fitted_planes, joined, met, refusal};
-use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, SignedPlaces, no_flat_point};
 use crate::layout::duality::{Plane, convex_panels, envelope};
 use crate::layout::{Layout, LayoutError};
 use crate::offset::fit::{FitOptions, FitStart, fit_parallel};
+use crate::pipeline::domain::Ground;
 use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, Method, PipelineError};
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface};

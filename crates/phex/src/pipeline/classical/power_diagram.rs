@@ -1,9 +1,9 @@
 //! `power-diagram`: a Goldberg polyhedron on the ellipsoid that the surface is, or is a piece of.
 
 use super::Made;
-use crate::ground::Ground;
 use crate::layout::power_diagram::{fit_ellipsoid, goldberg, nearest_goldberg};
 use crate::layout::{LayoutError, LayoutStatistics};
+use crate::pipeline::domain::Ground;
 use crate::pipeline::{Clock, Method, PipelineError};
 use crate::trim;
 use phex_mesh::{FaceId, HexMesh, PerVertex, TriangleSurface, Vec3};

@@ -4,14 +4,14 @@ use super::ClassicalStatistics;
 use crate::curvature::{self, Curvature};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::{self, cones, saddle};
-use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, resolved};
 use crate::layout::lattice::CELL;
+use crate::pipeline::domain::Ground;
 use crate::pipeline::field::{
     Field, allow_sizes, counted_lattice, direction_options, panel_length, with_seeds,
 };
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError};
-use crate::target::SmoothTarget;
+use crate::smooth_surface::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface};
 

@@ -7,7 +7,6 @@ use super::{
     ClassicalStatistics, Made, Start, boundary_length, cells, fitted_planes, joined, panel_length,
     refusal,
 };
-use crate::ground::Ground;
 use crate::layout::domain::{CurvatureSign, DomainError, Place};
 use crate::layout::dual_subdivision::dual_subdivision;
 use crate::layout::duality::{
@@ -16,6 +15,7 @@ use crate::layout::duality::{
 use crate::layout::projective_dual::{self, SurfaceDual};
 use crate::layout::tangent_planes::tangent_planes;
 use crate::layout::{Layout, LayoutError};
+use crate::pipeline::domain::Ground;
 use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError};
 use phex_mesh::{FaceId, HexMesh, PerFace, TriangleSurface, Vec3, VertexId};

@@ -1,7 +1,10 @@
 //! The angle condition as a penalty: `w/2 (u r)^2` for each even face, with `r` of the constraints and their unit `u`.
 
-use super::closing::Closing;
-use crate::optimise::panels::{Corner, FaceFrame, Panels, Shape, add_block};
+pub(super) mod closing;
+pub(super) mod walks;
+
+use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
+use closing::Closing;
 use nalgebra::Matrix3;
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::{Vec2, Vec3};
@@ -51,7 +54,7 @@ pub(super) fn branches(panels: &Panels, shape: &Shape) -> Vec<Option<f64>> {
 }
 
 /// The penalty of all faces.
-pub(in crate::optimise) struct AngleTerm<'a> {
+pub(super) struct AngleTerm<'a> {
     /// Weight, times the square of the unit of the constraint.
     weight: f64,
     branch: Vec<Option<f64>>,
@@ -60,7 +63,7 @@ pub(in crate::optimise) struct AngleTerm<'a> {
 
 impl<'a> AngleTerm<'a> {
     /// `weight` is that of squares of lengths.
-    pub(super) fn new(
+    pub fn new(
         weight: f64,
         mean_edge: f64,
         branch: Vec<Option<f64>>,
@@ -149,7 +152,7 @@ impl<'a> AngleTerm<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::walks::Walks;
+    use super::walks::Walks;
     use super::*;
     use crate::optimise::panels::unknowns;
     use crate::optimise::solvers::energy_assembly_with;

@@ -24,7 +24,7 @@ const SOFT: f64 = 1e-2;
 
 /// The closing equations of a mesh in one piece.
 #[derive(Clone, Debug)]
-pub(super) struct Closing<'a> {
+pub(in crate::optimise) struct Closing<'a> {
     walks: &'a Walks,
     start: Vec3,
     /// Derivatives, vertex after vertex, in the order of [`Walks::at`].
@@ -33,7 +33,7 @@ pub(super) struct Closing<'a> {
 }
 
 /// One step of a walk.
-struct Step {
+struct WalkStep {
     from: usize,
     to: usize,
     along: Vec3,
@@ -43,7 +43,7 @@ struct Step {
 }
 
 impl<'a> Closing<'a> {
-    pub(super) fn new(walks: &'a Walks, panels: &Panels, shape: &Shape, x: &[f64]) -> Self {
+    pub fn new(walks: &'a Walks, panels: &Panels, shape: &Shape, x: &[f64]) -> Self {
         Self {
             start: best_start(walks, panels, shape, x),
             rows: vec![Vec3::zeros(); walks.n_places()],
@@ -53,7 +53,7 @@ impl<'a> Closing<'a> {
     }
 
     /// Largest failure to close, over the number of reflections: as it were, that of one reflection.
-    pub(super) fn defect(&self, x: &[f64]) -> f64 {
+    pub fn defect(&self, x: &[f64]) -> f64 {
         let of_walk = |walk: &Walk| {
             let end = walk
                 .steps()
@@ -64,27 +64,27 @@ impl<'a> Closing<'a> {
     }
 
     /// What fails to close, by the last [`linearise`](Self::linearise).
-    pub(super) fn values(&self) -> &[f64] {
+    pub fn values(&self) -> &[f64] {
         &self.values
     }
 
     /// Derivatives by a vertex of the equations [`Walks::at`] it.
-    pub(super) fn rows_at(&self, vertex: usize) -> &[Vec3] {
+    pub fn rows_at(&self, vertex: usize) -> &[Vec3] {
         &self.rows[self.walks.places(vertex)]
     }
 
     /// Derivative of an equation by a vertex of its walk.
-    pub(super) fn row(&self, vertex: usize, equation: usize) -> &Vec3 {
+    pub fn row(&self, vertex: usize, equation: usize) -> &Vec3 {
         &self.rows[self.walks.place(vertex, equation)]
     }
 
     /// All walks.
-    pub(super) fn walks(&self) -> &'a Walks {
+    pub fn walks(&self) -> &'a Walks {
         self.walks
     }
 
     /// Sum of the squares of what fails to close at `x`.
-    pub(super) fn squares(&self, x: &[f64]) -> f64 {
+    pub fn squares(&self, x: &[f64]) -> f64 {
         let of_walk = |walk: &Walk| {
             let end = walk
                 .steps()
@@ -97,19 +97,19 @@ impl<'a> Closing<'a> {
     }
 
     /// Numbers of the equations at a vertex.
-    pub(super) fn at(&self, vertex: usize) -> &[u32] {
+    pub fn at(&self, vertex: usize) -> &[u32] {
         self.walks.at(vertex)
     }
 
     /// Values and derivatives at `x`, times `unit`.
-    pub(super) fn linearise(&mut self, x: &[f64], unit: f64) {
+    pub fn linearise(&mut self, x: &[f64], unit: f64) {
         self.rows.fill(Vec3::zeros());
         let walks = self.walks;
         for walk in &walks.walks {
             let mut steps = Vec::with_capacity(walk.n_steps());
             let mut image = self.start;
             for ends in walk.steps() {
-                steps.push(Step::new(x, ends, image));
+                steps.push(WalkStep::new(x, ends, image));
                 image = reflected(x, ends, image);
             }
             let gap = image - self.start;
@@ -134,7 +134,7 @@ impl<'a> Closing<'a> {
     }
 
     /// Backwards along the walk with the adjoint `y`: `d(y . H s) = -2 de . (y (e . s) + s (y . e))`.
-    fn add_derivatives(&mut self, equation: usize, steps: &[Step], direction: Vec3) {
+    fn add_derivatives(&mut self, equation: usize, steps: &[WalkStep], direction: Vec3) {
         let mut y = direction;
         for step in steps.iter().rev() {
             let (e, s) = (&step.along, &step.before);
@@ -147,7 +147,7 @@ impl<'a> Closing<'a> {
     }
 }
 
-impl Step {
+impl WalkStep {
     fn new(x: &[f64], [from, to]: [u32; 2], before: Vec3) -> Self {
         let (from, to) = (from as usize, to as usize);
         let edge = point(x, to) - point(x, from);

@@ -8,13 +8,13 @@
 //! and more; central symmetry, which satisfies the condition, shows the way.
 
 use super::AngleOptions;
-use super::closing::Closing;
-use super::term::{AngleTerm, branches};
-use super::walks::{Walk, Walks};
-use crate::optimise::energy::Setting;
-use crate::optimise::options::OptimiseError;
+use crate::optimise::angle_term::closing::Closing;
+use crate::optimise::angle_term::walks::{Walk, Walks};
+use crate::optimise::angle_term::{AngleTerm, branches};
+use crate::optimise::energy::panel_energy;
+use crate::optimise::error::OptimiseError;
 use crate::optimise::panels::Shape;
-use crate::optimise::run::panel_energy;
+use crate::optimise::setting::Setting;
 use crate::optimise::solvers::{Reporter, energy_assembly_with, system};
 use crate::progress::Progress;
 use phex_numeric::{DampedOptions, DampedSolver, Damping, Outcome, Status};
@@ -37,7 +37,7 @@ const ITERATIONS: usize = 60;
 const LITTLE: [f64; 2] = [1e-4, 1e-4];
 
 /// Minimises from `start` on, with factors of the weights of fairness and barrier.
-pub(super) fn eased(
+pub(super) fn by_continuation(
     setting: &Setting<'_>,
     walks: &Walks,
     start: &[f64],

@@ -5,18 +5,18 @@
 //! with stronger closeness or with a stronger barrier that reaches farther, and are projected. Around edges over which panels fold these
 //! phases have folds pay, around panels that are concave where the surface is convex re-entrant corners. The result is taken if it is planar, better in what was wanted, breaks nothing, and costs nothing else that counts.
 
-use super::closeness::Reference;
 use super::demand::{Allowed, Demand, Judged, Wish, areas, clearances, largest, sharpest_angle};
-use super::energy::{Setting, distances};
-use super::guard::Breach;
-use super::hinges::HingeTerm;
-use super::notches::{is_concave, to_be_convex};
-use super::options::OptimiseError;
-use super::panels::{Panels, Shape, extent};
-use super::parts::{LARGE, Part, with_neighbours};
-use super::path::Path;
-use super::run::Reached;
-use super::solvers::Solvers;
+use crate::optimise::concavity::{is_concave, to_be_convex};
+use crate::optimise::error::OptimiseError;
+use crate::optimise::folds::FoldTerm;
+use crate::optimise::guard::Breach;
+use crate::optimise::panels::{Panels, Shape, extent};
+use crate::optimise::parts::{LARGE, Part, with_neighbours};
+use crate::optimise::path::Path;
+use crate::optimise::reached::Reached;
+use crate::optimise::reference::Reference;
+use crate::optimise::setting::{Setting, distances};
+use crate::optimise::solvers::Solvers;
 
 /// Clearance, in mean edges, that a panel should have, and the share of it below which it is tight. Retries end half-way to a
 /// minimum and enlarge rounding, to 1e-4 of a clearance: where nothing is tight they are not worth that. What was minimised part by
@@ -252,20 +252,20 @@ impl Path<'_> {
         let setting = part.setting(self.setting.mean_edge);
         let anchor = part.of_vertices(self.start);
         let (options, progress) = (self.options, &self.reporter);
-        let hinges = match demand.wish {
+        let folds = match demand.wish {
             Wish::Unfolded => {
                 let y = part.of_vertices(x);
-                Some(HingeTerm::new(&part.panels, &part.guard, &y))
+                Some(FoldTerm::new(&part.panels, &part.guard, &y))
             }
             _ => None,
         };
-        let mut solvers = match &hinges {
-            Some(hinges) => Solvers::with_hinges(&part.panels, hinges)?,
+        let mut solvers = match &folds {
+            Some(folds) => Solvers::with_folds(&part.panels, folds)?,
             None => Solvers::new(&part.panels)?,
         };
         let mut path = Path::new(&setting, &mut solvers, &anchor, options, progress)?;
-        if let Some(folds) = path.hinges() {
-            *folds = hinges;
+        if let Some(place) = path.folds() {
+            *place = folds;
         }
         path.weights = self.weights;
         path.barriers = part.of_faces(&self.barriers);

@@ -23,12 +23,12 @@ struct Hinge {
 }
 
 /// The penalty of all inner edges of a mesh.
-pub(super) struct HingeTerm {
+pub(super) struct FoldTerm {
     pub weight: f64,
     hinges: Vec<Hinge>,
 }
 
-impl HingeTerm {
+impl FoldTerm {
     /// For the inner edges of `guard`, without weight.
     pub fn new(panels: &Panels, guard: &Guard, x: &[f64]) -> Self {
         let shape = Shape::at(panels, x);
@@ -58,7 +58,7 @@ impl HingeTerm {
 
     pub fn energy(&self, panels: &Panels, x: &[f64]) -> f64 {
         let energy = |hinge: &Hinge| {
-            let excess = Turn::of(panels, hinge, x).map_or(0.0, |t| t.excess);
+            let excess = FoldTurn::of(panels, hinge, x).map_or(0.0, |t| t.excess);
             0.5 * self.weight * hinge.area * excess * excess
         };
         self.hinges.iter().map(energy).sum()
@@ -77,7 +77,7 @@ impl HingeTerm {
         for (k, hinge) in self.hinges.iter().enumerate() {
             let block = &mut blocks[assembly.block(first + k)];
             block.fill(0.0);
-            let Some(turn) = Turn::of(panels, hinge, x) else {
+            let Some(turn) = FoldTurn::of(panels, hinge, x) else {
                 continue;
             };
             let weight = self.weight * hinge.area;
@@ -97,7 +97,7 @@ impl HingeTerm {
 }
 
 /// An edge at which faces turn by more than is free.
-struct Turn {
+struct FoldTurn {
     normals: [Vec3; 2],
     /// Lengths of the vector areas.
     areas: [f64; 2],
@@ -105,7 +105,7 @@ struct Turn {
     excess: f64,
 }
 
-impl Turn {
+impl FoldTurn {
     /// `None` where nothing is to pay.
     fn of(panels: &Panels, hinge: &Hinge, x: &[f64]) -> Option<Self> {
         let vectors = hinge.faces.map(|f| vector_area(panels, f, x));
@@ -179,7 +179,7 @@ mod tests {
         let panels = Panels::new(mesh.topology());
         let guard = Guard::new(mesh.topology(), None, 0.0);
         let x = unknowns(&mesh);
-        let mut term = HingeTerm::new(&panels, &guard, &x);
+        let mut term = FoldTerm::new(&panels, &guard, &x);
         term.weight = 2.0;
         let assembly = energy_assembly_with(&panels, term.vertices());
         let mut blocks = vec![0.0; assembly.n_block_entries()];

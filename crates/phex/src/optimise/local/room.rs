@@ -4,13 +4,13 @@
 //! of what came of it: Newton's method on the constraints first, then the last phases. Vertices on the boundary curve stay on it,
 //! other ones of the boundary stay where they are. A place is only taken where it costs neither nearness nor the sharpest angle.
 
-use super::on_boundary::{already_there, near_corners};
-use super::options::NEWTON_ITERATIONS;
-use super::panels::{Panels, Shape, unknowns};
-use super::path::Path;
-use super::run::{Reached, Way};
-use super::solvers::Solvers;
-use super::{
+use crate::optimise::on_boundary::{already_there, near_corners};
+use crate::optimise::options::NEWTON_ITERATIONS;
+use crate::optimise::panels::{Panels, Shape, unknowns};
+use crate::optimise::path::Path;
+use crate::optimise::reached::{Reached, Way};
+use crate::optimise::solvers::Solvers;
+use crate::optimise::{
     BoundaryHold, Hold, Holds, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference,
     Stage, StartKind, Target, check_mesh, finished as finished_mesh, kinds_of,
 };

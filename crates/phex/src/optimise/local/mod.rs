@@ -1,10 +1,15 @@
-//! A part of a mesh whose panels are joined anew, made planar with everything around it at rest.
+//! Parts of a mesh by themselves: panels that are joined anew, and panels that are tried again, with what is around them at rest.
+
+mod demand;
+mod retry;
+mod room;
+
+pub use room::{enlarge_small, give_room};
 
 use super::holds::Hold;
 use super::panels::{Shape, unknowns};
 use super::path::Path;
-use super::room::rim_holds;
-use super::run::{Reached, Way};
+use super::reached::{Reached, Way};
 use super::solvers::Solvers;
 use super::{
     BoundaryHold, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference, Stage, StartKind,
@@ -13,6 +18,7 @@ use super::{
 use crate::layout::Layout;
 use crate::progress::Progress;
 use phex_mesh::VertexId;
+use room::rim_holds;
 
 /// A part of a mesh.
 pub struct LocalPart<'a> {

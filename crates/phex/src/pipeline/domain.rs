@@ -2,8 +2,8 @@
 
 use crate::layout::lattice::CELL;
 use crate::pipeline::{MeshOptions, moved};
-use crate::target::extend::{self, Extension};
-use crate::target::{self, SmoothTarget, TargetKind};
+use crate::smooth_surface::extend::{self, Extension};
+use crate::smooth_surface::{self, SmoothTarget, TargetKind};
 use crate::trim::{self, Boundary, Domain, Takeover, TrimError, Trimmed};
 use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 
@@ -92,7 +92,11 @@ impl Ground {
     ) -> Self {
         let density = options.cell_density.max(options.field_density);
         let smooth = |surface: &TriangleSurface, panels: usize| {
-            target::smooth_target(surface, (density * panels as f64) as usize, &options.target)
+            smooth_surface::smooth_target(
+                surface,
+                (density * panels as f64) as usize,
+                &options.target,
+            )
         };
         let length = (facets.area() / (CELL * panels as f64)).sqrt();
         let extension = extend::extend(facets, width, SMALL_HOLE * length);

@@ -9,26 +9,26 @@ use std::ops::Range;
 
 /// A closed walk from the root.
 #[derive(Debug)]
-pub(super) struct Walk {
+pub(in crate::optimise) struct Walk {
     vertices: Vec<u32>,
     /// Whether it goes round an odd face, all of whose reflections keep the face's normal; else round a loop that is no face.
     round_face: bool,
     /// Its first equation.
-    pub(super) first: usize,
+    pub first: usize,
 }
 
 impl Walk {
-    pub(super) fn n_steps(&self) -> usize {
+    pub fn n_steps(&self) -> usize {
         self.vertices.len() - 1
     }
 
     /// Whether its reflections make one reflection: those along the edges of an odd planar face do.
-    pub(super) fn is_mirror(&self) -> bool {
+    pub fn is_mirror(&self) -> bool {
         self.round_face
     }
 
     /// Its vertices, each once, in ascending order.
-    pub(super) fn distinct(&self) -> Vec<u32> {
+    pub fn distinct(&self) -> Vec<u32> {
         let mut distinct = self.vertices.clone();
         distinct.sort_unstable();
         distinct.dedup();
@@ -36,28 +36,28 @@ impl Walk {
     }
 
     /// Its equations.
-    pub(super) fn equations(&self) -> Range<usize> {
+    pub fn equations(&self) -> Range<usize> {
         self.first..self.first + n_equations(self)
     }
 
-    pub(super) fn steps(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+    pub fn steps(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.vertices.windows(2).map(|w| [w[0], w[1]])
     }
 }
 
 /// All walks of a mesh, and which equations each vertex has a part in.
 #[derive(Debug)]
-pub(super) struct Walks {
-    pub(super) walks: Vec<Walk>,
+pub(in crate::optimise) struct Walks {
+    pub walks: Vec<Walk>,
     /// Edges of the spanning tree, from the root.
-    pub(super) tree: Vec<[u32; 2]>,
+    pub tree: Vec<[u32; 2]>,
     at: Vec<Vec<u32>>,
     start: Vec<usize>,
 }
 
 impl Walks {
     /// Those of a mesh in one piece; there are none in a mesh of several.
-    pub(super) fn of(mesh: &HexMesh) -> Self {
+    pub fn of(mesh: &HexMesh) -> Self {
         let topology = mesh.topology();
         let mut walks = Self {
             walks: Vec::new(),
@@ -105,27 +105,27 @@ impl Walks {
         }
     }
 
-    pub(super) fn n_equations(&self) -> usize {
+    pub fn n_equations(&self) -> usize {
         self.walks.last().map_or(0, |w| w.first + n_equations(w))
     }
 
     /// Pairs of a vertex and an equation.
-    pub(super) fn n_places(&self) -> usize {
+    pub fn n_places(&self) -> usize {
         self.start[self.at.len()]
     }
 
     /// Equations that a vertex has a part in, in ascending order.
-    pub(super) fn at(&self, vertex: usize) -> &[u32] {
+    pub fn at(&self, vertex: usize) -> &[u32] {
         &self.at[vertex]
     }
 
     /// Their places.
-    pub(super) fn places(&self, vertex: usize) -> Range<usize> {
+    pub fn places(&self, vertex: usize) -> Range<usize> {
         self.start[vertex]..self.start[vertex + 1]
     }
 
     /// The place of a vertex on the walk of an equation.
-    pub(super) fn place(&self, vertex: usize, equation: usize) -> usize {
+    pub fn place(&self, vertex: usize, equation: usize) -> usize {
         let before = self.at[vertex].partition_point(|&k| (k as usize) < equation);
         self.start[vertex] + before
     }

@@ -100,7 +100,7 @@ fn curve_middle(surface: &TriangleSurface, e: EdgeId) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::target::{TargetOptions, smooth_target};
+    use crate::smooth_surface::{TargetOptions, smooth_target};
     use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 
     fn ball() -> SmoothTarget {

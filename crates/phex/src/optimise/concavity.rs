@@ -8,9 +8,9 @@
 //! in [`super::barrier`]. The Hessian is the Gauss-Newton part in the fixed plane.
 
 use super::barrier::add_turning;
-use super::closeness::Reference;
-use super::energy::Setting;
 use super::panels::{Corner, FaceFrame, Shape, add_block};
+use super::reference::Reference;
+use super::setting::Setting;
 use nalgebra::{Matrix2, Vector3};
 use phex_mesh::{Vec2, Vec3};
 
@@ -22,7 +22,7 @@ const DEPTH: f64 = 0.02;
 const MARGIN: f64 = 0.02;
 
 /// The penalty of all corners of the faces that are to be convex.
-pub(super) struct NotchTerm {
+pub(super) struct ConcavityTerm {
     pub weight: f64,
     /// Which faces are to be convex.
     pub faces: Vec<bool>,
@@ -30,7 +30,7 @@ pub(super) struct NotchTerm {
     pub edge: f64,
 }
 
-impl NotchTerm {
+impl ConcavityTerm {
     /// Energy of a face.
     pub fn energy(&self, f: usize, corners: &[Corner]) -> f64 {
         if !self.faces[f] {
@@ -40,7 +40,7 @@ impl NotchTerm {
         0.5 * self.weight * self.edge * self.edge * squares.sum::<f64>()
     }
 
-    fn excess(&self, turn: &Turn) -> f64 {
+    fn excess(&self, turn: &CornerTurn) -> f64 {
         (MARGIN - turn.area / (self.edge * self.edge)).max(0.0)
     }
 
@@ -82,7 +82,7 @@ impl NotchTerm {
 }
 
 /// How the outline turns at a corner.
-struct Turn {
+struct CornerTurn {
     /// Local corners: the one before, the corner, the one after.
     corners: [usize; 3],
     /// `s`, twice the signed area of their triangle.
@@ -93,7 +93,7 @@ struct Turn {
     tilt: Vec2,
 }
 
-fn turns(corners: &[Corner]) -> impl Iterator<Item = Turn> + '_ {
+fn turns(corners: &[Corner]) -> impl Iterator<Item = CornerTurn> + '_ {
     let k = corners.len();
     (0..k).map(move |i| {
         let around = [(i + k - 1) % k, i, (i + 1) % k];
@@ -102,7 +102,7 @@ fn turns(corners: &[Corner]) -> impl Iterator<Item = Turn> + '_ {
         let (rise_a, rise_b) = (q.height - p.height, r.height - q.height);
         let by_a = Vec2::new(b.y, -b.x);
         let by_b = Vec2::new(-a.y, a.x);
-        Turn {
+        CornerTurn {
             corners: around,
             area: a.perp(&b),
             rows: [-by_a, by_a - by_b, by_b],
@@ -180,13 +180,13 @@ fn curvature_ratio(steps: [Vec3; 2], turns: [Vec3; 2], normal: Vec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimise::energy::distances;
     use crate::optimise::guard::Guard;
     use crate::optimise::holds::Holds;
     use crate::optimise::options::OptimiseOptions;
     use crate::optimise::panels::{Panels, unknowns};
     use crate::optimise::path::Path;
-    use crate::optimise::run::Reached;
+    use crate::optimise::reached::Reached;
+    use crate::optimise::setting::distances;
     use crate::optimise::solvers::Solvers;
     use crate::optimise::tests::fixtures::{Shape as Surface, brick_wall, planar_saddle};
     use crate::progress::Silent;

@@ -1,4 +1,4 @@
-//! Target: the smooth surface that everything else looks at.
+//! Smooth surface: what everything else looks at.
 //!
 //! The input's facets are a sample of a smooth surface. It is normalised ([`Normalised`]: bounding-box diagonal 1, box centre at the
 //! origin, coordinates on a grid, vertices in the order of their places, so that no later figure depends on the unit or on numbers),

@@ -1,14 +1,14 @@
 //! What the retries at the end want of a part of a mesh, what it may cost, and how a result is judged by that.
 
-use super::areas::AreaWish;
-use super::barrier::clearance;
-use super::energy::{Setting, distances};
-use super::guard::Breach;
-use super::notches::{self, NotchTerm};
-use super::panels::{Panels, Shape};
-use super::parts::Part;
-use super::path::Path;
-use super::simple::area;
+use crate::optimise::areas::AreaWish;
+use crate::optimise::barrier::clearance;
+use crate::optimise::concavity::{self, ConcavityTerm};
+use crate::optimise::guard::Breach;
+use crate::optimise::panels::{Panels, Shape};
+use crate::optimise::parts::Part;
+use crate::optimise::path::Path;
+use crate::optimise::setting::{Setting, distances};
+use crate::optimise::simple::area;
 
 /// Factor of barriers or closeness from one round for a group of panels to the next.
 const STRONGER: f64 = 4.0;
@@ -93,7 +93,7 @@ impl Demand {
     }
 
     /// How much is missing; 0 if nothing is.
-    fn shortfall(&self, setting: &Setting<'_>, at: &Place<'_>) -> f64 {
+    fn shortfall(&self, setting: &Setting<'_>, at: &DemandPlace<'_>) -> f64 {
         let squared = |excess: f64| excess.max(0.0).powi(2);
         match &self.wish {
             Wish::Room { clearance, .. } => {
@@ -114,7 +114,7 @@ impl Demand {
             Wish::Convex { faces } => {
                 let depth = |f: usize| {
                     let corners = at.shape.face(setting.panels, f);
-                    notches::depth(corners, setting.mean_edge)
+                    concavity::depth(corners, setting.mean_edge)
                 };
                 let wished = (0..faces.len()).filter(|&f| faces[f]);
                 wished.map(depth).sum()
@@ -159,14 +159,14 @@ impl Demand {
                 closeness.rim *= STRONGER;
             }
             Wish::Unfolded => {
-                if let Some(Some(hinges)) = path.hinges() {
-                    hinges.weight = heavy;
+                if let Some(Some(folds)) = path.folds() {
+                    folds.weight = heavy;
                 }
             }
             Wish::Convex { faces } => {
                 let edge = path.setting.mean_edge;
-                if let Some(notches) = path.notches() {
-                    *notches = Some(NotchTerm {
+                if let Some(concavity) = path.concavity() {
+                    *concavity = Some(ConcavityTerm {
                         weight: heavy,
                         faces: faces.clone(),
                         edge,
@@ -221,7 +221,7 @@ pub(super) fn largest(values: &[f64]) -> f64 {
 }
 
 /// What is measured of a part.
-struct Place<'a> {
+struct DemandPlace<'a> {
     shape: &'a Shape,
     clearances: Vec<f64>,
     distances: Vec<f64>,
@@ -245,7 +245,7 @@ pub(super) struct Judged {
 impl Judged {
     pub fn at(setting: &Setting<'_>, demand: &Demand, x: Vec<f64>) -> Self {
         let shape = Shape::at(setting.panels, &x);
-        let place = Place {
+        let place = DemandPlace {
             shape: &shape,
             clearances: clearances(setting.panels, &shape),
             distances: distances(setting, &x),

@@ -1,0 +1,76 @@
+//! What a run has reached, and how.
+
+use super::RunSummary;
+use super::barrier::clearance;
+use super::inspect::Offender;
+use super::options::{OptimiseOptions, PathKind, StartKind};
+use super::panels::Shape;
+use super::setting::Setting;
+use phex_numeric::{Outcome, Status};
+
+/// What came of one start.
+pub(super) struct Run {
+    pub x: Vec<f64>,
+    pub outcome: Outcome,
+    pub offenders: Vec<Offender>,
+    pub summary: RunSummary,
+}
+
+impl Run {
+    pub fn is_cancelled(&self) -> bool {
+        self.outcome.status == Status::Cancelled
+    }
+}
+
+/// How a result came about.
+pub(super) struct Way {
+    pub kind: StartKind,
+    pub path: PathKind,
+    /// Factorisations for parts of the mesh alone.
+    pub in_parts: usize,
+    pub outcome: Outcome,
+}
+
+/// Positions and what they are judged by on the way.
+pub(super) struct Reached {
+    pub x: Vec<f64>,
+    planarity: f64,
+    clearance: f64,
+}
+
+impl Reached {
+    pub fn at(setting: &Setting<'_>, x: Vec<f64>) -> Self {
+        let shape = Shape::at(setting.panels, &x);
+        let faces = 0..setting.panels.n_faces();
+        let clearances = faces.map(|f| clearance(shape.face(setting.panels, f)));
+        Self {
+            planarity: shape.max_height() / setting.mean_edge,
+            clearance: clearances.fold(f64::INFINITY, f64::min) / setting.panels.mean_edge(&x),
+            x,
+        }
+    }
+
+    pub fn is_planar(&self, options: &OptimiseOptions) -> bool {
+        self.planarity <= options.planarity_tolerance
+    }
+
+    /// Whether a panel is squeezed so that a stronger barrier may do better.
+    pub fn is_tight(&self, options: &OptimiseOptions) -> bool {
+        const BLOCKED: f64 = 1.5;
+        let margin = options.clearance_margin;
+        self.clearance < margin || (!self.is_planar(options) && self.clearance < BLOCKED * margin)
+    }
+}
+
+/// The planar one; of two planar ones that with more clearance.
+pub(super) fn better(a: Reached, b: Reached) -> Reached {
+    const PLANAR: f64 = 1e-12;
+    let planar = [a.planarity <= PLANAR, b.planarity <= PLANAR];
+    let second = match planar {
+        [true, false] => false,
+        [false, true] => true,
+        [false, false] => b.planarity < a.planarity,
+        [true, true] => b.clearance > a.clearance,
+    };
+    if second { b } else { a }
+}
