@@ -26,9 +26,11 @@ impl<'a> Candidate<'a> {
         }
     }
 
-    /// Takes another mesh in its place unless more of it is invalid or outside limits.
+    /// Takes another mesh in its place unless more of it is invalid, or it leaves the limits.
     fn offer(&mut self, mesh: Option<HexMesh>) {
-        self.offer_if(mesh, Merit::is_no_worse);
+        self.offer_if(mesh, |next, now| {
+            next.invalid <= now.invalid && (next.is_within() || !now.is_within())
+        });
     }
 
     /// Takes another mesh in its place if its merit is good enough beside that of this one.

@@ -84,6 +84,20 @@ impl AttemptSummary {
     }
 }
 
+impl AttemptSummary {
+    /// What the usual limit would have tried after this one, if it was laid out for that.
+    fn after_usual(&self, options: &MeshOptions) -> Option<Candidate> {
+        let limit = options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
+        let misses = self.merit.off * limit > USUAL_DEVIATION || self.merit.invalid > 0.0;
+        let free = options.sizes.adaptive.is_none() && options.size_field.is_none();
+        let is_usual = self.candidate.usual_deviation && !self.candidate.resolving;
+        (is_usual && free && misses).then_some(Candidate {
+            resolving: true,
+            ..self.candidate
+        })
+    }
+}
+
 /// Whether a largest deviation is asked for that is tighter than usual; in single precision the usual one itself is a little less.
 fn is_tight(options: &MeshOptions) -> bool {
     let limit = options.optimise.max_deviation;
@@ -172,12 +186,16 @@ impl Task<'_> {
     fn one_or_two(&self, progress: &dyn Progress) -> Result<Vec<Member>, PipelineError> {
         let first = self.member(Candidate::first(&self.ground.options), progress)?;
         let mut members = vec![first];
-        let other = members[0]
-            .summary
-            .alternative(self.options)
-            .filter(|_| self.options.search);
-        if let Some(other) = other.filter(|_| !progress.is_cancelled()) {
-            members.extend(self.member(other, progress));
+        let mut other = members[0].summary.alternative(self.options);
+        while let Some(candidate) =
+            other.filter(|_| self.options.search && !progress.is_cancelled())
+        {
+            let member = self.member(candidate, progress);
+            other = member
+                .as_ref()
+                .ok()
+                .and_then(|m| m.summary.after_usual(self.options));
+            members.extend(member);
         }
         Ok(members)
     }

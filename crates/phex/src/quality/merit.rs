@@ -78,14 +78,6 @@ impl Merit {
         first.map_or(Ordering::Equal, |(a, b)| a.total_cmp(&b))
     }
 
-    /// Whether no more is invalid or outside, whatever it costs.
-    pub fn is_no_worse(&self, other: &Self) -> bool {
-        let parts = |m: &Self| [m.invalid, m.outside];
-        let pairs = parts(self).into_iter().zip(parts(other));
-        let more = |(a, b): (f64, f64)| a > b * (1.0 + ROUNDING);
-        !pairs.into_iter().any(more)
-    }
-
     /// The exact order, in which to look for the best of many.
     pub fn total_cmp(&self, other: &Self) -> Ordering {
         let parts = |m: &Self| [m.invalid, m.outside, m.cost];
