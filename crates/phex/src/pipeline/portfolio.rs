@@ -266,7 +266,7 @@ impl Task<'_> {
         }
         let runs = pass.optimised.runs.clone();
         let statistics = Statistics {
-            layout: pass.layout.clone(),
+            layout: pass.layout,
             cones: pass.cones.clone(),
             factorisations: runs.iter().map(|r| r.factorisations).sum(),
             runs,
