@@ -47,7 +47,7 @@ pub enum Method {
     Parallel,
 }
 
-/// Options of [`mesh_surface`]: one struct per stage, and what concerns the whole flow.
+/// Options of [`mesh_surface`](super::mesh_surface): one struct per stage, and what concerns the whole flow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshOptions {
