@@ -140,10 +140,10 @@ impl ColourMap {
     /// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
     /// # ];
     /// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
-    /// use phex::report::{Assessment, References, Tolerances};
+    /// use phex::quality::{Assessment, Limits, References};
     /// use phex_picture::maps::{ColourMap, Map, Subject};
     ///
-    /// let assessment = Assessment::new(&cube, References::default(), &Tolerances::default());
+    /// let assessment = Assessment::new(&cube, References::default(), &Limits::default());
     /// let subject = Subject { mesh: &cube, assessment: &assessment, surface: None };
     /// let lengths = ColourMap::new(Map::EdgeLength, &subject).ok_or("lengths need no surface")?;
     /// assert!(lengths.values.iter().all(|length| *length == 1.0));

@@ -43,6 +43,8 @@ const IMPROVED: usize = 2;
 /// there would only spoil the rows. What is invalid is searched all the same.
 const FEW: f64 = 3.0;
 const FEW_SHARE: f64 = 0.06;
+/// Candidates after which no sweep begins, and one more for each panel: the cost follows the panels.
+const LEAST_TRIED: usize = 60;
 /// Mean edges within which two places are the same.
 const SAME: f64 = 0.8;
 /// Mean edges from a change within which other changes may help that have not before.
@@ -89,7 +91,8 @@ pub fn search(mut mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Se
         ..SearchSummary::default()
     };
     let mut failed: Vec<Failed> = Vec::new();
-    while summary.sweeps < SWEEPS && !progress.is_cancelled() {
+    let most = LEAST_TRIED + mesh.topology().n_faces();
+    while summary.sweeps < SWEEPS && summary.tried < most && !progress.is_cancelled() {
         let places = chosen(&mesh, &whole, &failed);
         if places.is_empty() {
             break;
