@@ -1,5 +1,6 @@
-//! Embeds the viewer of the HTML report: the one that `cargo xtask viewer` has built, else one that is built here where npm
-//! is installed. Without either the report has pictures and tables, and `phex --version` says why.
+//! Embeds the viewer of the HTML report: the one that `cargo xtask viewer` has built, else one that
+//! is built here where npm is installed. Without either the report has pictures and tables, and
+//! `phex --version` says why.
 
 #[path = "npm.rs"]
 mod npm;

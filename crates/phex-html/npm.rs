@@ -1,10 +1,12 @@
-//! Which packages the viewer is built with: for the build script and for `cargo xtask`, so that the two can't differ. Neither
-//! has libraries: npm writes its lock files one field a line, and this reads them so.
+//! Which packages the viewer is built with: for the build script and for `cargo xtask`, so that the
+//! two can't differ. Neither has libraries: npm writes its lock files one field a line, and this
+//! reads them so.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// How packages are fetched: those of the lock file alone, none of whose scripts runs; without a network this fails at once.
+/// How packages are fetched: those of the lock file alone, none of whose scripts runs; without a
+/// network this fails at once.
 pub const FETCH: [&str; 4] = ["ci", "--silent", "--ignore-scripts", "--fetch-retries=0"];
 
 /// A package of a lock file.
@@ -19,7 +21,8 @@ struct Package {
 /// Whether the packages that are installed are those of the lock file, by their hashes.
 ///
 /// # Errors
-/// If the lock file can't be read, holds no package, or holds one without a hash: such a one could be anything.
+/// If the lock file can't be read, holds no package, or holds one without a hash: such a one could
+/// be anything.
 pub fn is_installed(source: &Path) -> Result<bool, String> {
     let path = source.join("package-lock.json");
     let text = std::fs::read_to_string(&path).map_err(|e| format!("package-lock.json: {e}"))?;

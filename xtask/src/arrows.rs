@@ -40,7 +40,8 @@ pub fn check(root: &Path) -> Result<(), String> {
     crate::verdict(complaints)
 }
 
-/// Names of the crates of this workspace that a manifest lists, outside of the dependencies of tests.
+/// Names of the crates of this workspace that a manifest lists, outside of the dependencies of
+/// tests.
 fn own_dependencies(manifest: &str) -> Vec<String> {
     let mut section = String::new();
     let mut found = Vec::new();

@@ -1,8 +1,8 @@
 //! The rule that modules of a crate do not use one another in a circle.
 //!
 //! The modules that one module declares are compared with one another, each with everything below
-//! it: `a` uses `b` where a file of `a` names an item that a file of `b` defines. A module and those
-//! that it declares itself are one thing here and may use each other. Test code is left out.
+//! it: `a` uses `b` where a file of `a` names an item that a file of `b` defines. A module and
+//! those that it declares itself are one thing here and may use each other. Test code is left out.
 
 mod names;
 mod sources;

@@ -1,5 +1,6 @@
-//! `cargo xtask figures`: counterparts of the figures of Wang and Liu, "A note on planar hexagonal meshes" (2010), and the table
-//! "method x surface", written to `docs/gallery` with the commands that made them.
+//! `cargo xtask figures`: counterparts of the figures of Wang and Liu, "A note on planar hexagonal
+//! meshes" (2010), and the table "method x surface", written to `docs/gallery` with the commands
+//! that made them.
 
 mod list;
 mod obj;

@@ -34,7 +34,8 @@ pub fn check(root: &Path) -> Result<(), Stop> {
     )?)
 }
 
-/// The Python of an environment with the packages, which is made where it is missing or out of date.
+/// The Python of an environment with the packages, which is made where it is missing or out of
+/// date.
 fn environment(root: &Path) -> Result<PathBuf, Stop> {
     let system = viewer::program("python3")
         .ok_or_else(|| Stop::skipped("Python is not installed, whose packages open the files"))?;

@@ -2,6 +2,7 @@
 
 mod arrows;
 mod circles;
+mod comments;
 mod figures;
 mod foreign;
 mod ledger;
@@ -54,7 +55,7 @@ impl From<String> for Stop {
     }
 }
 
-const CHECK: [Step; 13] = [
+const CHECK: [Step; 14] = [
     Step {
         name: "formatting",
         run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
@@ -74,6 +75,10 @@ const CHECK: [Step; 13] = [
     Step {
         name: "no machine paths",
         run: |root| Ok(paths::check(root)?),
+    },
+    Step {
+        name: "comments wrap",
+        run: |root| Ok(comments::check(root)?),
     },
     Step {
         name: "the report's viewer is built",
@@ -185,8 +190,8 @@ fn passed(skipped: &[&str]) -> String {
     }
 }
 
-/// The program as the tests have built it: with `-p phex-cli` alone its packages have other features, and half the tree would
-/// be compiled again.
+/// The program as the tests have built it: with `-p phex-cli` alone its packages have other
+/// features, and half the tree would be compiled again.
 fn program_as_tested(root: &Path) -> Result<PathBuf, String> {
     cargo(root, &["test", "--workspace", "--no-run", "--quiet"])?;
     let target = std::env::var_os("CARGO_TARGET_DIR");

@@ -34,7 +34,8 @@ fn names_machine_path(line: &str) -> bool {
     })
 }
 
-/// Whether a slash after this text belongs to a longer path (`frame/work/` names no machine folder).
+/// Whether a slash after this text belongs to a longer path (`frame/work/` names no machine
+/// folder).
 fn continues_a_path(before: &str) -> bool {
     before
         .chars()

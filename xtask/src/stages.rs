@@ -95,7 +95,8 @@ fn later_stages(source: &str, position: usize, depth: usize) -> Vec<&'static str
         .collect()
 }
 
-/// First path segments after `crate::`, or after enough `super::` to reach the crate's root; groups are opened.
+/// First path segments after `crate::`, or after enough `super::` to reach the crate's root; groups
+/// are opened.
 fn names_at_root(code: &str, depth: usize) -> Vec<String> {
     let mut names = Vec::new();
     for (start, _) in code.match_indices("crate::") {

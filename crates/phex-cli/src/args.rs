@@ -39,7 +39,8 @@ pub enum Command {
     Planarize(PlanarizeCommand),
     /// Offset a planar mesh: layers, solid panels, beams, Gauss image
     Offset(Box<OffsetCommand>),
-    /// Write workshop files: flat labelled panels on sheets (DXF, SVG), schedules (CSV, XLSX), solids (STL, OBJ)
+    /// Write workshop files: flat labelled panels on sheets (DXF, SVG), schedules (CSV, XLSX),
+    /// solids (STL, OBJ)
     Fab(Box<FabCommand>),
     /// Judge any polygon mesh: planar, simple, sound, close to a surface; lists offenders by id
     Check(CheckCommand),
@@ -55,7 +56,8 @@ pub enum Command {
     Shape(ShapeCommand),
     /// Make the convex mesh with a given graph whose edges all touch the unit sphere
     Koebe(KoebeCommand),
-    /// Make meshes that have the edge directions of a given one: closest to a surface, or with edge lengths as wished; measure their space
+    /// Make meshes that have the edge directions of a given one: closest to a surface, or with edge
+    /// lengths as wished; measure their space
     Parallel(ParallelCommand),
     /// Dualise a mesh: faces become vertices, vertices faces; twice gives the mesh back
     Dual(DualCommand),
@@ -103,7 +105,8 @@ pub struct MeshCommand {
     /// Surface: OBJ, PLY, STL or OFF, triangles or polygons
     #[arg(value_name = "SURFACE")]
     pub input: PathBuf,
-    /// Mesh to write: OBJ, PLY, OFF, COMPAS JSON and DXF keep the panels; GLB, STL and 3MF hold triangles
+    /// Mesh to write: OBJ, PLY, OFF, COMPAS JSON and DXF keep the panels; GLB, STL and 3MF hold
+    /// triangles
     #[arg(short, long, value_name = "MESH")]
     pub output: PathBuf,
     /// What is wanted.
@@ -112,7 +115,8 @@ pub struct MeshCommand {
     /// Read settings from a TOML file (the names of these options); the command line comes first
     #[arg(long, value_name = "JOB.TOML")]
     pub config: Option<PathBuf>,
-    /// Go on from an earlier mesh of the surface instead of laying out panels: after a change of weights, surface or what is held
+    /// Go on from an earlier mesh of the surface instead of laying out panels: after a change of
+    /// weights, surface or what is held
     #[arg(long, value_name = "MESH")]
     pub start: Option<PathBuf>,
     /// Write the smooth surface through the input's vertices that the panels were fitted to
@@ -121,10 +125,12 @@ pub struct MeshCommand {
     /// Write the mesh even if it is not valid (the exit code is still 5)
     #[arg(long, help_heading = "Files")]
     pub keep_invalid: bool,
-    /// On Ctrl-C, end with the best mesh so far: it is judged and written as ever (a second Ctrl-C ends at once)
+    /// On Ctrl-C, end with the best mesh so far: it is judged and written as ever (a second Ctrl-C
+    /// ends at once)
     #[arg(long, help_heading = "Time")]
     pub keep_best: bool,
-    /// End after a time, `90s`, `5min` or `1h`, with the best mesh so far: it is judged and written as ever
+    /// End after a time, `90s`, `5min` or `1h`, with the best mesh so far: it is judged and written
+    /// as ever
     #[arg(long, value_name = "TIME", value_parser = crate::progress::time_limit, help_heading = "Time")]
     pub time_limit: Option<Duration>,
     /// Report and picture.
@@ -148,7 +154,8 @@ pub struct NetworkCommand {
     /// Number of panels, about, that a brick wall on the curves would have
     #[arg(short = 'n', long, value_name = "N", default_value_t = 500)]
     pub panels: u64,
-    /// Let columns follow a direction, e.g. `0,0,1`, with rows conjugate to them, instead of the lines of curvature
+    /// Let columns follow a direction, e.g. `0,0,1`, with rows conjugate to them, instead of the
+    /// lines of curvature
     #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
     pub columns_along: Option<[f64; 3]>,
     /// Number of threads; the result does not depend on it
@@ -181,7 +188,8 @@ pub struct PlanarizeCommand {
     /// Optimise the whole way even if the mesh is planar already: a warm start; a dial implies it
     #[arg(long)]
     pub refit: bool,
-    /// Read `[steering]` and `[stages.optimise]` from a job file of `phex mesh`; the command line comes first
+    /// Read `[steering]` and `[stages.optimise]` from a job file of `phex mesh`; the command line
+    /// comes first
     #[arg(long, value_name = "JOB.TOML")]
     pub config: Option<PathBuf>,
     /// Number of threads; the result does not depend on it
@@ -208,7 +216,8 @@ pub struct CheckCommand {
     /// Surface that the mesh stands for
     #[arg(long, value_name = "SURFACE")]
     pub surface: Option<PathBuf>,
-    /// Report of the run that made the mesh: its limits, unit and surfaces hold where nothing else is given
+    /// Report of the run that made the mesh: its limits, unit and surfaces hold where nothing else
+    /// is given
     #[arg(long, value_name = "RUN.JSON")]
     pub report_of: Option<PathBuf>,
     /// What panels were to do at the boundary: judges that, too [default: what --report-of says]
@@ -317,7 +326,8 @@ pub enum KoebeBoundary {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct KoebeCommand {
-    /// Polygon mesh, closed or with one boundary; its connectivity counts, its shape only turns the result
+    /// Polygon mesh, closed or with one boundary; its connectivity counts, its shape only turns the
+    /// result
     #[arg(value_name = "GRAPH")]
     pub input: PathBuf,
     /// Mesh to write: OBJ, PLY or OFF
@@ -326,7 +336,8 @@ pub struct KoebeCommand {
     /// What is given at the boundary of an open mesh [default: equal-radii]
     #[arg(long, value_enum)]
     pub boundary: Option<KoebeBoundary>,
-    /// Angle in degrees between the middle of an open mesh and its boundary, seen from the centre (0 to 180) [default: 60]
+    /// Angle in degrees between the middle of an open mesh and its boundary, seen from the centre
+    /// (0 to 180) [default: 60]
     #[arg(long, value_name = "DEGREES")]
     pub opening: Option<f64>,
     /// Write the mesh even if it is not valid (the exit code is still 5)

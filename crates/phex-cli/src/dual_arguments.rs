@@ -17,13 +17,15 @@ pub struct DualCommand {
     /// Mesh to write: a vertex for each face, a face for each vertex inside
     #[arg(short, long, value_name = "MESH")]
     pub output: PathBuf,
-    /// Centre of the sphere [default: away from all faces' planes]; with the same one the dual of the dual is the mesh
+    /// Centre of the sphere [default: away from all faces' planes]; with the same one the dual of
+    /// the dual is the mesh
     #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
     pub centre: Option<[f64; 3]>,
     /// Radius of the sphere, model units
     #[arg(long, value_name = "R", default_value_t = 1.0, value_parser = positive)]
     pub radius: f64,
-    /// Any other quadric: the ten numbers of the upper triangle of its symmetric matrix Q, row by row
+    /// Any other quadric: the ten numbers of the upper triangle of its symmetric matrix Q, row by
+    /// row
     #[arg(long, value_name = "Q", value_parser = ten, allow_hyphen_values = true, conflicts_with_all = ["centre", "radius"])]
     pub quadric: Option<[f64; 10]>,
     /// Report and picture.
@@ -37,7 +39,8 @@ pub struct DualCommand {
 /// Rules of subdivision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum SubdivideRule {
-    /// Every edge becomes a panel, then all are made planar and brought to the surface; for any surface
+    /// Every edge becomes a panel, then all are made planar and brought to the surface; for any
+    /// surface
     #[default]
     Robust,
     /// Loop's rule for the dual; exact planes, no surface
@@ -62,7 +65,8 @@ pub struct SubdivideCommand {
     /// Number of levels; each has four times as many panels (1 to 5)
     #[arg(short, long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=5))]
     pub levels: u8,
-    /// Go on with `loop` or `butterfly` where the mesh's Gauss curvature changes its sign, to see what becomes of it
+    /// Go on with `loop` or `butterfly` where the mesh's Gauss curvature changes its sign, to see
+    /// what becomes of it
     #[arg(long)]
     pub any_domain: bool,
     /// Surface to stay close to, for `robust` [default: a smooth one through the mesh's own faces]
@@ -92,13 +96,15 @@ pub struct PowerCommand {
     /// Text file with a site of the plane in each line: `x y` or `x y weight`
     #[arg(long, value_name = "FILE", conflicts_with = "goldberg")]
     pub sites: Option<PathBuf>,
-    /// Height of the plane that closes the cells without bounds, for sites; 1 touches the sphere's north pole
+    /// Height of the plane that closes the cells without bounds, for sites; 1 touches the sphere's
+    /// north pole
     #[arg(long, value_name = "Z", default_value_t = 0.98, requires = "sites")]
     pub cap: f64,
     /// Semi-axes of the ellipsoid
     #[arg(long, value_name = "A,B,C", value_parser = three, default_value = "1,1,1")]
     pub axes: [f64; 3],
-    /// Any affine map of the sphere: the nine numbers of a 3x3 matrix, row by row, or the twelve of a 3x4 matrix, whose last column is the centre
+    /// Any affine map of the sphere: the nine numbers of a 3x3 matrix, row by row, or the twelve of
+    /// a 3x4 matrix, whose last column is the centre
     #[arg(long, value_name = "A", value_parser = affine, allow_hyphen_values = true, conflicts_with = "axes")]
     pub affine: Option<[f64; 12]>,
     /// Mesh to write
@@ -128,10 +134,12 @@ pub struct DupinCommand {
     /// A point; the indicatrix is that of the closest point of the surface. May be repeated
     #[arg(long, value_name = "X,Y,Z", value_parser = three, allow_hyphen_values = true)]
     pub at: Vec<[f64; 3]>,
-    /// The copies that fit the corners of this mesh's inner panels best; with `--at`, of the panels nearest to those points
+    /// The copies that fit the corners of this mesh's inner panels best; with `--at`, of the panels
+    /// nearest to those points
     #[arg(long, value_name = "MESH")]
     pub panels: Option<PathBuf>,
-    /// Of these panels only such as have no corner in common, so that every curve can be told from the next
+    /// Of these panels only such as have no corner in common, so that every curve can be told from
+    /// the next
     #[arg(long, requires = "panels", conflicts_with = "at")]
     pub apart: bool,
     /// Number of points spread over the surface, where no others are given

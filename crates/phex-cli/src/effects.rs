@@ -1,4 +1,5 @@
-//! Options that would do nothing: what is typed is carried out or refused, never passed over in silence.
+//! Options that would do nothing: what is typed is carried out or refused, never passed over in
+//! silence.
 
 use crate::exit::Failure;
 use crate::settings::{CloseTo, Layout, MeshSettings};
@@ -13,7 +14,8 @@ const ON_LATTICE: [Layout; 5] = [
     Layout::DualSubdivision,
     Layout::Parallel,
 ];
-/// Methods whose lattice is regular in a metric of their own: it has directions and cones, but neither sizes nor lines to follow.
+/// Methods whose lattice is regular in a metric of their own: it has directions and cones, but
+/// neither sizes nor lines to follow.
 const OWN_METRIC: [Layout; 2] = [Layout::ProjectiveDual, Layout::SupportFunction];
 /// Methods that end with the optimiser, which keeps panels to the target.
 const OPTIMISED: [Layout; 3] = [Layout::Lattice, Layout::Best, Layout::BrickWall];
@@ -100,7 +102,8 @@ impl MeshSettings {
         set.map(|(option, _, by)| Heeded { option, by }).collect()
     }
 
-    /// The methods that end with the optimiser; that of tangent planes does where vertices are held back.
+    /// The methods that end with the optimiser; that of tangent planes does where vertices are held
+    /// back.
     fn fitted(&self) -> Vec<Layout> {
         let mut fitted = OPTIMISED.to_vec();
         if self.options(1).dual.regularisation > 0.0 {
@@ -109,7 +112,8 @@ impl MeshSettings {
         fitted
     }
 
-    /// The options that are set and mean nothing where an earlier mesh is taken up: nothing is laid out.
+    /// The options that are set and mean nothing where an earlier mesh is taken up: nothing is laid
+    /// out.
     pub fn idle_on_start(&self) -> Vec<&'static str> {
         let laid_out = [
             ("panels", self.panels.is_some()),

@@ -1,4 +1,5 @@
-//! The library's computations as the commands use them: their errors get exit codes, their results one form.
+//! The library's computations as the commands use them: their errors get exit codes, their results
+//! one form.
 
 use crate::exit::{Exit, Failure, OrExit};
 use anyhow::Context;
@@ -43,7 +44,8 @@ pub struct Reached {
 /// Covers a connected surface with panels. A run that is cancelled gives the best mesh so far.
 ///
 /// # Errors
-/// If the surface can't be used, no panelling exists, or the run is cancelled before there is a mesh.
+/// If the surface can't be used, no panelling exists, or the run is cancelled before there is a
+/// mesh.
 pub fn mesh(
     surface: &TriangleSurface,
     options: &MeshOptions,
@@ -52,7 +54,8 @@ pub fn mesh(
     reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
 }
 
-/// Brings an earlier mesh to a connected surface again. A run that is cancelled gives the mesh that it has come to.
+/// Brings an earlier mesh to a connected surface again. A run that is cancelled gives the mesh that
+/// it has come to.
 ///
 /// # Errors
 /// If the mesh can't be used or held.

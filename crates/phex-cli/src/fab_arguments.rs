@@ -15,7 +15,8 @@ pub struct FabCommand {
     /// Valid mesh with planar faces, three at each interior vertex: OBJ, PLY or OFF
     #[arg(value_name = "MESH")]
     pub input: PathBuf,
-    /// Folder to write: a new one, or that of an earlier run, in which only what that run wrote is replaced
+    /// Folder to write: a new one, or that of an earlier run, in which only what that run wrote is
+    /// replaced
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Thickness of the panels, e.g. `0.05` (model units) or `50mm`
@@ -38,7 +39,8 @@ pub struct FabCommand {
         help_heading = "Sheets"
     )]
     pub sheet: SheetSize,
-    /// Least distance of panels from one another and from the sheet's border; a plain number is in millimetres
+    /// Least distance of panels from one another and from the sheet's border; a plain number is in
+    /// millimetres
     #[arg(
         long,
         value_name = "LENGTH",
@@ -66,7 +68,8 @@ pub struct FabCommand {
         help_heading = "Sheets"
     )]
     pub text: Quantity,
-    /// Distance of corners up to which panels are the same, and spread of lengths that are the same; a plain number is in millimetres
+    /// Distance of corners up to which panels are the same, and spread of lengths that are the
+    /// same; a plain number is in millimetres
     #[arg(
         long,
         value_name = "LENGTH",
@@ -85,7 +88,8 @@ pub struct FabCommand {
     /// Let panels keep the names that they have in this table of an earlier run
     #[arg(long, value_name = "PANELS.CSV", help_heading = "Groups")]
     pub keep_ids: Option<PathBuf>,
-    /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length [default: 1e-12, or rounding]
+    /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length
+    /// [default: 1e-12, or rounding]
     #[arg(long, value_name = "X", help_heading = "Tolerances")]
     pub planarity: Option<Quantity>,
     /// Number of threads; the result does not depend on it
@@ -157,7 +161,8 @@ impl FromStr for SheetSize {
     }
 }
 
-/// A length of the workshop: a plain number is in millimetres, a percentage has no meaning and gives not a number.
+/// A length of the workshop: a plain number is in millimetres, a percentage has no meaning and
+/// gives not a number.
 pub fn millimetres(quantity: Quantity) -> f64 {
     quantity.length(Unit::Mm, f64::NAN)
 }

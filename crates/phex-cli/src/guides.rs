@@ -14,11 +14,13 @@ pub struct GuideSettings {
     /// Let rows of panels run along the polylines of an OBJ file
     #[arg(long, value_name = "LINES.OBJ", help_heading = "Rows")]
     pub guide: Option<PathBuf>,
-    /// Let rows run along edges of the input whose two triangles meet at more than an angle in degrees (30 without a number)
+    /// Let rows run along edges of the input whose two triangles meet at more than an angle in
+    /// degrees (30 without a number)
     #[arg(long, value_name = "DEG", num_args = 0..=1, default_missing_value = "30", value_parser = angle, help_heading = "Rows")]
     pub crease: Option<f64>,
-    /// Put the irregular panels of the field where a text file says: `x y z index` on a line, 1 for a pentagon, -1 for a heptagon; on a
-    /// closed surface the indices must add up to six times the Euler characteristic
+    /// Put the irregular panels of the field where a text file says: `x y z index` on a line, 1 for
+    /// a pentagon, -1 for a heptagon; on a closed surface the indices must add up to six times the
+    /// Euler characteristic
     #[arg(long, value_name = "CONES.TXT", help_heading = "Rows")]
     pub cones: Option<PathBuf>,
 }

@@ -14,7 +14,8 @@ use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use std::path::Path;
 use std::sync::LazyLock;
 
-/// Number of panels that a brick wall on the drawn conjugate curves would have: more curves are hard to tell apart.
+/// Number of panels that a brick wall on the drawn conjugate curves would have: more curves are
+/// hard to tell apart.
 const CURVES: usize = 300;
 
 /// What is shown of a run; all in model coordinates.

@@ -53,7 +53,8 @@ impl MeshFile {
             .or_exit(Exit::InputUnusable)
     }
 
-    /// The file's faces as a polygon mesh, and the number of vertices that no face uses and that were left out.
+    /// The file's faces as a polygon mesh, and the number of vertices that no face uses and that
+    /// were left out.
     ///
     /// # Errors
     /// If the faces are no oriented manifold; the message names element and cause.
@@ -169,7 +170,8 @@ fn point<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec3, String> {
     }
 }
 
-/// The points of a line `l`; as in faces, a texture may follow a point's number, and negative numbers count backwards.
+/// The points of a line `l`; as in faces, a texture may follow a point's number, and negative
+/// numbers count backwards.
 fn polyline<'a>(
     words: impl Iterator<Item = &'a str>,
     points: &[Vec3],
@@ -195,7 +197,8 @@ fn polyline<'a>(
     words.map(|w| index(w).ok_or_else(|| none(w))).collect()
 }
 
-/// The same faces without vertices that none of them names; indices that do not exist are left for others to find.
+/// The same faces without vertices that none of them names; indices that do not exist are left for
+/// others to find.
 fn without_unused_vertices(soup: &PolygonSoup) -> PolygonSoup {
     let mut is_used = vec![false; soup.positions.len()];
     for &v in soup.faces.iter().flatten() {

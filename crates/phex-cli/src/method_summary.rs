@@ -1,4 +1,5 @@
-//! What the portfolio tried, and what the methods by planes and poles met with, as lines of the table.
+//! What the portfolio tried, and what the methods by planes and poles met with, as lines of the
+//! table.
 
 use crate::summary::Table;
 use phex::layout::domain::CurvatureSign;

@@ -48,7 +48,8 @@ pub struct OffsetCommand {
     /// Surface to stay close to when optimising
     #[arg(long, value_name = "SURFACE", requires = "optimise")]
     pub surface: Option<PathBuf>,
-    /// Largest distance of the moved vertices and of panel centres to that surface, or to the given mesh
+    /// Largest distance of the moved vertices and of panel centres to that surface, or to the given
+    /// mesh
     #[arg(
         long,
         value_name = "LENGTH",
@@ -57,7 +58,8 @@ pub struct OffsetCommand {
         help_heading = "Tolerances"
     )]
     pub max_deviation: Quantity,
-    /// Also write closed panels with mitred sides between successive layers (one layer: between the mesh and it)
+    /// Also write closed panels with mitred sides between successive layers (one layer: between the
+    /// mesh and it)
     #[arg(long, help_heading = "Files")]
     pub solids: bool,
     /// Width of the joints between solid panels, in the planes of their faces
@@ -80,7 +82,8 @@ pub struct OffsetCommand {
     /// Write what was done and measured (JSON)
     #[arg(long, value_name = "RUN.JSON", help_heading = "Files")]
     pub report: Option<PathBuf>,
-    /// Largest distance of a corner to its face's plane: a number is mean edges, `0.1mm` a length [default: 1e-12, or rounding]
+    /// Largest distance of a corner to its face's plane: a number is mean edges, `0.1mm` a length
+    /// [default: 1e-12, or rounding]
     #[arg(long, value_name = "X", help_heading = "Tolerances")]
     pub planarity: Option<Quantity>,
     /// Unit of the model's coordinates
@@ -100,7 +103,8 @@ pub enum Kind {
     /// Planes of faces: every mesh has it.
     #[default]
     Face,
-    /// Edges: the mesh must be parallel to one whose edges touch a sphere (see `phex koebe`, `phex parallel`).
+    /// Edges: the mesh must be parallel to one whose edges touch a sphere (see `phex koebe`, `phex
+    /// parallel`).
     Edge,
     /// Vertices: faces must satisfy an angle condition (see `--optimise`).
     Vertex,

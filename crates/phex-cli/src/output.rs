@@ -19,7 +19,8 @@ pub enum Content {
     Other,
 }
 
-/// Checks that files can be written where they are asked for, that no two are the same, and that none is an input.
+/// Checks that files can be written where they are asked for, that no two are the same, and that
+/// none is an input.
 ///
 /// # Errors
 /// If the extension of a mesh is unknown, or a path can't be written.
@@ -72,7 +73,8 @@ fn check_place(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whether the file system takes the names of the folders and of the file that are to be made below a folder, which may be too long.
+/// Whether the file system takes the names of the folders and of the file that are to be made below
+/// a folder, which may be too long.
 fn check_names(path: &Path, folder: &Path) -> anyhow::Result<()> {
     let below = path.strip_prefix(folder).unwrap_or(path);
     for name in below.components() {

@@ -1,13 +1,15 @@
 //! A folder of files that a command makes, in which everything of others stays.
 //!
-//! The file `phex.sha256` lists what the command wrote, with checksums (`sha256sum -c phex.sha256` reads it). Only a file
-//! that is listed and still has its checksum is written over or removed. Every other file is somebody's work: where one
-//! has a name that is needed, nothing is written at all.
+//! The file `phex.sha256` lists what the command wrote, with checksums (`sha256sum -c phex.sha256`
+//! reads it). Only a file that is listed and still has its checksum is written over or removed.
+//! Every other file is somebody's work: where one has a name that is needed, nothing is written at
+//! all.
 //!
-//! New files are written into `.phex-new` in the folder first. Then the list takes up the checksums of old and new files,
-//! the new ones take their places by a rename each, those that are no longer made go, and the list keeps the new checksums
-//! alone. A run that is killed leaves the old files whole, or every new one whole in its place or in `.phex-new`; the next
-//! run finds all of them in the list.
+//! New files are written into `.phex-new` in the folder first. Then the list takes up the checksums
+//! of old and new files, the new ones take their places by a rename each, those that are no longer
+//! made go, and the list keeps the new checksums alone. A run that is killed leaves the old files
+//! whole, or every new one whole in its place or in `.phex-new`; the next run finds all of them in
+//! the list.
 
 mod list;
 #[cfg(test)]
@@ -38,7 +40,8 @@ pub type NamedFile = (String, Vec<u8>);
 /// How much of the folder is the command's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// The folder is new, empty or of an earlier run, and files of that run that are no longer made go.
+    /// The folder is new, empty or of an earlier run, and files of that run that are no longer made
+    /// go.
     Whole,
     /// Files are added to whatever is there, and those of earlier runs stay.
     Added,
@@ -52,7 +55,8 @@ pub struct OutputFolder<'a> {
     extent: Extent,
 }
 
-/// One of the steps that change the folder, in this order; a run may be killed between or within any two.
+/// One of the steps that change the folder, in this order; a run may be killed between or within
+/// any two.
 enum Step {
     /// Writes a file in `STAGE`.
     Stage { name: String, bytes: Vec<u8> },
@@ -72,10 +76,12 @@ impl<'a> OutputFolder<'a> {
         }
     }
 
-    /// Checks before the computation that files of these names (and others) can be written, and that inputs are safe.
+    /// Checks before the computation that files of these names (and others) can be written, and
+    /// that inputs are safe.
     ///
     /// # Errors
-    /// If the folder can't be written, holds inputs and is the command's as a whole, or files of others are in the way.
+    /// If the folder can't be written, holds inputs and is the command's as a whole, or files of
+    /// others are in the way.
     pub fn check(&self, names: &[String], inputs: &[&Path]) -> Result<(), Failure> {
         if self.path.is_symlink() && !self.path.exists() {
             return Err(self.refused("it is a link to nothing"));
@@ -93,10 +99,12 @@ impl<'a> OutputFolder<'a> {
         self.check_files(&self.listed()?, names)
     }
 
-    /// Writes all files, and removes those of an earlier run that are no longer made if the folder is the command's.
+    /// Writes all files, and removes those of an earlier run that are no longer made if the folder
+    /// is the command's.
     ///
     /// # Errors
-    /// If files of others are in the way, another run is writing there, the user interrupted, or the system refuses.
+    /// If files of others are in the way, another run is writing there, the user interrupted, or
+    /// the system refuses.
     pub fn write(&self, files: &[NamedFile]) -> Result<(), Failure> {
         if is_interrupted() {
             return Err(Failure::interrupted());
@@ -194,7 +202,8 @@ impl<'a> OutputFolder<'a> {
     /// What earlier runs wrote.
     ///
     /// # Errors
-    /// If the folder is to be the command's and holds other things only, or its list is of another command.
+    /// If the folder is to be the command's and holds other things only, or its list is of another
+    /// command.
     fn listed(&self) -> Result<List, Failure> {
         let path = self.path.join(LIST);
         match fs::read(&path) {
@@ -233,7 +242,8 @@ impl<'a> OutputFolder<'a> {
         )))
     }
 
-    /// Checks that nothing of others has a name that is needed, nor (in a folder that is the command's) has changed.
+    /// Checks that nothing of others has a name that is needed, nor (in a folder that is the
+    /// command's) has changed.
     fn check_files(&self, listed: &List, names: &[String]) -> Result<(), Failure> {
         let earlier = listed.names().filter(|_| self.extent == Extent::Whole);
         let needed: BTreeSet<&str> = names.iter().map(String::as_str).chain(earlier).collect();

@@ -6,13 +6,15 @@ use crate::units::Unit;
 use phex::pipeline::MAX_PANELS;
 use phex_mesh::TriangleSurface;
 
-/// Smallest edge, in units of the rounding of the largest coordinate: below, a panel's shape is noise.
+/// Smallest edge, in units of the rounding of the largest coordinate: below, a panel's shape is
+/// noise.
 const LEAST_EDGE_ULPS: f64 = 1e4;
 
 /// The number of panels that a size means on a surface.
 ///
 /// # Errors
-/// If it is none, more than [`MAX_PANELS`], or so many that double precision can't hold their shapes.
+/// If it is none, more than [`MAX_PANELS`], or so many that double precision can't hold their
+/// shapes.
 pub fn panels(size: PanelSize, surface: &TriangleSurface, unit: Unit) -> Result<u64, Failure> {
     let area = surface.area();
     let panels = match size {

@@ -25,7 +25,8 @@ pub struct ParallelCommand {
     /// Surface to come close to
     #[arg(long, value_name = "SURFACE", requires = "output")]
     pub surface: Option<PathBuf>,
-    /// Edge lengths to come close to: lines of `from to length` with the numbers of two vertices, counted from 0; other edges keep theirs
+    /// Edge lengths to come close to: lines of `from to length` with the numbers of two vertices,
+    /// counted from 0; other edges keep theirs
     #[arg(
         long,
         value_name = "LENGTHS.TXT",
@@ -36,8 +37,8 @@ pub struct ParallelCommand {
     /// Mesh to write
     #[arg(short, long, value_name = "MESH")]
     pub output: Option<PathBuf>,
-    /// Write a sparse basis of the space of parallel meshes: changes of edge lengths after which every face still closes (1000 panels take
-    /// about a second)
+    /// Write a sparse basis of the space of parallel meshes: changes of edge lengths after which
+    /// every face still closes (1000 panels take about a second)
     #[arg(long, value_name = "BASIS.CSV", help_heading = "Files")]
     pub basis: Option<PathBuf>,
     /// Where the fit begins

@@ -21,17 +21,19 @@ pub struct RenderCommand {
     /// What the colours show
     #[arg(long, value_name = "MAP", default_value = "valence", value_parser = map_parser())]
     pub color: Map,
-    /// Values of the first and the last colour: `LOW,HIGH` in the unit of the legend, `fixed` for the same range in every picture, or `auto`,
-    /// the mesh's own
+    /// Values of the first and the last colour: `LOW,HIGH` in the unit of the legend, `fixed` for
+    /// the same range in every picture, or `auto`, the mesh's own
     #[arg(long, value_name = "RANGE", default_value = "auto", value_parser = range, allow_hyphen_values = true)]
     pub range: Range,
-    /// Colour panels instead: a text file with lines of `panel colour`, panels counted from 0, colours from 1 to 6; the others stay plain
+    /// Colour panels instead: a text file with lines of `panel colour`, panels counted from 0,
+    /// colours from 1 to 6; the others stay plain
     #[arg(long, value_name = "MARKS.TXT", conflicts_with_all = ["color", "range"])]
     pub mark: Option<PathBuf>,
     /// From where the mesh is seen
     #[arg(long, value_enum, default_value_t)]
     pub view: View,
-    /// Direction from which it is seen instead, degrees counter-clockwise from +x (-60 for `iso`: from the front, a little from the right)
+    /// Direction from which it is seen instead, degrees counter-clockwise from +x (-60 for `iso`:
+    /// from the front, a little from the right)
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_hyphen_values = true)]
     pub azimuth: Option<f64>,
     /// Height of the eye above the horizon instead, degrees (-90 to 90)
@@ -40,10 +42,12 @@ pub struct RenderCommand {
     /// Surface that the mesh stands for, for deviation and curvature
     #[arg(long, value_name = "SURFACE")]
     pub surface: Option<PathBuf>,
-    /// Curves to draw over the panels: an OBJ file with polylines, as `network` and `dupin` write them; for PNG
+    /// Curves to draw over the panels: an OBJ file with polylines, as `network` and `dupin` write
+    /// them; for PNG
     #[arg(long, value_name = "CURVES.OBJ")]
     pub curves: Option<PathBuf>,
-    /// Leave out the panels' edges: a fine triangle mesh then looks like the surface that it stands for
+    /// Leave out the panels' edges: a fine triangle mesh then looks like the surface that it stands
+    /// for
     #[arg(long)]
     pub no_edges: bool,
     /// Width and height in pixels

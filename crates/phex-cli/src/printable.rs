@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// A text as it may be shown on a terminal: characters of file names and files that would steer it are told instead, as
-/// JSON writes them, so that JSON stays what it is.
+/// A text as it may be shown on a terminal: characters of file names and files that would steer it
+/// are told instead, as JSON writes them, so that JSON stays what it is.
 pub fn printable(text: &str) -> Cow<'_, str> {
     let steers = |c: char| {
         let turns_text = matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');

@@ -29,7 +29,8 @@ pub fn keep_best() {
     KEEPS_BEST.store(true, Ordering::Relaxed);
 }
 
-/// The computation has ended: from now on an interruption ends the program. Tells whether there was one.
+/// The computation has ended: from now on an interruption ends the program. Tells whether there was
+/// one.
 pub fn take_interruption() -> bool {
     KEEPS_BEST.store(false, Ordering::Relaxed);
     INTERRUPTED.swap(false, Ordering::Relaxed)

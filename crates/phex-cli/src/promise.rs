@@ -1,4 +1,5 @@
-//! What an earlier run promised, as its report tells it: limits and surfaces, so that its mesh can be judged again in the same way.
+//! What an earlier run promised, as its report tells it: limits and surfaces, so that its mesh can
+//! be judged again in the same way.
 
 use crate::exit::{Exit, Failure, OrExit};
 use crate::input::MeshFile;
@@ -85,7 +86,8 @@ impl Promise {
         Ok(Some(file))
     }
 
-    /// The smooth surface that the run wrote; nothing if it wrote none, or that is not there any more.
+    /// The smooth surface that the run wrote; nothing if it wrote none, or that is not there any
+    /// more.
     ///
     /// # Errors
     /// If the file can't be used.

@@ -35,22 +35,23 @@ pub struct MeshSettings {
     /// Use the method where it is not made for the surface, to see what becomes of it
     #[arg(long)]
     pub any_domain: bool,
-    /// Quadric of `projective-dual`: the ten numbers of the upper triangle of its symmetric matrix Q, row by row [default: the unit sphere about a centre away from all
-    /// tangent planes]
+    /// Quadric of `projective-dual`: the ten numbers of the upper triangle of its symmetric matrix
+    /// Q, row by row [default: the unit sphere about a centre away from all tangent planes]
     #[arg(long, value_name = "Q", value_parser = crate::number_lists::ten, allow_hyphen_values = true)]
     pub quadric: Option<[f64; 10]>,
-    /// Hold back vertices where tangent planes meet badly (0.05 to 0.5), and leave planarity to the optimiser; for `tangent-planes`
+    /// Hold back vertices where tangent planes meet badly (0.05 to 0.5), and leave planarity to the
+    /// optimiser; for `tangent-planes`
     #[arg(long, value_name = "X", value_parser = positive)]
     pub regularise: Option<f64>,
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub rotate: Option<f64>,
-    /// Smaller panels where the surface is strongly curved (panel length times curvature stays below this, 0.4 without a number) or has two
-    /// sheets near each other
+    /// Smaller panels where the surface is strongly curved (panel length times curvature stays
+    /// below this, 0.4 without a number) or has two sheets near each other
     #[arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive)]
     pub adaptive: Option<f64>,
-    /// Lengths of the panels' edges from a text file: a number on each line for each vertex of the input, in its order; with
-    /// --panels or --edge-length only their ratios count
+    /// Lengths of the panels' edges from a text file: a number on each line for each vertex of the
+    /// input, in its order; with --panels or --edge-length only their ratios count
     #[arg(long, value_name = "SIZES.TXT")]
     pub size_field: Option<PathBuf>,
     /// What happens at the boundary [default: snap]
@@ -59,10 +60,12 @@ pub struct MeshSettings {
     /// Surface that the panels are kept close to [default: smooth]
     #[arg(long, value_enum, value_name = "KIND")]
     pub target: Option<CloseTo>,
-    /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default: 0.5%]
+    /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default:
+    /// 0.5%]
     #[arg(long, value_name = "LENGTH", help_heading = "Tolerances")]
     pub max_deviation: Option<Quantity>,
-    /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length [default: 1e-12, or rounding]
+    /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length
+    /// [default: 1e-12, or rounding]
     #[arg(long, value_name = "X", help_heading = "Tolerances")]
     pub planarity: Option<Quantity>,
     /// Unit of the model's coordinates [default: m]
@@ -83,7 +86,8 @@ pub struct MeshSettings {
     /// Lines that rows run along, and cones; in a job file the table `[guides]`.
     #[command(flatten)]
     pub guides: GuideSettings,
-    /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of them.
+    /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of
+    /// them.
     #[arg(skip)]
     pub stages: MeshOptions,
 }
@@ -96,15 +100,18 @@ pub enum Layout {
     Lattice,
     /// All ways of the portfolio side by side, lattices and a brick wall; the best is kept
     Best,
-    /// A brick wall on the lines of curvature, where the surface has a network of them without singular points
+    /// A brick wall on the lines of curvature, where the surface has a network of them without
+    /// singular points
     BrickWall,
     /// A Goldberg polyhedron; for spheres, ellipsoids and pieces of them
     PowerDiagram,
     /// A regular triangulation of the dual surface, mapped back; for Gauss curvature of one sign
     ProjectiveDual,
-    /// A coarse mesh refined by the butterfly rule through its dual; for Gauss curvature of one sign
+    /// A coarse mesh refined by the butterfly rule through its dual; for Gauss curvature of one
+    /// sign
     DualSubdivision,
-    /// Tangent planes over a regular triangulation of the Gauss sphere; for Gauss curvature of one sign
+    /// Tangent planes over a regular triangulation of the Gauss sphere; for Gauss curvature of one
+    /// sign
     SupportFunction,
     /// Tangent planes of the lattice's panels, intersected
     TangentPlanes,
@@ -342,7 +349,8 @@ impl MeshSettings {
         options
     }
 
-    /// The settings with every default filled in, for the report; `panels` is the number that the size means.
+    /// The settings with every default filled in, for the report; `panels` is the number that the
+    /// size means.
     pub fn complete(&self, panels: u64) -> Self {
         let stages = self.options(panels);
         Self {

@@ -20,7 +20,8 @@ pub enum ProgressMode {
 /// How the program talks.
 #[derive(Clone, Debug, Default, Args)]
 pub struct Talk {
-    /// Progress on standard error: a bar on a terminal, nothing, or a JSON object a line (`progress`: share done of the whole run, seconds left, about)
+    /// Progress on standard error: a bar on a terminal, nothing, or a JSON object a line
+    /// (`progress`: share done of the whole run, seconds left, about)
     #[arg(
         long,
         value_enum,
@@ -54,10 +55,12 @@ pub struct Extras {
 /// Tolerances, and the unit that lengths refer to.
 #[derive(Clone, Debug, Default, Args)]
 pub struct Limits {
-    /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length [default: 1e-12, or rounding]
+    /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length
+    /// [default: 1e-12, or rounding]
     #[arg(long, value_name = "X", help_heading = "Tolerances")]
     pub planarity: Option<Quantity>,
-    /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default: 0.5%]
+    /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default:
+    /// 0.5%]
     #[arg(long, value_name = "LENGTH", help_heading = "Tolerances")]
     pub max_deviation: Option<Quantity>,
     /// Unit of the model's coordinates

@@ -15,13 +15,16 @@ use std::str::FromStr;
 #[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize)]
 #[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
 pub struct SteeringSettings {
-    /// Fix vertices: a text file with `x y z` on a line (the nearest vertex is moved there) or a vertex number, from 0 (it stays)
+    /// Fix vertices: a text file with `x y z` on a line (the nearest vertex is moved there) or a
+    /// vertex number, from 0 (it stays)
     #[arg(long, value_name = "POINTS.TXT", help_heading = "Steering")]
     pub fix: Option<PathBuf>,
-    /// Let vertices of the boundary slide on the polylines of an OBJ file that are within half an edge
+    /// Let vertices of the boundary slide on the polylines of an OBJ file that are within half an
+    /// edge
     #[arg(long, value_name = "CURVE.OBJ", help_heading = "Steering")]
     pub curve: Option<PathBuf>,
-    /// Keep vertices of the boundary in a plane: level at the lowest one, level at `Z`, or through `X,Y,Z` with normal `NX,NY,NZ`
+    /// Keep vertices of the boundary in a plane: level at the lowest one, level at `Z`, or through
+    /// `X,Y,Z` with normal `NX,NY,NZ`
     #[arg(
         long,
         value_name = "Z|X,Y,Z,NX,NY,NZ",
@@ -31,10 +34,12 @@ pub struct SteeringSettings {
         help_heading = "Steering"
     )]
     pub ground: Option<TypedPlane>,
-    /// How far from the ground plane vertices of the boundary may lie to be put in it, mean edges [default: 0.5]
+    /// How far from the ground plane vertices of the boundary may lie to be put in it, mean edges
+    /// [default: 0.5]
     #[arg(long, value_name = "X", value_parser = not_negative, help_heading = "Steering")]
     pub ground_reach: Option<f64>,
-    /// Pull the nearest vertices towards points: a text file with `x y z`, or `x y z weight`, on a line (weight 1 is that of the surface)
+    /// Pull the nearest vertices towards points: a text file with `x y z`, or `x y z weight`, on a
+    /// line (weight 1 is that of the surface)
     #[arg(long, value_name = "POINTS.TXT", help_heading = "Steering")]
     pub anchors: Option<PathBuf>,
     /// More than 1: more even panels, less than 1: freer ones
@@ -46,7 +51,8 @@ pub struct SteeringSettings {
     /// More than 1: more room between the corners and edges of a panel
     #[arg(long, value_name = "X", value_parser = positive, help_heading = "Steering")]
     pub clearance: Option<f64>,
-    /// Less than 1: corners nearer to the surface, centres of panels farther; 0: the corners lie on it
+    /// Less than 1: corners nearer to the surface, centres of panels farther; 0: the corners lie on
+    /// it
     #[arg(long, value_name = "X", value_parser = not_negative, help_heading = "Steering")]
     pub centres: Option<f64>,
     /// How panels are made planar [default: barrier]
@@ -60,7 +66,8 @@ pub struct SteeringSettings {
 pub enum TypedSolver {
     /// Distances to the panels' planes, with a barrier that keeps panels simple
     Barrier,
-    /// The paper's: volumes of all four corners of a panel, penalised; nothing keeps panels simple; for comparison
+    /// The paper's: volumes of all four corners of a panel, penalised; nothing keeps panels simple;
+    /// for comparison
     Tetrahedra,
 }
 

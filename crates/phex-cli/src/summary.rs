@@ -398,7 +398,8 @@ fn figure(value: f64) -> String {
     digits(value, FIGURE_DIGITS)
 }
 
-/// A number with at most so many digits that mean something; very large and small ones with two and a power of ten.
+/// A number with at most so many digits that mean something; very large and small ones with two and
+/// a power of ten.
 fn digits(value: f64, most: i32) -> String {
     let size = value.abs();
     if value == 0.0 {

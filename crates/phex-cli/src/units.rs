@@ -95,7 +95,8 @@ impl Quantity {
         }
     }
 
-    /// The unit it was typed in, and the length of that unit in model units: a plain number has the model's, and 100 % is `whole`.
+    /// The unit it was typed in, and the length of that unit in model units: a plain number has the
+    /// model's, and 100 % is `whole`.
     pub fn unit(self, model_unit: Unit, whole: f64) -> (&'static str, f64) {
         match self.suffix {
             Suffix::Plain => (model_unit.name(), 1.0),

@@ -1,4 +1,5 @@
-//! Judging a mesh: limits as they were typed to tolerances, verdicts to exit codes, reports and pictures to files.
+//! Judging a mesh: limits as they were typed to tolerances, verdicts to exit codes, reports and
+//! pictures to files.
 
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
@@ -17,11 +18,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
-/// Planarity that the optimiser reaches in double precision, in diagonals over mean edges. What is asked for below is judged as it is, but
-/// nothing else is given up for it.
+/// Planarity that the optimiser reaches in double precision, in diagonals over mean edges. What is
+/// asked for below is judged as it is, but nothing else is given up for it.
 const REACHED: f64 = 16.0 * f64::EPSILON;
 
-/// Limits as they were typed: what every command judges a mesh by, and what its report says of that.
+/// Limits as they were typed: what every command judges a mesh by, and what its report says of
+/// that.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct TypedLimits {
     /// Of planarity.
@@ -30,7 +32,8 @@ pub struct TypedLimits {
     pub max_deviation: Quantity,
     /// The model's unit.
     pub unit: Unit,
-    /// What panels were to do at the boundary, where neither curve nor ground plane leads it elsewhere.
+    /// What panels were to do at the boundary, where neither curve nor ground plane leads it
+    /// elsewhere.
     pub boundary: Option<Boundary>,
 }
 
@@ -83,8 +86,8 @@ impl TypedLimits {
         }
     }
 
-    /// Tells the optimiser what is demanded of a mesh with edges of length `edge` and diagonal `extent`, model units; percentages of
-    /// the deviation refer to the diagonal `whole`.
+    /// Tells the optimiser what is demanded of a mesh with edges of length `edge` and diagonal
+    /// `extent`, model units; percentages of the deviation refer to the diagonal `whole`.
     pub fn demand(&self, options: &mut OptimiseOptions, edge: f64, extent: f64, whole: f64) {
         if let Some(planarity) = self.planarity {
             let rounding = REACHED * extent / edge;

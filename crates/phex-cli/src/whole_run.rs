@@ -1,8 +1,9 @@
 //! How much of a whole run is done, and how long the rest takes, about.
 //!
-//! How many layouts a run tries, and how long it searches, is known only when it ends. So every stage that ends takes a share
-//! of what was left, a smaller one each time that it comes again, and iterations lead up to the end of theirs: the share that is done
-//! never falls and is 1 only in the end. What is left is estimated from the time that it took to come here.
+//! How many layouts a run tries, and how long it searches, is known only when it ends. So every
+//! stage that ends takes a share of what was left, a smaller one each time that it comes again, and
+//! iterations lead up to the end of theirs: the share that is done never falls and is 1 only in the
+//! end. What is left is estimated from the time that it took to come here.
 
 use phex::Event;
 use serde::Serialize;
@@ -72,7 +73,8 @@ impl WholeRun {
         }
     }
 
-    /// Takes an event; tells how far the run is if that is news. `most` is the time that is left at the most.
+    /// Takes an event; tells how far the run is if that is news. `most` is the time that is left at
+    /// the most.
     pub fn take(&mut self, event: &Event, most: Option<Duration>) -> Option<WholeProgress> {
         match event {
             Event::StageStarted { stage } => self.begin(stage),

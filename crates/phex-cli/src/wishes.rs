@@ -1,4 +1,5 @@
-//! What came of what was asked of rows, cones and sizes: told with figures, since a field of directions can't follow everything.
+//! What came of what was asked of rows, cones and sizes: told with figures, since a field of
+//! directions can't follow everything.
 
 use crate::exit::Failure;
 use phex::MeshOptions;
@@ -9,9 +10,11 @@ use phex::directions::thickness::thickness;
 use phex::layout::lattice::CELL;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3};
 
-/// Diagonals of the surface that points for rows, cones and holds may be away from its box: farther off, their unit is another one.
+/// Diagonals of the surface that points for rows, cones and holds may be away from its box: farther
+/// off, their unit is another one.
 const FARTHEST: f64 = 10.0;
-/// Angle, degrees, up to which a row runs along a line; without any order a third of all rows would.
+/// Angle, degrees, up to which a row runs along a line; without any order a third of all rows
+/// would.
 const ALONG: f64 = 10.0;
 /// Mean edges between a prescribed cone and the one that counts as it.
 const IN_PLACE: f64 = 2.0;
@@ -298,8 +301,8 @@ impl Rows {
         }
     }
 
-    /// Angle in degrees, up to 30 in a regular lattice, between a line and the nearest row through the nearest panel, if there is one
-    /// within `reach`.
+    /// Angle in degrees, up to 30 in a regular lattice, between a line and the nearest row through
+    /// the nearest panel, if there is one within `reach`.
     fn angle(&self, p: Vec3, tangent: Vec3, reach: f64) -> Option<f64> {
         let distance = |(centre, _): &&(Vec3, Vec<Vec3>)| (centre - p).norm_squared();
         let nearest = self

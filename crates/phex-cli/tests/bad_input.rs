@@ -1,4 +1,5 @@
-//! Bad input ends with exit code 4, a message that names element and cause, and no output file touched.
+//! Bad input ends with exit code 4, a message that names element and cause, and no output file
+//! touched.
 
 mod common;
 use common::Workshop;
@@ -457,7 +458,8 @@ fn files_of_a_job_are_not_written_over() {
     }
 }
 
-/// Nothing of a file that steers a terminal gets there, nor more of a line than tells which one it is.
+/// Nothing of a file that steers a terminal gets there, nor more of a line than tells which one it
+/// is.
 #[test]
 fn messages_are_short_and_harmless_whatever_a_file_holds() {
     let shop = with_square("a.obj");

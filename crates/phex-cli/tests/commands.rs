@@ -380,7 +380,8 @@ fn check_certifies_each_figure_with_its_worst_element() {
 #[test]
 fn pictures_are_seen_from_a_side_and_over_a_range_of_one_s_choice() {
     let shop = Workshop::new();
-    // Corners off their planes by thousandths of an edge: blank over the range that does for every mesh.
+    // Corners off their planes by thousandths of an edge: blank over the range that does for every
+    // mesh.
     let bent = honeycomb(4, 5, |i, [x, y, z]| [x, y, z + 1e-3 * ((i * i) % 7) as f64]);
     shop.write("bent.obj", bent);
     let render = |name: &str, options: &str| {
@@ -421,7 +422,8 @@ fn words_of_the_tables_are_explained() {
     }
 }
 
-/// A plane of unit squares over the honeycomb and `margin` beyond it, with `lift` at the vertex in its middle.
+/// A plane of unit squares over the honeycomb and `margin` beyond it, with `lift` at the vertex in
+/// its middle.
 fn plane(margin: i32, lift: f64) -> String {
     let (low, high) = (-margin, 8 + margin);
     let side = high - low + 1;

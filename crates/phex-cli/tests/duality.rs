@@ -1,4 +1,5 @@
-//! `phex dual`, `phex subdivide`, `phex power-diagram`, `phex dupin`, and methods that refuse a surface.
+//! `phex dual`, `phex subdivide`, `phex power-diagram`, `phex dupin`, and methods that refuse a
+//! surface.
 
 mod common;
 use common::Workshop;
@@ -108,7 +109,8 @@ fn indicatrices_are_written_and_panels_measured_against_them() {
     shop.succeed("mesh torus.obj -o mesh.obj --method brick-wall -n 200 -q");
     shop.succeed("dupin torus.obj -o inscribed.obj --panels mesh.obj");
     shop.succeed("render mesh.obj -o picture.png --curves inscribed.obj --size 200x150");
-    // Of a torus of hexagons one in seven at the least, and one in three at the most, has no corner in common with another.
+    // Of a torus of hexagons one in seven at the least, and one in three at the most, has no corner
+    // in common with another.
     let count = |run: common::Run| -> usize {
         let words = run.stdout.split_whitespace().nth(1);
         words.and_then(|n| n.parse().ok()).expect("a number")

@@ -51,7 +51,8 @@ fn wrong_guides_are_refused() {
     refuse("--guide none.obj", "holds no polyline");
 }
 
-/// How well the edges of a flat mesh fit hexagons in rows along a direction: the mean of `-cos 6 t`, 1 at best.
+/// How well the edges of a flat mesh fit hexagons in rows along a direction: the mean of `-cos 6
+/// t`, 1 at best.
 fn fit(text: &str, along: f64) -> f64 {
     let numbers = |l: &str| -> Vec<f64> {
         let words = l.split_whitespace().skip(1);

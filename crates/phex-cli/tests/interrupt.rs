@@ -48,8 +48,8 @@ fn interruption_ends_a_long_run_at_once_and_leaves_files_alone() {
     assert_eq!(shop.read("out.obj"), b"precious");
 }
 
-/// A limit that no panels keep to makes the program try whatever it knows: once there is a mesh, an interruption ends that, and the mesh is judged and
-/// written.
+/// A limit that no panels keep to makes the program try whatever it knows: once there is a mesh, an
+/// interruption ends that, and the mesh is judged and written.
 #[test]
 fn the_best_mesh_so_far_is_kept_on_request() {
     let shop = Workshop::new();

@@ -83,7 +83,8 @@ fn edge_offsets_of_other_meshes_are_refused_by_edge() {
     assert!(run.stderr.contains("least_edge"), "{}", run.stderr);
 }
 
-/// A cube has the bricks for its parallel meshes: three dimensions, and longer edges take their whole bundle with them.
+/// A cube has the bricks for its parallel meshes: three dimensions, and longer edges take their
+/// whole bundle with them.
 #[test]
 fn the_space_of_parallel_meshes_and_wishes_in_it() {
     let shop = Workshop::new();

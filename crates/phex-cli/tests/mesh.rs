@@ -60,7 +60,8 @@ fn an_edge_length_is_met() {
     }
 }
 
-/// What the stages were asked for is in the report, and what was typed is never farther off than what is usual.
+/// What the stages were asked for is in the report, and what was typed is never farther off than
+/// what is usual.
 #[test]
 fn a_tighter_deviation_is_aimed_at_and_reported() {
     let shop = dome();

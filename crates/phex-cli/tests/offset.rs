@@ -108,7 +108,8 @@ fn a_distance_for_each_face() {
     );
 }
 
-/// The edges of a tetrahedron fold, and so do those of its offsets: they are written, and the exit code says so.
+/// The edges of a tetrahedron fold, and so do those of its offsets: they are written, and the exit
+/// code says so.
 #[test]
 fn what_the_mesh_has_its_layers_keep() {
     let shop = Workshop::new();
@@ -192,7 +193,8 @@ fn how_far_vertices_move_is_measured_from_where_they_were() {
     assert_eq!(close("1%").code, Some(0));
 }
 
-/// A folded strip: only where it is open do edges turn, and that is said with the edge and the angle.
+/// A folded strip: only where it is open do edges turn, and that is said with the edge and the
+/// angle.
 #[test]
 fn edges_that_turn_at_the_rim_are_told() {
     let shop = with_cuboid();

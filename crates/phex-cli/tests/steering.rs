@@ -93,7 +93,8 @@ fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
         .refuses(4, &["--fix", "no numbers"]);
 }
 
-/// Edges of the surface's own boundary, and all of it: vertices of the adjoining edges stay where they are, and panels planar.
+/// Edges of the surface's own boundary, and all of it: vertices of the adjoining edges stay where
+/// they are, and panels planar.
 #[test]
 fn a_curve_along_the_boundary_itself_breaks_nothing() {
     let shop = Workshop::new();
@@ -127,7 +128,8 @@ fn a_curve_along_the_boundary_itself_breaks_nothing() {
     }
 }
 
-/// Two hills side by side: what is held goes to the nearest, the ground holds both, and a warm start takes both.
+/// Two hills side by side: what is held goes to the nearest, the ground holds both, and a warm
+/// start takes both.
 #[test]
 fn surfaces_of_several_parts_are_held_too() {
     let shop = Workshop::new();
@@ -263,7 +265,8 @@ fn a_ground_plane_leaves_the_other_rim_to_be_judged() {
     let line = "mesh shell.obj -o m.obj -n 200 --report run.json --max-deviation";
     shop.succeed(&format!("{line} 1% --ground -0.8"));
     assert_eq!(check("boundary").unwrap()["pass"], true);
-    // Panels are never that near the rim: the check is made, and names faces of the rim at the top alone.
+    // Panels are never that near the rim: the check is made, and names faces of the rim at the top
+    // alone.
     shop.phex(&format!("{line} 0.0001% --ground -0.8"));
     let boundary = check("boundary").unwrap();
     assert_eq!(boundary["pass"], false);
@@ -271,7 +274,8 @@ fn a_ground_plane_leaves_the_other_rim_to_be_judged() {
     assert!(!boundary["ids"].as_array().unwrap().is_empty());
 }
 
-/// On a rim that is not level the ground takes panels off the surface, which is told with the panels and by how much.
+/// On a rim that is not level the ground takes panels off the surface, which is told with the
+/// panels and by how much.
 #[test]
 fn a_rim_that_is_not_level_is_told() {
     let shop = Workshop::new();

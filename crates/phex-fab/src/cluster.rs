@@ -1,4 +1,5 @@
-//! What is the same: congruent panels, equal lengths, equal angles. Their numbers are those of distinct moulds and lengths.
+//! What is the same: congruent panels, equal lengths, equal angles. Their numbers are those of
+//! distinct moulds and lengths.
 
 use crate::plate::Plate;
 use phex_mesh::Vec2;
@@ -8,13 +9,15 @@ use phex_mesh::Vec2;
 pub struct Cluster {
     /// Middle of the least and the largest value; for panels the area in mm².
     pub value: f64,
-    /// Difference of the largest and the least value; for panels the largest distance of corners from the first panel's.
+    /// Difference of the largest and the least value; for panels the largest distance of corners
+    /// from the first panel's.
     pub spread: f64,
     /// Numbers of the members, growing.
     pub members: Vec<usize>,
 }
 
-/// Groups values such that no group spreads over more than `tolerance`: the least number of groups, by growing value.
+/// Groups values such that no group spreads over more than `tolerance`: the least number of groups,
+/// by growing value.
 pub fn by_value(values: &[f64], tolerance: f64) -> Vec<Cluster> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -42,8 +45,9 @@ fn cluster_of(values: &[f64], mut members: Vec<usize>) -> Cluster {
     }
 }
 
-/// Groups panels whose both faces coincide, corner by corner, up to `tolerance` (mm) after turning and moving them in their
-/// plane; mirrored ones are different. Every member is compared with the first of its group.
+/// Groups panels whose both faces coincide, corner by corner, up to `tolerance` (mm) after turning
+/// and moving them in their plane; mirrored ones are different. Every member is compared with the
+/// first of its group.
 pub fn congruent(plates: &[Plate], tolerance: f64) -> Vec<Cluster> {
     let mut clusters: Vec<Cluster> = Vec::new();
     let perimeters: Vec<f64> = plates.iter().map(|p| p.lengths().iter().sum()).collect();
@@ -70,8 +74,8 @@ pub fn congruent(plates: &[Plate], tolerance: f64) -> Vec<Cluster> {
     clusters
 }
 
-/// Largest distance of corners of two panels when they are laid on each other as well as least squares can; `None` if
-/// they have different numbers of corners.
+/// Largest distance of corners of two panels when they are laid on each other as well as least
+/// squares can; `None` if they have different numbers of corners.
 fn distance(a: &Plate, b: &Plate) -> Option<f64> {
     let n = a.top.len();
     if n != b.top.len() {

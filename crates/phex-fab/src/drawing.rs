@@ -1,4 +1,5 @@
-//! Sheets as drawings: DXF for machines, SVG for people and laser cutters. Millimetres; y up in DXF.
+//! Sheets as drawings: DXF for machines, SVG for people and laser cutters. Millimetres; y up in
+//! DXF.
 //!
 //! | layer | what is on it |
 //! |---|---|

@@ -81,7 +81,8 @@ fn largest(distance: &Option<f64>) -> String {
 pub struct TooLarge {
     /// All of them; at least one.
     pub panels: Vec<String>,
-    /// Length along and across the sheet that the first one needs in the rotations that are allowed, in mm.
+    /// Length along and across the sheet that the first one needs in the rotations that are
+    /// allowed, in mm.
     pub size: [f64; 2],
     /// The sheet, in mm.
     pub sheet: [f64; 2],

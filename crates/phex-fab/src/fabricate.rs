@@ -132,8 +132,8 @@ pub fn valid_mesh(
 /// ```
 ///
 /// # Errors
-/// If an option is out of range, the thickness goes past the safe offset, the gap eats up a panel, or a panel does not fit
-/// on a sheet; panels are named. Also if `progress` cancels.
+/// If an option is out of range, the thickness goes past the safe offset, the gap eats up a panel,
+/// or a panel does not fit on a sheet; panels are named. Also if `progress` cancels.
 pub fn fabricate(
     mesh: ValidHexMesh,
     ids: PanelIds,

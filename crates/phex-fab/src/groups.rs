@@ -98,8 +98,8 @@ impl Groups {
         self.length_name(self.length_group[edge.index()])
     }
 
-    /// Angle between the two panels of an edge, measured inside (below 180 degrees at ridges, above in valleys), in radians,
-    /// and the name of its group; `None` on the boundary.
+    /// Angle between the two panels of an edge, measured inside (below 180 degrees at ridges, above
+    /// in valleys), in radians, and the name of its group; `None` on the boundary.
     pub fn dihedral(&self, edge: EdgeId) -> Option<(f64, String)> {
         self.dihedral[edge].map(|(angle, group)| (angle, self.dihedral_name(group)))
     }

@@ -1,13 +1,15 @@
 //! Names of panels, edges and nodes, by which all files refer to one another.
 //!
-//! *Panels.* Where the connectivity has [rows](crate::rows), a letter for the row and a number in it (`A1`, `B12`, after
-//! `Z` comes `AA`); else `P0001`, in the order of the faces in the file. Both depend on connectivity and, for rows, on which
-//! family of rows is the most level: they are the same in every run, and stay when vertices move a little. When panels are added or removed, give
-//! the `panels` table of the last run ([`PanelIds::keeping`]): every panel whose centre is within half a mean edge of
-//! one in that table, and nearer to it than any other, keeps its name; names of panels that are gone are not used again.
+//! *Panels.* Where the connectivity has [rows](crate::rows), a letter for the row and a number in
+//! it (`A1`, `B12`, after `Z` comes `AA`); else `P0001`, in the order of the faces in the file.
+//! Both depend on connectivity and, for rows, on which family of rows is the most level: they are
+//! the same in every run, and stay when vertices move a little. When panels are added or removed,
+//! give the `panels` table of the last run ([`PanelIds::keeping`]): every panel whose centre is
+//! within half a mean edge of one in that table, and nearer to it than any other, keeps its name;
+//! names of panels that are gone are not used again.
 //!
-//! Names are engraved in capitals, stand in lists and in tables that spreadsheets open; what can't be told apart or read there
-//! is no name ([`check_name`]).
+//! Names are engraved in capitals, stand in lists and in tables that spreadsheets open; what can't
+//! be told apart or read there is no name ([`check_name`]).
 //!
 //! *Edges* and *nodes* are `E0001` and `N0001`, in the order of the mesh.
 
@@ -38,7 +40,8 @@ impl PanelIds {
         }
     }
 
-    /// As [`new`](Self::new), but panels near one of `previous` (name and centre, model units) keep its name.
+    /// As [`new`](Self::new), but panels near one of `previous` (name and centre, model units) keep
+    /// its name.
     pub fn keeping(mesh: &HexMesh, previous: &[(String, Vec3)]) -> Self {
         let fresh = Self::new(mesh);
         let kept = kept(mesh, previous);
@@ -75,8 +78,9 @@ impl PanelIds {
 /// Most characters of a name.
 const LONGEST: usize = 32;
 
-/// Checks that a text can be the name of a panel: 1 to 32 letters A to Z, digits, blanks and `.-_+/:%°`, no blank at either end,
-/// and none of the signs with which a spreadsheet's formulas begin at the start.
+/// Checks that a text can be the name of a panel: 1 to 32 letters A to Z, digits, blanks and
+/// `.-_+/:%°`, no blank at either end, and none of the signs with which a spreadsheet's formulas
+/// begin at the start.
 ///
 /// ```
 /// use phex_fab::ids::check_name;

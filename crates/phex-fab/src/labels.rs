@@ -1,7 +1,9 @@
-//! Where text goes on a panel: its name in the middle, and along each side the name of the neighbour with the mitre angle.
+//! Where text goes on a panel: its name in the middle, and along each side the name of the
+//! neighbour with the mitre angle.
 //!
-//! Texts stay inside the panel's upper face and off one another, with a margin. They are as large as asked for where there is
-//! room; where there is not, all texts of the panel shrink, down to 2 mm. What does not fit then is left out and said.
+//! Texts stay inside the panel's upper face and off one another, with a margin. They are as large
+//! as asked for where there is room; where there is not, all texts of the panel shrink, down to 2
+//! mm. What does not fit then is left out and said.
 
 use crate::ids::written;
 use crate::layer::{Layer, Stroke};
@@ -21,7 +23,8 @@ const LEAST: f64 = 3.4;
 const OF_RADIUS: f64 = 0.5;
 /// Ratio of successive heights.
 const SHRINK: f64 = 0.85;
-/// Points of the grid on which places for the name are looked for, along a side of the bounding box.
+/// Points of the grid on which places for the name are looked for, along a side of the bounding
+/// box.
 const GRID: usize = 24;
 /// Places along a side, and distances from it in text heights.
 const PLACES: [f64; 9] = [0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.18, 0.82];

@@ -1,5 +1,5 @@
-//! Workshop files of a planar hexagonal mesh: from a [`ValidHexMesh`](phex_mesh::ValidHexMesh) to a folder that panels are
-//! cut, marked, sorted and put together from.
+//! Workshop files of a planar hexagonal mesh: from a [`ValidHexMesh`](phex_mesh::ValidHexMesh) to a
+//! folder that panels are cut, marked, sorted and put together from.
 //!
 //! | module | what it makes |
 //! |---|---|
@@ -15,11 +15,13 @@
 //! | [`folder`] | all files, by name |
 //! | [`error`] | why not |
 //!
-//! Units: lengths of a [`ValidHexMesh`](phex_mesh::ValidHexMesh), its thickness and gap are model units; everything flat, every table and every
-//! drawing is in millimetres and degrees, as workshops work. Angles of the library are radians.
+//! Units: lengths of a [`ValidHexMesh`](phex_mesh::ValidHexMesh), its thickness and gap are model
+//! units; everything flat, every table and every drawing is in millimetres and degrees, as
+//! workshops work. Angles of the library are radians.
 //!
-//! *Guaranteed*: flat panels are the faces of the solids up to rounding; every panel is on exactly one sheet, and keeps its
-//! distance from the others and from the border (checked with every run, on both faces); equal inputs give equal bytes.
+//! *Guaranteed*: flat panels are the faces of the solids up to rounding; every panel is on exactly
+//! one sheet, and keeps its distance from the others and from the border (checked with every run,
+//! on both faces); equal inputs give equal bytes.
 
 pub mod cluster;
 pub mod drawing;

@@ -54,7 +54,8 @@ impl Rotations {
 pub struct FabOptions {
     /// Thickness of the panels, in model units; above 0.
     pub thickness: f64,
-    /// Width of the joints between panels, in the planes of their faces, in model units; at least 0.
+    /// Width of the joints between panels, in the planes of their faces, in model units; at
+    /// least 0.
     pub gap: f64,
     /// Where the mesh lies in the thickness.
     pub side: Side,
@@ -62,15 +63,16 @@ pub struct FabOptions {
     pub unit_mm: f64,
     /// Length along x and along y of a sheet, in mm. Default 2500 x 1250.
     pub sheet_mm: [f64; 2],
-    /// Least distance of panels from one another and from the sheet's border, in mm. Default 5: room for a saw or cutter.
+    /// Least distance of panels from one another and from the sheet's border, in mm. Default 5:
+    /// room for a saw or cutter.
     pub spacing_mm: f64,
     /// How panels may be turned.
     pub rotations: Rotations,
-    /// How many rounds of exchanges make each sheet fuller, fewer in proportion where more than 20 panels are on it; time grows
-    /// in proportion, the sheets' use slowly. 0: none. Default 60.
+    /// How many rounds of exchanges make each sheet fuller, fewer in proportion where more than 20
+    /// panels are on it; time grows in proportion, the sheets' use slowly. 0: none. Default 60.
     pub nest_effort: u32,
-    /// Largest distance of corners up to which panels are congruent, and largest spread of one length of edges, in mm.
-    /// Default 1.
+    /// Largest distance of corners up to which panels are congruent, and largest spread of one
+    /// length of edges, in mm. Default 1.
     pub tolerance_mm: f64,
     /// Largest spread of one angle, in radians. Default 0.1 degrees.
     pub angle_tolerance: f64,

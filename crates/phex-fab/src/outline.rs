@@ -20,8 +20,9 @@ pub fn outward(a: Vec2, b: Vec2) -> Vec2 {
     Vec2::new(d.y, -d.x)
 }
 
-/// A polygon with side `i` moved outwards by `distances[i]` (at least 0). Holds all points within these distances of the
-/// polygon. Sharp corners get blunt instead of long; where sides would cross, it is the convex hull that grows.
+/// A polygon with side `i` moved outwards by `distances[i]` (at least 0). Holds all points within
+/// these distances of the polygon. Sharp corners get blunt instead of long; where sides would
+/// cross, it is the convex hull that grows.
 pub fn grown(polygon: &[Vec2], distances: &[f64]) -> Vec<Vec2> {
     let moved = moved(polygon, distances);
     if is_simple(&moved) {
@@ -32,8 +33,9 @@ pub fn grown(polygon: &[Vec2], distances: &[f64]) -> Vec<Vec2> {
     self::moved(&hull, &vec![most; hull.len()])
 }
 
-/// A simple polygon that holds two polygons with parallel sides, of which the second reaches beyond side `i` of the first by
-/// at most `distances[i]` (at least 0): the first with its sides moved, or the convex hull of both where that fails.
+/// A simple polygon that holds two polygons with parallel sides, of which the second reaches beyond
+/// side `i` of the first by at most `distances[i]` (at least 0): the first with its sides moved, or
+/// the convex hull of both where that fails.
 pub fn enclosing(first: &[Vec2], second: &[Vec2], distances: &[f64]) -> Vec<Vec2> {
     let normals: Vec<Vec2> = sides(first).map(|[a, b]| outward(a, b)).collect();
     let n = first.len();

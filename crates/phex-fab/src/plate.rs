@@ -1,8 +1,8 @@
 //! Thick panels, and each of them laid flat.
 //!
-//! A panel is seen from outside, its upper face (on the side of the normals) towards the viewer. Its frame has y along the
-//! steepest direction upwards in its plane (global y where the panel is level), so that text along x is upright on
-//! the building.
+//! A panel is seen from outside, its upper face (on the side of the normals) towards the viewer.
+//! Its frame has y along the steepest direction upwards in its plane (global y where the panel is
+//! level), so that text along x is upright on the building.
 
 use crate::outline;
 use phex::offset::PanelSolid;
@@ -36,12 +36,14 @@ pub struct PlateSide {
     pub edge: EdgeId,
     /// The panel on the other side.
     pub neighbour: Option<FaceId>,
-    /// How far the saw is tilted from the perpendicular, in radians; positive where the lower face is smaller there.
+    /// How far the saw is tilted from the perpendicular, in radians; positive where the lower face
+    /// is smaller there.
     pub mitre: f64,
 }
 
 impl Plate {
-    /// Lays a solid flat. `mesh` is the mesh that the solids were made from, `millimetres` those of a model unit.
+    /// Lays a solid flat. `mesh` is the mesh that the solids were made from, `millimetres` those of
+    /// a model unit.
     pub fn new(mesh: &HexMesh, solid: &PanelSolid, millimetres: f64) -> Self {
         let frame = Frame::of(&solid.top);
         let flat = |corners: &[Vec3]| -> Vec<Vec2> {

@@ -1,21 +1,25 @@
 //! Rows of panels, where the connectivity has them.
 //!
-//! In a lattice of hexagons with three at each vertex every half-edge has one of six directions: +1 to the next half-edge of
-//! a face, +3 to its twin. The directions are carried from face to face; crossing direction 0 is a step `(1, 0)` in lattice
-//! coordinates, 1 is `(0, 1)`, 2 is `(-1, 1)` and the others are their opposites. The faces have rows of family `k`
-//! (along direction `k`) if this contradicts itself nowhere: every inner face is a hexagon, and the coordinate across the
-//! rows closes round every hole, or misses by multiples of one number, as round the tube of a torus: then that is the number
-//! of rows. Faces on the boundary may have any number of corners.
+//! In a lattice of hexagons with three at each vertex every half-edge has one of six directions: +1
+//! to the next half-edge of a face, +3 to its twin. The directions are carried from face to face;
+//! crossing direction 0 is a step `(1, 0)` in lattice coordinates, 1 is `(0, 1)`, 2 is `(-1, 1)`
+//! and the others are their opposites. The faces have rows of family `k` (along direction `k`) if
+//! this contradicts itself nowhere: every inner face is a hexagon, and the coordinate across the
+//! rows closes round every hole, or misses by multiples of one number, as round the tube of a
+//! torus: then that is the number of rows. Faces on the boundary may have any number of corners.
 //!
-//! Of the families that exist the one whose rows run most level and straight is taken (in a level mesh the one nearest to the x axis). Rows are counted upwards (in y
-//! where the mesh is level; from the lowest where they close to a ring), the panels of a row towards positive x; closed rings start at the most negative x.
+//! Of the families that exist the one whose rows run most level and straight is taken (in a level
+//! mesh the one nearest to the x axis). Rows are counted upwards (in y where the mesh is level;
+//! from the lowest where they close to a ring), the panels of a row towards positive x; closed
+//! rings start at the most negative x.
 
 use phex_mesh::{FaceId, HalfEdgeId, HexMesh, PerFace, PerHalfEdge, Vec3};
 use std::collections::VecDeque;
 
 /// Steps in lattice coordinates of the six directions.
 const STEPS: [[i64; 2]; 6] = [[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]];
-/// Coordinate across the rows of each family, and along them, as factors of the two lattice coordinates.
+/// Coordinate across the rows of each family, and along them, as factors of the two lattice
+/// coordinates.
 const ACROSS: [[i64; 2]; 3] = [[0, 1], [1, 0], [1, 1]];
 const ALONG: [[i64; 2]; 3] = [[2, 1], [1, 2], [-1, 1]];
 /// Of rows that are all level, those along the x axis come first.
@@ -83,8 +87,8 @@ impl Lattice {
         complete.then_some(lattice)
     }
 
-    /// Gives directions to the half-edges of a face of which one is known. In a face that is no hexagon they are known only
-    /// up to the boundary, on either side.
+    /// Gives directions to the half-edges of a face of which one is known. In a face that is no
+    /// hexagon they are known only up to the boundary, on either side.
     fn enter(&mut self, mesh: &HexMesh, known: HalfEdgeId, direction: u8) {
         let topology = mesh.topology();
         let n = topology.valence(topology.face(known));
@@ -125,8 +129,8 @@ impl Lattice {
             .filter_map(|h| Some((h, topology.twin(h)?)))
     }
 
-    /// The number up to whose multiples a linear function of the coordinates changes across every edge as its direction
-    /// says; 0 if it does so exactly.
+    /// The number up to whose multiples a linear function of the coordinates changes across every
+    /// edge as its direction says; 0 if it does so exactly.
     fn period(&self, mesh: &HexMesh, factors: [i64; 2]) -> i64 {
         let topology = mesh.topology();
         let miss = |(h, twin): (HalfEdgeId, HalfEdgeId)| {
@@ -239,7 +243,8 @@ fn ring(mesh: &HexMesh, pairs: &[[FaceId; 2]], mut faces: Vec<FaceId>) -> Vec<Fa
     order
 }
 
-/// 1 or -1, such that the numbers times it grow along the first of the axes that they have to do with.
+/// 1 or -1, such that the numbers times it grow along the first of the axes that they have to do
+/// with.
 fn ascending(
     mesh: &HexMesh,
     numbers: impl Iterator<Item = (FaceId, i64)>,
@@ -296,7 +301,8 @@ mod tests {
         }
     }
 
-    /// Hexagons on a torus, `rows` of them round the tube; `shift` of them are skipped after one turn round the axis.
+    /// Hexagons on a torus, `rows` of them round the tube; `shift` of them are skipped after one
+    /// turn round the axis.
     fn torus(columns: usize, rows: usize, shift: usize) -> HexMesh {
         let wrapped = |i: isize, j: isize| {
             let (turn, i) = (

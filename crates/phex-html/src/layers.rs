@@ -10,7 +10,8 @@ use phex::offset::{
 use phex_mesh::{FlatFace, PolygonSoup, TriangleSurface, Vec3};
 use serde::Serialize;
 
-/// The Gauss image, which is also the direction of offsets, with the distances that offsets may have.
+/// The Gauss image, which is also the direction of offsets, with the distances that offsets may
+/// have.
 #[derive(Debug, Serialize)]
 pub struct Gauss {
     directions: String,
@@ -39,7 +40,8 @@ impl Gauss {
     }
 }
 
-/// The Gauss images whose edges touch the unit sphere and whose vertices lie on it, by the names of their layers, or why there is none.
+/// The Gauss images whose edges touch the unit sphere and whose vertices lie on it, by the names of
+/// their layers, or why there is none.
 pub fn other_gauss_images(report: &Report<'_>) -> [(&'static str, Result<String, String>); 2] {
     let options = offset_options(report);
     let directions = |image: GaussImage| points(&image.positions, Vec3::zeros());

@@ -1,11 +1,13 @@
-//! The HTML report: everything that is to be known about a panelling, in one file that opens from a disk without a network.
+//! The HTML report: everything that is to be known about a panelling, in one file that opens from a
+//! disk without a network.
 //!
-//! [`page`] makes the file's text. It holds tables (checks, figures, settings, inputs, the command that repeats the run),
-//! a picture of every colour map, and, where the interactive viewer was built (by the build itself where npm is installed, or `cargo xtask viewer`) and
-//! the browser can draw in three dimensions, the model itself: maps, layers, panels that answer a click.
+//! [`page`] makes the file's text. It holds tables (checks, figures, settings, inputs, the command
+//! that repeats the run), a picture of every colour map, and, where the interactive viewer was
+//! built (by the build itself where npm is installed, or `cargo xtask viewer`) and the browser can
+//! draw in three dimensions, the model itself: maps, layers, panels that answer a click.
 //!
-//! Guaranteed: no address outside of the file is ever loaded (a content security policy in the file forbids it); texts
-//! from the user are escaped; the same input gives the same bytes.
+//! Guaranteed: no address outside of the file is ever loaded (a content security policy in the file
+//! forbids it); texts from the user are escaped; the same input gives the same bytes.
 
 mod bundle;
 mod escape;

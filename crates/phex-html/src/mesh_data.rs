@@ -44,7 +44,8 @@ pub struct MeshData {
 }
 
 impl MeshData {
-    /// Packs polygons; their edges are the sides between neighbouring corners, in the order in which they are met.
+    /// Packs polygons; their edges are the sides between neighbouring corners, in the order in
+    /// which they are met.
     pub fn new(soup: &PolygonSoup, origin: Vec3) -> Self {
         Self::with_edges(soup, &sides(soup), origin)
     }
@@ -116,7 +117,8 @@ fn sides(soup: &PolygonSoup) -> Vec<Side> {
     sides
 }
 
-/// Corner numbers of a face's triangles; a face that crosses itself is fanned, since it still has to be seen.
+/// Corner numbers of a face's triangles; a face that crosses itself is fanned, since it still has
+/// to be seen.
 fn triangulated(soup: &PolygonSoup, face: &[u32]) -> Vec<[u32; 3]> {
     let corners: Vec<Vec3> = face.iter().map(|&v| soup.positions[v as usize]).collect();
     ear_clip_corners(&corners).unwrap_or_else(|_| {

@@ -58,7 +58,8 @@ pub fn page(report: &Report<'_>, viewer: Option<Viewer>) -> serde_json::Result<S
 /// Half the length of a cross over the square root of its panel's area.
 const CROSS: f64 = 0.36;
 
-/// Where no curves are given, the principal directions, which are conjugate, as a cross on each panel.
+/// Where no curves are given, the principal directions, which are conjugate, as a cross on each
+/// panel.
 fn crosses(report: &Report<'_>) -> Option<[CurveFamily; 2]> {
     if !report.curves.is_empty() {
         return None;
@@ -102,8 +103,8 @@ fn maps(report: &Report<'_>) -> Vec<ColourMap> {
         .collect()
 }
 
-/// Planarity has the same range in every report: panels before and after an optimisation are compared in it, and what is planar
-/// is to look so.
+/// Planarity has the same range in every report: panels before and after an optimisation are
+/// compared in it, and what is planar is to look so.
 fn range(map: Map) -> Range {
     match map {
         Map::Planarity => Range::Fixed,

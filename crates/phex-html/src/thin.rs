@@ -6,7 +6,8 @@ use std::collections::HashMap;
 /// Most triangles of a surface in a report.
 const MOST: usize = 40_000;
 
-/// The triangles of a surface; of a finer one, those that are left when vertices that share a cube of a grid become one.
+/// The triangles of a surface; of a finer one, those that are left when vertices that share a cube
+/// of a grid become one.
 pub fn thinned(surface: &TriangleSurface) -> PolygonSoup {
     let all = PolygonSoup {
         positions: surface.positions().as_slice().to_vec(),

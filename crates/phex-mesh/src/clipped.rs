@@ -12,7 +12,8 @@ pub(crate) struct ClippedMesh {
     pub hierarchy: TriMesh,
     /// The face that each triangle is part of.
     pub owner: Vec<FaceId>,
-    /// Whether the side from corner `k` to corner `k + 1` of each triangle is a diagonal of its face.
+    /// Whether the side from corner `k` to corner `k + 1` of each triangle is a diagonal of its
+    /// face.
     pub diagonal: Vec<[bool; 3]>,
 }
 

@@ -1,8 +1,9 @@
-//! Triangles of a simple polygon by ear clipping (Meisters' two-ears theorem), never by fans: concave faces keep their
-//! shape.
+//! Triangles of a simple polygon by ear clipping (Meisters' two-ears theorem), never by fans:
+//! concave faces keep their shape.
 //!
-//! Which corners are ears is decided exactly (predicates of Shewchuk). Of all ears the best is cut, so that a straight
-//! corner becomes the corner of triangles with area, and not the tip of one without.
+//! Which corners are ears is decided exactly (predicates of Shewchuk). Of all ears the best is cut,
+//! so that a straight corner becomes the corner of triangles with area, and not the tip of one
+//! without.
 
 use crate::plane::FacePlane;
 use crate::polygon::{is_simple, orientation, point_segment_distance, signed_area};
@@ -14,7 +15,8 @@ use thiserror::Error;
 #[error("the polygon is not simple")]
 pub struct NotSimple;
 
-/// Triangles of a polygon of space, seen in its least-squares plane; a triangle is returned as it is.
+/// Triangles of a polygon of space, seen in its least-squares plane; a triangle is returned as it
+/// is.
 ///
 /// # Errors
 /// If the polygon is not simple in that plane (a polygon without area never is).
@@ -31,8 +33,9 @@ pub fn ear_clip_corners(corners: &[Vec3]) -> Result<Vec<[u32; 3]>, NotSimple> {
     Ok(triangles.into_iter().map(|t| t.map(|k| k as u32)).collect())
 }
 
-/// Triangles of a simple polygon, as triples of corner numbers wound like the polygon; none is degenerate. Corners of
-/// 180 degrees are allowed. `None` if clipping gets stuck, which happens only for a polygon that is not simple.
+/// Triangles of a simple polygon, as triples of corner numbers wound like the polygon; none is
+/// degenerate. Corners of 180 degrees are allowed. `None` if clipping gets stuck, which happens
+/// only for a polygon that is not simple.
 pub fn ear_clip(polygon: &[Vec2]) -> Option<Vec<[usize; 3]>> {
     let (triangles, rest) = clip(polygon);
     rest.is_empty().then_some(triangles)
@@ -65,7 +68,8 @@ struct Clipper<'a> {
     sign: f64,
     /// Corners that are left.
     rest: Vec<usize>,
-    /// Quality of the ear at each of them, zero where there is none; it may have risen since it was computed.
+    /// Quality of the ear at each of them, zero where there is none; it may have risen since it was
+    /// computed.
     quality: Vec<f64>,
 }
 
@@ -123,9 +127,10 @@ impl<'a> Clipper<'a> {
         [(i + n - 1) % n, i, (i + 1) % n].map(|k| self.rest[k])
     }
 
-    /// Zero unless the triangle at place `i` is convex and no other remaining corner lies in it or on its border. Else
-    /// its least height or, if less, the least distance of the other corners from its diagonal, by its longest side.
-    /// The second keeps an ear from leaving a polygon without area, as where the others are straight corners of one side.
+    /// Zero unless the triangle at place `i` is convex and no other remaining corner lies in it or
+    /// on its border. Else its least height or, if less, the least distance of the other corners
+    /// from its diagonal, by its longest side. The second keeps an ear from leaving a polygon
+    /// without area, as where the others are straight corners of one side.
     fn ear_quality(&self, i: usize) -> f64 {
         let ear = self.triple(i);
         let [a, b, c] = ear.map(|k| self.polygon[k]);
@@ -269,7 +274,8 @@ mod tests {
 
     #[test]
     fn straight_corners_get_triangles_with_area() {
-        // A triangle with four corners on each side, and a comb whose teeth touch no diagonal's side.
+        // A triangle with four corners on each side, and a comb whose teeth touch no diagonal's
+        // side.
         let side = |a: [f64; 2], b: [f64; 2]| {
             (0..4).map(move |k| [0, 1].map(|i| a[i] + (b[i] - a[i]) * 0.25 * f64::from(k)))
         };

@@ -64,8 +64,8 @@ impl FlatFace {
         polygon::closest_corner_and_edge(&self.polygon).unwrap_or(none)
     }
 
-    /// Whether some corner turns to the right by more than rounding: `ab x bc < -1e-9 unit^2` for a length `unit`,
-    /// by convention the mesh's mean edge.
+    /// Whether some corner turns to the right by more than rounding: `ab x bc < -1e-9 unit^2` for a
+    /// length `unit`, by convention the mesh's mean edge.
     pub fn is_concave(&self, unit: f64) -> bool {
         let limit = -1e-9 * unit * unit;
         polygon::corner_triples(&self.polygon).any(|[a, b, c]| (b - a).perp(&(c - b)) < limit)

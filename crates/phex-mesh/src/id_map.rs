@@ -8,7 +8,8 @@ pub type IdMap<K, V> = HashMap<K, V, BuildHasherDefault<IdHasher>>;
 /// A set of what is made of ids.
 pub type IdSet<K> = HashSet<K, BuildHasherDefault<IdHasher>>;
 
-/// Multiplicative hash of small numbers (Knuth, The Art of Computer Programming 3, section 6.4): no defence against keys made to collide.
+/// Multiplicative hash of small numbers (Knuth, The Art of Computer Programming 3, section 6.4): no
+/// defence against keys made to collide.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct IdHasher(u64);
 
@@ -52,7 +53,8 @@ mod tests {
     use super::*;
     use std::hash::Hash;
 
-    /// Pairs of neighbouring numbers, as edges are, fill the low bits evenly, and the seven high ones that tables compare.
+    /// Pairs of neighbouring numbers, as edges are, fill the low bits evenly, and the seven high
+    /// ones that tables compare.
     #[test]
     fn pairs_spread() {
         let (mut low, mut high) = (vec![0; 1024], vec![0; 128]);

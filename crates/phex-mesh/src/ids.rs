@@ -1,6 +1,7 @@
 //! Typed indices of mesh elements.
 //!
-//! Every id is a `u32` newtype, so that a vertex number can never be used where a face number is meant.
+//! Every id is a `u32` newtype, so that a vertex number can never be used where a face number is
+//! meant.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -10,13 +10,15 @@ pub struct FacePlane {
     pub centre: Vec3,
     /// Unit normal; the corners run counter-clockwise round it (Newell).
     pub normal: Vec3,
-    /// Orthonormal in-plane axes with `axes[0] x axes[1] = normal`; the first is the direction of largest extent.
+    /// Orthonormal in-plane axes with `axes[0] x axes[1] = normal`; the first is the direction of
+    /// largest extent.
     pub axes: [Vec3; 2],
 }
 
 impl FacePlane {
     /// Fits the plane that minimises the sum of squared distances of the corners (at least three).
-    /// Where the corners determine no plane (all equal or collinear) some plane through them is returned.
+    /// Where the corners determine no plane (all equal or collinear) some plane through them is
+    /// returned.
     pub fn fit(corners: &[Vec3]) -> Self {
         let centre = corners.iter().sum::<Vec3>() / corners.len() as f64;
         let scale = corners

@@ -13,15 +13,17 @@ use crate::Vec2;
 use robust::{Coord, orient2d};
 use std::f64::consts::TAU;
 
-/// Positive if `a, b, c` turn to the left, negative if to the right, zero if and only if they are exactly collinear.
+/// Positive if `a, b, c` turn to the left, negative if to the right, zero if and only if they are
+/// exactly collinear.
 pub fn orientation(a: Vec2, b: Vec2, c: Vec2) -> f64 {
     let coord = |p: Vec2| Coord { x: p.x, y: p.y };
     orient2d(coord(a), coord(b), coord(c))
 }
 
-/// Whether the polygon is free of self-intersection: at least three corners, all finite; no edge of length zero; no
-/// corner folded back on itself (interior angle 0 or 2 pi); no two edges that are not neighbours touch.
-/// A corner of exactly 180 degrees is allowed. Decided exactly for the given coordinates, for either winding.
+/// Whether the polygon is free of self-intersection: at least three corners, all finite; no edge of
+/// length zero; no corner folded back on itself (interior angle 0 or 2 pi); no two edges that are
+/// not neighbours touch. A corner of exactly 180 degrees is allowed. Decided exactly for the given
+/// coordinates, for either winding.
 pub fn is_simple(polygon: &[Vec2]) -> bool {
     let n = polygon.len();
     n >= 3
@@ -53,7 +55,8 @@ fn boxes_touch(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
     overlap(a.x, b.x, c.x, d.x) && overlap(a.y, b.y, c.y, d.y)
 }
 
-/// Whether the edges `ba` and `bc` point in exactly the same direction: an interior angle of 0 or 2 pi.
+/// Whether the edges `ba` and `bc` point in exactly the same direction: an interior angle of 0 or 2
+/// pi.
 pub fn is_folded(a: Vec2, b: Vec2, c: Vec2) -> bool {
     // Differences of floating-point numbers have an exact sign.
     let together = |a: f64, b: f64, c: f64| (a > b && c > b) || (a < b && c < b);
@@ -66,8 +69,8 @@ pub fn corner_triples(polygon: &[Vec2]) -> impl ExactSizeIterator<Item = [Vec2; 
     (0..n).map(move |i| [polygon[(i + n - 1) % n], polygon[i], polygon[(i + 1) % n]])
 }
 
-/// Angle in radians, in `[0, 2 pi)`, from the edge `bc` counter-clockwise to the edge `ba`: the interior angle at `b`
-/// of a counter-clockwise polygon `.. a, b, c ..`.
+/// Angle in radians, in `[0, 2 pi)`, from the edge `bc` counter-clockwise to the edge `ba`: the
+/// interior angle at `b` of a counter-clockwise polygon `.. a, b, c ..`.
 pub fn interior_angle(a: Vec2, b: Vec2, c: Vec2) -> f64 {
     let (to_next, to_previous) = (c - b, a - b);
     let angle = f64::atan2(to_next.perp(&to_previous), to_next.dot(&to_previous));
@@ -110,7 +113,8 @@ pub struct Clearance {
     pub distance: f64,
 }
 
-/// The closest pair of a corner and an edge that does not hold it; `None` for fewer than three corners.
+/// The closest pair of a corner and an edge that does not hold it; `None` for fewer than three
+/// corners.
 pub fn closest_corner_and_edge(polygon: &[Vec2]) -> Option<Clearance> {
     let n = polygon.len();
     let mut closest: Option<Clearance> = None;
@@ -131,7 +135,8 @@ pub fn closest_corner_and_edge(polygon: &[Vec2]) -> Option<Clearance> {
     closest
 }
 
-/// Least distance of a corner to an edge that does not hold it; infinite for fewer than three corners.
+/// Least distance of a corner to an edge that does not hold it; infinite for fewer than three
+/// corners.
 pub fn clearance(polygon: &[Vec2]) -> f64 {
     closest_corner_and_edge(polygon).map_or(f64::INFINITY, |c| c.distance)
 }
@@ -222,7 +227,8 @@ mod tests {
 
     #[test]
     fn touching_is_decided_beyond_rounding() {
-        // The corner (0.5, 0.5) is on the diagonal; one unit in the last place decides. A naive determinant misses it.
+        // The corner (0.5, 0.5) is on the diagonal; one unit in the last place decides. A naive
+        // determinant misses it.
         let chain = |y: f64| {
             polygon([
                 [12.0, 12.0],

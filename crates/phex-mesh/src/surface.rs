@@ -1,6 +1,7 @@
 //! The triangle surface: what phex approximates.
 //!
-//! Positions, topology, vertex normals, and closest points with interpolated normal over a bounding volume hierarchy.
+//! Positions, topology, vertex normals, and closest points with interpolated normal over a bounding
+//! volume hierarchy.
 
 use crate::Vec3;
 use crate::ids::{FaceId, VertexId};
@@ -130,8 +131,9 @@ impl TriangleSurface {
             .expect("a surface has a point")
     }
 
-    /// The point of the surface that is closest to `p`, sought no farther away than the point `near` of the surface is: that
-    /// spares most of the search where `near` is nearly closest. The result is that of [`Self::closest_point`].
+    /// The point of the surface that is closest to `p`, sought no farther away than the point
+    /// `near` of the surface is: that spares most of the search where `near` is nearly closest. The
+    /// result is that of [`Self::closest_point`].
     pub fn closest_point_near(&self, p: Vec3, near: Vec3) -> SurfacePoint {
         // Rounding must not exclude `near` itself.
         let bound = (p - near).norm() * (1.0 + 1e-6);
@@ -180,7 +182,8 @@ fn barycentric(location: TrianglePointLocation) -> [f64; 3] {
     }
 }
 
-/// Vertex normals with weights `1 / (|a|^2 |b|^2)` (N. Max, "Weights for computing vertex normals", 1999).
+/// Vertex normals with weights `1 / (|a|^2 |b|^2)` (N. Max, "Weights for computing vertex normals",
+/// 1999).
 fn max_normals(positions: &PerVertex<Vec3>, topology: &Topology) -> PerVertex<Vec3> {
     PerVertex::from_fn(positions.len(), |v| {
         let mut normal = Vec3::zeros();
@@ -202,7 +205,8 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
-    /// A bumpy grid of `2 n^2` triangles over the square of side `size`, far from the origin by `offset` sides.
+    /// A bumpy grid of `2 n^2` triangles over the square of side `size`, far from the origin by
+    /// `offset` sides.
     fn bumps(n: u32, size: f64, offset: f64) -> TriangleSurface {
         let position = |i: u32, j: u32| {
             let (x, y) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
@@ -231,7 +235,8 @@ mod tests {
             .collect()
     }
 
-    /// Distance to a triangle as the least over its inside, its sides and its corners, each by its own formula.
+    /// Distance to a triangle as the least over its inside, its sides and its corners, each by its
+    /// own formula.
     fn distance_to_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
         let n = (b - a).cross(&(c - a));
         let inside = [(a, b), (b, c), (c, a)]

@@ -1,14 +1,16 @@
 //! A [`TriangleSurface`] from faces as they stand in a file.
 //!
-//! The order of the checks: coordinates, corners, edges, orientation, vertices, polygons, areas. Vertices and faces
-//! are named by their numbers in the soup, from 0.
+//! The order of the checks: coordinates, corners, edges, orientation, vertices, polygons, areas.
+//! Vertices and faces are named by their numbers in the soup, from 0.
 //!
-//! - *Orientation* is made consistent over each connected component, by turning the smaller number of faces (at equal
-//!   numbers the first face stays). A closed component that is inside out as a whole stays so: normals may point either
-//!   way for what phex does, and the input's choice is the user's.
+//! - *Orientation* is made consistent over each connected component, by turning the smaller number
+//!   of faces (at equal numbers the first face stays). A closed component that is inside out as a
+//!   whole stays so: normals may point either way for what phex does, and the input's choice is the
+//!   user's.
 //! - *Polygons* are ear-clipped in their least-squares plane.
-//! - *Zero area* means: the triangle's least height is at most four units in the last place of the largest coordinate,
-//!   `4 eps max |x|`, that is, no height beyond the rounding of its own corners; needles above that are kept.
+//! - *Zero area* means: the triangle's least height is at most four units in the last place of the
+//!   largest coordinate, `4 eps max |x|`, that is, no height beyond the rounding of its own
+//!   corners; needles above that are kept.
 
 use crate::disjoint_sets::DisjointSets;
 use crate::ear_clip::ear_clip_corners;
@@ -100,14 +102,14 @@ pub struct SurfaceParts {
 }
 
 impl TriangleSurface {
-    /// Builds the connected surfaces of faces of any valence: drops unused vertices, makes the orientation consistent,
-    /// cuts polygons into triangles. Equal positions are *not* joined. Whether more than one component is welcome is
-    /// for the caller to say.
+    /// Builds the connected surfaces of faces of any valence: drops unused vertices, makes the
+    /// orientation consistent, cuts polygons into triangles. Equal positions are *not* joined.
+    /// Whether more than one component is welcome is for the caller to say.
     ///
     /// # Errors
-    /// A [`SurfaceError`] that names the elements: a coordinate that is not finite, a face with fewer than three
-    /// corners, a missing or repeated vertex, an edge with three faces, a bow-tie vertex, a one-sided surface, a
-    /// polygon that is not simple, a triangle without area.
+    /// A [`SurfaceError`] that names the elements: a coordinate that is not finite, a face with
+    /// fewer than three corners, a missing or repeated vertex, an edge with three faces, a bow-tie
+    /// vertex, a one-sided surface, a polygon that is not simple, a triangle without area.
     pub fn from_soup(soup: &PolygonSoup) -> Result<SurfaceParts, SurfaceError> {
         check_size(soup)?;
         check_corners(soup.positions.len(), &soup.faces)?;
@@ -274,7 +276,8 @@ impl Corners {
         Ok(())
     }
 
-    /// Walks over each component from its first face and turns the faces that disagree, or the others if they are fewer.
+    /// Walks over each component from its first face and turns the faces that disagree, or the
+    /// others if they are fewer.
     fn sides(&self, joints: &[Joint]) -> Result<Sides, SurfaceError> {
         let n_faces = self.face.last().map_or(0, |&f| f as usize + 1);
         let mut neighbours: Vec<Vec<(u32, bool)>> = vec![Vec::new(); n_faces];
@@ -471,7 +474,8 @@ fn component(
     })
 }
 
-/// Only the diagonals of cut polygons can still clash here: two that join the same vertices, or one along an edge.
+/// Only the diagonals of cut polygons can still clash here: two that join the same vertices, or one
+/// along an edge.
 fn in_input_numbers(error: TopologyError, vertices: &[u32], faces: &[u32]) -> TopologyError {
     let vertex = |v: VertexId| VertexId::new(vertices[v.index()]);
     let face = |f: FaceId| FaceId::new(faces[f.index()]);

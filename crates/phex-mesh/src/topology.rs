@@ -1,7 +1,8 @@
 //! Half-edge topology of an oriented manifold polygon mesh, frozen after building.
 //!
-//! Each face owns one half-edge per corner, numbered consecutively and counter-clockwise; a half-edge on the boundary has
-//! no twin. Faces of any valence, open or closed surfaces, any genus, any number of boundary loops and components.
+//! Each face owns one half-edge per corner, numbered consecutively and counter-clockwise; a
+//! half-edge on the boundary has no twin. Faces of any valence, open or closed surfaces, any genus,
+//! any number of boundary loops and components.
 
 use crate::id_map::IdMap;
 use crate::ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
@@ -97,7 +98,8 @@ pub struct Topology {
     edge: PerHalfEdge<EdgeId>,
     /// First half-edge of each face, and one past the last at the end.
     face_start: Vec<u32>,
-    /// For an interior vertex any outgoing half-edge, for a boundary vertex the one whose twin is missing.
+    /// For an interior vertex any outgoing half-edge, for a boundary vertex the one whose twin is
+    /// missing.
     outgoing: PerVertex<HalfEdgeId>,
     on_boundary: PerVertex<bool>,
     /// One half-edge of each edge, the lower of the two.
@@ -108,7 +110,8 @@ impl Topology {
     /// Builds the connectivity of `faces`, lists of vertex numbers counter-clockwise.
     ///
     /// # Errors
-    /// A [`TopologyError`] that names the first element that keeps the faces from being an oriented manifold.
+    /// A [`TopologyError`] that names the first element that keeps the faces from being an oriented
+    /// manifold.
     pub fn from_faces<F: AsRef<[u32]>>(
         vertex_count: usize,
         faces: &[F],
@@ -361,7 +364,8 @@ impl Topology {
             })
             .collect()
     }
-    /// Half-edges that leave a vertex, counter-clockwise; at a boundary vertex the first one lies on the boundary.
+    /// Half-edges that leave a vertex, counter-clockwise; at a boundary vertex the first one lies
+    /// on the boundary.
     #[inline]
     pub fn outgoing(&self, v: VertexId) -> Outgoing<'_> {
         let start = self.outgoing[v];
@@ -414,7 +418,8 @@ impl Topology {
     pub fn euler_characteristic(&self) -> i64 {
         self.n_vertices() as i64 - self.n_edges() as i64 + self.n_faces() as i64
     }
-    /// Connected component of each face, and their number; components are numbered in the order of their first face.
+    /// Connected component of each face, and their number; components are numbered in the order of
+    /// their first face.
     pub fn components(&self) -> (PerFace<u32>, usize) {
         let mut component = PerFace::filled(self.n_faces(), NONE);
         let mut count = 0;

@@ -82,7 +82,8 @@ fn truncated_icosahedron_has_its_two_dihedral_angles() {
 
 #[test]
 fn reentrant_edge_has_a_dihedral_angle_above_180() {
-    // A valley: two squares that rise on both sides of the edge x = 0, at right angles to each other.
+    // A valley: two squares that rise on both sides of the edge x = 0, at right angles to each
+    // other.
     let points = [
         [0, 0, 0],
         [0, 1, 0],
@@ -130,9 +131,11 @@ fn concave_faces_are_counted_apart_from_crossing_ones() {
     assert_eq!(m.components, 3);
 }
 
-/// Largest distance to the total-least-squares plane of a regular hexagon (edge 1) with one corner raised by `h`.
+/// Largest distance to the total-least-squares plane of a regular hexagon (edge 1) with one corner
+/// raised by `h`.
 fn raised_hexagon_planarity(h: f64) -> f64 {
-    // In the plane through the raised corner the covariance is [[3, h], [h, 5 h^2 / 6]]; across it, 3.
+    // In the plane through the raised corner the covariance is [[3, h], [h, 5 h^2 / 6]]; across
+    // it, 3.
     let (xx, zz) = (3.0, 5.0 * h * h / 6.0);
     let lambda = 2.0 * (xx * zz - h * h) / (xx + zz + ((xx - zz).powi(2) + 4.0 * h * h).sqrt());
     let slope = h / (xx - lambda);
@@ -190,7 +193,8 @@ fn planarity_by_diagonals() {
     ));
     assert_eq!(planarity_diagonals(&quad(0.0)), 0.0);
     assert_eq!(planarity_diagonals(&quad(h)[..3]), 0.0);
-    // Two of six quadruples of this rectangle with two corners of 180 degrees have parallel diagonals.
+    // Two of six quadruples of this rectangle with two corners of 180 degrees have parallel
+    // diagonals.
     let brick = [
         [0.0, 0.0],
         [1.0, 0.0],

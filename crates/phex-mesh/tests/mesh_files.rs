@@ -1,4 +1,5 @@
-//! Mesh files: what is written is read back bit by bit, bad files are refused by name, and no bytes cause a panic.
+//! Mesh files: what is written is read back bit by bit, bad files are refused by name, and no bytes
+//! cause a panic.
 
 use phex_mesh::io::{
     Format, HexMeshReadError, ReadCause, WriteCause, parse_soup, read_soup, write_soup,
@@ -383,7 +384,8 @@ fn check(soup: &PolygonSoup) {
     let _ = HexMesh::from_soup(soup);
 }
 
-/// A line that goes on over many lines costs its length, not its square: that would be minutes here.
+/// A line that goes on over many lines costs its length, not its square: that would be minutes
+/// here.
 #[test]
 fn a_long_continued_line_is_read_at_once() {
     const PARTS: usize = 400_000;

@@ -1,4 +1,5 @@
-//! Every built-in shape: derivatives against differences, curvature against formulas, triangulations, closest points.
+//! Every built-in shape: derivatives against differences, curvature against formulas,
+//! triangulations, closest points.
 
 use phex_mesh::shapes::{
     ParametricSurface, Region, Shape, ShapeProjector, Triangulation, TriangulationOptions,
@@ -140,7 +141,8 @@ fn principal_directions_are_eigenvectors_of_the_shape_operator() {
     }
 }
 
-/// Gauss and mean curvature from the forms, the textbook formulas, agree with those from the principal curvatures.
+/// Gauss and mean curvature from the forms, the textbook formulas, agree with those from the
+/// principal curvatures.
 #[test]
 fn curvatures_agree_with_the_formulas_in_the_forms() {
     for surface in shapes() {
@@ -312,7 +314,8 @@ fn assert_topology(name: &str, mesh: &TriangleSurface) {
     assert_eq!(topology.components().1, 1, "{name}");
 }
 
-/// The least cosine between a triangle's normal and the surface's at its corners, and the least interior angle in degrees.
+/// The least cosine between a triangle's normal and the surface's at its corners, and the least
+/// interior angle in degrees.
 fn quality(surface: &Shape, mesh: &Triangulation) -> (f64, f64) {
     let (mut agreement, mut angle) = (1.0f64, PI);
     for t in &mesh.triangles {
@@ -371,8 +374,8 @@ fn coarse_and_fine_triangulations_keep_the_topology() {
     }
 }
 
-/// Every parameter at a third and three times its default, and at the ends of its range: what is accepted is meshed, and no
-/// bigger than asked for.
+/// Every parameter at a third and three times its default, and at the ends of its range: what is
+/// accepted is meshed, and no bigger than asked for.
 #[test]
 fn unusual_parameters_are_refused_or_meshed() {
     for info in Shape::all() {
@@ -438,7 +441,8 @@ fn gauss_bonnet_holds_for_the_triangulation() {
     }
 }
 
-/// Areas against closed forms: every part of the surface is covered once, and the error is of second order.
+/// Areas against closed forms: every part of the surface is covered once, and the error is of
+/// second order.
 #[test]
 fn areas_converge_to_the_surface() {
     let catenary = |t: f64| 0.5 * t + 0.25 * (2.0 * t).sinh();
@@ -498,7 +502,8 @@ fn closest_point_is_no_further_than_any_sample() {
     }
 }
 
-/// Along the normal, up to a part of the least radius of curvature, the foot is the closest point: found to rounding.
+/// Along the normal, up to a part of the least radius of curvature, the foot is the closest point:
+/// found to rounding.
 #[test]
 fn closest_point_of_a_point_on_the_normal_is_its_foot() {
     for surface in shapes() {

@@ -1,4 +1,5 @@
-//! Building triangle surfaces from faces as they stand in a file: what is repaired, and what is refused by name.
+//! Building triangle surfaces from faces as they stand in a file: what is repaired, and what is
+//! refused by name.
 
 use phex_mesh::{
     FaceId, HexMesh, PolygonSoup, SurfaceError, SurfaceParts, TopologyError, TriangleSurface, Vec3,

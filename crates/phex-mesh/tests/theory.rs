@@ -1,8 +1,10 @@
-//! Which hexagons are simple: the statements on the Dupin-dual face of a lattice of touching points, on random cases.
+//! Which hexagons are simple: the statements on the Dupin-dual face of a lattice of touching
+//! points, on random cases.
 //!
-//! Touching points `p_i` on the surface `2 z = q(x, y)` with `q = k1 x^2 + k2 y^2`. The tangent plane at `p` meets the
-//! one at the origin in the line `II(p, x) = q(p) / 2`, so the face at the origin has the vertices where the lines of
-//! consecutive neighbours meet: the circumcentres, in the metric `q`, of the triangles (origin, p_i, p_i+1).
+//! Touching points `p_i` on the surface `2 z = q(x, y)` with `q = k1 x^2 + k2 y^2`. The tangent
+//! plane at `p` meets the one at the origin in the line `II(p, x) = q(p) / 2`, so the face at the
+//! origin has the vertices where the lines of consecutive neighbours meet: the circumcentres, in
+//! the metric `q`, of the triangles (origin, p_i, p_i+1).
 
 use phex_mesh::Vec2;
 use phex_mesh::polygon::{corner_triples, interior_angles, is_simple, orientation, signed_area};
@@ -30,7 +32,8 @@ impl Form {
 
     /// Where the tangent planes at the origin, `p` and `r` meet.
     fn meet(self, p: Vec2, r: Vec2) -> Vec2 {
-        // II(p, x) = q(p) / 2 and II(r, x) = q(r) / 2, solved for y = (k1 x_1, k2 x_2) by Cramer's rule.
+        // II(p, x) = q(p) / 2 and II(r, x) = q(r) / 2, solved for y = (k1 x_1, k2 x_2) by Cramer's
+        // rule.
         let (a, b, det) = (0.5 * self.q(p), 0.5 * self.q(r), p.perp(&r));
         Vec2::new(
             (a * r.y - b * p.y) / (det * self.k1),
@@ -56,7 +59,8 @@ fn polar(radius: f64, angle: f64) -> Vec2 {
     Vec2::new(angle.cos(), angle.sin()) * radius
 }
 
-/// A form with `|k1| <= |k2| = 1` and two lattice vectors that turn to the left, stretched to the form's own scale.
+/// A form with `|k1| <= |k2| = 1` and two lattice vectors that turn to the left, stretched to the
+/// form's own scale.
 fn random_lattice(rng: &mut ChaCha8Rng) -> (Form, Vec2, Vec2) {
     let form = Form {
         k1: rng.random_range(-1.0..1.0),
@@ -83,7 +87,8 @@ fn for_random_lattices(seed: u64, mut check: impl FnMut(Form, Vec2, Vec2)) {
     }
 }
 
-/// How far the lattice is on the simple side of the criterion of its sign of `K`; positive if simple.
+/// How far the lattice is on the simple side of the criterion of its sign of `K`; positive if
+/// simple.
 fn margin(form: Form, a: Vec2, b: Vec2) -> f64 {
     let q = [form.q(a), form.q(b - a), form.q(b)];
     let (low, high) = (
@@ -112,7 +117,8 @@ fn face_lies_in_all_tangent_planes_that_meet_there() {
     for_random_lattices(1, |form, a, b| {
         let x = form.meet(a, b);
         for p in [a, b] {
-            // Height over the tangent plane at p, of the point x in the tangent plane at the origin.
+            // Height over the tangent plane at p, of the point x in the tangent plane at the
+            // origin.
             let scale = form.k1.abs() * (p.x * x.x).abs() + (p.y * x.y).abs() + p.norm_squared();
             assert!((form.ii(p, x) - 0.5 * form.q(p)).abs() < 1e-12 * scale);
         }
@@ -179,8 +185,8 @@ fn regular_lattice_in_the_absolute_metric_is_simple_at_every_rotation() {
     }
 }
 
-/// The face of an equilateral lattice, turned by `angle` from the direction of smaller curvature, where the smaller
-/// curvature in the lattice's metric is `rho`.
+/// The face of an equilateral lattice, turned by `angle` from the direction of smaller curvature,
+/// where the smaller curvature in the lattice's metric is `rho`.
 fn stretched_face(rho: f64, angle: f64) -> Vec<Vec2> {
     let form = Form { k1: rho, k2: 1.0 };
     form.face(&lattice_neighbours(

@@ -40,8 +40,8 @@ fn planar_meshes_are_valid() {
 
 #[test]
 fn corners_of_180_degrees_are_valid_in_any_position() {
-    // An edge starts on the border of a third face up to rounding: no crossing. Which triangles that face is clipped
-    // into depends on rounding and on where its list starts.
+    // An edge starts on the border of a third face up to rounding: no crossing. Which triangles
+    // that face is clipped into depends on rounding and on where its list starts.
     for (start, k) in (0..6).flat_map(|start| (0..20).map(move |k| (start, k))) {
         let rotation = Rotation3::new(Vec3::new(0.1, 0.37, -0.23) * f64::from(k));
         let prism = mapped(&brick_prism(7, 5, start), |p| rotation * p * 3.7);

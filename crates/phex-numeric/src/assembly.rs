@@ -1,8 +1,9 @@
-//! Assembly of a sparse symmetric matrix from dense element blocks, on a pattern that never changes.
+//! Assembly of a sparse symmetric matrix from dense element blocks, on a pattern that never
+//! changes.
 //!
-//! `A = sum_e S_e^T B_e S_e`, where `S_e` selects the unknowns of element `e`. Where each entry of each
-//! block goes is found once; an assembly then only adds, in the order of the elements, so that its
-//! result does not depend on how the blocks were computed.
+//! `A = sum_e S_e^T B_e S_e`, where `S_e` selects the unknowns of element `e`. Where each entry of
+//! each block goes is found once; an assembly then only adds, in the order of the elements, so that
+//! its result does not depend on how the blocks were computed.
 
 use crate::symmetric::{Pattern, SymmetricMatrix};
 use std::ops::Range;
@@ -27,7 +28,8 @@ pub const fn packed(a: usize, b: usize) -> usize {
 }
 
 impl Assembly {
-    /// Builds the map for elements given by their unknowns (each below `dimension`, none repeated in an element).
+    /// Builds the map for elements given by their unknowns (each below `dimension`, none repeated
+    /// in an element).
     pub fn new(dimension: usize, elements: &[Vec<u32>]) -> Self {
         let mut columns = vec![Vec::new(); dimension];
         for_each_entry(elements, |row, column| columns[column as usize].push(row));
@@ -67,7 +69,8 @@ impl Assembly {
     /// Overwrites `matrix` with the sum of all blocks.
     ///
     /// # Panics
-    /// If `blocks` has another length than [`n_block_entries`](Self::n_block_entries), or `matrix` another pattern.
+    /// If `blocks` has another length than [`n_block_entries`](Self::n_block_entries), or `matrix`
+    /// another pattern.
     pub fn assemble(&self, blocks: &[f64], matrix: &mut SymmetricMatrix) {
         assert_eq!(blocks.len(), self.target.len(), "one value per block entry");
         assert!(

@@ -1,9 +1,9 @@
 //! Sparse Cholesky factorisation `P A P^T = L L^T` with the symbolic part reused.
 //!
-//! The ordering is approximate minimum degree, on request of the quotient graph of small blocks (the three
-//! coordinates of a vertex, say). The factorisation is sequential, so that its result is the same for
-//! any number of threads. Every solution is refined with the residual of the matrix itself until the
-//! residual no longer falls.
+//! The ordering is approximate minimum degree, on request of the quotient graph of small blocks
+//! (the three coordinates of a vertex, say). The factorisation is sequential, so that its result is
+//! the same for any number of threads. Every solution is refined with the residual of the matrix
+//! itself until the residual no longer falls.
 
 use crate::NumericError;
 use crate::symmetric::{Pattern, SymmetricMatrix};
@@ -50,15 +50,16 @@ impl Cholesky {
     /// ```
     ///
     /// # Errors
-    /// [`NumericError::NotPositiveDefinite`], or [`NumericError::TooLarge`] if the factor does not fit.
+    /// [`NumericError::NotPositiveDefinite`], or [`NumericError::TooLarge`] if the factor does not
+    /// fit.
     pub fn new(matrix: &SymmetricMatrix) -> Result<Self, NumericError> {
         let mut cholesky = Self::analyse(matrix.pattern(), 1)?;
         cholesky.refactor(matrix)?;
         Ok(cholesky)
     }
 
-    /// Factorises `matrix`; if its pattern is that of `earlier`, with that one's analysis and in its place. Blocks as in
-    /// [`analyse`](Self::analyse).
+    /// Factorises `matrix`; if its pattern is that of `earlier`, with that one's analysis and in
+    /// its place. Blocks as in [`analyse`](Self::analyse).
     ///
     /// # Errors
     /// As [`new`](Self::new).

@@ -1,4 +1,5 @@
-//! Conjugate gradients for `A x = b` with `A` positive definite, with the Jacobi or any other preconditioner, in single or double precision.
+//! Conjugate gradients for `A x = b` with `A` positive definite, with the Jacobi or any other
+//! preconditioner, in single or double precision.
 
 use crate::outcome::Status;
 use num_traits::Float;
@@ -32,7 +33,8 @@ pub struct ConjugateGradientResult {
     pub residual: f64,
 }
 
-/// Solves `A x = b` from the given `x`; `apply(p, y)` writes `A p` into `y`, `diagonal` is that of `A`.
+/// Solves `A x = b` from the given `x`; `apply(p, y)` writes `A p` into `y`, `diagonal` is that of
+/// `A`.
 ///
 /// ```
 /// # use phex_numeric::SymmetricMatrix;
@@ -69,8 +71,8 @@ pub fn conjugate_gradients<T: Float>(
     preconditioned_conjugate_gradients(apply, jacobi, b, x, options)
 }
 
-/// As [`conjugate_gradients`], with `precondition(r, z)`, which writes an approximate solution of `A z = r`, symmetric positive definite in
-/// `r` (the factorisation of a matrix near `A`, say).
+/// As [`conjugate_gradients`], with `precondition(r, z)`, which writes an approximate solution of
+/// `A z = r`, symmetric positive definite in `r` (the factorisation of a matrix near `A`, say).
 ///
 /// # Panics
 /// If the lengths differ.

@@ -1,7 +1,8 @@
 //! Damped Gauss-Newton (Levenberg-Marquardt) descent whose damping follows the collision step.
 //!
-//! Each iteration solves `(H + mu I) d = -g` and moves by `t d`, where `t` starts at the largest fraction
-//! that keeps the configuration free of collisions and is halved until the energy falls (Armijo).
+//! Each iteration solves `(H + mu I) d = -g` and moves by `t d`, where `t` starts at the largest
+//! fraction that keeps the configuration free of collisions and is halved until the energy falls
+//! (Armijo).
 //!
 //! | symbol | here | meaning |
 //! |---|---|---|
@@ -10,10 +11,10 @@
 //! | `mu` | [`Damping`] | kept between runs, in the unit of `H` |
 //! | `t` | [`DampedProblem::step_bound`] | collision-bounded fraction of the step |
 //!
-//! The rule, measured on collision-laden problems: below `t = 0.2` the step is thrown away and solved again
-//! with `5 mu` (at least 1e-3); below `0.5` it is taken, but `mu` triples; above `0.8` `mu` is halved.
-//! Without it, weakly determined unknowns propose long steps, one collision cuts the *whole* step,
-//! and the iteration creeps.
+//! The rule, measured on collision-laden problems: below `t = 0.2` the step is thrown away and
+//! solved again with `5 mu` (at least 1e-3); below `0.5` it is taken, but `mu` triples; above `0.8`
+//! `mu` is halved. Without it, weakly determined unknowns propose long steps, one collision cuts
+//! the *whole* step, and the iteration creeps.
 //!
 //! Guaranteed: every iterate is admissible if the first one is, and the energy never rises.
 //! Fails (`Stalled`) where no damping gives a step that lowers the energy.
@@ -27,8 +28,8 @@ use std::ops::ControlFlow;
 pub trait DampedProblem {
     /// Energy at `x`; infinite if `x` is not admissible.
     fn energy(&mut self, x: &[f64]) -> f64;
-    /// Gradient and positive semidefinite Hessian approximation at `x`. Mostly `x` is the point whose energy was
-    /// asked for last, so that what was computed there can be used again.
+    /// Gradient and positive semidefinite Hessian approximation at `x`. Mostly `x` is the point
+    /// whose energy was asked for last, so that what was computed there can be used again.
     fn linearise(&mut self, x: &[f64], gradient: &mut [f64], hessian: &mut SymmetricMatrix);
     /// Largest fraction `t` in `(0, 1]` of `step` that keeps clear of collisions.
     fn step_bound(&mut self, x: &[f64], step: &[f64]) -> f64;
@@ -36,7 +37,8 @@ pub trait DampedProblem {
     fn step_length(&self, step: &[f64]) -> f64;
     /// What is driven to zero, at the last point whose energy was asked for.
     fn residual(&self) -> f64;
-    /// Brings a point to which a step has led back to where unknowns are held (on a curve, say); moves nothing by default.
+    /// Brings a point to which a step has led back to where unknowns are held (on a curve, say);
+    /// moves nothing by default.
     fn retract(&self, _x: &mut [f64]) {}
 }
 

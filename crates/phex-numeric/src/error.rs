@@ -20,7 +20,8 @@ pub enum NumericError {
         /// Dimension of the matrix.
         dimension: usize,
     },
-    /// A matrix with another sparsity pattern was given to a factorisation that reuses its symbolic part.
+    /// A matrix with another sparsity pattern was given to a factorisation that reuses its symbolic
+    /// part.
     #[error("the sparsity pattern differs from the one that was analysed")]
     PatternChanged,
     /// The factor does not fit into memory, or its indices do not fit their type.

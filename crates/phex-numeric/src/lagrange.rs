@@ -1,14 +1,17 @@
-//! Newton's method on the Lagrangian: minimise under equations, to the last digits, from a point that nearly meets them.
+//! Newton's method on the Lagrangian: minimise under equations, to the last digits, from a point
+//! that nearly meets them.
 //!
-//! With `L(x) = E(x) + l^T c(x) + rho/2 |c(x)|^2` (augmented Lagrangian) and `K` its Hessian at `x`, each iteration solves
+//! With `L(x) = E(x) + l^T c(x) + rho/2 |c(x)|^2` (augmented Lagrangian) and `K` its Hessian at
+//! `x`, each iteration solves
 //!
 //! ```text
 //! K d + J^T y = -grad L,   J d = -c          so   (J K^-1 J^T) y = c - J K^-1 grad L
 //! ```
 //!
-//! adds `y` to the multipliers `l` and moves along `d`, which is a direction of descent for `L` with the new multipliers however
-//! roughly `y` is known. On the constraints the dual matrix is about `1 / rho`, so that a few conjugate gradients, each with one
-//! solve by the factorisation of `K`, do.
+//! adds `y` to the multipliers `l` and moves along `d`, which is a direction of descent for `L`
+//! with the new multipliers however roughly `y` is known. On the constraints the dual matrix is
+//! about `1 / rho`, so that a few conjugate gradients, each with one solve by the factorisation of
+//! `K`, do.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -16,12 +19,13 @@
 //! | `J d`, `J^T y` | [`LagrangeProblem::product`], [`LagrangeProblem::spread`] |
 //! | `l` | [`LagrangeProblem::add_multipliers`] |
 //!
-//! `K` may be indefinite away from a minimum; it is then shifted (`K + mu I`) until it has a factorisation, and as well where a collision
-//! cuts most of the step. Near a minimum `mu` fades and convergence is that of Newton's method.
+//! `K` may be indefinite away from a minimum; it is then shifted (`K + mu I`) until it has a
+//! factorisation, and as well where a collision cuts most of the step. Near a minimum `mu` fades
+//! and convergence is that of Newton's method.
 //!
-//! Guaranteed: every iterate is admissible if the first one is. Fails (`Stalled`) where no shift gives a step that lowers `L`.
-//! Sources: Powell (1969) and Hestenes (1969) for the method of multipliers, Nocedal and Wright, "Numerical optimization"
-//! (2006), chapters 17 and 18.
+//! Guaranteed: every iterate is admissible if the first one is. Fails (`Stalled`) where no shift
+//! gives a step that lowers `L`. Sources: Powell (1969) and Hestenes (1969) for the method of
+//! multipliers, Nocedal and Wright, "Numerical optimization" (2006), chapters 17 and 18.
 
 use crate::conjugate_gradients::{add_scaled, dot};
 use crate::outcome::{Outcome, Record, Status};
@@ -52,7 +56,8 @@ pub trait LagrangeProblem {
     fn step_length(&self, step: &[f64]) -> f64;
     /// Size of `c` at the last point whose merit was asked for, in the unit of the problem.
     fn residual(&self) -> f64;
-    /// Brings a point to which a step has led back to where unknowns are held (on a curve, say); moves nothing by default.
+    /// Brings a point to which a step has led back to where unknowns are held (on a curve, say);
+    /// moves nothing by default.
     fn retract(&self, _x: &mut [f64]) {}
 }
 
@@ -67,10 +72,12 @@ pub struct LagrangeOptions {
     pub phase: f64,
 }
 
-/// Conjugate gradients on the dual: how many at the most, and the share of the defect that may remain.
+/// Conjugate gradients on the dual: how many at the most, and the share of the defect that may
+/// remain.
 const DUAL_ITERATIONS: usize = 12;
 const DUAL_ACCURACY: f64 = 1e-3;
-/// Shifts: the first, the last, and factors after a step that failed, one that was cut short, and one that was taken whole.
+/// Shifts: the first, the last, and factors after a step that failed, one that was cut short, and
+/// one that was taken whole.
 const FIRST_SHIFT: f64 = 1e-3;
 const LAST_SHIFT: f64 = 10.0;
 const RISE: f64 = 4.0;
@@ -78,7 +85,8 @@ const RISE_SHORT: f64 = 2.0;
 const FALL: f64 = 0.25;
 /// Shift below which there is none.
 const NO_SHIFT: f64 = 1e-6;
-/// Fraction of a step below which collisions have it thrown away, and below which the line search counts as having cut it short.
+/// Fraction of a step below which collisions have it thrown away, and below which the line search
+/// counts as having cut it short.
 const SHORT: f64 = 0.2;
 const CUT_SHORT: f64 = 0.3;
 const HALVINGS: usize = 8;

@@ -1,5 +1,5 @@
-//! Equations: sparse symmetric systems, factorisations, damped descent, projection onto constraints.
-//! This crate knows no mesh.
+//! Equations: sparse symmetric systems, factorisations, damped descent, projection onto
+//! constraints. This crate knows no mesh.
 //!
 //! | module | what it solves |
 //! |---|---|

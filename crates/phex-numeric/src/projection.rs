@@ -1,8 +1,9 @@
 //! Projection onto constraints by steps of minimum norm.
 //!
-//! `d = -J^T (J J^T + eps I)^-1 c`, refined with the unshifted `J J^T`, repeated until `c` is at the floor of
-//! rounding. Where constraints depend on each other `J J^T` is singular up to rounding; the shift `eps` makes it
-//! factorise, and the refinement takes its effect back in the directions that count.
+//! `d = -J^T (J J^T + eps I)^-1 c`, refined with the unshifted `J J^T`, repeated until `c` is at
+//! the floor of rounding. Where constraints depend on each other `J J^T` is singular up to
+//! rounding; the shift `eps` makes it factorise, and the refinement takes its effect back in the
+//! directions that count.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -10,8 +11,9 @@
 //! | `J J^T` | `normal`, assembled by [`Constraints::linearise`] |
 //! | `eps` | [`SHIFT`], times 100 for each failed factorisation |
 //!
-//! Guaranteed: every iterate is admissible in the sense of [`Constraints::admissible`] if the first one is, and what is
-//! returned has the least residual of all of them. Fails (`Stalled`) where the guard forbids every fraction of a step.
+//! Guaranteed: every iterate is admissible in the sense of [`Constraints::admissible`] if the first
+//! one is, and what is returned has the least residual of all of them. Fails (`Stalled`) where the
+//! guard forbids every fraction of a step.
 
 use crate::conjugate_gradients::add_scaled;
 use crate::outcome::{Outcome, Record, Status};
@@ -24,7 +26,8 @@ pub const SHIFT: f64 = 1e-12;
 const SHIFT_TRIES: usize = 5;
 const REFINEMENTS: usize = 4;
 const HALVINGS: usize = 8;
-/// Fraction of a step below which it is short, and short steps in a row, none of which halves the residual, after which it has stalled.
+/// Fraction of a step below which it is short, and short steps in a row, none of which halves the
+/// residual, after which it has stalled.
 const SHORT: f64 = 0.1;
 const CREEPING: usize = 3;
 
@@ -40,7 +43,8 @@ pub trait Constraints {
     fn admissible(&mut self, x: &[f64]) -> Option<f64>;
     /// Length of a step in the unit of the problem.
     fn step_length(&self, step: &[f64]) -> f64;
-    /// Brings a point to which a step has led back to where unknowns are held (on a curve, say); moves nothing by default.
+    /// Brings a point to which a step has led back to where unknowns are held (on a curve, say);
+    /// moves nothing by default.
     fn retract(&self, _x: &mut [f64]) {}
 }
 
@@ -236,8 +240,9 @@ impl MinimumNorm {
 
 /// Lets the residual rise for a few iterations, and knows the best place to go back to.
 ///
-/// Near dependent constraints a full step is long, and its second-order error disturbs well-determined constraints,
-/// which the next steps repair; to demand a falling residual there would mean to creep.
+/// Near dependent constraints a full step is long, and its second-order error disturbs
+/// well-determined constraints, which the next steps repair; to demand a falling residual there
+/// would mean to creep.
 struct Watchdog {
     place: Vec<f64>,
     best: f64,
@@ -281,7 +286,8 @@ impl Watchdog {
         self.patience > 0 && self.waited >= self.patience
     }
 
-    /// Goes back to the best place, and demands a falling residual from then on; `false` if that was so already.
+    /// Goes back to the best place, and demands a falling residual from then on; `false` if that
+    /// was so already.
     fn go_back(&mut self, x: &mut [f64]) -> bool {
         x.copy_from_slice(&self.place);
         self.waited = 0;
@@ -289,7 +295,8 @@ impl Watchdog {
     }
 }
 
-/// Largest tried fraction of the step that stays admissible with a residual below `limit`; `trial` holds the point.
+/// Largest tried fraction of the step that stays admissible with a residual below `limit`; `trial`
+/// holds the point.
 fn guarded(
     problem: &mut impl Constraints,
     x: &[f64],
@@ -315,7 +322,8 @@ fn guarded(
 mod tests {
     use super::*;
 
-    /// `A x = b` (rows of `A`), with a bound for the first coordinate, and one for the fraction of a step.
+    /// `A x = b` (rows of `A`), with a bound for the first coordinate, and one for the fraction of
+    /// a step.
     struct Linear {
         bound: f64,
         rows: Vec<Vec<f64>>,
@@ -392,8 +400,8 @@ mod tests {
         let start = x.clone();
         assert_eq!(project(&mut problem, &mut x).status, Status::Converged);
         assert!(problem.values(&x).iter().all(|c| c.abs() < 1e-14));
-        // Minimum norm: the movement lies in the row space, so it is orthogonal to the null space of the rows,
-        // here spanned by two vectors found by hand elimination.
+        // Minimum norm: the movement lies in the row space, so it is orthogonal to the null space
+        // of the rows, here spanned by two vectors found by hand elimination.
         let null = [[-0.6, 0.28, 1.0, 0.0], [-0.2, -0.44, 0.0, 1.0]];
         for n in null {
             assert!(

@@ -1,22 +1,26 @@
-//! Sequential quadratic programming on the Schur complement: minimise under equations, from a start that is nearly there.
+//! Sequential quadratic programming on the Schur complement: minimise under equations, from a start
+//! that is nearly there.
 //!
-//! Each iteration minimises `d^T H d / 2 + g^T d` under `J d = -c`, where `W = H^-1` is cheap to apply (block diagonal):
+//! Each iteration minimises `d^T H d / 2 + g^T d` under `J d = -c`, where `W = H^-1` is cheap to
+//! apply (block diagonal):
 //!
 //! ```text
 //! (J W J^T) y = c + J d_0,   d = d_0 - W J^T y,   d_0 = -W g
 //! ```
 //!
-//! The multipliers `y` are held by a proximal term that fades (method of multipliers), and only their change is solved for. The
-//! matrix changes little from one iteration to the next, so that a factorisation serves several of them as the
-//! preconditioner of conjugate gradients ([`LaggedCholesky`]).
+//! The multipliers `y` are held by a proximal term that fades (method of multipliers), and only
+//! their change is solved for. The matrix changes little from one iteration to the next, so that a
+//! factorisation serves several of them as the preconditioner of conjugate gradients
+//! ([`LaggedCholesky`]).
 //!
 //! | symbol | here |
 //! |---|---|
 //! | `c`, `J W J^T`, `d_0` | [`SchurProblem::linearise`] |
 //! | `J d`, `W J^T y` | [`SchurProblem::product`], [`SchurProblem::spread`] |
 //!
-//! Guaranteed: every iterate is admissible if the first one is. There is no merit function: where neither residual nor
-//! step falls, or a step is blocked, it ends as `Stalled`, and the caller takes another way.
+//! Guaranteed: every iterate is admissible if the first one is. There is no merit function: where
+//! neither residual nor step falls, or a step is blocked, it ends as `Stalled`, and the caller
+//! takes another way.
 
 use crate::conjugate_gradients::{add_scaled, dot};
 use crate::outcome::{Outcome, Record, Status};
@@ -60,7 +64,8 @@ pub struct SchurOptions {
     pub phase: f64,
 }
 
-/// Solves with a slowly changing matrix: the last factorisation is the preconditioner until that takes too long.
+/// Solves with a slowly changing matrix: the last factorisation is the preconditioner until that
+/// takes too long.
 #[derive(Debug)]
 pub struct LaggedCholesky {
     cholesky: Cholesky,
@@ -93,7 +98,8 @@ impl LaggedCholesky {
         self.usable = false;
     }
 
-    /// Solves `A x = b`; `x` is overwritten. False if `A` can't be factorised or the solution is not finite.
+    /// Solves `A x = b`; `x` is overwritten. False if `A` can't be factorised or the solution is
+    /// not finite.
     pub fn solve(&mut self, matrix: &SymmetricMatrix, b: &[f64], x: &mut [f64]) -> bool {
         if self.usable && self.iterate(matrix, b, x) {
             return true;
@@ -133,8 +139,9 @@ pub struct SchurSqp {
     multiplier: Vec<f64>,
 }
 
-/// Weight that holds the multipliers where they are, over the mean of the diagonal, and its factor from one iteration to the
-/// next: equations that nearly depend on each other would else ask for long steps at once.
+/// Weight that holds the multipliers where they are, over the mean of the diagonal, and its factor
+/// from one iteration to the next: equations that nearly depend on each other would else ask for
+/// long steps at once.
 const PROXIMITY: f64 = 1e-3;
 const FADING: f64 = 0.03;
 
@@ -221,8 +228,8 @@ impl SchurSqp {
         outcome
     }
 
-    /// Finds the step. The multipliers hardly change from one iteration to the next, so only their change is solved for:
-    /// at the end it is small, and with it the error of the solution.
+    /// Finds the step. The multipliers hardly change from one iteration to the next, so only their
+    /// change is solved for: at the end it is small, and with it the error of the solution.
     fn solve(
         &mut self,
         problem: &mut impl SchurProblem,
@@ -275,7 +282,8 @@ fn admitted(
 mod tests {
     use super::*;
 
-    /// The point of the unit circle nearest to `goal` in the metric `diag(weight)`; only the strip `x_1 > floor` may be visited.
+    /// The point of the unit circle nearest to `goal` in the metric `diag(weight)`; only the strip
+    /// `x_1 > floor` may be visited.
     struct Circle {
         goal: [f64; 2],
         weight: [f64; 2],

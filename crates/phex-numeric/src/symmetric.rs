@@ -68,10 +68,11 @@ pub struct SymmetricMatrix {
 }
 
 impl SymmetricMatrix {
-    /// The matrix of dimension `n` whose lower triangle is the sum of `(row, column, value)` triplets.
+    /// The matrix of dimension `n` whose lower triangle is the sum of `(row, column, value)`
+    /// triplets.
     ///
-    /// Triplets with `row < column` are ignored, so that both triangles, or only the lower one, may be
-    /// given. Several triplets at one place are added in the order in which they come.
+    /// Triplets with `row < column` are ignored, so that both triangles, or only the lower one, may
+    /// be given. Several triplets at one place are added in the order in which they come.
     ///
     /// ```
     /// use phex_numeric::SymmetricMatrix;

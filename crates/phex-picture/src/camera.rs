@@ -7,7 +7,8 @@ use phex_mesh::{FacePlane, HexMesh, Vec2, Vec3};
 const EYE_DISTANCE: f64 = 6.0;
 /// Free border, as a fraction of the picture's smaller side.
 const MARGIN: f64 = 0.07;
-/// Directions that are tried when the view is chosen: between the axes, along which models are often seen edge-on.
+/// Directions that are tried when the view is chosen: between the axes, along which models are
+/// often seen edge-on.
 const AZIMUTHS: [f64; 12] = [
     -60.0, -45.0, -30.0, 30.0, 45.0, 60.0, 120.0, 135.0, 150.0, 210.0, 225.0, 240.0,
 ];
@@ -35,12 +36,14 @@ pub struct Seen {
     pub x: f64,
     /// Row in pixels, from the top.
     pub y: f64,
-    /// One over the distance along the view direction: linear in the picture along every straight line and plane.
+    /// One over the distance along the view direction: linear in the picture along every straight
+    /// line and plane.
     pub nearness: f64,
 }
 
 impl Camera {
-    /// The view that `options` ask for; without an azimuth the one in which the panels fill most of the picture.
+    /// The view that `options` ask for; without an azimuth the one in which the panels fill most of
+    /// the picture.
     pub fn facing(mesh: &HexMesh, options: &PictureOptions) -> Self {
         let at = |azimuth: f64| Self::from_direction(mesh, azimuth.to_radians(), options);
         if let Some(azimuth) = options.azimuth.filter(|a| a.is_finite()) {
@@ -48,7 +51,8 @@ impl Camera {
         }
         let areas = area_vectors(mesh);
         let scored = AZIMUTHS.map(|a| (at(a).projected_area(&areas), a));
-        // A view must be better by more than rounding, so that symmetric models are seen from the front.
+        // A view must be better by more than rounding, so that symmetric models are seen from the
+        // front.
         let better =
             |best: (f64, f64), s: (f64, f64)| if s.0 > best.0 * (1.0 + 1e-6) { s } else { best };
         let (_, best) = scored.into_iter().fold((0.0, AZIMUTHS[0]), better);
@@ -84,8 +88,8 @@ impl Camera {
         camera
     }
 
-    /// Chooses focal length and principal point so that the projected model fills a part of the picture (upper left and
-    /// lower right corner, in pixels) up to the margin.
+    /// Chooses focal length and principal point so that the projected model fills a part of the
+    /// picture (upper left and lower right corner, in pixels) up to the margin.
     pub fn fit(&mut self, mesh: &HexMesh, frame: [Vec2; 2]) {
         (self.focal, self.principal) = (1.0, Vec2::zeros());
         let (mut low, mut high, mut ground) =

@@ -18,7 +18,8 @@ pub struct Covering {
     pairs: Vec<(FaceId, FaceId)>,
 }
 
-/// Relative difference of nearness below which two panels count as touching: neighbours do along their edge.
+/// Relative difference of nearness below which two panels count as touching: neighbours do along
+/// their edge.
 const TOUCHING: f32 = 1e-5;
 
 impl Covering {
@@ -72,7 +73,8 @@ impl Covering {
     }
 }
 
-/// The nearest panel of each sample, and how often each pair of panels lies right behind one another.
+/// The nearest panel of each sample, and how often each pair of panels lies right behind one
+/// another.
 type CoveredRows = (Vec<u32>, BTreeMap<(u32, u32), u32>);
 
 /// Nearest panels of some rows, and how often each panel lies right behind another.

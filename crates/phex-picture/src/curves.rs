@@ -7,7 +7,8 @@ use phex_mesh::{Vec2, Vec3};
 
 /// Width of a curve over the picture's height.
 const WIDTH_REL: f64 = 0.0033;
-/// How far behind a panel a curve may lie and still be seen, in radii of the model: curves run on the surface, panels beside it.
+/// How far behind a panel a curve may lie and still be seen, in radii of the model: curves run on
+/// the surface, panels beside it.
 const BEHIND: f64 = 0.02;
 
 /// Draws polylines in one colour, where no panel hides them.
@@ -19,7 +20,8 @@ pub(super) fn draw(sheet: &mut Sheet, camera: &Camera, curves: &[Vec<Vec3>]) {
             .iter()
             .map(|p| camera.see(camera.normalised(*p)))
             .collect();
-        // Neighbouring segments share pixels: each pixel of a curve is painted once, with its largest share.
+        // Neighbouring segments share pixels: each pixel of a curve is painted once, with its
+        // largest share.
         let mut shares = std::collections::BTreeMap::new();
         for ends in seen.windows(2) {
             cover(sheet, [ends[0], ends[1]], radius, &mut shares);

@@ -1,4 +1,5 @@
-//! Room for the legend: where it would hide panels in every corner of the picture, the model is drawn smaller beside it.
+//! Room for the legend: where it would hide panels in every corner of the picture, the model is
+//! drawn smaller beside it.
 
 use super::PictureOptions;
 use super::camera::Camera;
@@ -6,10 +7,12 @@ use super::legend_layout::LegendLayout;
 use super::paint::Paint;
 use phex_mesh::{HexMesh, Vec2};
 
-/// Largest share of the picture that is kept for a legend; in smaller pictures it lies over the panels.
+/// Largest share of the picture that is kept for a legend; in smaller pictures it lies over the
+/// panels.
 const MOST: f64 = 0.5;
 
-/// The view of a mesh such that a corner of the picture is free for the legend, if there is to be one.
+/// The view of a mesh such that a corner of the picture is free for the legend, if there is to be
+/// one.
 pub fn camera(mesh: &HexMesh, paint: &Paint, options: &PictureOptions) -> Camera {
     let camera = Camera::facing(mesh, options);
     let picture = Vec2::new(options.width as f64, options.height as f64);

@@ -1,4 +1,5 @@
-//! The legend in pixels: swatches with the number and name of each class, or a strip of colours with its histogram.
+//! The legend in pixels: swatches with the number and name of each class, or a strip of colours
+//! with its histogram.
 
 use super::legend_layout::{Item, LegendLayout};
 use super::paint::Legend;

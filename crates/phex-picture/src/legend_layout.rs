@@ -7,7 +7,8 @@ use phex_mesh::Vec2;
 
 /// Distance of two lines of the legend over the picture's height.
 const LINE_REL: f64 = 0.027;
-/// Distance of two lines that can be read, in pixels, and what it may be at most over the height of a small picture.
+/// Distance of two lines that can be read, in pixels, and what it may be at most over the height of
+/// a small picture.
 const LEGIBLE: f64 = 24.0;
 const MOST_REL: f64 = 0.042;
 /// Unit of the alphabet over the distance of two lines.

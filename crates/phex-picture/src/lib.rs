@@ -1,10 +1,12 @@
 //! A shaded picture of a panelling, drawn without a display or a graphics card.
 //!
-//! Perspective view from above, two-sided light, contact shadow, panel edges. Every sample of the picture holds the panel
-//! that is nearest there, so panels of any shape (concave ones too) and hidden lines come out right without a depth bias:
-//! a line is drawn on the samples of its own two panels, and on others only where it is nearer.
+//! Perspective view from above, two-sided light, contact shadow, panel edges. Every sample of the
+//! picture holds the panel that is nearest there, so panels of any shape (concave ones too) and
+//! hidden lines come out right without a depth bias: a line is drawn on the samples of its own two
+//! panels, and on others only where it is nearer.
 //!
-//! The picture is computed in bands of rows, in parallel; its bytes do not depend on the number of threads.
+//! The picture is computed in bands of rows, in parallel; its bytes do not depend on the number of
+//! threads.
 
 mod camera;
 mod covering;
@@ -40,15 +42,19 @@ pub struct PictureOptions {
     pub height: usize,
     /// Samples per pixel and direction (1 to 8); 3 gives clean thin lines.
     pub supersampling: usize,
-    /// Direction from which the model is seen, degrees counter-clockwise from +x; `None` chooses the view that shows most.
+    /// Direction from which the model is seen, degrees counter-clockwise from +x; `None` chooses
+    /// the view that shows most.
     pub azimuth: Option<f64>,
-    /// Height of the eye above the horizon, degrees (-90 to 90); 35 is the isometric view's, 90 looks straight down.
+    /// Height of the eye above the horizon, degrees (-90 to 90); 35 is the isometric view's, 90
+    /// looks straight down.
     pub elevation: f64,
-    /// Whether the edges of the panels are drawn; without them a fine triangle mesh looks like the surface that it stands for.
+    /// Whether the edges of the panels are drawn; without them a fine triangle mesh looks like the
+    /// surface that it stands for.
     pub edges: bool,
     /// Whether it is said what the colours mean.
     pub legend: bool,
-    /// Whether the model stands on a ground, with shadows where panels are close, or evenly lit before plain white.
+    /// Whether the model stands on a ground, with shadows where panels are close, or evenly lit
+    /// before plain white.
     pub ground: bool,
 }
 
@@ -91,7 +97,8 @@ pub struct Picture {
     pub rgba: Vec<u8>,
 }
 
-/// Draws a mesh in the colours of its panels' kinds; options outside their ranges are moved to the nearest end.
+/// Draws a mesh in the colours of its panels' kinds; options outside their ranges are moved to the
+/// nearest end.
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};
@@ -132,8 +139,8 @@ pub fn draw_map(mesh: &HexMesh, map: &ColourMap, options: &PictureOptions) -> Pi
     draw_paint(mesh, &Paint::map(mesh, map), &[], options)
 }
 
-/// As [`draw_map`], as vectors: an SVG drawing with one path per visible panel. Hidden panels are left out, and what is
-/// nearer is drawn later, so that the drawing needs no clipping.
+/// As [`draw_map`], as vectors: an SVG drawing with one path per visible panel. Hidden panels are
+/// left out, and what is nearer is drawn later, so that the drawing needs no clipping.
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};

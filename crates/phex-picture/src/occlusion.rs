@@ -13,7 +13,8 @@ const OCCLUSION_REACH: f64 = 0.3;
 /// Share of light that full occlusion takes away.
 const OCCLUSION_DEPTH: f64 = 1.1;
 
-/// Share of light that each pixel keeps where panels stand close to one another (1 where nothing is near).
+/// Share of light that each pixel keeps where panels stand close to one another (1 where nothing is
+/// near).
 pub fn occlusion(shading: &Shading, sheet: &Sheet, camera: &Camera) -> Vec<f32> {
     let offsets = spiral(OCCLUSION_REACH * camera.focal / camera.eye().norm());
     let row = |y: usize| {
@@ -50,7 +51,8 @@ fn openness(
     (1.0 - OCCLUSION_DEPTH * hidden / offsets.len() as f64).max(0.25) as f32
 }
 
-/// How much a point at `offset` blocks the light of a surface element: its height over the element's plane, less with distance.
+/// How much a point at `offset` blocks the light of a surface element: its height over the
+/// element's plane, less with distance.
 fn blocked(offset: Vec3, normal: Vec3) -> f64 {
     let distance = offset.norm().max(1e-9);
     let rise = (normal.dot(&offset) / distance - 0.1).max(0.0);

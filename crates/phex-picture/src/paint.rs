@@ -14,7 +14,8 @@ pub struct Paint {
     pub panels: PerFace<Vec3>,
     /// Colour of each edge, where edges carry the colours.
     pub edges: Option<PerEdge<Vec3>>,
-    /// How strongly light and shade change the panels' colours, 0 to 1: colours that are to be read off must not be lost.
+    /// How strongly light and shade change the panels' colours, 0 to 1: colours that are to be read
+    /// off must not be lost.
     pub relief: f64,
     /// What the colours mean.
     pub legend: Legend,
@@ -98,7 +99,8 @@ impl Paint {
     }
 }
 
-/// Colour of a panel (linear light); at the boundary, where panels are cut and not chosen, it is paler.
+/// Colour of a panel (linear light); at the boundary, where panels are cut and not chosen, it is
+/// paler.
 fn panel_colour(mesh: &HexMesh, f: FaceId, kind: PanelKind) -> Vec3 {
     let [plain, own] = [PanelKind::ConvexHexagon, kind].map(|k| linear_bytes(k.colour()));
     let strength = if mesh.topology().is_boundary_face(f) {

@@ -57,7 +57,8 @@ impl Line {
         (a.y.min(b.y) - self.radius, a.y.max(b.y) + self.radius)
     }
 
-    /// Nearness of the line's point that is closest to a sample, if that is within the line's radius.
+    /// Nearness of the line's point that is closest to a sample, if that is within the line's
+    /// radius.
     fn covers(&self, x: f64, y: f64) -> Option<f32> {
         let [a, b] = &self.ends;
         let (along, offset) = (Vec2::new(b.x - a.x, b.y - a.y), Vec2::new(x - a.x, y - a.y));
@@ -160,8 +161,9 @@ fn panel(mesh: &HexMesh, camera: &Camera, f: FaceId, samples: f64) -> Panel {
     }
 }
 
-/// Coefficients of the nearness of a panel's plane. With the eye at the origin and the ray `r` through a sample, the
-/// plane `n . p = k` is met at the distance `k / (n . r)`, so that the nearness `(n . r) / k` is affine.
+/// Coefficients of the nearness of a panel's plane. With the eye at the origin and the ray `r`
+/// through a sample, the plane `n . p = k` is met at the distance `k / (n . r)`, so that the
+/// nearness `(n . r) / k` is affine.
 fn nearness_plane(mesh: &HexMesh, camera: &Camera, f: FaceId, samples: f64) -> [f64; 3] {
     let plane = panel_plane(mesh, camera, f);
     let k = plane.normal.dot(&(plane.centre - camera.eye()));

@@ -3,7 +3,8 @@
 use phex_mesh::Vec2;
 use std::ops::Range;
 
-/// Calls `fill(row, columns)` for the samples whose centre lies inside a polygon by the even-odd rule.
+/// Calls `fill(row, columns)` for the samples whose centre lies inside a polygon by the even-odd
+/// rule.
 pub fn scan_polygon(
     outline: &[Vec2],
     rows: Range<usize>,

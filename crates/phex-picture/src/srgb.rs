@@ -19,7 +19,8 @@ pub fn linear_bytes(srgb: Rgb) -> Vec3 {
     linear(srgb.map(|c| f64::from(c) / 255.0))
 }
 
-/// sRGB byte of linear light; `round_up` (0 to 1, 0.5 for the nearest byte) tells from which fraction on it is rounded up.
+/// sRGB byte of linear light; `round_up` (0 to 1, 0.5 for the nearest byte) tells from which
+/// fraction on it is rounded up.
 pub fn srgb_byte(light: f64, round_up: f64) -> u8 {
     let c = light.clamp(0.0, 1.0);
     let s = if c <= 0.003_130_8 {

@@ -1,8 +1,10 @@
-//! The picture as vectors: panels from the farthest to the nearest, each with its edges, the hidden ones left out.
+//! The picture as vectors: panels from the farthest to the nearest, each with its edges, the hidden
+//! ones left out.
 //!
-//! The order comes from the samples of the picture: where two panels cover the same sample, the nearer one is drawn
-//! later. An order that keeps to all of these pairs is found by sorting topologically, the farthest first where several
-//! are possible; in a cycle (panels that overlap one another in turn) the farthest goes first.
+//! The order comes from the samples of the picture: where two panels cover the same sample, the
+//! nearer one is drawn later. An order that keeps to all of these pairs is found by sorting
+//! topologically, the farthest first where several are possible; in a cycle (panels that overlap
+//! one another in turn) the farthest goes first.
 
 use super::PictureOptions;
 use super::camera::{Camera, Seen, panel_plane};
@@ -115,7 +117,8 @@ fn ranks(mesh: &HexMesh, camera: &Camera) -> PerFace<usize> {
     ranks
 }
 
-/// A panel with its outline; where edges carry colours, the outline only closes the seams between fillings.
+/// A panel with its outline; where edges carry colours, the outline only closes the seams between
+/// fillings.
 fn panel(f: FaceId, outline: &[Seen], fill: Rgb, seams_only: bool) -> Path {
     let points: Vec<String> = outline.iter().map(point).collect();
     let path = Path::new()
@@ -213,8 +216,8 @@ mod tests {
     use super::*;
     use crate::scan::scan_polygon;
 
-    /// Quads between `around` meridians, on a profile of `rows` points given by radius and height; closed along the profile
-    /// or open.
+    /// Quads between `around` meridians, on a profile of `rows` points given by radius and height;
+    /// closed along the profile or open.
     fn revolved(around: usize, profile: &[[f64; 2]], closed: bool) -> HexMesh {
         let rows = profile.len();
         let point = |i: usize, [r, z]: [f64; 2]| {

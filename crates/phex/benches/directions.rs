@@ -1,4 +1,5 @@
-//! Time of metric and direction field: two fields of two factorisations each, and one for the conformal factor.
+//! Time of metric and direction field: two fields of two factorisations each, and one for the
+//! conformal factor.
 
 mod common;
 

@@ -1,8 +1,10 @@
-//! Time of making bent bricks planar, by number of faces; before it path, iterations and factorisations.
+//! Time of making bent bricks planar, by number of faces; before it path, iterations and
+//! factorisations.
 //!
-//! `t` is a wall on a torus (radii 3 and 1) with rows along the long way, which takes the fast path, `e` one on the egg-crate
-//! `z = 0.3 sin x + 0.2 sin y`, where curvature across the rows changes sign and faces need the barrier.
-//! `peers/peers.py` runs other programs on the same meshes.
+//! `t` is a wall on a torus (radii 3 and 1) with rows along the long way, which takes the fast
+//! path, `e` one on the egg-crate `z = 0.3 sin x + 0.2 sin y`, where curvature across the rows
+//! changes sign and faces need the barrier. `peers/peers.py` runs other programs on the same
+//! meshes.
 
 use divan::Bencher;
 use phex::Silent;

@@ -1,7 +1,9 @@
-//! How meshes end where their surface ends: outline, areas and angles of the panels there, coverage.
+//! How meshes end where their surface ends: outline, areas and angles of the panels there,
+//! coverage.
 //!
-//! `cargo run --release -p phex --example boundary_figures -- SURFACE.obj MESH.obj ...` prints rows of the tables under
-//! "Boundaries" in `docs/layout.md`; the meshes are those that `phex mesh SURFACE.obj -n N --boundary snap` writes.
+//! `cargo run --release -p phex --example boundary_figures -- SURFACE.obj MESH.obj ...` prints rows
+//! of the tables under "Boundaries" in `docs/layout.md`; the meshes are those that `phex mesh
+//! SURFACE.obj -n N --boundary snap` writes.
 
 use phex_mesh::measure::measure;
 use phex_mesh::{FaceId, HexMesh, Topology, TriangleSurface, Vec3, VertexId, boundary_fit, io};

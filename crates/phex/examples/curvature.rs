@@ -1,7 +1,8 @@
 //! Principal curvatures of a triangulated torus at the scale of panels, next to their exact range.
 //!
-//! The tube's radius is 0.4, so one curvature is 2.5 everywhere; the other runs from `-1 / 0.6` inside to `1 / 1.4` outside.
-//! The estimate averages over a panel, so it is a little smaller: curvature is wanted at the scale of what is built.
+//! The tube's radius is 0.4, so one curvature is 2.5 everywhere; the other runs from `-1 / 0.6`
+//! inside to `1 / 1.4` outside. The estimate averages over a panel, so it is a little smaller:
+//! curvature is wanted at the scale of what is built.
 
 use phex::curvature::{CurvatureOptions, curvature};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};

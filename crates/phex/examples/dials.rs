@@ -1,4 +1,5 @@
-//! What the dials do, and what the paper's own formulation does, measured on two surfaces: the table of `docs/steering.md`.
+//! What the dials do, and what the paper's own formulation does, measured on two surfaces: the
+//! table of `docs/steering.md`.
 
 use phex::optimise::{
     Dials, OptimiseOptions, Optimised, Solver, Steering, SurfaceTarget, Target, refit,
@@ -108,7 +109,8 @@ fn farthest_corner(run: &MeshRun, mesh: &HexMesh) -> f64 {
     })
 }
 
-/// Root mean square distance of the corners of hexagons to the images of their opposite corners in the centre, mean edges.
+/// Root mean square distance of the corners of hexagons to the images of their opposite corners in
+/// the centre, mean edges.
 fn asymmetry(mesh: &HexMesh) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for f in mesh

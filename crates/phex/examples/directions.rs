@@ -1,7 +1,7 @@
 //! The metric in which panels are regular, and the cones of its direction field.
 //!
-//! On a closed surface the indices of a six-fold field add up to six times the Euler characteristic: twelve pentagons on a
-//! sphere, none needed on a torus.
+//! On a closed surface the indices of a six-fold field add up to six times the Euler
+//! characteristic: twelve pentagons on a sphere, none needed on a torus.
 
 use phex::curvature::{CurvatureOptions, curvature, principal};
 use phex::directions::{DirectionOptions, directions};

@@ -1,16 +1,23 @@
-//! Theorem 1 of Wang and Liu under refinement: how far the corners of panels are from a homothetic copy of Dupin's indicatrix, over the panel's radius,
-//! and the rate at which that falls with the size of the panels.
+//! Theorem 1 of Wang and Liu under refinement: how far the corners of panels are from a homothetic
+//! copy of Dupin's indicatrix, over the panel's radius, and the rate at which that falls with the
+//! size of the panels.
 //!
-//! `cargo run --release -p phex --example dupin_convergence -- 600 2400 9600` prints a table for both layouts on a torus and a wave (by default for 150, 600 and 2400 panels): the median and
-//! the mean of all inner panels, and the share beyond 0.05. *usual* are the weights as they are, *refined* those that go with the size, see
+//! `cargo run --release -p phex --example dupin_convergence -- 600 2400 9600` prints a table for
+//! both layouts on a torus and a wave (by default for 150, 600 and 2400 panels): the median and the
+//! mean of all inner panels, and the share beyond 0.05. *usual* are the weights as they are,
+//! *refined* those that go with the size, see
 //! [`OptimiseOptions::refined`](phex::optimise::OptimiseOptions::refined).
 //!
-//! On the torus nothing is in the way of the theorem, and *usual* weights show first order. On the wave they do in the median only. Regions with `K < 0` lie there between parabolic curves of both
-//! families, along which rows must run, so rows turn by 30 degrees within each of them; half-way an edge of the lattice is an asymptotic direction, and a panel that is inscribed there has
-//! an edge without length. The barrier holds such panels open: lines one or two panels wide, their distance as large as ever or, since closeness loses against barrier and fairness
-//! as panels become smaller, larger. No valid mesh of the wave does without these lines, so the mean can't fall faster than their share, the size, times their distance.
-//! *Refined* weights keep the balance and let go of the barrier: first order in the mean, too. A brick wall on the wave teeth where the curvature across its rows vanishes, and those
-//! panels are not inscribed, however small they are.
+//! On the torus nothing is in the way of the theorem, and *usual* weights show first order. On the
+//! wave they do in the median only. Regions with `K < 0` lie there between parabolic curves of both
+//! families, along which rows must run, so rows turn by 30 degrees within each of them; half-way an
+//! edge of the lattice is an asymptotic direction, and a panel that is inscribed there has an edge
+//! without length. The barrier holds such panels open: lines one or two panels wide, their distance
+//! as large as ever or, since closeness loses against barrier and fairness as panels become
+//! smaller, larger. No valid mesh of the wave does without these lines, so the mean can't fall
+//! faster than their share, the size, times their distance. *Refined* weights keep the balance and
+//! let go of the barrier: first order in the mean, too. A brick wall on the wave teeth where the
+//! curvature across its rows vanishes, and those panels are not inscribed, however small they are.
 
 use phex::curvature::dupin::indicatrix_distances;
 use phex::curvature::{CurvatureOptions, curvature};

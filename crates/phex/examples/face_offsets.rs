@@ -1,8 +1,10 @@
 //! Face offsets of many meshes, to either side, with their errors.
 //!
-//! `cargo run --release -p phex --example face_offsets -- MESH...` takes files of planar meshes; without any the built-in surfaces are
-//! covered with panels and offset. Each line: panels, safe distances in diagonals, and for offsets by half of them (a tenth of a diagonal at the
-//! most) the largest error of a face's distance in diagonals, the largest height of a corner over its plane in mean edges, and the estimate.
+//! `cargo run --release -p phex --example face_offsets -- MESH...` takes files of planar meshes;
+//! without any the built-in surfaces are covered with panels and offset. Each line: panels, safe
+//! distances in diagonals, and for offsets by half of them (a tenth of a diagonal at the most) the
+//! largest error of a face's distance in diagonals, the largest height of a corner over its plane
+//! in mean edges, and the estimate.
 
 use phex::offset::{
     OffsetKind, OffsetOptions, distance_error, face_gauss_image, face_offset, layer, safe_distances,

@@ -1,6 +1,7 @@
 //! A dome of planar hexagons with constant mean curvature and two layers at constant edge distance.
 //!
-//! `cargo run -p phex --example koebe_dome -- FOLDER` writes the Koebe mesh, the dome and its second layer as OBJ.
+//! `cargo run -p phex --example koebe_dome -- FOLDER` writes the Koebe mesh, the dome and its
+//! second layer as OBJ.
 
 use phex::Silent;
 use phex::koebe::{KoebeOptions, koebe};

@@ -1,4 +1,5 @@
-//! From a direction field to the cells of a panelling: the torus has nothing but hexagons, the ellipsoid twelve pentagons.
+//! From a direction field to the cells of a panelling: the torus has nothing but hexagons, the
+//! ellipsoid twelve pentagons.
 
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::directions::{DirectionOptions, directions};

@@ -1,8 +1,10 @@
-//! Time of the layout against curvature and one factorisation of the Laplacian, on one thread and a wave of 100,000 triangles.
+//! Time of the layout against curvature and one factorisation of the Laplacian, on one thread and a
+//! wave of 100,000 triangles.
 //!
-//! `layout_time [TRIANGLES] [PANELS]`. Steps are those of `phex mesh`, with its densities; the smallest of three times counts. Laplacians are the cotangent one of
-//! the surface on which the lattice is computed, that of the refined surface on which cells are drawn, and the lattice's own: two unknowns for each
-//! vertex, turned against each other by the charts.
+//! `layout_time [TRIANGLES] [PANELS]`. Steps are those of `phex mesh`, with its densities; the
+//! smallest of three times counts. Laplacians are the cotangent one of the surface on which the
+//! lattice is computed, that of the refined surface on which cells are drawn, and the lattice's
+//! own: two unknowns for each vertex, turned against each other by the charts.
 
 use nalgebra::Matrix3;
 use phex::MeshOptions;

@@ -1,7 +1,8 @@
-//! What Newton's method on the constraints brings: objective, last step, room and deviation against the number of its iterations.
+//! What Newton's method on the constraints brings: objective, last step, room and deviation against
+//! the number of its iterations.
 //!
-//! `cargo run --release -p phex --example minimum -- MESH.obj ...` prints the table of `docs/optimiser.md`, with the meshes that
-//! `benches/peers/peers.py` makes.
+//! `cargo run --release -p phex --example minimum -- MESH.obj ...` prints the table of
+//! `docs/optimiser.md`, with the meshes that `benches/peers/peers.py` makes.
 
 use phex::Silent;
 use phex::optimise::{OptimiseOptions, Optimised, planarize};

@@ -1,4 +1,5 @@
-//! Any polygon mesh with three faces at a vertex, made planar: a honeycomb that is draped over a saddle.
+//! Any polygon mesh with three faces at a vertex, made planar: a honeycomb that is draped over a
+//! saddle.
 
 use phex::Silent;
 use phex::optimise::{OptimiseOptions, planarize};

@@ -1,4 +1,5 @@
-//! The whole flow in one call: a surface in, planar hexagonal panels out, and what is known about them.
+//! The whole flow in one call: a surface in, planar hexagonal panels out, and what is known about
+//! them.
 
 use phex::{Event, MeshOptions, PanelSize, Progress, mesh_surface};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};

@@ -1,6 +1,8 @@
-//! Makes the faces of a mesh planar and prints one line of JSON with processor seconds and figures, as peers do.
+//! Makes the faces of a mesh planar and prints one line of JSON with processor seconds and figures,
+//! as peers do.
 //!
-//! `cargo run --release --example planarize -- MESH.obj OUT.obj`; the comparison is run by `benches/peers/peers.py`.
+//! `cargo run --release --example planarize -- MESH.obj OUT.obj`; the comparison is run by
+//! `benches/peers/peers.py`.
 
 use phex::Silent;
 use phex::optimise::{OptimiseOptions, planarize};

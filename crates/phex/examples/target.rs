@@ -1,7 +1,7 @@
 //! The smooth surface that a coarse triangulation samples.
 //!
-//! A sphere of 320 triangles is refined until it has 5000 vertices: the target passes through the input's vertices, and lies
-//! far closer to the sphere than the triangles did.
+//! A sphere of 320 triangles is refined until it has 5000 vertices: the target passes through the
+//! input's vertices, and lies far closer to the sphere than the triangles did.
 
 use phex::smooth_surface::{Similarity, TargetOptions, smooth_target};
 use phex_mesh::TriangleSurface;

@@ -1,7 +1,7 @@
 //! From a surface to a planar hexagonal mesh.
 //!
-//! Data flows `smooth_surface -> curvature -> directions -> layout -> optimise -> trim -> koebe -> offset -> report`; a stage uses
-//! earlier stages only.
+//! Data flows `smooth_surface -> curvature -> directions -> layout -> optimise -> trim -> koebe ->
+//! offset -> report`; a stage uses earlier stages only.
 //!
 //! | stage | what it computes |
 //! |---|---|

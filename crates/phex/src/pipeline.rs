@@ -1,4 +1,5 @@
-//! The whole flow: surface -> smooth_surface -> curvature -> directions -> layout -> optimise -> trim -> quality -> search.
+//! The whole flow: surface -> smooth_surface -> curvature -> directions -> layout -> optimise ->
+//! trim -> quality -> search.
 
 mod brick_wall;
 mod check;
@@ -43,7 +44,8 @@ use serde::Serialize;
 use std::time::Instant;
 use thiserror::Error;
 
-/// Most panels that one run is asked for: the refined surface has 25 vertices and more for each, and memory ends.
+/// Most panels that one run is asked for: the refined surface has 25 vertices and more for each,
+/// and memory ends.
 pub const MAX_PANELS: usize = 200_000;
 
 /// Why nothing was made.
@@ -157,11 +159,13 @@ impl Statistics {
 pub struct MeshRun {
     /// The panelling in model coordinates.
     pub mesh: HexMesh,
-    /// The panels as they were laid out, before the optimiser, in model coordinates; those that trimming removed are left out.
+    /// The panels as they were laid out, before the optimiser, in model coordinates; those that
+    /// trimming removed are left out.
     pub start: Option<PolygonSoup>,
     /// The surface that the panels were kept close to, in model coordinates.
     pub target: TriangleSurface,
-    /// That surface continued beyond its boundary, in model coordinates, if panels were kept whole and may stick out.
+    /// That surface continued beyond its boundary, in model coordinates, if panels were kept whole
+    /// and may stick out.
     pub beyond: Option<Beyond>,
     /// How the optimiser ended.
     pub outcome: Outcome,
@@ -202,8 +206,8 @@ impl MeshRun {
 /// Makes a planar hexagonal mesh of a connected surface.
 ///
 /// # Errors
-/// If the input can't be used or no panelling with its topology is found. A mesh that did not become valid is returned,
-/// with its offenders, and never called valid.
+/// If the input can't be used or no panelling with its topology is found. A mesh that did not
+/// become valid is returned, with its offenders, and never called valid.
 pub fn mesh_surface(
     surface: &TriangleSurface,
     options: &MeshOptions,
@@ -228,8 +232,9 @@ fn mesh_of_size(
     mesh_with_panels(surface, panels, options, progress)
 }
 
-/// The number of panels with which their mean edge is nearest to what is wanted, of a few. Panels that are long or re-entrant have longer edges
-/// than regular ones of their area: how much is known when they are there. What is searched afterwards hardly changes it.
+/// The number of panels with which their mean edge is nearest to what is wanted, of a few. Panels
+/// that are long or re-entrant have longer edges than regular ones of their area: how much is known
+/// when they are there. What is searched afterwards hardly changes it.
 fn corrected_count(
     surface: &TriangleSurface,
     (mut panels, wanted): (usize, f64),
@@ -262,8 +267,8 @@ fn corrected_count(
     Ok(best.map_or(panels, |b| b.1))
 }
 
-/// Relative error of the mean edge that is corrected by another run, and such runs at the most: a lattice has the number of panels that is
-/// asked for up to a few per cent, so that one may miss.
+/// Relative error of the mean edge that is corrected by another run, and such runs at the most: a
+/// lattice has the number of panels that is asked for up to a few per cent, so that one may miss.
 const EDGE_TOLERANCE: f64 = 0.025;
 const EDGE_CORRECTIONS: usize = 4;
 

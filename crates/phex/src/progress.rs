@@ -47,7 +47,8 @@ pub enum Event {
 pub trait Progress: Sync {
     /// Takes one event.
     fn report(&self, event: &Event);
-    /// Whether the caller wants the run to end soon; what was reached is then returned as `Cancelled`.
+    /// Whether the caller wants the run to end soon; what was reached is then returned as
+    /// `Cancelled`.
     fn is_cancelled(&self) -> bool {
         false
     }

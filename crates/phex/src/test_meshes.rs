@@ -59,8 +59,8 @@ pub fn truncated(mesh: &HexMesh) -> HexMesh {
     graph(&faces)
 }
 
-/// A random triangulation of the sphere with `n` vertices: insertions at random, then ten random flips per vertex. Degrees are
-/// very uneven.
+/// A random triangulation of the sphere with `n` vertices: insertions at random, then ten random
+/// flips per vertex. Degrees are very uneven.
 pub fn random_triangulation(n: usize, seed: u64) -> Vec<[u32; 3]> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
@@ -127,7 +127,8 @@ fn flip(triangles: &mut [[u32; 3]], count: usize, rng: &mut ChaCha8Rng) {
     }
 }
 
-/// The same mesh with vertices, faces and the starts of faces in another order, and where each vertex went.
+/// The same mesh with vertices, faces and the starts of faces in another order, and where each
+/// vertex went.
 pub fn renumbered(mesh: &HexMesh, seed: u64) -> (HexMesh, Vec<u32>) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut new: Vec<u32> = (0..mesh.topology().n_vertices() as u32).collect();
@@ -191,7 +192,8 @@ pub fn prism(n: u32) -> HexMesh {
     HexMesh::new((0..2 * n).map(corner).collect(), &faces).expect("a prism")
 }
 
-/// Quadrilaterals round a torus whose faces are planar: a polygon of trapezia turned about the axis.
+/// Quadrilaterals round a torus whose faces are planar: a polygon of trapezia turned about the
+/// axis.
 pub fn quad_torus(around: u32, across: u32) -> HexMesh {
     let position = |i: u32, j: u32| {
         let (u, v) = (

@@ -1,4 +1,5 @@
-//! What the three kinds of boundary promise, on surfaces with one and two loops, with and without corners.
+//! What the three kinds of boundary promise, on surfaces with one and two loops, with and without
+//! corners.
 
 use phex::{Boundary, MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
 use phex_mesh::{
@@ -176,7 +177,8 @@ fn panels_meet_the_boundary_exactly_where_they_can() {
     for (name, surface) in surfaces() {
         let run = meshed(&surface, Boundary::Snap);
         let share = on_the_curve(&run);
-        // The boundary of the others is an asymptotic curve in places, where neighbours can't both lie on it.
+        // The boundary of the others is an asymptotic curve in places, where neighbours can't both
+        // lie on it.
         let free = ["half torus", "plane with hole"].contains(&name);
         let least = if free { 1.0 } else { 0.3 };
         assert!(share >= least, "{name}: {share}");

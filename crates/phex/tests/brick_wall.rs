@@ -1,4 +1,5 @@
-//! The brick wall: its formulas on quadrics, how it closes, what its meshes reach, and what it refuses.
+//! The brick wall: its formulas on quadrics, how it closes, what its meshes reach, and what it
+//! refuses.
 
 mod common;
 

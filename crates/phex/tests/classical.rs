@@ -108,7 +108,8 @@ fn faults_on(surface: &TriangleSurface, method: Method, panels: usize) -> usize 
 
 #[test]
 fn hyperbolic_patches_are_sound_at_any_size() {
-    // Rows off the asymptotic directions and no dislocations: without them edges vanish and planes meet behind each other.
+    // Rows off the asymptotic directions and no dislocations: without them edges vanish and planes
+    // meet behind each other.
     let methods = [
         Method::ProjectiveDual,
         Method::DualSubdivision,
@@ -146,7 +147,8 @@ fn the_two_signs_of_a_torus_of_panels_are_told_with_a_vertex_each() {
     assert!(from_axis(negative) < 0.9, "{negative}");
 }
 
-/// On these a panel at the boundary has no room, and one behind it that comes to lie there has none either; of the parallel mesh one turns over when it is fitted.
+/// On these a panel at the boundary has no room, and one behind it that comes to lie there has none
+/// either; of the parallel mesh one turns over when it is fitted.
 #[test]
 fn panels_behind_those_that_are_left_out_are_looked_at_again() {
     let saddle = common::shape_with("hyperbolic-paraboloid", &[("b", 2.0)], 8_000);
@@ -272,7 +274,8 @@ fn a_flat_point_between_saddles_is_refused_and_named_by_a_vertex_of_the_input() 
 
 #[test]
 fn panels_whose_planes_cut_nothing_off_are_taken_out() {
-    // A convex surface with nearly flat parts, whose dual has ridges: the butterfly rule leaves poles inside the hull.
+    // A convex surface with nearly flat parts, whose dual has ridges: the butterfly rule leaves
+    // poles inside the hull.
     let sphere = common::shape("sphere", 3000);
     let superellipsoid = |p: &phex_mesh::Vec3| {
         let sum: f64 = p.iter().map(|x| x.abs().powf(3.5)).sum();
@@ -380,7 +383,8 @@ fn forecast_agrees_with_what_becomes_of_the_planes() {
             "{shape}: {forecast} {crossed}"
         );
     }
-    // Near parabolic curves terms of third order decide: the rule is too low, but says where it is in doubt.
+    // Near parabolic curves terms of third order decide: the rule is too low, but says where it is
+    // in doubt.
     for shape in ["wave", "b-spline"] {
         let run = run(shape, &[], &options(Method::TangentPlanes)).unwrap();
         let topology = run.mesh.topology();

@@ -34,7 +34,8 @@ impl Known {
         }
     }
 
-    /// The tensor of the stage's convention: shapes count curvature towards the normal, the stage away from it.
+    /// The tensor of the stage's convention: shapes count curvature towards the normal, the stage
+    /// away from it.
     fn tensor(&self, v: VertexId) -> Matrix3<f64> {
         let [a, b] = self.mesh.parameters[v.index()];
         let k = self.shape.principal_curvatures(a, b);
@@ -86,8 +87,9 @@ fn mean_edge(surface: &TriangleSurface) -> f64 {
     (4.0 * surface.area() / surface.topology().n_faces() as f64 / 3f64.sqrt()).sqrt()
 }
 
-/// Neighbourhoods of four edges on a coarse and on a fine triangulation: the radius halves, their pattern stays.
-/// A wrong sign, factor or frame gives an error of order one, a fit of too low an order one that falls too slowly.
+/// Neighbourhoods of four edges on a coarse and on a fine triangulation: the radius halves, their
+/// pattern stays. A wrong sign, factor or frame gives an error of order one, a fit of too low an
+/// order one that falls too slowly.
 #[test]
 fn the_error_falls_at_second_order() {
     const RADIUS: f64 = 4.0;

@@ -1,4 +1,5 @@
-//! Metric and direction field: identities that hold for every surface, and the answers on simple ones.
+//! Metric and direction field: identities that hold for every surface, and the answers on simple
+//! ones.
 
 mod common;
 
@@ -20,7 +21,8 @@ fn modulo_sixth(angle: f64) -> f64 {
     (angle + 0.5 * FRAC_PI_3).rem_euclid(FRAC_PI_3) - 0.5 * FRAC_PI_3
 }
 
-/// Angle in the metric from the tangent `along` to the lattice direction at a vertex, modulo a sixth of a turn.
+/// Angle in the metric from the tangent `along` to the lattice direction at a vertex, modulo a
+/// sixth of a turn.
 fn lattice_angle(stages: &Stages, v: VertexId, along: Vec3) -> f64 {
     let (topology, d) = (stages.topology(), &stages.directions);
     let (m, n) = (&d.metric[v], stages.surface.normals()[v]);
@@ -157,7 +159,8 @@ fn the_intrinsic_curvature_is_the_euler_characteristic() {
     }
 }
 
-/// On a closed surface the indices of a six-fold field add up to six times the Euler characteristic (Poincare-Hopf).
+/// On a closed surface the indices of a six-fold field add up to six times the Euler characteristic
+/// (Poincare-Hopf).
 #[test]
 fn cones_of_closed_surfaces_add_up() {
     let cases = [
@@ -171,8 +174,8 @@ fn cones_of_closed_surfaces_add_up() {
     }
 }
 
-/// With a boundary, the indices are six times the Euler characteristic less the sixths of a turn that the field makes
-/// against the boundary's tangent, loop by loop.
+/// With a boundary, the indices are six times the Euler characteristic less the sixths of a turn
+/// that the field makes against the boundary's tangent, loop by loop.
 #[test]
 fn cones_of_open_surfaces_agree_with_the_boundary() {
     let surfaces = [
@@ -213,7 +216,8 @@ fn a_plane_has_a_constant_field() {
     }
 }
 
-/// Opposite cones vanish in pairs: fewer are left, their sum stays, and the indices are still those of the turned field.
+/// Opposite cones vanish in pairs: fewer are left, their sum stays, and the indices are still those
+/// of the turned field.
 #[test]
 fn opposite_cones_cancel() {
     let surface = genus_two();
@@ -237,7 +241,8 @@ fn opposite_cones_cancel() {
     );
 }
 
-/// Lattice rows follow the direction that is straight: on a cylinder, the axis. A field across it is caught.
+/// Lattice rows follow the direction that is straight: on a cylinder, the axis. A field across it
+/// is caught.
 #[test]
 fn a_cylinder_is_ruled_along_its_axis() {
     let stages = Stages::new(&shape_with("cylinder", &[("height", 4.0)], 2000), 150);
@@ -285,7 +290,8 @@ fn metric_and_cones_follow_a_rotation() {
     let surface = shape("torus", 1000);
     let turned = common::mapped(&surface, |p| common::rotation() * p);
     let (a, b) = (Stages::new(&surface, 80), Stages::new(&turned, 80));
-    // The model is normalised by its box, which a rotation changes, so lengths differ by a factor that cancels here.
+    // The model is normalised by its box, which a rotation changes, so lengths differ by a factor
+    // that cancels here.
     let ratio = |i: usize| {
         a.directions.intrinsic.length.as_slice()[i] / b.directions.intrinsic.length.as_slice()[i]
     };
@@ -325,7 +331,8 @@ fn wild_metrics_are_mended() {
     }
 }
 
-/// Rows run along a line, whatever it is drawn on; where nothing else is wished the whole field follows it.
+/// Rows run along a line, whatever it is drawn on; where nothing else is wished the whole field
+/// follows it.
 #[test]
 fn rows_follow_a_line() {
     let along = Vec3::new(1.0, 0.4, 0.0);

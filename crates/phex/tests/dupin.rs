@@ -1,4 +1,5 @@
-//! Theorem 1 of Wang and Liu: panels are inscribed in homothetic copies of Dupin's indicatrix, the better the smaller they are.
+//! Theorem 1 of Wang and Liu: panels are inscribed in homothetic copies of Dupin's indicatrix, the
+//! better the smaller they are.
 
 mod common;
 
@@ -47,12 +48,14 @@ fn distances_fall_with_the_size_of_panels() {
             [150, 2400].map(|n| measured(&surface, method, n, OptimiseOptions::default()));
         let rate = (coarse[1] / fine[1]).ln() / (coarse[0] / fine[0]).ln();
         assert!(fine[1] < 0.04, "{name}: {fine:?}");
-        // Towards 1 with smaller panels: see the example `dupin_convergence`. Lattices of different sizes differ by chance, so sizes are far apart.
+        // Towards 1 with smaller panels: see the example `dupin_convergence`. Lattices of different
+        // sizes differ by chance, so sizes are far apart.
         assert!(rate > 0.7, "{name}: {coarse:?} {fine:?} rate {rate}");
     }
 }
 
-/// On the wave rows cross asymptotic directions, where a barrier of fixed reach holds panels open: the mean falls with the size only if closeness and reach go with it.
+/// On the wave rows cross asymptotic directions, where a barrier of fixed reach holds panels open:
+/// the mean falls with the size only if closeness and reach go with it.
 #[test]
 fn weights_that_go_with_the_size_let_the_mean_fall_on_the_wave() {
     let surface = common::shape("wave", 20_000);
@@ -60,7 +63,8 @@ fn weights_that_go_with_the_size_let_the_mean_fall_on_the_wave() {
     let refined = |n: usize| usual().refined((n as f64 / 150.0).sqrt());
     let [coarse, fine] = [600, 2400].map(|n| measured(&surface, Method::Lattice, n, refined(n)));
     let rate = (coarse[2] / fine[2]).ln() / (coarse[0] / fine[0]).ln();
-    // Lattices of different sizes differ by chance: some tenths, see the example `dupin_convergence`.
+    // Lattices of different sizes differ by chance: some tenths, see the example
+    // `dupin_convergence`.
     assert!(rate > 0.7, "{coarse:?} {fine:?} rate {rate}");
     let as_usual = measured(&surface, Method::Lattice, 2400, usual());
     assert!(fine[2] < 0.65 * as_usual[2], "{fine:?} {as_usual:?}");

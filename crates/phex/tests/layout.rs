@@ -17,7 +17,8 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-/// A flat square whose charts all have the x axis as their axis, and 12 lattice spacings to its side.
+/// A flat square whose charts all have the x axis as their axis, and 12 lattice spacings to its
+/// side.
 struct FlatLattice {
     stages: Stages,
     charts: Charts,
@@ -179,7 +180,8 @@ fn waves_find_the_lattice_of_a_flat_square() {
     assert!(median < 0.15, "{median}");
 }
 
-/// The exact lattice gives the exact panelling: hexagons only, from the second row on (rim cells are evened out).
+/// The exact lattice gives the exact panelling: hexagons only, from the second row on (rim cells
+/// are evened out).
 #[test]
 fn an_exact_lattice_gives_regular_hexagons() {
     let flat = flat();
@@ -209,7 +211,8 @@ fn an_exact_lattice_gives_regular_hexagons() {
     assert!(f64::from(interior) > 0.35 * cells, "{interior} of {cells}");
 }
 
-/// Random jumps make pairs of opposite dislocations; all of them must find an opposite or the boundary.
+/// Random jumps make pairs of opposite dislocations; all of them must find an opposite or the
+/// boundary.
 #[test]
 fn annihilation_leaves_no_dislocation() {
     let flat = flat();
@@ -239,7 +242,8 @@ fn annihilation_leaves_no_dislocation() {
     assert_eq!(flat.dislocations(&offsets.jump), 0);
 }
 
-/// Dislocations in the middle of the square meet each other: nothing crosses the boundary, and the sum stays 0.
+/// Dislocations in the middle of the square meet each other: nothing crosses the boundary, and the
+/// sum stays 0.
 #[test]
 fn annihilation_within_reach_conserves_the_burgers_vector() {
     let flat = flat();
@@ -362,7 +366,8 @@ fn voronoi_cells_keep_to_what_is_allowed() {
     }
 }
 
-/// Interior vertices of degree 3, boundary vertices of at most two panels, every vertex of the right kind.
+/// Interior vertices of degree 3, boundary vertices of at most two panels, every vertex of the
+/// right kind.
 fn check_panels(name: &str, layout: &Layout) {
     let topology = layout.mesh.topology();
     for v in topology.vertices() {
@@ -421,7 +426,8 @@ fn sharp_corners_are_corners_of_panels() {
     }
 }
 
-/// A torus has no cones, so its seamless lattice is all hexagons; dislocations that stay are 5|7 pairs.
+/// A torus has no cones, so its seamless lattice is all hexagons; dislocations that stay are 5|7
+/// pairs.
 #[test]
 fn a_torus_is_all_hexagons() {
     let stages = Stages::new(&shape("torus", 2000), 150);
@@ -470,7 +476,8 @@ fn the_same_seed_gives_the_same_seeds() {
     assert_ne!(place(0), place(1));
 }
 
-/// One panel for a torus cannot be a disc with three panels at every vertex; this must be said, not forced.
+/// One panel for a torus cannot be a disc with three panels at every vertex; this must be said, not
+/// forced.
 #[test]
 fn impossible_panellings_are_refused() {
     let stages = Stages::new(&shape("torus", 1000), 60);
@@ -482,7 +489,8 @@ fn impossible_panellings_are_refused() {
     }
 }
 
-/// Where a lattice without dislocations is strained too much, fewer come back than any bound on the length of their ways keeps.
+/// Where a lattice without dislocations is strained too much, fewer come back than any bound on the
+/// length of their ways keeps.
 #[test]
 fn dislocations_come_back_where_strain_pulls() {
     let even = DirectionOptions {

@@ -106,8 +106,8 @@ fn meshes_of_the_pipeline() {
     }
 }
 
-/// Bricks that are kept whole at the boundary are hexagons, so angles can be made right and every edge of the offset is parallel: on patches with K > 0,
-/// K < 0 and both.
+/// Bricks that are kept whole at the boundary are hexagons, so angles can be made right and every
+/// edge of the offset is parallel: on patches with K > 0, K < 0 and both.
 #[test]
 fn whole_bricks_have_vertex_offsets() {
     for name in ["elliptic-paraboloid", "hyperbolic-paraboloid", "wave"] {
@@ -176,7 +176,8 @@ fn lattices_of_saddles_have_vertex_offsets() {
     }
 }
 
-/// Distances of their own for all faces: where planes are not almost the same, every face is where it should be.
+/// Distances of their own for all faces: where planes are not almost the same, every face is where
+/// it should be.
 #[test]
 fn a_distance_for_each_face() {
     let mesh = panelled("ellipsoid");

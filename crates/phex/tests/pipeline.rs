@@ -89,7 +89,8 @@ fn a_plane_is_meshed() {
     check("plane", &shape("plane", 500), 80);
 }
 
-/// Without curvature rows are straight, along the longest side: every panel off the boundary is a hexagon, with all its sides alike.
+/// Without curvature rows are straight, along the longest side: every panel off the boundary is a
+/// hexagon, with all its sides alike.
 #[test]
 fn rows_on_a_plane_are_straight() {
     let made = run(&shape("plane", 500), 150);
@@ -103,7 +104,8 @@ fn rows_on_a_plane_are_straight() {
     assert!(figures.angle.min > 60.0, "{:?}", figures.angle);
 }
 
-/// A lens thinner than its panels: they meet at its rim like the sides of a blade, until they are turned or the edges cut off.
+/// A lens thinner than its panels: they meet at its rim like the sides of a blade, until they are
+/// turned or the edges cut off.
 #[test]
 fn a_thin_body_does_not_fold() {
     let lens = mapped(&shape("sphere", 4000), |p| {
@@ -114,8 +116,9 @@ fn a_thin_body_does_not_fold() {
     assert!(measure(&run.mesh).planarity.max <= 1e-12);
 }
 
-/// Convex bodies need 12 pentagons and get no other irregular panel, not even where they are pointed; all panels are convex. With as many panels as here
-/// this takes halves that are joined, and a seamless lattice.
+/// Convex bodies need 12 pentagons and get no other irregular panel, not even where they are
+/// pointed; all panels are convex. With as many panels as here this takes halves that are joined,
+/// and a seamless lattice.
 #[test]
 fn ellipsoids_have_twelve_pentagons() {
     for [a, b, c] in [[1.5, 1.0, 0.7], [3.0, 1.0, 1.0]] {
@@ -135,7 +138,8 @@ fn ellipsoids_have_twelve_pentagons() {
     }
 }
 
-/// Side by side, a brick wall and all lattices are judged, and the one that is kept is what comes out.
+/// Side by side, a brick wall and all lattices are judged, and the one that is kept is what comes
+/// out.
 #[test]
 fn the_best_of_the_portfolio_is_kept() {
     let torus = shape("torus", 2000);
@@ -182,7 +186,8 @@ fn units_do_not_matter() {
                 other.mesh.topology().face_lists()
             );
             let pairs = [&reference, &other].map(|r| relative(&measure(&r.mesh)));
-            // Where rounding ends up after 30 iterations; a unit that matters shows in the first digits.
+            // Where rounding ends up after 30 iterations; a unit that matters shows in the first
+            // digits.
             for (a, b) in pairs[0].iter().zip(pairs[1]) {
                 assert!((a - b).abs() <= 1e-7 * a.abs(), "{name} {a} {b} at {scale}");
             }
@@ -190,7 +195,8 @@ fn units_do_not_matter() {
     }
 }
 
-/// A patch whose radius of curvature is below the panel size: a last bit decides where its dislocations lie.
+/// A patch whose radius of curvature is below the panel size: a last bit decides where its
+/// dislocations lie.
 fn wild_patch() -> TriangleSurface {
     mapped(&shape("plane", 1200), |p| {
         let z = 0.12 * (7.0 * p.x + 1.3 * p.y).sin() + 0.1 * (6.1 * p.y - 2.0 * p.x).cos();
@@ -377,7 +383,8 @@ fn a_run_can_be_repeated_and_watched() {
     assert_eq!(timed, flow);
 }
 
-/// Whenever the user loses patience: an error that says so, or a mesh that does not claim more than it is.
+/// Whenever the user loses patience: an error that says so, or a mesh that does not claim more than
+/// it is.
 #[test]
 fn cancelling_is_safe_at_every_moment() {
     let surface = shape("monkey-saddle", 1000);
@@ -434,7 +441,8 @@ fn several_components_are_refused() {
     assert!(message.contains("2 components"), "{message}");
 }
 
-/// Far too few panels for the surface: a mesh of its topology or a clear refusal, never a panic or a wrong claim.
+/// Far too few panels for the surface: a mesh of its topology or a clear refusal, never a panic or
+/// a wrong claim.
 #[test]
 fn few_panels_give_a_mesh_or_a_reason() {
     for (name, count) in [

@@ -17,7 +17,8 @@ fn largest_distance(a: &TriangleSurface, b: &TriangleSurface) -> f64 {
     pairs.map(|(p, q)| (p - q).norm()).fold(0.0, f64::max)
 }
 
-/// A target that only approximates its input is caught, and so is a wrong report of how well it does.
+/// A target that only approximates its input is caught, and so is a wrong report of how well it
+/// does.
 #[test]
 fn the_target_passes_through_the_vertices_of_the_input() {
     for (name, tolerance) in [("torus", 1e-5), ("wave", 1e-4), ("monkey-saddle", 2e-4)] {
@@ -146,7 +147,8 @@ fn a_rotated_input_has_a_rotated_target() {
     assert!(largest_distance(&a, b.finest()) < 1e-12);
 }
 
-/// Faceted or shrunk spheres are caught: the target is far closer to the sphere than its input's triangles are.
+/// Faceted or shrunk spheres are caught: the target is far closer to the sphere than its input's
+/// triangles are.
 #[test]
 fn a_sphere_stays_a_sphere() {
     let input = shape("sphere", 320);

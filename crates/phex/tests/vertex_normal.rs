@@ -96,8 +96,8 @@ fn every_way_has_its_vertices() {
     assert!(has(&all, NormalMethod::TangentWeights) && has(&all, NormalMethod::MitrePlanes));
 }
 
-/// Two bricks of a row in one plane and the next row at an angle: nothing but the edges tells where along the ridge the
-/// vertex goes, and the mitre keeps it upright over the ridge.
+/// Two bricks of a row in one plane and the next row at an angle: nothing but the edges tells where
+/// along the ridge the vertex goes, and the mitre keeps it upright over the ridge.
 #[test]
 fn coplanar_faces_leave_the_vertex_in_its_mitre() {
     let (sin, cos) = 0.3f64.sin_cos();

@@ -144,7 +144,8 @@ fn strips(m: &mut Maker<'_>) -> Result<(), String> {
     )
 }
 
-/// A panel of the torus near a point, with its neighbours, and the copy of the indicatrix that fits it.
+/// A panel of the torus near a point, with its neighbours, and the copy of the indicatrix that fits
+/// it.
 fn panel(m: &mut Maker<'_>, near: &str, name: &str) -> Result<(), String> {
     let torus = torus(m)?;
     m.step(&format!(
@@ -210,7 +211,8 @@ fn torus_dual(m: &mut Maker<'_>) -> Result<(), String> {
     m.run(&format!(
         "dual {WORK}/torus-dual-phex.obj -o {WORK}/torus-dual-all.obj --centre=0,0,0"
     ))?;
-    // The waist runs through infinity, where its panels are as long as one likes; beyond the tips the spindle goes on as a cone.
+    // The waist runs through infinity, where its panels are as long as one likes; beyond the tips
+    // the spindle goes on as a cone.
     let file = |name: &str| format!("{WORK}/torus-dual-{name}.obj");
     let [all, finite, thin, spindle, wide, waist, cut] =
         ["all", "finite", "thin", "spindle", "wide", "waist", "cut"].map(file);

@@ -195,7 +195,8 @@ impl Obj {
         (0..n).map(corner).collect()
     }
 
-    /// The circle through every second corner of the only face, and how far the others are off it, over its radius.
+    /// The circle through every second corner of the only face, and how far the others are off it,
+    /// over its radius.
     pub fn circle(&self) -> (Vec<[f64; 3]>, f64) {
         let [a, b, c] = [0, 2, 4].map(|k| self.points[k]);
         let (u, v) = (minus(b, a), minus(c, a));
@@ -231,7 +232,8 @@ impl Obj {
         self.faces.iter().enumerate().flat_map(edges).collect()
     }
 
-    /// The strips of hexagons through one of them, up to [`STRIP`] panels to each side: across each of its three pairs of opposite edges, the panels of the strip.
+    /// The strips of hexagons through one of them, up to [`STRIP`] panels to each side: across each
+    /// of its three pairs of opposite edges, the panels of the strip.
     pub fn strips(&self, face: usize) -> Vec<Vec<usize>> {
         let across = self.across();
         let walk = |edge: usize| {

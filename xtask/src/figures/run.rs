@@ -75,7 +75,8 @@ impl Phex {
         })
     }
 
-    /// Runs a command line that must make something: written (0), outside a tolerance (3) or invalid but kept (5).
+    /// Runs a command line that must make something: written (0), outside a tolerance (3) or
+    /// invalid but kept (5).
     pub fn make(&self, line: &str) -> Result<Said, String> {
         let said = self.run(line)?;
         if [0, 3, 5].contains(&said.code) && said.err.is_empty() {
@@ -88,7 +89,8 @@ impl Phex {
         }
     }
 
-    /// Makes what a command line makes, of the program, of `cargo xtask obj` or of `printf`, unless that was done already.
+    /// Makes what a command line makes, of the program, of `cargo xtask obj` or of `printf`, unless
+    /// that was done already.
     pub fn follow(&self, line: &str) -> Result<(), String> {
         if !self.made.borrow_mut().insert(line.to_owned()) {
             return Ok(());

@@ -1,5 +1,5 @@
-//! `cargo xtask obj`: the steps of the gallery between two runs of the program. They cut and join OBJ files, so that every
-//! input of the gallery's commands is made by one of them.
+//! `cargo xtask obj`: the steps of the gallery between two runs of the program. They cut and join
+//! OBJ files, so that every input of the gallery's commands is made by one of them.
 
 use super::obj::{Obj, along, distance, write_curves};
 use std::fmt::Write;
@@ -138,7 +138,8 @@ impl Obj {
     }
 }
 
-/// The point of `|x|^3.5 + |y / 0.9|^3.5 + |z / 0.7|^3.5 = 1` in a direction: convex, with six nearly flat parts.
+/// The point of `|x|^3.5 + |y / 0.9|^3.5 + |z / 0.7|^3.5 = 1` in a direction: convex, with six
+/// nearly flat parts.
 fn superellipsoid(d: [f64; 3]) -> [f64; 3] {
     const EXPONENT: f64 = 3.5;
     let axes = [1.0, 0.9, 0.7];

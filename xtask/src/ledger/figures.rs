@@ -1,4 +1,5 @@
-//! The figures of a row: where each stands in the report, which way is better, and by how much it may differ by chance.
+//! The figures of a row: where each stands in the report, which way is better, and by how much it
+//! may differ by chance.
 
 use super::entries::{Entry, Figures};
 use serde_json::Value;

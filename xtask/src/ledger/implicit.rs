@@ -1,5 +1,6 @@
-//! Triangles of closed surfaces `f = 0`, by the cells of a grid: a vertex in every cell that the surface crosses, moved onto
-//! it, and two triangles across every edge of the grid whose ends lie on different sides ("surface nets").
+//! Triangles of closed surfaces `f = 0`, by the cells of a grid: a vertex in every cell that the
+//! surface crosses, moved onto it, and two triangles across every edge of the grid whose ends lie
+//! on different sides ("surface nets").
 
 use crate::figures::Obj;
 use std::collections::HashMap;
@@ -9,11 +10,12 @@ type Point = [f64; 3];
 /// Steps of Newton's method that bring a vertex onto the surface.
 const STEPS: usize = 12;
 
-/// The surface of `f < 0` within the cube of half-width `half` about the origin, on `n` cells a side. The surface must keep
-/// away from the cube's sides and be smooth at the size of a cell.
+/// The surface of `f < 0` within the cube of half-width `half` about the origin, on `n` cells a
+/// side. The surface must keep away from the cube's sides and be smooth at the size of a cell.
 pub fn mesh(f: impl Fn(Point) -> f64, half: f64, n: usize) -> Obj {
     let step = 2.0 * half / n as f64;
-    // Half a cell of shift would put symmetric surfaces through grid points: an irrational one does not.
+    // Half a cell of shift would put symmetric surfaces through grid points: an irrational one does
+    // not.
     let shift = std::f64::consts::FRAC_1_PI * step;
     let node = |i: [usize; 3]| i.map(|k| k as f64 * step - half + shift);
     let index = |i: [usize; 3]| (i[0] * (n + 1) + i[1]) * (n + 1) + i[2];
@@ -62,7 +64,8 @@ struct Net {
 }
 
 impl Net {
-    /// Two triangles through the four cells around the grid's edge from node `i` along an axis, seen from outside.
+    /// Two triangles through the four cells around the grid's edge from node `i` along an axis,
+    /// seen from outside.
     fn across(&mut self, i: [usize; 3], axis: usize, starts_inside: bool) {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let cell = |du: usize, dv: usize| {

@@ -1,4 +1,5 @@
-//! Surfaces of the ledger that no file holds: written out as formulas, so that anybody has the same.
+//! Surfaces of the ledger that no file holds: written out as formulas, so that anybody has the
+//! same.
 
 use super::implicit;
 use crate::figures::Obj;
@@ -6,7 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 type Point = [f64; 3];
 
-/// Free-form patch over the unit square whose radius of curvature, .03 at the least, is below the length of a panel.
+/// Free-form patch over the unit square whose radius of curvature, .03 at the least, is below the
+/// length of a panel.
 pub fn wild() -> Obj {
     grid(110, |x, y| {
         let long = 0.10 * (3.1 * x + 0.4).sin() * (2.3 * y + 1.1).cos();
@@ -16,7 +18,8 @@ pub fn wild() -> Obj {
     })
 }
 
-/// A dome measured with an error of a tenth of an edge: every vertex is off by that much, up or down.
+/// A dome measured with an error of a tenth of an edge: every vertex is off by that much, up or
+/// down.
 pub fn noisy_scan() -> Obj {
     const SIDE: usize = 70;
     let dome = grid(SIDE, |x, y| {
@@ -63,7 +66,8 @@ pub fn plate_with_holes() -> Obj {
     solid.mapped(|[x, y, _]| [1.5 * x, y, 0.5 * (x - x * x) + 0.3 * (y - y * y)])
 }
 
-/// A shell over a plan with corners of 37, 60, 90 and 120 degrees of turn, and one that points inwards.
+/// A shell over a plan with corners of 37, 60, 90 and 120 degrees of turn, and one that points
+/// inwards.
 pub fn shell_with_corners() -> Obj {
     // Corners stand on the rings' rays, a multiple of 60 / RINGS degrees each.
     const RINGS: usize = 36;
@@ -205,7 +209,8 @@ fn grid(n: usize, height: impl Fn(f64, f64) -> f64) -> Obj {
     }
 }
 
-/// Rings of 6, 12, 18, ... vertices about a point, in polar coordinates: share of the radius, share of the turn, 0.
+/// Rings of 6, 12, 18, ... vertices about a point, in polar coordinates: share of the radius, share
+/// of the turn, 0.
 fn disc(rings: usize) -> Obj {
     let mut disc = Obj {
         points: vec![[0.0; 3]],
@@ -239,7 +244,8 @@ fn disc(rings: usize) -> Obj {
     disc
 }
 
-/// A closed tube about a closed curve, `along` times `around` vertices; frames come from the curve's second derivative.
+/// A closed tube about a closed curve, `along` times `around` vertices; frames come from the
+/// curve's second derivative.
 fn tube(
     along: usize,
     around: usize,
@@ -331,7 +337,8 @@ mod tests {
         mesh.faces.iter().flat_map(of).collect()
     }
 
-    /// Vertices in use less edges plus faces, and whether no edge is run through twice the same way.
+    /// Vertices in use less edges plus faces, and whether no edge is run through twice the same
+    /// way.
     fn euler(mesh: &Obj) -> (i64, bool) {
         let half_edges = half_edges(mesh);
         let edges: HashSet<_> = half_edges

@@ -1,7 +1,9 @@
-//! `cargo xtask ledger`: a fixed list of surfaces, what became of each, and whether that is better or worse than before.
+//! `cargo xtask ledger`: a fixed list of surfaces, what became of each, and whether that is better
+//! or worse than before.
 //!
-//! `rows` is the list, `made` the surfaces that no file holds, `run` makes a row, `figures` reads and compares its figures,
-//! `table` writes them. The committed `docs/ledger.json` is the yardstick.
+//! `rows` is the list, `made` the surfaces that no file holds, `run` makes a row, `figures` reads
+//! and compares its figures, `table` writes them. The committed `docs/ledger.json` is the
+//! yardstick.
 
 mod entries;
 mod figures;
@@ -77,7 +79,8 @@ impl Wanted {
     }
 }
 
-/// Makes the rows; without `--compare` they become the new yardstick, those that were not made staying as they are.
+/// Makes the rows; without `--compare` they become the new yardstick, those that were not made
+/// staying as they are.
 pub fn ledger(root: &Path, words: &[&str]) -> Result<(), String> {
     let wanted = Wanted::parse(root, words)?;
     let program = match &wanted.program {
@@ -105,8 +108,8 @@ pub fn ledger(root: &Path, words: &[&str]) -> Result<(), String> {
     }
 }
 
-/// The step of `cargo xtask check`: the quick rows, held to the yardstick in all figures but cost, which depends on how the
-/// program was built.
+/// The step of `cargo xtask check`: the quick rows, held to the yardstick in all figures but cost,
+/// which depends on how the program was built.
 pub fn check(root: &Path) -> Result<(), String> {
     let wanted = Wanted::parse(root, &["--quick"])?;
     let made = make(root, built(root, "debug")?, &wanted)?;

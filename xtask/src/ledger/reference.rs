@@ -1,5 +1,6 @@
-//! The computation that CPU times are measured against: conjugate gradients on a grid, about as much memory traffic per
-//! operation as the program has. It never changes, so that ratios of different days can be compared.
+//! The computation that CPU times are measured against: conjugate gradients on a grid, about as
+//! much memory traffic per operation as the program has. It never changes, so that ratios of
+//! different days can be compared.
 
 /// Side of the grid, points.
 const SIDE: usize = 400;

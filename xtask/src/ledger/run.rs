@@ -1,4 +1,5 @@
-//! Makes the rows: each a process of its own on one thread, as many side by side as there are processors.
+//! Makes the rows: each a process of its own on one thread, as many side by side as there are
+//! processors.
 
 use super::WORK;
 use super::entries::{Entry, Ledger};

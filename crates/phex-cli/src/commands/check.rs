@@ -154,7 +154,8 @@ pub(super) fn report_of(
     report
 }
 
-/// How far the corners of inner panels are from a homothetic copy of Dupin's indicatrix, over the panel's radius.
+/// How far the corners of inner panels are from a homothetic copy of Dupin's indicatrix, over the
+/// panel's radius.
 #[derive(Serialize)]
 struct Inscribed {
     /// Of all panels where that is defined.

@@ -1,4 +1,5 @@
-//! Delivering a mesh that was made: files, table, exit code. Every command that makes a mesh ends here.
+//! Delivering a mesh that was made: files, table, exit code. Every command that makes a mesh ends
+//! here.
 
 use super::tell;
 use crate::exit::{Exit, Failure};
@@ -36,7 +37,8 @@ pub struct Delivery<'a> {
 }
 
 impl Delivery<'_> {
-    /// Writes everything, prints the table, which ends with the verdict, and says with which code the program ends.
+    /// Writes everything, prints the table, which ends with the verdict, and says with which code
+    /// the program ends.
     ///
     /// # Errors
     /// If something can't be written.

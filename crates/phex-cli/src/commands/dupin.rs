@@ -102,7 +102,8 @@ fn panels(command: &DupinCommand) -> Result<Vec<Vec<Vec3>>, Failure> {
         .collect())
 }
 
-/// Some of the panels, no two of which have a corner in common: of those that may still be taken always the one next to most panels that may not, so that they lie close.
+/// Some of the panels, no two of which have a corner in common: of those that may still be taken
+/// always the one next to most panels that may not, so that they lie close.
 fn apart(t: &Topology, among: &[FaceId]) -> Vec<FaceId> {
     let around = |f: FaceId| -> BTreeSet<FaceId> {
         let corners = t.face_vertices(f).iter();

@@ -18,8 +18,9 @@ use std::path::Path;
 /// Runs the command.
 ///
 /// # Errors
-/// If the mesh is not valid, the thickness goes past the safe offset, a panel does not fit on a sheet, the folder can't be
-/// written, or it holds an input or files of others that are in the way; nothing is written then.
+/// If the mesh is not valid, the thickness goes past the safe offset, a panel does not fit on a
+/// sheet, the folder can't be written, or it holds an input or files of others that are in the way;
+/// nothing is written then.
 pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     use_threads(command.threads)?;
     let folder = OutputFolder::new(&command.output, "fab", Extent::Whole);

@@ -180,7 +180,8 @@ fn settings(command: &MeshCommand) -> Result<MeshSettings, Failure> {
     }
 }
 
-/// What a job file sets and a warm start does not heed, and what asks for a boundary that there is not.
+/// What a job file sets and a warm start does not heed, and what asks for a boundary that there is
+/// not.
 fn without_effect(
     command: &MeshCommand,
     settings: &MeshSettings,
@@ -398,8 +399,8 @@ fn joined_target(runs: &[Reached]) -> Result<Option<TriangleSurface>, Failure> {
     targets.map(joined).transpose()
 }
 
-/// The smooth surfaces and the facets, continued beyond their boundaries where panels were kept whole; nothing if they were
-/// nowhere.
+/// The smooth surfaces and the facets, continued beyond their boundaries where panels were kept
+/// whole; nothing if they were nowhere.
 fn joined_beyond(
     runs: &[Reached],
     components: &[SurfaceComponent],

@@ -1,6 +1,8 @@
-//! `phex offset`: layers at constant distance of faces or vertices, solid panels and beams between them.
+//! `phex offset`: layers at constant distance of faces or vertices, solid panels and beams between
+//! them.
 //!
-//! Everything is computed and checked before anything is written, so that a distance that goes too far leaves no file.
+//! Everything is computed and checked before anything is written, so that a distance that goes too
+//! far leaves no file.
 
 mod base;
 mod between;
@@ -24,8 +26,8 @@ use told::Told;
 /// Runs the command.
 ///
 /// # Errors
-/// If the mesh can't be used, has no such offset, a distance goes too far, or files of others are in the way; nothing is
-/// written then.
+/// If the mesh can't be used, has no such offset, a distance goes too far, or files of others are
+/// in the way; nothing is written then.
 pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
     use_threads(command.threads)?;
     let input = MeshFile::read(&command.input)?;
@@ -139,7 +141,8 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Refuses distances that the coordinates can't hold: the layer would be the mesh itself, or nowhere.
+/// Refuses distances that the coordinates can't hold: the layer would be the mesh itself, or
+/// nowhere.
 fn check_distances(distances: &[f64], mesh: &HexMesh) -> Result<(), Failure> {
     let largest = mesh.positions.iter().map(|p| p.amax()).fold(0.0, f64::max);
     let range = 4.0 * f64::EPSILON * largest..=LARGEST_COORDINATE;

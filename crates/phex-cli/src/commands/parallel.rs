@@ -1,4 +1,5 @@
-//! `phex parallel`: meshes parallel to a given one: the closest to a surface or to edge lengths, and the space of all of them.
+//! `phex parallel`: meshes parallel to a given one: the closest to a surface or to edge lengths,
+//! and the space of all of them.
 
 mod space;
 

@@ -131,7 +131,8 @@ impl Files {
         surface.transpose()
     }
 
-    /// The faces as they are, to measure how far they move; nothing if they are too bad to be a surface.
+    /// The faces as they are, to measure how far they move; nothing if they are too bad to be a
+    /// surface.
     fn own_surface(&self) -> Option<TriangleSurface> {
         whole(&self.mesh.surfaces().ok()?.components).ok()
     }

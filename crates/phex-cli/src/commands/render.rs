@@ -21,7 +21,8 @@ enum Format {
 /// Runs the command.
 ///
 /// # Errors
-/// If an input can't be used, the map needs a surface and there is none, or the picture can't be written.
+/// If an input can't be used, the map needs a surface and there is none, or the picture can't be
+/// written.
 pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
     let format = format(command)?;
     let inputs = std::iter::once(&command.input)

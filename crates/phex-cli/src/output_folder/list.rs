@@ -9,7 +9,8 @@ use std::path::{Component, Path};
 /// Name of the list.
 pub(super) const LIST: &str = "phex.sha256";
 
-/// Names of files and the checksums that they may have: one, or while a run places its files also that of the old one.
+/// Names of files and the checksums that they may have: one, or while a run places its files also
+/// that of the old one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct List {
     sums: BTreeMap<String, BTreeSet<String>>,
@@ -66,7 +67,8 @@ impl List {
         self.sums.contains_key(name)
     }
 
-    /// Whether a file of this name may be written in a folder: there is none, or one that is as listed.
+    /// Whether a file of this name may be written in a folder: there is none, or one that is as
+    /// listed.
     pub fn allows(&self, folder: &Path, name: &str) -> bool {
         let mut path = folder.to_path_buf();
         let parts: Vec<Component<'_>> = Path::new(name).components().collect();

@@ -90,8 +90,8 @@ fn a_second_run_replaces_only_what_the_first_one_wrote() {
     assert_written(&place, &new(), &notes, "nothing");
 }
 
-/// After any number of steps, and in the midst of writing any file: each file of the user is there; each old file, or each
-/// new file, is whole; the next run ends as if nothing had happened.
+/// After any number of steps, and in the midst of writing any file: each file of the user is there;
+/// each old file, or each new file, is whole; the next run ends as if nothing had happened.
 #[test]
 fn a_run_that_is_killed_at_any_moment_loses_nothing() {
     for k in 0.. {

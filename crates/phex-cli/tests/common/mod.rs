@@ -110,7 +110,8 @@ impl Run {
     }
 }
 
-/// A flat honeycomb of `rows` x `columns` hexagons of edge 1; each vertex is shifted by `shift(vertex, position)`.
+/// A flat honeycomb of `rows` x `columns` hexagons of edge 1; each vertex is shifted by
+/// `shift(vertex, position)`.
 pub fn honeycomb(
     rows: usize,
     columns: usize,

@@ -114,7 +114,8 @@ impl Body {
         }
     }
 
-    /// How far a push at a point of the body shifts and turns it: the body's share of a joint motion, and its turn per unit of push.
+    /// How far a push at a point of the body shifts and turns it: the body's share of a joint
+    /// motion, and its turn per unit of push.
     pub fn mobility(&self, posed: &Posed, point: Vec2, normal: Vec2) -> [f64; 2] {
         let lever = (point - posed.centre).perp(&normal);
         let turn = if self.angles.is_none() {
@@ -149,7 +150,8 @@ fn moments(polygon: &[Vec2]) -> impl Iterator<Item = [f64; 4]> + '_ {
     })
 }
 
-/// The side of either polygon along which they come apart soonest (separating axes); `None` if they are apart.
+/// The side of either polygon along which they come apart soonest (separating axes); `None` if they
+/// are apart.
 fn contact(a: &Convex, b: &Convex) -> Option<Contact> {
     let (from_a, normal, point) = gap(a, b)?;
     let (from_b, back, other) = gap(b, a)?;
@@ -168,7 +170,8 @@ fn contact(a: &Convex, b: &Convex) -> Option<Contact> {
     })
 }
 
-/// Largest gap between a side of one polygon and the other polygon; negative if they overlap, `None` if they do not.
+/// Largest gap between a side of one polygon and the other polygon; negative if they overlap,
+/// `None` if they do not.
 fn gap(a: &Convex, b: &Convex) -> Option<(f64, Vec2, Vec2)> {
     let mut best: Option<(f64, Vec2, Vec2)> = None;
     for (corner, normal) in a.corners.iter().zip(&a.normals) {

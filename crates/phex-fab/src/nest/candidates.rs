@@ -24,7 +24,8 @@ pub struct Zone {
     high: Vec2,
 }
 
-/// The cheapest translation that `is_free` allows, with its cost. `pieces` are the convex pieces of the panel, already turned.
+/// The cheapest translation that `is_free` allows, with its cost. `pieces` are the convex pieces of
+/// the panel, already turned.
 pub fn cheapest(
     border: &Border,
     placed: &[Zone],
@@ -71,7 +72,8 @@ pub fn cheapest(
     best
 }
 
-/// The share of the samples along the sides of some pieces, moved by `p`, that are close to the border or to other pieces.
+/// The share of the samples along the sides of some pieces, moved by `p`, that are close to the
+/// border or to other pieces.
 fn snugness(border: &Border, placed: &[&Zone], pieces: &[Vec<Vec2>], p: Vec2, close: f64) -> f64 {
     let [low, high] = bounds(&pieces.concat());
     let around = [

@@ -23,8 +23,8 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Checks that every panel is on exactly one sheet, and that both of its faces keep their distance from the border and from
-/// both faces of the other panels.
+/// Checks that every panel is on exactly one sheet, and that both of its faces keep their distance
+/// from the border and from both faces of the other panels.
 ///
 /// # Errors
 /// The first fault.

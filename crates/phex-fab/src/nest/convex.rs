@@ -1,11 +1,12 @@
-//! Convex pieces of polygons, and where one piece can't be for another (the no-fit polygon: their Minkowski difference).
+//! Convex pieces of polygons, and where one piece can't be for another (the no-fit polygon: their
+//! Minkowski difference).
 
 use phex_mesh::Vec2;
 use phex_mesh::ear_clip;
 use phex_mesh::polygon::orientation;
 
-/// Convex pieces that cover a simple counter-clockwise polygon: its triangles by ear clipping, joined where the union is
-/// convex.
+/// Convex pieces that cover a simple counter-clockwise polygon: its triangles by ear clipping,
+/// joined where the union is convex.
 pub fn convex_pieces(polygon: &[Vec2]) -> Vec<Vec<Vec2>> {
     let triangles = ear_clip(polygon).unwrap_or_default();
     let mut pieces: Vec<Vec<usize>> = triangles.iter().map(|t| t.to_vec()).collect();
@@ -46,8 +47,8 @@ fn joined(polygon: &[Vec2], a: &[usize], b: &[usize]) -> Option<Vec<usize>> {
         .then_some(union)
 }
 
-/// All translations that make a convex piece touch or meet another: `{ p - q }` for `p` of `fixed` and `q` of `moving`;
-/// convex and counter-clockwise.
+/// All translations that make a convex piece touch or meet another: `{ p - q }` for `p` of `fixed`
+/// and `q` of `moving`; convex and counter-clockwise.
 pub fn no_fit(fixed: &[Vec2], moving: &[Vec2]) -> Vec<Vec2> {
     let negative: Vec<Vec2> = moving.iter().map(|p| -p).collect();
     let edges = |polygon: &[Vec2]| -> Vec<Vec2> {

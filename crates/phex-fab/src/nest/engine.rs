@@ -1,6 +1,8 @@
-//! One sheet in jagua-rs, which answers whether a panel in a place collides with others or with the border.
+//! One sheet in jagua-rs, which answers whether a panel in a place collides with others or with the
+//! border.
 //!
-//! The library computes in single precision. Shapes are made larger by [`Margins::rounding`], far more than it loses.
+//! The library computes in single precision. Shapes are made larger by [`Margins::rounding`], far
+//! more than it loses.
 
 use jagua_rs::collision_detection::CDEConfig;
 use jagua_rs::collision_detection::hazards::filter::NoFilter;
@@ -24,7 +26,8 @@ pub struct Margins {
 }
 
 impl Margins {
-    /// For a sheet and a spacing: a millionth of the sheet's length is 8 units in the last place of its coordinates.
+    /// For a sheet and a spacing: a millionth of the sheet's length is 8 units in the last place of
+    /// its coordinates.
     pub fn new(sheet: [f64; 2], spacing: f64) -> Self {
         Self {
             half_spacing: 0.5 * spacing,
@@ -92,7 +95,8 @@ impl Engine {
         })
     }
 
-    /// Whether an item can be turned by an angle and then moved without colliding; `scratch` is a clone of its shape.
+    /// Whether an item can be turned by an angle and then moved without colliding; `scratch` is a
+    /// clone of its shape.
     pub fn is_free(
         &self,
         item: &Item,

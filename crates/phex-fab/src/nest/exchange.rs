@@ -1,5 +1,5 @@
-//! A sheet made fuller: panels are added to it, and exchanged for larger ones of those that are still left, as long as all
-//! can be pushed apart.
+//! A sheet made fuller: panels are added to it, and exchanged for larger ones of those that are
+//! still left, as long as all can be pushed apart.
 
 use super::body::Body;
 use super::separate::Crowd;
@@ -9,11 +9,13 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// Changes that are tried side by side; a fixed number, so that the result does not depend on that of threads.
+/// Changes that are tried side by side; a fixed number, so that the result does not depend on that
+/// of threads.
 const BATCH: u64 = 8;
 /// Share of a sheet that panels never fill.
 const FULL: f64 = 0.95;
-/// Panels on a sheet up to which it gets all rounds; a try takes longer in proportion to their number.
+/// Panels on a sheet up to which it gets all rounds; a try takes longer in proportion to their
+/// number.
 const USUAL: usize = 20;
 /// Large panels first: they find no place later.
 const VALUE: f64 = 1.3;
@@ -37,7 +39,8 @@ struct Change {
 }
 
 impl Exchange<'_> {
-    /// The sheet with more on it. `left` are the panels that are on no sheet; `number` is the sheet's, the seed.
+    /// The sheet with more on it. `left` are the panels that are on no sheet; `number` is the
+    /// sheet's, the seed.
     pub fn fill(&self, mut sheet: SheetLayout, mut left: Vec<usize>, number: u64) -> SheetLayout {
         for round in 0..self.rounds(sheet.len()) {
             if left.is_empty() {

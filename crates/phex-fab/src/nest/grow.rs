@@ -28,11 +28,13 @@ pub struct Sheet<'a> {
     pub layout: SheetLayout,
     area: f64,
     reach: f64,
-    /// Panels that fit in none of their own rotations; they never will, since the sheet only gets fuller.
+    /// Panels that fit in none of their own rotations; they never will, since the sheet only gets
+    /// fuller.
     failed: HashSet<usize>,
     /// The same for a panel flush with a certain side.
     failed_beside: HashSet<(usize, EdgeId)>,
-    /// The best place of panels beside those on the sheet when it was last looked for, with the number of rotations.
+    /// The best place of panels beside those on the sheet when it was last looked for, with the
+    /// number of rotations.
     known: HashMap<usize, (usize, Place)>,
 }
 
@@ -139,8 +141,8 @@ impl<'a> Sheet<'a> {
         None
     }
 
-    /// Panels that are left beside those on the sheet, with the rotations that make them flush; those whose neighbours lie
-    /// farthest back come first.
+    /// Panels that are left beside those on the sheet, with the rotations that make them flush;
+    /// those whose neighbours lie farthest back come first.
     fn beside(&self) -> Vec<Trial> {
         let mut found: Vec<Trial> = Vec::new();
         for placement in &self.layout {

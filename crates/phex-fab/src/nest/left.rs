@@ -42,7 +42,8 @@ impl Left {
     }
 }
 
-/// All panels by their distance from one of them in steps over edges; further parts of the mesh follow.
+/// All panels by their distance from one of them in steps over edges; further parts of the mesh
+/// follow.
 fn breadth_first(plates: &[Plate], start: usize) -> Vec<usize> {
     let mut seen = vec![false; plates.len()];
     let mut order = Vec::with_capacity(plates.len());

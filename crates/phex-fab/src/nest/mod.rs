@@ -1,20 +1,21 @@
 //! Panels on sheets, by their true shapes.
 //!
-//! Neighbours in the mesh fit together on a sheet as they do on the building. So a sheet is filled from a first panel
-//! outwards: of the panels next to those that lie on it, each turned such that it is flush with a neighbour, the one that
-//! reaches least far along the sheet is put next. When none of them fits, others fill the gaps; when none of those does,
-//! the sheet is closed.
+//! Neighbours in the mesh fit together on a sheet as they do on the building. So a sheet is filled
+//! from a first panel outwards: of the panels next to those that lie on it, each turned such that
+//! it is flush with a neighbour, the one that reaches least far along the sheet is put next. When
+//! none of them fits, others fill the gaps; when none of those does, the sheet is closed.
 //!
-//! For each rotation, the places where a panel touches two others, or one and the border, come from the no-fit polygons of
-//! convex pieces (Burke et al., "Complete and robust no-fit polygon generation for the irregular stock cutting problem",
-//! 2007; here a source of candidates only). The first that [jagua-rs](https://crates.io/crates/jagua-rs) finds free of
-//! collisions, by growing cost, is taken.
+//! For each rotation, the places where a panel touches two others, or one and the border, come from
+//! the no-fit polygons of convex pieces (Burke et al., "Complete and robust no-fit polygon
+//! generation for the irregular stock cutting problem", 2007; here a source of candidates only).
+//! The first that [jagua-rs](https://crates.io/crates/jagua-rs) finds free of collisions, by
+//! growing cost, is taken.
 //!
 //! Then the sheet is made fuller by exchanging panels with those that are left, and the last one
 //! shorter; both push overlapping panels apart, and jagua-rs has the last word.
 //!
-//! *Guaranteed*: [`nest`] ends with an independent check in double precision of both faces of all panels. The same for any
-//! number of threads: the random choices have fixed seeds.
+//! *Guaranteed*: [`nest`] ends with an independent check in double precision of both faces of all
+//! panels. The same for any number of threads: the random choices have fixed seeds.
 
 mod body;
 mod candidates;
@@ -46,7 +47,8 @@ use shape::{Place, Shape};
 use smallest::smallest_sheet;
 use squeeze::squeeze;
 
-/// Where a panel lies on a sheet: `p -> rotation p + translation`, in mm; the sheet's corner is the origin.
+/// Where a panel lies on a sheet: `p -> rotation p + translation`, in mm; the sheet's corner is the
+/// origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// Number of the panel.
@@ -72,7 +74,8 @@ impl Placement {
 /// The panels of one sheet, in the order in which they were placed.
 pub type SheetLayout = Vec<Placement>;
 
-/// Puts all panels on sheets. `name` gives the name of a panel for messages; `progress` counts the panels that lie.
+/// Puts all panels on sheets. `name` gives the name of a panel for messages; `progress` counts the
+/// panels that lie.
 ///
 /// # Errors
 /// If a panel does not fit on an empty sheet, a shape is refused, or `progress` cancels.

@@ -1,10 +1,11 @@
-//! Panels that overlap are pushed apart until they do not: every contact moves its two bodies along the normal and turns
-//! them about their centroids, by what their masses and moments of inertia tell (Müller, Heidelberger, Hennix and
-//! Ratcliff, "Position based dynamics", 2007, with bodies for particles). Where that gets stuck the panel that overlaps
-//! most is taken out and put back where it overlaps least, among random places.
+//! Panels that overlap are pushed apart until they do not: every contact moves its two bodies along
+//! the normal and turns them about their centroids, by what their masses and moments of inertia
+//! tell (Müller, Heidelberger, Hennix and Ratcliff, "Position based dynamics", 2007, with bodies
+//! for particles). Where that gets stuck the panel that overlaps most is taken out and put back
+//! where it overlaps least, among random places.
 //!
-//! *Guaranteed*: `true` means that no overlap is deeper than the tolerance. *Fails* where the panels have no place, and
-//! now and then where they have one.
+//! *Guaranteed*: `true` means that no overlap is deeper than the tolerance. *Fails* where the
+//! panels have no place, and now and then where they have one.
 
 use super::Border;
 use super::body::{Body, Posed};
@@ -209,7 +210,8 @@ impl<'a> Crowd<'a> {
         body.posed(best.1, best.2)
     }
 
-    /// Sum of the depths of a body in the others and beyond the border; stops where that is more than `most`.
+    /// Sum of the depths of a body in the others and beyond the border; stops where that is more
+    /// than `most`.
     fn overlap(&self, posed: &Posed, radius: f64, own: Option<usize>, most: f64) -> f64 {
         let beyond = |p: &Vec2| (self.low - p).sup(&(p - self.high)).max();
         let mut sum = posed.corners().map(beyond).fold(0.0, f64::max);

@@ -183,7 +183,8 @@ fn turn(plate: usize, rotation: f64) -> Placement {
     }
 }
 
-/// The rotations to try: every side of the convex hull along every side of a sheet, or the ones that are allowed.
+/// The rotations to try: every side of the convex hull along every side of a sheet, or the ones
+/// that are allowed.
 fn angles(polygon: &[Vec2], rotations: &Rotations) -> Vec<f64> {
     if let Rotations::Degrees(list) = rotations {
         return list.iter().map(|d| d.to_radians()).collect();

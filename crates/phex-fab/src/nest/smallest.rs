@@ -5,10 +5,12 @@ use super::shape::Shape;
 use crate::outline::bounds;
 use std::collections::BinaryHeap;
 
-/// Relative slack for what single precision loses on a larger sheet than the one that was asked for.
+/// Relative slack for what single precision loses on a larger sheet than the one that was asked
+/// for.
 const SLACK: f64 = 1e-5;
 
-/// Length and width, in whole mm, of the sheet of least area on which every panel fits in one of its rotations.
+/// Length and width, in whole mm, of the sheet of least area on which every panel fits in one of
+/// its rotations.
 pub fn smallest_sheet(shapes: &[Shape], margins: Margins) -> [f64; 2] {
     let mut boxes: Vec<([u64; 2], usize)> = Vec::new();
     for (k, shape) in shapes.iter().enumerate() {
@@ -27,11 +29,11 @@ fn shape_boxes(shape: &Shape, margins: Margins) -> impl Iterator<Item = [u64; 2]
     })
 }
 
-/// The sheet of least area that holds one of the boxes of each of `n` panels; boxes by growing length. A sheet is no wider
-/// than long.
+/// The sheet of least area that holds one of the boxes of each of `n` panels; boxes by growing
+/// length. A sheet is no wider than long.
 fn smallest(boxes: &[([u64; 2], usize)], n: usize) -> [u64; 2] {
-    // The least width of each panel among the boxes up to a length. The widest of these is on top of the heap, above
-    // which stand widths that are out of date.
+    // The least width of each panel among the boxes up to a length. The widest of these is on top
+    // of the heap, above which stand widths that are out of date.
     let mut widths = vec![u64::MAX; n];
     let mut heap: BinaryHeap<(u64, usize)> = (0..n).map(|k| (u64::MAX, k)).collect();
     let mut best = [u64::MAX; 2];

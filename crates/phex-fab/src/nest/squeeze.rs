@@ -1,5 +1,5 @@
-//! The last sheet made shorter, so that a larger piece of it goes back to stock: its panels are moved closer together along
-//! the sheet, and pushed apart again.
+//! The last sheet made shorter, so that a larger piece of it goes back to stock: its panels are
+//! moved closer together along the sheet, and pushed apart again.
 
 use super::body::Posed;
 use super::exchange::Exchange;

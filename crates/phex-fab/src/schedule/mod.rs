@@ -1,7 +1,8 @@
 //! Tables of panels, edges, nodes, sheets and groups, as CSV files and as one XLSX workbook.
 //!
-//! Lengths are in mm, areas in m², angles in degrees. Several values in one cell are separated by `;`, in the order of the
-//! panel's corners: side `i` goes from corner `i` to the next, and edge, neighbour, mitre and length lists run alike.
+//! Lengths are in mm, areas in m², angles in degrees. Several values in one cell are separated by
+//! `;`, in the order of the panel's corners: side `i` goes from corner `i` to the next, and edge,
+//! neighbour, mitre and length lists run alike.
 
 mod edges;
 mod groups;
@@ -107,7 +108,8 @@ pub fn csv(table: &Table) -> Result<Vec<u8>, FabError> {
 /// Names and centres (mm) of the panels of a `panels` table.
 ///
 /// # Errors
-/// If a column is missing or holds no number, or a name can't be one or is there twice; the line is named.
+/// If a column is missing or holds no number, or a name can't be one or is there twice; the line is
+/// named.
 pub fn panel_centres(bytes: &[u8]) -> Result<Vec<(String, Vec3)>, FabError> {
     let failed = |cause: String| FabError::Content {
         name: "table of panels".into(),

@@ -7,7 +7,8 @@ use rust_xlsxwriter::{DocProperties, ExcelDateTime, Format, Workbook, XlsxError}
 /// Most characters that a cell of a workbook holds.
 const CELL: usize = 32_767;
 
-/// The workbook; headings stay in sight. Texts that are too long for a cell end in `...`, and are whole in the CSV files.
+/// The workbook; headings stay in sight. Texts that are too long for a cell end in `...`, and are
+/// whole in the CSV files.
 ///
 /// # Errors
 /// If there are more rows than a sheet holds (1 048 576).

@@ -12,12 +12,13 @@ const SUFFIX: &str = ".tmp";
 /// Symbolic links that are followed in a row at the most, as systems do.
 const MOST_LINKS: usize = 40;
 
-/// Writes a file through a temporary file in the same folder, which takes the file's name once it is complete: on any
-/// error an existing file stays as it was. Missing folders are made, symbolic links followed, also to files that are not there; the
-/// permissions of a file that is replaced stay. What exists and is no regular file (a pipe, a terminal) is written directly.
+/// Writes a file through a temporary file in the same folder, which takes the file's name once it
+/// is complete: on any error an existing file stays as it was. Missing folders are made, symbolic
+/// links followed, also to files that are not there; the permissions of a file that is replaced
+/// stay. What exists and is no regular file (a pipe, a terminal) is written directly.
 ///
-/// A temporary file is locked while it is written. What a killed run has left is not, and goes when the next file is written into that
-/// folder.
+/// A temporary file is locked while it is written. What a killed run has left is not, and goes when
+/// the next file is written into that folder.
 ///
 /// # Errors
 /// If the folder or file can't be written, or `write` fails; the error names `path`.
@@ -58,7 +59,8 @@ fn replace(
     Ok(())
 }
 
-/// The file that a path stands for, whether it is there or not: symbolic links in its last place are followed.
+/// The file that a path stands for, whether it is there or not: symbolic links in its last place
+/// are followed.
 ///
 /// # Errors
 /// If links go round in a circle.
@@ -102,7 +104,8 @@ fn folder_of(path: &Path) -> PathBuf {
 fn temporary_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);
-    // Temporary files are private by default; this one is to be an ordinary file (the umask still applies).
+    // Temporary files are private by default; this one is to be an ordinary file (the umask still
+    // applies).
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)

@@ -1,8 +1,9 @@
 //! COMPAS JSON: `compas.datastructures/Mesh` as `compas.json_load` reads it; faces stay whole.
 //!
-//! Each face carries attributes (`facedata`). For a plain mesh they are `id` (the face's number from 0), `corners`, `area`
-//! and `planarity` (largest distance of a corner to the face's least-squares plane), in model units. Vertices and faces keep
-//! their numbers, coordinates every bit.
+//! Each face carries attributes (`facedata`). For a plain mesh they are `id` (the face's number
+//! from 0), `corners`, `area` and `planarity` (largest distance of a corner to the face's
+//! least-squares plane), in model units. Vertices and faces keep their numbers, coordinates every
+//! bit.
 
 use crate::{FlatFace, PolygonSoup, Vec3};
 use serde_json::{Map, Value, json};

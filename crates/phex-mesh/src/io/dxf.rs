@@ -1,7 +1,8 @@
-//! Drawings in DXF, release R12 (AC1009): polylines on layers, which every CAD program and cutter reads.
+//! Drawings in DXF, release R12 (AC1009): polylines on layers, which every CAD program and cutter
+//! reads.
 //!
-//! A mesh is written as one closed 3D polyline for each face, on the layer `PANELS`. The format has no unit; numbers are model
-//! units, written so that they read back bit by bit.
+//! A mesh is written as one closed 3D polyline for each face, on the layer `PANELS`. The format has
+//! no unit; numbers are model units, written so that they read back bit by bit.
 
 use crate::{PolygonSoup, Vec2, Vec3};
 use std::fmt::Write as _;
@@ -25,7 +26,8 @@ impl DxfDrawing {
     /// An empty drawing with layers, each with an AutoCAD colour number (1 to 255).
     ///
     /// # Panics
-    /// If a layer's name holds anything but capital letters, digits, `-` and `_`, which R12 does not allow.
+    /// If a layer's name holds anything but capital letters, digits, `-` and `_`, which R12 does
+    /// not allow.
     pub fn new(layers: &[(&str, u8)]) -> Self {
         let allowed = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || "-_".contains(c);
         assert!(layers.iter().all(|(name, _)| name.chars().all(allowed)));

@@ -1,9 +1,10 @@
-//! Binary glTF 2.0 (`.glb`): faces as ear-clipped triangles with flat shading and a colour by their number of corners, and
-//! their real edges as lines.
+//! Binary glTF 2.0 (`.glb`): faces as ear-clipped triangles with flat shading and a colour by their
+//! number of corners, and their real edges as lines.
 //!
-//! Coordinates are single precision, relative to the centre of the bounding box, which the node's translation adds again, so
-//! that a building far from the origin keeps its millimetres. glTF has y up: the node turns z up to y up, as the
-//! specification asks; readers that apply node transforms get `(x, z, -y)`.
+//! Coordinates are single precision, relative to the centre of the bounding box, which the node's
+//! translation adds again, so that a building far from the origin keeps its millimetres. glTF has y
+//! up: the node turns z up to y up, as the specification asks; readers that apply node transforms
+//! get `(x, z, -y)`.
 
 use super::error::WriteCause;
 use super::triangles::{of_face, single};

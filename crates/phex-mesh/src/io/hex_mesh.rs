@@ -48,7 +48,8 @@ impl HexMesh {
     /// The mesh of a soup, as it stands: nothing is welded, turned round or dropped.
     ///
     /// # Errors
-    /// If a coordinate is not finite, the extent is outside 1e-50 to 1e50, or the faces are no oriented manifold that uses every vertex.
+    /// If a coordinate is not finite, the extent is outside 1e-50 to 1e50, or the faces are no
+    /// oriented manifold that uses every vertex.
     pub fn from_soup(soup: &PolygonSoup) -> Result<Self, HexMeshError> {
         let finite = |p: &crate::Vec3| p.iter().all(|x| x.is_finite());
         if let Some(i) = soup.positions.iter().position(|p| !finite(p)) {
@@ -72,7 +73,8 @@ impl HexMesh {
         })
     }
 
-    /// Writes a mesh file whole or not at all: OBJ, PLY and OFF with the faces as they are, STL with their triangles.
+    /// Writes a mesh file whole or not at all: OBJ, PLY and OFF with the faces as they are, STL
+    /// with their triangles.
     ///
     /// # Errors
     /// As [`write_soup`].

@@ -1,8 +1,9 @@
 //! Polygon mesh files, one file per format.
 //!
-//! Reading returns a [`PolygonSoup`]: faces of any valence, vertex numbers checked, coordinates finite, nothing else
-//! promised. Every file is input from outside: a wrong one gives a [`ReadError`] that names the line or element, and
-//! no size that a file announces is believed before the bytes are there.
+//! Reading returns a [`PolygonSoup`]: faces of any valence, vertex numbers checked, coordinates
+//! finite, nothing else promised. Every file is input from outside: a wrong one gives a
+//! [`ReadError`] that names the line or element, and no size that a file announces is believed
+//! before the bytes are there.
 //!
 //! | format | reads | writes |
 //! |---|---|---|
@@ -104,7 +105,8 @@ impl Format {
 /// Reads a mesh file; the extension decides the format.
 ///
 /// # Errors
-/// If the extension is unknown, the file can't be read, or it holds no well-formed mesh with at least one face.
+/// If the extension is unknown, the file can't be read, or it holds no well-formed mesh with at
+/// least one face.
 pub fn read_soup(path: &Path) -> Result<PolygonSoup, ReadError> {
     let read = || {
         let format = Format::from_path(path).map_err(ReadCause::from)?;
@@ -155,8 +157,8 @@ pub fn parse_soup(bytes: &[u8], format: Format) -> Result<PolygonSoup, ReadError
     Ok(soup)
 }
 
-/// Writes a mesh file; the extension decides the format. The file appears whole or not at all (see [`atomic_write`]),
-/// and missing folders are made.
+/// Writes a mesh file; the extension decides the format. The file appears whole or not at all (see
+/// [`atomic_write`]), and missing folders are made.
 ///
 /// # Errors
 /// As [`write_soup_to`], or if the extension is unknown.
@@ -187,9 +189,9 @@ pub fn write_soup(path: &Path, soup: &PolygonSoup) -> Result<(), WriteError> {
 /// ```
 ///
 /// # Errors
-/// If a coordinate is not finite (for STL and glTF: not finite in single precision), a face has fewer than three corners
-/// or names a missing vertex, triangles are asked for of a face that is not simple, or `out` fails. Nothing is written but in
-/// the last case.
+/// If a coordinate is not finite (for STL and glTF: not finite in single precision), a face has
+/// fewer than three corners or names a missing vertex, triangles are asked for of a face that is
+/// not simple, or `out` fails. Nothing is written but in the last case.
 pub fn write_soup_to(
     out: &mut impl Write,
     soup: &PolygonSoup,

@@ -1,4 +1,5 @@
-//! Wavefront OBJ: vertices (`v`) and faces (`f`); groups, materials, texture, normals, points and lines are skipped.
+//! Wavefront OBJ: vertices (`v`) and faces (`f`); groups, materials, texture, normals, points and
+//! lines are skipped.
 
 use super::error::{Place, ReadCause, ReadError};
 use super::text::{decode, integer, out_of_range, point, without_comment};
@@ -19,7 +20,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<PolygonSoup, ReadError> {
 #[derive(Default)]
 struct ObjFile {
     soup: PolygonSoup,
-    /// Where each face stands: a face may name vertices that follow it, so the range is checked at the end.
+    /// Where each face stands: a face may name vertices that follow it, so the range is checked at
+    /// the end.
     face_places: Vec<Place>,
 }
 
@@ -74,7 +76,8 @@ impl ObjFile {
     }
 }
 
-/// Lines without comments, joined where one ends in a backslash, with the number of their first line.
+/// Lines without comments, joined where one ends in a backslash, with the number of their first
+/// line.
 fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut lines = text.lines().map(without_comment).enumerate();
     std::iter::from_fn(move || {

@@ -1,5 +1,6 @@
-//! Geomview OFF: counts, vertices, faces. Normals and colours (`COFF`, `NOFF`, `STOFF` and their combinations, colours
-//! after a face) are skipped; vertices of four or n coordinates and binary files are refused.
+//! Geomview OFF: counts, vertices, faces. Normals and colours (`COFF`, `NOFF`, `STOFF` and their
+//! combinations, colours after a face) are skipped; vertices of four or n coordinates and binary
+//! files are refused.
 
 use super::error::{Place, ReadCause, ReadError};
 use super::text::{count, decode, integer, numbered_lines, point, shown, vertex_number};
@@ -61,7 +62,8 @@ fn counts<'a>(
     }
 }
 
-/// What follows the keyword in the first line; the keyword may be missing where the counts stand there.
+/// What follows the keyword in the first line; the keyword may be missing where the counts stand
+/// there.
 fn after_keyword(line: &str) -> Result<&str, ReadCause> {
     let (first, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     let Some(kind) = first.strip_suffix("OFF") else {

@@ -1,8 +1,9 @@
-//! Stanford PLY: elements `vertex` (`x`, `y`, `z`) and `face` (`vertex_indices` or `vertex_index`), of any numeric
-//! type; other elements and properties are skipped.
+//! Stanford PLY: elements `vertex` (`x`, `y`, `z`) and `face` (`vertex_indices` or `vertex_index`),
+//! of any numeric type; other elements and properties are skipped.
 //!
-//! `ply_rs_bw` reads header and elements. Before each element, the number that the header announces is held against
-//! the bytes that remain, so that a short file can ask for no more than its own length.
+//! `ply_rs_bw` reads header and elements. Before each element, the number that the header announces
+//! is held against the bytes that remain, so that a short file can ask for no more than its own
+//! length.
 
 use super::error::{Place, ReadCause, ReadError};
 use super::text::{shown, vertex_number};
@@ -92,7 +93,8 @@ fn face(corners: &[i64], vertices: usize) -> Result<Vec<u32>, ReadCause> {
         .collect()
 }
 
-/// The library keeps one element or property of a name and forgets an earlier one, which would shift all that follows.
+/// The library keeps one element or property of a name and forgets an earlier one, which would
+/// shift all that follows.
 fn check_names(header: &Header, head: &[u8]) -> Result<(), ReadError> {
     let lines = |word: &[u8]| {
         head.split(|&b| b == b'\n')
@@ -292,7 +294,8 @@ mod tests {
         parse(bytes).unwrap_err().cause
     }
 
-    /// The same square with float coordinates, a colour and a list before the corners, in either byte order.
+    /// The same square with float coordinates, a colour and a list before the corners, in either
+    /// byte order.
     fn binary(big: bool, announced_faces: u32) -> Vec<u8> {
         let order = if big { "big" } else { "little" };
         let mut bytes = format!(

@@ -1,15 +1,17 @@
 //! Stereolithography STL: triangles without shared vertices, in single precision.
 //!
-//! *Text or binary.* A file whose length is just that of the binary triangles it announces is binary, whatever it
-//! starts with (many binary files start with `solid`). Any other file that starts with `solid` and goes on with a
-//! `facet` or `endsolid` within its first kilobyte is text; the rest is binary.
+//! *Text or binary.* A file whose length is just that of the binary triangles it announces is
+//! binary, whatever it starts with (many binary files start with `solid`). Any other file that
+//! starts with `solid` and goes on with a `facet` or `endsolid` within its first kilobyte is text;
+//! the rest is binary.
 //!
-//! *Welding.* Corners with equal coordinates become one vertex, then those whose coordinates all agree within the
-//! larger of one unit in the last place of single precision at the largest coordinate (`2^-23 max |x|`) and `1e-9` of the bounding box's
-//! diagonal: numbers of STL files are rounded to the former. Vertices are numbered in the order of their first corner.
+//! *Welding.* Corners with equal coordinates become one vertex, then those whose coordinates all
+//! agree within the larger of one unit in the last place of single precision at the largest
+//! coordinate (`2^-23 max |x|`) and `1e-9` of the bounding box's diagonal: numbers of STL files are
+//! rounded to the former. Vertices are numbered in the order of their first corner.
 //!
-//! `stl_io` reads and writes binary files. Text is read here: the library drops all but the first solid, wants a space
-//! after `solid`, rounds to single precision and names no line.
+//! `stl_io` reads and writes binary files. Text is read here: the library drops all but the first
+//! solid, wants a space after `solid`, rounds to single precision and names no line.
 
 use super::error::{Place, ReadCause, ReadError, WriteCause};
 use super::text::{decode, numbered_lines, point, shown};

@@ -1,8 +1,11 @@
-//! 3MF: triangles with shared vertices in double precision, one object; for closed solids that go to a printer.
+//! 3MF: triangles with shared vertices in double precision, one object; for closed solids that go
+//! to a printer.
 //!
-//! The standard finds the model by its relation, but many readers by the name `3D/3dmodel.model`, so it is given that name.
+//! The standard finds the model by its relation, but many readers by the name `3D/3dmodel.model`,
+//! so it is given that name.
 //!
-//! The format wants a unit. A plain mesh has none, and metres are written, the program's own default.
+//! The format wants a unit. A plain mesh has none, and metres are written, the program's own
+//! default.
 
 use super::error::WriteCause;
 use super::triangles::of_face;

@@ -3,9 +3,10 @@
 use crate::Vec3;
 use std::collections::HashMap;
 
-/// Vertices, and the vertex of each point. Equal points become one vertex; then, in their order, each vertex whose
-/// coordinates all lie within `tolerance` of an earlier vertex joins the first such one. A joined vertex keeps the
-/// position of its first point. Coordinates are finite, `tolerance` is at least `2^-40` of the largest.
+/// Vertices, and the vertex of each point. Equal points become one vertex; then, in their order,
+/// each vertex whose coordinates all lie within `tolerance` of an earlier vertex joins the first
+/// such one. A joined vertex keeps the position of its first point. Coordinates are finite,
+/// `tolerance` is at least `2^-40` of the largest.
 pub(super) fn weld(points: &[Vec3], tolerance: f64) -> (Vec<Vec3>, Vec<u32>) {
     let (distinct, first) = join_equal(points);
     let (vertices, second) = join_near(&distinct, tolerance);

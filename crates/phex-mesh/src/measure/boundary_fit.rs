@@ -8,7 +8,8 @@ use serde::Serialize;
 
 /// Least area of a face at the boundary, in mean areas.
 pub const LEAST_RIM_AREA: f64 = 0.25;
-/// Points on each edge of the mesh's boundary whose distance to the curve is measured, its start included.
+/// Points on each edge of the mesh's boundary whose distance to the curve is measured, its start
+/// included.
 const ALONG: usize = 4;
 /// Rows of points in a triangle near a boundary, of which those count that lie on this side of it.
 const ROWS: usize = 8;
@@ -26,13 +27,16 @@ pub struct BoundaryFit {
     pub to_curve_max: f64,
     /// Largest distance of a vertex of the surface's boundary to the mesh's boundary.
     pub from_curve_max: f64,
-    /// Share of the surface's area that panels cover, 0 to 1: that whose closest point of the mesh is not on its boundary.
+    /// Share of the surface's area that panels cover, 0 to 1: that whose closest point of the mesh
+    /// is not on its boundary.
     pub covered_area: f64,
-    /// Share of the mesh's area beyond the boundary, 0 to 1: that whose closest point of the surface is on its boundary.
+    /// Share of the mesh's area beyond the boundary, 0 to 1: that whose closest point of the
+    /// surface is on its boundary.
     pub overhang_area: f64,
     /// Corners of the surface's boundary: vertices where it turns by more than 40 degrees.
     pub corners: usize,
-    /// Largest distance of a corner to the nearest vertex of the mesh's boundary; 0 if there are none.
+    /// Largest distance of a corner to the nearest vertex of the mesh's boundary; 0 if there are
+    /// none.
     pub corner_max: f64,
     /// Areas of the faces at the boundary over the mean area of all faces.
     pub rim_area: Metric<FaceId>,
@@ -164,7 +168,8 @@ fn corners(surface: &TriangleSurface, boundary: &[VertexId]) -> Vec<Vec3> {
     (0..n).filter(sharp).map(at).collect()
 }
 
-/// Share of the surface's area whose closest point of the mesh is not on the mesh's boundary, and points of the rest.
+/// Share of the surface's area whose closest point of the mesh is not on the mesh's boundary, and
+/// points of the rest.
 fn covered(
     panels: &ClippedMesh,
     surface: &TriangleSurface,
@@ -202,7 +207,8 @@ fn overhang(panels: &ClippedMesh, surface: &TriangleSurface, curve: &BoundaryCur
     share_of(&triangles, curve, beyond).0
 }
 
-/// Share of the triangles' area where a predicate holds that changes near a curve only, and points where it does not.
+/// Share of the triangles' area where a predicate holds that changes near a curve only, and points
+/// where it does not.
 fn share_of(
     triangles: &[[Vec3; 3]],
     curve: &BoundaryCurve,

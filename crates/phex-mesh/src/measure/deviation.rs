@@ -12,7 +12,8 @@ use parry3d_f64::shape::Polyline;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Distances between a mesh and a surface, over the diagonal of the surface's bounding box unless said otherwise.
+/// Distances between a mesh and a surface, over the diagonal of the surface's bounding box unless
+/// said otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Deviation {
     /// The diagonal that the figures refer to, in model units.
@@ -29,8 +30,8 @@ pub struct Deviation {
     pub coverage_max: f64,
     /// 99 % quantile of these distances.
     pub coverage_p99: f64,
-    /// Largest of them among the surface vertices farther than two mean edges of the mesh from the surface's boundary;
-    /// 0 if there are none, and `coverage_max` if the surface is closed.
+    /// Largest of them among the surface vertices farther than two mean edges of the mesh from the
+    /// surface's boundary; 0 if there are none, and `coverage_max` if the surface is closed.
     pub coverage_inner_max: f64,
     /// Distances of the surface vertices to the mesh; the ids are those of the surface.
     pub coverage: Metric<VertexId>,
@@ -53,13 +54,14 @@ pub struct Deviation {
     pub inside: PerVertex<bool>,
 }
 
-/// Measures the distance between a mesh and a surface, both ways. The mesh's faces count as their ear-clipped triangles.
+/// Measures the distance between a mesh and a surface, both ways. The mesh's faces count as their
+/// ear-clipped triangles.
 pub fn deviation(mesh: &HexMesh, surface: &TriangleSurface) -> Deviation {
     deviation_beyond(mesh, surface, surface)
 }
 
-/// The same where panels may stick out beyond the boundary of `surface`: `beyond` is the surface continued there, and the
-/// distance of the mesh is that to the continued surface.
+/// The same where panels may stick out beyond the boundary of `surface`: `beyond` is the surface
+/// continued there, and the distance of the mesh is that to the continued surface.
 pub fn deviation_beyond(
     mesh: &HexMesh,
     surface: &TriangleSurface,
@@ -120,7 +122,8 @@ fn to_mesh(surface: &TriangleSurface, mesh: &HexMesh) -> (PerVertex<FaceId>, Per
     )
 }
 
-/// The face of the mesh closest to each point, and its distance, in model units. Faces count as their ear-clipped triangles.
+/// The face of the mesh closest to each point, and its distance, in model units. Faces count as
+/// their ear-clipped triangles.
 pub fn closest_faces(mesh: &HexMesh, points: &[Vec3]) -> Vec<(FaceId, f64)> {
     let clipped = ClippedMesh::new(mesh, &FlatFace::all(mesh));
     points.par_iter().map(|&p| clipped.closest(p)).collect()

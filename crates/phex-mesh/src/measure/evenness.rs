@@ -1,7 +1,7 @@
 //! How even the sizes and shapes of the inner panels are.
 //!
-//! Panels at the boundary are cut by it and left out: only faces without a boundary edge count. All figures are ratios
-//! and have no unit.
+//! Panels at the boundary are cut by it and left out: only faces without a boundary edge count. All
+//! figures are ratios and have no unit.
 
 use super::interior_faces;
 use super::metric::quantile;
@@ -62,13 +62,15 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Length over width of a simple polygon: the square root of the ratio of the principal second moments of its area about
-/// its centroid. 1 for a regular polygon, `a / b` for a rectangle of sides `a >= b`, infinite for one without width.
+/// Length over width of a simple polygon: the square root of the ratio of the principal second
+/// moments of its area about its centroid. 1 for a regular polygon, `a / b` for a rectangle of
+/// sides `a >= b`, infinite for one without width.
 pub fn aspect(polygon: &[Vec2]) -> f64 {
     let Some(&origin) = polygon.first() else {
         return f64::NAN;
     };
-    // Moments of a polygon by its fan of signed triangles from the first corner, which keeps them exact far from zero.
+    // Moments of a polygon by its fan of signed triangles from the first corner, which keeps them
+    // exact far from zero.
     let (mut area, mut first, mut second) = (0.0, Vec2::zeros(), Matrix2::zeros());
     for pair in polygon[1..].windows(2) {
         let (a, b) = (pair[0] - origin, pair[1] - origin);
@@ -114,7 +116,8 @@ mod tests {
         assert!(aspect(&rectangle(1.0, 0.0)) > 1e6);
     }
 
-    /// Rows of rectangles; the middle row's widths are given, the ones at the rim are huge and must not count.
+    /// Rows of rectangles; the middle row's widths are given, the ones at the rim are huge and must
+    /// not count.
     fn bricks(widths: &[f64]) -> HexMesh {
         let mut ends = vec![-1e3, 0.0];
         ends.extend(widths.iter().scan(0.0, |end, w| {

@@ -7,7 +7,8 @@ pub const WORST: usize = 10;
 /// Number of bins of a [`Histogram`].
 pub const BINS: usize = 20;
 
-/// Summary of one value per element. Where there is no element, all figures are NaN (`null` in JSON).
+/// Summary of one value per element. Where there is no element, all figures are NaN (`null` in
+/// JSON).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Metric<I> {
     /// Number of elements.
@@ -35,7 +36,8 @@ pub struct Histogram {
     pub low: f64,
     /// Upper end of the last bin.
     pub high: f64,
-    /// Number of values in each bin; a value on a bin's upper end counts in the next, except in the last bin.
+    /// Number of values in each bin; a value on a bin's upper end counts in the next, except in the
+    /// last bin.
     pub counts: Vec<usize>,
 }
 
@@ -50,7 +52,8 @@ impl<I: Copy> Metric<I> {
         Self::new(values, |x| -x)
     }
 
-    /// Summary in which the elements with the largest `badness(value)` are the worst; equal ones in the given order.
+    /// Summary in which the elements with the largest `badness(value)` are the worst; equal ones in
+    /// the given order.
     pub fn new(values: impl IntoIterator<Item = (I, f64)>, badness: impl Fn(f64) -> f64) -> Self {
         let mut pairs: Vec<(I, f64)> = values.into_iter().collect();
         let mut sorted: Vec<f64> = pairs.iter().map(|p| p.1).collect();

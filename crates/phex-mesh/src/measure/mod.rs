@@ -1,7 +1,7 @@
 //! Figures of a mesh: per element, and summed up.
 //!
-//! All lengths in the summary are relative, so that no unit matters; the per-element values are in model units and
-//! radians. Definitions, with `L` the mean length of all edges:
+//! All lengths in the summary are relative, so that no unit matters; the per-element values are in
+//! model units and radians. Definitions, with `L` the mean length of all edges:
 //!
 //! | figure | definition |
 //! |---|---|
@@ -19,8 +19,9 @@
 //! | concave face | some corner turns to the right: unavoidable where the Gauss curvature is negative, and no fault |
 //! | simple face | see [`is_simple`], in the face's plane |
 //!
-//! The two planarities are both in use and differ: 1 % by the diagonals is 1 to 2.5 % of an edge. A planar face that
-//! intersects itself has planarity 0 by either, so planarity and simplicity are always to be reported together.
+//! The two planarities are both in use and differ: 1 % by the diagonals is 1 to 2.5 % of an edge. A
+//! planar face that intersects itself has planarity 0 by either, so planarity and simplicity are
+//! always to be reported together.
 
 mod boundary_fit;
 mod deviation;
@@ -225,8 +226,9 @@ impl ElementMeasures {
     }
 }
 
-/// Root mean square, over the quadruples of consecutive corners, of the distance between the lines of the two
-/// diagonals over their mean length; 0 for a triangle, and for diagonals that are parallel to 1e-8.
+/// Root mean square, over the quadruples of consecutive corners, of the distance between the lines
+/// of the two diagonals over their mean length; 0 for a triangle, and for diagonals that are
+/// parallel to 1e-8.
 pub fn planarity_diagonals(corners: &[Vec3]) -> f64 {
     let n = corners.len();
     if n < 4 {
@@ -246,8 +248,8 @@ fn diagonal_distance([a, b, c, d]: [Vec3; 4]) -> f64 {
     distance / (0.5 * (lengths[0] + lengths[1]))
 }
 
-/// Angle in radians between the faces of an edge on the side away from their normals, in (0, 2 pi); `None` on the
-/// boundary.
+/// Angle in radians between the faces of an edge on the side away from their normals, in (0, 2 pi);
+/// `None` on the boundary.
 fn dihedral(mesh: &HexMesh, faces: &PerFace<FlatFace>, e: EdgeId) -> Option<f64> {
     let topology = mesh.topology();
     let h = topology.edge_half_edge(e);
@@ -328,8 +330,8 @@ fn hex(topology: &Topology) -> Option<f64> {
     (interior > 0).then(|| hexagons as f64 / interior as f64)
 }
 
-/// Number of faces without a boundary edge that have not six corners, beyond those that the Euler characteristic `chi` of a
-/// closed mesh of degree 3 asks for: `6 |chi|` pentagons or heptagons.
+/// Number of faces without a boundary edge that have not six corners, beyond those that the Euler
+/// characteristic `chi` of a closed mesh of degree 3 asks for: `6 |chi|` pentagons or heptagons.
 pub fn irregular_faces(topology: &Topology) -> usize {
     let irregular = interior_faces(topology).filter(|&f| topology.valence(f) != 6);
     let closed = topology.boundary_loops().is_empty();

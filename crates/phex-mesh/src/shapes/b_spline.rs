@@ -1,6 +1,7 @@
 //! A bicubic B-spline height field with random control heights over uniform knots.
 //!
-//! With uniform knots the control points at equal steps reproduce `x` and `y` exactly, so the patch is a graph.
+//! With uniform knots the control points at equal steps reproduce `x` and `y` exactly, so the patch
+//! is a graph.
 
 use super::graph::{HeightField, HeightJet};
 use rand::{Rng, SeedableRng};
@@ -63,8 +64,8 @@ impl HeightField for BSplineHeights {
     }
 }
 
-/// The four uniform cubic basis functions at `t` in a span (0 to 1) and their first two derivatives by the coordinate, of which
-/// one unit holds `per_unit` spans.
+/// The four uniform cubic basis functions at `t` in a span (0 to 1) and their first two derivatives
+/// by the coordinate, of which one unit holds `per_unit` spans.
 fn cubic_basis(t: f64, per_unit: f64) -> [[f64; 4]; 3] {
     let r = 1.0 - t;
     let inner = |t: f64| (4.0 + t * t * (3.0 * t - 6.0)) / 6.0;

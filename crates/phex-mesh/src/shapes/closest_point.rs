@@ -1,14 +1,16 @@
 //! The point of a parametric surface that is closest to a point of space, to rounding.
 //!
-//! A table of samples finds every place where the distance may be least; from each of them a damped Newton iteration goes down
-//! inside the domain, and bisection goes along the boundary curves. The nearest result is returned. A surface with a direct
-//! method ([`ParametricSurface::closest_parameters`]) needs none of this.
+//! A table of samples finds every place where the distance may be least; from each of them a damped
+//! Newton iteration goes down inside the domain, and bisection goes along the boundary curves. The
+//! nearest result is returned. A surface with a direct method
+//! ([`ParametricSurface::closest_parameters`]) needs none of this.
 //!
 //! With `r = x(u, v) - p`, the gradient of `|r|^2 / 2` is `(r.x_u, r.x_v)` and its Hessian is
 //! `[E + r.x_uu, F + r.x_uv; ., G + r.x_vv]`.
 //!
-//! The answer is the closest point of all as long as the samples resolve the surface: features smaller than the mean edge of
-//! some 4000 triangles may be missed. Where several points are equally close, one of them is returned, always the same.
+//! The answer is the closest point of all as long as the samples resolve the surface: features
+//! smaller than the mean edge of some 4000 triangles may be missed. Where several points are
+//! equally close, one of them is returned, always the same.
 
 use super::domain::{BoundaryArc, Domain};
 use super::parametric::ParametricSurface;
@@ -24,7 +26,8 @@ const SAMPLE_TRIANGLES: usize = 4000;
 const ARC_SAMPLES: usize = 256;
 /// Newton steps, of which a handful is needed unless `p` is near a centre of curvature.
 const MAX_STEPS: usize = 100;
-/// A step this short, relative to the surface's diagonal, ends the iteration: the next one would be rounding.
+/// A step this short, relative to the surface's diagonal, ends the iteration: the next one would be
+/// rounding.
 const STEP_REL: f64 = 1e-13;
 
 /// A point on a parametric surface.
@@ -38,7 +41,8 @@ pub struct ShapePoint {
     pub normal: Vec3,
 }
 
-/// Closest points on one surface; building it takes a few milliseconds, a query some ten microseconds.
+/// Closest points on one surface; building it takes a few milliseconds, a query some ten
+/// microseconds.
 #[derive(Clone, Debug)]
 pub struct ShapeProjector<S = Shape> {
     surface: S,
@@ -103,8 +107,8 @@ impl<S: ParametricSurface> ShapeProjector<S> {
         points.par_iter().map(|&p| self.closest_point(p)).collect()
     }
 
-    /// The point of the boundary that is closest to `p` (finite), and the unit tangent there (either way); `None` for a
-    /// closed surface.
+    /// The point of the boundary that is closest to `p` (finite), and the unit tangent there
+    /// (either way); `None` for a closed surface.
     pub fn closest_on_boundary(&self, p: Vec3) -> Option<BoundaryPoint> {
         let arcs = self.arcs.iter();
         let feet = arcs.flat_map(|(arc, points)| {
@@ -132,7 +136,8 @@ impl<S: ParametricSurface> ShapeProjector<S> {
             .arcs
             .iter()
             .flat_map(|(arc, points)| self.along_arc(arc, points, p, starts.reach));
-        // From a rim sample the way inside may be barred; from the nearest point of the rim it is not.
+        // From a rim sample the way inside may be barred; from the nearest point of the rim it is
+        // not.
         let all = starts.parameters.iter().copied().chain(rims);
         let ends = all.map(|start| self.descend(start, p));
         let distance = |&[u, v]: &[f64; 2]| (self.surface.point(u, v) - p).norm_squared();
@@ -174,13 +179,15 @@ impl<S: ParametricSurface> ShapeProjector<S> {
             && distance(end) <= distance(at) * (1.0 + 1e-14) + f64::MIN_POSITIVE
     }
 
-    /// The nearest points along a boundary arc, one for each sample that is nearer than its neighbours and than `bound`.
+    /// The nearest points along a boundary arc, one for each sample that is nearer than its
+    /// neighbours and than `bound`.
     fn along_arc(&self, arc: &BoundaryArc, points: &[Vec3], p: Vec3, bound: f64) -> Vec<[f64; 2]> {
         let lowest = self.lowest_on_arc(arc, points, p, bound);
         lowest.into_iter().map(|t| arc.at(t)).collect()
     }
 
-    /// Values of `t` where the distance along an arc has a minimum below `bound`, each found from the lowest of its samples.
+    /// Values of `t` where the distance along an arc has a minimum below `bound`, each found from
+    /// the lowest of its samples.
     fn lowest_on_arc(&self, arc: &BoundaryArc, points: &[Vec3], p: Vec3, bound: f64) -> Vec<f64> {
         let distances: Vec<f64> = points.iter().map(|x| (x - p).norm()).collect();
         let last = distances.len() - 1;
@@ -217,7 +224,8 @@ impl<S: ParametricSurface> ShapeProjector<S> {
             .collect()
     }
 
-    /// The zero of `r . dx/dt` between two values of `t`, or the end where the distance still falls.
+    /// The zero of `r . dx/dt` between two values of `t`, or the end where the distance still
+    /// falls.
     fn bisect(&self, arc: &BoundaryArc, p: Vec3, [mut low, mut high]: [f64; 2]) -> f64 {
         let slope = |t: f64| {
             let ([u, v], [du, dv]) = (arc.at(t), arc.derivative(t));

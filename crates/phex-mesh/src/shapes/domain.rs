@@ -75,9 +75,11 @@ impl Interval {
 pub enum Region {
     /// The whole rectangle; sides that are not periodic are boundary curves.
     Rectangle,
-    /// The whole rectangle, `u` periodic; both ends of `v` shrink to one point (a pole), so the surface is a sphere.
+    /// The whole rectangle, `u` periodic; both ends of `v` shrink to one point (a pole), so the
+    /// surface is a sphere.
     PoleToPole,
-    /// The superellipse `|x|^exponent + |y|^exponent <= 1` inscribed in the rectangle, with `x`, `y` from -1 to 1 over it.
+    /// The superellipse `|x|^exponent + |y|^exponent <= 1` inscribed in the rectangle, with `x`,
+    /// `y` from -1 to 1 over it.
     Superellipse {
         /// 2 is an ellipse; larger ones approach the rectangle. At least 2.
         exponent: f64,
@@ -170,7 +172,8 @@ pub enum BoundaryArc {
         /// Whether both ends are the same point of the surface.
         closed: bool,
     },
-    /// The superellipse inscribed in the rectangle of a domain, counter-clockwise from its largest `u`.
+    /// The superellipse inscribed in the rectangle of a domain, counter-clockwise from its largest
+    /// `u`.
     Superellipse {
         /// The domain.
         domain: Domain,

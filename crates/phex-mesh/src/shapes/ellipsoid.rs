@@ -1,7 +1,7 @@
 //! The ellipsoid `(x/a)^2 + (y/b)^2 + (z/c)^2 = 1`, the sphere included.
 //!
-//! `u` is the longitude and `v` the parametric latitude. Normal and curvature come from the implicit equation, so they hold at
-//! the poles too.
+//! `u` is the longitude and `v` the parametric latitude. Normal and curvature come from the
+//! implicit equation, so they hold at the poles too.
 
 use super::domain::{Domain, Interval, Region};
 use super::parametric::{ParametricSurface, PrincipalCurvatures, SurfaceJet};
@@ -61,7 +61,8 @@ impl ParametricSurface for Ellipsoid {
         PrincipalCurvatures::in_frame(frame, [second(s, s), second(s, t), second(t, t)])
     }
 
-    /// Along the ray: of all simple maps from the sphere this keeps triangles closest to equilateral.
+    /// Along the ray: of all simple maps from the sphere this keeps triangles closest to
+    /// equilateral.
     fn parameters_toward(&self, direction: Vec3) -> [f64; 2] {
         self.parameters(direction)
     }
@@ -79,14 +80,16 @@ pub(super) fn tangent_frame(normal: Vec3) -> [Vec3; 2] {
     [first, normal.cross(&first)]
 }
 
-/// The closest point solves `x_i = e_i^2 p_i / (e_i^2 + t)` with `sum (x_i / e_i)^2 = 1` for the largest root `t` (Eberly,
-/// "Distance from a point to an ellipsoid"). With `s = t + e_min^2 > 0` nothing cancels, and the sum is convex and falling in
-/// `s`, so Newton from below rises to the root without overshooting.
+/// The closest point solves `x_i = e_i^2 p_i / (e_i^2 + t)` with `sum (x_i / e_i)^2 = 1` for the
+/// largest root `t` (Eberly, "Distance from a point to an ellipsoid"). With `s = t + e_min^2 > 0`
+/// nothing cancels, and the sum is convex and falling in `s`, so Newton from below rises to the
+/// root without overshooting.
 fn closest_on_ellipsoid(semi_axes: Vec3, p: Vec3) -> Vec3 {
     let shortest = semi_axes.imin();
     let shift = semi_axes.map(|e| (e - semi_axes[shortest]) * (e + semi_axes[shortest]));
     let mut octant = p.abs();
-    // On the plane of symmetry two points are equally close; a nudge picks one and keeps the root away from a pole of the sum.
+    // On the plane of symmetry two points are equally close; a nudge picks one and keeps the root
+    // away from a pole of the sum.
     octant[shortest] = octant[shortest].max(1e-18 * semi_axes[shortest]);
     let weight = octant.component_mul(&semi_axes);
     let mut s = weight[shortest];

@@ -1,4 +1,5 @@
-//! Graphs `z = f(x, y)`: plane, paraboloids, monkey saddle, wave. `u = x`, `v = y`; normals point up.
+//! Graphs `z = f(x, y)`: plane, paraboloids, monkey saddle, wave. `u = x`, `v = y`; normals point
+//! up.
 
 use super::domain::Domain;
 use super::parametric::{ParametricSurface, SurfaceJet};

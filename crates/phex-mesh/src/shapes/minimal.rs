@@ -34,7 +34,8 @@ impl ParametricSurface for Helicoid {
     }
 }
 
-/// `x(u, v) = scale (u - u^3/3 + u v^2, v - v^3/3 + v u^2, u^2 - v^2)` over the disc `u^2 + v^2 <= radius^2`.
+/// `x(u, v) = scale (u - u^3/3 + u v^2, v - v^3/3 + v u^2, u^2 - v^2)` over the disc `u^2 + v^2 <=
+/// radius^2`.
 pub(super) struct Enneper {
     pub radius: f64,
     pub scale: f64,

@@ -1,9 +1,12 @@
-//! Analytic surfaces: known position, normal and curvature at every parameter, to make test surfaces and to judge results by.
+//! Analytic surfaces: known position, normal and curvature at every parameter, to make test
+//! surfaces and to judge results by.
 //!
-//! * [`Shape`] names every built-in surface and its parameters: `Shape::from_name("torus", &[("minor", 0.3)])`.
-//! * [`ParametricSurface`] is the differential geometry. From the closed-form derivatives `x_u, x_v, x_uu, x_uv, x_vv` follow
-//!   `E = x_u.x_u`, `F = x_u.x_v`, `G = x_v.x_v`, `n = x_u x x_v / |x_u x x_v|`, `L = n.x_uu`, `M = n.x_uv`, `N = n.x_vv`, and the
-//!   principal curvatures as eigenvalues of `II` with respect to `I`.
+//! * [`Shape`] names every built-in surface and its parameters: `Shape::from_name("torus",
+//!   &[("minor", 0.3)])`.
+//! * [`ParametricSurface`] is the differential geometry. From the closed-form derivatives `x_u,
+//!   x_v, x_uu, x_uv, x_vv` follow `E = x_u.x_u`, `F = x_u.x_v`, `G = x_v.x_v`, `n = x_u x x_v /
+//!   |x_u x x_v|`, `L = n.x_uu`, `M = n.x_uv`, `N = n.x_vv`, and the principal curvatures as
+//!   eigenvalues of `II` with respect to `I`.
 //! * [`triangulate`] makes a triangle surface of it whose vertices lie on the surface exactly.
 //! * [`ShapeProjector`] finds closest points.
 //!
@@ -13,8 +16,9 @@
 //! | `k1 >= k2` | [`PrincipalCurvatures`] | positive where the surface bends towards its normal |
 //! | `K, H` | `gauss_curvature`, `mean_curvature` | `k1 k2`, `(k1 + k2) / 2` |
 //!
-//! Guaranteed: triangulations are oriented manifolds of the surface's topology that agree with its normals; the same options
-//! give the same bytes. Not guaranteed: well-shaped triangles where parameters are extreme (a torus with `minor` near `major`).
+//! Guaranteed: triangulations are oriented manifolds of the surface's topology that agree with its
+//! normals; the same options give the same bytes. Not guaranteed: well-shaped triangles where
+//! parameters are extreme (a torus with `minor` near `major`).
 
 mod b_spline;
 mod closest_point;

@@ -49,7 +49,8 @@ pub struct SecondForm {
     pub n: f64,
 }
 
-/// Principal curvatures (1 / length) and their directions, which are unit, tangent and perpendicular.
+/// Principal curvatures (1 / length) and their directions, which are unit, tangent and
+/// perpendicular.
 ///
 /// `max_direction x min_direction` is the normal. At an umbilic the directions are arbitrary.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +76,8 @@ impl PrincipalCurvatures {
         0.5 * (self.max + self.min)
     }
 
-    /// From `II(t, t)`, `II(t, s)` and `II(s, s)` in an orthonormal tangent frame with `t x s = normal`.
+    /// From `II(t, t)`, `II(t, s)` and `II(s, s)` in an orthonormal tangent frame with `t x s =
+    /// normal`.
     pub(super) fn in_frame([t, s]: [Vec3; 2], [tt, ts, ss]: [f64; 3]) -> Self {
         let (mean, half_difference) = (0.5 * (tt + ss), 0.5 * (tt - ss));
         let radius = half_difference.hypot(ts);
@@ -91,9 +93,10 @@ impl PrincipalCurvatures {
 
 /// A surface with closed-form derivatives.
 ///
-/// The unit normal is `n = x_u x x_v / |x_u x x_v|`, and curvature is positive where the surface bends *towards* its normal:
-/// a sphere with outward normal has `k1 = k2 = -1 / r`. Closed shapes and shapes round an axis have outward normals, graphs
-/// over the plane have upward ones. All derivatives may be evaluated a little outside the domain.
+/// The unit normal is `n = x_u x x_v / |x_u x x_v|`, and curvature is positive where the surface
+/// bends *towards* its normal: a sphere with outward normal has `k1 = k2 = -1 / r`. Closed shapes
+/// and shapes round an axis have outward normals, graphs over the plane have upward ones. All
+/// derivatives may be evaluated a little outside the domain.
 pub trait ParametricSurface: Send + Sync {
     /// The parameters that the surface is made of.
     fn domain(&self) -> Domain;
@@ -118,7 +121,8 @@ pub trait ParametricSurface: Send + Sync {
         [jet.duu, jet.duv, jet.dvv]
     }
 
-    /// Unit normal. NaN where `x_u` and `x_v` are parallel, unless the surface knows better (as the ellipsoid does at its poles).
+    /// Unit normal. NaN where `x_u` and `x_v` are parallel, unless the surface knows better (as the
+    /// ellipsoid does at its poles).
     fn normal(&self, u: f64, v: f64) -> Vec3 {
         let jet = self.jet(u, v);
         jet.du.cross(&jet.dv).normalize()
@@ -167,14 +171,15 @@ pub trait ParametricSurface: Send + Sync {
         self.principal_curvatures(u, v).mean()
     }
 
-    /// Parameters of the surface point in a direction from the centre; used for surfaces with poles only.
-    /// The default reads `u` as longitude and `v` as latitude, both in radians.
+    /// Parameters of the surface point in a direction from the centre; used for surfaces with poles
+    /// only. The default reads `u` as longitude and `v` as latitude, both in radians.
     fn parameters_toward(&self, direction: Vec3) -> [f64; 2] {
         let latitude = direction.z.atan2(direction.x.hypot(direction.y));
         [direction.y.atan2(direction.x), latitude]
     }
 
-    /// Parameters of the point closest to `p`, where the surface has a direct method; `None` asks for a search.
+    /// Parameters of the point closest to `p`, where the surface has a direct method; `None` asks
+    /// for a search.
     fn closest_parameters(&self, p: Vec3) -> Option<[f64; 2]> {
         let _ = p;
         None

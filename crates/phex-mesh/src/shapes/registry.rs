@@ -70,8 +70,8 @@ impl Shape {
     /// The shape called `name`, with `overrides` in place of the defaults of its parameters.
     ///
     /// # Errors
-    /// An unknown name of a shape or parameter, a parameter given twice, or a value out of its range; the message lists what is
-    /// allowed.
+    /// An unknown name of a shape or parameter, a parameter given twice, or a value out of its
+    /// range; the message lists what is allowed.
     pub fn from_name(name: &str, overrides: &[(&str, f64)]) -> Result<Self, ShapeError> {
         let info = SHAPES
             .iter()

@@ -1,6 +1,7 @@
 //! Surfaces of revolution round the z axis: cylinder, cone, torus, catenoid, one-sheet hyperboloid.
 //!
-//! `x(u, v) = (rho(v) cos u, rho(v) sin u, z(v))`; the normal points away from the axis where `z` rises with `v`.
+//! `x(u, v) = (rho(v) cos u, rho(v) sin u, z(v))`; the normal points away from the axis where `z`
+//! rises with `v`.
 
 use super::domain::{Domain, Interval};
 use super::parametric::{ParametricSurface, SurfaceJet};

@@ -1,10 +1,12 @@
 //! A free-form roof: two halls, a saddle between them and raised ends, over a rounded plan.
 //!
-//! `z = height f(x / half_length, y / half_width)` with `f` the sum of two Gaussian bumps and a shallow quadratic.
+//! `z = height f(x / half_length, y / half_width)` with `f` the sum of two Gaussian bumps and a
+//! shallow quadratic.
 
 use super::graph::{HeightField, HeightJet};
 
-/// A bump `weight exp(-((x - centre_x) / spread_x)^2 - ((y - centre_y) / spread_y)^2)` in plan coordinates of -1 to 1.
+/// A bump `weight exp(-((x - centre_x) / spread_x)^2 - ((y - centre_y) / spread_y)^2)` in plan
+/// coordinates of -1 to 1.
 struct Bump {
     weight: f64,
     centre: [f64; 2],

@@ -7,14 +7,16 @@ use parry3d_f64::bounding_volume::Aabb;
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
-/// Relative to the length of the edge and the heights of the triangle. At a corner of 180 degrees an edge starts on the
-/// border of a face up to rounding, so that exact signs alone would see crossings in valid meshes.
+/// Relative to the length of the edge and the heights of the triangle. At a corner of 180 degrees
+/// an edge starts on the border of a face up to rounding, so that exact signs alone would see
+/// crossings in valid meshes.
 const TOUCHING: f64 = 1e-9;
 
 /// All crossings, by edge and then by face.
 ///
-/// A face counts as its ear-clipped triangles. Triangles with a vertex of the edge, and all triangles of the edge's own
-/// faces, are left out. Touching (an end on a face, an edge on an edge) is no crossing.
+/// A face counts as its ear-clipped triangles. Triangles with a vertex of the edge, and all
+/// triangles of the edge's own faces, are left out. Touching (an end on a face, an edge on an edge)
+/// is no crossing.
 pub(super) fn crossings(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Violation> {
     let clipped = ClippedMesh::new(mesh, faces);
     let edges = 0..mesh.topology().n_edges() as u32;
@@ -63,9 +65,9 @@ fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Vi
         .collect()
 }
 
-/// Whether the segment passes through the inside of a triangle; all signs are exact. Sides that are diagonals of the
-/// face belong to its inside, but not their ends. What passes within [`TOUCHING`] of an end of the segment or of a side
-/// that is no diagonal only touches.
+/// Whether the segment passes through the inside of a triangle; all signs are exact. Sides that are
+/// diagonals of the face belong to its inside, but not their ends. What passes within [`TOUCHING`]
+/// of an end of the segment or of a side that is no diagonal only touches.
 fn passes_through(from: Vec3, to: Vec3, triangle: [Vec3; 3], diagonal: [bool; 3]) -> bool {
     let [a, b, c] = triangle;
     let along = shares([volume(a, b, c, from), -volume(a, b, c, to)]);

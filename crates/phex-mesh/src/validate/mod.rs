@@ -1,8 +1,9 @@
 //! Is a mesh valid? What is wrong with it, and where?
 //!
-//! A valid mesh has planar, simple faces, three faces at each interior vertex, no collapsed edge, and lies like a
-//! surface: no face is flipped, no vertex is covered twice, no edge passes through another face. That it is an oriented
-//! manifold is already implied by [`HexMesh`]. Self-intersection is decided by exact predicates on the given coordinates.
+//! A valid mesh has planar, simple faces, three faces at each interior vertex, no collapsed edge,
+//! and lies like a surface: no face is flipped, no vertex is covered twice, no edge passes through
+//! another face. That it is an oriented manifold is already implied by [`HexMesh`].
+//! Self-intersection is decided by exact predicates on the given coordinates.
 //!
 //! A [`ValidHexMesh`] is made by [`validate`] and nowhere else.
 
@@ -23,18 +24,20 @@ use std::ops::Deref;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ValidateOptions {
-    /// Largest distance of a vertex to the least-squares plane of its face, in mean edges; at least 0, and held as it is
-    /// given. Default `None`: 1e-12 (a nanometre on a panel of a kilometre, so "exactly planar"), or [`planarity_floor`]
-    /// where rounding of the coordinates allows no less than that.
+    /// Largest distance of a vertex to the least-squares plane of its face, in mean edges; at least
+    /// 0, and held as it is given. Default `None`: 1e-12 (a nanometre on a panel of a kilometre, so
+    /// "exactly planar"), or [`planarity_floor`] where rounding of the coordinates allows no less
+    /// than that.
     pub planarity: Option<f64>,
-    /// Smallest edge length, in mean edges; at least 0. Default 0.05: shorter edges can't be built, and dihedral
-    /// angles and offsets there are badly determined.
+    /// Smallest edge length, in mean edges; at least 0. Default 0.05: shorter edges can't be built,
+    /// and dihedral angles and offsets there are badly determined.
     pub edge_length_rel: f64,
-    /// Smallest distance, in the plane of a face, of a vertex to an edge of the face that does not hold it, in mean
-    /// edges; at least 0. Default 0.05, as for edges: a narrower neck breaks.
+    /// Smallest distance, in the plane of a face, of a vertex to an edge of the face that does not
+    /// hold it, in mean edges; at least 0. Default 0.05, as for edges: a narrower neck breaks.
     pub clearance: f64,
-    /// Smallest distance of an interior angle to 0 and to 2 pi, in radians; at least 0. Default 1e-9: only corners
-    /// that fold back on themselves up to rounding; sharp ones are caught by the clearance.
+    /// Smallest distance of an interior angle to 0 and to 2 pi, in radians; at least 0. Default
+    /// 1e-9: only corners that fold back on themselves up to rounding; sharp ones are caught by the
+    /// clearance.
     pub corner_angle: f64,
 }
 
@@ -49,11 +52,13 @@ impl Default for ValidateOptions {
     }
 }
 
-/// The limit of planarity, in mean edges, where none is given and coordinates are fine enough for it.
+/// The limit of planarity, in mean edges, where none is given and coordinates are fine enough for
+/// it.
 const PLANAR: f64 = 1e-12;
 
 impl ValidateOptions {
-    /// The limit of planarity for a mesh, in mean edges: what is asked for, or else 1e-12 or rounding, whichever is larger.
+    /// The limit of planarity for a mesh, in mean edges: what is asked for, or else 1e-12 or
+    /// rounding, whichever is larger.
     pub fn planarity_limit(&self, mesh: &HexMesh) -> f64 {
         let exact = || PLANAR.max(planarity_floor(mesh));
         self.planarity.unwrap_or_else(exact)
@@ -63,8 +68,9 @@ impl ValidateOptions {
 /// Cosines this close to 0 belong to a right angle: rounding must not make a cube fold.
 const RIGHT_ANGLE: f64 = 1e-9;
 
-/// The planarity, in mean edges, that rounding of the coordinates allows at best: 4 machine epsilons times the diagonal
-/// of the bounding box (or the largest coordinate, for a mesh far from the origin) over the mean edge.
+/// The planarity, in mean edges, that rounding of the coordinates allows at best: 4 machine
+/// epsilons times the diagonal of the bounding box (or the largest coordinate, for a mesh far from
+/// the origin) over the mean edge.
 pub fn planarity_floor(mesh: &HexMesh) -> f64 {
     let largest = mesh.positions.iter().map(|p| p.amax()).fold(0.0, f64::max);
     4.0 * f64::EPSILON * diagonal(mesh).max(largest) / mesh.mean_edge()
@@ -153,8 +159,8 @@ pub fn validate(
     }
 }
 
-/// All violations of a mesh, by kind and then by element; empty if and only if it is valid. With a surface, faces are
-/// also checked against its normals. The same for any number of threads.
+/// All violations of a mesh, by kind and then by element; empty if and only if it is valid. With a
+/// surface, faces are also checked against its normals. The same for any number of threads.
 pub fn violations(
     mesh: &HexMesh,
     surface: Option<&TriangleSurface>,
@@ -195,8 +201,9 @@ pub fn violations(
     found
 }
 
-/// Adds the faces whose normals point against those of another surface than [`violations`] was given: a smooth surface and the facets that it
-/// goes through may differ where two sheets are nearer to each other than a face is long.
+/// Adds the faces whose normals point against those of another surface than [`violations`] was
+/// given: a smooth surface and the facets that it goes through may differ where two sheets are
+/// nearer to each other than a face is long.
 pub fn add_flips(found: &mut Vec<Violation>, mesh: &HexMesh, surface: &TriangleSurface) {
     let options = ValidateOptions::default();
     let inspection = Inspection::new(mesh, &options);
@@ -213,7 +220,8 @@ pub fn add_flips(found: &mut Vec<Violation>, mesh: &HexMesh, surface: &TriangleS
     }));
 }
 
-/// A mesh with everything that the checks share. Comparisons are written so that a NaN is a violation.
+/// A mesh with everything that the checks share. Comparisons are written so that a NaN is a
+/// violation.
 struct Inspection<'a> {
     mesh: &'a HexMesh,
     options: &'a ValidateOptions,
@@ -370,8 +378,8 @@ impl<'a> Inspection<'a> {
         self.faces[face].normal().dot(&sum) < -RIGHT_ANGLE
     }
 
-    /// Whether each normal points against the triangle below the face's centre. A mesh that is wound the other way as
-    /// a whole (in more than half of its faces) is taken as such.
+    /// Whether each normal points against the triangle below the face's centre. A mesh that is
+    /// wound the other way as a whole (in more than half of its faces) is taken as such.
     fn against_surface(&self, surface: &TriangleSurface) -> PerFace<bool> {
         let centres: Vec<Vec3> = self.faces.iter().map(|f| f.plane.centre).collect();
         let below = surface.closest_points(&centres);

@@ -14,7 +14,8 @@ pub enum FlipReference {
     Surface,
 }
 
-/// One located violation. Ids count from 0; relative lengths refer to the mesh's mean edge; angles are in radians.
+/// One located violation. Ids count from 0; relative lengths refer to the mesh's mean edge; angles
+/// are in radians.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Violation {
@@ -72,7 +73,8 @@ pub enum Violation {
         /// Smallest allowed distance to 0 and to 2 pi.
         limit: f64,
     },
-    /// Seen along the mean normal, the corners at an interior vertex of degree 3 do not go round exactly once.
+    /// Seen along the mean normal, the corners at an interior vertex of degree 3 do not go round
+    /// exactly once.
     WrongFan {
         /// The vertex.
         vertex: VertexId,
@@ -152,8 +154,9 @@ impl Violation {
         }
     }
 
-    /// Where to look for it, in model coordinates: at the named vertex, the middle of the named edge, or the centre of the named face; for a
-    /// vertex without finite coordinates the mean of the finite ones round it. `None` if there are none.
+    /// Where to look for it, in model coordinates: at the named vertex, the middle of the named
+    /// edge, or the centre of the named face; for a vertex without finite coordinates the mean of
+    /// the finite ones round it. `None` if there are none.
     pub fn place(&self, mesh: &HexMesh) -> Option<Vec3> {
         let place = match *self {
             Self::NotFinite { .. } => None,

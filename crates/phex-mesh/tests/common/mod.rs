@@ -84,8 +84,8 @@ fn cell_centre(column: usize, row: usize) -> Vec3 {
     Vec3::new((column as f64 + shift) * 3f64.sqrt(), 1.5 * row as f64, 0.0)
 }
 
-/// A parallelogram of regular hexagons with edge length 1 in the plane z = 0, normals up. The face of cell
-/// `(column, row)` is number `row * columns + column`.
+/// A parallelogram of regular hexagons with edge length 1 in the plane z = 0, normals up. The face
+/// of cell `(column, row)` is number `row * columns + column`.
 pub fn honeycomb(columns: usize, rows: usize) -> HexMesh {
     let mut numbers: HashMap<(i64, i64), u32> = HashMap::new();
     let mut points = Vec::new();
@@ -110,9 +110,10 @@ pub fn honeycomb(columns: usize, rows: usize) -> HexMesh {
     HexMesh::new(points, &faces).expect("a honeycomb is a manifold")
 }
 
-/// A prism over a regular polygon of `2 * half_sides` sides (circumradius 1), each side a column of `rows` bricks of
-/// height 1, neighbouring columns shifted by half a brick: hexagons with two corners of 180 degrees. Each
-/// face's list starts at its corner number `start` (up to 5; 0 is a right-angled one, 2 and 5 are straight).
+/// A prism over a regular polygon of `2 * half_sides` sides (circumradius 1), each side a column of
+/// `rows` bricks of height 1, neighbouring columns shifted by half a brick: hexagons with two
+/// corners of 180 degrees. Each face's list starts at its corner number `start` (up to 5; 0 is a
+/// right-angled one, 2 and 5 are straight).
 pub fn brick_prism(half_sides: u32, rows: u32, start: usize) -> HexMesh {
     let (sides, cuts) = (2 * half_sides, 2 * rows + 2);
     // The vertex at height `cut / 2` on the upright between columns `k - 1` and `k`.

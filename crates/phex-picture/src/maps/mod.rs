@@ -1,9 +1,11 @@
-//! What colours say: one value per panel or edge, a range, and the colours and histogram that belong to it.
+//! What colours say: one value per panel or edge, a range, and the colours and histogram that
+//! belong to it.
 //!
-//! A range is that of the mesh's own values, with round ends ([`Range::Automatic`]): in a range that does for every mesh, a
-//! good one is blank. [`Range::Fixed`] is the one of the table, in which two pictures can be laid side by side; values outside
-//! take the colour of the nearest end.
-//! All colours keep apart under the common colour deficiencies: sequential maps by lightness, diverging ones blue to orange.
+//! A range is that of the mesh's own values, with round ends ([`Range::Automatic`]): in a range
+//! that does for every mesh, a good one is blank. [`Range::Fixed`] is the one of the table, in
+//! which two pictures can be laid side by side; values outside take the colour of the nearest end.
+//! All colours keep apart under the common colour deficiencies: sequential maps by lightness,
+//! diverging ones blue to orange.
 //!
 //! | map | element | value | fixed range |
 //! |---|---|---|---|
@@ -124,14 +126,16 @@ pub struct ColourMap {
     pub map: Map,
     /// What has a value each.
     pub element: Coloured,
-    /// The values by element id; NaN where an element has none (an edge of the boundary has no dihedral angle).
+    /// The values by element id; NaN where an element has none (an edge of the boundary has no
+    /// dihedral angle).
     pub values: Vec<f64>,
     /// How values become colours.
     pub scale: Scale,
 }
 
 impl ColourMap {
-    /// The map of a mesh, over the range of its own values; `None` if it needs a surface and there is none.
+    /// The map of a mesh, over the range of its own values; `None` if it needs a surface and there
+    /// is none.
     ///
     /// ```
     /// # use phex_mesh::{HexMesh, Vec3};

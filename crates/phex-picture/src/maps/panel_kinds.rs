@@ -8,7 +8,8 @@ use phex_mesh::{FaceId, FacePlane, HexMesh, PerFace, Vec2, Vec3};
 pub enum PanelKind {
     /// Six corners, all turning the same way.
     ConvexHexagon,
-    /// Six corners, some re-entrant (as the surface demands where its Gaussian curvature is negative).
+    /// Six corners, some re-entrant (as the surface demands where its Gaussian curvature is
+    /// negative).
     ConcaveHexagon,
     /// Five corners.
     Pentagon,
@@ -16,7 +17,8 @@ pub enum PanelKind {
     Heptagon,
     /// Three or four corners.
     Smaller,
-    /// A triangle or quad of a mesh that holds nothing else: no panelling, so nothing is remarkable about it.
+    /// A triangle or quad of a mesh that holds nothing else: no panelling, so nothing is remarkable
+    /// about it.
     Facet,
     /// Eight corners or more.
     Larger,

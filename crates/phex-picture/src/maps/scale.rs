@@ -42,7 +42,8 @@ pub struct Continuous {
 /// From which value to which colours go.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Range {
-    /// Over the mesh's own values, with round ends; a ratio that lies between -1 and 1 by its nature keeps to that.
+    /// Over the mesh's own values, with round ends; a ratio that lies between -1 and 1 by its
+    /// nature keeps to that.
     #[default]
     Automatic,
     /// The same for every mesh.
@@ -63,7 +64,8 @@ impl Continuous {
         Self { low, high, ..self }
     }
 
-    /// Round ends of the range of values; nothing if the fixed range is that already, or no value has a place.
+    /// Round ends of the range of values; nothing if the fixed range is that already, or no value
+    /// has a place.
     fn ends_of(&self, values: &[f64]) -> Option<[f64; 2]> {
         let placed = |v: &f64| v.is_finite() && (!self.logarithmic || *v > 0.0);
         let values = || values.iter().copied().filter(placed);
@@ -89,7 +91,8 @@ impl Continuous {
         }
     }
 
-    /// Place of a value along the colours, 0 to 1; values outside of the range are moved to its ends.
+    /// Place of a value along the colours, 0 to 1; values outside of the range are moved to its
+    /// ends.
     pub fn place(&self, value: f64) -> f64 {
         let (low, high) = (self.low, self.high);
         let t = if self.logarithmic {
@@ -97,7 +100,8 @@ impl Continuous {
         } else {
             (value - low) / (high - low)
         };
-        // The logarithm of 0 is minus infinity; that of a negative number has no place and counts as the lowest.
+        // The logarithm of 0 is minus infinity; that of a negative number has no place and counts
+        // as the lowest.
         if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
     }
 
@@ -150,11 +154,13 @@ impl Continuous {
     }
 }
 
-/// The factor about the mean edge, and the degrees about a straight angle, below which colours would show rounding alone.
+/// The factor about the mean edge, and the degrees about a straight angle, below which colours
+/// would show rounding alone.
 const LEAST_FACTOR: f64 = 1.05;
 const LEAST_OFF: f64 = 0.1;
 
-/// A positive number rounded up to one that is read easily: one of 1, 1.2, 1.5, 2, 3, 4, 5, 6 and 8 times a power of ten.
+/// A positive number rounded up to one that is read easily: one of 1, 1.2, 1.5, 2, 3, 4, 5, 6 and 8
+/// times a power of ten.
 fn rounded_up(x: f64) -> f64 {
     const ROUND: [f64; 10] = [1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
     let power = 10_f64.powf(x.log10().floor());
@@ -188,7 +194,8 @@ pub enum Scale {
 /// Number of elements by value.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Histogram {
-    /// Elements in each class, or in bins of equal width along the legend; the first and last bin hold what is outside.
+    /// Elements in each class, or in bins of equal width along the legend; the first and last bin
+    /// hold what is outside.
     pub counts: Vec<usize>,
     /// Elements below the range.
     pub below: usize,

@@ -31,7 +31,8 @@ fn shows_differences(map: &ColourMap) -> bool {
     high - low > 0.2
 }
 
-/// Three panels in a plane, their corners off it by thousandths of an edge: next to nothing in a range for every mesh.
+/// Three panels in a plane, their corners off it by thousandths of an edge: next to nothing in a
+/// range for every mesh.
 fn nearly_flat() -> HexMesh {
     let corner = |k: u32| {
         let (sin, cos) = (std::f64::consts::FRAC_PI_3 * f64::from(k)).sin_cos();

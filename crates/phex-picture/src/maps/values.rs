@@ -18,7 +18,8 @@ pub struct Subject<'a> {
     pub surface: Option<&'a TriangleSurface>,
 }
 
-/// Classes of [`Map::Validity`]. Concave panels are valid and quiet, panels that cross themselves are loud.
+/// Classes of [`Map::Validity`]. Concave panels are valid and quiet, panels that cross themselves
+/// are loud.
 pub const VALIDITY: [Class; 5] = [
     class("convex, valid", [0xF0, 0xE9, 0xE0]),
     class("concave, valid", [0xC4, 0xDB, 0xD2]),
@@ -122,8 +123,8 @@ fn panel_length(subject: &Subject<'_>) -> f64 {
     PANEL_LENGTH * (measures.area / measures.faces as f64).sqrt()
 }
 
-/// Principal curvatures and directions at the centre of each panel, at the scale of a panel: of the surface, or without
-/// one of the mesh's own faces; `None` if these are no surface.
+/// Principal curvatures and directions at the centre of each panel, at the scale of a panel: of the
+/// surface, or without one of the mesh's own faces; `None` if these are no surface.
 pub fn principal_at_panels(subject: &Subject<'_>) -> Option<Vec<Principal>> {
     let mesh = subject.mesh;
     let length = panel_length(subject);

@@ -1,19 +1,25 @@
 //! Dupin's indicatrix, and how well panels are inscribed in it.
 //!
-//! In principal coordinates of the tangent plane the indicatrix is `k1 x^2 + k2 y^2 = +-1`: an ellipse where `K > 0`, two hyperbolas where `K < 0`, parallel
-//! lines where one curvature vanishes. Theorem 1 of W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010): in the limit of small panels each
-//! is inscribed in a homothetic copy of the indicatrix at its centre. Here this is measured: the conic
+//! In principal coordinates of the tangent plane the indicatrix is `k1 x^2 + k2 y^2 = +-1`: an
+//! ellipse where `K > 0`, two hyperbolas where `K < 0`, parallel lines where one curvature
+//! vanishes. Theorem 1 of W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010): in the
+//! limit of small panels each is inscribed in a homothetic copy of the indicatrix at its centre.
+//! Here this is measured: the conic
 //!
 //! `F = k1 x^2 + k2 y^2 + a x + b y + c = 0`
 //!
-//! has the shape of the indicatrix, moved and scaled; `a, b, c` are fitted to the corners, and a corner is off by `|F| / |grad F|`, to first order.
+//! has the shape of the indicatrix, moved and scaled; `a, b, c` are fitted to the corners, and a
+//! corner is off by `|F| / |grad F|`, to first order.
 //!
-//! The theorem speaks of panels whose corners lie on the surface. Where the panel so inscribed would have a very short edge, as between two parabolic curves of
-//! different families, panels are held open instead and leave the indicatrix by a share that does not fall with their size. [`free_panels`] are the
-//! others; for them the mean falls nearly at first order, for all panels the median does.
+//! The theorem speaks of panels whose corners lie on the surface. Where the panel so inscribed
+//! would have a very short edge, as between two parabolic curves of different families, panels are
+//! held open instead and leave the indicatrix by a share that does not fall with their size.
+//! [`free_panels`] are the others; for them the mean falls nearly at first order, for all panels
+//! the median does.
 //!
-//! Guaranteed: 0 for corners on a homothetic copy, also after rotation, translation, scaling of the model. Not defined where the surface is flat
-//! (`None`), and no test of anything for fewer than five corners.
+//! Guaranteed: 0 for corners on a homothetic copy, also after rotation, translation, scaling of the
+//! model. Not defined where the surface is flat (`None`), and no test of anything for fewer than
+//! five corners.
 
 use super::{Curvature, Principal, large_curvature, principal};
 use nalgebra::{DMatrix, DVector, Matrix3};
@@ -24,7 +30,8 @@ use phex_mesh::{
 
 /// Curvatures below one over this many radii of a panel are flat.
 const FLAT: f64 = 1e-6;
-/// Share of the surface's large curvatures below which a panel lies in a flat part, where third-order terms decide its shape.
+/// Share of the surface's large curvatures below which a panel lies in a flat part, where
+/// third-order terms decide its shape.
 const FLAT_REL: f64 = 0.05;
 /// Corners fewer than these always lie on a conic of the given shape, or nearly.
 const LEAST_CORNERS: usize = 5;
@@ -38,7 +45,8 @@ pub struct Indicatrix {
     pub point: Vec3,
     /// Unit normal.
     pub normal: Vec3,
-    /// Principal curvatures (1 / length, positive where convex from the side of the normal) and directions.
+    /// Principal curvatures (1 / length, positive where convex from the side of the normal) and
+    /// directions.
     pub principal: Principal,
 }
 
@@ -72,8 +80,10 @@ impl Indicatrix {
         }
     }
 
-    /// A homothetic copy as polylines in the tangent plane: an ellipse whose longer half-axis is `size`, or the branches of both hyperbolas or lines, whose
-    /// vertices are `size / 3` away, as far as `size` from the point. Nothing where the surface is flat. The last point of a closed curve is its first.
+    /// A homothetic copy as polylines in the tangent plane: an ellipse whose longer half-axis is
+    /// `size`, or the branches of both hyperbolas or lines, whose vertices are `size / 3` away, as
+    /// far as `size` from the point. Nothing where the surface is flat. The last point of a closed
+    /// curve is its first.
     pub fn curves(&self, size: f64) -> Vec<Vec<Vec3>> {
         let p = &self.principal;
         let (small, large) = (p.small.abs(), p.large.abs());
@@ -102,7 +112,8 @@ fn ellipse(a: f64, b: f64) -> Vec<Vec2> {
         .collect()
 }
 
-/// Branches of `(slope x)^2 - y^2 = +-c^2` within `size`, `c` a third of it; `slope` 0 is two lines.
+/// Branches of `(slope x)^2 - y^2 = +-c^2` within `size`, `c` a third of it; `slope` 0 is two
+/// lines.
 fn hyperbolas(size: f64, slope: f64) -> Vec<Vec<Vec2>> {
     let c = size / 3.0;
     let inside = |q: &Vec2| q.norm() <= size * (1.0 + 1e-9);
@@ -130,8 +141,9 @@ fn hyperbolas(size: f64, slope: f64) -> Vec<Vec<Vec2>> {
     branches
 }
 
-/// Distance of each inner panel's corners from the best homothetic copy of the indicatrix: root mean square over the panel's radius (that of its
-/// corners about their mean). `None` for panels at the boundary, with fewer than five corners, or where the surface is flat.
+/// Distance of each inner panel's corners from the best homothetic copy of the indicatrix: root
+/// mean square over the panel's radius (that of its corners about their mean). `None` for panels at
+/// the boundary, with fewer than five corners, or where the surface is flat.
 pub fn indicatrix_distances(
     mesh: &HexMesh,
     surface: &TriangleSurface,
@@ -152,8 +164,9 @@ pub fn indicatrix_distances(
     PerFace::from_fn(topology.n_faces(), distance)
 }
 
-/// Least distance between a corner and an edge that does not hold it, over the square root of a panel's area, from which on nothing holds the panel open:
-/// a little more than the reach of the optimiser's barrier.
+/// Least distance between a corner and an edge that does not hold it, over the square root of a
+/// panel's area, from which on nothing holds the panel open: a little more than the reach of the
+/// optimiser's barrier.
 const ROOM: f64 = 0.36;
 
 /// Panels that are not held open, and have no corner in common with one that is.
@@ -165,7 +178,8 @@ pub fn free_panels(mesh: &HexMesh) -> PerFace<bool> {
     PerFace::from_fn(topology.n_faces(), free)
 }
 
-/// The distance of one polygon in space, projected to the plane of its corners, as in [`indicatrix_distances`].
+/// The distance of one polygon in space, projected to the plane of its corners, as in
+/// [`indicatrix_distances`].
 pub fn inscribed_distance(corners: &[Vec3], indicatrix: &Indicatrix) -> Option<f64> {
     let local = Local::new(corners, indicatrix)?;
     let conic = local.conic()?;
@@ -173,7 +187,8 @@ pub fn inscribed_distance(corners: &[Vec3], indicatrix: &Indicatrix) -> Option<f
     Some((squares.sum::<f64>() / local.points.len() as f64).sqrt())
 }
 
-/// The homothetic copy of the indicatrix that fits a polygon's corners best, as polylines in the polygon's plane, a little beyond the corners.
+/// The homothetic copy of the indicatrix that fits a polygon's corners best, as polylines in the
+/// polygon's plane, a little beyond the corners.
 pub fn inscribing_curves(corners: &[Vec3], indicatrix: &Indicatrix) -> Vec<Vec<Vec3>> {
     let curves = || {
         let local = Local::new(corners, indicatrix)?;

@@ -1,10 +1,12 @@
 //! Curvature: the shape operator of the target at the scale of a panel.
 //!
-//! A second-order jet `z = c + p x + q y + (a x^2 + 2 b x y + d y^2) / 2` is fitted over the connected neighbourhood of
-//! radius `r` of each vertex (weights `exp(-2 (distance / reach)^2)`); the normal is `(-p, -q, 1) / W` with
-//! `W = sqrt(1 + p^2 + q^2)` and the second fundamental form `[a b; b d] / W`. `r` is a share of the panel length: the
-//! layout needs curvature at the scale of a panel, not of a triangle, and this is what removes noise. The *tensor* is then
-//! smoothed, never the directions. Two radii are compared, and their disagreement lowers the [`Curvature::confidence`].
+//! A second-order jet `z = c + p x + q y + (a x^2 + 2 b x y + d y^2) / 2` is fitted over the
+//! connected neighbourhood of radius `r` of each vertex (weights `exp(-2 (distance / reach)^2)`);
+//! the normal is `(-p, -q, 1) / W` with `W = sqrt(1 + p^2 + q^2)` and the second fundamental form
+//! `[a b; b d] / W`. `r` is a share of the panel length: the layout needs curvature at the scale of
+//! a panel, not of a triangle, and this is what removes noise. The *tensor* is then smoothed, never
+//! the directions. Two radii are compared, and their disagreement lowers the
+//! [`Curvature::confidence`].
 //!
 //! Sign: positive where the surface is convex seen from the side of its normals.
 //!
@@ -13,8 +15,8 @@
 //! | `II` as a tensor of space | [`Curvature::tensor`] |
 //! | `k1, k2` with `|k1| <= |k2|` | [`Principal::small`], [`Principal::large`] |
 //!
-//! Guaranteed: exact for quadrics in graph form at the fitted vertex, error `O(r^2)` elsewhere; a plane gives 0.
-//! Fails: where features are smaller than `r` they are averaged.
+//! Guaranteed: exact for quadrics in graph form at the fitted vertex, error `O(r^2)` elsewhere; a
+//! plane gives 0. Fails: where features are smaller than `r` they are averaged.
 
 pub mod dupin;
 mod jet;
@@ -51,13 +53,15 @@ impl Default for CurvatureOptions {
 pub struct Curvature {
     /// Unit normals of the fitted jets.
     pub normal: PerVertex<Vec3>,
-    /// Second fundamental form as a tangential tensor: `e . tensor e` is the normal curvature along a unit tangent `e`, in 1 / length.
+    /// Second fundamental form as a tangential tensor: `e . tensor e` is the normal curvature along
+    /// a unit tangent `e`, in 1 / length.
     pub tensor: PerVertex<Matrix3<f64>>,
     /// Agreement of two radii, 0 (none) to 1 (full).
     pub confidence: PerVertex<f64>,
 }
 
-/// Curvature of `surface` at the scale of panels of length `panel_length` (model units of the surface).
+/// Curvature of `surface` at the scale of panels of length `panel_length` (model units of the
+/// surface).
 ///
 /// ```
 /// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};

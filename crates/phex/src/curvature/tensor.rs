@@ -14,7 +14,8 @@ pub fn tangent_frame(n: Vec3) -> [Vec3; 2] {
     [e1, n.cross(&e1)]
 }
 
-/// Averages tensors over one-rings (half own value, half the neighbours') and projects them to the tangent planes.
+/// Averages tensors over one-rings (half own value, half the neighbours') and projects them to the
+/// tangent planes.
 pub fn smoothed(
     topology: &Topology,
     normal: &PerVertex<Vec3>,

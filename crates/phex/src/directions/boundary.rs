@@ -14,7 +14,8 @@ pub struct BoundaryFrame {
     pub turning: f64,
     /// Half the length of the two boundary edges, lattice spacings.
     pub length: f64,
-    /// Mean of `exp(6 i t)` over the directions `t` of the two edges: of length 1 where a lattice can follow both.
+    /// Mean of `exp(6 i t)` over the directions `t` of the two edges: of length 1 where a lattice
+    /// can follow both.
     pub alignment: Complex<f64>,
 }
 
@@ -46,8 +47,8 @@ fn frame(topology: &Topology, mesh: &IntrinsicMesh, v: VertexId) -> BoundaryFram
 /// Angle, radians, by which a straight side may turn in all.
 const STRAIGHT: f64 = 0.05;
 
-/// Frames of the vertices on the longest straight side of the boundary alone: on a plane rows follow it everywhere, where all sides
-/// together would bend them.
+/// Frames of the vertices on the longest straight side of the boundary alone: on a plane rows
+/// follow it everywhere, where all sides together would bend them.
 pub fn on_longest_side(
     topology: &Topology,
     frames: &PerVertex<Option<BoundaryFrame>>,

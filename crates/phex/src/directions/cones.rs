@@ -1,9 +1,10 @@
-//! Cones where they do no harm: opposites that lie close together cancelled, the others kept off parabolic curves, or all of them
-//! where they are prescribed.
+//! Cones where they do no harm: opposites that lie close together cancelled, the others kept off
+//! parabolic curves, or all of them where they are prescribed.
 //!
-//! The smoothest field has pairs of cones of index `+1/6` and `-1/6` wherever the metric's own curvature changes quickly; each
-//! costs irregular panels and gives nothing back. Near parabolic curves (`|k1| rho^2 / |k2| < 1/3`) rows must follow the
-//! direction of smaller curvature, so a cone has no good place there.
+//! The smoothest field has pairs of cones of index `+1/6` and `-1/6` wherever the metric's own
+//! curvature changes quickly; each costs irregular panels and gives nothing back. Near parabolic
+//! curves (`|k1| rho^2 / |k2| < 1/3`) rows must follow the direction of smaller curvature, so a
+//! cone has no good place there.
 
 use super::DirectionOptions;
 use super::guides::Cone;
@@ -14,7 +15,8 @@ use phex_mesh::{FaceId, PerEdge, PerFace, PerVertex, TriangleSurface, Vec3};
 use phex_numeric::NumericError;
 use thiserror::Error;
 
-/// Share of the compulsory alignment from which on a triangle lies in the band round a parabolic curve.
+/// Share of the compulsory alignment from which on a triangle lies in the band round a parabolic
+/// curve.
 const BAND: f64 = 0.8;
 
 /// Angles of a field and its turns along edges.
@@ -90,7 +92,8 @@ pub fn settle_cones(
     })
 }
 
-/// Cancels opposite cones at most `reach` lattice spacings apart, the closest first; how many pairs.
+/// Cancels opposite cones at most `reach` lattice spacings apart, the closest first; how many
+/// pairs.
 fn cancel(surface: &TriangleSurface, mesh: &IntrinsicMesh, turns: &mut Turns, reach: f64) -> usize {
     let topology = surface.topology();
     let cone = turns.cone.clone();
@@ -169,7 +172,8 @@ pub fn prescribed_faces(
     Ok(placed)
 }
 
-/// Carries indices, one sixth at a time and the shortest way, until the cones are those that are wanted; how many.
+/// Carries indices, one sixth at a time and the shortest way, until the cones are those that are
+/// wanted; how many.
 fn prescribe(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,

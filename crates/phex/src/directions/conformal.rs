@@ -1,4 +1,5 @@
-//! Screened conformal rescaling: absorbs intrinsic curvature that the cones of the field do not explain.
+//! Screened conformal rescaling: absorbs intrinsic curvature that the cones of the field do not
+//! explain.
 
 use super::DirectionOptions;
 use super::boundary::{self, BoundaryFrame};
@@ -55,8 +56,8 @@ pub fn log_factor(
     )))
 }
 
-/// What the factor has to take from the boundary's turning so that a lattice row can follow it; a turn by a multiple of a
-/// sixth needs nothing, and between two of them nothing helps.
+/// What the factor has to take from the boundary's turning so that a lattice row can follow it; a
+/// turn by a multiple of a sixth needs nothing, and between two of them nothing helps.
 fn boundary_turning(frame: &BoundaryFrame, options: &DirectionOptions) -> f64 {
     if options.boundary_alignment == 0.0 {
         return 0.0;

@@ -20,7 +20,8 @@ pub struct Cone {
 pub struct Guides {
     /// Polylines that rows of panels run along.
     pub lines: Vec<Vec<[f64; 3]>>,
-    /// Dihedral angle, degrees, from which on an edge of the given surface is a crease that rows run along (`None`: no edge is).
+    /// Dihedral angle, degrees, from which on an edge of the given surface is a crease that rows
+    /// run along (`None`: no edge is).
     pub crease: Option<f64>,
     /// The cones of the field; empty: where the surface wants them.
     pub cones: Vec<Cone>,
@@ -67,8 +68,8 @@ impl Guides {
         guides
     }
 
-    /// Lets rows follow the lines: at the vertices beside them the direction along the line takes the place of that of the smaller
-    /// curvature, and the alignment becomes strong.
+    /// Lets rows follow the lines: at the vertices beside them the direction along the line takes
+    /// the place of that of the smaller curvature, and the alignment becomes strong.
     pub fn align(
         &self,
         surface: &TriangleSurface,
@@ -124,7 +125,8 @@ fn mean_edge(surface: &TriangleSurface) -> f64 {
     topology.edges().map(length).sum::<f64>() / topology.n_edges() as f64
 }
 
-/// Edges across which the normals of a surface's triangles differ by more than `angle` (radians), as lines.
+/// Edges across which the normals of a surface's triangles differ by more than `angle` (radians),
+/// as lines.
 fn creases(surface: &TriangleSurface, angle: f64) -> Vec<Vec<[f64; 3]>> {
     let topology = surface.topology();
     let mut lines = Vec::new();

@@ -12,7 +12,8 @@ const MAX_SIDE: f64 = 0.98;
 /// Smallest cotangent weight: keeps every system positive definite on obtuse triangles.
 const MIN_WEIGHT: f64 = 0.02;
 
-/// Lengths, angles and Laplacian weights of a metric on the triangles of a surface. Lengths are in lattice spacings.
+/// Lengths, angles and Laplacian weights of a metric on the triangles of a surface. Lengths are in
+/// lattice spacings.
 #[derive(Clone, Debug)]
 pub struct IntrinsicMesh {
     /// Length of each edge.
@@ -34,8 +35,8 @@ pub struct IntrinsicMesh {
 }
 
 impl IntrinsicMesh {
-    /// Length, in lattice spacings, that a path through a triangle is charged on either side of an edge: half of its way
-    /// from centre to centre.
+    /// Length, in lattice spacings, that a path through a triangle is charged on either side of an
+    /// edge: half of its way from centre to centre.
     pub(crate) fn half_crossing(&self, f: FaceId) -> f64 {
         0.375 * self.area[f].sqrt()
     }
@@ -91,7 +92,8 @@ impl IntrinsicMesh {
         mesh
     }
 
-    /// Polar angles round each vertex from its first half-edge, scaled to a full turn at interior vertices.
+    /// Polar angles round each vertex from its first half-edge, scaled to a full turn at interior
+    /// vertices.
     fn unroll(&mut self, topology: &Topology) {
         for v in topology.vertices() {
             let full = if topology.is_boundary_vertex(v) {
@@ -122,7 +124,8 @@ impl IntrinsicMesh {
         }
     }
 
-    /// Rotation that parallel transport along an edge (from the origin to the target of its half-edge) adds to a polar angle.
+    /// Rotation that parallel transport along an edge (from the origin to the target of its
+    /// half-edge) adds to a polar angle.
     pub fn transport(&self, e: phex_mesh::EdgeId) -> f64 {
         self.polar_target[e] + PI - self.polar_origin[e]
     }
@@ -138,7 +141,8 @@ impl IntrinsicMesh {
     }
 }
 
-/// Shortens the longest side of triangles that violate the triangle inequality, and lengthens the others a little.
+/// Shortens the longest side of triangles that violate the triangle inequality, and lengthens the
+/// others a little.
 fn mend_triangles(topology: &Topology, length: &mut PerEdge<f64>) {
     for _ in 0..100 {
         let mut mended = true;
@@ -163,12 +167,13 @@ fn mend_triangles(topology: &Topology, length: &mut PerEdge<f64>) {
             return;
         }
     }
-    // What small changes did not mend is made equilateral enough by force. Sides only grow, each at most to a share of one
-    // that is longer, so this ends.
+    // What small changes did not mend is made equilateral enough by force. Sides only grow, each at
+    // most to a share of one that is longer, so this ends.
     while force_triangles(topology, length) {}
 }
 
-/// Lengthens the shorter sides of triangles that violate the triangle inequality; false if there is none.
+/// Lengthens the shorter sides of triangles that violate the triangle inequality; false if there is
+/// none.
 fn force_triangles(topology: &Topology, length: &mut PerEdge<f64>) -> bool {
     let mut forced = false;
     for f in topology.faces() {

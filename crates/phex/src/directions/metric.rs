@@ -6,9 +6,11 @@ use crate::curvature::{Curvature, Principal, tangent_frame};
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};
 
-/// Curvatures below one over this many bounding-box diagonals are flat whatever the surface looks like.
+/// Curvatures below one over this many bounding-box diagonals are flat whatever the surface looks
+/// like.
 const FLAT_RADIUS: f64 = 1e3;
-/// Ratio of the principal curvatures, times the square of the anisotropy, below which rows must follow the smaller one.
+/// Ratio of the principal curvatures, times the square of the anisotropy, below which rows must
+/// follow the smaller one.
 pub(super) const COMPULSORY: f64 = 0.8;
 /// Passes of smoothing over one-rings.
 const SMOOTHING: usize = 4;
@@ -43,8 +45,8 @@ fn determinant_root(n: Vec3, m: &Matrix3<f64>) -> f64 {
     (a * d - b * b).max(1e-12).sqrt()
 }
 
-/// Weight of alignment with the direction of smaller curvature: compulsory near parabolic curves, gentle elsewhere,
-/// none where the surface is flat or two radii disagree about its curvature.
+/// Weight of alignment with the direction of smaller curvature: compulsory near parabolic curves,
+/// gentle elsewhere, none where the surface is flat or two radii disagree about its curvature.
 pub fn alignment_weight(
     principal: &PerVertex<Principal>,
     curvature: &Curvature,

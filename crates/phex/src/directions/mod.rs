@@ -1,16 +1,21 @@
-//! Directions: the metric in which panels are regular, and the six-fold direction field of their lattice.
+//! Directions: the metric in which panels are regular, and the six-fold direction field of their
+//! lattice.
 //!
-//! A hexagonal lattice that is regular in the metric `|II|` gives simple panels at every rotation, for either sign of the
-//! Gauss curvature (`K`): for equilateral dual triangles the values `II(e, e)` of the three edges are
-//! `cos 2(t + i pi / 3)` up to scale, and sum to zero. So the surface gets the intrinsic metric
+//! A hexagonal lattice that is regular in the metric `|II|` gives simple panels at every rotation,
+//! for either sign of the Gauss curvature (`K`): for equilateral dual triangles the values `II(e,
+//! e)` of the three edges are `cos 2(t + i pi / 3)` up to scale, and sum to zero. So the surface
+//! gets the intrinsic metric
 //!
-//! `M = diag(a1, a2) / (L^2 sqrt(a1 a2))`, `a2 = sqrt(k2^2 + k0^2)`, `a1 = max(sqrt(k1^2 + k0^2), a2 / rho^2)`
+//! `M = diag(a1, a2) / (L^2 sqrt(a1 a2))`, `a2 = sqrt(k2^2 + k0^2)`, `a1 = max(sqrt(k1^2 + k0^2),
+//! a2 / rho^2)`
 //!
-//! in principal directions, as edge lengths `l^2 = e . M e`; from then on everything is intrinsic and isotropic. A 6-RoSy
-//! field `u = exp(6 i theta)` minimises `|grad u|^2 + c |u - u0|^2`, with `u0` along the direction of smaller curvature and
-//! `c` large only where theory asks for alignment (`|k1| rho^2 / |k2| < 0.8`, near parabolic curves). On saddles elsewhere `u0`
-//! may be along either principal direction, whichever is nearer to the field ([`DirectionOptions::double_well`]). A screened conformal
-//! factor `(Laplacian + alpha) s = K_cones - K` trades change of size against dislocations.
+//! in principal directions, as edge lengths `l^2 = e . M e`; from then on everything is intrinsic
+//! and isotropic. A 6-RoSy field `u = exp(6 i theta)` minimises `|grad u|^2 + c |u - u0|^2`, with
+//! `u0` along the direction of smaller curvature and `c` large only where theory asks for alignment
+//! (`|k1| rho^2 / |k2| < 0.8`, near parabolic curves). On saddles elsewhere `u0` may be along
+//! either principal direction, whichever is nearer to the field
+//! ([`DirectionOptions::double_well`]). A screened conformal factor `(Laplacian + alpha) s =
+//! K_cones - K` trades change of size against dislocations.
 //!
 //! | symbol | variable |
 //! |---|---|
@@ -19,8 +24,9 @@
 //! | `alpha` | [`DirectionOptions::conformal_screening`] |
 //! | `theta` | [`Directions::angle`], from the first half-edge of the vertex, counter-clockwise |
 //!
-//! Guaranteed: defined everywhere (a plane gets the isotropic metric and a constant direction); unit lattice spacing is
-//! one intrinsic length. Fails: never; where the metric violates triangle inequalities it is blended towards them.
+//! Guaranteed: defined everywhere (a plane gets the isotropic metric and a constant direction);
+//! unit lattice spacing is one intrinsic length. Fails: never; where the metric violates triangle
+//! inequalities it is blended towards them.
 
 pub mod boundary;
 pub mod cones;
@@ -48,7 +54,8 @@ use std::f64::consts::FRAC_PI_3;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DirectionOptions {
-    /// Largest ratio of panel lengths along the two principal directions (1: isotropic). 1.5 to 2 is the measured optimum.
+    /// Largest ratio of panel lengths along the two principal directions (1: isotropic). 1.5 to 2
+    /// is the measured optimum.
     pub anisotropy: f64,
     /// Curvatures below this share of the surface's large ones count as flat.
     pub curvature_floor: f64,
@@ -56,24 +63,27 @@ pub struct DirectionOptions {
     pub alignment: f64,
     /// Weight of the gentle alignment elsewhere.
     pub gentle_alignment: f64,
-    /// Screening of the conformal factor (larger: more uniform size, more dislocations), per panel area.
+    /// Screening of the conformal factor (larger: more uniform size, more dislocations), per panel
+    /// area.
     pub conformal_screening: f64,
     /// Largest logarithm of the conformal factor.
     pub conformal_limit: f64,
     /// Rotation of the preferred direction, radians.
     pub rotate: f64,
-    /// Weight of the alignment of a lattice row with the boundary, per panel length of it (0: the boundary is ignored).
+    /// Weight of the alignment of a lattice row with the boundary, per panel length of it (0: the
+    /// boundary is ignored).
     pub boundary_alignment: f64,
-    /// Distance, in panels, up to which opposite cones are cancelled (0: none are). More of them give fewer irregular panels, and
-    /// larger ones where the surface is strongly curved.
+    /// Distance, in panels, up to which opposite cones are cancelled (0: none are). More of them
+    /// give fewer irregular panels, and larger ones where the surface is strongly curved.
     pub cancel_reach: f64,
-    /// Distance, in panels, up to which cones are moved off the bands round parabolic curves where rows must be aligned (0: none
-    /// are).
+    /// Distance, in panels, up to which cones are moved off the bands round parabolic curves where
+    /// rows must be aligned (0: none are).
     pub band_reach: f64,
-    /// Weight of the alignment that keeps the edges of a lattice off the asymptotic directions, for surfaces with `K < 0` (0: none); see [`saddle`].
+    /// Weight of the alignment that keeps the edges of a lattice off the asymptotic directions, for
+    /// surfaces with `K < 0` (0: none); see [`saddle`].
     pub saddle_alignment: f64,
-    /// Whether rows on saddles may run along either principal direction, whichever is nearer (a double well): larger least angles,
-    /// but on some surfaces more irregular panels.
+    /// Whether rows on saddles may run along either principal direction, whichever is nearer (a
+    /// double well): larger least angles, but on some surfaces more irregular panels.
     pub double_well: bool,
     /// Lines that rows run along, and prescribed cones.
     pub guides: Guides,
@@ -102,13 +112,16 @@ impl Default for DirectionOptions {
 /// Metric and lattice directions on the triangles of a surface.
 #[derive(Clone, Debug)]
 pub struct Directions {
-    /// Metric tensor at each vertex: `e . metric e` is the squared length of a tangent `e` in lattice spacings.
+    /// Metric tensor at each vertex: `e . metric e` is the squared length of a tangent `e` in
+    /// lattice spacings.
     pub metric: PerVertex<Matrix3<f64>>,
     /// Intrinsic lengths, angles and weights of that metric.
     pub intrinsic: IntrinsicMesh,
-    /// Angle of the lattice direction at each vertex (radians, modulo pi / 3), in the vertex's polar coordinates.
+    /// Angle of the lattice direction at each vertex (radians, modulo pi / 3), in the vertex's
+    /// polar coordinates.
     pub angle: PerVertex<f64>,
-    /// Turns of the field along each edge, in sixths, from the frame of its origin to that of its target.
+    /// Turns of the field along each edge, in sixths, from the frame of its origin to that of its
+    /// target.
     pub turn: PerEdge<i32>,
     /// Index of the field in each triangle, in sixths of a turn.
     pub cone: PerFace<i32>,
@@ -166,7 +179,8 @@ pub fn directions(
 /// Metric and field for panels of length `panel_length` at each vertex.
 ///
 /// # Errors
-/// If a linear system can't be solved, which only happens when the surface's triangles are numerically degenerate.
+/// If a linear system can't be solved, which only happens when the surface's triangles are
+/// numerically degenerate.
 pub fn directions_sized(
     surface: &TriangleSurface,
     curvature: &Curvature,
@@ -185,8 +199,8 @@ pub fn directions_sized(
     in_metric(surface, tensor, &wished, &weight, options)
 }
 
-/// Directions for a given metric, which the conformal factor may change: the field follows the smaller curvature of `principal` as
-/// strongly as `weight` says.
+/// Directions for a given metric, which the conformal factor may change: the field follows the
+/// smaller curvature of `principal` as strongly as `weight` says.
 ///
 /// # Errors
 /// As [`directions_sized`].

@@ -1,4 +1,5 @@
-//! The smoothest aligned six-fold direction field (Knoeppel, Crane, Pinkall, Schroeder 2013, with a diffusion-projection polish).
+//! The smoothest aligned six-fold direction field (Knoeppel, Crane, Pinkall, Schroeder 2013, with a
+//! diffusion-projection polish).
 
 use super::intrinsic::{IntrinsicMesh, row};
 use super::metric::COMPULSORY;
@@ -20,12 +21,13 @@ const TIE_BREAK: f64 = 1e-4;
 pub struct Field {
     /// Angle at each vertex, radians modulo pi / 3.
     pub angle: PerVertex<f64>,
-    /// Wish at each vertex: strength, integrated over the vertex, times `exp(6 i t)` of the direction `t`.
+    /// Wish at each vertex: strength, integrated over the vertex, times `exp(6 i t)` of the
+    /// direction `t`.
     pub wish: PerVertex<Complex<f64>>,
 }
 
-/// The smoothest field that is drawn to the small curvature's direction, and to the boundary. The factorisation that is left there
-/// serves the next field on the same triangles.
+/// The smoothest field that is drawn to the small curvature's direction, and to the boundary. The
+/// factorisation that is left there serves the next field on the same triangles.
 pub fn field(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,
@@ -54,7 +56,8 @@ pub fn field(
             options.boundary_alignment * r.length * r.alignment.norm()
         })
     };
-    // Weights and wishes are integrated: over the area of a vertex, over its length of the boundary.
+    // Weights and wishes are integrated: over the area of a vertex, over its length of the
+    // boundary.
     let curved = PerVertex::from_fn(topology.n_vertices(), |v| {
         let p = &principal[v];
         wish(v, p.small_direction, p.large_direction) * weight[v] * mesh.mass[v]
@@ -108,28 +111,30 @@ fn is_flat(mesh: &IntrinsicMesh, weight: &PerVertex<f64>) -> bool {
     wishing < FLAT * area
 }
 
-/// Whether rows may run along either principal direction: on curved places with negative Gauss curvature, off the band round
-/// parabolic curves where only one of them gives simple panels.
+/// Whether rows may run along either principal direction: on curved places with negative Gauss
+/// curvature, off the band round parabolic curves where only one of them gives simple panels.
 fn may_turn(p: &Principal, options: &DirectionOptions) -> bool {
     let ratio = -p.small / p.large * options.anisotropy.powi(2);
     options.double_well && ratio > COMPULSORY
 }
 
-/// The wish for one principal direction or for the other, a right angle away and so half a period of six: that which is nearer to
-/// the field. Both give panels without short edges, what lies between them doesn't.
+/// The wish for one principal direction or for the other, a right angle away and so half a period
+/// of six: that which is nearer to the field. Both give panels without short edges, what lies
+/// between them doesn't.
 fn nearer_well(wish: Complex<f64>, field: Complex<f64>) -> Complex<f64> {
     let agrees = (wish.conj() * field).re >= 0.0;
     if agrees { wish } else { -wish }
 }
 
-/// The angle of a direction, one of six: the cut between them lies where no symmetry puts a field exactly, so that
-/// rounding does not choose.
+/// The angle of a direction, one of six: the cut between them lies where no symmetry puts a field
+/// exactly, so that rounding does not choose.
 fn angle(z: Complex<f64>) -> f64 {
     const CUT: f64 = 0.7;
     ((z * Complex::from_polar(1.0, -CUT)).arg() + CUT) / N
 }
 
-/// A tangent pair that varies smoothly over most of space: the x axis projected to the tangent plane.
+/// A tangent pair that varies smoothly over most of space: the x axis projected to the tangent
+/// plane.
 fn global_frame(n: Vec3) -> [Vec3; 2] {
     let axis = if n.x.abs() < 0.95 {
         Vec3::x()
@@ -165,7 +170,8 @@ fn connection_matrix(
     SymmetricMatrix::from_triplets(2 * n, entries.into_iter())
 }
 
-/// Adds the real 2 x 2 form of the complex entry `(r, c)` of a Hermitian matrix, in the lower triangle.
+/// Adds the real 2 x 2 form of the complex entry `(r, c)` of a Hermitian matrix, in the lower
+/// triangle.
 pub(crate) fn push_block(entries: &mut Vec<(u32, u32, f64)>, r: u32, c: u32, value: Complex<f64>) {
     let (r, c, z) = if r > c {
         (r, c, value)
@@ -205,8 +211,8 @@ pub(crate) fn rough_solution(
         .collect()
 }
 
-/// Polar angle at `v` of the tangent direction `along` (with `across` to its left or right), measured in the metric
-/// against all edges of the vertex and averaged.
+/// Polar angle at `v` of the tangent direction `along` (with `across` to its left or right),
+/// measured in the metric against all edges of the vertex and averaged.
 fn polar_of(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,

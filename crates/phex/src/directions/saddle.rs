@@ -1,14 +1,18 @@
 //! Rows of a lattice on a saddle-shaped surface, for panels that lie in tangent planes.
 //!
-//! Where `K < 0`, a panel in a lattice of touching points is simple if and only if `q = II(e, e)` does not have the same sign for all three edges `e` of the
-//! lattice's triangles. In a lattice that is regular in a metric `G`, with `t = (m+ + m-) / (m+ - m-)` of the eigenvalues `m+ > 0 > m-` of `II` with respect
-//! to `G`, the three values are, over half the difference of the eigenvalues,
+//! Where `K < 0`, a panel in a lattice of touching points is simple if and only if `q = II(e, e)`
+//! does not have the same sign for all three edges `e` of the lattice's triangles. In a lattice
+//! that is regular in a metric `G`, with `t = (m+ + m-) / (m+ - m-)` of the eigenvalues `m+ > 0 >
+//! m-` of `II` with respect to `G`, the three values are, over half the difference of the
+//! eigenvalues,
 //!
-//! `t + 1, t - 1/2, t - 1/2` with an edge along the direction of `m+`, `t - 1, t + 1/2, t + 1/2` with one along that of `m-`:
+//! `t + 1, t - 1/2, t - 1/2` with an edge along the direction of `m+`, `t - 1, t + 1/2, t + 1/2`
+//! with one along that of `m-`:
 //!
-//! the rule holds with the *margin* `min(1 + t, 1/2 - t)` or `min(1 - t, 1/2 + t)`, the best of all rotations; half-way between, where an edge is an asymptotic
-//! direction, it holds by nothing and panels have edges without length. Both directions are conjugate, and orthogonal in `G`. All rows follow one of the
-//! two families, so that the lattice need not turn, but where its margin is lost.
+//! the rule holds with the *margin* `min(1 + t, 1/2 - t)` or `min(1 - t, 1/2 + t)`, the best of all
+//! rotations; half-way between, where an edge is an asymptotic direction, it holds by nothing and
+//! panels have edges without length. Both directions are conjugate, and orthogonal in `G`. All rows
+//! follow one of the two families, so that the lattice need not turn, but where its margin is lost.
 
 use super::intrinsic::IntrinsicMesh;
 use crate::curvature::{Curvature, Principal, tangent_frame};
@@ -20,7 +24,8 @@ const LEAST_MARGIN: f64 = 0.12;
 /// Margin beyond which more of it is worth nothing.
 const ENOUGH: f64 = 0.3;
 
-/// What rows are wished to do: to run along [`Principal::small_direction`], each with a weight from 0 to `weight`.
+/// What rows are wished to do: to run along [`Principal::small_direction`], each with a weight from
+/// 0 to `weight`.
 pub fn wishes(
     surface: &TriangleSurface,
     curvature: &Curvature,
@@ -80,7 +85,8 @@ impl Axes {
         }
     }
 
-    /// By how much the sign rule holds with rows along the first and along the second direction, over half the difference of the eigenvalues.
+    /// By how much the sign rule holds with rows along the first and along the second direction,
+    /// over half the difference of the eigenvalues.
     fn margins(&self) -> [f64; 2] {
         let [up, down] = self.value;
         let half = 0.5 * (up - down);
@@ -110,7 +116,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Rows along either direction keep the sign rule by the margin, and no rotation of the lattice keeps it by more than the better of them.
+        /// Rows along either direction keep the sign rule by the margin, and no rotation of the
+        /// lattice keeps it by more than the better of them.
         #[test]
         fn margins_are_those_of_a_lattice(up in 0.05..3.0f64, down in -3.0..-0.05f64, turn in 0.0..3.0f64, stretch in 0.3..3.0f64) {
             let turned = nalgebra::Rotation3::from_axis_angle(&Vec3::z_axis(), turn);
@@ -119,7 +126,8 @@ mod tests {
             let (second, metric) = (tangential(up * stretch, down), tangential(stretch, 1.0));
             let axes = Axes::of(Vec3::z(), &second, &metric);
             let half = 0.5 * (up - down);
-            // Smallest of the values that has the sign of the fewer, over half the difference: negative where all have one sign.
+            // Smallest of the values that has the sign of the fewer, over half the difference:
+            // negative where all have one sign.
             let rule = |first: Vec3| {
                 let across = axes.direction.map(|d| d / d.dot(&(metric * d)).sqrt());
                 let local = [across[0].dot(&(metric * first)), across[1].dot(&(metric * first))];

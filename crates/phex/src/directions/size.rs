@@ -1,8 +1,9 @@
 //! Sizes: the panel length wanted at each vertex.
 //!
-//! `L(x) = min(L0, c / k_max(x), sqrt(2 t(x) / k_max(x)))` resolves features (`c` is the largest `L k_max`, twice the sagitta's share)
-//! and keeps panels of sheets apart that are only `t` from each other (the sagitta `L^2 k_max / 8` stays below `t / 4`), times the
-//! user's relative size field; `L0` follows from the number of panels. Sizes change by a stated share per panel at most,
+//! `L(x) = min(L0, c / k_max(x), sqrt(2 t(x) / k_max(x)))` resolves features (`c` is the largest `L
+//! k_max`, twice the sagitta's share) and keeps panels of sheets apart that are only `t` from each
+//! other (the sagitta `L^2 k_max / 8` stays below `t / 4`), times the user's relative size field;
+//! `L0` follows from the number of panels. Sizes change by a stated share per panel at most,
 //! because each faster change costs a 5|7 pair.
 
 use crate::curvature::Principal;
@@ -15,7 +16,8 @@ use std::collections::BinaryHeap;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SizeOptions {
-    /// Largest panel length times curvature (`L k_max`), or `None` for uniform panels. 0.4 resolves features well.
+    /// Largest panel length times curvature (`L k_max`), or `None` for uniform panels. 0.4 resolves
+    /// features well.
     pub adaptive: Option<f64>,
     /// Smallest size over the largest that `adaptive` may ask for.
     pub smallest_rel: f64,
@@ -33,9 +35,11 @@ impl Default for SizeOptions {
     }
 }
 
-/// Share of the distance to the opposite sheet that the sagitta of a panel may be: those of both sheets stand off towards each other.
+/// Share of the distance to the opposite sheet that the sagitta of a panel may be: those of both
+/// sheets stand off towards each other.
 const OF_THICKNESS: f64 = 0.25;
-/// Smallest size that thickness may ask for, over the smallest that curvature may: sheets nearly touch in few places.
+/// Smallest size that thickness may ask for, over the smallest that curvature may: sheets nearly
+/// touch in few places.
 const THINNEST: f64 = 0.3;
 
 /// What a surface asks of sizes at its vertices.
@@ -48,8 +52,8 @@ pub struct Demands<'a> {
     pub field: Option<&'a PerVertex<f64>>,
 }
 
-/// Relative sizes (only their ratios matter): the user's field and, where asked for,
-/// what curvature and thickness demand of panels of length `length`. `None` if all panels are to have one size.
+/// Relative sizes (only their ratios matter): the user's field and, where asked for, what curvature
+/// and thickness demand of panels of length `length`. `None` if all panels are to have one size.
 pub fn relative_sizes(
     surface: &TriangleSurface,
     demands: &Demands<'_>,
@@ -79,8 +83,8 @@ pub fn relative_sizes(
     Some(graded(surface, &wish, options.gradation / length))
 }
 
-/// The largest field below `wish` whose slope is at most `slope` times the size (per length): sizes grow away from small
-/// ones as `size + slope size distance` does.
+/// The largest field below `wish` whose slope is at most `slope` times the size (per length): sizes
+/// grow away from small ones as `size + slope size distance` does.
 fn graded(surface: &TriangleSurface, wish: &PerVertex<f64>, slope: f64) -> PerVertex<f64> {
     let topology: &Topology = surface.topology();
     let mut size = wish.clone();
@@ -106,7 +110,8 @@ fn graded(surface: &TriangleSurface, wish: &PerVertex<f64>, slope: f64) -> PerVe
     size
 }
 
-/// The factor `L0` that makes panels of length `L0 * relative` cover the surface with `panels` cells of area `cell L^2`.
+/// The factor `L0` that makes panels of length `L0 * relative` cover the surface with `panels`
+/// cells of area `cell L^2`.
 pub fn base_length(
     surface: &TriangleSurface,
     relative: &PerVertex<f64>,

@@ -1,12 +1,13 @@
 //! Thickness: the distance to the opposite sheet of the surface, through the body or across a gap.
 //!
-//! At a vertex with normal `n` a ball that touches the surface there shrinks until no other sheet reaches into it: from the centre
-//! `c = x - r n` the closest point `q` of the surface gives the next radius `r = |x - q|^2 / (2 n . (x - q))`, after Ma, Bae and Choi,
-//! "3D medial axis point approximation using nearest neighbors and the normal field" (2012), section 3. The diameter of the ball is
-//! the thickness, twice the local feature size of a plate.
+//! At a vertex with normal `n` a ball that touches the surface there shrinks until no other sheet
+//! reaches into it: from the centre `c = x - r n` the closest point `q` of the surface gives the
+//! next radius `r = |x - q|^2 / (2 n . (x - q))`, after Ma, Bae and Choi, "3D medial axis point
+//! approximation using nearest neighbors and the normal field" (2012), section 3. The diameter of
+//! the ball is the thickness, twice the local feature size of a plate.
 //!
-//! Only points count whose normal turns away from `n` by more than a right angle: where the ball ends at others it is curvature that
-//! ends it, which has a rule of its own.
+//! Only points count whose normal turns away from `n` by more than a right angle: where the ball
+//! ends at others it is curvature that ends it, which has a rule of its own.
 
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use rayon::prelude::*;
@@ -29,7 +30,8 @@ pub fn thickness(surface: &TriangleSurface, limit: f64) -> PerVertex<f64> {
     PerVertex::from_vec(all)
 }
 
-/// Radius of the ball that touches the surface at a vertex from the side that `n` points away from, up to the opposite sheet.
+/// Radius of the ball that touches the surface at a vertex from the side that `n` points away from,
+/// up to the opposite sheet.
 fn ball(surface: &TriangleSurface, v: VertexId, n: Vec3, most: f64) -> f64 {
     let (x, normal) = (surface.positions()[v], surface.normals()[v]);
     let (mut radius, mut found) = (most, most);

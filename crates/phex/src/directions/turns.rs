@@ -1,8 +1,8 @@
 //! Whole turns of a direction field along edges, the cones they make, and cones that move.
 //!
-//! With the turns `p` of the field along edges as unknowns of their own, a cone moves across an edge when its turn changes by
-//! one. Moved into its opposite, or out of the boundary, it vanishes. With the turns fixed the angles are the solution of one
-//! linear system,
+//! With the turns `p` of the field along edges as unknowns of their own, a cone moves across an
+//! edge when its turn changes by one. Moved into its opposite, or out of the boundary, it vanishes.
+//! With the turns fixed the angles are the solution of one linear system,
 //!
 //! ```text
 //! min  sum_e w_e (t_j - t_i - r_e - p_e pi/3)^2  +  sum_v a_v (t_v - wish_v)^2 .
@@ -65,8 +65,8 @@ pub struct Route {
     path: Vec<(FaceId, EdgeId)>,
 }
 
-/// The shortest ways from a triangle to those within `reach` lattice spacings that `wanted` names, and, where `leaving`, out
-/// of the boundary; the shortest first.
+/// The shortest ways from a triangle to those within `reach` lattice spacings that `wanted` names,
+/// and, where `leaving`, out of the boundary; the shortest first.
 pub fn routes(
     topology: &Topology,
     mesh: &IntrinsicMesh,

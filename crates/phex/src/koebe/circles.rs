@@ -5,8 +5,9 @@ use phex_mesh::{ElementId, FaceId, HalfEdgeId, Topology, VertexId};
 /// Number of a circle: vertices first, then faces.
 pub(super) type NodeId = usize;
 
-/// The circles of a mesh and the kites between them. The kite of half-edge `h` has the centres of the circles of
-/// `origin(h)` and `face(h)` and the touching points of the edges of `h` and `prev(h)` as its corners.
+/// The circles of a mesh and the kites between them. The kite of half-edge `h` has the centres of
+/// the circles of `origin(h)` and `face(h)` and the touching points of the edges of `h` and
+/// `prev(h)` as its corners.
 pub(super) struct Circles<'a> {
     pub topology: &'a Topology,
 }

@@ -3,11 +3,12 @@
 use super::KoebeError;
 use phex_mesh::{EdgeId, FaceId, PerFace, Topology, VertexId};
 
-/// Whether the faces are the cells of a 3-connected graph on the sphere or, if the mesh has a boundary, become one when a
-/// vertex outside is joined to every boundary vertex.
+/// Whether the faces are the cells of a 3-connected graph on the sphere or, if the mesh has a
+/// boundary, become one when a vertex outside is joined to every boundary vertex.
 ///
-/// A graph drawn on the sphere is 3-connected if and only if every vertex has three neighbours and two faces share
-/// nothing, a vertex, or an edge with its ends: otherwise a closed curve through two faces and two vertices cuts it.
+/// A graph drawn on the sphere is 3-connected if and only if every vertex has three neighbours and
+/// two faces share nothing, a vertex, or an edge with its ends: otherwise a closed curve through
+/// two faces and two vertices cuts it.
 pub(super) fn check(topology: &Topology) -> Result<(), KoebeError> {
     check_surface(topology)?;
     check_degrees(topology)?;

@@ -1,7 +1,8 @@
 //! Circles of known radii laid out in the plane, kite by kite, small circles first.
 //!
-//! Errors of a placement are proportional to the distances that it spans. Going outwards from the smallest circle keeps
-//! every error small beside the circles around, which is what counts on the sphere.
+//! Errors of a placement are proportional to the distances that it spans. Going outwards from the
+//! smallest circle keeps every error small beside the circles around, which is what counts on the
+//! sphere.
 
 use super::circles::{Circles, NodeId};
 use super::radii::Radii;
@@ -27,7 +28,8 @@ pub(super) struct PlaneLayout {
     pub touching: PerEdge<Option<Vec2>>,
 }
 
-/// A circle that waits for its place: seen from `from`, the kite `via` points in the direction `axis`.
+/// A circle that waits for its place: seen from `from`, the kite `via` points in the direction
+/// `axis`.
 struct Waiting {
     radius: f64,
     node: NodeId,
@@ -133,7 +135,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Kites at a circle with the other circle, the direction of the axis and half the angle of each.
+    /// Kites at a circle with the other circle, the direction of the axis and half the angle of
+    /// each.
     fn fan(&self, node: NodeId, via: HalfEdgeId, axis: f64) -> Vec<(HalfEdgeId, NodeId, f64, f64)> {
         let mut cursor = 0.0;
         let mut shift = 0.0;

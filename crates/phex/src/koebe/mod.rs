@@ -1,21 +1,22 @@
 //! Koebe meshes: all edges touch the unit sphere.
 //!
-//! Every 3-connected planar graph is that of a convex polyhedron whose edges touch the unit sphere, unique up to Moebius
-//! transformations (Koebe, Andreev, Thurston). Each vertex sees the sphere in a circle, each face cuts it in a circle; circles of a
-//! vertex and a face that holds it cross at right angles in the touching points of two edges. After a stereographic projection
-//! the logarithms `rho` of their radii are the minimum of a convex energy with
+//! Every 3-connected planar graph is that of a convex polyhedron whose edges touch the unit sphere,
+//! unique up to Moebius transformations (Koebe, Andreev, Thurston). Each vertex sees the sphere in
+//! a circle, each face cuts it in a circle; circles of a vertex and a face that holds it cross at
+//! right angles in the touching points of two edges. After a stereographic projection the
+//! logarithms `rho` of their radii are the minimum of a convex energy with
 //!
 //! ```text
 //! dS/drho_j       = Phi_j - sum_k 2 atan(exp(rho_k - rho_j))      gradient
 //! d2S/drho_j drho_k = -1 / cosh(rho_j - rho_k)                    Hessian, a graph Laplacian
 //! ```
 //!
-//! over the circles `k` orthogonal to `j`. The steps: graph test, Newton's method with a line search (`radii`), circles laid out
-//! in the plane (`layout`), lifted to the sphere and balanced (`sphere`), Newton's method in space (`polish`), rotation towards the
-//! input.
+//! over the circles `k` orthogonal to `j`. The steps: graph test, Newton's method with a line
+//! search (`radii`), circles laid out in the plane (`layout`), lifted to the sphere and balanced
+//! (`sphere`), Newton's method in space (`polish`), rotation towards the input.
 //!
-//! Source: Bobenko and Springborn, "Variational principles for circle patterns and Koebe's theorem" (2004); Springborn, "A unique
-//! representation of polyhedral types" (2005) for the balance.
+//! Source: Bobenko and Springborn, "Variational principles for circle patterns and Koebe's theorem"
+//! (2004); Springborn, "A unique representation of polyhedral types" (2005) for the balance.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -24,15 +25,19 @@
 //! | kite of a vertex and a face | the half-edge that leaves the vertex in the face |
 //! | vertex `x_v`, pole `y_f` of a face plane | `Poles`: `x_v . y_f = 1` if the face holds the vertex |
 //!
-//! A *closed* mesh: one touching point goes to infinity, its four circles become the sides of a rectangle. The result is the
-//! one whose touching points have their mean in the centre of the sphere; it depends on the graph alone, up to rotation.
-//! A *patch* (a mesh with one boundary loop): faces and inner vertices have full angles, circles of boundary vertices are as
-//! [`BoundaryCondition`] says; for every such choice with given radii there is one pattern. It covers a cap about the north pole.
+//! A *closed* mesh: one touching point goes to infinity, its four circles become the sides of a
+//! rectangle. The result is the one whose touching points have their mean in the centre of the
+//! sphere; it depends on the graph alone, up to rotation. A *patch* (a mesh with one boundary
+//! loop): faces and inner vertices have full angles, circles of boundary vertices are as
+//! [`BoundaryCondition`] says; for every such choice with given radii there is one pattern. It
+//! covers a cap about the north pole.
 //!
-//! *Guaranteed*: a refused graph is refused with the element that is wrong. If the outcome is `Converged`, edges touch the
-//! sphere and faces are planar to 1e-13 of its radius, and the mesh has the orientation of the input.
-//! *Fails*: for angles prescribed at a boundary that no pattern has ([`KoebeError::NoPattern`], or an outcome that is not `Converged`). Graphs
-//! whose circles differ in size by more than 1e7 keep the guarantee, but the smallest faces are then as small as its error.
+//! *Guaranteed*: a refused graph is refused with the element that is wrong. If the outcome is
+//! `Converged`, edges touch the sphere and faces are planar to 1e-13 of its radius, and the mesh
+//! has the orientation of the input. *Fails*: for angles prescribed at a boundary that no pattern
+//! has ([`KoebeError::NoPattern`], or an outcome that is not `Converged`). Graphs whose circles
+//! differ in size by more than 1e7 keep the guarantee, but the smallest faces are then as small as
+//! its error.
 
 mod circles;
 mod graph;
@@ -130,12 +135,15 @@ pub enum KoebeError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BoundaryCondition {
-    /// All of one radius in the plane: the boundary's angles follow, sizes vary least over the patch.
+    /// All of one radius in the plane: the boundary's angles follow, sizes vary least over the
+    /// patch.
     #[default]
     EqualRadii,
-    /// As large as in the Gauss image of the input, which must be curved: the best start for a parallel mesh like the input.
+    /// As large as in the Gauss image of the input, which must be curved: the best start for a
+    /// parallel mesh like the input.
     GaussImage,
-    /// At the angles of the input: straight boundaries stay straight, before they are projected to the sphere.
+    /// At the angles of the input: straight boundaries stay straight, before they are projected to
+    /// the sphere.
     Angles,
 }
 
@@ -145,8 +153,8 @@ pub enum BoundaryCondition {
 pub struct KoebeOptions {
     /// What the circles of the boundary vertices of a patch are; closed meshes do not ask.
     pub boundary: BoundaryCondition,
-    /// Mean angle in degrees between the middle of a patch and its boundary, seen from the centre of the sphere; in (0, 180).
-    /// Not used with [`BoundaryCondition::GaussImage`].
+    /// Mean angle in degrees between the middle of a patch and its boundary, seen from the centre
+    /// of the sphere; in (0, 180). Not used with [`BoundaryCondition::GaussImage`].
     pub opening: f64,
     /// Newton steps for the radii at the most; 6 to 10 are usual.
     pub max_iterations: usize,
@@ -175,7 +183,8 @@ pub struct Koebe {
     pub mesh: HexMesh,
     /// Pole `y` of the plane of each face: `y . x = 1` on it.
     pub face_poles: PerFace<Vec3>,
-    /// How it ended; records of phase 0 belong to the radii (residual: angle), those of phase 1 to the steps in space.
+    /// How it ended; records of phase 0 belong to the radii (residual: angle), those of phase 1 to
+    /// the steps in space.
     pub outcome: Outcome,
     /// How far it is from what it should be.
     pub defects: KoebeDefects,
@@ -197,8 +206,8 @@ pub struct KoebeDefects {
     pub planarity: f64,
     /// Distance of the mean of the touching points from the centre: 0 for a balanced closed mesh.
     pub imbalance: f64,
-    /// Edges that miss the point where their line comes closest to the centre, by more than the size (3e-8) of a circle whose cap is
-    /// as high as rounding.
+    /// Edges that miss the point where their line comes closest to the centre, by more than the
+    /// size (3e-8) of a circle whose cap is as high as rounding.
     pub untouched_edges: usize,
 }
 
@@ -245,8 +254,8 @@ pub fn touching_points(mesh: &HexMesh) -> PerEdge<Vec3> {
     })
 }
 
-/// The Koebe mesh with the connectivity of `mesh`, closed or with one boundary loop. Positions matter only for its rotation
-/// and where [`BoundaryCondition`] says so.
+/// The Koebe mesh with the connectivity of `mesh`, closed or with one boundary loop. Positions
+/// matter only for its rotation and where [`BoundaryCondition`] says so.
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};
@@ -266,8 +275,8 @@ pub fn touching_points(mesh: &HexMesh) -> PerEdge<Vec3> {
 /// ```
 ///
 /// # Errors
-/// If an option is out of its range, the mesh is not drawn on a sphere, or its graph is not 3-connected (for a patch: with a
-/// vertex outside joined to all of its boundary).
+/// If an option is out of its range, the mesh is not drawn on a sphere, or its graph is not
+/// 3-connected (for a patch: with a vertex outside joined to all of its boundary).
 pub fn koebe(
     mesh: &HexMesh,
     options: &KoebeOptions,
@@ -352,7 +361,8 @@ fn reporter(limit: usize, progress: &dyn Progress) -> impl Fn(usize, &Record) ->
     }
 }
 
-/// One touching point at infinity: the circles through it are lines, and the size of the rectangle is free.
+/// One touching point at infinity: the circles through it are lines, and the size of the rectangle
+/// is free.
 fn closed_radii(circles: &Circles) -> Radii {
     let infinite = circles_through(circles, EdgeId::new(0));
     let mut radii = Radii::new(circles, |node| {
@@ -375,7 +385,8 @@ fn circles_through(circles: &Circles, e: EdgeId) -> Vec<NodeId> {
         .collect()
 }
 
-/// Half of the touching points into each hemisphere, so that the Moebius transformation that is left is small.
+/// Half of the touching points into each hemisphere, so that the Moebius transformation that is
+/// left is small.
 fn project_closed(layout: &PlaneLayout) -> SphereCircles {
     let points: Vec<Vec2> = layout.touching.iter().flatten().copied().collect();
     let origin = Vec2::new(
@@ -416,8 +427,8 @@ fn finished(input: &HexMesh, poles: Poles, outcome: Outcome) -> Koebe {
     }
 }
 
-/// The rotation that brings vertices closest to the normals (and, for flat meshes, the places) of the input's; the identity if the
-/// input has none.
+/// The rotation that brings vertices closest to the normals (and, for flat meshes, the places) of
+/// the input's; the identity if the input has none.
 fn rotation_towards(input: &HexMesh, vertices: &PerVertex<Vec3>) -> Matrix3<f64> {
     let n = vertices.len() as f64;
     let centre = input.positions.iter().sum::<Vec3>() / n;

@@ -103,8 +103,8 @@ fn boundary_radii(mesh: &HexMesh) -> Result<PerVertex<f64>, KoebeError> {
     Ok(radii)
 }
 
-/// The similarity, orientation kept, that brings the circles of the vertices closest to the Gauss image: origin, and factor as a
-/// complex number.
+/// The similarity, orientation kept, that brings the circles of the vertices closest to the Gauss
+/// image: origin, and factor as a complex number.
 fn similarity_to_gauss_image(
     circles: &Circles,
     layout: &PlaneLayout,

@@ -7,16 +7,17 @@
 //! x_a . x_b + sqrt(|x_a|^2 - 1) sqrt(|x_b|^2 - 1) = 1   the edge touches the sphere
 //! ```
 //!
-//! as many as there are unknowns but for the (six, on a closed mesh) directions of Moebius transformations; a
-//! step is that of least squares, nearly of minimum norm. Unknowns are scaled by the size of their circle along the sphere.
+//! as many as there are unknowns but for the (six, on a closed mesh) directions of Moebius
+//! transformations; a step is that of least squares, nearly of minimum norm. Unknowns are scaled by
+//! the size of their circle along the sphere.
 
 use nalgebra::{Matrix3, SVector};
 use phex_mesh::{PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::assembly::packed;
 use phex_numeric::{Assembly, Cholesky, NumericError, Outcome, Record, Status, SymmetricMatrix};
 
-/// Shifts of the normal equations, whose diagonal is about 1, until they factorise. They decide the Moebius directions
-/// and, where circles are so small that rounding decides, the tangential ones.
+/// Shifts of the normal equations, whose diagonal is about 1, until they factorise. They decide the
+/// Moebius directions and, where circles are so small that rounding decides, the tangential ones.
 const SHIFTS: [f64; 3] = [1e-13, 1e-11, 1e-9];
 
 /// Residual at which nothing can be gained any more.
@@ -147,7 +148,8 @@ fn floored_length(x: &Vec3) -> f64 {
     tangent_length(x).max(1e-9)
 }
 
-/// Weight with which the equation of tangency is about twice the distance of the edge to the sphere.
+/// Weight with which the equation of tangency is about twice the distance of the edge to the
+/// sphere.
 fn weight(ta: f64, tb: f64) -> f64 {
     4.0 * ta * tb / (ta + tb).powi(2)
 }
@@ -174,8 +176,8 @@ fn largest_residual(equations: &[Equation], points: &[Vec3]) -> f64 {
     equations.iter().fold(0.0, larger)
 }
 
-/// Axes along which a unit step changes the equations by about 1: the radius, and longer ones along the sphere. Circles so small that
-/// rounding of the positions moves them are held back.
+/// Axes along which a unit step changes the equations by about 1: the radius, and longer ones along
+/// the sphere. Circles so small that rounding of the positions moves them are held back.
 fn scaled_frame(x: &Vec3) -> Matrix3<f64> {
     let radial = x / x.norm();
     let radial = radial * radial.transpose();

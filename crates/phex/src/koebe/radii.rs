@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 /// Trial steps of a line search at the most.
 const LINE_SEARCH_STEPS: usize = 30;
 
-/// A step is accepted when the slope along it has fallen below this fraction of the slope at its start.
+/// A step is accepted when the slope along it has fallen below this fraction of the slope at its
+/// start.
 const SLOPE_FRACTION: f64 = 0.5;
 
 /// Residual below which one that does not fall is at the floor of rounding.
@@ -53,8 +54,8 @@ impl Radii {
         radii
     }
 
-    /// Keeps the start value of the last unknown: where no radius is given the pattern is free to grow, and the other angle
-    /// sums imply that of one node.
+    /// Keeps the start value of the last unknown: where no radius is given the pattern is free to
+    /// grow, and the other angle sums imply that of one node.
     pub fn fix_scale(&mut self) {
         if let Some(last) = self.unknown.iter_mut().rev().find(|u| u.is_some()) {
             *last = None;
@@ -161,7 +162,8 @@ impl Radii {
         SymmetricMatrix::from_triplets(self.n_unknowns, triplets.into_iter())
     }
 
-    /// Fraction of the step where the slope of the convex energy has fallen enough; it needs no energy.
+    /// Fraction of the step where the slope of the convex energy has fallen enough; it needs no
+    /// energy.
     fn line_search(&self, circles: &Circles, gradient: &[f64], step: &[f64]) -> f64 {
         let slope = |t: f64| dot(&self.gradient(circles, &self.moved(step, t)), step);
         let goal = SLOPE_FRACTION * dot(gradient, step).abs();

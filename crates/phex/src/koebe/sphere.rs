@@ -1,7 +1,9 @@
-//! Circles of the sphere as vectors of Lorentz space, and the Moebius transformation that balances their touching points.
+//! Circles of the sphere as vectors of Lorentz space, and the Moebius transformation that balances
+//! their touching points.
 //!
-//! The circle in which the plane `N . X = d` cuts the unit sphere is `(N, d)`; the cap inside is `N . X > d`, the pole
-//! `N / d`. A point `X` of the sphere is `(X, 1)`. Moebius transformations are linear: they are the Lorentz transformations.
+//! The circle in which the plane `N . X = d` cuts the unit sphere is `(N, d)`; the cap inside is `N
+//! . X > d`, the pole `N / d`. A point `X` of the sphere is `(X, 1)`. Moebius transformations are
+//! linear: they are the Lorentz transformations.
 
 use super::layout::{PlaneCircle, PlaneLayout};
 use super::polish::Poles;
@@ -25,8 +27,8 @@ pub(super) struct SphereCircles {
 }
 
 impl SphereCircles {
-    /// Inverse stereographic projection of `factor (z - origin)` (a product of complex numbers), the origin to the north
-    /// pole, angles keeping their sense as seen from outside.
+    /// Inverse stereographic projection of `factor (z - origin)` (a product of complex numbers),
+    /// the origin to the north pole, angles keeping their sense as seen from outside.
     pub fn project(layout: &PlaneLayout, origin: Vec2, factor: Vec2) -> Self {
         let turn = |z: Vec2| {
             Vec2::new(
@@ -55,7 +57,8 @@ impl SphereCircles {
         }
     }
 
-    /// Applies the Moebius transformation that brings the mean of the touching points to the centre.
+    /// Applies the Moebius transformation that brings the mean of the touching points to the
+    /// centre.
     pub fn normalise(&mut self) {
         let transformation = balancing(self.touching.as_slice());
         self.circles
@@ -123,8 +126,8 @@ fn mean(points: &[Vec3]) -> Vec3 {
     points.iter().sum::<Vec3>() / points.len().max(1) as f64
 }
 
-/// Damped Newton step for the minimum of `sum_p log (1 - p . a) - log(1 - |a|^2) / 2` at `a = 0` (Springborn 2005); `None` if
-/// no step lowers it.
+/// Damped Newton step for the minimum of `sum_p log (1 - p . a) - log(1 - |a|^2) / 2` at `a = 0`
+/// (Springborn 2005); `None` if no step lowers it.
 fn balancing_step(points: &[Vec3]) -> Option<Vec3> {
     let sum: Vec3 = points.iter().sum();
     let hessian: Matrix3<f64> = points

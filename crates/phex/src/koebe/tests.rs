@@ -111,8 +111,8 @@ fn prisms_and_pyramids_have_their_known_shape() {
     for n in [3, 5, 12, 200] {
         let koebe = solve(&prism(n));
         assert_closed_and_convex(&koebe);
-        // By symmetry: an upright edge touches at its middle, a rim edge at height h and distance r, r^2 + h^2 = 1,
-        // r / cos(pi / n) = 1.
+        // By symmetry: an upright edge touches at its middle, a rim edge at height h and distance
+        // r, r^2 + h^2 = 1, r / cos(pi / n) = 1.
         let r = (std::f64::consts::PI / f64::from(n)).cos();
         let circumradius = (1.0 + (1.0 - r * r)).sqrt();
         assert!(
@@ -205,7 +205,8 @@ fn mirror_image_of_the_graph_gives_the_mirror_image() {
 fn flat_patch_of_hexagons_stays_regular() {
     let mesh = hexagon_patch(5);
     let koebe = solve(&mesh);
-    // Equal radii on the boundary of the lattice: all radii are equal, the middle face is regular and centred.
+    // Equal radii on the boundary of the lattice: all radii are equal, the middle face is regular
+    // and centred.
     let t = koebe.mesh.topology();
     let middle = t
         .faces()
@@ -361,7 +362,8 @@ fn separating_pair_is_one() {
             degree: 2
         }
     );
-    // A ladder between two poles closed to a ring of two blocks: 0 and 1 separate {2, 3, 4} from {5, 6, 7}.
+    // A ladder between two poles closed to a ring of two blocks: 0 and 1 separate {2, 3, 4} from
+    // {5, 6, 7}.
     let block = |a: u32| -> Vec<Vec<u32>> {
         vec![
             vec![0, a, a + 1],
@@ -396,7 +398,8 @@ fn defects_are_those_of_the_mesh() {
         (defects.tangency - 0.1).abs() < 1e-14
             && (defects.planarity - 0.1 * FRAC_1_SQRT_2).abs() < 1e-14
     );
-    // A unit cube moved up by 3: its edges' lines touch other spheres, and the upright ones do not hold their closest points.
+    // A unit cube moved up by 3: its edges' lines touch other spheres, and the upright ones do not
+    // hold their closest points.
     let moved = cube.mesh.with_positions(
         cube.mesh
             .positions

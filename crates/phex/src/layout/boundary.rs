@@ -1,9 +1,10 @@
 //! The lattice at the boundary: the outermost row of panels keeps half a row's distance from it.
 //!
-//! Where a lattice row runs along the boundary (see [`crate::directions::boundary`]), cells of the outermost row are
-//! whole if the row's lattice points lie half a row's height inside. With `n` the inward normal in a vertex's chart and `z`
-//! the offset of a lattice point, that is `<n, z> = h / 2 (mod h)`, `h` the height of a row: the wave whose reciprocal
-//! vector is `n / h` has the value -1 there. A [`Pin`] draws the offsets to it, in every step of the layout.
+//! Where a lattice row runs along the boundary (see [`crate::directions::boundary`]), cells of the
+//! outermost row are whole if the row's lattice points lie half a row's height inside. With `n` the
+//! inward normal in a vertex's chart and `z` the offset of a lattice point, that is `<n, z> = h / 2
+//! (mod h)`, `h` the height of a row: the wave whose reciprocal vector is `n / h` has the value -1
+//! there. A [`Pin`] draws the offsets to it, in every step of the layout.
 
 use super::lattice::{CELL, Plane, dot};
 use crate::directions::Directions;

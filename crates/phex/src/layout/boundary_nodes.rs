@@ -1,4 +1,5 @@
-//! Vertices that panels have along a curved boundary, so that their straight edges stay close to it.
+//! Vertices that panels have along a curved boundary, so that their straight edges stay close to
+//! it.
 
 use super::cells::{CellComplex, Node};
 use super::place;
@@ -7,8 +8,9 @@ use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 /// Largest distance between the boundary and the panels' edges, bounding-box diagonals.
 const TOLERANCE: f64 = 0.002;
 
-/// Adds nodes to the outlines wherever the boundary stands off from the straight edge between two nodes: the farthest
-/// vertex of the boundary first, as in the line simplification of Douglas and Peucker.
+/// Adds nodes to the outlines wherever the boundary stands off from the straight edge between two
+/// nodes: the farthest vertex of the boundary first, as in the line simplification of Douglas and
+/// Peucker.
 pub fn follow_boundary(surface: &TriangleSurface, complex: &mut CellComplex) {
     let next = next_on_boundary(surface.topology());
     for (label, outline) in &mut complex.panels {
@@ -40,7 +42,8 @@ fn next_on_boundary(topology: &Topology) -> PerVertex<Option<VertexId>> {
     })
 }
 
-/// Vertices of the boundary between two nodes of a cell's outline; none if they are not joined along the boundary.
+/// Vertices of the boundary between two nodes of a cell's outline; none if they are not joined
+/// along the boundary.
 fn path(
     topology: &Topology,
     next: &PerVertex<Option<VertexId>>,

@@ -1,9 +1,10 @@
 //! From labelled vertices to a polygon mesh whose interior vertices have degree 3.
 //!
-//! Rule of the half-edge `p -> q` with different labels: the cell of `p` leaves through the middle of `pq` into the
-//! triangle on its left, the cell of `q` comes in there. Triangles with three labels are vertices of the panelling, edges
-//! of the boundary with two labels are boundary vertices, sharp corners of the boundary are corners of their cell. The
-//! loops that these steps close are the panels; no map from pairs of cells to vertices is needed, which would break where
+//! Rule of the half-edge `p -> q` with different labels: the cell of `p` leaves through the middle
+//! of `pq` into the triangle on its left, the cell of `q` comes in there. Triangles with three
+//! labels are vertices of the panelling, edges of the boundary with two labels are boundary
+//! vertices, sharp corners of the boundary are corners of their cell. The loops that these steps
+//! close are the panels; no map from pairs of cells to vertices is needed, which would break where
 //! two cells touch twice.
 
 use super::seeds::Seed;
@@ -46,8 +47,8 @@ pub struct CellComplex {
 /// Rounds of relabelling.
 const ROUNDS: usize = 20;
 
-/// Relabels until every cell is a disc with at least four vertices inside and three at the boundary; boundary cells that
-/// are mere slivers are given to a neighbour.
+/// Relabels until every cell is a disc with at least four vertices inside and three at the
+/// boundary; boundary cells that are mere slivers are given to a neighbour.
 ///
 /// # Errors
 /// A sentence that says what remains when that does not end.
@@ -139,7 +140,8 @@ fn too_small(nodes: &[Node], area: f64, median: f64) -> bool {
     nodes.len() < 3 || sliver
 }
 
-/// Splits cells that are not discs and gives small ones to the neighbour with the longest common outline.
+/// Splits cells that are not discs and gives small ones to the neighbour with the longest common
+/// outline.
 fn mend(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -172,7 +174,8 @@ fn mend(
     }
 }
 
-/// Gives all but the largest connected part of a cell to neighbours; false if the cell is connected.
+/// Gives all but the largest connected part of a cell to neighbours; false if the cell is
+/// connected.
 fn release_islands(
     topology: &Topology,
     complex: &mut CellComplex,

@@ -1,7 +1,9 @@
-//! Vertices that see their neighbours through charts: what waves diffuse over, and the same more coarsely.
+//! Vertices that see their neighbours through charts: what waves diffuse over, and the same more
+//! coarsely.
 //!
-//! Charts are turned first so that they agree along a spanning tree, and vertices are taken in the order of that tree: almost no neighbour is seen
-//! turned then, and neighbours are near each other in memory.
+//! Charts are turned first so that they agree along a spanning tree, and vertices are taken in the
+//! order of that tree: almost no neighbour is seen turned then, and neighbours are near each other
+//! in memory.
 
 use super::boundary::Pin;
 use super::lattice::{Charts, Plane, Transition, rotate, waves};
@@ -77,7 +79,8 @@ impl Combing {
     }
 }
 
-/// Calls `visit` for every neighbour of a vertex with the edge and the neighbour's transition to the vertex.
+/// Calls `visit` for every neighbour of a vertex with the edge and the neighbour's transition to
+/// the vertex.
 pub(super) fn for_each_view(
     topology: &Topology,
     charts: &Charts,
@@ -225,7 +228,8 @@ impl ChartGraph {
         Ok(rough_solution(&factor, |v| rhs[v], n))
     }
 
-    /// Vertices in groups of a few that are joined, charts of a group agreeing, and how groups see each other.
+    /// Vertices in groups of a few that are joined, charts of a group agreeing, and how groups see
+    /// each other.
     pub fn coarse(&self) -> (Self, Vec<Member>) {
         let (groups, members) = self.groups();
         let mut inside = vec![Vec::new(); groups];
@@ -261,7 +265,8 @@ impl ChartGraph {
         (coarse, members)
     }
 
-    /// A vertex with all its neighbours where those are free, and then what is left with a neighbour or alone.
+    /// A vertex with all its neighbours where those are free, and then what is left with a
+    /// neighbour or alone.
     fn groups(&self) -> (usize, Vec<Member>) {
         let mut members = vec![Member::NONE; self.mass.len()];
         let mut groups = 0;
@@ -313,8 +318,9 @@ impl ChartGraph {
     }
 }
 
-/// How the group of a vertex sees that of a neighbour, the offset times the weight; `None` for the same group, and where the edge has no weight. An edge is softer by its length over
-/// that of the whole way between the groups' origins: so many of them lie on it one after the other.
+/// How the group of a vertex sees that of a neighbour, the offset times the weight; `None` for the
+/// same group, and where the edge has no weight. An edge is softer by its length over that of the
+/// whole way between the groups' origins: so many of them lie on it one after the other.
 fn seen_by_group(of: &Member, view: &View, to: &Member) -> Option<View> {
     let length = view.offset.norm();
     let way = length + of.offset.norm() + to.offset.norm();

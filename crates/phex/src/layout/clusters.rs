@@ -62,7 +62,8 @@ pub fn seeds(
     seeds
 }
 
-/// Collects the vertices near each lattice point, connected to the seed: near a cone a cluster may see its point twice.
+/// Collects the vertices near each lattice point, connected to the seed: near a cone a cluster may
+/// see its point twice.
 fn fill_cores(topology: &Topology, offsets: &Offsets, label: &PerVertex<u32>, seeds: &mut [Seed]) {
     let mut seen = PerVertex::filled(topology.n_vertices(), false);
     for seed in seeds {

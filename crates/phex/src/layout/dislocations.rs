@@ -1,8 +1,9 @@
 //! Dislocations of a lattice, and the ways along which they vanish.
 //!
-//! Round a triangle the jumps add up to a translation, its Burgers vector; a triangle without turn but with one is a dislocation
-//! (a 5|7 pair). Changing the jumps along a dual path moves a Burgers vector to the path's end, where it meets its opposite, or a cone
-//! or the boundary that absorbs it: `1 - w` is a unit of `Z[w]`, so a cone of one sixth absorbs *any* translation, and no
+//! Round a triangle the jumps add up to a translation, its Burgers vector; a triangle without turn
+//! but with one is a dislocation (a 5|7 pair). Changing the jumps along a dual path moves a Burgers
+//! vector to the path's end, where it meets its opposite, or a cone or the boundary that absorbs
+//! it: `1 - w` is a unit of `Z[w]`, so a cone of one sixth absorbs *any* translation, and no
 //! integer programming is needed.
 
 use super::lattice::{Charts, Eisenstein};
@@ -33,7 +34,8 @@ enum LatticeDefect {
     Cone,
 }
 
-/// Turn and translation round a triangle, and for each of its edges the unit by which its jump enters the translation.
+/// Turn and translation round a triangle, and for each of its edges the unit by which its jump
+/// enters the translation.
 struct Circuit {
     turn: u8,
     burgers: Eisenstein,
@@ -95,8 +97,9 @@ fn defect(c: &Circuit) -> LatticeDefect {
     }
 }
 
-/// Moves every Burgers vector into the nearest opposite, cone or boundary, the closest pairs first, and returns the ways that they took. Paths longer
-/// than `max_length` lattice spacings are not taken.
+/// Moves every Burgers vector into the nearest opposite, cone or boundary, the closest pairs first,
+/// and returns the ways that they took. Paths longer than `max_length` lattice spacings are not
+/// taken.
 pub fn annihilate(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -157,7 +160,8 @@ pub fn annihilate(
 
 const NOBODY: u32 = u32::MAX;
 
-/// Fronts that grow over the triangles from all defects at once; what they reached is kept, so that the next search clears only that.
+/// Fronts that grow over the triangles from all defects at once; what they reached is kept, so that
+/// the next search clears only that.
 struct Fronts {
     source: PerFace<u32>,
     distance: PerFace<f64>,
@@ -199,8 +203,8 @@ impl Fronts {
         self.heap.push(Reverse((Distance(distance), f)));
     }
 
-    /// The shortest dual path from a dislocation to another one, a cone, or out of the boundary: fronts grow until two meet. Pairs
-    /// (face, edge to leave it by), in the order of the move.
+    /// The shortest dual path from a dislocation to another one, a cone, or out of the boundary:
+    /// fronts grow until two meet. Pairs (face, edge to leave it by), in the order of the move.
     fn shortest_path(
         &mut self,
         topology: &Topology,
@@ -285,8 +289,8 @@ fn joined_path(
     path
 }
 
-/// Moves the Burgers vectors that lie at the beginnings of ways along those that are `taken`, one way after the other; returns the changes of the jumps
-/// along each.
+/// Moves the Burgers vectors that lie at the beginnings of ways along those that are `taken`, one
+/// way after the other; returns the changes of the jumps along each.
 pub(super) fn slip(
     topology: &Topology,
     charts: &Charts,

@@ -7,12 +7,14 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
-/// Curvatures whose ratio is below this do not tell the sign of the Gauss curvature: estimates are no better.
+/// Curvatures whose ratio is below this do not tell the sign of the Gauss curvature: estimates are
+/// no better.
 const SIGN_RATIO: f64 = 0.05;
 /// Curvatures below this share of the surface's large ones do not either.
 const SIGN_FLOOR: f64 = 0.02;
 
-/// Share of the surface's area on which a sign must be clear to count: a few bad triangles are no region.
+/// Share of the surface's area on which a sign must be clear to count: a few bad triangles are no
+/// region.
 const SIGN_SHARE: f64 = 0.005;
 
 /// A vertex of the surface and its position, in the words of an error.
@@ -251,8 +253,9 @@ impl SignedPlaces {
     }
 }
 
-/// The vertex where the ratio of the curvatures is largest in the sense of `sign`, if enough of the surface is beyond the noise in that sense. The least ratio
-/// among a vertex and its neighbours counts, away from the boundary: there estimates see one side only.
+/// The vertex where the ratio of the curvatures is largest in the sense of `sign`, if enough of the
+/// surface is beyond the noise in that sense. The least ratio among a vertex and its neighbours
+/// counts, away from the boundary: there estimates see one side only.
 fn extreme(
     surface: &TriangleSurface,
     principal: &PerVertex<Principal>,
@@ -294,8 +297,9 @@ const FLAT: f64 = 0.35;
 /// See [`FLAT`].
 const FLAT_RINGS: usize = 4;
 
-/// A vertex next to a flat point of a surface with `K < 0` else: the principal directions turn by a multiple of a half-turn round a triangle, and the
-/// curvature falls towards it. Umbilics, round which they turn elsewhere, need `K > 0`.
+/// A vertex next to a flat point of a surface with `K < 0` else: the principal directions turn by a
+/// multiple of a half-turn round a triangle, and the curvature falls towards it. Umbilics, round
+/// which they turn elsewhere, need `K > 0`.
 pub fn flat_point(surface: &TriangleSurface, curvature: &Curvature) -> Option<Place> {
     let topology = surface.topology();
     let principal = curvature.principal();
@@ -348,7 +352,8 @@ fn turns(surface: &TriangleSurface, principal: &PerVertex<Principal>, f: FaceId)
     sum.abs() > 1.0
 }
 
-/// Angle between neighbouring triangles of a surface, degrees, from which on nothing is known of the curvature between them.
+/// Angle between neighbouring triangles of a surface, degrees, from which on nothing is known of
+/// the curvature between them.
 const CREASE: f64 = 30.0;
 
 /// That the surface's triangles are small enough to tell its curvature.

@@ -1,9 +1,10 @@
 //! Irregular panels that need not be: edges turn until no turn makes the panels more regular.
 //!
-//! Where the lattice is sheared the nearest seeds are not its neighbours, and cells come out as pairs of pentagons and
-//! heptagons round one edge; turning that edge (a T1 step, as in foams) gives four hexagons. At the boundary the step
-//! opens the edge between two panels of the rim, so that a pentagon behind them reaches the boundary and is whole again.
-//! Turns change no charge: the sum of `6 - n` over all panels stays, so what topology demands stays too.
+//! Where the lattice is sheared the nearest seeds are not its neighbours, and cells come out as
+//! pairs of pentagons and heptagons round one edge; turning that edge (a T1 step, as in foams)
+//! gives four hexagons. At the boundary the step opens the edge between two panels of the rim, so
+//! that a pentagon behind them reaches the boundary and is whole again. Turns change no charge: the
+//! sum of `6 - n` over all panels stays, so what topology demands stays too.
 
 use super::boundary_nodes::distance_to_segment;
 use super::{Layout, VertexKind, glide};
@@ -16,13 +17,15 @@ const ROUNDS: usize = 30;
 /// Corners that a panel must keep, and that a panel of the rim may come to have.
 const LEAST: i32 = 4;
 const MOST_AT_RIM: i32 = 7;
-/// Distance of the boundary from a new edge along it, bounding-box diagonals, from which on that edge gets a vertex on it.
+/// Distance of the boundary from a new edge along it, bounding-box diagonals, from which on that
+/// edge gets a vertex on it.
 const BEND: f64 = 2e-4;
-/// How far the ends of a turned edge move towards the panels that they now separate from the others.
+/// How far the ends of a turned edge move towards the panels that they now separate from the
+/// others.
 const OPENING: f64 = 0.25;
 
-/// Turns edges while that makes the panels inside more regular: the sum of `(n - 6)^2` falls with each turn, or with
-/// each short sequence of them.
+/// Turns edges while that makes the panels inside more regular: the sum of `(n - 6)^2` falls with
+/// each turn, or with each short sequence of them.
 pub fn turn_edges(mut layout: Layout) -> Layout {
     for _ in 0..ROUNDS {
         let turns = independent_turns(layout.mesh.topology());
@@ -53,7 +56,8 @@ fn glided(layout: &Layout) -> Option<Layout> {
     Some(layout)
 }
 
-/// The layout after turns of the edges between these panels, one after the other; `None` if one can't be.
+/// The layout after turns of the edges between these panels, one after the other; `None` if one
+/// can't be.
 pub(super) fn turned_between(layout: Layout, sides: &[glide::Sides]) -> Option<Layout> {
     sides.iter().try_fold(layout, |layout, s| {
         let turn = turn_between(layout.mesh.topology(), *s)?;
@@ -226,8 +230,8 @@ fn turned(layout: &Layout, turns: &[EdgeTurn]) -> Option<Layout> {
     Some(next)
 }
 
-/// With `u -> v` between left and right: afterwards `u` belongs to the left panel and `v` to the right one, and both to the
-/// panels at the ends.
+/// With `u -> v` between left and right: afterwards `u` belongs to the left panel and `v` to the
+/// right one, and both to the panels at the ends.
 fn reconnect(faces: &mut [Vec<u32>], turn: &EdgeTurn, [u, v]: [VertexId; 2]) {
     let [u, v] = [u, v].map(|w| w.index() as u32);
     faces[turn.left.index()].retain(|w| *w != v);
@@ -288,7 +292,8 @@ mod tests {
         );
     }
 
-    /// Every edge inside, turned once, gives pentagons and heptagons; calming finds the hexagons again.
+    /// Every edge inside, turned once, gives pentagons and heptagons; calming finds the hexagons
+    /// again.
     #[test]
     fn one_turned_edge_is_turned_back() {
         let layout = lattice_patch(5);
@@ -315,8 +320,8 @@ mod tests {
         assert!(valences(&turn_edges(layout)).iter().all(|n| *n == 6));
     }
 
-    /// A pentagon behind the rim reaches the boundary: the panels inside that are left are hexagons, and vertices keep three
-    /// panels inside and two on the boundary.
+    /// A pentagon behind the rim reaches the boundary: the panels inside that are left are
+    /// hexagons, and vertices keep three panels inside and two on the boundary.
     #[test]
     fn a_pentagon_behind_the_rim_is_opened_to_the_boundary() {
         let layout = lattice_patch(5);

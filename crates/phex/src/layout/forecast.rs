@@ -1,21 +1,27 @@
-//! Forecast: which panels of a layout will cross themselves when they are made planar, from the sign of `II` along its edges.
+//! Forecast: which panels of a layout will cross themselves when they are made planar, from the
+//! sign of `II` along its edges.
 //!
-//! With touching points `p_i` and the quadratic form `q(e) = II(e, e)`, the vertex of a triangle of touching points is its circumcentre in `q`, to
-//! second order: with `Q_i` of the edge opposite to `p_i`, the point with the barycentric weights `Q_i (Q_j + Q_k - Q_i)`. In a lattice a panel whose corners
-//! are these points is simple
+//! With touching points `p_i` and the quadratic form `q(e) = II(e, e)`, the vertex of a triangle of
+//! touching points is its circumcentre in `q`, to second order: with `Q_i` of the edge opposite to
+//! `p_i`, the point with the barycentric weights `Q_i (Q_j + Q_k - Q_i)`. In a lattice a panel
+//! whose corners are these points is simple
 //!
-//! * where `K > 0` if and only if `Q_i <= Q_j + Q_k` in its triangles (else: if the triangulation is Delaunay in `q`),
-//! * where `K < 0` if and only if the values `Q` of each of its triangles do not all have the same sign: the edges lie on both sides of the asymptotic
-//!   cone;
+//! * where `K > 0` if and only if `Q_i <= Q_j + Q_k` in its triangles (else: if the triangulation
+//!   is Delaunay in `q`),
+//! * where `K < 0` if and only if the values `Q` of each of its triangles do not all have the same
+//!   sign: the edges lie on both sides of the asymptotic cone;
 //!
-//! in general, and where triangles with `K` of both signs meet in a panel, its outline is tested. `Q` of an edge is the difference of the normals at its ends
-//! along it.
+//! in general, and where triangles with `K` of both signs meet in a panel, its outline is tested.
+//! `Q` of an edge is the difference of the normals at its ends along it.
 //!
-//! The difference of the normals is the mean of two one-sided values, twice the height of each end over the plane of the other, which differ by terms of third order.
-//! Where a panel crosses itself with one of them but not with the mean, it is *in doubt*: so it is near parabolic curves, where planes meet badly.
+//! The difference of the normals is the mean of two one-sided values, twice the height of each end
+//! over the plane of the other, which differ by terms of third order. Where a panel crosses itself
+//! with one of them but not with the mean, it is *in doubt*: so it is near parabolic curves, where
+//! planes meet badly.
 //!
-//! Guaranteed: exact and without doubt for lattices on a quadratic surface, leading order in the size of the panels else; panels at the boundary, which have no
-//! triangle of touching points at some vertices, are not forecast.
+//! Guaranteed: exact and without doubt for lattices on a quadratic surface, leading order in the
+//! size of the panels else; panels at the boundary, which have no triangle of touching points at
+//! some vertices, are not forecast.
 
 use super::Layout;
 use crate::curvature::tangent_frame;
@@ -84,7 +90,8 @@ fn corner(layout: &Layout, v: VertexId) -> Option<ForecastCorner> {
     let faces: Vec<FaceId> = topology.outgoing(v).map(|h| topology.face(h)).collect();
     let faces: [FaceId; 3] = faces.try_into().ok()?;
     let points = faces.map(|f| layout.face_point[f]);
-    // Twice the height of each end under the plane of the other, and the mean for the panel opposite.
+    // Twice the height of each end under the plane of the other, and the mean for the panel
+    // opposite.
     let seen_from = |panel: usize, [i, j]: [usize; 2]| {
         let along = points[j] - points[i];
         let [from_i, from_j] = [j, i].map(|k| along.dot(&layout.face_normal[faces[k]]));
@@ -114,7 +121,8 @@ fn circumcentre(points: [Vec3; 3], q: [f64; 3]) -> Vec3 {
     sum / weights.iter().sum::<f64>()
 }
 
-/// Whether a polygon is simple and counter-clockwise, seen from the tip of a direction; one with a corner at infinity is not.
+/// Whether a polygon is simple and counter-clockwise, seen from the tip of a direction; one with a
+/// corner at infinity is not.
 fn is_simple_along(corners: &[Vec3], normal: Vec3) -> bool {
     let axes = tangent_frame(normal);
     let flat: Vec<Vec2> = corners

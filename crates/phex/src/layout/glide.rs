@@ -1,8 +1,9 @@
 //! Short sequences of turned edges that make panels more regular though their first steps do not.
 //!
-//! A pentagon and a heptagon side by side are a dislocation; turning an edge beside it lets it glide by one panel at no cost.
-//! Gliding into a cone or into its opposite it vanishes. The search is exhaustive up to a few steps round each irregular panel,
-//! on the dual triangulation, where a turn is an edge flip.
+//! A pentagon and a heptagon side by side are a dislocation; turning an edge beside it lets it
+//! glide by one panel at no cost. Gliding into a cone or into its opposite it vanishes. The search
+//! is exhaustive up to a few steps round each irregular panel, on the dual triangulation, where a
+//! turn is an edge flip.
 
 use phex_mesh::{FaceId, Topology};
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,8 +21,8 @@ const STEPS_AFTER_JOIN: usize = 3;
 /// Panels on the sides of an edge that turns.
 pub type Sides = [FaceId; 2];
 
-/// Turns after which the panels inside are more regular than before, if first the second of `sides` becomes part of the first;
-/// `None` if there are none.
+/// Turns after which the panels inside are more regular than before, if first the second of `sides`
+/// becomes part of the first; `None` if there are none.
 pub fn turns_after_join(topology: &Topology, sides: Sides) -> Option<Vec<Sides>> {
     let mut patch = DualPatch::around(topology, sides[0], &BTreeSet::new());
     let gain = patch.join(sides)?;
@@ -30,7 +31,8 @@ pub fn turns_after_join(topology: &Topology, sides: Sides) -> Option<Vec<Sides>>
     (0..=STEPS_AFTER_JOIN).any(&mut found).then_some(path)
 }
 
-/// Sequences of turns, each of which makes the panels inside more regular; no two of them change the same panel.
+/// Sequences of turns, each of which makes the panels inside more regular; no two of them change
+/// the same panel.
 pub fn sequences(topology: &Topology) -> Vec<Vec<Sides>> {
     sequences_beside(topology, BTreeSet::new())
 }
@@ -91,8 +93,8 @@ impl DualPatch {
         faces.filter(|f| self.corners(*f) != 6).collect()
     }
 
-    /// Looks for a sequence of at most `steps` turns more whose gain, with the `gain` so far, is positive, and never less than
-    /// `floor` on the way.
+    /// Looks for a sequence of at most `steps` turns more whose gain, with the `gain` so far, is
+    /// positive, and never less than `floor` on the way.
     fn search(&mut self, steps: usize, gain: i32, floor: i32, path: &mut Vec<Sides>) -> bool {
         if gain > 0 {
             return true;
@@ -131,7 +133,8 @@ impl DualPatch {
         list
     }
 
-    /// The panels at the ends of the edge between two panels, and what its turn gains; `None` if it can't turn.
+    /// The panels at the ends of the edge between two panels, and what its turn gains; `None` if it
+    /// can't turn.
     fn turn_at(&self, [a, b]: Sides) -> Option<(Sides, i32)> {
         let at = |f: FaceId, g: FaceId| self.ring.get(&f)?.iter().position(|x| *x == g);
         let (i, _) = (at(a, b)?, at(b, a)?);
@@ -161,7 +164,8 @@ impl DualPatch {
         Some((ends, gain))
     }
 
-    /// Makes `b` part of `a`; what that gains, or `None` if a panel would have too many corners or too few.
+    /// Makes `b` part of `a`; what that gains, or `None` if a panel would have too many corners or
+    /// too few.
     fn join(&mut self, [a, b]: Sides) -> Option<i32> {
         let ([c, d], _) = self.turn_at([a, b])?;
         let behind = |ring: &[FaceId], f: FaceId| -> Vec<FaceId> {
@@ -194,7 +198,8 @@ impl DualPatch {
         allowed.then(|| before - sum(self, &[a, c, d]))
     }
 
-    /// Parts `a` and `b` and joins the panels at the ends, of which the first precedes `b` round `a`.
+    /// Parts `a` and `b` and joins the panels at the ends, of which the first precedes `b` round
+    /// `a`.
     fn turn(&mut self, [a, b]: Sides, [c, d]: Sides) {
         let mut edit = |f: FaceId, change: &mut dyn FnMut(&mut Vec<FaceId>)| {
             change(self.ring.get_mut(&f).expect("a panel of the patch"));

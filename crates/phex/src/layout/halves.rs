@@ -1,16 +1,18 @@
 //! Pairs of small panels that are better one.
 //!
-//! About a cone the lattice's offsets do not close, and the lattice point at its apex may be named twice; its panel then comes
-//! out as two small pentagons with a heptagon beside them, next to each other or one panel apart. Two neighbours inside that
-//! together are hardly larger than one should be become one where that, with a few edges turned afterwards, makes the panels
-//! more regular: a dislocation climbs by one panel.
+//! About a cone the lattice's offsets do not close, and the lattice point at its apex may be named
+//! twice; its panel then comes out as two small pentagons with a heptagon beside them, next to each
+//! other or one panel apart. Two neighbours inside that together are hardly larger than one should
+//! be become one where that, with a few edges turned afterwards, makes the panels more regular: a
+//! dislocation climbs by one panel.
 
 use super::lattice::CELL;
 use super::{Layout, VertexKind, flips, glide};
 use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, VertexId};
 use std::collections::BTreeSet;
 
-/// Largest area of one of them, and of both together, over that of a panel of the size wanted there.
+/// Largest area of one of them, and of both together, over that of a panel of the size wanted
+/// there.
 const HALF: f64 = 1.2;
 const BOTH: f64 = 1.8;
 

@@ -114,7 +114,8 @@ pub fn rotate(z: Plane, k: u8) -> Plane {
     }
 }
 
-/// The change of chart across an edge: a point `z` of the target's chart is `rotate(z, turn) + offset` in the origin's.
+/// The change of chart across an edge: a point `z` of the target's chart is `rotate(z, turn) +
+/// offset` in the origin's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
     /// Sixths of a turn.
@@ -191,7 +192,8 @@ fn transition(topology: &Topology, directions: &Directions, e: EdgeId) -> Transi
     Transition { turn, offset }
 }
 
-/// The six shortest vectors `g` of the reciprocal lattice: `<g, z>` is an integer at lattice points.
+/// The six shortest vectors `g` of the reciprocal lattice: `<g, z>` is an integer at lattice
+/// points.
 pub fn reciprocal(m: usize) -> Plane {
     const THIRD: f64 = 0.5 / CELL;
     match m % 6 {
@@ -208,7 +210,8 @@ pub(super) fn waves(z: Plane) -> [Plane; 3] {
     [first, second, third(first, second)]
 }
 
-/// The reciprocal vectors are a sixth of a turn apart, so that the third is the second less the first.
+/// The reciprocal vectors are a sixth of a turn apart, so that the third is the second less the
+/// first.
 pub(super) fn third(first: Plane, second: Plane) -> Plane {
     second * first.conj()
 }
@@ -257,7 +260,8 @@ mod tests {
 
     #[test]
     fn one_minus_w_is_a_unit() {
-        // A cone of one sixth absorbs any translation: (1 - w) z = t has a lattice solution z = w t.
+        // A cone of one sixth absorbs any translation: (1 - w) z = t has a lattice solution z = w
+        // t.
         let t = Eisenstein { a: 4, b: -7 };
         let z = t.rotated(1);
         assert_eq!(z - z.rotated(1), t);

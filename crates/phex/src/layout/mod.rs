@@ -1,17 +1,19 @@
 //! Layout: connectivity and first positions of the panels.
 //!
-//! 1. [`waves`]: lattice offsets by diffusion and projection of three waves in the charts of the direction field;
-//!    [`polish`]: Gauss-Seidel.
-//! 2. [`dislocations`]: Burgers vectors moved into opposites, cones or the boundary; [`seamless`]: one linear solve for the lattice; vectors come back
-//!    where it would be strained too much.
-//! 3. [`seeds`]: one seed vertex per lattice point; [`voronoi`]: geodesic cells in the metric, on a finer mesh.
-//! 4. [`cells`]: discs whose outlines are the panels; triangles with three labels are vertices, so every interior vertex
-//!    has degree 3 by construction.
-//! 5. [`flips`], [`glide`], [`halves`]: edges turn and cut panels are joined where that makes the panels more regular.
+//! 1. [`waves`]: lattice offsets by diffusion and projection of three waves in the charts of the
+//!    direction field; [`polish`]: Gauss-Seidel.
+//! 2. [`dislocations`]: Burgers vectors moved into opposites, cones or the boundary; [`seamless`]:
+//!    one linear solve for the lattice; vectors come back where it would be strained too much.
+//! 3. [`seeds`]: one seed vertex per lattice point; [`voronoi`]: geodesic cells in the metric, on a
+//!    finer mesh.
+//! 4. [`cells`]: discs whose outlines are the panels; triangles with three labels are vertices, so
+//!    every interior vertex has degree 3 by construction.
+//! 5. [`flips`], [`glide`], [`halves`]: edges turn and cut panels are joined where that makes the
+//!    panels more regular.
 //!
-//! Guaranteed: the panelling has the Euler characteristic and the boundary loops of the surface, every interior vertex has
-//! degree 3, sharp boundary corners are kept as corners of one panel. Fails, with an error that says so: where panels are
-//! so large that cells can't be made discs.
+//! Guaranteed: the panelling has the Euler characteristic and the boundary loops of the surface,
+//! every interior vertex has degree 3, sharp boundary corners are kept as corners of one panel.
+//! Fails, with an error that says so: where panels are so large that cells can't be made discs.
 
 pub mod boundary;
 pub mod boundary_nodes;
@@ -70,12 +72,14 @@ pub struct LayoutOptions {
     pub seed: u64,
     /// Sweeps of the Gauss-Seidel polish.
     pub sweeps: usize,
-    /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay; `None`: any).
+    /// Longest path, in panels, along which a dislocation is moved to vanish (0: dislocations stay;
+    /// `None`: any).
     pub annihilation_length: Option<f64>,
-    /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it those come
-    /// back that strain pulls on the hardest.
+    /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it
+    /// those come back that strain pulls on the hardest.
     pub max_distortion: f64,
-    /// Weight that draws rows along the boundary to half a row's distance from it, per panel length (0: not at all).
+    /// Weight that draws rows along the boundary to half a row's distance from it, per panel length
+    /// (0: not at all).
     pub boundary_phase: f64,
 }
 
@@ -215,8 +219,8 @@ pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, Layou
     record(fine, &complex, |node| place(fine.surface, node))
 }
 
-/// The layout with panels made more regular where turning edges or joining halves can: for the optimiser, which finds them
-/// good places; methods that need the cells' own neighbours do without.
+/// The layout with panels made more regular where turning edges or joining halves can: for the
+/// optimiser, which finds them good places; methods that need the cells' own neighbours do without.
 pub fn calmed(layout: Layout) -> Layout {
     flips::turn_edges(halves::join_halves(flips::turn_edges(layout)))
 }
@@ -283,7 +287,8 @@ fn record(
     })
 }
 
-/// Length of a lattice spacing at a vertex: the determinant of the metric in the tangent plane is its inverse squared, squared.
+/// Length of a lattice spacing at a vertex: the determinant of the metric in the tangent plane is
+/// its inverse squared, squared.
 fn local_length(fine: &CellSurface<'_>, v: VertexId) -> f64 {
     let [e1, e2] = crate::curvature::tangent_frame(fine.surface.normals()[v]);
     let m = &fine.metric[v];

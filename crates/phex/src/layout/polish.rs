@@ -1,4 +1,5 @@
-//! Gauss-Seidel polish of lattice offsets: every vertex moves to the mean of what its neighbours see, modulo the lattice.
+//! Gauss-Seidel polish of lattice offsets: every vertex moves to the mean of what its neighbours
+//! see, modulo the lattice.
 
 use super::boundary::Pin;
 use super::chart_graph::for_each_view;
@@ -36,7 +37,8 @@ impl Views {
     }
 }
 
-/// Runs up to `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the lattice cell round 0.
+/// Runs up to `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the
+/// lattice cell round 0.
 pub fn polish(
     topology: &Topology,
     mesh: &IntrinsicMesh,

@@ -10,9 +10,11 @@ use serde::{Deserialize, Serialize};
 pub enum VertexKind {
     /// Three panels meet.
     Interior,
-    /// On the boundary curve of the surface, between two panels (or, without a neighbour, on the rim of one).
+    /// On the boundary curve of the surface, between two panels (or, without a neighbour, on the
+    /// rim of one).
     Boundary,
-    /// At a sharp corner of the boundary: one panel, two boundary edges. It is drawn to that corner.
+    /// At a sharp corner of the boundary: one panel, two boundary edges. It is drawn to that
+    /// corner.
     BoundaryCorner,
 }
 
@@ -33,7 +35,8 @@ impl WishedArea {
     };
 }
 
-/// A panelling before optimisation. Lengths are those of the normalised model (bounding-box diagonal 1).
+/// A panelling before optimisation. Lengths are those of the normalised model (bounding-box
+/// diagonal 1).
 #[derive(Clone, Debug)]
 pub struct Layout {
     /// Connectivity (interior vertices of degree 3) and positions of the raw cells.
@@ -46,14 +49,17 @@ pub struct Layout {
     pub face_normal: PerFace<Vec3>,
     /// Local panel length (distance of neighbouring panel centres).
     pub face_length: PerFace<f64>,
-    /// Area of each panel as the field of sizes asks for it, whatever size the lattice could give it.
+    /// Area of each panel as the field of sizes asks for it, whatever size the lattice could give
+    /// it.
     pub face_wish: PerFace<WishedArea>,
-    /// Vertex of the refined surface that each cell grew from; the repair loop drops seeds of panels that stay invalid.
+    /// Vertex of the refined surface that each cell grew from; the repair loop drops seeds of
+    /// panels that stay invalid.
     pub face_seed: PerFace<VertexId>,
 }
 
 impl Layout {
-    /// The layout with its panels joined otherwise; vertices of its mesh are where they are in that one.
+    /// The layout with its panels joined otherwise; vertices of its mesh are where they are in that
+    /// one.
     pub fn joined(&self, flipped: &Flipped) -> Self {
         let (faces, vertices) = (&flipped.faces, &flipped.vertices);
         Self {

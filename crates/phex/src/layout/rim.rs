@@ -1,8 +1,10 @@
-//! Cells at the boundary made even: what the boundary cuts small is dropped, and the others move to their middles.
+//! Cells at the boundary made even: what the boundary cuts small is dropped, and the others move to
+//! their middles.
 //!
-//! Seeds whose cells hold less than `MIN_CELL` of a lattice cell (or of the mean panel of space) are dropped, smallest
-//! first and never two neighbours in one round; then every cell at the boundary grows again from its centroid (Lloyd's
-//! step, for that row alone). Inside, the lattice stays as it is.
+//! Seeds whose cells hold less than `MIN_CELL` of a lattice cell (or of the mean panel of space)
+//! are dropped, smallest first and never two neighbours in one round; then every cell at the
+//! boundary grows again from its centroid (Lloyd's step, for that row alone). Inside, the lattice
+//! stays as it is.
 
 use super::CellSurface;
 use super::lattice::CELL;
@@ -18,7 +20,8 @@ const MIN_PANEL: f64 = 0.35;
 /// Rounds of dropping and moving.
 const ROUNDS: usize = 4;
 
-/// Seeds with the row at the boundary made even, and their cells. Seeds keep the vertices that name them.
+/// Seeds with the row at the boundary made even, and their cells. Seeds keep the vertices that name
+/// them.
 pub fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
     let mut seeds = seeds.to_vec();
     let topology = fine.surface.topology();

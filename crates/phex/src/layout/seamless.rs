@@ -1,7 +1,8 @@
 //! Lattice offsets, the integer jumps between them, and the offsets that fit given jumps best.
 //!
-//! Integer jumps `n` along edges say which lattice point of one vertex is the origin of the next. With jumps free of
-//! [dislocations](super::dislocations), `min sum w |z_i - R z_j - d + n|^2` is one linear solve.
+//! Integer jumps `n` along edges say which lattice point of one vertex is the origin of the next.
+//! With jumps free of [dislocations](super::dislocations), `min sum w |z_i - R z_j - d + n|^2` is
+//! one linear solve.
 
 use super::boundary::Pin;
 use super::chart_graph::ANCHOR;
@@ -17,7 +18,8 @@ use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 pub struct Offsets {
     /// Position of the nearest lattice point in the chart of each vertex.
     pub position: PerVertex<Plane>,
-    /// Jump along each edge: the target's lattice point is the origin's moved by it. Zero: both name the same point.
+    /// Jump along each edge: the target's lattice point is the origin's moved by it. Zero: both
+    /// name the same point.
     pub jump: PerEdge<Eisenstein>,
 }
 
@@ -44,8 +46,9 @@ impl Offsets {
         self
     }
 
-    /// Whether the ends of each edge name the same lattice point, or points nearer to each other than `distance`: the offsets
-    /// about a cone do not close, so that a point beside it is seen twice.
+    /// Whether the ends of each edge name the same lattice point, or points nearer to each other
+    /// than `distance`: the offsets about a cone do not close, so that a point beside it is seen
+    /// twice.
     pub fn same_point(&self, topology: &Topology, charts: &Charts, distance: f64) -> PerEdge<bool> {
         PerEdge::from_fn(topology.n_edges(), |e| {
             let [i, j] = topology.edge_vertices(e);
@@ -73,8 +76,8 @@ impl Offsets {
     }
 }
 
-/// Lattice offsets that fit the edges best with given jumps, and the pins; nearest to `near` where that leaves them free. `factor` is that
-/// of [`factorised`] with the same charts and pins.
+/// Lattice offsets that fit the edges best with given jumps, and the pins; nearest to `near` where
+/// that leaves them free. `factor` is that of [`factorised`] with the same charts and pins.
 pub fn solve_offsets(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -143,7 +146,8 @@ pub fn factorised(
     Cholesky::again(None, &matrix, 2)
 }
 
-/// Turns that take each chart to that of the first vertex, where no loop turns: then a common translation costs nothing.
+/// Turns that take each chart to that of the first vertex, where no loop turns: then a common
+/// translation costs nothing.
 fn common_frame(topology: &Topology, charts: &Charts) -> Option<PerVertex<u8>> {
     let mut turn: PerVertex<Option<u8>> = PerVertex::filled(topology.n_vertices(), None);
     let first = topology.vertices().next()?;
@@ -174,8 +178,9 @@ fn common_frame(topology: &Topology, charts: &Charts) -> Option<PerVertex<u8>> {
         .map(PerVertex::from_vec)
 }
 
-/// Translates a lattice to where it fits `near` best, modulo the lattice, if a common translation costs nothing: which of several shortest paths a dislocation
-/// took shifts offsets by lattice vectors and must not matter.
+/// Translates a lattice to where it fits `near` best, modulo the lattice, if a common translation
+/// costs nothing: which of several shortest paths a dislocation took shifts offsets by lattice
+/// vectors and must not matter.
 pub(super) fn translate(
     topology: &Topology,
     mesh: &IntrinsicMesh,

@@ -2,7 +2,8 @@
 
 use phex_mesh::VertexId;
 
-/// Vertices nearer to a lattice point than this start in its cell, at the distance that the lattice says.
+/// Vertices nearer to a lattice point than this start in its cell, at the distance that the lattice
+/// says.
 pub(super) const CORE: f64 = 0.45;
 
 /// Where a cell begins to grow.

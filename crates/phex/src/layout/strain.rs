@@ -1,8 +1,9 @@
 //! As few dislocations as a bound on the lattice's strain allows.
 //!
-//! All of them vanish first. Where that strains the lattice too much, the ways come back along which strain pulls the hardest: moving a Burgers vector changed jumps, and
-//! the energy `sum w |r|^2` of the residuals falls by twice the product of residuals and changes when it moves back (the force of Peach and Koehler, summed
-//! along the way).
+//! All of them vanish first. Where that strains the lattice too much, the ways come back along
+//! which strain pulls the hardest: moving a Burgers vector changed jumps, and the energy `sum w
+//! |r|^2` of the residuals falls by twice the product of residuals and changes when it moves back
+//! (the force of Peach and Koehler, summed along the way).
 
 use super::boundary::Pin;
 use super::chart_graph::{ChartGraph, Combing};
@@ -17,7 +18,8 @@ use phex_numeric::{Cholesky, NumericError};
 /// Share of the ways that come back at once: the pulls on the others change.
 const BACK: f64 = 0.05;
 
-/// The lattice with as few dislocations as the bound on distortion allows, and the 95 % quantile of its distortion.
+/// The lattice with as few dislocations as the bound on distortion allows, and the 95 % quantile of
+/// its distortion.
 pub(super) fn seamless_offsets(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -87,8 +89,9 @@ fn pull(
     changes.iter().map(at).sum()
 }
 
-/// Offsets that fit jumps best. Those that are pinned to the boundary's rows are solved for roughly first, without pins, to see where rows come to lie. The factorisation
-/// does not depend on the jumps and is made once.
+/// Offsets that fit jumps best. Those that are pinned to the boundary's rows are solved for roughly
+/// first, without pins, to see where rows come to lie. The factorisation does not depend on the
+/// jumps and is made once.
 struct PinnedSolver<'a> {
     topology: &'a Topology,
     mesh: &'a IntrinsicMesh,

@@ -1,8 +1,8 @@
 //! Geodesic Voronoi cells of seed vertices on an intrinsic triangle mesh.
 //!
-//! Fronts grow as in Dijkstra's algorithm; across a triangle whose two known corners belong to the same seed the distance
-//! comes from unfolding the seed into the triangle's plane (the virtual source of Novotni and Klein, 2002), which makes
-//! cells as straight as the triangulation allows.
+//! Fronts grow as in Dijkstra's algorithm; across a triangle whose two known corners belong to the
+//! same seed the distance comes from unfolding the seed into the triangle's plane (the virtual
+//! source of Novotni and Klein, 2002), which makes cells as straight as the triangulation allows.
 
 use super::seeds::Seed;
 use crate::directions::intrinsic::IntrinsicMesh;
@@ -22,7 +22,8 @@ pub struct Cells {
     pub distance: PerVertex<f64>,
 }
 
-/// Distance, label and vertex in one number, which sorts by them in this order: comparing is most of what the heap does.
+/// Distance, label and vertex in one number, which sorts by them in this order: comparing is most
+/// of what the heap does.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Front(u128);
 
@@ -60,8 +61,9 @@ pub fn grow(
     cells
 }
 
-/// Grows the cells of `labels` again, and those round them up to the second neighbours: what is farther stays as it is, for a cell changes
-/// no border but its own. `number` is the new number of each old cell, `None` for those whose seeds are gone.
+/// Grows the cells of `labels` again, and those round them up to the second neighbours: what is
+/// farther stays as it is, for a cell changes no border but its own. `number` is the new number of
+/// each old cell, `None` for those whose seeds are gone.
 pub fn regrow(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -133,7 +135,8 @@ fn spread<'a>(
         }
         settled[v] = true;
         for h in topology.outgoing(v) {
-            // The two other corners of the triangle, each reached from `v` alone and with the help of the third corner.
+            // The two other corners of the triangle, each reached from `v` alone and with the help
+            // of the third corner.
             let (a, b) = (topology.target(h), topology.origin(topology.prev(h)));
             for (to, third) in [(a, b), (b, a)] {
                 if settled[to] || !allowed(to) {
@@ -182,8 +185,9 @@ fn reach(
     unfolded.map_or(along_edge, |d| d.min(along_edge))
 }
 
-/// Distance from a virtual source, at `dv` and `dt` from the ends `v` and `t` of an edge of length `edge`, to the apex on
-/// the other side, at `va` and `ta` from them; `None` if the straight line does not cross the edge.
+/// Distance from a virtual source, at `dv` and `dt` from the ends `v` and `t` of an edge of length
+/// `edge`, to the apex on the other side, at `va` and `ta` from them; `None` if the straight line
+/// does not cross the edge.
 fn unfold(edge: f64, va: f64, ta: f64, dv: f64, dt: f64) -> Option<f64> {
     let foot = |p: f64, q: f64| (p * p - q * q + edge * edge) / (2.0 * edge);
     let (xs, xa) = (foot(dv, dt), foot(va, ta));

@@ -1,14 +1,18 @@
-//! The operator that diffuses three waves over a surface, in single precision: it is multiplied with hundreds of times.
+//! The operator that diffuses three waves over a surface, in single precision: it is multiplied
+//! with hundreds of times.
 //!
-//! `mass + time * L` with the connection Laplacian `L` of the waves: an edge takes the three waves of its far end, permutes and conjugates them as the charts of both ends are turned
-//! against each other, and turns their phases by the edge's offset. Charts are turned first so that they agree along a spanning tree, and vertices are taken in
-//! the order of that tree, so that almost nothing is permuted and neighbours are near each other in memory.
+//! `mass + time * L` with the connection Laplacian `L` of the waves: an edge takes the three waves
+//! of its far end, permutes and conjugates them as the charts of both ends are turned against each
+//! other, and turns their phases by the edge's offset. Charts are turned first so that they agree
+//! along a spanning tree, and vertices are taken in the order of that tree, so that almost nothing
+//! is permuted and neighbours are near each other in memory.
 
 use super::chart_graph::{ChartGraph, Lists};
 use super::lattice::{Plane, waves};
 use rayon::prelude::*;
 
-/// Numbers that hold a vertex's three waves: four real parts, four imaginary ones, of which the last are 0.
+/// Numbers that hold a vertex's three waves: four real parts, four imaginary ones, of which the
+/// last are 0.
 pub(super) const WIDTH: usize = 8;
 
 pub(super) fn packed(a: &[Plane; 3]) -> [f32; WIDTH] {
@@ -28,7 +32,8 @@ fn lanes(value: impl FnMut(usize) -> f32) -> Lanes {
     std::array::from_fn(value)
 }
 
-/// How the waves of a neighbour are seen from a vertex where both charts agree: times phase and weight.
+/// How the waves of a neighbour are seen from a vertex where both charts agree: times phase and
+/// weight.
 #[derive(Clone, Copy)]
 struct Link {
     vertex: u32,
@@ -57,7 +62,8 @@ impl Link {
     }
 }
 
-/// A link between charts that do not agree: wave `m` is first wave `m - turn`, conjugated where that passes half a turn.
+/// A link between charts that do not agree: wave `m` is first wave `m - turn`, conjugated where
+/// that passes half a turn.
 #[derive(Clone, Copy)]
 struct Seam {
     link: Link,
@@ -80,7 +86,8 @@ impl Seam {
     }
 }
 
-/// `mass + time * (connection Laplacian of the waves)`, three complex unknowns per vertex. Single precision is more than the tolerance asks for.
+/// `mass + time * (connection Laplacian of the waves)`, three complex unknowns per vertex. Single
+/// precision is more than the tolerance asks for.
 pub(super) struct WaveOperator {
     mass: Vec<f32>,
     /// Sum of the weights of the edges at each vertex.
@@ -239,7 +246,8 @@ mod tests {
         }
     }
 
-    /// Waves of the same lattice seen from both ends of an edge differ by nothing: the operator leaves a lattice alone.
+    /// Waves of the same lattice seen from both ends of an edge differ by nothing: the operator
+    /// leaves a lattice alone.
     #[test]
     fn links_carry_waves_across_an_edge() {
         for (name, has_cones) in [("torus", false), ("sphere", true)] {

@@ -1,9 +1,12 @@
-//! Lattice positions by diffusing three waves and projecting them to a common phase, from coarse to fine.
+//! Lattice positions by diffusing three waves and projecting them to a common phase, from coarse to
+//! fine.
 //!
-//! A lattice is the set where the waves `exp(2 pi i <g_m, z>)`, `m = 0, 1, 2`, are all 1. Each vertex holds the three
-//! values of its own chart; a change of chart permutes (and conjugates) them. Repeating "diffuse for time `t`, project to
-//! the nearest lattice phase" with falling `t` finds a position field whose dislocations sit only where size demands
-//! (a diffusion-projection scheme in the manner of Merriman, Bence and Osher). The longest time is run on groups of vertices, from a random start.
+//! A lattice is the set where the waves `exp(2 pi i <g_m, z>)`, `m = 0, 1, 2`, are all 1. Each
+//! vertex holds the three values of its own chart; a change of chart permutes (and conjugates)
+//! them. Repeating "diffuse for time `t`, project to the nearest lattice phase" with falling `t`
+//! finds a position field whose dislocations sit only where size demands (a diffusion-projection
+//! scheme in the manner of Merriman, Bence and Osher). The longest time is run on groups of
+//! vertices, from a random start.
 
 use super::boundary::Pin;
 use super::chart_graph::{ChartGraph, Combing};
@@ -17,8 +20,9 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Diffusion times in squared lattice spacings, and steps at each: the longest on groups of vertices, about a lattice spacing apart, where it costs a tenth and
-/// sees as much; the others on all vertices.
+/// Diffusion times in squared lattice spacings, and steps at each: the longest on groups of
+/// vertices, about a lattice spacing apart, where it costs a tenth and sees as much; the others on
+/// all vertices.
 const COARSE: [(f64, usize); 1] = [(1.5, 30)];
 const FINE: [(f64, usize); 3] = [(0.5, 12), (0.15, 10), (0.05, 8)];
 /// Mean move of a step, in lattice spacings, below which the diffusion time has done its work.
@@ -27,8 +31,8 @@ const SETTLED: f64 = 0.003;
 const GRID: usize = 6;
 /// Newton steps from the best of those; each halves the error and more.
 const ASCENTS: usize = 4;
-/// A step starts from the last one and is projected anyway, so it needs no accuracy. Less than this costs regularity, though: with 0.1 most
-/// surfaces get a few irregular panels more.
+/// A step starts from the last one and is projected anyway, so it needs no accuracy. Less than this
+/// costs regularity, though: with 0.1 most surfaces get a few irregular panels more.
 const DIFFUSION: ConjugateGradientOptions = ConjugateGradientOptions {
     tolerance: 1e-2,
     max_iterations: 60,
@@ -142,7 +146,8 @@ impl Projector {
         z
     }
 
-    /// Gradient of `sum Re(conj(a_m) wave_m(z))`; over the bound of its own derivative it is a damped Newton step.
+    /// Gradient of `sum Re(conj(a_m) wave_m(z))`; over the bound of its own derivative it is a
+    /// damped Newton step.
     fn ascent(&self, waves: &[Plane; 3], values: &[Plane; 3]) -> Plane {
         let terms = self.reciprocal.iter().zip(values).zip(waves);
         let force = |((g, a), wave): ((&Plane, &Plane), &Plane)| g * (-TAU * (a.conj() * wave).im);
@@ -150,7 +155,8 @@ impl Projector {
     }
 }
 
-/// A wave whose phase grows by a small angle: series to the seventh power, exact to 1e-9 at a fifth of a radian and 1e-6 at half of one.
+/// A wave whose phase grows by a small angle: series to the seventh power, exact to 1e-9 at a fifth
+/// of a radian and 1e-6 at half of one.
 fn turned(wave: Plane, angle: f64) -> Plane {
     let s = angle * angle;
     let cosine = 1.0 - s / 2.0 * (1.0 - s / 12.0 * (1.0 - s / 30.0));

@@ -1,12 +1,13 @@
-//! How far the distances of a finished offset are from what was asked for, measured on its coordinates.
+//! How far the distances of a finished offset are from what was asked for, measured on its
+//! coordinates.
 
 use super::OffsetError;
 use super::face_offset::face_normals;
 use super::gauss_image::OffsetKind;
 use phex_mesh::{HexMesh, PerFace, Vec3};
 
-/// Largest error of the distances of faces, edges or vertices (whichever `kind` says) of `moved` from those of `mesh`, in model
-/// units.
+/// Largest error of the distances of faces, edges or vertices (whichever `kind` says) of `moved`
+/// from those of `mesh`, in model units.
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};

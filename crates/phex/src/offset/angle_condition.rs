@@ -1,9 +1,11 @@
-//! The angle condition (4.1): when a planar face is parallel to a polygon that is inscribed in a circle.
+//! The angle condition (4.1): when a planar face is parallel to a polygon that is inscribed in a
+//! circle.
 //!
-//! With `2m` corners the condition is `t_0 + t_2 + ... = 0 mod pi`. On the branch `(m - 1) pi` this is the paper's
-//! `t_0 + t_2 + t_4 = t_1 + t_3 + t_5`, for convex and for centrally symmetric concave faces; the other branches belong to
-//! faces whose parallel inscribed polygon crosses itself. A face with an odd number of corners meets no condition, but
-//! only two (antipodal) inscribed polygons are parallel to it.
+//! With `2m` corners the condition is `t_0 + t_2 + ... = 0 mod pi`. On the branch `(m - 1) pi` this
+//! is the paper's `t_0 + t_2 + t_4 = t_1 + t_3 + t_5`, for convex and for centrally symmetric
+//! concave faces; the other branches belong to faces whose parallel inscribed polygon crosses
+//! itself. A face with an odd number of corners meets no condition, but only two (antipodal)
+//! inscribed polygons are parallel to it.
 
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::{FaceId, FlatFace, HexMesh};

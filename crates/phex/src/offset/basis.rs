@@ -1,8 +1,10 @@
 //! A sparse basis of the space of parallel meshes.
 //!
-//! Every edge in turn, numbered breadth first, is asked whether its length can change while only edges near it with lower numbers change
-//! too; *near* grows until they say yes. An elimination tells beforehand which edges can. Vectors found so are independent, since each has a last edge of its own.
-//! Source: Berry, Heath, Kaneko, Lawo, Plemmons, Ward, "An algorithm to compute a sparse basis of the null space" (1985): turnback.
+//! Every edge in turn, numbered breadth first, is asked whether its length can change while only
+//! edges near it with lower numbers change too; *near* grows until they say yes. An elimination
+//! tells beforehand which edges can. Vectors found so are independent, since each has a last edge
+//! of its own. Source: Berry, Heath, Kaneko, Lawo, Plemmons, Ward, "An algorithm to compute a
+//! sparse basis of the null space" (1985): turnback.
 
 use super::null_space::{NullSpace, Rows};
 use super::space::ParallelSpace;
@@ -19,12 +21,14 @@ const DEPENDENT: f64 = 1e-9;
 /// Changes below this, over the largest, are none.
 const NONE: f64 = 1e-12;
 
-/// Changes of edge lengths after which every face still closes; edges that are not named keep theirs.
+/// Changes of edge lengths after which every face still closes; edges that are not named keep
+/// theirs.
 pub type LengthChange = Vec<(EdgeId, f64)>;
 
 impl ParallelSpace {
-    /// As many independent changes of the edge lengths as the space has dimensions, each of few edges that lie together where there are
-    /// such; the last edge of each changes by 1. On a mesh with holes a few of them go round the holes.
+    /// As many independent changes of the edge lengths as the space has dimensions, each of few
+    /// edges that lie together where there are such; the last edge of each changes by 1. On a mesh
+    /// with holes a few of them go round the holes.
     pub fn basis(&self) -> Vec<LengthChange> {
         let search = Search::new(self);
         let dimension = self.dimension();
@@ -109,7 +113,8 @@ impl Search {
         }
     }
 
-    /// Edges, by number, whose column depends on those with lower numbers: left-looking elimination with partial pivoting.
+    /// Edges, by number, whose column depends on those with lower numbers: left-looking elimination
+    /// with partial pivoting.
     fn dependent_columns(&self) -> Vec<usize> {
         let mut pivots: Vec<Pivot> = Vec::new();
         let mut pivot_of_row = BTreeMap::new();
@@ -143,7 +148,8 @@ impl Search {
         dependent
     }
 
-    /// The change that ends with an edge and reaches `radius` faces far at the most, if there is one.
+    /// The change that ends with an edge and reaches `radius` faces far at the most, if there is
+    /// one.
     fn change(&self, last: usize, radius: usize, least: f64) -> Option<LengthChange> {
         let root = self.order[last];
         let mut seen = PerEdge::filled(self.order.len(), false);
@@ -163,7 +169,8 @@ impl Search {
         Some(found)
     }
 
-    /// The change of some edges that is closest to one of the first of them alone, if that can change.
+    /// The change of some edges that is closest to one of the first of them alone, if that can
+    /// change.
     fn change_of_first(&self, edges: &[EdgeId], least: f64) -> Option<LengthChange> {
         let space = NullSpace::new(self.rows(edges)).ok()?;
         let mut x = vec![0.0; edges.len()];

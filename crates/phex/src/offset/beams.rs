@@ -1,7 +1,8 @@
 //! Beams along the edges between two layers, with torsion-free nodes.
 //!
-//! Where an edge and its offset are parallel, they span a plane that holds the node axes at both ends: the beam's plane
-//! of symmetry. All beams at a node share the node's axis, so that the node is free of torsion.
+//! Where an edge and its offset are parallel, they span a plane that holds the node axes at both
+//! ends: the beam's plane of symmetry. All beams at a node share the node's axis, so that the node
+//! is free of torsion.
 
 use super::OffsetError;
 use phex_mesh::{EdgeId, HexMesh, Vec3, VertexId};

@@ -8,8 +8,8 @@ const VANISHED: f64 = 1e-9;
 /// How far beyond the ends of an edge a corner still hits it, over its length.
 const SLACK: f64 = 1e-9;
 
-/// Smallest `d > 0` at which, in `M + side d M'`, an edge vanishes or a corner of a face hits another edge of it;
-/// infinite if there is none. `side` is 1 or -1.
+/// Smallest `d > 0` at which, in `M + side d M'`, an edge vanishes or a corner of a face hits
+/// another edge of it; infinite if there is none. `side` is 1 or -1.
 pub(super) fn first_contact(mesh: &HexMesh, image: &GaussImage, side: f64) -> f64 {
     let faces = mesh.topology().faces();
     let contacts = faces.map(|f| face_contact(&MovingFace::new(mesh, image, f, side)));

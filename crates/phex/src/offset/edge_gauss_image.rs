@@ -1,23 +1,26 @@
 //! The Gauss image for edge-distance offsets: the Koebe mesh that a given mesh is parallel to.
 //!
-//! At a vertex `x` of the image with three edges of unit directions `e_i` all three lines touch the unit sphere if and only if
-//! `(x . e_i)^2 = |x|^2 - 1`, so that
+//! At a vertex `x` of the image with three edges of unit directions `e_i` all three lines touch the
+//! unit sphere if and only if `(x . e_i)^2 = |x|^2 - 1`, so that
 //!
 //! ```text
 //! x = w / sqrt(|w|^2 - D^2),   w = +- e_2 x e_3 +- e_3 x e_1 +- e_1 x e_2,   D = e_1 . (e_2 x e_3).
 //! ```
 //!
-//! The edges lie on a cone of revolution about the sphere with the apex `x`. No vertex leaves a choice but for the signs, which
-//! say to which side of the vertex each line touches. One start decides them: the touching point of an edge is the same from both of
-//! its ends. The start that closes is taken; among several, the one that faces the normals best. At a corner of a single face both
-//! edges touch to the same side.
+//! The edges lie on a cone of revolution about the sphere with the apex `x`. No vertex leaves a
+//! choice but for the signs, which say to which side of the vertex each line touches. One start
+//! decides them: the touching point of an edge is the same from both of its ends. The start that
+//! closes is taken; among several, the one that faces the normals best. At a corner of a single
+//! face both edges touch to the same side.
 //!
-//! So a mesh has an edge-distance offset if and only if it closes, and the image is found from its directions alone.
-//! Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer freeform structures for architecture" (2007), section 4
-//! (edge offset meshes are parallel to Koebe meshes; cones at vertices).
+//! So a mesh has an edge-distance offset if and only if it closes, and the image is found from its
+//! directions alone. Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer
+//! freeform structures for architecture" (2007), section 4 (edge offset meshes are parallel to
+//! Koebe meshes; cones at vertices).
 //!
-//! *Guaranteed*: every edge line of an offset by `d` has the distance `|d|` from that of the mesh, to rounding, at both of its ends;
-//! the edges are parallel up to [`EdgeGaussImage::defect`]. *Fails*: where that is more than allowed ([`OffsetError::NotParallelToKoebe`]).
+//! *Guaranteed*: every edge line of an offset by `d` has the distance `|d|` from that of the mesh,
+//! to rounding, at both of its ends; the edges are parallel up to [`EdgeGaussImage::defect`].
+//! *Fails*: where that is more than allowed ([`OffsetError::NotParallelToKoebe`]).
 
 use super::face_offset::check_planar_mesh;
 use super::gauss_image::{GaussImage, OffsetKind};
@@ -34,7 +37,8 @@ const SAME_POINT: f64 = 1e-6;
 pub struct EdgeGaussImage {
     /// The Gauss image; a Koebe mesh.
     pub image: GaussImage,
-    /// Largest distance of the touching points of an edge as found from its two ends, on the unit sphere.
+    /// Largest distance of the touching points of an edge as found from its two ends, on the unit
+    /// sphere.
     pub defect: f64,
     /// The edge where that is.
     pub edge: EdgeId,
@@ -137,8 +141,8 @@ fn apexes([a, b, c]: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
     (0..8).map(apex).filter(|x| x.iter().all(|c| c.is_finite()))
 }
 
-/// Where the image of the root may be, on the side of the normal. A face alone gets the circle half-way between point and
-/// equator.
+/// Where the image of the root may be, on the side of the normal. A face alone gets the circle
+/// half-way between point and equator.
 fn starts(mesh: &HexMesh, root: VertexId, normal: Vec3) -> impl Iterator<Item = Vec3> {
     let spokes = star(mesh, root);
     let candidates: Vec<Vec3> = match &spokes[..] {
@@ -153,14 +157,14 @@ fn starts(mesh: &HexMesh, root: VertexId, normal: Vec3) -> impl Iterator<Item = 
     candidates.into_iter().filter(move |x| x.dot(&normal) > 0.0)
 }
 
-/// The point on the line of direction `back` that touches the sphere in `point`, from where a line along `ahead` touches it to
-/// the same side.
+/// The point on the line of direction `back` that touches the sphere in `point`, from where a line
+/// along `ahead` touches it to the same side.
 fn corner(point: Vec3, back: &Vec3, ahead: &Vec3) -> Vec3 {
     point + back * (point.dot(ahead) / (1.0 - back.dot(ahead)))
 }
 
-/// The image of a vertex one of whose edges touches in a given point. Where cones of both sides hold it, as at right angles,
-/// the one that faces the normal is meant.
+/// The image of a vertex one of whose edges touches in a given point. Where cones of both sides
+/// hold it, as at right angles, the one that faces the normal is meant.
 fn reached(mesh: &HexMesh, v: VertexId, through: EdgeId, point: Vec3, normal: &Vec3) -> Vec3 {
     let mut spokes = star(mesh, v);
     let first = spokes.iter().position(|s| s.edge == through).unwrap_or(0);
@@ -181,7 +185,8 @@ fn reached(mesh: &HexMesh, v: VertexId, through: EdgeId, point: Vec3, normal: &V
     }
 }
 
-/// The image that one start leads to. Corners of single faces come last, since they do not check what they are given.
+/// The image that one start leads to. Corners of single faces come last, since they do not check
+/// what they are given.
 fn spread(
     mesh: &HexMesh,
     root: VertexId,

@@ -1,17 +1,19 @@
 //! Offsets at constant edge distance, and the curvature that goes with them.
 //!
-//! If the edges of `K` touch the unit sphere (a Koebe mesh) and `M` is parallel to `K`, every edge of `M_d = M + d K` has the distance
-//! `|d|` from its edge of `M`. Face by face the area of the offset is the polynomial of Steiner,
+//! If the edges of `K` touch the unit sphere (a Koebe mesh) and `M` is parallel to `K`, every edge
+//! of `M_d = M + d K` has the distance `|d|` from its edge of `M`. Face by face the area of the
+//! offset is the polynomial of Steiner,
 //!
 //! ```text
 //! A(M_d) = A(M) + 2 d A(M, K) + d^2 A(K) = A(M) (1 - 2 d H + d^2 G),
 //! ```
 //!
-//! with the mixed area `A(., .)`: it defines the mean curvature `H` and the Gauss curvature `G` of a face.
-//! Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer freeform structures for architecture" (2007), section 4.
+//! with the mixed area `A(., .)`: it defines the mean curvature `H` and the Gauss curvature `G` of
+//! a face. Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer freeform
+//! structures for architecture" (2007), section 4.
 //!
-//! *Guaranteed*: distances to rounding, for `M` and `K` that are parallel to rounding. *Fails*: never; a mesh of other connectivity is a
-//! mistake of the program and panics.
+//! *Guaranteed*: distances to rounding, for `M` and `K` that are parallel to rounding. *Fails*:
+//! never; a mesh of other connectivity is a mistake of the program and panics.
 
 use phex_mesh::{FaceId, FacePlane, HexMesh, PerEdge, PerFace, PerVertex, Vec3};
 
@@ -87,8 +89,8 @@ fn face_curvature(mesh: &HexMesh, gauss_image: &HexMesh, f: FaceId) -> FaceCurva
     }
 }
 
-/// Mean curvature of the whole mesh, `-sum A(M, K) / sum A(M)`, and the root mean square (by area) of the faces' deviation from it, over
-/// its size.
+/// Mean curvature of the whole mesh, `-sum A(M, K) / sum A(M)`, and the root mean square (by area)
+/// of the faces' deviation from it, over its size.
 pub fn mean_curvature(mesh: &HexMesh, gauss_image: &HexMesh) -> (f64, f64) {
     let faces = || {
         mesh.topology()

@@ -113,7 +113,8 @@ pub enum OffsetError {
         defect: f64,
         /// Independent loops that are not faces.
         loops: usize,
-        /// Faces with an odd number of corners that lie inside; each allows only a circle of starts.
+        /// Faces with an odd number of corners that lie inside; each allows only a circle of
+        /// starts.
         odd_faces: usize,
     },
     /// No Koebe mesh is parallel to the mesh.

@@ -1,4 +1,5 @@
-//! Face-distance offset: every face moves along its normal, every vertex to where its moved faces meet.
+//! Face-distance offset: every face moves along its normal, every vertex to where its moved faces
+//! meet.
 
 use super::gauss_image::{GaussImage, OffsetKind};
 use super::vertex_normal::{Displacement, TrivalentVertex, minimum_norm, three_face_displacement};
@@ -30,7 +31,8 @@ impl FaceOffset {
         mesh.with_positions(PerVertex::from_vec(positions.collect()))
     }
 
-    /// The vertex with the largest error estimate, and that estimate (relative to its displacement).
+    /// The vertex with the largest error estimate, and that estimate (relative to its
+    /// displacement).
     pub fn worst(&self) -> (VertexId, f64) {
         let worse = |a: (VertexId, f64), b: (VertexId, f64)| if b.1 > a.1 { b } else { a };
         let errors = self.vertices.enumerate().map(|(v, d)| (v, d.error));
@@ -58,9 +60,9 @@ pub fn face_gauss_image(
     Ok(face_offset(mesh, &ones, options)?.into_image())
 }
 
-/// Displacements that move every face by its own distance along its normal. On the boundary, where fewer than three
-/// faces meet, vertices move by the shortest such vector; edges of the boundary may turn by that in the planes of their faces
-/// ([`GaussImage::turned_edges`]).
+/// Displacements that move every face by its own distance along its normal. On the boundary, where
+/// fewer than three faces meet, vertices move by the shortest such vector; edges of the boundary
+/// may turn by that in the planes of their faces ([`GaussImage::turned_edges`]).
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};
@@ -82,8 +84,8 @@ pub fn face_gauss_image(
 /// ```
 ///
 /// # Errors
-/// If a face is not planar or a vertex has not three faces (at most three on the boundary), or faces that lie in one
-/// plane are asked to part.
+/// If a face is not planar or a vertex has not three faces (at most three on the boundary), or
+/// faces that lie in one plane are asked to part.
 pub fn face_offset(
     mesh: &HexMesh,
     distances: &PerFace<f64>,
@@ -129,7 +131,8 @@ fn displacement(
     three_face_displacement(&vertex, &[d[0], d[1], d[2]])
 }
 
-/// Unit normals by Newell's sum, which keeps the relative accuracy of every component in flat and in squashed meshes.
+/// Unit normals by Newell's sum, which keeps the relative accuracy of every component in flat and
+/// in squashed meshes.
 ///
 /// # Errors
 /// If a face has no area.

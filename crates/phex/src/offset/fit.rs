@@ -7,10 +7,11 @@
 //! subject to  x_b - x_a parallel to d_e,   l_e = d_e . (x_b - x_a) >= l_min
 //! ```
 //!
-//! is solved by interior points; then new foot points are found, until the mesh rests. The mesh itself, scaled, is always
-//! admissible, so that the program always has a solution. The last term, off by default, asks for one mean curvature `H` (that of the last
-//! round) with the input as Gauss image `K`; areas are linearised at the last round. The result is projected onto the space of parallel meshes, which takes
-//! parallelism to rounding.
+//! is solved by interior points; then new foot points are found, until the mesh rests. The mesh
+//! itself, scaled, is always admissible, so that the program always has a solution. The last term,
+//! off by default, asks for one mean curvature `H` (that of the last round) with the input as Gauss
+//! image `K`; areas are linearised at the last round. The result is projected onto the space of
+//! parallel meshes, which takes parallelism to rounding.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -20,12 +21,14 @@
 //! | `A(., .)`, `K`, `H` | mixed area, the input, mean curvature: see [`edge_offset`](super::edge_offset) |
 //! | `l_min` | [`FitOptions::least_edge`] times the mean distance of neighbouring foot points |
 //!
-//! Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer freeform structures for architecture" (2007), section 3.
-//! With a Koebe mesh as input the result has offsets at constant edge distance ([`edge_offset`](super::edge_offset)).
+//! Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer freeform structures for
+//! architecture" (2007), section 3. With a Koebe mesh as input the result has offsets at constant
+//! edge distance ([`edge_offset`](super::edge_offset)).
 //!
-//! *Guaranteed*: edges parallel to those of the input to rounding and of the same sense. *Fails* to come close where the surface curves
-//! in another way than the input: a mesh parallel to a convex one is convex wherever its faces are, and where the ratio of the principal curvatures
-//! differs much (by 3, for regular hexagons) edges run into `l_min`. The report says how far off it is.
+//! *Guaranteed*: edges parallel to those of the input to rounding and of the same sense. *Fails* to
+//! come close where the surface curves in another way than the input: a mesh parallel to a convex
+//! one is convex wherever its faces are, and where the ratio of the principal curvatures differs
+//! much (by 3, for regular hexagons) edges run into `l_min`. The report says how far off it is.
 
 use super::edge_offset::{face_areas, mean_curvature, mixed_area_gradient};
 use super::null_space::Rows;
@@ -44,7 +47,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FitStart {
-    /// The points of the surface whose normals are closest to those of the mesh: for a Gauss image, wherever it lies.
+    /// The points of the surface whose normals are closest to those of the mesh: for a Gauss image,
+    /// wherever it lies.
     #[default]
     Normals,
     /// The points of the surface that are closest to the mesh, which lies near it.
@@ -57,17 +61,21 @@ pub enum FitStart {
 pub struct FitOptions {
     /// Where the first foot points come from.
     pub start: FitStart,
-    /// `w_t`: weight of the distance along the surface, > 0. It keeps the mesh from sliding off; 1e-2 hardly costs closeness.
+    /// `w_t`: weight of the distance along the surface, > 0. It keeps the mesh from sliding off;
+    /// 1e-2 hardly costs closeness.
     pub tangential: f64,
-    /// `w_f`: weight of edge lengths in proportion to the input's, >= 0. It decides where the surface does not, as at the rim.
+    /// `w_f`: weight of edge lengths in proportion to the input's, >= 0. It decides where the
+    /// surface does not, as at the rim.
     pub fairness: f64,
-    /// `w_h`: weight of one mean curvature for all faces, >= 0; lengths in mean edges. From 1 to 100 for surfaces that nearly have one.
+    /// `w_h`: weight of one mean curvature for all faces, >= 0; lengths in mean edges. From 1 to
+    /// 100 for surfaces that nearly have one.
     pub constant_mean_curvature: f64,
     /// `l_min` over the mean distance of neighbouring foot points, in (0, 1).
     pub least_edge: f64,
     /// Rounds of foot points at the most.
     pub max_rounds: usize,
-    /// Root mean square of the vertices' movement along the surface's normals, in mean edges, at which the mesh rests.
+    /// Root mean square of the vertices' movement along the surface's normals, in mean edges, at
+    /// which the mesh rests.
     pub tolerance: f64,
 }
 
@@ -287,7 +295,8 @@ fn assess(
     }
 }
 
-/// The quadratic program, in units of the mean distance of neighbouring foot points, about the mean foot point.
+/// The quadratic program, in units of the mean distance of neighbouring foot points, about the mean
+/// foot point.
 struct Program<'a> {
     space: &'a ParallelSpace,
     options: &'a FitOptions,

@@ -1,9 +1,11 @@
-//! The discrete Gauss image `M'`: a mesh parallel to `M` whose faces, edges or vertices touch the unit sphere.
+//! The discrete Gauss image `M'`: a mesh parallel to `M` whose faces, edges or vertices touch the
+//! unit sphere.
 
 use phex_mesh::{EdgeId, HexMesh, PerVertex, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Part of an edge across its direction in the mesh, over the largest vector of the image, above which it is not parallel.
+/// Part of an edge across its direction in the mesh, over the largest vector of the image, above
+/// which it is not parallel.
 const TURNED: f64 = 1e-9;
 
 /// What keeps its distance in an offset, and so what of the Gauss image touches the unit sphere.
@@ -29,7 +31,8 @@ pub struct GaussImage {
 }
 
 impl GaussImage {
-    /// `M'` as a mesh with the connectivity of `mesh`. Its faces may be turned over where `mesh` is saddle-shaped.
+    /// `M'` as a mesh with the connectivity of `mesh`. Its faces may be turned over where `mesh` is
+    /// saddle-shaped.
     ///
     /// # Panics
     /// If the number of vertices differs.
@@ -47,9 +50,9 @@ impl GaussImage {
         mesh.with_positions(PerVertex::from_vec(positions.collect()))
     }
 
-    /// The edges of `M'` that are not parallel to those of `mesh`. Only edges at the boundary can be: in a face-distance
-    /// offset fewer than three faces say where a vertex goes there, and a vertex-distance offset leaves an edge of an odd face
-    /// free.
+    /// The edges of `M'` that are not parallel to those of `mesh`. Only edges at the boundary can
+    /// be: in a face-distance offset fewer than three faces say where a vertex goes there, and a
+    /// vertex-distance offset leaves an edge of an odd face free.
     ///
     /// # Panics
     /// If the number of vertices differs.

@@ -1,14 +1,16 @@
 //! What an offset takes over from its mesh, and what is new and therefore wrong.
 //!
-//! Parallel meshes share the normals of their faces and the directions of their edges, as long as no edge turns round. So
-//! folds, fans and faces against their neighbours are those of the mesh at every distance. And a mesh with edges or
-//! necks shorter than panels should have is no worse for being offset: what is asked of the offset is then half of what the mesh has.
+//! Parallel meshes share the normals of their faces and the directions of their edges, as long as
+//! no edge turns round. So folds, fans and faces against their neighbours are those of the mesh at
+//! every distance. And a mesh with edges or necks shorter than panels should have is no worse for
+//! being offset: what is asked of the offset is then half of what the mesh has.
 
 use super::{OffsetError, OffsetOptions};
 use phex_mesh::{FlatFace, HexMesh, ValidateOptions, Violation, violations};
 use std::collections::BTreeSet;
 
-/// Share of its own least clearance and edge that an offset of a mesh with too little of them keeps.
+/// Share of its own least clearance and edge that an offset of a mesh with too little of them
+/// keeps.
 const SHARE: f64 = 0.5;
 
 /// What is wrong with a mesh before it is offset.
@@ -24,8 +26,8 @@ impl Inheritance {
     /// That of a mesh.
     ///
     /// # Errors
-    /// If something is wrong with the mesh that no offset of it could be trusted with: faces that are not planar or not simple,
-    /// crossings, wrong degrees.
+    /// If something is wrong with the mesh that no offset of it could be trusted with: faces that
+    /// are not planar or not simple, crossings, wrong degrees.
     pub fn of(mesh: &HexMesh, options: &OffsetOptions) -> Result<Self, OffsetError> {
         let violations = violations(mesh, None, &options.validity);
         let mut fatal = violations.iter().filter(|v| !is_kept(v));
@@ -42,8 +44,8 @@ impl Inheritance {
         })
     }
 
-    /// The offset `moved` of `mesh` by (at most) `distance`, if nothing is wrong with it that was not before and no edge
-    /// points backwards.
+    /// The offset `moved` of `mesh` by (at most) `distance`, if nothing is wrong with it that was
+    /// not before and no edge points backwards.
     ///
     /// # Errors
     /// If there is a new violation; the first one is named.

@@ -7,7 +7,8 @@ use super::{OffsetError, OffsetOptions};
 use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, Violation};
 
-/// Steps at which the way to the first contact is looked at, before the first invalid one is narrowed down.
+/// Steps at which the way to the first contact is looked at, before the first invalid one is
+/// narrowed down.
 const LOOKS: usize = 24;
 /// Halvings of the last interval: its length ends 1e-7 of a step.
 const HALVINGS: usize = 24;
@@ -20,8 +21,8 @@ const GROWTH: f64 = 1.5;
 /// How far an offset may go to one side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SafeDistance {
-    /// The largest distance that gives a valid mesh without passing one that does not; at least 0, infinite if nothing
-    /// ends it. See [`safe_distances`] for how densely the way is looked at.
+    /// The largest distance that gives a valid mesh without passing one that does not; at least 0,
+    /// infinite if nothing ends it. See [`safe_distances`] for how densely the way is looked at.
     pub distance: f64,
     /// What is wrong just beyond; `None` if the distance is infinite.
     pub limit: Option<Violation>,
@@ -54,7 +55,8 @@ impl SafeDistances {
     }
 }
 
-/// The offset by `distance`, checked; what is wrong with it is wrong with the mesh already ([`Inheritance`]).
+/// The offset by `distance`, checked; what is wrong with it is wrong with the mesh already
+/// ([`Inheritance`]).
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};
@@ -94,9 +96,9 @@ pub fn layer(
 
 /// The largest distances to both sides for which the offset is valid.
 ///
-/// Contacts of a face with itself and vanishing edges are computed from the straight motion of the vertices. On the way to
-/// the first of them the mesh is validated at 24 places, since faces that are far apart along the mesh may
-/// meet; the first place that fails is narrowed down.
+/// Contacts of a face with itself and vanishing edges are computed from the straight motion of the
+/// vertices. On the way to the first of them the mesh is validated at 24 places, since faces that
+/// are far apart along the mesh may meet; the first place that fails is narrowed down.
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};

@@ -1,7 +1,9 @@
-//! Parallel meshes: offsets at constant distance of faces, edges or vertices, Gauss images, layers and solid panels.
+//! Parallel meshes: offsets at constant distance of faces, edges or vertices, Gauss images, layers
+//! and solid panels.
 //!
-//! `M_d = M + d M'`, vertex by vertex, where the *Gauss image* `M'` is a mesh parallel to `M` whose faces, edges or
-//! vertices touch the unit sphere. Source: Wang and Liu, "A note on planar hexagonal meshes" (2010), section 4.
+//! `M_d = M + d M'`, vertex by vertex, where the *Gauss image* `M'` is a mesh parallel to `M` whose
+//! faces, edges or vertices touch the unit sphere. Source: Wang and Liu, "A note on planar
+//! hexagonal meshes" (2010), section 4.
 //!
 //! | symbol | here | meaning |
 //! |---|---|---|
@@ -29,19 +31,23 @@
 //! | [`options`] | limits |
 //! | [`error`] | why an offset can't be made |
 //!
-//! *Guaranteed*: a [`layer`] has no violation that its mesh has not, and no edge that points backwards; a distance up to the safe one gives such a
-//! layer at every place that was looked at ([`safe_distances`]). Error estimates of vertex normals cover rounding.
+//! *Guaranteed*: a [`layer`] has no violation that its mesh has not, and no edge that points
+//! backwards; a distance up to the safe one gives such a layer at every place that was looked at
+//! ([`safe_distances`]). Error estimates of vertex normals cover rounding.
 //!
-//! *Not guaranteed*: at the boundary fewer than three faces say where a vertex of a face offset goes, and it takes the shortest
-//! way. Edges at the boundary may turn by that, in the planes of their faces, and `M'` is not parallel there
-//! ([`GaussImage::turned_edges`] lists them); inner edges never do.
+//! *Not guaranteed*: at the boundary fewer than three faces say where a vertex of a face offset
+//! goes, and it takes the shortest way. Edges at the boundary may turn by that, in the planes of
+//! their faces, and `M'` is not parallel there ([`GaussImage::turned_edges`] lists them); inner
+//! edges never do.
 //!
-//! *Fails*: for face offsets only where a vertex has not three faces, or faces that lie in one plane are asked to part.
-//! Vertex offsets need the angle condition and, round odd faces inside and round loops, a start that closes
-//! (`optimise::satisfy_angle_condition` makes both hold near a mesh).
+//! *Fails*: for face offsets only where a vertex has not three faces, or faces that lie in one
+//! plane are asked to part. Vertex offsets need the angle condition and, round odd faces inside and
+//! round loops, a start that closes (`optimise::satisfy_angle_condition` makes both hold near a
+//! mesh).
 //!
-//! *Differences from the paper*: the vertex normal is the best of four formulas, since the paper's loses its digits at folded
-//! edges and where two faces lie in one plane; the angle condition is taken modulo pi; on an annulus it is sufficient, too.
+//! *Differences from the paper*: the vertex normal is the best of four formulas, since the paper's
+//! loses its digits at folded edges and where two faces lie in one plane; the angle condition is
+//! taken modulo pi; on an annulus it is sufficient, too.
 
 pub mod accuracy;
 pub mod angle_condition;

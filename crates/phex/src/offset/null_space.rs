@@ -1,9 +1,10 @@
 //! The null space of a sparse matrix: projection onto it, and its dimension.
 //!
-//! `P = I - A^T (A A^T)^+ A`. Rows may depend on each other: `A A^T` is factorised with a small shift, and the projection is
-//! repeated until `A x` is at the floor of rounding. The number of dependent rows is that of the singular values of `A^T`
-//! that vanish; they are found by inverse iteration on a growing block and measured as `|A^T u|`, not as roots of
-//! eigenvalues, so that they are exact to rounding.
+//! `P = I - A^T (A A^T)^+ A`. Rows may depend on each other: `A A^T` is factorised with a small
+//! shift, and the projection is repeated until `A x` is at the floor of rounding. The number of
+//! dependent rows is that of the singular values of `A^T` that vanish; they are found by inverse
+//! iteration on a growing block and measured as `|A^T u|`, not as roots of eigenvalues, so that
+//! they are exact to rounding.
 
 use nalgebra::DMatrix;
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct OffsetOptions {
     /// What is asked of the mesh (its planarity) and of every offset (all of it).
     pub validity: ValidateOptions,
-    /// Largest defect of the angle condition that vertex offsets take, in radians. Default 1e-9: what then adds up over
-    /// a thousand faces still leaves edges parallel to 1e-6.
+    /// Largest defect of the angle condition that vertex offsets take, in radians. Default 1e-9:
+    /// what then adds up over a thousand faces still leaves edges parallel to 1e-6.
     pub angle: f64,
     /// Largest failure to close, on the unit sphere, that vertex offsets take. Default 1e-7.
     pub closing: f64,

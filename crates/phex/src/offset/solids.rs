@@ -1,11 +1,13 @@
 //! Solid panels between two layers, with mitred sides and joint gaps.
 //!
-//! The panel of a face is bounded by its polygon in either layer, in the same order, and by one side for each edge. At
-//! interior edges the edges of the two layers are parallel, so the side is planar: the mitre that both neighbours share.
-//! At boundary edges that are not parallel the side is two triangles.
+//! The panel of a face is bounded by its polygon in either layer, in the same order, and by one
+//! side for each edge. At interior edges the edges of the two layers are parallel, so the side is
+//! planar: the mitre that both neighbours share. At boundary edges that are not parallel the side
+//! is two triangles.
 //!
-//! A gap `g` moves every interior edge of both polygons inwards by `g / 2`, in the plane of the face; boundary edges stay.
-//! Both polygons of a face have the same angles, so their corners move alike and the sides stay planar.
+//! A gap `g` moves every interior edge of both polygons inwards by `g / 2`, in the plane of the
+//! face; boundary edges stay. Both polygons of a face have the same angles, so their corners move
+//! alike and the sides stay planar.
 
 use super::OffsetError;
 use super::face_offset::face_normals;
@@ -87,8 +89,8 @@ pub fn joined(solids: &[PanelSolid]) -> PolygonSoup {
     all
 }
 
-/// The solids between two layers of the same connectivity, in the order of the faces. `upper` lies on the side of the
-/// normals; `gap` is the width of the joints, in model units.
+/// The solids between two layers of the same connectivity, in the order of the faces. `upper` lies
+/// on the side of the normals; `gap` is the width of the joints, in model units.
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};
@@ -109,7 +111,8 @@ pub fn joined(solids: &[PanelSolid]) -> PolygonSoup {
 /// ```
 ///
 /// # Errors
-/// If the connectivity differs, if the gap is negative or eats up a panel, or if a panel has no volume.
+/// If the connectivity differs, if the gap is negative or eats up a panel, or if a panel has no
+/// volume.
 pub fn panel_solids(
     lower: &HexMesh,
     upper: &HexMesh,
@@ -179,8 +182,8 @@ fn direction(mesh: &HexMesh, topology: &Topology, h: HalfEdgeId) -> Vec3 {
     mesh.position(topology.target(h)) - mesh.position(topology.origin(h))
 }
 
-/// The in-plane vector with given components along the inward normals of the two edges of a corner; where they are one
-/// line, the larger component along it.
+/// The in-plane vector with given components along the inward normals of the two edges of a corner;
+/// where they are one line, the larger component along it.
 fn corner_motion((t, s): (Vec3, f64), (u, r): (Vec3, f64)) -> Vec3 {
     let cosine = t.dot(&u);
     let sine2 = t.cross(&u).norm_squared();

@@ -1,14 +1,15 @@
 //! The linear space of the meshes that are parallel to a planar mesh.
 //!
-//! A mesh parallel to `M` has the same edge directions `d_e`; its edge lengths `l_e`, which may be negative, are the unknowns.
-//! The edges of every face must close,
+//! A mesh parallel to `M` has the same edge directions `d_e`; its edge lengths `l_e`, which may be
+//! negative, are the unknowns. The edges of every face must close,
 //!
 //! ```text
 //! sum_(e in f) +- l_e d_e = 0         two equations in the plane of the face,
 //! ```
 //!
-//! and so must one loop (three equations) per generator of the homology of an annulus or a surface of higher genus.
-//! Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer freeform structures for architecture" (2007), section 3.
+//! and so must one loop (three equations) per generator of the homology of an annulus or a surface
+//! of higher genus. Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer
+//! freeform structures for architecture" (2007), section 3.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -17,10 +18,11 @@
 //! | closure matrix | `closure`, two rows per face and three per generator |
 //! | positions parallel to `M` | `parallelism`, two rows per edge |
 //!
-//! *Guaranteed*: the rank is decided by singular values accurate to rounding, and the gap between those that count as zero and
-//! the others is told; projections are orthogonal, and closed (parallel) to rounding. On a closed mesh with vertices of degree 3
-//! the dimension is the number of faces less 3, and [`ParallelSpace::plane_shift`] spans the space. [`ParallelSpace::basis`] is a sparse basis
-//! for any mesh.
+//! *Guaranteed*: the rank is decided by singular values accurate to rounding, and the gap between
+//! those that count as zero and the others is told; projections are orthogonal, and closed
+//! (parallel) to rounding. On a closed mesh with vertices of degree 3 the dimension is the number
+//! of faces less 3, and [`ParallelSpace::plane_shift`] spans the space. [`ParallelSpace::basis`] is
+//! a sparse basis for any mesh.
 //!
 //! *Fails* for a face that is not planar or an edge of length zero; both are named.
 
@@ -39,7 +41,8 @@ const PLANARITY: f64 = 1e-7;
 /// Singular values of the closure matrix, whose entries are cosines, that count as zero.
 const RANK_TOLERANCE: f64 = 1e-8;
 
-/// Cosine between the normal of a face and an edge that leaves it, below which shifting the plane moves the vertex too far.
+/// Cosine between the normal of a face and an edge that leaves it, below which shifting the plane
+/// moves the vertex too far.
 const LEAST_COSINE: f64 = 1e-6;
 
 /// Why there is no space of parallel meshes.
@@ -77,7 +80,8 @@ pub struct ParallelSpace {
     normals: PerFace<Vec3>,
     closure: NullSpace,
     parallelism: NullSpace,
-    /// Every vertex but the roots with the half-edge (towards or away from it) that reaches it, in the order of a tour.
+    /// Every vertex but the roots with the half-edge (towards or away from it) that reaches it, in
+    /// the order of a tour.
     tour: Vec<TourStep>,
 }
 
@@ -145,7 +149,8 @@ impl ParallelSpace {
         &self.closure.rows
     }
 
-    /// Two rows per edge: the components of `x_b - x_a` perpendicular to it, in the coordinates of the vertices.
+    /// Two rows per edge: the components of `x_b - x_a` perpendicular to it, in the coordinates of
+    /// the vertices.
     pub(super) fn parallelism_rows(&self) -> &Rows {
         &self.parallelism.rows
     }
@@ -181,7 +186,8 @@ impl ParallelSpace {
         defects.iter().fold(0.0, |m, d| d.abs().max(m))
     }
 
-    /// The mesh with given lengths, each component where its first vertex was. Lengths that do not close are projected first.
+    /// The mesh with given lengths, each component where its first vertex was. Lengths that do not
+    /// close are projected first.
     pub fn mesh_with_lengths(&self, lengths: &PerEdge<f64>) -> HexMesh {
         let lengths = self.project_lengths(lengths);
         let mut positions = self.mesh.positions.clone();
@@ -193,7 +199,8 @@ impl ParallelSpace {
         self.closest(&positions)
     }
 
-    /// The parallel mesh whose vertices are closest, in the sense of least squares, to given positions.
+    /// The parallel mesh whose vertices are closest, in the sense of least squares, to given
+    /// positions.
     pub fn closest(&self, wish: &PerVertex<Vec3>) -> HexMesh {
         let mut x: Vec<f64> = wish.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
         self.parallelism.project(&mut x);
@@ -205,8 +212,9 @@ impl ParallelSpace {
             .with_positions(PerVertex::from_fn(wish.len(), position))
     }
 
-    /// Change of the edge lengths when the plane of a face moves by 1 along its normal and all others stay. `None` unless every
-    /// corner is inside the mesh, has degree 3, and its third edge leaves the plane.
+    /// Change of the edge lengths when the plane of a face moves by 1 along its normal and all
+    /// others stay. `None` unless every corner is inside the mesh, has degree 3, and its third edge
+    /// leaves the plane.
     pub fn plane_shift(&self, f: FaceId) -> Option<Vec<(EdgeId, f64)>> {
         let t = self.mesh.topology();
         let corners: Vec<HalfEdgeId> = t.face_half_edges(f).collect();
@@ -223,7 +231,8 @@ impl ParallelSpace {
         Some(changes)
     }
 
-    /// The third edge at the corner of a half-edge, its change of length, and the movement of the vertex when the plane moves.
+    /// The third edge at the corner of a half-edge, its change of length, and the movement of the
+    /// vertex when the plane moves.
     fn corner_shift(&self, h: HalfEdgeId) -> Option<(EdgeId, f64, Vec3)> {
         let t = self.mesh.topology();
         let v = t.origin(h);
@@ -361,8 +370,8 @@ fn reached_by(t: &Topology, tour: &[TourStep]) -> PerVertex<Option<TourStep>> {
     reached_by
 }
 
-/// Edges that lie neither in the spanning forest nor are crossed by a spanning forest of the faces (with the outside as one face): one per
-/// generator of the homology.
+/// Edges that lie neither in the spanning forest nor are crossed by a spanning forest of the faces
+/// (with the outside as one face): one per generator of the homology.
 fn generators(t: &Topology, tour: &[TourStep]) -> Vec<EdgeId> {
     let mut used = PerEdge::filled(t.n_edges(), false);
     for step in tour {

@@ -1,4 +1,5 @@
-//! Where a vertex goes when its faces move along their normals: the vector `x` with `x . N_i = d_i`.
+//! Where a vertex goes when its faces move along their normals: the vector `x` with `x . N_i =
+//! d_i`.
 //!
 //! Four ways, none of which is good everywhere:
 //!
@@ -9,14 +10,15 @@
 //! | [`MitrePlanes`](NormalMethod::MitrePlanes) | `x` lies in the plane of each edge `e` and the sum of its two normals: two such planes meet in `x` | at nearly folded edges |
 //! | [`MinimumNorm`](NormalMethod::MinimumNorm) | truncated singular values | nothing, but it applies only where planes coincide or are fewer than three |
 //!
-//! `beta_i = (t_i + t_(i+1) - t_(i-1)) / 2`, `gamma_i = (t_i + t_(i-1) - t_(i+1)) / 2` with the interior angles `t_i` in
-//! (0, 2 pi). At a 90/90/180 corner two tangents are huge, yet nothing is lost: both large weights share one of them.
+//! `beta_i = (t_i + t_(i+1) - t_(i-1)) / 2`, `gamma_i = (t_i + t_(i-1) - t_(i+1)) / 2` with the
+//! interior angles `t_i` in (0, 2 pi). At a 90/90/180 corner two tangents are huge, yet nothing is
+//! lost: both large weights share one of them.
 //!
-//! Where two faces lie in one plane, any point of a line will do; the mitre planes then choose the one that keeps edges
-//! parallel, as it is the limit of faces that come to lie in one plane.
+//! Where two faces lie in one plane, any point of a line will do; the mitre planes then choose the
+//! one that keeps edges parallel, as it is the limit of faces that come to lie in one plane.
 //!
-//! Each way states what rounding may have done to its result, and the smallest such error decides; so small residuals
-//! alone can't win, as they would for the 3 x 3 system at a flat vertex.
+//! Each way states what rounding may have done to its result, and the smallest such error decides;
+//! so small residuals alone can't win, as they would for the 3 x 3 system at a flat vertex.
 
 use nalgebra::{Matrix3, SVD};
 use phex_mesh::Vec3;
@@ -124,7 +126,8 @@ pub fn vertex_normal(vertex: &TrivalentVertex) -> Displacement {
     }
 }
 
-/// The vector with `x . N_i = d_i` at a vertex of three faces: the mean distance along the vertex normal, and the rest.
+/// The vector with `x . N_i = d_i` at a vertex of three faces: the mean distance along the vertex
+/// normal, and the rest.
 pub fn three_face_displacement(vertex: &TrivalentVertex, d: &[f64; 3]) -> Displacement {
     let (normals, normal) = (&vertex.normals, vertex_normal(vertex));
     let mean = d.iter().sum::<f64>() / 3.0;
@@ -140,8 +143,8 @@ pub fn three_face_displacement(vertex: &TrivalentVertex, d: &[f64; 3]) -> Displa
     Displacement::new(vector, tilt.method, error, normals, d)
 }
 
-/// The shortest vector with `x . N_i = d_i` for one, two or three faces; where planes coincide but their distances
-/// differ it halves the difference, which the residual tells.
+/// The shortest vector with `x . N_i = d_i` for one, two or three faces; where planes coincide but
+/// their distances differ it halves the difference, which the residual tells.
 ///
 /// # Panics
 /// If there are more than three faces, or not as many distances.
@@ -207,7 +210,8 @@ fn rows(normals: &[Vec3]) -> Matrix3<f64> {
     ])
 }
 
-/// The 3 x 3 system, with the componentwise error bound of Skeel: it sees when small columns are harmless.
+/// The 3 x 3 system, with the componentwise error bound of Skeel: it sees when small columns are
+/// harmless.
 fn three_planes(normals: &[Vec3; 3], d: &[f64; 3]) -> Displacement {
     let method = NormalMethod::ThreePlanes;
     let matrix = rows(normals);

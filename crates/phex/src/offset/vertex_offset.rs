@@ -1,11 +1,12 @@
 //! Vertex-distance offset: a mesh parallel to `M` with its vertices on the unit sphere.
 //!
-//! The line through a vertex `x'_i` of the sphere along an edge `e` meets the sphere again at the reflected point
-//! `x'_j = x'_i - 2 (x'_i . e) e`. So one start determines all vertices along a spanning tree; the other edges must close:
-//! `(H_e R_i - R_j) x'_0 = 0` with the reflections `H_e` and their products `R`. On a simply connected mesh whose faces are
-//! even and satisfy the angle condition they all do, for every start, and the start is free: it is chosen so that the
-//! spherical mesh faces the way of the normals. Elsewhere the start minimises the sum of squares of what fails to close; what
-//! remains is the *holonomy*, measured and reported.
+//! The line through a vertex `x'_i` of the sphere along an edge `e` meets the sphere again at the
+//! reflected point `x'_j = x'_i - 2 (x'_i . e) e`. So one start determines all vertices along a
+//! spanning tree; the other edges must close: `(H_e R_i - R_j) x'_0 = 0` with the reflections `H_e`
+//! and their products `R`. On a simply connected mesh whose faces are even and satisfy the angle
+//! condition they all do, for every start, and the start is free: it is chosen so that the
+//! spherical mesh faces the way of the normals. Elsewhere the start minimises the sum of squares of
+//! what fails to close; what remains is the *holonomy*, measured and reported.
 //!
 //! | loops that are no faces | starts that close |
 //! |---|---|
@@ -14,11 +15,12 @@
 //! | two of a torus | the common axis, since its two rotations commute; it may not face the normals |
 //! | more | none, except where the positions were made for it |
 //!
-//! Round an odd face an odd number of reflections must bring a vertex back: their product is one reflection, so the vertex lies in its mirror plane, and each
-//! odd face leaves a circle of starts. Two circles meet in a pair of antipodes; three or more do not meet, except where the positions were made for it:
-//! `optimise::satisfy_angle_condition` does that, for odd faces and for loops, with a start that faces the normals.
-//! An odd face on the boundary leaves one of its boundary edges free to turn in the plane of the face, and that edge of an offset is not
-//! parallel.
+//! Round an odd face an odd number of reflections must bring a vertex back: their product is one
+//! reflection, so the vertex lies in its mirror plane, and each odd face leaves a circle of starts.
+//! Two circles meet in a pair of antipodes; three or more do not meet, except where the positions
+//! were made for it: `optimise::satisfy_angle_condition` does that, for odd faces and for loops,
+//! with a start that faces the normals. An odd face on the boundary leaves one of its boundary
+//! edges free to turn in the plane of the face, and that edge of an offset is not parallel.
 
 use super::angle_condition::{AngleCondition, angle_conditions};
 use super::face_offset::{check_planar_mesh, face_normals};
@@ -37,7 +39,8 @@ pub struct Holonomy {
     pub defect: f64,
     /// The edge where that is.
     pub edge: EdgeId,
-    /// Independent loops of the mesh that are not boundaries of faces: 0 for a disc, 1 for an annulus, 2 for a torus.
+    /// Independent loops of the mesh that are not boundaries of faces: 0 for a disc, 1 for an
+    /// annulus, 2 for a torus.
     pub loops: usize,
     /// Faces with an odd number of corners that have no boundary edge.
     pub odd_faces: usize,
@@ -52,8 +55,8 @@ pub struct SphericalMesh {
     pub image: GaussImage,
     /// What fails to close.
     pub holonomy: Holonomy,
-    /// Least cosine between a vertex of the Gauss image and the mean normal of the faces there. Where it is not positive
-    /// vertices move along the surface or to the other side of it.
+    /// Least cosine between a vertex of the Gauss image and the mean normal of the faces there.
+    /// Where it is not positive vertices move along the surface or to the other side of it.
     pub facing: f64,
     /// Boundary edges that were left free to turn in the plane of their odd face.
     pub free_edges: Vec<EdgeId>,
@@ -76,8 +79,8 @@ pub struct SphericalMesh {
 /// ```
 ///
 /// # Errors
-/// If the mesh is not planar with vertices of degree 3, if a face does not satisfy the angle condition, or if the
-/// reflections do not close up.
+/// If the mesh is not planar with vertices of degree 3, if a face does not satisfy the angle
+/// condition, or if the reflections do not close up.
 pub fn vertex_gauss_image(
     mesh: &HexMesh,
     options: &OffsetOptions,
@@ -198,7 +201,8 @@ struct Branch {
     to: VertexId,
 }
 
-/// Edges along which the start is reflected to every vertex, breadth first, and the edges that must then close.
+/// Edges along which the start is reflected to every vertex, breadth first, and the edges that must
+/// then close.
 struct SpanningTree {
     branches: Vec<Branch>,
     closing: Vec<EdgeId>,
@@ -239,7 +243,8 @@ impl SpanningTree {
         products
     }
 
-    /// The unit vector that closes best and, among equals, faces the normals best; and the dimension of the choice.
+    /// The unit vector that closes best and, among equals, faces the normals best; and the
+    /// dimension of the choice.
     fn best_start(
         &self,
         mesh: &HexMesh,
@@ -282,8 +287,8 @@ impl SpanningTree {
 /// Root mean square of a closing defect below which a direction counts as closing.
 const CLOSES: f64 = 1e-9;
 
-/// The unit vector nearest to `wish` in the null space of a positive semidefinite matrix, and its dimension; where that is
-/// 0, the eigenvector of the least eigenvalue on the side of `wish`.
+/// The unit vector nearest to `wish` in the null space of a positive semidefinite matrix, and its
+/// dimension; where that is 0, the eigenvector of the least eigenvalue on the side of `wish`.
 fn closest_in_null_space(squares: Matrix3<f64>, wish: Vec3) -> (Vec3, usize) {
     let eigen = SymmetricEigen::new(squares);
     let values = eigen.eigenvalues;

@@ -1,8 +1,9 @@
 //! Areas of faces: what a face pays for being smaller or larger than it is to be.
 //!
-//! Energy `w/2 (a - A)^2 / a` for a face of area `A = n . sum x_i x x_(i+1) / 2` that is to have `a`; its plane turns as in
-//! [`super::barrier`]. The Hessian is the Gauss-Newton part in the fixed plane. Without it nothing holds areas, and panels slide
-//! along the surface until the largest inner ones have three times the area of the smallest.
+//! Energy `w/2 (a - A)^2 / a` for a face of area `A = n . sum x_i x x_(i+1) / 2` that is to have
+//! `a`; its plane turns as in [`super::barrier`]. The Hessian is the Gauss-Newton part in the fixed
+//! plane. Without it nothing holds areas, and panels slide along the surface until the largest
+//! inner ones have three times the area of the smallest.
 //!
 //! Faces at the boundary are cut by it and wish for no area, unless they are to grow.
 
@@ -74,7 +75,8 @@ pub(super) fn any(faces: usize) -> Vec<AreaWish> {
     vec![AreaWish::default(); faces]
 }
 
-/// Wishes of the inner faces of a layout that lies at `x`: in the proportions that it asks for, and as much in all as they have.
+/// Wishes of the inner faces of a layout that lies at `x`: in the proportions that it asks for, and
+/// as much in all as they have.
 pub(super) fn of_layout(layout: &Layout, panels: &Panels, x: &[f64], weight: f64) -> Vec<AreaWish> {
     let topology = layout.mesh.topology();
     let shape = Shape::at(panels, x);
@@ -118,7 +120,8 @@ fn is_inner(topology: &Topology, f: usize) -> bool {
     !topology.is_boundary_face(phex_mesh::FaceId::new(f as u32))
 }
 
-/// How far the areas at `x` are from the wishes: the 95 % over the 5 % quantile of their ratios, 1 without wishes.
+/// How far the areas at `x` are from the wishes: the 95 % over the 5 % quantile of their ratios, 1
+/// without wishes.
 pub(super) fn unevenness(wishes: &[AreaWish], panels: &Panels, x: &[f64]) -> f64 {
     let shape = Shape::at(panels, x);
     let wished = (0..panels.n_faces()).filter(|f| wishes[*f].weight > 0.0);

@@ -1,12 +1,13 @@
-//! The barrier that keeps every panel simple: it grows without bound as a vertex nears an edge of its own face.
+//! The barrier that keeps every panel simple: it grows without bound as a vertex nears an edge of
+//! its own face.
 //!
-//! `b(d) = -w (z - 1)^2 ln z`, `z = d / d_hat < 1`, of every in-plane distance `d` between a vertex and an edge of
-//! its face that does not hold it; 0 beyond `d_hat`. Source: the log barrier of incremental potential contact
-//! (Li et al. 2020), here in the plane of each face.
+//! `b(d) = -w (z - 1)^2 ln z`, `z = d / d_hat < 1`, of every in-plane distance `d` between a vertex
+//! and an edge of its face that does not hold it; 0 beyond `d_hat`. Source: the log barrier of
+//! incremental potential contact (Li et al. 2020), here in the plane of each face.
 //!
-//! The distances are measured in the best plane, which turns as the corners move. Its turning is part of the
-//! gradient: `dn = sum_k t_k (t_k . dC n) / (l_0 - l_k)`, `C` the second moments, `l_0 = sum h^2`. The Hessian
-//! is the Gauss-Newton part `b'' grad d grad d^T` in the fixed plane.
+//! The distances are measured in the best plane, which turns as the corners move. Its turning is
+//! part of the gradient: `dn = sum_k t_k (t_k . dC n) / (l_0 - l_k)`, `C` the second moments,
+//! `l_0 = sum h^2`. The Hessian is the Gauss-Newton part `b'' grad d grad d^T` in the fixed plane.
 
 use super::options::OptimiseOptions;
 use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
@@ -41,7 +42,8 @@ impl Barrier {
     }
 }
 
-/// Barriers in proportion to each panel's own area, so that graded meshes are treated alike everywhere.
+/// Barriers in proportion to each panel's own area, so that graded meshes are treated alike
+/// everywhere.
 pub(super) fn barriers(panels: &Panels, start: &[f64], options: &OptimiseOptions) -> Vec<Barrier> {
     let shape = Shape::at(panels, start);
     let areas: Vec<f64> = (0..panels.n_faces())

@@ -1,9 +1,10 @@
 //! Closeness: vertices, face centres and the rim are drawn to the surface.
 //!
-//! `w/2 |x - p(x)|^2` with the foot point `p`, gradient `w (x - p)`, Hessian `w n n^T` (distance to the tangent plane).
-//! Face centres count as well, since the middle of a large convex panel may stand off where its corners do not.
-//! Vertices of the boundary are drawn to the boundary curve too, Hessian `w (I - t t^T)`. Beyond the rim the foot point
-//! lies on the curve, so there the surface term takes the same form.
+//! `w/2 |x - p(x)|^2` with the foot point `p`, gradient `w (x - p)`, Hessian `w n n^T` (distance to
+//! the tangent plane). Face centres count as well, since the middle of a large convex panel may
+//! stand off where its corners do not. Vertices of the boundary are drawn to the boundary curve
+//! too, Hessian `w (I - t t^T)`. Beyond the rim the foot point lies on the curve, so there the
+//! surface term takes the same form.
 
 use super::osculating::Osculating;
 use super::panels::{Shape, extent};
@@ -62,7 +63,8 @@ impl Feet {
         self.rim = reference.on_boundary(&self.rim_points).unwrap_or_default();
     }
 
-    /// From now on a smooth stand-in at the foot points found last takes the place of surface and boundary curve.
+    /// From now on a smooth stand-in at the foot points found last takes the place of surface and
+    /// boundary curve.
     pub fn freeze(&mut self, reference: &Reference<'_>, mean_edge: f64) {
         self.osculating = Some(Osculating::new(reference, &self.feet, &self.rim, mean_edge));
     }

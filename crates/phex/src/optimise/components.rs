@@ -5,9 +5,10 @@ use super::{SurfaceTarget, Target};
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
 
 impl Steering {
-    /// What concerns each of several surfaces that are panelled one by one: points, anchors and curves go to the nearest, ground planes
-    /// to those whose boundary reaches them, with panels of edge length `edge` (model units); a plane that none reaches goes to
-    /// all, so that it is refused. Numbers of vertices belong to no surface and are left out.
+    /// What concerns each of several surfaces that are panelled one by one: points, anchors and
+    /// curves go to the nearest, ground planes to those whose boundary reaches them, with panels of
+    /// edge length `edge` (model units); a plane that none reaches goes to all, so that it is
+    /// refused. Numbers of vertices belong to no surface and are left out.
     pub fn shared(&self, surfaces: &[TriangleSurface], edge: f64) -> Vec<Self> {
         let targets: Vec<SurfaceTarget> = surfaces.iter().map(SurfaceTarget::new).collect();
         let mut shares = vec![Self::default(); surfaces.len()];

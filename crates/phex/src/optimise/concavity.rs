@@ -1,11 +1,15 @@
-//! Re-entrant corners that the surface gives no reason for: which panels have them, and what they pay where they are to go.
+//! Re-entrant corners that the surface gives no reason for: which panels have them, and what they
+//! pay where they are to go.
 //!
-//! Three planar panels at a vertex have no re-entrant corner there, or one; with one their normals go round the other way, as where `K < 0` (Wang and Liu 2010,
-//! Theorem 1: panels are inscribed in Dupin's indicatrix, convex where it is an ellipse). What the surface asks for is said by its own normals below the three
-//! panels' centres: `dN = S dx` from two differences, with the shape operator `S` at the panels' scale.
+//! Three planar panels at a vertex have no re-entrant corner there, or one; with one their normals
+//! go round the other way, as where `K < 0` (Wang and Liu 2010, Theorem 1: panels are inscribed in
+//! Dupin's indicatrix, convex where it is an ellipse). What the surface asks for is said by its own
+//! normals below the three panels' centres: `dN = S dx` from two differences, with the shape
+//! operator `S` at the panels' scale.
 //!
-//! Penalty `w/2 l^2 max(0, m - s / l^2)^2` for a corner, `s = n . (q - p) x (r - q)` with its neighbours `p` and `r` in the face's plane, which turns as
-//! in [`super::barrier`]. The Hessian is the Gauss-Newton part in the fixed plane.
+//! Penalty `w/2 l^2 max(0, m - s / l^2)^2` for a corner, `s = n . (q - p) x (r - q)` with its
+//! neighbours `p` and `r` in the face's plane, which turns as in [`super::barrier`]. The Hessian is
+//! the Gauss-Newton part in the fixed plane.
 
 use super::barrier::add_turning;
 use super::panels::{Corner, FaceFrame, Shape, add_block};
@@ -14,7 +18,8 @@ use super::setting::Setting;
 use nalgebra::{Matrix2, Vector3};
 use phex_mesh::{Vec2, Vec3};
 
-/// Ratio of the principal curvatures above which panels are to be convex: between it and 0 they are nearly rectangles, which a little makes concave.
+/// Ratio of the principal curvatures above which panels are to be convex: between it and 0 they are
+/// nearly rectangles, which a little makes concave.
 const ELLIPTIC: f64 = 0.1;
 /// Depth `-s / l^2` of a corner that counts as re-entrant.
 const DEPTH: f64 = 0.02;
@@ -111,7 +116,8 @@ fn turns(corners: &[Corner]) -> impl Iterator<Item = CornerTurn> + '_ {
     })
 }
 
-/// Depth of the deepest re-entrant corner of a face, over the square of a length; 0 if it is convex.
+/// Depth of the deepest re-entrant corner of a face, over the square of a length; 0 if it is
+/// convex.
 pub(super) fn depth(corners: &[Corner], edge: f64) -> f64 {
     let deepest = turns(corners).map(|t| -t.area).fold(0.0, f64::max);
     deepest / (edge * edge)
@@ -122,7 +128,8 @@ pub(super) fn is_concave(corners: &[Corner], edge: f64) -> bool {
     depth(corners, edge) > DEPTH
 }
 
-/// Faces that the surface wants convex: all of their inner vertices, of which there are some, lie where `K > 0`.
+/// Faces that the surface wants convex: all of their inner vertices, of which there are some, lie
+/// where `K > 0`.
 pub(super) fn to_be_convex(setting: &Setting<'_>, shape: &Shape) -> Vec<bool> {
     let panels = setting.panels;
     let Reference::Surface(target) = setting.reference else {
@@ -151,7 +158,8 @@ pub(super) fn to_be_convex(setting: &Setting<'_>, shape: &Shape) -> Vec<bool> {
     (0..panels.n_faces()).map(of_face).collect()
 }
 
-/// Smaller over larger principal curvature of the shape operator that takes two steps to turns of the normal; negative where `K < 0`.
+/// Smaller over larger principal curvature of the shape operator that takes two steps to turns of
+/// the normal; negative where `K < 0`.
 fn curvature_ratio(steps: [Vec3; 2], turns: [Vec3; 2], normal: Vec3) -> f64 {
     let across = normal.cross(&steps[0]);
     let (Some(u), Some(v)) = (
@@ -229,7 +237,8 @@ mod tests {
         });
     }
 
-    /// A saddle that bends hardly is near a sphere that bends hardly; its panels are concave, and need not be.
+    /// A saddle that bends hardly is near a sphere that bends hardly; its panels are concave, and
+    /// need not be.
     #[test]
     fn concave_panels_become_convex_where_the_surface_is() {
         let (mesh, radius) = (planar_saddle(9, 5, 1e-3), 1e3);

@@ -8,7 +8,8 @@ use super::setting::Setting;
 use nalgebra::Matrix3;
 use phex_numeric::{Assembly, Constraints, SymmetricMatrix};
 
-/// The planarity constraints of all faces. Held vertices move within their tangent spaces, which are the metric.
+/// The planarity constraints of all faces. Held vertices move within their tangent spaces, which
+/// are the metric.
 pub(super) struct PlanarityConstraints<'a> {
     setting: &'a Setting<'a>,
     jacobian: Jacobian<'a>,

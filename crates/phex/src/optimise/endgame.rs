@@ -1,14 +1,16 @@
 //! The end of the feasible path: the energy minimised on the constraints themselves.
 //!
-//! The phases end where the energy hardly falls, which is far from a minimum: soft directions along the surface decide how much room
-//! the tightest panels have. From the planar positions Newton's method on the Lagrangian (`phex_numeric::lagrange`) of
+//! The phases end where the energy hardly falls, which is far from a minimum: soft directions along
+//! the surface decide how much room the tightest panels have. From the planar positions Newton's
+//! method on the Lagrangian (`phex_numeric::lagrange`) of
 //!
 //! ```text
 //! minimise closeness + fairness + barrier + anchor   under   Q^T h = 0
 //! ```
 //!
-//! goes on with exact second derivatives: of the constraints (`planarity::add_multiplied`), of the barrier (`spatial_barrier`), and of the
-//! closeness to a smooth stand-in for the surface (`osculating`). Near the minimum steps fall to rounding within four iterations.
+//! goes on with exact second derivatives: of the constraints (`planarity::add_multiplied`), of the
+//! barrier (`spatial_barrier`), and of the closeness to a smooth stand-in for the surface
+//! (`osculating`). Near the minimum steps fall to rounding within four iterations.
 
 use super::energy::PanelEnergy;
 use super::jacobian::Jacobian;
@@ -23,10 +25,12 @@ pub(super) const RIGIDITY: f64 = 3e3;
 /// Step, in mean edges, that counts as none.
 const NO_STEP: f64 = 1e-9;
 
-/// Length of a move, in mean edges, after which the stand-in for the surface is kept: it is good nearby.
+/// Length of a move, in mean edges, after which the stand-in for the surface is kept: it is good
+/// nearby.
 const NEARBY: f64 = 1e-2;
 
-/// Minimises on the constraints, from positions that nearly meet them, with `most` iterations at the most.
+/// Minimises on the constraints, from positions that nearly meet them, with `most` iterations at
+/// the most.
 ///
 /// `assembly` is that of the constraints, `system` belongs to the energy.
 pub(super) fn minimise_on_constraints(

@@ -1,6 +1,7 @@
 //! The energy that is minimised, over the vertices alone.
 //!
-//! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the guard is broken.
+//! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the
+//! guard is broken.
 
 use super::angle_term::AngleTerm;
 use super::areas::AreaWish;
@@ -72,8 +73,8 @@ pub(super) struct PanelEnergy<'a> {
     pub concavity: Option<ConcavityTerm>,
     /// Areas that faces are to have.
     pub areas: Vec<AreaWish>,
-    /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a penalty alone; second derivatives
-    /// are exact then.
+    /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a
+    /// penalty alone; second derivatives are exact then.
     pub multipliers: Option<Vec<f64>>,
     setting: &'a Setting<'a>,
     assembly: &'a Assembly,
@@ -132,7 +133,8 @@ impl<'a> PanelEnergy<'a> {
         }
     }
 
-    /// Demands from now on what the shape at `x` meets; panels that are not simple have no barrier until they are.
+    /// Demands from now on what the shape at `x` meets; panels that are not simple have no barrier
+    /// until they are.
     pub fn arm(&mut self, x: &[f64]) {
         if self.multipliers.take().is_some() {
             self.feet = Feet::default();
@@ -160,8 +162,9 @@ impl<'a> PanelEnergy<'a> {
         &self.shape
     }
 
-    /// Takes planarity as a constraint from `x` on, with multipliers that are 0 at first. Everything that is demanded of a result is
-    /// demanded now if `x` meets it, and nothing is given up.
+    /// Takes planarity as a constraint from `x` on, with multipliers that are 0 at first.
+    /// Everything that is demanded of a result is demanded now if `x` meets it, and nothing is
+    /// given up.
     pub fn constrain(&mut self, x: &[f64]) {
         let setting = self.setting;
         self.arm(x);

@@ -1,8 +1,9 @@
 //! Fairness: panels are drawn to central symmetry.
 //!
-//! `w/2 sum_a |x_a + x_(a+m) - M|^2` for a `2m`-gon, `M` the mean of the `m` sums: the main diagonals share a midpoint.
-//! Every Dupin hexagon satisfies this, convex or concave, which no averaging of neighbours does. A panel of odd valence
-//! has no such symmetry and is left alone: what is affine-regular there is convex, and wrong where the surface is a saddle.
+//! `w/2 sum_a |x_a + x_(a+m) - M|^2` for a `2m`-gon, `M` the mean of the `m` sums: the main
+//! diagonals share a midpoint. Every Dupin hexagon satisfies this, convex or concave, which no
+//! averaging of neighbours does. A panel of odd valence has no such symmetry and is left alone:
+//! what is affine-regular there is convex, and wrong where the surface is a saddle.
 
 use super::panels::{Corner, add_block};
 use nalgebra::Matrix3;

@@ -1,17 +1,18 @@
 //! The fast path: sequential quadratic programming from a start that is nearly planar, on the dual.
 //!
-//! The start is the mesh with every vertex moved to where the tangent planes of its faces meet (Dupin duality; on rows of bricks
-//! this is the kink). From there
+//! The start is the mesh with every vertex moved to where the tangent planes of its faces meet
+//! (Dupin duality; on rows of bricks this is the kink). From there
 //!
 //! ```text
 //! E = w_c/2 sum |x - p(x) + b r|^2 + w_c/2 sum |x - x_0|^2   under   Q^T h = 0
 //! ```
 //!
-//! is minimised, `W = (w_c n n^T + w_c I)^-1`. The hold on the start is as strong as closeness: with a weak one vertices slide far
-//! along the surface where constraints nearly depend on each other, and the iteration swings. Where faces are convex their centres stand off by `r`; shifting the vertices by
-//! `b r`, `b = w_cf / (2 w_c + w_cf)`, balances both. There is neither barrier nor fairness: on a conjugate layout
-//! none is needed, and elsewhere the result is not accepted. Then, and where the iteration does not converge, the feasible
-//! path is taken instead.
+//! is minimised, `W = (w_c n n^T + w_c I)^-1`. The hold on the start is as strong as closeness:
+//! with a weak one vertices slide far along the surface where constraints nearly depend on each
+//! other, and the iteration swings. Where faces are convex their centres stand off by `r`; shifting
+//! the vertices by `b r`, `b = w_cf / (2 w_c + w_cf)`, balances both. There is neither barrier nor
+//! fairness: on a conjugate layout none is needed, and elsewhere the result is not accepted. Then,
+//! and where the iteration does not converge, the feasible path is taken instead.
 
 use super::closeness::{ClosenessWeights, Feet};
 use super::guarded::GuardedSteps;

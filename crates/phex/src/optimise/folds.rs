@@ -1,6 +1,7 @@
 //! Folds as a penalty: `w/2 max(0, t - t_0)^2` for edges at which faces turn by an angle `t`.
 //!
-//! `cos t = n . n'` with the unit vectors along the vector areas `A = 1/2 sum x_i x x_(i+1)` of both faces, so that `dA/dx_i d = 1/2 d x (x_(i+1) - x_(i-1))`.
+//! `cos t = n . n'` with the unit vectors along the vector areas `A = 1/2 sum x_i x x_(i+1)` of
+//! both faces, so that `dA/dx_i d = 1/2 d x (x_(i+1) - x_(i-1))`.
 
 use super::guard::Guard;
 use super::panels::{Panels, Shape, add_block, point};

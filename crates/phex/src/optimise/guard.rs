@@ -1,8 +1,10 @@
-//! What no step may break: simple faces, their side of the surface, vertex fans and edges that do not fold.
+//! What no step may break: simple faces, their side of the surface, vertex fans and edges that do
+//! not fold.
 //!
-//! A demand is armed where the first shape meets it; where it does not, it could only block every step. While the penalty
-//! rises, faces are too bent for fans and folds to mean much, and one of them must not stop the whole panelling: then only
-//! simplicity and sides are demanded, and a side that blocks one step after another is given up for the rest of the phase.
+//! A demand is armed where the first shape meets it; where it does not, it could only block every
+//! step. While the penalty rises, faces are too bent for fans and folds to mean much, and one of
+//! them must not stop the whole panelling: then only simplicity and sides are demanded, and a side
+//! that blocks one step after another is given up for the rest of the phase.
 
 use super::barrier::clearance;
 use super::panels::{Panels, Shape, point};
@@ -51,7 +53,8 @@ pub(super) enum Breach {
 }
 
 impl Guard {
-    /// `side` is the surface's normal at each face, if there is a surface; `least_side` the least `n . side`.
+    /// `side` is the surface's normal at each face, if there is a surface; `least_side` the least
+    /// `n . side`.
     pub fn new(topology: &Topology, side: Option<Vec<Vec3>>, least_side: f64) -> Self {
         let inner =
             |v: &VertexId| !topology.is_boundary_vertex(*v) && topology.face_degree(*v) == 3;
@@ -72,7 +75,8 @@ impl Guard {
         }
     }
 
-    /// The demands on some faces, with numbers of their own for these and for `vertices`; both lists are in order.
+    /// The demands on some faces, with numbers of their own for these and for `vertices`; both
+    /// lists are in order.
     pub fn part(&self, faces: &[u32], vertices: &[u32]) -> Self {
         let fan = |fan: &Fan| {
             Some(Fan {
@@ -100,7 +104,8 @@ impl Guard {
         let axis: Vec3 = fan.faces.iter().map(|&f| shape.normal(f as usize)).sum();
         let centre = point(x, fan.vertex as usize);
         let e = fan.neighbours.map(|n| point(x, n as usize) - centre);
-        // Three directions turn counter-clockwise once exactly if at most one of the turns is a reflex one.
+        // Three directions turn counter-clockwise once exactly if at most one of the turns is a
+        // reflex one.
         let left = |k: usize| axis.dot(&e[k].cross(&e[(k + 1) % 3])) > 0.0;
         (0..3).filter(|&k| left(k)).count() >= 2
     }

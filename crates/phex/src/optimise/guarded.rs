@@ -1,4 +1,5 @@
-//! Steps of a projection that end before the first collision within a face and visit only what the guard admits.
+//! Steps of a projection that end before the first collision within a face and visit only what the
+//! guard admits.
 
 use super::guard::Armed;
 use super::panels::Shape;

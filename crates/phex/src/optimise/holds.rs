@@ -1,7 +1,8 @@
 //! Vertices that are held: at a point, in a plane, on a curve, or softly by an anchor of their own.
 //!
-//! A held vertex moves only within the tangent space `T` of what holds it: gradients become `T g`, Hessians
-//! `T H T + (I - T)`, constraint rows `J T`, so steps never leave that space; a point after a step is brought back exactly.
+//! A held vertex moves only within the tangent space `T` of what holds it: gradients become `T g`,
+//! Hessians `T H T + (I - T)`, constraint rows `J T`, so steps never leave that space; a point
+//! after a step is brought back exactly.
 //!
 //! | held | `T` |
 //! |---|---|
@@ -114,8 +115,8 @@ impl Holds {
         }
     }
 
-    /// Takes the directions in which held vertices can't move out of a gradient and the blocks of a Hessian, one for every face and
-    /// then one for every vertex; `weight` stands in their place.
+    /// Takes the directions in which held vertices can't move out of a gradient and the blocks of a
+    /// Hessian, one for every face and then one for every vertex; `weight` stands in their place.
     pub fn restrict(
         &self,
         panels: &Panels,
@@ -166,7 +167,8 @@ fn in_plane(p: Vec3, point: Vec3, normal: Vec3) -> Vec3 {
     }
 }
 
-/// `T B` on the rows of corner `i` of a face's packed block, and `B T` on its columns, for a face of `k` corners.
+/// `T B` on the rows of corner `i` of a face's packed block, and `B T` on its columns, for a face
+/// of `k` corners.
 fn restrict_block(block: &mut [f64], i: usize, k: usize, freedom: &Matrix3<f64>) {
     let entry = |r: usize, c: usize| phex_numeric::assembly::packed(r.max(c), r.min(c));
     for j in 0..k {

@@ -1,7 +1,8 @@
-//! The planarity constraints linearised, `J = Q^T (x) n^T`, in a metric `W` with a block for each vertex.
+//! The planarity constraints linearised, `J = Q^T (x) n^T`, in a metric `W` with a block for each
+//! vertex.
 //!
-//! `S = J W J^T` couples a face with its neighbours alone: `3 F` unknowns for a mesh of hexagons, half as many as the
-//! coordinates, and a fraction of their fill-in.
+//! `S = J W J^T` couples a face with its neighbours alone: `3 F` unknowns for a mesh of hexagons,
+//! half as many as the coordinates, and a fraction of their fill-in.
 
 use super::panels::{Panels, Shape, point};
 use super::planarity::ConstraintBases;

@@ -1,7 +1,7 @@
 //! Optimise: planar, simple panels close to the surface.
 //!
-//! The unknowns are the vertices alone; the plane of a face is the best one (total least squares) of its corners.
-//! Minimised is
+//! The unknowns are the vertices alone; the plane of a face is the best one (total least squares)
+//! of its corners. Minimised is
 //!
 //! ```text
 //! E = w_p/2 sum h^2                      planarity, a penalty that rises: 1, 30, 1e3, 1e4
@@ -12,9 +12,10 @@
 //!   + w_t/2 sum |x - x_0|^2              anchor, w_k at the corners of the boundary
 //! ```
 //!
-//! along the **feasible path**: damped Gauss-Newton steps that end before the first collision within a face and never leave the region where every
-//! panel is simple. A projection of minimum norm onto the exact constraints `Q^T h = 0`, guarded in the same way, then
-//! takes planarity to the floor of rounding.
+//! along the **feasible path**: damped Gauss-Newton steps that end before the first collision
+//! within a face and never leave the region where every panel is simple. A projection of minimum
+//! norm onto the exact constraints `Q^T h = 0`, guarded in the same way, then takes planarity to
+//! the floor of rounding.
 //!
 //! | symbol | here | meaning |
 //! |---|---|---|
@@ -26,32 +27,38 @@
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
 //! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
 //!
-//! Before it the **fast path** (`fast.rs`) is tried where the tangent planes of the panels meet in a start that is nearly planar, as on
-//! conjugate layouts: the same closeness under exact planarity, one factorisation of a matrix half the size. Its result is taken
-//! only if it has converged, is valid, and has clearance; [`RunSummary::path`] tells which path it was.
+//! Before it the **fast path** (`fast.rs`) is tried where the tangent planes of the panels meet in
+//! a start that is nearly planar, as on conjugate layouts: the same closeness under exact
+//! planarity, one factorisation of a matrix half the size. Its result is taken only if it has
+//! converged, is valid, and has clearance; [`RunSummary::path`] tells which path it was.
 //!
-//! At the end of the feasible path Newton's method goes on **on the constraints**, with exact second derivatives (`endgame.rs`): a few
-//! iterations by default, which bring most of the room that tight panels can have, or as many as it takes to the minimum, where steps fall to
-//! rounding ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
+//! At the end of the feasible path Newton's method goes on **on the constraints**, with exact
+//! second derivatives (`endgame.rs`): a few iterations by default, which bring most of the room
+//! that tight panels can have, or as many as it takes to the minimum, where steps fall to rounding
+//! ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
-//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At its end panels that stand off by more than
-//! [`OptimiseOptions::max_deviation`] and tight ones are tried again, each with what is around it (`local/retry.rs`);
-//! so are tight panels of a mesh that has been trimmed and brought to the boundary (`local/room.rs`).
+//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At its end
+//! panels that stand off by more than [`OptimiseOptions::max_deviation`] and tight ones are tried
+//! again, each with what is around it (`local/retry.rs`); so are tight panels of a mesh that has
+//! been trimmed and brought to the boundary (`local/room.rs`).
 //!
-//! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3, with the plane eliminated; the
-//! feasible path and its barrier after Li et al., "Incremental potential contact" (2020), within each face's plane.
-//! Differences: no auxiliary planes or tetrahedra; central symmetry instead of neighbour averaging; exact projection at the
-//! end; face centres count; the damping follows the collision step (`phex_numeric::damped`).
+//! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3,
+//! with the plane eliminated; the feasible path and its barrier after Li et al., "Incremental
+//! potential contact" (2020), within each face's plane. Differences: no auxiliary planes or
+//! tetrahedra; central symmetry instead of neighbour averaging; exact projection at the end; face
+//! centres count; the damping follows the collision step (`phex_numeric::damped`).
 //!
-//! *Guaranteed*: a panel that is simple at the start of a phase is simple ever after, so with a certified start a cancelled run
-//! has simple panels too. The projection besides keeps panels on their side of the surface, fans that go round once,
-//! edges that do not fold, and a clearance, each where it finds them so. The same input gives the same bytes for any number of
-//! threads. A panel that starts out crossed is left without barrier until it comes right.
+//! *Guaranteed*: a panel that is simple at the start of a phase is simple ever after, so with a
+//! certified start a cancelled run has simple panels too. The projection besides keeps panels on
+//! their side of the surface, fans that go round once, edges that do not fold, and a clearance,
+//! each where it finds them so. The same input gives the same bytes for any number of threads. A
+//! panel that starts out crossed is left without barrier until it comes right.
 //!
-//! *Fails*: where the layout gives no simple start, where it folds (thin sheets, sharp creases: fans and folds are not prevented
-//! while the penalty rises), and in wrong local basins (a panel squeezed between its neighbours; a stronger barrier and
-//! higher penalties are then tried). Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair
-//! loop may drop their seeds.
+//! *Fails*: where the layout gives no simple start, where it folds (thin sheets, sharp creases:
+//! fans and folds are not prevented while the penalty rises), and in wrong local basins (a panel
+//! squeezed between its neighbours; a stronger barrier and higher penalties are then tried).
+//! Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair loop may drop
+//! their seeds.
 
 mod angle;
 mod angle_term;
@@ -142,10 +149,12 @@ pub struct CurvePoint {
     pub tangent: Vec3,
 }
 
-/// The surface that panels are kept close to: a smooth triangulation, the original facets, or an analytic shape.
+/// The surface that panels are kept close to: a smooth triangulation, the original facets, or an
+/// analytic shape.
 pub trait Target: Sync {
-    /// Closest points, in the order of `points`. `near` is empty, or holds a point of the target for each that is probably
-    /// near it (the foot points found last); it may speed up the search and never changes the result.
+    /// Closest points, in the order of `points`. `near` is empty, or holds a point of the target
+    /// for each that is probably near it (the foot points found last); it may speed up the search
+    /// and never changes the result.
     fn closest_points(&self, points: &[Vec3], near: &[TargetPoint]) -> Vec<TargetPoint>;
     /// Closest points on the boundary curves, or `None` for a closed surface.
     fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>>;
@@ -166,7 +175,8 @@ pub struct RunSummary {
     pub iterations: usize,
     /// Factorisations of the whole mesh's matrices.
     pub factorisations: usize,
-    /// Factorisations for parts of the mesh alone: large meshes are optimised part by part, tight panels with what is around them.
+    /// Factorisations for parts of the mesh alone: large meshes are optimised part by part, tight
+    /// panels with what is around them.
     pub part_factorisations: usize,
     /// Number of offenders.
     pub offenders: usize,
@@ -177,7 +187,8 @@ pub struct RunSummary {
 /// What the optimiser made.
 #[derive(Clone, Debug)]
 pub struct Optimised {
-    /// The mesh; panels that are not as they should be are listed in [`offenders`](Self::offenders).
+    /// The mesh; panels that are not as they should be are listed in
+    /// [`offenders`](Self::offenders).
     pub mesh: HexMesh,
     /// How the run that won ended. `Converged` means planar to the tolerance; offenders may remain.
     pub outcome: Outcome,
@@ -185,7 +196,8 @@ pub struct Optimised {
     pub start: StartKind,
     /// All runs, in the order in which they were made.
     pub runs: Vec<RunSummary>,
-    /// Panels that are not as they should be, in the order of the faces; a panel may stand here more than once.
+    /// Panels that are not as they should be, in the order of the faces; a panel may stand here
+    /// more than once.
     pub offenders: Vec<Offender>,
     /// Figures of the mesh.
     pub quality: Quality,
@@ -233,9 +245,11 @@ pub fn optimise(
     Ok(finished(&layout.mesh, run))
 }
 
-/// Makes the faces of any polygon mesh planar and simple, close to `target` or, without one, to where they are.
+/// Makes the faces of any polygon mesh planar and simple, close to `target` or, without one, to
+/// where they are.
 ///
-/// A mesh that is planar and sound is returned unchanged; one that is nearly planar is only projected.
+/// A mesh that is planar and sound is returned unchanged; one that is nearly planar is only
+/// projected.
 ///
 /// # Errors
 /// If the mesh or an option can't be used.
@@ -248,8 +262,8 @@ pub fn planarize(
     steer(mesh, target, &Steering::default(), options, progress)
 }
 
-/// Brings an earlier result to a target again, along the whole path even if it is planar: a warm start, as after a change of
-/// weights, of what is held, or of the surface.
+/// Brings an earlier result to a target again, along the whole path even if it is planar: a warm
+/// start, as after a change of weights, of what is held, or of the surface.
 ///
 /// # Errors
 /// As [`steer`].
@@ -264,11 +278,12 @@ pub fn refit(
     from_mesh(mesh, target, what, options, progress, false)
 }
 
-/// As [`planarize`], with vertices held where the user wants them: fixed ones to the last bit, those in a plane or on a curve
-/// to rounding.
+/// As [`planarize`], with vertices held where the user wants them: fixed ones to the last bit,
+/// those in a plane or on a curve to rounding.
 ///
 /// # Errors
-/// If the mesh or an option can't be used, or the mesh can't be held like that; the message names vertex or face.
+/// If the mesh or an option can't be used, or the mesh can't be held like that; the message names
+/// vertex or face.
 pub fn steer(
     mesh: &HexMesh,
     target: Option<&dyn Target>,

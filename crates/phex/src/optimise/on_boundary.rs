@@ -1,11 +1,12 @@
 //! Vertices of the boundary exactly on the boundary curve.
 //!
-//! The optimiser draws the rim towards the boundary curve; here the ends of interior edges are put on it, corners of the curve
-//! on the vertices nearest to them, and all panels are made planar again with these vertices sliding on the curve
-//! ([`super::holds`]). A panel of the rim has three degrees of freedom and one condition for each of its ends on the curve that
-//! a neighbour shares, so that is possible where panels meet the curve at an angle; along an asymptotic curve two
-//! neighbours that both held it would lie in one plane. Where panels do not become planar, or would have to move far, their
-//! vertices are let go, and the rest is tried again.
+//! The optimiser draws the rim towards the boundary curve; here the ends of interior edges are put
+//! on it, corners of the curve on the vertices nearest to them, and all panels are made planar
+//! again with these vertices sliding on the curve ([`super::holds`]). A panel of the rim has three
+//! degrees of freedom and one condition for each of its ends on the curve that a neighbour shares,
+//! so that is possible where panels meet the curve at an angle; along an asymptotic curve two
+//! neighbours that both held it would lie in one plane. Where panels do not become planar, or would
+//! have to move far, their vertices are let go, and the rest is tried again.
 
 use super::holds::{Hold, Holds};
 use super::panels::{Panels, Shape, point, points, unknowns};
@@ -46,7 +47,8 @@ pub struct BoundaryHold<'a> {
     pub corners: &'a [Vec3],
 }
 
-/// Puts vertices of the boundary of a planar mesh on curves; `None` if that can be done for no vertex without harm.
+/// Puts vertices of the boundary of a planar mesh on curves; `None` if that can be done for no
+/// vertex without harm.
 ///
 /// # Errors
 /// If the mesh or an option can't be used.
@@ -99,8 +101,8 @@ pub fn onto_boundary(
     Ok(None)
 }
 
-/// As [`steer`](super::steer), and vertices that lie on the boundary's curves or corners stay there where panels allow it: what
-/// the user holds comes first.
+/// As [`steer`](super::steer), and vertices that lie on the boundary's curves or corners stay there
+/// where panels allow it: what the user holds comes first.
 ///
 /// # Errors
 /// As [`steer`](super::steer).

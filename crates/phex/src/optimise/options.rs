@@ -7,10 +7,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Solver {
-    /// Distances to the faces' planes, with a barrier that keeps panels simple, and an exact projection at the end.
+    /// Distances to the faces' planes, with a barrier that keeps panels simple, and an exact
+    /// projection at the end.
     #[default]
     Barrier,
-    /// The paper's: volumes of all four corners of a face, penalised. Nothing keeps panels simple; for comparison.
+    /// The paper's: volumes of all four corners of a face, penalised. Nothing keeps panels simple;
+    /// for comparison.
     Tetrahedra,
 }
 
@@ -44,8 +46,8 @@ pub enum PathKind {
 
 /// Options of [`optimise`](super::optimise) and [`planarize`](super::planarize).
 ///
-/// All weights are relative to that of the closeness of vertices; energies are squares of lengths. The defaults
-/// were measured on real surfaces at 250 to 2500 panels.
+/// All weights are relative to that of the closeness of vertices; energies are squares of lengths.
+/// The defaults were measured on real surfaces at 250 to 2500 panels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct OptimiseOptions {
@@ -55,28 +57,31 @@ pub struct OptimiseOptions {
     pub fast: bool,
     /// `w_c`: closeness of vertices to the surface, > 0.
     pub vertex_closeness: f64,
-    /// `w_cf`: closeness of face centres, >= 0. Without it the middle of large convex panels stands off by 0.5 % of
-    /// the model; from 10 on planarity suffers.
+    /// `w_cf`: closeness of face centres, >= 0. Without it the middle of large convex panels stands
+    /// off by 0.5 % of the model; from 10 on planarity suffers.
     pub centre_closeness: f64,
     /// `w_bd`: closeness of boundary vertices to the boundary curve, >= 0.
     pub boundary_closeness: f64,
-    /// `w_k`: closeness of boundary corners to where they start, >= 0. Corners that can't move at all would bend their panels.
+    /// `w_k`: closeness of boundary corners to where they start, >= 0. Corners that can't move at
+    /// all would bend their panels.
     pub corner_closeness: f64,
-    /// `w_s`: central symmetry of panels with an even number of corners, >= 0. From 1e-2 on clearances suffer, 0 costs
-    /// three degrees in the sharpest corners.
+    /// `w_s`: central symmetry of panels with an even number of corners, >= 0. From 1e-2 on
+    /// clearances suffer, 0 costs three degrees in the sharpest corners.
     pub fairness: f64,
-    /// `w_a`: areas of inner panels as they are wished for, >= 0. From 5e-2 on clearances suffer, 0 lets areas differ by a factor
-    /// of three.
+    /// `w_a`: areas of inner panels as they are wished for, >= 0. From 5e-2 on clearances suffer, 0
+    /// lets areas differ by a factor of three.
     pub evenness: f64,
     /// `w_t`: hold on the start, > 0; it decides where nothing else does, as along the surface.
     pub anchor: f64,
-    /// The same where there is no surface and the mesh stands for itself, >= 0: at 1e-4 vertices slide by an edge and more, at
-    /// 0.1 by half an edge at the most; from 1 on panels keep off their old planes.
+    /// The same where there is no surface and the mesh stands for itself, >= 0: at 1e-4 vertices
+    /// slide by an edge and more, at 0.1 by half an edge at the most; from 1 on panels keep off
+    /// their old planes.
     pub start_closeness: f64,
-    /// `w_b`: barrier, over the square of the edge of a regular hexagon of the panel's area; 3e-2 to 1e-1.
-    /// Below 1e-3 panels may come to touch themselves.
+    /// `w_b`: barrier, over the square of the edge of a regular hexagon of the panel's area; 3e-2
+    /// to 1e-1. Below 1e-3 panels may come to touch themselves.
     pub barrier: f64,
-    /// `tau`: distance at which the barrier begins, over the square root of the panel's area, in (0, 0.5).
+    /// `tau`: distance at which the barrier begins, over the square root of the panel's area, in
+    /// (0, 0.5).
     pub barrier_reach: f64,
     /// `w_p`: weights of planarity, rising; each is a phase.
     pub penalties: Vec<f64>,
@@ -86,24 +91,28 @@ pub struct OptimiseOptions {
     pub energy_tolerance: f64,
     /// Step, in mean edges, that ends a phase.
     pub step_tolerance: f64,
-    /// Iterations of Newton's method on the constraints at the most, once panels are planar. The first few bring what can be seen; a
-    /// minimum to the last digits (steps of 1e-9 mean edges) takes 50 to 100. By default 6 for a mesh that is kept close to itself, and
-    /// none with a surface or part by part, where they were not seen to help.
+    /// Iterations of Newton's method on the constraints at the most, once panels are planar. The
+    /// first few bring what can be seen; a minimum to the last digits (steps of 1e-9 mean edges)
+    /// takes 50 to 100. By default 6 for a mesh that is kept close to itself, and none with a
+    /// surface or part by part, where they were not seen to help.
     pub newton_iterations: Option<usize>,
     /// Iterations of the final projection at the most.
     pub projection_iterations: usize,
-    /// Largest distance of a corner to its face's plane, in mean edges, that counts as planar. The projection goes to the floor of
-    /// rounding where it can, whatever this is; where it can't, nothing else is tried once this is met.
+    /// Largest distance of a corner to its face's plane, in mean edges, that counts as planar. The
+    /// projection goes to the floor of rounding where it can, whatever this is; where it can't,
+    /// nothing else is tried once this is met.
     pub planarity_tolerance: f64,
-    /// Distance to the surface, over the diagonal of the mesh, that vertices and panel centres are not to exceed, > 0: panels that do
-    /// are optimised again with stronger closeness. `None`: no bound.
+    /// Distance to the surface, over the diagonal of the mesh, that vertices and panel centres are
+    /// not to exceed, > 0: panels that do are optimised again with stronger closeness. `None`: no
+    /// bound.
     pub max_deviation: Option<f64>,
-    /// Clearance, in mean edges, that the final projection keeps (or half of what a panel has, if that is less); a result
-    /// below it is tried again with a stronger barrier.
+    /// Clearance, in mean edges, that the final projection keeps (or half of what a panel has, if
+    /// that is less); a result below it is tried again with a stronger barrier.
     pub clearance_margin: f64,
     /// Clearance, in mean edges, below which a panel is an offender.
     pub least_clearance: f64,
-    /// Cosine between the normals of a panel and of the surface at its cell below which it counts as flipped.
+    /// Cosine between the normals of a panel and of the surface at its cell below which it counts
+    /// as flipped.
     pub least_side: f64,
     /// Smoothing steps of the start: at least the first, at most the second number.
     pub smoothing: [usize; 2],
@@ -155,8 +164,8 @@ pub struct Dials {
     pub closeness: f64,
     /// Room within panels, > 0: the barrier `w_b`, and by its eighth root the reach `tau`.
     pub clearance: f64,
-    /// Nearness of panel centres against that of corners, >= 0: `w_cf`. At 0 the corners come to lie on the surface, and the middle of
-    /// convex panels stands off by all of its sagitta.
+    /// Nearness of panel centres against that of corners, >= 0: `w_cf`. At 0 the corners come to
+    /// lie on the surface, and the middle of convex panels stands off by all of its sagitta.
     pub centres: f64,
 }
 
@@ -201,19 +210,25 @@ impl Dials {
     }
 }
 
-/// Iterations of Newton's method on the constraints for a mesh that is kept close to itself and minimised as a whole, and
-/// for tight panels of a finished mesh.
+/// Iterations of Newton's method on the constraints for a mesh that is kept close to itself and
+/// minimised as a whole, and for tight panels of a finished mesh.
 pub(super) const NEWTON_ITERATIONS: usize = 6;
-/// Iterations of Newton's method in a sequence of refined meshes: what phases of penalties leave falls slower than the size.
+/// Iterations of Newton's method in a sequence of refined meshes: what phases of penalties leave
+/// falls slower than the size.
 const REFINED_NEWTON: usize = 15;
 
 impl OptimiseOptions {
-    /// Weights for a mesh in a sequence whose panels become smaller, here by `factor`, so that Theorem 1 of Wang and Liu holds in the limit.
+    /// Weights for a mesh in a sequence whose panels become smaller, here by `factor`, so that
+    /// Theorem 1 of Wang and Liu holds in the limit.
     ///
-    /// The theorem takes faces that converge to tangent planes. Distances to the surface fall with the square of the size `L`, lengths within panels with `L`: with fixed weights fairness
-    /// and barrier win, and tilt planes by a share of `L` that stays. So closeness grows as `L^-2`. Where a row of panels runs along an asymptotic direction, panels that are inscribed in
-    /// the indicatrix have an edge without length, which a barrier of fixed reach never allows: its reach shrinks as `L^(1/2)`. Panels of the whole sequence stay simple, but have
-    /// ever less clearance there: for studies of the limit, not for building. Areas are left free, since what holds them tilts planes as fairness does.
+    /// The theorem takes faces that converge to tangent planes. Distances to the surface fall with
+    /// the square of the size `L`, lengths within panels with `L`: with fixed weights fairness and
+    /// barrier win, and tilt planes by a share of `L` that stays. So closeness grows as `L^-2`.
+    /// Where a row of panels runs along an asymptotic direction, panels that are inscribed in the
+    /// indicatrix have an edge without length, which a barrier of fixed reach never allows: its
+    /// reach shrinks as `L^(1/2)`. Panels of the whole sequence stay simple, but have ever less
+    /// clearance there: for studies of the limit, not for building. Areas are left free, since what
+    /// holds them tilts planes as fairness does.
     pub fn refined(mut self, factor: f64) -> Self {
         let dials = Dials {
             closeness: factor * factor,

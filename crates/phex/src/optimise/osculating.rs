@@ -1,13 +1,16 @@
-//! A smooth stand-in for what a panelling is kept close to, for the last steps: at each foot point the distance to second order.
+//! A smooth stand-in for what a panelling is kept close to, for the last steps: at each foot point
+//! the distance to second order.
 //!
 //! ```text
 //! phi(x) = n . y + y . S y / 2,   y = x - p        closeness  w phi^2 / 2
 //! r(x)   = y - s t - s^2 k / 2,   s = t . y        closeness of the rim  w |r|^2 / 2
 //! ```
 //!
-//! with the foot point `p`, its normal `n` and shape operator `S`, or its tangent `t` and curvature vector `k`, both from differences of
-//! normals and tangents nearby. The distance to a triangulation has a kink wherever the foot point crosses an edge, which no
-//! method can minimise over to the last digits; this is a polynomial. It is off by the third order of how far a vertex still slides.
+//! with the foot point `p`, its normal `n` and shape operator `S`, or its tangent `t` and curvature
+//! vector `k`, both from differences of normals and tangents nearby. The distance to a
+//! triangulation has a kink wherever the foot point crosses an edge, which no method can minimise
+//! over to the last digits; this is a polynomial. It is off by the third order of how far a vertex
+//! still slides.
 
 use super::point_term::PointTerm;
 use super::reference::Reference;
@@ -97,10 +100,12 @@ impl Osculating {
     }
 }
 
-/// Axes, in equal angles, along which normals are compared: with three of them the leading error is the same in every frame.
+/// Axes, in equal angles, along which normals are compared: with three of them the leading error is
+/// the same in every frame.
 const AXES: usize = 3;
 
-/// Shape operators `2 / m sum dn t^T` from differences `dn` of normals along `m` axes `t` around each foot point.
+/// Shape operators `2 / m sum dn t^T` from differences `dn` of normals along `m` axes `t` around
+/// each foot point.
 fn quadrics(reference: &Reference<'_>, feet: &[TargetPoint], apart: f64) -> Vec<OsculatingQuadric> {
     let mut shapes = vec![Matrix3::zeros(); feet.len()];
     for axis in 0..AXES {

@@ -1,4 +1,5 @@
-//! Panels as the optimiser sees them: corners in one flat array, and where every face lies just now.
+//! Panels as the optimiser sees them: corners in one flat array, and where every face lies just
+//! now.
 
 use nalgebra::Matrix3;
 use phex_mesh::{FacePlane, HexMesh, Topology, Vec2, Vec3, VertexId};
@@ -103,8 +104,8 @@ impl Panels {
         self.edges.iter().map(length).sum::<f64>() / self.edges.len() as f64
     }
 
-    /// Calls `work(face, per_face, per_corner, block)` for every face, each with its own slices, on all threads.
-    /// Block `f` is `blocks[block_end(f - 1)..block_end(f)]`.
+    /// Calls `work(face, per_face, per_corner, block)` for every face, each with its own slices, on
+    /// all threads. Block `f` is `blocks[block_end(f - 1)..block_end(f)]`.
     pub fn for_each_face<A: Send, B: Send>(
         &self,
         per_face: &mut [A],
@@ -335,7 +336,8 @@ impl Shape {
     }
 }
 
-/// Adds a 3 x 3 block to corners `i >= j` of a packed lower triangle; on the diagonal only its lower half.
+/// Adds a 3 x 3 block to corners `i >= j` of a packed lower triangle; on the diagonal only its
+/// lower half.
 pub(super) fn add_block(block: &mut [f64], i: usize, j: usize, value: &Matrix3<f64>) {
     for a in 0..3 {
         let row = 3 * i + a;

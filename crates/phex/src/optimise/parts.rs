@@ -1,8 +1,10 @@
-//! Large meshes, one part after the other: the same energy, minimised over the vertices of some thousand faces at a time while the
-//! others rest (block descent). Time grows with the number of faces alone, memory with the size of a part.
+//! Large meshes, one part after the other: the same energy, minimised over the vertices of some
+//! thousand faces at a time while the others rest (block descent). Time grows with the number of
+//! faces alone, memory with the size of a part.
 //!
-//! Parts are made by bisection of the face centres and overlap by a few rings of faces. From phase to phase the cuts lie elsewhere, so that
-//! no place stays near one. The energy never rises and no panel is ever crossed, as with all vertices at once.
+//! Parts are made by bisection of the face centres and overlap by a few rings of faces. From phase
+//! to phase the cuts lie elsewhere, so that no place stays near one. The energy never rises and no
+//! panel is ever crossed, as with all vertices at once.
 
 use super::areas::AreaWish;
 use super::endgame::minimise_on_constraints;
@@ -48,7 +50,8 @@ pub(super) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The faces around `core` and [`OVERLAP`] rings more move, with the positions `x` of the whole mesh.
+    /// The faces around `core` and [`OVERLAP`] rings more move, with the positions `x` of the whole
+    /// mesh.
     pub fn around(whole: &Setting<'a>, core: &[u32], x: &[f64]) -> Self {
         let mut faces = core.to_vec();
         (0..OVERLAP).for_each(|_| faces = with_neighbours(whole.panels, &faces));
@@ -133,7 +136,8 @@ pub(super) fn minimise_in_parts(
     })
 }
 
-/// Minimises an energy on the constraints, one part after the other, with `most` iterations in each.
+/// Minimises an energy on the constraints, one part after the other, with `most` iterations in
+/// each.
 pub(super) fn finish_in_parts(
     whole: &Setting<'_>,
     energy: impl for<'b> Fn(&'b Setting<'b>, &'b Assembly, &Part<'_>) -> PanelEnergy<'b>,

@@ -1,4 +1,5 @@
-//! The feasible path from one start: phases of rising penalties, and what is tried where they do not lead to planar panels.
+//! The feasible path from one start: phases of rising penalties, and what is tried where they do
+//! not lead to planar panels.
 
 use super::areas::AreaWish;
 use super::barrier::barriers;
@@ -26,13 +27,16 @@ const STRONGER: f64 = 4.0;
 /// Hold on the start that never keeps panels from becoming planar.
 const WEAK_HOLD: f64 = 1e-4;
 
-/// Weight of planarity of the first phase for a mesh that is kept close to itself: with less weight it is at its minimum already.
+/// Weight of planarity of the first phase for a mesh that is kept close to itself: with less weight
+/// it is at its minimum already.
 const FIRST_PENALTY: f64 = 1e3;
-/// Bending, in mean edges, that the projection takes away without long steps, and phases beyond the last one that may lead there, each
-/// with ten times the weight: what parts leave are waves longer than they are, which a projection of the whole turns into long steps.
+/// Bending, in mean edges, that the projection takes away without long steps, and phases beyond the
+/// last one that may lead there, each with ten times the weight: what parts leave are waves longer
+/// than they are, which a projection of the whole turns into long steps.
 const BENT: f64 = 1e-4;
 const STIFFER: usize = 2;
-/// Share of the bending at the start that is left after such a phase where the hold on the start is too strong.
+/// Share of the bending at the start that is left after such a phase where the hold on the start is
+/// too strong.
 const STUBBORN: f64 = 0.5;
 
 /// Deviation, in mean edges, that a minimum may always have at its farthest point.
@@ -136,7 +140,8 @@ impl<'a> Path<'a> {
         self.outcome.status == Status::Cancelled
     }
 
-    /// From the start to planar panels, with what is tried where they come out tight or are not planar.
+    /// From the start to planar panels, with what is tried where they come out tight or are not
+    /// planar.
     pub fn settle(&mut self) -> Result<Reached, OptimiseError> {
         let mut best = self.arrive()?;
         if !self.is_over() && best.is_tight(self.options) {
@@ -148,8 +153,8 @@ impl<'a> Path<'a> {
         Ok(best)
     }
 
-    /// All phases from the start and the projection, once more with a weak hold on the start if a strong one keeps panels from
-    /// becoming planar.
+    /// All phases from the start and the projection, once more with a weak hold on the start if a
+    /// strong one keeps panels from becoming planar.
     fn arrive(&mut self) -> Result<Reached, OptimiseError> {
         let margin = self.options.clearance_margin;
         let gives_way = self.descend_all()?;
@@ -166,7 +171,8 @@ impl<'a> Path<'a> {
         })
     }
 
-    /// All phases; false if they were broken off because the hold on the start does not let panels become planar.
+    /// All phases; false if they were broken off because the hold on the start does not let panels
+    /// become planar.
     fn descend_all(&mut self) -> Result<bool, OptimiseError> {
         let bent = self.bending();
         let is_strong = self.weights.anchor > WEAK_HOLD;
@@ -195,8 +201,8 @@ impl<'a> Path<'a> {
         Ok(())
     }
 
-    /// Whether the start is the minimum of everything but planarity: that of a mesh that is kept close to itself, unless vertices are held or
-    /// drawn elsewhere.
+    /// Whether the start is the minimum of everything but planarity: that of a mesh that is kept
+    /// close to itself, unless vertices are held or drawn elsewhere.
     fn starts_at_rest(&self) -> bool {
         let holds = self.setting.holds;
         matches!(self.setting.reference, Reference::Start { .. })
@@ -215,8 +221,8 @@ impl<'a> Path<'a> {
         Shape::at(self.setting.panels, &self.x).max_height()
     }
 
-    /// Weakens a strong hold on the start, which may keep panels from becoming planar, and goes back there; false if it is weak
-    /// already.
+    /// Weakens a strong hold on the start, which may keep panels from becoming planar, and goes
+    /// back there; false if it is weak already.
     fn loosen(&mut self) -> bool {
         let strong = self.weights.anchor > WEAK_HOLD;
         if strong {
@@ -314,8 +320,9 @@ impl<'a> Path<'a> {
         self.options.newton_iterations.unwrap_or(by_default)
     }
 
-    /// Minimises on the constraints, from planar positions. They stand if that comes to nothing, or if a vertex or panel would stand off
-    /// the surface more than any does now (and more than is near): what counts is the sum, and one panel may have to pay.
+    /// Minimises on the constraints, from planar positions. They stand if that comes to nothing, or
+    /// if a vertex or panel would stand off the surface more than any does now (and more than is
+    /// near): what counts is the sum, and one panel may have to pay.
     pub fn finish(&mut self, reached: Reached) -> Result<Reached, OptimiseError> {
         let most = self.newton_iterations();
         if self.is_over() || most == 0 || !reached.is_planar(self.options) {

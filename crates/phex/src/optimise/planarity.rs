@@ -1,8 +1,10 @@
-//! Planarity: the penalty that draws corners into the plane of their face, and the exact constraints.
+//! Planarity: the penalty that draws corners into the plane of their face, and the exact
+//! constraints.
 //!
-//! Penalty `w_p / 2 sum_i h_i^2` with gradient `w_p h_i n` (exact, since the plane is the best one) and
-//! Gauss-Newton block `w_p P (x) n n^T`, `P = I - A (A^T A)^-1 A^T`, `A = [1 xi eta]`.
-//! Constraints `c = Q^T h`, `Q` an orthonormal basis of the complement of `A`: `k - 3` numbers for a `k`-gon.
+//! Penalty `w_p / 2 sum_i h_i^2` with gradient `w_p h_i n` (exact, since the plane is the best one)
+//! and Gauss-Newton block `w_p P (x) n n^T`, `P = I - A (A^T A)^-1 A^T`, `A = [1 xi eta]`.
+//! Constraints `c = Q^T h`, `Q` an orthonormal basis of the complement of `A`: `k - 3` numbers for
+//! a `k`-gon.
 
 use super::barrier::add_turning;
 use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
@@ -43,8 +45,8 @@ pub(super) fn add(
 
 /// Adds gradient and Hessian block of `sum_i l_i h_i` for multipliers `l` in the range of `P`.
 ///
-/// The gradient is exact; the Hessian `l_i dx_i . dn`, `dn = -sum_k t_k / m_k sum_j xi_jk n . dx_j`, is exact where the face is planar
-/// (`m_k` the second moments along the axes `t_k`).
+/// The gradient is exact; the Hessian `l_i dx_i . dn`, `dn = -sum_k t_k / m_k sum_j xi_jk n .
+/// dx_j`, is exact where the face is planar (`m_k` the second moments along the axes `t_k`).
 pub(super) fn add_multiplied(
     frame: &FaceFrame,
     corners: &[Corner],
@@ -122,7 +124,8 @@ impl ConstraintBases {
     }
 }
 
-/// Orthonormal rows that span the range of `P`, by Gram-Schmidt with the largest remaining column of `P` as pivot.
+/// Orthonormal rows that span the range of `P`, by Gram-Schmidt with the largest remaining column
+/// of `P` as pivot.
 fn orthonormal_complement(frame: &FaceFrame, corners: &[Corner], rows: &mut [f64]) {
     let k = corners.len();
     for a in 0..k - 3 {

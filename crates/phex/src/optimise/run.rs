@@ -65,8 +65,8 @@ impl Stage<'_> {
         Ok(self.conclude(start.n_bad, best, way, options))
     }
 
-    /// Makes a mesh planar as it is: nothing if it is sound, a projection if that is enough, then the fast path, else the
-    /// feasible one.
+    /// Makes a mesh planar as it is: nothing if it is sound, a projection if that is enough, then
+    /// the fast path, else the feasible one.
     pub fn run_as_given(
         &self,
         solvers: &mut Solvers,

@@ -14,19 +14,21 @@ use phex_numeric::{
     Assembly, MinimumNorm, Outcome, ProjectionOptions, Record, SchurOptions, SchurSqp, Status,
 };
 
-/// Planarity, in mean edges, at which the projection stops. It converges quadratically, so the last step mostly ends at the floor
-/// of rounding.
+/// Planarity, in mean edges, at which the projection stops. It converges quadratically, so the last
+/// step mostly ends at the floor of rounding.
 const GOAL: f64 = 5e-14;
 
 /// Iterations of the fast path at the most.
 const FAST_ITERATIONS: usize = 40;
 /// Step of the fast path, in mean edges, that counts as none.
 const FAST_STEP: f64 = 1e-8;
-/// Clearance, in mean edges, below which a result of the fast path is not accepted: the barrier would do better.
+/// Clearance, in mean edges, below which a result of the fast path is not accepted: the barrier
+/// would do better.
 const FAST_CLEARANCE: f64 = 0.2;
 /// Deviation, over the diagonal, above which it is not accepted.
 const FAST_DEVIATION: f64 = 2.5e-3;
-/// Spread of areas over wished ones (95 % over 5 % quantile) above which it is not accepted either: it knows nothing of areas.
+/// Spread of areas over wished ones (95 % over 5 % quantile) above which it is not accepted either:
+/// it knows nothing of areas.
 const FAST_UNEVENNESS: f64 = 1.3;
 /// Planarity of a start, in mean edges, beyond which the fast path is not tried.
 const FAST_START: f64 = 1e-2;

@@ -29,7 +29,8 @@ pub(super) fn is_simple(corners: &[Corner]) -> bool {
     area(corners) > 0.0 && !crossing
 }
 
-/// Largest `t <= limit` so that no vertex of a face meets an edge of it while corners move by `t * motion` in its plane.
+/// Largest `t <= limit` so that no vertex of a face meets an edge of it while corners move by `t *
+/// motion` in its plane.
 pub(super) fn collision(corners: &[Corner], motion: &[Vec2], limit: f64) -> f64 {
     let k = corners.len();
     let mut best = limit;
@@ -50,8 +51,8 @@ pub(super) fn collision(corners: &[Corner], motion: &[Vec2], limit: f64) -> f64 
                 if t > 0.0 && t < best {
                     let (e, g) = (along + along_motion * t, from + from_motion * t);
                     let foot = e.dot(&g) / e.norm_squared();
-                    // A little beyond the ends counts, or the vertex could slip past a moving end; so does
-                    // an edge of length zero.
+                    // A little beyond the ends counts, or the vertex could slip past a moving end;
+                    // so does an edge of length zero.
                     if foot.is_nan() || (-1e-3..=1.0 + 1e-3).contains(&foot) {
                         best = t;
                     }

@@ -8,14 +8,16 @@ use crate::progress::{Event, Progress};
 use phex_numeric::{Assembly, Cholesky, DampedSolver, Record, SymmetricMatrix};
 use std::ops::ControlFlow;
 
-/// Factorisations and memory, shared by all runs on one mesh. What belongs to the energy is made when it is first needed.
+/// Factorisations and memory, shared by all runs on one mesh. What belongs to the energy is made
+/// when it is first needed.
 pub(super) struct Solvers {
     pub energy: EnergySolver,
     pub constraint_assembly: Assembly,
     pub constraints: Option<Dual>,
 }
 
-/// Factorisation and matrix on the constraints, handed from one solver to the next; absent if there are no constraints.
+/// Factorisation and matrix on the constraints, handed from one solver to the next; absent if there
+/// are no constraints.
 pub(super) type Dual = (Cholesky, SymmetricMatrix);
 
 /// Assembly and factorisation of the energy's Hessian.

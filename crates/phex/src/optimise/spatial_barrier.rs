@@ -1,11 +1,13 @@
-//! The barrier with distances in space instead of in the plane of the face. On planar panels both are the same; here the Hessian is
-//! exact: with `r = C y` the vector of length `d` from the foot on the edge `e` to the vertex, `u = r / d`,
+//! The barrier with distances in space instead of in the plane of the face. On planar panels both
+//! are the same; here the Hessian is exact: with `r = C y` the vector of length `d` from the foot
+//! on the edge `e` to the vertex, `u = r / d`,
 //!
 //! ```text
 //! grad d = C^T u,   Hess d = C^T (I - u u^T) C / d - g g^T d / |e|^2,   g = (0, u, -u) - C^T e / d
 //! ```
 //!
-//! the second term only where the foot lies within the edge (`d = min_s |r(s)|`, so `Hess d = f_yy - f_ys f_ss^-1 f_sy`).
+//! the second term only where the foot lies within the edge (`d = min_s |r(s)|`, so `Hess d =
+//! f_yy - f_ys f_ss^-1 f_sy`).
 
 use super::barrier::Barrier;
 use super::panels::{Corner, add_block};

@@ -1,13 +1,15 @@
 //! Starts: simple panels near the surface.
 //!
-//! *Smoothed cells*: each vertex moves half-way to the mean of its neighbours and back to the surface, until every panel is
-//! simple and on its side of the surface (Voronoi cells mostly are from the beginning; a few rounds make them
-//! even). Vertices of the boundary are averaged along the boundary; corners stay.
+//! *Smoothed cells*: each vertex moves half-way to the mean of its neighbours and back to the
+//! surface, until every panel is simple and on its side of the surface (Voronoi cells mostly are
+//! from the beginning; a few rounds make them even). Vertices of the boundary are averaged along
+//! the boundary; corners stay.
 //!
-//! *Blended circumcentres*: each interior vertex moves towards the point where the tangent planes of its three cells meet,
-//! the circumcentre in the metric `|II|` (Dupin duality): `d = (A^T A + eps I)^-1 A^T b`, rows of `A` the three normals,
-//! `b_i = n_i . (p_i - x)`, no farther than 0.8 cells. Where panels would suffer, their vertices back off.
-//! Where the surface is nearly flat the planes hardly meet; `eps` is set by the middle singular value.
+//! *Blended circumcentres*: each interior vertex moves towards the point where the tangent planes
+//! of its three cells meet, the circumcentre in the metric `|II|` (Dupin duality): `d = (A^T A +
+//! eps I)^-1 A^T b`, rows of `A` the three normals, `b_i = n_i . (p_i - x)`, no farther than 0.8
+//! cells. Where panels would suffer, their vertices back off. Where the surface is nearly flat the
+//! planes hardly meet; `eps` is set by the middle singular value.
 
 use super::Target;
 use super::barrier::clearance;

@@ -1,7 +1,8 @@
 //! Steering: what the user holds on to, from positions and numbers to vertices of a mesh.
 //!
-//! Points name the nearest vertex. Vertices that must move to their places take their surroundings along (a few rounds of
-//! averaging of the displacement), so that simple panels stay simple; the optimiser then starts from there.
+//! Points name the nearest vertex. Vertices that must move to their places take their surroundings
+//! along (a few rounds of averaging of the displacement), so that simple panels stay simple; the
+//! optimiser then starts from there.
 
 use super::error::{MOST_MOVE, OptimiseError, SteeringError};
 use super::holds::{Anchored, Hold, Holds};
@@ -65,9 +66,10 @@ pub struct Steering {
     pub fixed_points: Vec<[f64; 3]>,
     /// Planes in which vertices of the boundary stay.
     pub grounds: Vec<GroundPlane>,
-    /// Polylines, model units, on which the vertices of the boundary within half a mean edge slide; closed where the last
-    /// point repeats the first. A panel with three corners on a curve lies in the plane of the curve there: where panels can't be
-    /// planar so, corners between their ends are let go.
+    /// Polylines, model units, on which the vertices of the boundary within half a mean edge slide;
+    /// closed where the last point repeats the first. A panel with three corners on a curve lies in
+    /// the plane of the curve there: where panels can't be planar so, corners between their ends
+    /// are let go.
     pub curves: Vec<Vec<[f64; 3]>>,
     /// Pulls of the nearest vertices.
     pub anchors: Vec<Anchor>,
@@ -309,9 +311,10 @@ fn open_ends(lines: &[Vec<Vec3>]) -> Vec<Vec3> {
     all.iter().copied().filter(alone).collect()
 }
 
-/// Lets go of corners of single panels that slide on a curve or in a plane, in some faces, else beside them, else all: a panel between two others needs only
-/// its ends there, and with a corner between them it would have to lie in the plane of the curve. In the end any vertex of the faces is let go.
-/// Tells whether there was one.
+/// Lets go of corners of single panels that slide on a curve or in a plane, in some faces, else
+/// beside them, else all: a panel between two others needs only its ends there, and with a corner
+/// between them it would have to lie in the plane of the curve. In the end any vertex of the faces
+/// is let go. Tells whether there was one.
 pub(super) fn let_go(
     holds: &Holds,
     mesh: &HexMesh,
@@ -354,7 +357,8 @@ pub(super) fn let_go(
 /// Vertices named in a note at the most.
 const NAMED: usize = 10;
 
-/// Faces of which a vertex is led along a curve or in a ground plane, in order: their boundary is not that of the surface.
+/// Faces of which a vertex is led along a curve or in a ground plane, in order: their boundary is
+/// not that of the surface.
 pub fn led_elsewhere(steering: &Steering, mesh: &HexMesh) -> Vec<FaceId> {
     let leading = Steering {
         curves: steering.curves.clone(),

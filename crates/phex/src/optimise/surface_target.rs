@@ -4,7 +4,8 @@ use super::{CurvePoint, Target, TargetPoint};
 use phex_mesh::{BoundaryCurve, TriangleSurface, Vec3};
 use rayon::prelude::*;
 
-/// A triangle surface and its boundary curves. With normals of a fitted jet it acts as a smooth surface.
+/// A triangle surface and its boundary curves. With normals of a fitted jet it acts as a smooth
+/// surface.
 pub struct SurfaceTarget<'a> {
     surface: &'a TriangleSurface,
     boundary: Option<BoundaryCurve>,

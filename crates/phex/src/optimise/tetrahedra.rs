@@ -1,14 +1,18 @@
-//! The paper's own formulation, for comparison: a face is planar if every four of its corners span no volume.
+//! The paper's own formulation, for comparison: a face is planar if every four of its corners span
+//! no volume.
 //!
 //! ```text
 //! E = w_c/2 sum |x - p(x)|^2 + w/2 sum (6 V_abcd / h^2)^2 + w_t/2 sum |x - x_0|^2
 //! ```
 //!
-//! over the vertices `x` with foot points `p` on the surface, and over all tetrahedra of four corners of a face (15 in a
-//! hexagon), `h` the mean edge; the last, slight term is ours, since nothing else decides along the surface. `w` rises tenfold from phase to phase until panels are planar to the tolerance.
+//! over the vertices `x` with foot points `p` on the surface, and over all tetrahedra of four
+//! corners of a face (15 in a hexagon), `h` the mean edge; the last, slight term is ours, since
+//! nothing else decides along the surface. `w` rises tenfold from phase to phase until panels are
+//! planar to the tolerance.
 //!
-//! Source: Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3. *Not guaranteed*: anything about validity:
-//! nothing keeps panels from crossing themselves, which is what this solver is there to show. Offenders are named as ever.
+//! Source: Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3. *Not guaranteed*:
+//! anything about validity: nothing keeps panels from crossing themselves, which is what this
+//! solver is there to show. Offenders are named as ever.
 
 use super::Stage;
 use super::closeness::Feet;
@@ -285,7 +289,8 @@ mod tests {
         }
     }
 
-    /// Gradient by central differences; a fixed vertex has none, and its rows of the Hessian are those of the identity.
+    /// Gradient by central differences; a fixed vertex has none, and its rows of the Hessian are
+    /// those of the identity.
     #[test]
     fn gradient_is_right_and_held_vertices_are_left_out() {
         let shape = Surface::Wave;

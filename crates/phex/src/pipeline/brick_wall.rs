@@ -1,5 +1,5 @@
-//! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, no repair; trimmed where
-//! the boundary asks for it.
+//! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, no
+//! repair; trimmed where the boundary asks for it.
 
 use super::domain::Ground;
 use super::field::spaced_corners;
@@ -21,8 +21,8 @@ use crate::smooth_surface::Normalised;
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;
 
-/// Turning angle of the boundary, degrees, above which bricks keep a corner at the most: rows that meet it askew would cut off blunter
-/// ones than other panels do.
+/// Turning angle of the boundary, degrees, above which bricks keep a corner at the most: rows that
+/// meet it askew would cut off blunter ones than other panels do.
 const CORNER: f64 = 30.0;
 
 /// The options with the corners that bricks keep.
@@ -161,7 +161,8 @@ pub struct NetworkCurves {
     pub conjugacy: Option<Conjugacy>,
 }
 
-/// The conjugate network of a surface, sampled as densely as a brick wall of the given size samples it.
+/// The conjugate network of a surface, sampled as densely as a brick wall of the given size samples
+/// it.
 ///
 /// # Errors
 /// If the input can't be used or the surface has no global network.

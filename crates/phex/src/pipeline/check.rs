@@ -1,4 +1,5 @@
-//! One check of all options, before anything is computed: every number finite and in its range, every point where it can be.
+//! One check of all options, before anything is computed: every number finite and in its range,
+//! every point where it can be.
 
 use super::{Candidate, MeshOptions};
 use crate::directions::guides::Guides;
@@ -13,7 +14,8 @@ use crate::smooth_surface::TargetOptions;
 use phex_mesh::LARGEST_COORDINATE;
 use std::f64::consts::TAU;
 
-/// Largest ratio of lengths of panels, and largest density of vertices per panel: beyond, memory ends.
+/// Largest ratio of lengths of panels, and largest density of vertices per panel: beyond, memory
+/// ends.
 const LARGEST_RATIO: f64 = 100.0;
 /// Levels of `dual-subdivision` at the most: four panels are made of one on each.
 const MOST_LEVELS: f64 = 5.0;
@@ -22,7 +24,8 @@ impl MeshOptions {
     /// Refuses values that have no meaning. The size of the panels is judged with the surface.
     ///
     /// # Errors
-    /// The first option that is not finite or outside its range, by the names of its table and itself.
+    /// The first option that is not finite or outside its range, by the names of its table and
+    /// itself.
     pub fn check(&self) -> Result<(), BadOption> {
         let densities = [
             ("field_density", self.field_density),

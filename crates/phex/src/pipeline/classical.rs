@@ -1,5 +1,6 @@
-//! The flow for the methods that work by planes and their poles: a lattice that is regular in the method's own metric, its tangent
-//! planes, and the points where they meet. Nothing is optimised or repaired: the comparison is with the methods as they are.
+//! The flow for the methods that work by planes and their poles: a lattice that is regular in the
+//! method's own metric, its tangent planes, and the points where they meet. Nothing is optimised or
+//! repaired: the comparison is with the methods as they are.
 
 mod joined;
 mod lattices;

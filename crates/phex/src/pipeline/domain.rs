@@ -7,8 +7,8 @@ use crate::smooth_surface::{self, SmoothTarget, TargetKind};
 use crate::trim::{self, Boundary, Domain, Takeover, TrimError, Trimmed};
 use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 
-/// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that where rows run along the strip's edge
-/// they run along the boundary, too.
+/// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
+/// where rows run along the strip's edge they run along the boundary, too.
 const WHOLE_STRIP: f64 = 2.0 * CELL;
 /// The same for clipped panels: as much as is cut off a row that runs along the boundary.
 const CLIP_STRIP: f64 = 0.2;
@@ -20,11 +20,12 @@ const TAKEOVER: Takeover = Takeover {
     cut: false,
 };
 
-/// Holes no longer round than this many panel lengths are closed while panels are laid out, and cut out of them afterwards: rows can't go
-/// round a hole of a panel or two without slivers.
+/// Holes no longer round than this many panel lengths are closed while panels are laid out, and cut
+/// out of them afterwards: rows can't go round a hole of a panel or two without slivers.
 const SMALL_HOLE: f64 = 7.0;
 
-/// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a strip beyond it.
+/// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a
+/// strip beyond it.
 #[derive(Clone)]
 pub(crate) struct Ground {
     /// Its smooth levels.
@@ -47,7 +48,8 @@ pub struct Beyond {
     pub facets: TriangleSurface,
 }
 
-/// A surface continued beyond its boundary as far as whole panels may stick out, where there are so many; `None` if it is closed.
+/// A surface continued beyond its boundary as far as whole panels may stick out, where there are so
+/// many; `None` if it is closed.
 pub fn continued(surface: &TriangleSurface, panels: usize) -> Option<TriangleSurface> {
     let length = (surface.area() / (CELL * panels.max(1) as f64)).sqrt();
     let extension = extend::extend(surface, WHOLE_STRIP * length, SMALL_HOLE * length);
@@ -124,7 +126,8 @@ impl Ground {
         }
     }
 
-    /// Whether panels are laid out on more than the surface; triangles of its levels are then known by their numbers.
+    /// Whether panels are laid out on more than the surface; triangles of its levels are then known
+    /// by their numbers.
     pub fn is_extended(&self) -> bool {
         self.trimming.is_some()
     }

@@ -1,4 +1,5 @@
-//! The lattice of a surface: curvature, metric and seeds on the level where it is computed, and the fine surface for its cells.
+//! The lattice of a surface: curvature, metric and seeds on the level where it is computed, and the
+//! fine surface for its cells.
 
 use super::domain::Ground;
 use super::{Clock, MeshOptions, PipelineError};
@@ -23,7 +24,8 @@ pub(super) struct Field {
     pub level: usize,
     pub curvature: Curvature,
     pub directions: Directions,
-    /// Panel length at each vertex as the field of sizes asks for it, without the metric's own changes of size.
+    /// Panel length at each vertex as the field of sizes asks for it, without the metric's own
+    /// changes of size.
     pub length: PerVertex<f64>,
     pub placed: Placed,
     /// Distortion up to which its lattice does without dislocations.
@@ -34,7 +36,8 @@ pub(super) struct Field {
 const COUNT_TOLERANCE: f64 = 0.06;
 /// Lattices tried for that at the most.
 const COUNT_TRIES: usize = 3;
-/// Panels that a boundary adds, per panel length of it: cells that it cuts are kept when half is left, more or less.
+/// Panels that a boundary adds, per panel length of it: cells that it cuts are kept when half is
+/// left, more or less.
 const RIM_PANELS: f64 = 0.12;
 
 impl Field {
@@ -69,8 +72,9 @@ impl Field {
         })
     }
 
-    /// Whether a lattice on the surface could do without any irregular panel but those that topology asks for: it is closed, and
-    /// its Euler characteristic is 0, or its Gauss curvature positive everywhere.
+    /// Whether a lattice on the surface could do without any irregular panel but those that
+    /// topology asks for: it is closed, and its Euler characteristic is 0, or its Gauss curvature
+    /// positive everywhere.
     pub(super) fn regular_possible(&self, smooth: &SmoothTarget) -> bool {
         let topology = smooth.levels[self.level].topology();
         let elliptic = |p: &Principal| p.small * p.large > 0.0;
@@ -91,14 +95,15 @@ impl Field {
     }
 }
 
-/// Longest edge of the surface on which a seamless lattice is computed, in lattice spacings: between vertices farther apart lattice
-/// points get lost.
+/// Longest edge of the surface on which a seamless lattice is computed, in lattice spacings:
+/// between vertices farther apart lattice points get lost.
 const LONGEST_EDGE: f64 = 0.35;
 /// Local refinements for that at the most.
 const LOCAL_REFINEMENTS: usize = 4;
 
-/// The ground of a seamless lattice, refined where the surface bends so fast that the lattice is finer than the triangles, and the
-/// level to compute it on. `None` where triangles are small enough, and for surfaces with a strip beyond their boundary.
+/// The ground of a seamless lattice, refined where the surface bends so fast that the lattice is
+/// finer than the triangles, and the level to compute it on. `None` where triangles are small
+/// enough, and for surfaces with a strip beyond their boundary.
 pub(super) fn finer_ground(
     ground: &Ground,
     options: &MeshOptions,
@@ -136,8 +141,8 @@ pub(super) fn finer_ground(
 /// A lattice: its directions and its seeds.
 pub(super) type Lattice = (Directions, Placed);
 
-/// The lattice whose number of panels is nearest to what is asked for, of a few. `lattice` is told by which factor the last one had
-/// too many panels, 1 at first.
+/// The lattice whose number of panels is nearest to what is asked for, of a few. `lattice` is told
+/// by which factor the last one had too many panels, 1 at first.
 pub(super) fn counted_lattice(
     panels: usize,
     mut lattice: impl FnMut(f64) -> Result<Lattice, PipelineError>,
@@ -171,7 +176,8 @@ pub(super) fn with_seeds(
     Ok((directions, placed))
 }
 
-/// How far a lattice may follow the curvature, and whether its panels may change their size so far that it needs no dislocations.
+/// How far a lattice may follow the curvature, and whether its panels may change their size so far
+/// that it needs no dislocations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub anisotropy: f64,
@@ -180,8 +186,8 @@ pub(super) struct Way {
     pub usual_deviation: bool,
 }
 
-/// Largest panel length over the least radius of curvature with which panels resolve a surface: all those with at most half of it
-/// pass at once, and most of those with more than 1.2 do not.
+/// Largest panel length over the least radius of curvature with which panels resolve a surface: all
+/// those with at most half of it pass at once, and most of those with more than 1.2 do not.
 const RESOLVED: f64 = 0.8;
 
 /// What the conformal factor's screening and limit are multiplied by for a seamless lattice.
@@ -189,7 +195,8 @@ const SEAMLESS_SCREENING: f64 = 0.025;
 const SEAMLESS_LIMIT: f64 = 2.0;
 
 impl Way {
-    /// Options for a lattice of this kind. A seamless one is computed on a fine level: about cones it must be exact.
+    /// Options for a lattice of this kind. A seamless one is computed on a fine level: about cones
+    /// it must be exact.
     pub fn options(self, options: &MeshOptions) -> MeshOptions {
         let mut options = options.clone();
         options.directions.anisotropy = self.anisotropy;
@@ -229,8 +236,9 @@ pub(super) fn direction_options(options: &MeshOptions, anisotropy: f64) -> Direc
 /// Rounds in which curvature is looked at from nearer where panels are smaller.
 const NEARER: usize = 2;
 
-/// Curvature at the scale of the panels, and their length at each vertex of a level. Where curvature makes panels smaller, it is
-/// estimated again at their scale: at that of large panels the tip of a horn is smoothed away.
+/// Curvature at the scale of the panels, and their length at each vertex of a level. Where
+/// curvature makes panels smaller, it is estimated again at their scale: at that of large panels
+/// the tip of a horn is smoothed away.
 fn sized_curvature(
     smooth: &SmoothTarget,
     level: usize,
@@ -253,7 +261,8 @@ fn sized_curvature(
     Ok((curvature, length))
 }
 
-/// Distance of sheets from each other, in lengths of uniform panels, from which on it does not matter: no panel becomes that long.
+/// Distance of sheets from each other, in lengths of uniform panels, from which on it does not
+/// matter: no panel becomes that long.
 const THICK: f64 = 4.0;
 
 /// Panel length at each vertex of a level.
@@ -277,7 +286,8 @@ fn panel_lengths(
         field: field.as_ref(),
     };
     let mut base = uniform;
-    // The largest length depends on how much of the surface is finer, and that on the largest length.
+    // The largest length depends on how much of the surface is finer, and that on the largest
+    // length.
     for _ in 0..8 {
         let sizes = size::relative_sizes(surface, &demands, base, &options.sizes);
         let Some(relative) = sizes else { break };
@@ -372,8 +382,8 @@ impl FineSurface {
     }
 }
 
-/// Areas that panels are to have. Where a panel is longer than the radius of curvature planarity decides what area it can have: wishes
-/// fade there with the fourth power of their ratio.
+/// Areas that panels are to have. Where a panel is longer than the radius of curvature planarity
+/// decides what area it can have: wishes fade there with the fourth power of their ratio.
 fn wished_areas(curvature: &Curvature, length: &PerVertex<f64>) -> PerVertex<WishedArea> {
     let principal = curvature.principal();
     PerVertex::from_fn(length.len(), |v| {

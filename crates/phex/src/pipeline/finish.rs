@@ -1,5 +1,5 @@
-//! The last steps of a pass, before it is judged: the boundary, folds, and room for tight panels. Each is kept unless the judge
-//! finds more that is invalid or outside limits.
+//! The last steps of a pass, before it is judged: the boundary, folds, and room for tight panels.
+//! Each is kept unless the judge finds more that is invalid or outside limits.
 
 use super::domain::Ground;
 use super::rim::{Rim, enlarged, follow_rim, on_curve, roomier};

@@ -1,4 +1,5 @@
-//! One pass for a lattice of one kind: layout, optimiser, boundary; then it is judged, and nothing has been repaired.
+//! One pass for a lattice of one kind: layout, optimiser, boundary; then it is judged, and nothing
+//! has been repaired.
 
 use super::domain::{Beyond, Ground};
 use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
@@ -136,7 +137,8 @@ impl Pass {
     }
 }
 
-/// A mesh after its search without folds that are left: panels are turned a little, or edges cut off, where that makes it better.
+/// A mesh after its search without folds that are left: panels are turned a little, or edges cut
+/// off, where that makes it better.
 fn unfolded(mut searched: Searched, site: &Site<'_>) -> Searched {
     if searched.judgement.of_face.iter().all(|f| f.folded == 0.0) {
         return searched;

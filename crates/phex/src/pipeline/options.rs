@@ -26,7 +26,8 @@ pub enum PanelSize {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// A hexagonal lattice in the metric of the second fundamental form, on any surface; another one where that is outside limits.
+    /// A hexagonal lattice in the metric of the second fundamental form, on any surface; another
+    /// one where that is outside limits.
     #[default]
     Lattice,
     /// All of the portfolio, side by side; the best is kept.
@@ -47,7 +48,8 @@ pub enum Method {
     Parallel,
 }
 
-/// Options of [`mesh_surface`](super::mesh_surface): one struct per stage, and what concerns the whole flow.
+/// Options of [`mesh_surface`](super::mesh_surface): one struct per stage, and what concerns the
+/// whole flow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshOptions {
@@ -81,7 +83,8 @@ pub struct MeshOptions {
     pub steering: Steering,
     /// Vertices per panel, at least, of the mesh on which directions and lattice are computed.
     pub field_density: f64,
-    /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are kept close.
+    /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are
+    /// kept close.
     pub cell_density: f64,
     /// Whether places where something is wrong are searched for local changes.
     pub search: bool,
@@ -133,10 +136,12 @@ pub struct Candidate {
     pub anisotropy: f64,
     /// Whether the size of a lattice's panels may change so far that it needs no dislocations.
     pub seamless: bool,
-    /// Whether panels are smaller where they would else be too large for the curvature, and larger elsewhere.
+    /// Whether panels are smaller where they would else be too large for the curvature, and larger
+    /// elsewhere.
     pub resolving: bool,
-    /// Whether the optimiser heeds the usual largest deviation only, where a tighter one is asked for: panels that can't be as near as
-    /// that are drawn hither and thither, and may end farther away.
+    /// Whether the optimiser heeds the usual largest deviation only, where a tighter one is asked
+    /// for: panels that can't be as near as that are drawn hither and thither, and may end farther
+    /// away.
     pub usual_deviation: bool,
 }
 

@@ -1,9 +1,12 @@
-//! The portfolio: ways of laying panels out, compared after a single pass; only the best is searched.
+//! The portfolio: ways of laying panels out, compared after a single pass; only the best is
+//! searched.
 //!
-//! No single layout is best on every surface. A strongly anisotropic lattice follows the curvature closely, a less anisotropic one
-//! has calmer panels, a seamless one changes its size smoothly instead of by dislocations, and a brick wall has straight rows where
-//! the surface has a network for them. By default one other lattice is laid out, and only where the first is outside its limits (then panels are smaller
-//! where the surface bends) or less regular than it could be; with [`Method::Best`] all of them are, side by side.
+//! No single layout is best on every surface. A strongly anisotropic lattice follows the curvature
+//! closely, a less anisotropic one has calmer panels, a seamless one changes its size smoothly
+//! instead of by dislocations, and a brick wall has straight rows where the surface has a network
+//! for them. By default one other lattice is laid out, and only where the first is outside its
+//! limits (then panels are smaller where the surface bends) or less regular than it could be; with
+//! [`Method::Best`] all of them are, side by side.
 
 use super::domain::Ground;
 use super::field::Way;
@@ -30,12 +33,14 @@ pub struct AttemptSummary {
     pub merit: Merit,
     /// Share of hexagons among the panels inside.
     pub hex: f64,
-    /// Panels inside that are no hexagons, beyond those that the topology of a closed surface asks for.
+    /// Panels inside that are no hexagons, beyond those that the topology of a closed surface asks
+    /// for.
     pub irregular: usize,
     /// Dislocations that the lattice kept.
     pub dislocations: usize,
-    /// Whether a lattice could do without any irregular panel but those that topology asks for: on closed surfaces of Euler
-    /// characteristic 0, and where the Gauss curvature is positive everywhere.
+    /// Whether a lattice could do without any irregular panel but those that topology asks for: on
+    /// closed surfaces of Euler characteristic 0, and where the Gauss curvature is positive
+    /// everywhere.
     pub regular_possible: bool,
     /// Least clearance, mean edges.
     pub clearance: f64,
@@ -67,8 +72,9 @@ impl AttemptSummary {
         }
     }
 
-    /// What else is worth a try: a lattice without dislocations where one can be, or with sizes that resolve the surface where
-    /// the options leave sizes free. `None` if this one is within limits and as regular as can be.
+    /// What else is worth a try: a lattice without dislocations where one can be, or with sizes
+    /// that resolve the surface where the options leave sizes free. `None` if this one is within
+    /// limits and as regular as can be.
     fn alternative(&self, options: &MeshOptions) -> Option<Candidate> {
         let free = options.sizes.adaptive.is_none() && options.size_field.is_none();
         let within = self.merit.is_within();
@@ -98,7 +104,8 @@ impl AttemptSummary {
     }
 }
 
-/// Whether a largest deviation is asked for that is tighter than usual; in single precision the usual one itself is a little less.
+/// Whether a largest deviation is asked for that is tighter than usual; in single precision the
+/// usual one itself is a little less.
 fn is_tight(options: &MeshOptions) -> bool {
     let limit = options.optimise.max_deviation;
     limit.is_some_and(|limit| limit < (1.0 - 1e-6) * USUAL_DEVIATION)
@@ -158,7 +165,8 @@ pub(super) fn mesh_with_panels(
     }?;
     let best = (0..members.len()).reduce(|a, b| {
         let [first, second] = [a, b].map(|k| &members[k].summary.merit);
-        // Of two that miss a tight limit the nearer one is better: it is no worse than what the usual limit gives.
+        // Of two that miss a tight limit the nearer one is better: it is no worse than what the
+        // usual limit gives.
         let misses =
             is_tight(options) && first.invalid == second.invalid && first.off.max(second.off) > 1.0;
         let better = if misses {

@@ -1,5 +1,5 @@
-//! Restarts: lattices from several random starts, of which the most regular is kept. Where dislocations fall is chance, and
-//! panels that no optimiser has seen yet cost little.
+//! Restarts: lattices from several random starts, of which the most regular is kept. Where
+//! dislocations fall is chance, and panels that no optimiser has seen yet cost little.
 
 use super::domain::Ground;
 use super::field::Field;
@@ -14,7 +14,8 @@ const FEW: f64 = 0.002;
 const MISCOUNT: f64 = 0.1;
 /// Lattices at the most.
 const STARTS: u64 = 4;
-/// Restarts number themselves in the upper half of the seed, so that seeds one after the other share none.
+/// Restarts number themselves in the upper half of the seed, so that seeds one after the other
+/// share none.
 const START_BITS: u32 = 32;
 
 /// Seeds, and the panels that grow from them.
@@ -42,7 +43,8 @@ impl Drawn {
     }
 }
 
-/// The most regular of a few lattices with the field's directions, the field's own the first, and the panels that are `made` of it.
+/// The most regular of a few lattices with the field's directions, the field's own the first, and
+/// the panels that are `made` of it.
 pub(super) fn most_regular(
     ground: &Ground,
     field: &Field,

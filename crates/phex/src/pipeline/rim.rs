@@ -1,5 +1,5 @@
-//! The last steps at the boundary: vertices exactly on the boundary curve where panels allow it, and corners of panels where their
-//! edges would cut the curve short.
+//! The last steps at the boundary: vertices exactly on the boundary curve where panels allow it,
+//! and corners of panels where their edges would cut the curve short.
 
 use super::{MeshOptions, PipelineError};
 use crate::optimise::{self, BoundaryHold, OptimiseError, Optimised, SurfaceTarget};
@@ -66,7 +66,8 @@ pub(super) fn roomier(
     optimise::give_room(mesh, &target, hold.as_ref(), site.options, progress)
 }
 
-/// The mesh with further corners where its edges would cut the boundary short; `None` where there are none.
+/// The mesh with further corners where its edges would cut the boundary short; `None` where there
+/// are none.
 pub(super) fn follow_rim(
     mesh: &HexMesh,
     surface: &TriangleSurface,
@@ -75,7 +76,8 @@ pub(super) fn follow_rim(
     follow::followed(mesh, surface, options.target.corner_angle.to_radians())
 }
 
-/// The mesh with vertices held as the user wants it, those on the boundary of `surface` staying there where that can be.
+/// The mesh with vertices held as the user wants it, those on the boundary of `surface` staying
+/// there where that can be.
 pub(super) fn steered(
     mesh: &HexMesh,
     surface: &TriangleSurface,
@@ -100,7 +102,8 @@ fn corner_points(surface: &TriangleSurface, options: &MeshOptions) -> Vec<Vec3> 
     corners.iter().map(|v| surface.positions()[*v]).collect()
 }
 
-/// The mesh with the ends of interior edges on the boundary, and vertices near its corners on these.
+/// The mesh with the ends of interior edges on the boundary, and vertices near its corners on
+/// these.
 pub(super) fn on_curve(
     mesh: &HexMesh,
     site: &Site<'_>,

@@ -1,7 +1,9 @@
-//! Steering after the layout, and warm starts: a mesh that exists is brought to the smooth surface again, with vertices held.
+//! Steering after the layout, and warm starts: a mesh that exists is brought to the smooth surface
+//! again, with vertices held.
 //!
-//! Held vertices refer to the mesh as it is delivered, so they come last, after the boundary is trimmed, in model coordinates. Vertices that
-//! are on the boundary then stay on it, where neither the user nor planarity wants them elsewhere.
+//! Held vertices refer to the mesh as it is delivered, so they come last, after the boundary is
+//! trimmed, in model coordinates. Vertices that are on the boundary then stay on it, where neither
+//! the user nor planarity wants them elsewhere.
 
 use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, rim};
 use crate::optimise::{self, Optimised, SurfaceTarget};
@@ -26,11 +28,13 @@ pub(super) fn steered(
     Ok(with_result(run, held, clock))
 }
 
-/// Brings an earlier panelling, in model coordinates, to the smooth surface through the vertices of `surface`: a warm start,
-/// as after a change of weights, of the surface, or of what is held. Nothing is laid out.
+/// Brings an earlier panelling, in model coordinates, to the smooth surface through the vertices of
+/// `surface`: a warm start, as after a change of weights, of the surface, or of what is held.
+/// Nothing is laid out.
 ///
 /// # Errors
-/// If the mesh or an option can't be used. A mesh that did not become valid is returned, with its offenders.
+/// If the mesh or an option can't be used. A mesh that did not become valid is returned, with its
+/// offenders.
 pub fn refit_surface(
     earlier: &HexMesh,
     surface: &TriangleSurface,

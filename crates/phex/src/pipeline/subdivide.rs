@@ -20,11 +20,13 @@ pub struct Level {
     pub optimised: Optimised,
 }
 
-/// Refines a mesh: every edge becomes a panel, then the optimiser makes the panels planar and simple and brings them to the surface through `surface`'s
-/// vertices. This is the robust counterpart of dual subdivision: it needs no dual, so curvature may change its sign.
+/// Refines a mesh: every edge becomes a panel, then the optimiser makes the panels planar and
+/// simple and brings them to the surface through `surface`'s vertices. This is the robust
+/// counterpart of dual subdivision: it needs no dual, so curvature may change its sign.
 ///
 /// # Errors
-/// If the mesh or an option can't be used. A level that did not become valid is returned with its offenders.
+/// If the mesh or an option can't be used. A level that did not become valid is returned with its
+/// offenders.
 pub fn subdivide(
     mesh: &HexMesh,
     surface: &TriangleSurface,
@@ -65,7 +67,8 @@ pub fn subdivide(
     Ok(made)
 }
 
-/// A layout on a surface, from a mesh near it: vertices move to the surface, corners of the boundary with one panel stay corners.
+/// A layout on a surface, from a mesh near it: vertices move to the surface, corners of the
+/// boundary with one panel stay corners.
 fn as_layout(mesh: HexMesh, surface: &TriangleSurface) -> Layout {
     let topology = mesh.topology();
     let centres: Vec<Vec3> = topology.faces().map(|f| mesh.centre(f)).collect();

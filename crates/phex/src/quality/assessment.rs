@@ -37,10 +37,11 @@ pub struct References<'a> {
     pub smooth: Option<&'a TriangleSurface>,
     /// The input's facets.
     pub facets: Option<&'a TriangleSurface>,
-    /// Both continued beyond the boundary, where panels may stick out: their distance is measured to these.
+    /// Both continued beyond the boundary, where panels may stick out: their distance is measured
+    /// to these.
     pub beyond: Option<[&'a TriangleSurface; 2]>,
-    /// Faces whose boundary is led elsewhere than along the surface's own, by a curve or a ground plane: there it is not compared
-    /// with that, and no share of the area is asked for.
+    /// Faces whose boundary is led elsewhere than along the surface's own, by a curve or a ground
+    /// plane: there it is not compared with that, and no share of the area is asked for.
     pub elsewhere: &'a [FaceId],
 }
 
@@ -78,7 +79,8 @@ pub struct Assessment {
     pub deviation_smooth: Option<Deviation>,
     /// Distance to the original facets.
     pub deviation_facets: Option<Deviation>,
-    /// How the mesh ends where the surface ends; `None` without a surface, or if one of the two is closed.
+    /// How the mesh ends where the surface ends; `None` without a surface, or if one of the two is
+    /// closed.
     pub boundary: Option<BoundaryFit>,
     /// Everything that is wrong, located.
     pub violations: Vec<Violation>,
@@ -174,7 +176,8 @@ mod tests {
     use super::*;
     use phex_mesh::Vec3;
 
-    /// Three panels round one vertex; `lift` raises a corner of the first out of its plane, `slide` moves it along.
+    /// Three panels round one vertex; `lift` raises a corner of the first out of its plane, `slide`
+    /// moves it along.
     fn three_panels(lift: f64, slide: f64) -> HexMesh {
         let mut positions = vec![Vec3::zeros()];
         for k in 0..6 {

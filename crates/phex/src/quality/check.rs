@@ -51,7 +51,8 @@ pub struct Reading {
 pub struct Check {
     /// Name, as in the table of the documentation.
     pub name: &'static str,
-    /// The limit; a smallest one for `edge_length`, `clearance` and `covered_area`, else a largest one.
+    /// The limit; a smallest one for `edge_length`, `clearance` and `covered_area`, else a largest
+    /// one.
     pub limit: f64,
     /// The figure; for checks that count, the number of offenders.
     pub value: f64,
@@ -71,7 +72,8 @@ pub struct Check {
     pub element: ElementKind,
     /// The offenders, in order.
     pub ids: Vec<usize>,
-    /// The faces that take part in a failure, in order: the offenders, those that hold them, or those closest to the place.
+    /// The faces that take part in a failure, in order: the offenders, those that hold them, or
+    /// those closest to the place.
     pub faces: Vec<usize>,
     /// Where it is worst, in model coordinates; `None` where the check holds.
     pub place: Option<[f64; 3]>,
@@ -160,7 +162,8 @@ fn number(violation: &Violation) -> usize {
     }
 }
 
-/// Checks that count violations of a kind: name, kind, what the ids number, whether one offender is decisive.
+/// Checks that count violations of a kind: name, kind, what the ids number, whether one offender is
+/// decisive.
 const COUNTED: [(&str, &str, ElementKind, bool); 8] = [
     ("finite", "not_finite", ElementKind::Vertex, true),
     ("faces_not_simple", "not_simple", ElementKind::Face, true),
@@ -286,7 +289,8 @@ fn worst(points: impl Iterator<Item = (f64, Vec3)>) -> Option<Vec3> {
     points.max_by(|a, b| a.0.total_cmp(&b.0)).map(|p| p.1)
 }
 
-/// Bare points are named with the worst one where they are at least this share as far from the panels.
+/// Bare points are named with the worst one where they are at least this share as far from the
+/// panels.
 const AS_BAD: f64 = 0.25;
 
 /// The checks of a mesh against the boundary of an open surface.

@@ -21,7 +21,8 @@ pub struct Defect {
     pub amount: f64,
 }
 
-/// The defects of a mesh, the worst first: each a face with those of its neighbours that are no better.
+/// The defects of a mesh, the worst first: each a face with those of its neighbours that are no
+/// better.
 pub fn defects(mesh: &HexMesh, judgement: &Judgement) -> Vec<Defect> {
     let findings = &judgement.of_face;
     let found = findings.enumerate().filter(|(_, found)| found.is_defect());

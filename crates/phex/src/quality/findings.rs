@@ -37,7 +37,8 @@ impl Findings {
         self.folded + self.narrow + self.far + self.bare + self.rim
     }
 
-    /// How bad it is, to compare faces: what is invalid counts before what is outside, and that before what is not liked.
+    /// How bad it is, to compare faces: what is invalid counts before what is outside, and that
+    /// before what is not liked.
     pub(super) fn amount(&self) -> f64 {
         1e3 * self.invalid + self.outside() + 1e-3 * (self.tight + self.small)
     }

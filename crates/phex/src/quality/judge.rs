@@ -10,7 +10,8 @@ use phex_mesh::{
     closest_faces,
 };
 
-/// Clearance, in mean edges, below which a panel is tight: it is allowed from a third of that on, and not liked.
+/// Clearance, in mean edges, below which a panel is tight: it is allowed from a third of that on,
+/// and not liked.
 const ROOMY: f64 = 0.15;
 /// Excess over a limit, in limits, above which it does not matter how far it is exceeded.
 const LARGEST_EXCESS: f64 = 10.0;

@@ -4,30 +4,33 @@ use crate::trim::Boundary;
 use phex_mesh::validate::ValidateOptions;
 use serde::{Deserialize, Serialize};
 
-/// Distance to the surface, over the diagonal, that panels keep to where nothing else is asked for: what PH-CPF allows.
+/// Distance to the surface, over the diagonal, that panels keep to where nothing else is asked for:
+/// what PH-CPF allows.
 pub const USUAL_DEVIATION: f64 = 5e-3;
-/// Share of an open surface's area that panels cover at least, whatever happens at the boundary: `whole` leaves half a
-/// row of panels bare.
+/// Share of an open surface's area that panels cover at least, whatever happens at the boundary:
+/// `whole` leaves half a row of panels bare.
 const COVERED: f64 = 0.97;
 
-/// What a mesh must keep to: every search compares meshes by these limits, and every report judges by them.
+/// What a mesh must keep to: every search compares meshes by these limits, and every report judges
+/// by them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {
     /// Limits of validity; lengths in mean edges.
     pub validity: ValidateOptions,
-    /// Largest distance between mesh and reference surface, over the diagonal of the surface's bounding box; `None` does
-    /// not limit it.
+    /// Largest distance between mesh and reference surface, over the diagonal of the surface's
+    /// bounding box; `None` does not limit it.
     pub deviation_rel: Option<f64>,
-    /// Largest distance between the boundaries of mesh and open surface, over the same diagonal; `None` does not limit it.
+    /// Largest distance between the boundaries of mesh and open surface, over the same diagonal;
+    /// `None` does not limit it.
     pub boundary_rel: Option<f64>,
     /// Least share of an open surface's area that panels cover, 0 to 1; `None` does not limit it.
     pub covered: Option<f64>,
 }
 
 impl Limits {
-    /// The usual limits with a largest deviation, over the diagonal, for panels that end as they do; `None` where that is not known,
-    /// or where the boundary is led elsewhere.
+    /// The usual limits with a largest deviation, over the diagonal, for panels that end as they
+    /// do; `None` where that is not known, or where the boundary is led elsewhere.
     pub fn new(deviation_rel: Option<f64>, boundary: Option<Boundary>) -> Self {
         let follows = boundary.is_some_and(|how| how != Boundary::Whole);
         Self {

@@ -19,7 +19,8 @@ pub struct Merit {
     pub outside: f64,
     /// What is not liked.
     pub cost: f64,
-    /// Largest distance between mesh and surface, in limits: no change may make the worst place worse.
+    /// Largest distance between mesh and surface, in limits: no change may make the worst place
+    /// worse.
     pub off: f64,
 }
 
@@ -27,12 +28,14 @@ pub struct Merit {
 const GAIN: f64 = 0.02;
 /// The same for sums over a whole mesh, of which most has not changed.
 const ROUNDING: f64 = 1e-9;
-/// Costs of a mesh in which every panel is irregular, and in which every area is off by a factor of e.
+/// Costs of a mesh in which every panel is irregular, and in which every area is off by a factor of
+/// e.
 const IRREGULAR: f64 = 10.0;
 const UNEVEN: f64 = 1.0;
 /// Cost of a distance to the surface that is just allowed.
 const OFF: f64 = 0.1;
-/// Factor of the cost of irregular panels where a lattice can do without any that topology does not ask for.
+/// Factor of the cost of irregular panels where a lattice can do without any that topology does not
+/// ask for.
 const NEEDLESS: f64 = 10.0;
 
 impl Merit {

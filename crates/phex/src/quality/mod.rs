@@ -1,9 +1,12 @@
-//! Quality: what a mesh must keep to, what is wrong with it and where, and which of two meshes is better.
+//! Quality: what a mesh must keep to, what is wrong with it and where, and which of two meshes is
+//! better.
 //!
-//! [`Limits`] is what is asked for. [`Judge`] looks at a mesh, or at a part of one, and says for each face by how much it is outside
-//! ([`Findings`]); the sum over faces is the [`Merit`] by which lattices are compared and local changes are kept, and faces that hang
-//! together are a [`Defect`]. [`Assessment`] puts the same figures in the words of the report: each [`Check`] is a figure, a limit, the elements
-//! that exceed it, and the worst place; all of them together give the [`Verdict`]. What could not be checked is told ([`Omitted`]).
+//! [`Limits`] is what is asked for. [`Judge`] looks at a mesh, or at a part of one, and says for
+//! each face by how much it is outside ([`Findings`]); the sum over faces is the [`Merit`] by which
+//! lattices are compared and local changes are kept, and faces that hang together are a [`Defect`].
+//! [`Assessment`] puts the same figures in the words of the report: each [`Check`] is a figure, a
+//! limit, the elements that exceed it, and the worst place; all of them together give the
+//! [`Verdict`]. What could not be checked is told ([`Omitted`]).
 //!
 //! | verdict | when |
 //! |---|---|
@@ -11,8 +14,8 @@
 //! | outside tolerance | a figure is outside a limit: planarity, deviation, edge length, clearance, folds, topology, boundary, covered area |
 //! | invalid | the mesh is no panelling: a face not simple, folded back or flipped, a vertex covered twice or of wrong degree, an edge through a face |
 //!
-//! Guaranteed: pure functions of their arguments. A mesh of which the judge finds nothing invalid and nothing outside passes every located
-//! check of the report, and the other way round.
+//! Guaranteed: pure functions of their arguments. A mesh of which the judge finds nothing invalid
+//! and nothing outside passes every located check of the report, and the other way round.
 
 mod assessment;
 mod check;

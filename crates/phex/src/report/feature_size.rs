@@ -1,4 +1,5 @@
-//! Whether panels are small enough for the surface: how far the surface turns from one corner of a panel to another.
+//! Whether panels are small enough for the surface: how far the surface turns from one corner of a
+//! panel to another.
 
 use crate::curvature::{self, CurvatureOptions};
 use crate::quality::Check;
@@ -7,11 +8,13 @@ use phex_mesh::{FaceId, HexMesh, SurfacePoint, TriangleSurface, Vec3};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Where curvature is looked at, over the side of a square of a panel's area: details half as large as a panel count.
+/// Where curvature is looked at, over the side of a square of a panel's area: details half as large
+/// as a panel count.
 const SCALE: f64 = 0.5;
 
-/// `max L(d) |k(d)|` of every panel, over the directions `d` from one of its corners to another: their distance times the largest absolute
-/// normal curvature of the surface in that direction at the panel's centre and corners. No unit.
+/// `max L(d) |k(d)|` of every panel, over the directions `d` from one of its corners to another:
+/// their distance times the largest absolute normal curvature of the surface in that direction at
+/// the panel's centre and corners. No unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FeatureSizes {
     /// Values above this are of panels that are too large for the surface's features.
@@ -60,7 +63,8 @@ impl FeatureSizes {
         }
     }
 
-    /// What to tell the user where panels are too large and the surface is missed there, which the failed ones of the checks say.
+    /// What to tell the user where panels are too large and the surface is missed there, which the
+    /// failed ones of the checks say.
     pub fn warning(&self, checks: &[Check]) -> Option<String> {
         let distances = ["deviation", "coverage_inner"];
         let failed = checks.iter().filter(|c| distances.contains(&c.name));
@@ -91,8 +95,8 @@ fn arms(mesh: &HexMesh, face: FaceId) -> Vec<Vec3> {
     pairs.map(|(k, q)| q - corners[k]).collect()
 }
 
-/// How far the surface turns along a vector, in radians: its length times the normal curvature in its direction, where normal and shape operator
-/// are given.
+/// How far the surface turns along a vector, in radians: its length times the normal curvature in
+/// its direction, where normal and shape operator are given.
 fn turned(arm: &Vec3, (normal, tensor): &(Vec3, Matrix3<f64>)) -> f64 {
     let along = arm - normal * normal.dot(arm);
     let Some(direction) = along.try_normalize(0.0) else {

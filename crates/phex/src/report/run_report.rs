@@ -90,7 +90,8 @@ pub struct RunReport {
     pub checks: Vec<Check>,
     /// Every check that was not.
     pub not_checked: Vec<Omitted>,
-    /// What the mesh was judged by, as it was typed: `planarity`, `max_deviation`, `boundary`, `unit`; `phex check --report-of` reads it.
+    /// What the mesh was judged by, as it was typed: `planarity`, `max_deviation`, `boundary`,
+    /// `unit`; `phex check --report-of` reads it.
     pub limits: Value,
     /// Figures of the mesh.
     pub measures: MeshMeasures,
@@ -98,7 +99,8 @@ pub struct RunReport {
     pub deviation_smooth: Option<Deviation>,
     /// Distance to the original facets.
     pub deviation_facets: Option<Deviation>,
-    /// How the mesh ends where the surface ends; `null` without a surface, or if one of the two is closed.
+    /// How the mesh ends where the surface ends; `null` without a surface, or if one of the two is
+    /// closed.
     pub boundary: Option<BoundaryFit>,
     /// How large panels are for the surface's curvature; `null` without a surface.
     pub feature_sizes: Option<FeatureSizes>,
@@ -154,10 +156,12 @@ impl RunReport {
         }
     }
 
-    /// The report as indented JSON with a final line break. Figures that do not exist (of no element) are `null`.
+    /// The report as indented JSON with a final line break. Figures that do not exist (of no
+    /// element) are `null`.
     ///
     /// # Errors
-    /// Never for reports made by this crate; `settings`, `statistics` or `outcome` from elsewhere may fail.
+    /// Never for reports made by this crate; `settings`, `statistics` or `outcome` from elsewhere
+    /// may fail.
     pub fn to_json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self).map(|json| json + "\n")
     }

@@ -9,7 +9,8 @@ const WORST: usize = 2;
 const SPLITS: usize = 2;
 const MERGES: usize = 4;
 
-/// The drafts that are tried, in order. `needs_more` tells that panels are too large, `wide` that mild changes have failed.
+/// The drafts that are tried, in order. `needs_more` tells that panels are too large, `wide` that
+/// mild changes have failed.
 pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Draft> {
     let draft = &patch.draft;
     let worst = &patch.core[..patch.core.len().min(WORST)];

@@ -1,5 +1,6 @@
-//! Panels of a patch while they are joined anew: edges are turned (a T1 step, as in foams), two panels are merged by taking the edge between
-//! them away, and one is split by a new edge. Interior vertices keep three panels throughout.
+//! Panels of a patch while they are joined anew: edges are turned (a T1 step, as in foams), two
+//! panels are merged by taking the edge between them away, and one is split by a new edge. Interior
+//! vertices keep three panels throughout.
 
 use crate::layout::glide;
 use phex_mesh::{Topology, Vec3};
@@ -66,13 +67,15 @@ impl Draft {
         }
     }
 
-    /// Turns an edge; `None` if one of the four panels can't take part, or would have too few or too many corners.
+    /// Turns an edge; `None` if one of the four panels can't take part, or would have too few or
+    /// too many corners.
     pub fn turned(&self, [u, v]: Side) -> Option<Self> {
         let turn = self.turn([u, v])?;
         let mut next = self.clone();
         next.faces[turn.left].retain(|x| *x != v);
         next.faces[turn.right].retain(|x| *x != u);
-        // The left panel comes after u in the panel there, and keeps u; the right one comes after v, and keeps v.
+        // The left panel comes after u in the panel there, and keeps u; the right one comes after
+        // v, and keeps v.
         insert_before(&mut next.faces[turn.at_u], u, v);
         insert_before(&mut next.faces[turn.at_v], v, u);
         let centre = |f: usize| self.centre(f);
@@ -219,7 +222,8 @@ impl Draft {
         calm
     }
 
-    /// The panels after sequences of turns that make them more regular, though their first steps do not.
+    /// The panels after sequences of turns that make them more regular, though their first steps do
+    /// not.
     fn glided(&self) -> Option<Self> {
         let (topology, numbers) = self.topology()?;
         let closed = topology.faces().filter(|f| !self.open[numbers[f.index()]]);

@@ -1,16 +1,19 @@
 //! Search: local changes of a finished mesh, each kept if the judge says that it is better.
 //!
-//! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the same panels anew, two of them
-//! merged, an edge turned, a panel split, or all of them. Each candidate is made regular again by turns of edges (`draft`), made
-//! planar by the optimiser with everything around it at rest, and judged ([`crate::quality::Judge`]) with the same figures as the whole
-//! mesh; the best is kept if it is better than what there was, else nothing has changed. Places that do not touch are searched
-//! side by side. It is one mechanism for closed and open, uniform and adaptive meshes, whatever made them.
+//! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the
+//! same panels anew, two of them merged, an edge turned, a panel split, or all of them. Each
+//! candidate is made regular again by turns of edges (`draft`), made planar by the optimiser with
+//! everything around it at rest, and judged ([`crate::quality::Judge`]) with the same figures as
+//! the whole mesh; the best is kept if it is better than what there was, else nothing has changed.
+//! Places that do not touch are searched side by side. It is one mechanism for closed and open,
+//! uniform and adaptive meshes, whatever made them.
 //!
-//! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three panels; outside of the patches that
-//! are kept positions are the same to the last bit; the same result for any number of threads. What it costs follows the number
-//! of defects.
+//! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three
+//! panels; outside of the patches that are kept positions are the same to the last bit; the same
+//! result for any number of threads. What it costs follows the number of defects.
 //!
-//! *Fails* where panels are too large for the surface in many places: then defects are left, and named.
+//! *Fails* where panels are too large for the surface in many places: then defects are left, and
+//! named.
 
 mod candidates;
 mod draft;
@@ -39,11 +42,13 @@ const SWEEPS: usize = 60;
 const CURED: f64 = 0.99;
 /// Candidates that are tried again with all that the optimiser can do for them.
 const IMPROVED: usize = 2;
-/// Places outside limits, and their share of the panels, above which panels are too large everywhere: more of them here and
-/// there would only spoil the rows. What is invalid is searched all the same.
+/// Places outside limits, and their share of the panels, above which panels are too large
+/// everywhere: more of them here and there would only spoil the rows. What is invalid is searched
+/// all the same.
 const FEW: f64 = 3.0;
 const FEW_SHARE: f64 = 0.06;
-/// Candidates after which no sweep begins, and one more for each panel: the cost follows the panels.
+/// Candidates after which no sweep begins, and one more for each panel: the cost follows the
+/// panels.
 const LEAST_TRIED: usize = 60;
 /// Mean edges within which two places are the same.
 const SAME: f64 = 0.8;
@@ -267,8 +272,9 @@ impl Settled {
     }
 }
 
-/// Takes changes: all of them if the mesh as a whole is better for it, else the first that makes it better. Tells which were kept; nothing of
-/// those that are to be tried again, because panels have other numbers now.
+/// Takes changes: all of them if the mesh as a whole is better for it, else the first that makes it
+/// better. Tells which were kept; nothing of those that are to be tried again, because panels have
+/// other numbers now.
 fn take(
     mesh: &mut HexMesh,
     whole: &mut Whole,

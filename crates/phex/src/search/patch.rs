@@ -4,8 +4,8 @@ use super::draft::Draft;
 use phex_mesh::{FaceId, HexMesh, Vec3, VertexId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Rings of panels around those that may be joined anew whose corners move with them; one more ring is planar already and
-/// shows where they end.
+/// Rings of panels around those that may be joined anew whose corners move with them; one more ring
+/// is planar already and shows where they end.
 const MOVING: usize = 1;
 
 /// Some panels of a mesh and what is around them.
@@ -168,7 +168,8 @@ impl Change {
     }
 }
 
-/// The mesh with changes of patches that share no panel; panels that stay keep their order, new ones come last. `None` if that is no manifold.
+/// The mesh with changes of patches that share no panel; panels that stay keep their order, new
+/// ones come last. `None` if that is no manifold.
 pub(super) fn applied(mesh: &HexMesh, changes: &[&Change]) -> Option<HexMesh> {
     let mut positions = mesh.positions.as_slice().to_vec();
     let mut faces: Vec<Vec<u32>> = mesh.topology().face_lists();

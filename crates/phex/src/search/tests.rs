@@ -1,4 +1,5 @@
-//! A search cures what was spoiled, changes nothing where there is nothing to cure, and leaves the rest as it was.
+//! A search cures what was spoiled, changes nothing where there is nothing to cure, and leaves the
+//! rest as it was.
 
 use super::*;
 use crate::optimise::{BoundaryHold, OptimiseOptions};
@@ -132,7 +133,8 @@ fn a_spoiled_place_is_cured_and_the_rest_keeps_its_bytes() {
 #[test]
 fn a_change_that_is_no_better_is_taken_back() {
     let mesh = &wave().1;
-    // A limit that so many panels can't keep to everywhere: what is tried in vain must not make the mesh worse.
+    // A limit that so many panels can't keep to everywhere: what is tried in vain must not make the
+    // mesh worse.
     let limit = 0.6 * farthest(mesh);
     let result = searched(mesh, limit);
     let before = merit(mesh, limit);

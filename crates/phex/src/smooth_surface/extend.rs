@@ -1,15 +1,18 @@
 //! The surface continued beyond its boundary.
 //!
-//! From every vertex of the boundary a circular arc goes on in the direction of the outward conormal, through two points of
-//! the surface further in (its tangent and normal curvature at the boundary, at the scale of the arc). Directions and
-//! curvatures are averaged along the boundary; at corners the arcs are longer by `1 / cos(turning / 2)`, a mitre. Where
-//! the boundary is concave, as round a hole, arcs end before they could meet: no longer than `CLEAR` of the largest circle that
-//! touches the boundary there and holds no other point of it.
+//! From every vertex of the boundary a circular arc goes on in the direction of the outward
+//! conormal, through two points of the surface further in (its tangent and normal curvature at the
+//! boundary, at the scale of the arc). Directions and curvatures are averaged along the boundary;
+//! at corners the arcs are longer by `1 / cos(turning / 2)`, a mitre. Where the boundary is
+//! concave, as round a hole, arcs end before they could meet: no longer than `CLEAR` of the largest
+//! circle that touches the boundary there and holds no other point of it.
 //!
-//! Holes that are small against panels are closed instead: rings of vertices follow such arcs and meet in the middle.
+//! Holes that are small against panels are closed instead: rings of vertices follow such arcs and
+//! meet in the middle.
 //!
-//! Guaranteed: the input's vertices and triangles come first and are unchanged; the topology is the same but for holes that are closed. Fails where the
-//! input is not an embedded surface; the strip may then cross itself, as the input does.
+//! Guaranteed: the input's vertices and triangles come first and are unchanged; the topology is the
+//! same but for holes that are closed. Fails where the input is not an embedded surface; the strip
+//! may then cross itself, as the input does.
 
 use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId};
 
@@ -41,14 +44,15 @@ pub struct Extension {
 }
 
 impl Extension {
-    /// Whether a triangle lies on the input's part of the surface, after `levels` subdivisions into four.
+    /// Whether a triangle lies on the input's part of the surface, after `levels` subdivisions into
+    /// four.
     pub fn is_original(&self, triangle: FaceId, levels: usize) -> bool {
         triangle.index() >> (2 * levels) < self.n_original
     }
 }
 
-/// Continues a surface by a strip of the given width (0 for none), and closes its holes that are no longer round than `hole`; `None`
-/// where that changes nothing.
+/// Continues a surface by a strip of the given width (0 for none), and closes its holes that are no
+/// longer round than `hole`; `None` where that changes nothing.
 pub fn extend(surface: &TriangleSurface, width: f64, hole: f64) -> Option<Extension> {
     let loops = surface.boundary_loops();
     let rim: Vec<Vec3> = loops
@@ -269,8 +273,8 @@ impl Strip {
         }
     }
 
-    /// Closes a hole by rings that go on from the surface round it and meet in its middle; nothing is added, and the answer is no,
-    /// where such a cap would fold.
+    /// Closes a hole by rings that go on from the surface round it and meet in its middle; nothing
+    /// is added, and the answer is no, where such a cap would fold.
     fn close(&mut self, surface: &TriangleSurface, boundary: &[VertexId]) -> bool {
         let n = boundary.len();
         let place = |v: &VertexId| surface.positions()[*v];
@@ -419,7 +423,8 @@ mod tests {
 
     #[test]
     fn a_small_hole_of_a_sphere_is_closed() {
-        // A sphere without its caps: the upper hole is round by 2 pi sin 0.3, the lower one by more.
+        // A sphere without its caps: the upper hole is round by 2 pi sin 0.3, the lower one by
+        // more.
         let (n, rings) = (24, 20);
         let polar = |r: usize| 0.3 + 1.9 * r as f64 / rings as f64;
         let point = |r: usize, k: usize| {

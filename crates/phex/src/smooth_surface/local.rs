@@ -1,14 +1,17 @@
-//! Local refinement: only the edges that are too long are split, where a surface bends faster than its triangles are small.
+//! Local refinement: only the edges that are too long are split, where a surface bends faster than
+//! its triangles are small.
 
 use super::subdivide::Refinement;
 use super::{SmoothTarget, rebuilt};
 use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerEdge, Topology, TriangleSurface, Vec3};
 
 impl SmoothTarget {
-    /// The levels up to `level` and one more, on which the edges of that level longer than `limit` are split in two; `None` if
-    /// there are none. `length` gives them in any metric; triangles with two long edges are cut along their shorter median.
+    /// The levels up to `level` and one more, on which the edges of that level longer than `limit`
+    /// are split in two; `None` if there are none. `length` gives them in any metric; triangles
+    /// with two long edges are cut along their shorter median.
     ///
-    /// New vertices lie on the cubic curves that the normals at the ends ask for (A. Vlachos et al., "Curved PN triangles", 2001).
+    /// New vertices lie on the cubic curves that the normals at the ends ask for (A. Vlachos et
+    /// al., "Curved PN triangles", 2001).
     pub(crate) fn split_longer(
         &self,
         level: usize,
@@ -66,7 +69,8 @@ fn split_face(
             [a, b, c],
         ]),
         _ => {
-            // Turned so that the only long edge is the first, or the two long ones are the first two.
+            // Turned so that the only long edge is the first, or the two long ones are the first
+            // two.
             let first = |k: &usize| middles[*k].is_some() && middles[(k + 2) % 3].is_none();
             let k = (0..3)
                 .find(first)
@@ -110,7 +114,8 @@ mod tests {
         smooth_target(&ball, 1, &TargetOptions::default())
     }
 
-    /// Any choice of edges leaves a closed surface, whose new vertices are much nearer to the sphere than the edges' middles.
+    /// Any choice of edges leaves a closed surface, whose new vertices are much nearer to the
+    /// sphere than the edges' middles.
     #[test]
     fn split_edges_follow_the_sphere() {
         let target = ball();
@@ -130,7 +135,8 @@ mod tests {
         let worst = fine.positions().iter().map(off).fold(0.0, f64::max);
         let sagitta = longest * longest / 8.0;
         assert!(worst < 0.1 * sagitta, "{worst} of {sagitta}");
-        // Values at the vertices go half-way: they are off the cubics by no more than the sagitta, and old vertices stay.
+        // Values at the vertices go half-way: they are off the cubics by no more than the sagitta,
+        // and old vertices stay.
         let half_way = finer.refinements[0].apply(surface.positions());
         for (v, p) in half_way.enumerate() {
             let old = v.index() < topology.n_vertices();

@@ -1,9 +1,10 @@
 //! Smooth surface: what everything else looks at.
 //!
-//! The input's facets are a sample of a smooth surface. It is normalised ([`Normalised`]: bounding-box diagonal 1, box centre at the
-//! origin, coordinates on a grid, vertices in the order of their places, so that no later figure depends on the unit or on numbers),
-//! and refined by Loop subdivision whose control points are corrected until the refined surface passes through the input's vertices:
-//! `C <- C + damping * (V - (M C)|input)`, with `M` the subdivision matrix.
+//! The input's facets are a sample of a smooth surface. It is normalised ([`Normalised`]:
+//! bounding-box diagonal 1, box centre at the origin, coordinates on a grid, vertices in the order
+//! of their places, so that no later figure depends on the unit or on numbers), and refined by Loop
+//! subdivision whose control points are corrected until the refined surface passes through the
+//! input's vertices: `C <- C + damping * (V - (M C)|input)`, with `M` the subdivision matrix.
 //!
 //! | symbol | variable |
 //! |---|---|
@@ -11,9 +12,10 @@
 //! | `C` | control points |
 //! | `M` | [`subdivide::Refinement`], level by level |
 //!
-//! Guaranteed: the refined surface has the topology of the input, vertex `i` of the input is vertex `i` of every level,
-//! sharp boundary corners stay where they are. Fails: never; where the corrections do not converge (very irregular
-//! triangles) the control points that came closest to the input are used.
+//! Guaranteed: the refined surface has the topology of the input, vertex `i` of the input is vertex
+//! `i` of every level, sharp boundary corners stay where they are. Fails: never; where the
+//! corrections do not converge (very irregular triangles) the control points that came closest to
+//! the input are used.
 
 pub mod extend;
 mod local;
@@ -30,7 +32,8 @@ use subdivide::Refinement;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TargetKind {
-    /// The smooth surface through the input's vertices; on a coarse input it bulges over every facet.
+    /// The smooth surface through the input's vertices; on a coarse input it bulges over every
+    /// facet.
     #[default]
     Smooth,
     /// Between the smooth surface and the facets: half the correction towards the input's vertices.
@@ -45,7 +48,8 @@ pub enum TargetKind {
 pub struct TargetOptions {
     /// Which surface the panels are kept close to.
     pub kind: TargetKind,
-    /// Corrections of the control points towards interpolation (0: plain Loop, which smooths noise; 6 interpolates to about 1e-4).
+    /// Corrections of the control points towards interpolation (0: plain Loop, which smooths noise;
+    /// 6 interpolates to about 1e-4).
     pub corrections: usize,
     /// Share of the error that a correction removes (0 to 1).
     pub damping: f64,
@@ -99,9 +103,11 @@ pub struct SmoothTarget {
     pub levels: Vec<TriangleSurface>,
     /// Refinement from each level to the next.
     pub refinements: Vec<Refinement>,
-    /// Sharp corners of the boundary (vertices of the input, the same number at every level), sharpest first.
+    /// Sharp corners of the boundary (vertices of the input, the same number at every level),
+    /// sharpest first.
     pub corners: Vec<VertexId>,
-    /// Largest distance of an input vertex to the refined surface's vertex of the same number, diagonals.
+    /// Largest distance of an input vertex to the refined surface's vertex of the same number,
+    /// diagonals.
     pub interpolation_error: f64,
 }
 

@@ -1,14 +1,16 @@
 //! The surface as all later stages see it: the same for the same shape, whatever its unit.
 //!
-//! A millimetre is a thousandth of a metre, but their doubles round differently, and a lattice on a hard surface turns a last bit into
-//! another layout. So normalised coordinates are rounded to a grid. How the file numbers its vertices still matters: sums run in
-//! their order, and where two layouts are equally good it decides between them.
+//! A millimetre is a thousandth of a metre, but their doubles round differently, and a lattice on a
+//! hard surface turns a last bit into another layout. So normalised coordinates are rounded to a
+//! grid. How the file numbers its vertices still matters: sums run in their order, and where two
+//! layouts are equally good it decides between them.
 
 use super::{Similarity, triangles};
 use phex_mesh::{TriangleSurface, Vec3};
 
-/// Steps of the grid in a diagonal. Rounding errors of coordinates are 1e-16 of the diagonal, a millionth of a step: a vertex so near
-/// to the middle between two steps that they decide is rare. A step is 7 nanometres on a surface of 30 metres.
+/// Steps of the grid in a diagonal. Rounding errors of coordinates are 1e-16 of the diagonal, a
+/// millionth of a step: a vertex so near to the middle between two steps that they decide is rare.
+/// A step is 7 nanometres on a surface of 30 metres.
 const STEPS: f64 = (1_u64 << 32) as f64;
 
 /// A surface in normalised coordinates.

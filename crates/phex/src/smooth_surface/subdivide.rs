@@ -4,7 +4,8 @@ use phex_mesh::{EdgeId, PerVertex, Topology, VertexId};
 use std::f64::consts::PI;
 use std::ops::{Add, Mul};
 
-/// A refinement step: old vertices keep their numbers, edge points follow in the order of the edges.
+/// A refinement step: old vertices keep their numbers, edge points follow in the order of the
+/// edges.
 #[derive(Clone, Debug)]
 pub struct Refinement {
     /// Triangles of the refined mesh.
@@ -15,7 +16,8 @@ pub struct Refinement {
 }
 
 impl Refinement {
-    /// The Loop step of a triangle mesh; vertices in `corners` do not move. Returns the refined connectivity too.
+    /// The Loop step of a triangle mesh; vertices in `corners` do not move. Returns the refined
+    /// connectivity too.
     pub fn of(topology: &Topology, corners: &[VertexId]) -> (Self, Topology) {
         let mut fixed = PerVertex::filled(topology.n_vertices(), false);
         corners.iter().for_each(|&v| fixed[v] = true);
@@ -29,7 +31,8 @@ impl Refinement {
         Self::with_stencils(topology, vertex, |e| edge_stencil(topology, e))
     }
 
-    /// The step that splits each triangle in four and has the given stencils for old vertices and for edges.
+    /// The step that splits each triangle in four and has the given stencils for old vertices and
+    /// for edges.
     pub fn with_stencils(
         topology: &Topology,
         vertex: impl Fn(VertexId) -> Vec<(VertexId, f64)>,
@@ -48,7 +51,8 @@ impl Refinement {
         (step, refined)
     }
 
-    /// The step that keeps all old vertices, with new ones half-way between `ends`, and the given triangles.
+    /// The step that keeps all old vertices, with new ones half-way between `ends`, and the given
+    /// triangles.
     pub fn with_middles(
         n_vertices: usize,
         ends: impl Iterator<Item = [VertexId; 2]>,

@@ -1,8 +1,11 @@
-//! Chamfers: an edge over which two panels fold by more than a right angle is cut off, so that they turn in two steps.
+//! Chamfers: an edge over which two panels fold by more than a right angle is cut off, so that they
+//! turn in two steps.
 //!
-//! Where a body is thinner than its panels (a fin, the edge of a wing) two of them meet like the sides of a blade. A plane parallel to
-//! their edge and as steep to one as to the other cuts the edge off. It leaves a narrow quadrilateral; the planes of all other panels stay, so that
-//! everything is as planar as before, and interior vertices still have three faces. A blade of almost no angle takes two cuts.
+//! Where a body is thinner than its panels (a fin, the edge of a wing) two of them meet like the
+//! sides of a blade. A plane parallel to their edge and as steep to one as to the other cuts the
+//! edge off. It leaves a narrow quadrilateral; the planes of all other panels stay, so that
+//! everything is as planar as before, and interior vertices still have three faces. A blade of
+//! almost no angle takes two cuts.
 
 use super::{Trimmed, compact};
 use phex_mesh::{
@@ -10,8 +13,10 @@ use phex_mesh::{
     polygon,
 };
 
-/// The mesh with the edge between two panels cut off at a share of the depth of the nearest vertex below which an adjacent edge leads to; `None` if
-/// the panels that it changes are not simple or lose their clearance. Panels keep their numbers, the new one follows; its parent is that of `left`.
+/// The mesh with the edge between two panels cut off at a share of the depth of the nearest vertex
+/// below which an adjacent edge leads to; `None` if the panels that it changes are not simple or
+/// lose their clearance. Panels keep their numbers, the new one follows; its parent is that of
+/// `left`.
 pub(super) fn cut_off(
     trimmed: &Trimmed,
     [left, right]: [FaceId; 2],
@@ -42,7 +47,8 @@ struct Blade {
     /// The panels on its left and right.
     sides: [FaceId; 2],
     ends: [VertexId; 2],
-    /// The next vertices of the left panel, before the first end and after the second one, and those of the right panel.
+    /// The next vertices of the left panel, before the first end and after the second one, and
+    /// those of the right panel.
     beyond: [[VertexId; 2]; 2],
     /// The third panel at each end, if there is one.
     third: [Option<FaceId>; 2],
@@ -90,7 +96,8 @@ struct ChamferDraft {
 }
 
 impl ChamferDraft {
-    /// Cuts an edge off at a share of the depth of the nearest vertex; false if that leaves panels that are not sound, and the draft is no use.
+    /// Cuts an edge off at a share of the depth of the nearest vertex; false if that leaves panels
+    /// that are not sound, and the draft is no use.
     fn cut(&mut self, blade: &Blade, mesh: &HexMesh, share: f64) -> bool {
         let Some(outwards) = blade.outwards(mesh) else {
             return false;
@@ -123,7 +130,8 @@ impl ChamferDraft {
             let half = substituted(&self.faces[f.index()], blade.ends[0], &[number(side, 0)]);
             (f, substituted(&half, blade.ends[1], &[number(side, 1)]))
         });
-        // The third panel at the first end goes from the right side to the left one, at the second end the other way.
+        // The third panel at the first end goes from the right side to the left one, at the second
+        // end the other way.
         let thirds = [0, 1].map(|end| {
             let new = [number(1 - end, end), number(end, end)];
             let face = |f: FaceId| {

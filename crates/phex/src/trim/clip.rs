@@ -1,9 +1,9 @@
 //! Panels cut along the boundary curve.
 //!
-//! Every edge is walked for the places where it leaves or enters the surface; they become vertices that both panels
-//! share. A place nearer than [`NEAR`] to an end of the edge is moved to that end, so that no tiny edges arise. The parts
-//! of a panel's outline that lie inside are then joined along the boundary curve, which has the surface on its left as
-//! the panel has.
+//! Every edge is walked for the places where it leaves or enters the surface; they become vertices
+//! that both panels share. A place nearer than [`NEAR`] to an end of the edge is moved to that end,
+//! so that no tiny edges arise. The parts of a panel's outline that lie inside are then joined
+//! along the boundary curve, which has the surface on its left as the panel has.
 
 use super::curve::{Curve, Place};
 use super::follow::is_simple;
@@ -43,7 +43,8 @@ pub(super) fn curve(domain: &Domain<'_>) -> Curve {
     Curve::of(domain.original, domain.corner_angle, TOLERANCE)
 }
 
-/// An edge between its cuts: vertices in the direction of its half-edge, and whether each piece between them is inside.
+/// An edge between its cuts: vertices in the direction of its half-edge, and whether each piece
+/// between them is inside.
 #[derive(Clone, Debug)]
 struct CutEdge {
     vertices: Vec<u32>,
@@ -150,7 +151,8 @@ impl<'a> Cut<'a> {
         (vertices, inside)
     }
 
-    /// Joins runs along the boundary curve: from the end of each to the start of the one that comes next on the curve.
+    /// Joins runs along the boundary curve: from the end of each to the start of the one that comes
+    /// next on the curve.
     fn joined(&mut self, runs: &[Vec<u32>], plane: &FacePlane) -> Vec<PanelPart> {
         let place = |v: u32| self.curve.closest(self.positions[v as usize]);
         let starts: Vec<Place> = runs.iter().map(|r| place(r[0])).collect();
@@ -165,7 +167,8 @@ impl<'a> Cut<'a> {
                 part.extend(&runs[at]);
                 bare.extend(&runs[at]);
                 let ahead = |k: &usize| self.curve.ahead(ends[at], starts[*k]);
-                // Runs of a panel that is parted in a corner begin where others end; there it is parted, not joined.
+                // Runs of a panel that is parted in a corner begin where others end; there it is
+                // parted, not joined.
                 let apart = |k: usize| runs[k].first() != runs[at].last();
                 let open = (0..runs.len()).filter(|&k| (!used[k] || k == first) && apart(k));
                 let next = open
@@ -293,7 +296,8 @@ fn crossings(inside: impl Fn(f64) -> bool) -> Vec<f64> {
         .collect()
 }
 
-/// Drops pairs of crossings that are so close to each other that the piece between them does not count.
+/// Drops pairs of crossings that are so close to each other that the piece between them does not
+/// count.
 fn without_close_pairs(cuts: Vec<f64>, near: f64) -> Vec<f64> {
     let mut kept: Vec<f64> = Vec::new();
     for t in cuts {
@@ -314,8 +318,8 @@ mod tests {
     use crate::smooth_surface::extend;
     use phex_mesh::FlatFace;
 
-    /// A panel across the boundary whose re-entrant corner reaches a little beyond it, with two panels in the notch: both its parts are
-    /// kept, and meet in that corner.
+    /// A panel across the boundary whose re-entrant corner reaches a little beyond it, with two
+    /// panels in the notch: both its parts are kept, and meet in that corner.
     #[test]
     fn a_corner_beyond_the_curve_parts_a_panel() {
         let original = square();

@@ -23,8 +23,9 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    /// The boundary of a surface; vertices where it turns by more than `corner_angle` are always kept, others where what stands
-    /// for the curve would be farther from it than `tolerance`, in diagonals.
+    /// The boundary of a surface; vertices where it turns by more than `corner_angle` are always
+    /// kept, others where what stands for the curve would be farther from it than `tolerance`, in
+    /// diagonals.
     pub fn of(surface: &TriangleSurface, corner_angle: f64, tolerance: f64) -> Self {
         let diagonal = surface.diagonal();
         let points = |l: &Vec<_>| l.iter().map(|&v| surface.positions()[v]).collect();
@@ -104,11 +105,13 @@ impl Curve {
         self.loops[place.of].len() as f64
     }
 
-    /// Vertices that stand for the curve between two places, without the places; none if the way is a long detour.
+    /// Vertices that stand for the curve between two places, without the places; none if the way is
+    /// a long detour.
     pub fn between(&self, from: Place, to: Place, begin: Vec3, end: Vec3) -> Vec<Vec3> {
         let ahead = self.ahead(from, to);
         let points = &self.loops[from.of];
-        // Rounding may put the end a little before the beginning: that is no way round the whole loop.
+        // Rounding may put the end a little before the beginning: that is no way round the whole
+        // loop.
         if !ahead.is_finite() || ahead > 0.9 * points.len() as f64 {
             return Vec::new();
         }

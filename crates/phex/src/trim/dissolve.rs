@@ -1,8 +1,10 @@
 //! Slivers taken over by the panels behind them.
 //!
-//! A sliver at the boundary whose neighbours lie in other planes goes if a neighbour's plane is continued over it: the edges
-//! that ended at the sliver's inner corners go on along their lines, in which two planes meet, to the boundary curve, and
-//! the boundary is followed in the neighbour's plane. Where those lines meet before the boundary the neighbours on both sides share the sliver. So panels stay planar exactly, and interior vertices keep their degree.
+//! A sliver at the boundary whose neighbours lie in other planes goes if a neighbour's plane is
+//! continued over it: the edges that ended at the sliver's inner corners go on along their lines,
+//! in which two planes meet, to the boundary curve, and the boundary is followed in the neighbour's
+//! plane. Where those lines meet before the boundary the neighbours on both sides share the sliver.
+//! So panels stay planar exactly, and interior vertices keep their degree.
 
 use super::curve::Curve;
 use super::follow::is_simple;
@@ -31,7 +33,8 @@ pub(crate) struct Takeover {
     pub room: f64,
     /// Whether those on both sides may share a sliver; they get long then.
     pub shared: bool,
-    /// Whether panels were cut: slivers then also grow into their neighbours, or are left out where they are narrow.
+    /// Whether panels were cut: slivers then also grow into their neighbours, or are left out where
+    /// they are narrow.
     pub cut: bool,
 }
 
@@ -49,8 +52,8 @@ impl Takeover {
     }
 }
 
-/// Lets neighbours take over small panels at the boundary, where there are fewer small ones afterwards. `inside` tells whether a point lies on the
-/// surface's side of the boundary.
+/// Lets neighbours take over small panels at the boundary, where there are fewer small ones
+/// afterwards. `inside` tells whether a point lies on the surface's side of the boundary.
 pub(super) fn without_slivers(
     mut trimmed: Trimmed,
     inside: &impl Fn(Vec3) -> bool,
@@ -111,11 +114,13 @@ struct Heir {
     sliver: FaceId,
     /// The sliver's edge to it.
     edge: HalfEdgeId,
-    /// The sliver's edge before that, to a neighbour at the boundary, if there is one; and the one after it.
+    /// The sliver's edge before that, to a neighbour at the boundary, if there is one; and the one
+    /// after it.
     sides: [Option<HalfEdgeId>; 2],
 }
 
-/// Who could take over a sliver with one stretch of boundary: whoever has the middle of the edges inside.
+/// Who could take over a sliver with one stretch of boundary: whoever has the middle of the edges
+/// inside.
 fn heirs(mesh: &HexMesh, sliver: FaceId) -> Vec<Heir> {
     let Some(chain) = grow::inner_chain(mesh.topology(), sliver) else {
         return Vec::new();
@@ -187,8 +192,9 @@ impl Heir {
             .then(|| draft.without(self.sliver, &trimmed.parent))?
     }
 
-    /// The mesh with the sliver shared by the neighbours on both sides, where the lines along which the heir would go on meet before the
-    /// boundary: it ends in their meet, and from there the planes of the two meet up to the boundary.
+    /// The mesh with the sliver shared by the neighbours on both sides, where the lines along which
+    /// the heir would go on meet before the boundary: it ends in their meet, and from there the
+    /// planes of the two meet up to the boundary.
     fn close_over(
         &self,
         trimmed: &Trimmed,
@@ -296,8 +302,9 @@ impl<'a> DissolveDraft<'a> {
         self.positions.len() as u32 - 1
     }
 
-    /// Moves the end of a neighbour's edge from the sliver's inner corner to the boundary, and takes out the corner that it had
-    /// there; `next`: the boundary follows after it, else it comes before.
+    /// Moves the end of a neighbour's edge from the sliver's inner corner to the boundary, and
+    /// takes out the corner that it had there; `next`: the boundary follows after it, else it comes
+    /// before.
     fn move_end(
         &mut self,
         f: FaceId,
@@ -402,8 +409,8 @@ pub(super) mod tests {
     use crate::smooth_surface::extend::{self, Extension};
     use phex_mesh::{TriangleSurface, measure};
 
-    /// A flat square from 0 to 3 as a domain, and panels on it: two in the lower row, one behind, and between the two in
-    /// front a narrow one with its inner end at `(1.5, 0.4)`.
+    /// A flat square from 0 to 3 as a domain, and panels on it: two in the lower row, one behind,
+    /// and between the two in front a narrow one with its inner end at `(1.5, 0.4)`.
     fn panels() -> Trimmed {
         let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
         let positions = vec![
@@ -439,7 +446,8 @@ pub(super) mod tests {
         TriangleSurface::new((0..(n + 1) * (n + 1)).map(at).collect(), &triangles).unwrap()
     }
 
-    /// The square in two panels with a triangle between them at the boundary, of a width and with its tip at `(1.5, tip)`; `height` over `x`.
+    /// The square in two panels with a triangle between them at the boundary, of a width and with
+    /// its tip at `(1.5, tip)`; `height` over `x`.
     pub fn with_triangle(width: f64, tip: f64, height: impl Fn(f64) -> f64) -> Trimmed {
         let p = |x: f64, y: f64| Vec3::new(x, y, height(x));
         let (a, b) = (1.5 - 0.5 * width, 1.5 + 0.5 * width);
@@ -491,8 +499,8 @@ pub(super) mod tests {
         assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-9);
     }
 
-    /// Three slightly tilted planes through `(1.5, 0.3, 0)`, which a narrow panel in front cuts off: the lines along which the panel behind it would go on
-    /// meet there, before the boundary.
+    /// Three slightly tilted planes through `(1.5, 0.3, 0)`, which a narrow panel in front cuts
+    /// off: the lines along which the panel behind it would go on meet there, before the boundary.
     fn cut_off() -> Trimmed {
         let side = |x: f64| -1e-3 * (x - 1.5f64).abs();
         let back = |y: f64| -1e-3 * (y - 0.3);

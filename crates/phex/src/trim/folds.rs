@@ -1,8 +1,9 @@
 //! Folds that the repair loop has left: edges over which panels turn by more than a right angle.
 //!
-//! Where little is missing one of the panels, or both, are turned towards each other ([`turn`](super::turn)); else the edge is cut off
-//! ([`chamfer`](super::chamfer)). Both are exact: all panels stay planar. A change is kept only where the fold goes or becomes less, and no more is
-//! wrong on the whole mesh after it, crossings included.
+//! Where little is missing one of the panels, or both, are turned towards each other
+//! ([`turn`](super::turn)); else the edge is cut off ([`chamfer`](super::chamfer)). Both are exact:
+//! all panels stay planar. A change is kept only where the fold goes or becomes less, and no more
+//! is wrong on the whole mesh after it, crossings included.
 
 use super::Trimmed;
 use super::chamfer::cut_off;
@@ -22,7 +23,8 @@ const TURNS: [[f64; 2]; 4] = [[0.5, 0.5], [1.0, 0.0], [0.0, 1.0], [0.25, 0.25]];
 /// Times that all folds are looked at, while some become less.
 const PASSES: usize = 3;
 
-/// The mesh with fewer folds, the sharpest treated first; `None` if none gets less. Panels keep their numbers, new ones follow.
+/// The mesh with fewer folds, the sharpest treated first; `None` if none gets less. Panels keep
+/// their numbers, new ones follow.
 pub(crate) fn without_folds(
     trimmed: &Trimmed,
     surface: Option<&TriangleSurface>,
@@ -196,7 +198,8 @@ mod tests {
 
     #[test]
     fn a_slight_fold_is_turned_away() {
-        // The blade of this prism turns by 94 degrees; with its ends and back cut off nothing else folds.
+        // The blade of this prism turns by 94 degrees; with its ends and back cut off nothing else
+        // folds.
         let half = 0.93f64;
         let mesh = unfolded(&wedge(half)).unwrap();
         assert!(is_valid(&mesh));

@@ -1,7 +1,7 @@
 //! Corners that panels get where the boundary curve stands off from their edges along it.
 //!
-//! They lie in the plane of their panel, over the curve, so the panel stays planar. An edge gets those of them with which its panel stays
-//! simple and keeps some clearance.
+//! They lie in the plane of their panel, over the curve, so the panel stays planar. An edge gets
+//! those of them with which its panel stays simple and keeps some clearance.
 
 use super::curve::{Curve, distance_to_segment};
 use phex_mesh::{FacePlane, HalfEdgeId, HexMesh, TriangleSurface, Vec3, polygon};
@@ -15,8 +15,8 @@ const ROOM: f64 = 0.06;
 /// Largest share of the distance between curve and edge that a new corner leaves.
 const GAIN: f64 = 0.7;
 
-/// The mesh with more corners along the boundary of `surface`; vertices where that turns by more than `corner_angle`, radians,
-/// become corners of a panel where they are not yet.
+/// The mesh with more corners along the boundary of `surface`; vertices where that turns by more
+/// than `corner_angle`, radians, become corners of a panel where they are not yet.
 pub(crate) fn followed(
     mesh: &HexMesh,
     surface: &TriangleSurface,
@@ -58,8 +58,8 @@ pub(crate) fn followed(
         .flatten()
 }
 
-/// Takes out of new corners after the `at`-th of an outline those without which the panel is simple and keeps a clearance: that of the
-/// closest pair of a corner and an edge each time.
+/// Takes out of new corners after the `at`-th of an outline those without which the panel is simple
+/// and keeps a clearance: that of the closest pair of a corner and an edge each time.
 fn keep_sound(outline: &[Vec3], at: usize, new: &mut Vec<Vec3>, plane: &FacePlane, room: f64) {
     let flat = |points: &[Vec3]| -> Vec<_> { points.iter().map(|p| plane.project(*p)).collect() };
     let least = room.min(polygon::clearance(&flat(outline)));

@@ -1,9 +1,10 @@
 //! Slivers that grow into the panels beside them.
 //!
-//! Where no plane of a neighbour can be continued over a sliver at the boundary, the sliver gets a plane of its own: through points on the
-//! two neighbours' stretches of boundary, and through one of its inner corners moved back along the edge behind it, in which the planes
-//! of two neighbours meet; its other inner corners are where the plane meets the edges behind them. Neighbours are only cut, or go on in
-//! their planes, so they stay planar.
+//! Where no plane of a neighbour can be continued over a sliver at the boundary, the sliver gets a
+//! plane of its own: through points on the two neighbours' stretches of boundary, and through one
+//! of its inner corners moved back along the edge behind it, in which the planes of two neighbours
+//! meet; its other inner corners are where the plane meets the edges behind them. Neighbours are
+//! only cut, or go on in their planes, so they stay planar.
 
 use super::curve::Curve;
 use super::{Trimmed, compact};
@@ -15,7 +16,8 @@ use phex_mesh::{
 /// Shares of the edge behind, and of the neighbours' stretches of boundary, that are tried.
 const BACK: [f64; 8] = [0.0, 0.06, 0.13, 0.2, 0.3, 0.42, 0.55, 0.7];
 const ALONG: [f64; 7] = [0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9];
-/// Shares of the edges behind the other corners between which these may come to lie; below 0 the edge gets longer.
+/// Shares of the edges behind the other corners between which these may come to lie; below 0 the
+/// edge gets longer.
 const BETWEEN: std::ops::Range<f64> = -0.3..0.8;
 /// Area that a sliver grows to, and its neighbours keep, over the least that is not small.
 const ENOUGH: f64 = 1.05;
@@ -24,7 +26,8 @@ const TURN: f64 = 0.8;
 /// Distance, in tolerances of the curve, by which corners along it leave it for the sliver's plane.
 const OFF: f64 = 2.0;
 
-/// The mesh with a sliver of more than the least area; of several ways the one that leaves most room, `room` at least.
+/// The mesh with a sliver of more than the least area; of several ways the one that leaves most
+/// room, `room` at least.
 pub(super) fn grown(
     trimmed: &Trimmed,
     sliver: FaceId,
@@ -219,7 +222,8 @@ impl<'a> Growth<'a> {
         Some(least)
     }
 
-    /// The clearance of a face with these corners, if it is simple, wound as before and not small, unless it may be.
+    /// The clearance of a face with these corners, if it is simple, wound as before and not small,
+    /// unless it may be.
     fn sound(&self, f: FaceId, corners: &[Vec3], may_be_small: bool) -> Option<f64> {
         let plane = self.plane(f);
         let points: Vec<_> = corners.iter().map(|p| plane.project(*p)).collect();
@@ -268,8 +272,8 @@ pub(super) fn inner_chain(topology: &Topology, face: FaceId) -> Option<Vec<HalfE
     Some(chain.map(|i| ring[i % n]).collect())
 }
 
-/// The boundary of a face from one of its vertices on, to the next that another face has, forwards or backwards; that vertex alone
-/// where a third face meets.
+/// The boundary of a face from one of its vertices on, to the next that another face has, forwards
+/// or backwards; that vertex alone where a third face meets.
 fn stretch(
     topology: &Topology,
     face: FaceId,
@@ -302,7 +306,8 @@ mod tests {
     use super::*;
     use phex_mesh::small_rim_faces;
 
-    /// Three panels with the planes of a low pyramid with its tip at `(1.5, 0.1)`, the one in front a triangle of `width` at the boundary.
+    /// Three panels with the planes of a low pyramid with its tip at `(1.5, 0.1)`, the one in front
+    /// a triangle of `width` at the boundary.
     fn pyramid(width: f64) -> Trimmed {
         with_triangle(width, 0.1, |x| -0.01 * (x - 1.5).abs())
     }
@@ -318,7 +323,8 @@ mod tests {
         let flat = FlatFace::all(&after);
         assert!(flat.iter().all(|f| f.planarity_length < 1e-12));
         assert!(flat.iter().all(|f| f.clearance().distance >= 0.05));
-        // Seen from above the panels fill the square as before, but for corners over the curve that lie in the sliver's plane now.
+        // Seen from above the panels fill the square as before, but for corners over the curve that
+        // lie in the sliver's plane now.
         let above = |f: FaceId| {
             let corners: Vec<_> = after.corners(f).map(|p| p.xy()).collect();
             polygon::signed_area(&corners)

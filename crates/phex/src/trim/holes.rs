@@ -1,8 +1,9 @@
 //! Panels with a hole of the surface inside: parted by a cut through the hole.
 //!
-//! A panel is a polygon, so a hole that no edge crosses can't be clipped out of it. A straight cut in the panel's plane through the
-//! middle of the hole, from edge to edge, makes two planar panels of it, and the new edge crosses the hole. Where the cut ends, the
-//! neighbour gets a vertex on its edge: three panels meet there, as everywhere.
+//! A panel is a polygon, so a hole that no edge crosses can't be clipped out of it. A straight cut
+//! in the panel's plane through the middle of the hole, from edge to edge, makes two planar panels
+//! of it, and the new edge crosses the hole. Where the cut ends, the neighbour gets a vertex on its
+//! edge: three panels meet there, as everywhere.
 
 use super::follow::is_simple;
 use super::{Domain, TrimError, Trimmed, compact};
@@ -171,7 +172,8 @@ fn ahead(outline: &[Vec2], from: Vec2, way: Vec2) -> Option<End> {
     nearest.filter(|e| (MARGIN..=1.0 - MARGIN).contains(&e.along))
 }
 
-/// Whether a point lies in a polygon: a ray to the right crosses its outline an odd number of times.
+/// Whether a point lies in a polygon: a ray to the right crosses its outline an odd number of
+/// times.
 fn contains(outline: &[Vec2], p: Vec2) -> bool {
     let n = outline.len();
     let crossings = (0..n).filter(|&i| {

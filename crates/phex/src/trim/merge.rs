@@ -1,8 +1,8 @@
 //! Slivers joined to a neighbour in the same plane.
 //!
-//! Where two neighbours lie in one plane, as on flat parts of a surface, their union is a planar panel. The vertex at which the
-//! edge between them ended inside has two panels left and goes: both stay planar, since it lies on a straight edge, or all
-//! three panels are in one plane.
+//! Where two neighbours lie in one plane, as on flat parts of a surface, their union is a planar
+//! panel. The vertex at which the edge between them ended inside has two panels left and goes: both
+//! stay planar, since it lies on a straight edge, or all three panels are in one plane.
 
 use super::follow::is_simple;
 use super::{TrimError, Trimmed, compact};
@@ -46,7 +46,8 @@ impl<'a> Union<'a> {
         }
     }
 
-    /// Joins a face to the neighbour in its plane with which it shares most corners; whether there was one.
+    /// Joins a face to the neighbour in its plane with which it shares most corners; whether there
+    /// was one.
     fn absorb(&mut self, sliver: usize) -> bool {
         let own = self.faces[sliver].clone();
         let shared = |f: usize| self.faces[f].iter().filter(|v| own.contains(v)).count();
@@ -92,7 +93,8 @@ impl<'a> Union<'a> {
     }
 }
 
-/// The outline of two faces that share one path of edges, and the ends of that path; `None` if they share something else.
+/// The outline of two faces that share one path of edges, and the ends of that path; `None` if they
+/// share something else.
 fn outline(a: &[u32], b: &[u32]) -> Option<(Vec<u32>, [u32; 2])> {
     let (n, m) = (a.len(), b.len());
     let in_b = |i: usize| b.contains(&a[i % n]);
@@ -114,7 +116,8 @@ fn outline(a: &[u32], b: &[u32]) -> Option<(Vec<u32>, [u32; 2])> {
     Some((own.chain(other).collect(), [first, last]))
 }
 
-/// Takes a vertex with two faces out of both, if they follow each other round it: it is inside, and nothing ends there.
+/// Takes a vertex with two faces out of both, if they follow each other round it: it is inside, and
+/// nothing ends there.
 fn remove_loose(faces: &mut [Vec<u32>], v: u32) {
     let holders: Vec<usize> = (0..faces.len())
         .filter(|f| faces[*f].contains(&v))
@@ -136,7 +139,8 @@ fn remove_loose(faces: &mut [Vec<u32>], v: u32) {
 mod tests {
     use super::*;
 
-    /// Two squares side by side over a strip of two rectangles, the right one narrow; `lift` raises its free corners.
+    /// Two squares side by side over a strip of two rectangles, the right one narrow; `lift` raises
+    /// its free corners.
     fn strip(lift: f64) -> Trimmed {
         let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
         let mut positions = vec![

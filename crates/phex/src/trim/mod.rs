@@ -1,26 +1,32 @@
 //! Trim: panels of the extended surface brought back to the boundary of the surface itself.
 //!
-//! With [`Boundary::Whole`] and [`Boundary::Clip`] panels are laid out and made planar on a surface that goes on beyond its boundary
-//! ([`crate::smooth_surface::extend`]): far, so that nothing at the boundary disturbs them, or a little, so that the cut runs
-//! across a row of panels along the boundary and leaves no slivers. Then
+//! With [`Boundary::Whole`] and [`Boundary::Clip`] panels are laid out and made planar on a surface
+//! that goes on beyond its boundary ([`crate::smooth_surface::extend`]): far, so that nothing at
+//! the boundary disturbs them, or a little, so that the cut runs across a row of panels along the
+//! boundary and leaves no slivers. Then
 //!
-//! * `whole` keeps the panels of which about half or more lies inside, so that their outline is short, and more where the coverage asks for it;
-//! * `clip` cuts each panel in its own plane along the boundary curve projected to that plane. A cut through a shared
-//!   edge is computed once, on the edge, so it lies in both planes; between two cuts a panel gets vertices of its own
-//!   along the curve. Clipped panels are planar exactly, because they are parts of planar panels.
+//! * `whole` keeps the panels of which about half or more lies inside, so that their outline is
+//!   short, and more where the coverage asks for it;
+//! * `clip` cuts each panel in its own plane along the boundary curve projected to that plane. A
+//!   cut through a shared edge is computed once, on the edge, so it lies in both planes; between
+//!   two cuts a panel gets vertices of its own along the curve. Clipped panels are planar exactly,
+//!   because they are parts of planar panels.
 //!
-//! Small holes are closed before panels are laid out, and cut out of them like that in the end, with `snap` too; a panel that holds all of
-//! one is parted first (`holes`).
+//! Small holes are closed before panels are laid out, and cut out of them like that in the end,
+//! with `snap` too; a panel that holds all of one is parted first (`holes`).
 //!
-//! In the end, on all surfaces, panels that fold against each other by more than a right angle are turned a little, or the edge between them is
-//! cut off (`folds`).
+//! In the end, on all surfaces, panels that fold against each other by more than a right angle are
+//! turned a little, or the edge between them is cut off (`folds`).
 //!
-//! A point is inside if its foot point on the extended surface lies on a triangle of the input's part.
+//! A point is inside if its foot point on the extended surface lies on a triangle of the input's
+//! part.
 //!
-//! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one connected manifold. Fails, with
-//! an error, where nothing is left. Clipping can leave panels that are too small: they are joined to a neighbour in the same plane (`merge`), or the
-//! plane of a neighbour is continued over them (`dissolve`), they grow into their neighbours (`grow`), or narrow ones are left out (`omit`); [`phex_mesh::small_rim_faces`] lists those that are left, and the repair loop
-//! drops their seeds.
+//! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one
+//! connected manifold. Fails, with an error, where nothing is left. Clipping can leave panels that
+//! are too small: they are joined to a neighbour in the same plane (`merge`), or the plane of a
+//! neighbour is continued over them (`dissolve`), they grow into their neighbours (`grow`), or
+//! narrow ones are left out (`omit`); [`phex_mesh::small_rim_faces`] lists those that are left, and
+//! the repair loop drops their seeds.
 
 mod chamfer;
 mod clip;
@@ -125,7 +131,8 @@ pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<T
     largest_part(trimmed)
 }
 
-/// Panels laid out up to the boundary of `surface`, small ones there taken over by their neighbours.
+/// Panels laid out up to the boundary of `surface`, small ones there taken over by their
+/// neighbours.
 pub(crate) fn without_slivers(
     trimmed: Trimmed,
     surface: &TriangleSurface,

@@ -1,7 +1,8 @@
 //! Slivers that are left out.
 //!
-//! A sliver so narrow that its inner corners lie next to the boundary leaves no gap that counts: where nothing else helps it goes, and
-//! the corners, now the ends of edges inside, are brought to the boundary curve with all others.
+//! A sliver so narrow that its inner corners lie next to the boundary leaves no gap that counts:
+//! where nothing else helps it goes, and the corners, now the ends of edges inside, are brought to
+//! the boundary curve with all others.
 
 use super::curve::{Curve, distance_to_segment};
 use super::grow::inner_chain;

@@ -1,9 +1,11 @@
-//! Panels turned in place: their vertices move along the third edges, so that all panels stay planar.
+//! Panels turned in place: their vertices move along the third edges, so that all panels stay
+//! planar.
 
 use phex_mesh::{FaceId, FlatFace, HexMesh, Vec3, VertexId};
 use std::collections::BTreeSet;
 
-/// The mesh with two neighbours turned towards each other by these angles (radians), each round its centre; `None` where an edge lies in the new plane.
+/// The mesh with two neighbours turned towards each other by these angles (radians), each round its
+/// centre; `None` where an edge lies in the new plane.
 pub(super) fn turned(mesh: &HexMesh, faces: [FaceId; 2], angles: [f64; 2]) -> Option<HexMesh> {
     let normals = faces.map(|f| FlatFace::of(mesh, f).normal());
     let axis = normals[0].cross(&normals[1]).try_normalize(0.0)?;
@@ -16,8 +18,9 @@ fn rotated(v: Vec3, axis: Vec3, angle: f64) -> Vec3 {
     v * angle.cos() + axis.cross(&v) * angle.sin()
 }
 
-/// The mesh with a face in the plane with another normal through its centre. Each of its vertices moves along the edge that leaves the face
-/// there, in which the planes of the other two faces meet; one that no other face has moves along the normal.
+/// The mesh with a face in the plane with another normal through its centre. Each of its vertices
+/// moves along the edge that leaves the face there, in which the planes of the other two faces
+/// meet; one that no other face has moves along the normal.
 fn with_normal(mesh: &HexMesh, face: FaceId, normal: &Vec3) -> Option<HexMesh> {
     let topology = mesh.topology();
     let own: BTreeSet<VertexId> = topology.face_vertices(face).iter().copied().collect();
@@ -30,7 +33,8 @@ fn with_normal(mesh: &HexMesh, face: FaceId, normal: &Vec3) -> Option<HexMesh> {
         let direction = match leaving[..] {
             [] if topology.face_degree(v) == 1 => *normal,
             [w] => mesh.position(w) - mesh.position(v),
-            // Both other faces go on along the face's own edges, or there are more of them: no way to move.
+            // Both other faces go on along the face's own edges, or there are more of them: no way
+            // to move.
             _ => return None,
         };
         let slope = normal.dot(&direction);

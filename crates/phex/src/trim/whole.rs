@@ -1,13 +1,15 @@
 //! Whole panels: those that lie mostly inside, with a calm outline.
 //!
-//! Kept panels `S` have a small sum of what they cover outside, what they leave bare inside, and `lambda` times the length of their outline,
+//! Kept panels `S` have a small sum of what they cover outside, what they leave bare inside, and
+//! `lambda` times the length of their outline,
 //!
 //! ```text
 //! E(S) = sum_{p in S} 2 t_p A_p - sum_{p in S} 2 s_p A_p + lambda |outline(S)|,     s the share inside, t its threshold (1/2),
 //! ```
 //!
-//! so that a panel that sticks out alone goes and one that is missing in a notch comes (a Potts model, Boykov, Veksler, Zabih 2001; minimised by
-//! single changes, the best first: Besag's iterated conditional modes, 1986). Where too little is covered, the threshold falls.
+//! so that a panel that sticks out alone goes and one that is missing in a notch comes (a Potts
+//! model, Boykov, Veksler, Zabih 2001; minimised by single changes, the best first: Besag's
+//! iterated conditional modes, 1986). Where too little is covered, the threshold falls.
 
 use super::{Domain, TrimError, Trimmed, compact, near_boundary};
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, Vec3, ear_clip};
@@ -15,7 +17,8 @@ use rayon::prelude::*;
 
 /// A panel is kept if at least this share of it lies inside.
 const KEEP: f64 = 0.5;
-/// Share of the surface that is covered at least; where it is not, panels that lie inside less are kept too.
+/// Share of the surface that is covered at least; where it is not, panels that lie inside less are
+/// kept too.
 const COVERAGE: f64 = 0.975;
 /// Weight of the outline's length, roots of the mean panel area.
 const OUTLINE: f64 = 0.25;
@@ -63,7 +66,8 @@ fn covered(shares: &[(f64, f64)], some: impl Fn(usize) -> bool) -> f64 {
     inside.map(|(_, (area, share))| area * share).sum()
 }
 
-/// The panels above the threshold, changed one by one as long as that lowers the energy; only those near the boundary may change.
+/// The panels above the threshold, changed one by one as long as that lowers the energy; only those
+/// near the boundary may change.
 fn least_energy(mesh: &HexMesh, shares: &[(f64, f64)], near: &[bool], threshold: f64) -> Vec<bool> {
     let topology = mesh.topology();
     let mean = shares.iter().map(|s| s.0).sum::<f64>() / shares.len() as f64;
@@ -165,7 +169,8 @@ mod tests {
         }
     }
 
-    /// Hexagons of a patch that reach beyond a straight boundary: the lower rows lie inside, the middle one by half. A tooth goes, a notch is filled.
+    /// Hexagons of a patch that reach beyond a straight boundary: the lower rows lie inside, the
+    /// middle one by half. A tooth goes, a notch is filled.
     #[test]
     fn a_tooth_goes_and_a_notch_is_filled() {
         let mesh = crate::layout::tests::lattice_patch(9).mesh;

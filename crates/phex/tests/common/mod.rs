@@ -188,7 +188,8 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// The stages before the layout, all on one surface with 25 vertices a panel; rows do not follow the boundary.
+    /// The stages before the layout, all on one surface with 25 vertices a panel; rows do not
+    /// follow the boundary.
     pub fn new(surface: &TriangleSurface, panels: usize) -> Self {
         let options = DirectionOptions {
             boundary_alignment: 0.0,

@@ -65,8 +65,8 @@ pub(super) struct Optimised {
     pub result: AngleOptimised,
     /// Largest distance of a vertex from where it was given, in model units.
     pub moved: f64,
-    /// Largest distance of a vertex or panel centre to the surface, as `phex check` measures it, or without one to the tangent
-    /// planes of the given mesh; in model units.
+    /// Largest distance of a vertex or panel centre to the surface, as `phex check` measures it, or
+    /// without one to the tangent planes of the given mesh; in model units.
     pub deviation: f64,
     /// What that is the distance to.
     pub reference: &'static str,

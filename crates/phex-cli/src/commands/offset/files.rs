@@ -202,7 +202,8 @@ fn layer_tags(own: bool, distances: &[f64]) -> Vec<String> {
     rough.unwrap_or_else(|| tags(EXACT))
 }
 
-/// Digits of a distance in a file name, or as many more as tell layers apart; and all that a number has.
+/// Digits of a distance in a file name, or as many more as tell layers apart; and all that a number
+/// has.
 const DIGITS: usize = 5;
 const EXACT: usize = 17;
 

@@ -1,4 +1,5 @@
-//! The space of parallel meshes: its dimension and basis, and the mesh in it with edge lengths closest to wishes.
+//! The space of parallel meshes: its dimension and basis, and the mesh in it with edge lengths
+//! closest to wishes.
 
 use super::Made;
 use crate::exit::{Exit, Failure, OrExit};
@@ -20,7 +21,8 @@ pub(super) fn of(mesh: &HexMesh) -> Result<ParallelSpace, Failure> {
     ParallelSpace::new(mesh).or_exit(Exit::InputUnusable)
 }
 
-/// The mesh with the lengths that were asked for or, without any, the given one, and the figures of its space.
+/// The mesh with the lengths that were asked for or, without any, the given one, and the figures of
+/// its space.
 ///
 /// # Errors
 /// If the mesh has no such space, or the lengths are not those of edges.

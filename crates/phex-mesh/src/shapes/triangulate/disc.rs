@@ -1,5 +1,6 @@
-//! Superelliptic domains: ring number `k` is the boundary curve shrunk towards the centre and has `6 k` vertices, as in the
-//! equilateral lattice. The rim's vertices are equally far apart on the surface, and every ring takes its spacing from the rim.
+//! Superelliptic domains: ring number `k` is the boundary curve shrunk towards the centre and has
+//! `6 k` vertices, as in the equilateral lattice. The rim's vertices are equally far apart on the
+//! surface, and every ring takes its spacing from the rim.
 
 use super::jitter::{Jitter, safe_edges};
 use super::rows::{Row, stitch};
@@ -34,7 +35,8 @@ pub(super) fn mesh<S: ParametricSurface + ?Sized>(
     }
 }
 
-/// Vertices as (fraction of the radius, fraction of the turn), ring by ring from the centre, and the triangles between them.
+/// Vertices as (fraction of the radius, fraction of the turn), ring by ring from the centre, and
+/// the triangles between them.
 fn concentric_rings(rings: u32) -> (Vec<Vec2>, Vec<[u32; 3]>) {
     let mut points = vec![Vec2::zeros()];
     let mut triangles = Vec::new();

@@ -1,4 +1,5 @@
-//! Domains from pole to pole: a subdivided icosahedron on the sphere of directions, so that no vertex is special at the poles.
+//! Domains from pole to pole: a subdivided icosahedron on the sphere of directions, so that no
+//! vertex is special at the poles.
 
 use super::jitter::{Jitter, safe_edges};
 use super::{ParameterMesh, TriangulationOptions};

@@ -33,8 +33,8 @@ impl Jitter {
     }
 }
 
-/// For every vertex the edge of an equilateral triangle as high as the lowest triangle at the vertex: moves relative to it
-/// cannot fold a triangle over.
+/// For every vertex the edge of an equilateral triangle as high as the lowest triangle at the
+/// vertex: moves relative to it cannot fold a triangle over.
 pub(super) fn safe_edges<P: Copy>(
     points: &[P],
     triangles: &[[u32; 3]],

@@ -6,8 +6,9 @@
 //! | superellipse | concentric rings of 6, 12, 18, ... vertices | `disc` |
 //! | pole to pole | a subdivided icosahedron, projected along rays | `icosphere` |
 //!
-//! Jitter moves interior vertices in the plane (or sphere) of the lattice before it is mapped to the surface. With altitudes of
-//! `sqrt(3) / 2` edges, no lattice triangle can fold over while the jitter is below `sqrt(3) / 4 = 0.433`.
+//! Jitter moves interior vertices in the plane (or sphere) of the lattice before it is mapped to
+//! the surface. With altitudes of `sqrt(3) / 2` edges, no lattice triangle can fold over while the
+//! jitter is below `sqrt(3) / 4 = 0.433`.
 
 mod disc;
 mod icosphere;
@@ -32,10 +33,11 @@ const MAX_JITTER: f64 = 0.4;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TriangulationOptions {
-    /// Number of triangles, about: the lattices come in steps. From 100 to 20 million. The default resolves every built-in shape
-    /// well enough that curvature is read off to a percent.
+    /// Number of triangles, about: the lattices come in steps. From 100 to 20 million. The default
+    /// resolves every built-in shape well enough that curvature is read off to a percent.
     pub triangles: usize,
-    /// How far vertices are moved at random, at most, in units of an edge of the lattice. From 0 (regular) to 0.4.
+    /// How far vertices are moved at random, at most, in units of an edge of the lattice. From 0
+    /// (regular) to 0.4.
     pub jitter: f64,
     /// Seed of the random moves.
     pub seed: u64,
@@ -77,7 +79,8 @@ pub struct Triangulation {
     pub positions: Vec<Vec3>,
     /// Parameters `(u, v)` of the vertices.
     pub parameters: Vec<[f64; 2]>,
-    /// Vertex numbers of the triangles, counter-clockwise seen from the tip of the surface's normal.
+    /// Vertex numbers of the triangles, counter-clockwise seen from the tip of the surface's
+    /// normal.
     pub triangles: Vec<[u32; 3]>,
 }
 

@@ -3,9 +3,9 @@
 /// Vertices of one row: abscissa and number, by rising abscissa.
 pub(super) type Row = Vec<(f64, u32)>;
 
-/// Triangles between two rows, counter-clockwise with `lower` below `upper`.
-/// Each step advances on the row whose next edge has its middle further left, which pairs the rows of an equilateral lattice
-/// as they belong.
+/// Triangles between two rows, counter-clockwise with `lower` below `upper`. Each step advances on
+/// the row whose next edge has its middle further left, which pairs the rows of an equilateral
+/// lattice as they belong.
 pub(super) fn stitch(lower: &Row, upper: &Row, triangles: &mut Vec<[u32; 3]>) {
     let middle = |row: &Row, i: usize| {
         row.get(i + 1)

@@ -1,4 +1,5 @@
-//! Rectangular domains: rows of constant `v`, every second one shifted by half a step; periodic sides are joined.
+//! Rectangular domains: rows of constant `v`, every second one shifted by half a step; periodic
+//! sides are joined.
 
 use super::jitter::Jitter;
 use super::rows::{Row, stitch};

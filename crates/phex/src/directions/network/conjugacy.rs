@@ -1,8 +1,9 @@
 //! How conjugate the curves of a network are.
 //!
-//! `|II(a, b)| / |II|` with unit tangents `a, b` of the two curves through a point and `|II| = max(|k1|, |k2|)`: 0 where they
-//! are conjugate, 1 at most. Curves follow their field in the sense of least squares, so this is not 0, and largest where the
-//! field turns quickly. Not defined where the surface is flat: there any two curves are conjugate.
+//! `|II(a, b)| / |II|` with unit tangents `a, b` of the two curves through a point and `|II| =
+//! max(|k1|, |k2|)`: 0 where they are conjugate, 1 at most. Curves follow their field in the sense
+//! of least squares, so this is not 0, and largest where the field turns quickly. Not defined where
+//! the surface is flat: there any two curves are conjugate.
 
 use super::function::Function;
 use crate::curvature::{Curvature, principal};
@@ -113,7 +114,8 @@ mod tests {
 
     #[test]
     fn curves_along_the_axes_of_a_paraboloid_are_conjugate_at_its_top_and_diagonals_are_not() {
-        // On z = -(x^2 + y^2 / 4): the curves x = constant and y = constant are conjugate everywhere.
+        // On z = -(x^2 + y^2 / 4): the curves x = constant and y = constant are conjugate
+        // everywhere.
         let shape = Shape::from_name("elliptic-paraboloid", &[("a", 1.0), ("b", 2.0)]).unwrap();
         let options = TriangulationOptions {
             triangles: 3000,

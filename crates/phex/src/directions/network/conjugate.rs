@@ -7,15 +7,16 @@ use phex_mesh::Vec3;
 /// Largest tangent of the angle by which a row is turned to become conjugate to a given column.
 const MAX_TURN: f64 = 0.5;
 
-/// How much an asymptotic direction, which is conjugate to itself, resists being turned: pairs stay transversal.
+/// How much an asymptotic direction, which is conjugate to itself, resists being turned: pairs stay
+/// transversal.
 const ASYMPTOTIC: f64 = 0.3;
 
-/// A unit pair `(row, column)` near `(row, normal x row)` with `II(row, column) = 0`, but for directions that are nearly
-/// asymptotic.
+/// A unit pair `(row, column)` near `(row, normal x row)` with `II(row, column) = 0`, but for
+/// directions that are nearly asymptotic.
 ///
-/// With `a, b, d` the second fundamental form in the given frame, `row + alpha column` and `column + beta row` are
-/// conjugate to first order for `beta a + alpha d = -b`; the solution of least norm is taken, three times. Forms below
-/// `flat`, in 1 / length, count as none.
+/// With `a, b, d` the second fundamental form in the given frame, `row + alpha column` and
+/// `column + beta row` are conjugate to first order for `beta a + alpha d = -b`; the solution of
+/// least norm is taken, three times. Forms below `flat`, in 1 / length, count as none.
 pub fn nearest_pair(normal: Vec3, form: &Matrix3<f64>, row: Vec3, flat: f64) -> [Vec3; 2] {
     let mut pair = [row, normal.cross(&row)];
     let [_, b0, _] = coefficients(form, pair);
@@ -34,7 +35,8 @@ pub fn nearest_pair(normal: Vec3, form: &Matrix3<f64>, row: Vec3, flat: f64) -> 
     pair
 }
 
-/// The unit direction conjugate to `column`, on its right, within `atan` of `MAX_TURN` of the perpendicular.
+/// The unit direction conjugate to `column`, on its right, within `atan` of `MAX_TURN` of the
+/// perpendicular.
 pub fn conjugate_row(normal: Vec3, form: &Matrix3<f64>, column: Vec3, flat: f64) -> Vec3 {
     let right = column.cross(&normal);
     let [_, b, d] = coefficients(form, [right, column]);
@@ -48,7 +50,8 @@ fn coefficients(form: &Matrix3<f64>, [r, s]: [Vec3; 2]) -> [f64; 3] {
     [r.dot(&(form * r)), r.dot(&(form * s)), s.dot(&(form * s))]
 }
 
-/// The projection of a direction of space to the tangent plane: a unit vector and the length of the projection.
+/// The projection of a direction of space to the tangent plane: a unit vector and the length of the
+/// projection.
 pub fn projected(normal: Vec3, axis: Vec3) -> (Vec3, f64) {
     let tangent = axis - normal * axis.dot(&normal);
     let length = tangent.norm();
@@ -80,7 +83,8 @@ mod tests {
             );
             let [r, s] = nearest_pair(Vec3::z(), &tensor, Vec3::x(), 1e-9);
             let (before, after) = (tensor[(0, 1)].abs(), r.dot(&(tensor * s)).abs());
-            // Near the asymptotic directions of a saddle no conjugate pair is transversal: there only that is kept.
+            // Near the asymptotic directions of a saddle no conjugate pair is transversal: there
+            // only that is kept.
             prop_assert!(k1 * k2 < 0.0 || after <= before + 1e-12);
             if k1 * k2 > 0.1 && turn.abs() < 0.3 {
                 prop_assert!(after < 0.2 * before + 1e-12, "{} {}", before, after);

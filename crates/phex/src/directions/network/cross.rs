@@ -1,9 +1,10 @@
 //! A cross field without singularities, combed into one direction per vertex.
 //!
-//! `z = exp(4 i theta)` minimises `sum w |z_j - exp(4 i tau) z_i|^2 + sum c m |z - z_0|^2` with the transport `tau` of a
-//! flat connection; `z_0` are the wished directions and `c` their weights. Where the minimiser has singular triangles the
-//! weights are lowered, most of all in growing neighbourhoods of them, until it has none: in a flat connection the smoothest
-//! field is parallel, so that ends. Weights are lowered too while the field turns round a hole or a handle.
+//! `z = exp(4 i theta)` minimises `sum w |z_j - exp(4 i tau) z_i|^2 + sum c m |z - z_0|^2` with the
+//! transport `tau` of a flat connection; `z_0` are the wished directions and `c` their weights.
+//! Where the minimiser has singular triangles the weights are lowered, most of all in growing
+//! neighbourhoods of them, until it has none: in a flat connection the smoothest field is parallel,
+//! so that ends. Weights are lowered too while the field turns round a hole or a handle.
 
 use super::super::intrinsic::{IntrinsicMesh, row};
 use super::super::rosy::{push_block, solve};
@@ -291,7 +292,8 @@ struct CrossField<'a> {
 }
 
 impl CrossField<'_> {
-    /// Quarter turns from the arm at the origin of an edge, transported, to the nearest arm at its target, and the rest.
+    /// Quarter turns from the arm at the origin of an edge, transported, to the nearest arm at its
+    /// target, and the rest.
     fn matching(&self, e: EdgeId) -> (i32, f64) {
         let [i, j] = self.topology.edge_vertices(e);
         let difference = self.angle[j] - self.angle[i] - self.transport[e];

@@ -13,8 +13,8 @@ pub struct Curve {
     pub closed: bool,
 }
 
-/// The curves on which `function` has whole values, in the order of the edges that they begin in. The function's periods
-/// must be whole.
+/// The curves on which `function` has whole values, in the order of the edges that they begin in.
+/// The function's periods must be whole.
 pub fn level_lines(surface: &TriangleSurface, function: &Function) -> Vec<Curve> {
     let topology = surface.topology();
     let mut links: BTreeMap<Crossing, Vec<Crossing>> = BTreeMap::new();
@@ -71,7 +71,8 @@ impl Crossing {
     }
 }
 
-/// Pieces of level lines in a triangle. A corner on a level counts as above it, so that each level crosses two sides.
+/// Pieces of level lines in a triangle. A corner on a level counts as above it, so that each level
+/// crosses two sides.
 fn segments(topology: &Topology, function: &Function, f: FaceId) -> Vec<[Crossing; 2]> {
     let corners = function.corners(topology, f);
     let low = corners.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,16 +1,18 @@
-//! A flat connection: the parallel transport closest to the surface's own that turns nothing round any triangle
-//! (K. Crane, M. Desbrun, P. Schroeder, "Trivial connections on discrete surfaces", 2010).
+//! A flat connection: the parallel transport closest to the surface's own that turns nothing round
+//! any triangle (K. Crane, M. Desbrun, P. Schroeder, "Trivial connections on discrete surfaces",
+//! 2010).
 //!
-//! Each edge turns by `eta = (beta_left - beta_right) / w` more, where `beta` solves the Laplace equation on the dual
-//! graph with the curvature of the triangles as its source and `beta = 0` outside the boundary; this `eta` has the least
-//! `sum w eta^2`.
+//! Each edge turns by `eta = (beta_left - beta_right) / w` more, where `beta` solves the Laplace
+//! equation on the dual graph with the curvature of the triangles as its source and `beta = 0`
+//! outside the boundary; this `eta` has the least `sum w eta^2`.
 
 use super::super::intrinsic::{IntrinsicMesh, row};
 use phex_mesh::{EdgeId, FaceId, PerEdge, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::f64::consts::PI;
 
-/// Rotation that transport along each edge, from the origin to the target of its half-edge, adds to a polar angle.
+/// Rotation that transport along each edge, from the origin to the target of its half-edge, adds to
+/// a polar angle.
 ///
 /// # Errors
 /// If the linear system can't be solved.

@@ -1,10 +1,11 @@
 //! Functions on a surface that follow directions.
 //!
-//! The function `f` minimises `sum A (W (level . grad f)^2 + (across . grad f - rate)^2)` over the triangles: its level
-//! lines run along `level`, strictly so for large `W`, and it grows at `rate` along `across`. Along edges that are held it is
-//! constant, nearly. With periods `p_k`
-//! on the cochains `omega_k` its change along an edge is `x_j - x_i + sum p_k omega_k`; the values `x` depend on `rate` and
-//! on the periods linearly, `x = base + sum p_k response_k`, with one factorisation for all.
+//! The function `f` minimises `sum A (W (level . grad f)^2 + (across . grad f - rate)^2)` over the
+//! triangles: its level lines run along `level`, strictly so for large `W`, and it grows at `rate`
+//! along `across`. Along edges that are held it is constant, nearly. With periods `p_k` on the
+//! cochains `omega_k` its change along an edge is `x_j - x_i + sum p_k omega_k`; the values `x`
+//! depend on `rate` and on the periods linearly, `x = base + sum p_k response_k`, with one
+//! factorisation for all.
 
 use super::super::intrinsic::row;
 use super::periods::along;
@@ -37,7 +38,8 @@ pub struct FunctionFamily {
 pub struct Function {
     /// Value at each vertex.
     pub value: PerVertex<f64>,
-    /// Change along the half-edge of each edge; differs from the difference of the values by periods.
+    /// Change along the half-edge of each edge; differs from the difference of the values by
+    /// periods.
     pub change: PerEdge<f64>,
 }
 
@@ -111,8 +113,8 @@ pub fn hat_gradients(surface: &TriangleSurface, f: FaceId) -> [Vec3; 3] {
     std::array::from_fn(|k| normal.cross(&(corner[(k + 2) % 3] - corner[(k + 1) % 3])) * scale)
 }
 
-/// Solves for the functions that follow the guides with strictness `strictness` and are constant along `held` half-edges of
-/// the boundary.
+/// Solves for the functions that follow the guides with strictness `strictness` and are constant
+/// along `held` half-edges of the boundary.
 ///
 /// # Errors
 /// If a linear system can't be solved.

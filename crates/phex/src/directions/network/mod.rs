@@ -1,16 +1,19 @@
-//! Conjugate curve networks: two families of curves whose tangents `r, s` satisfy `II(r, s) = 0` everywhere.
+//! Conjugate curve networks: two families of curves whose tangents `r, s` satisfy `II(r, s) = 0`
+//! everywhere.
 //!
-//! 1. [`cross`]: a cross field that follows the principal directions (or the projection of a given axis) where the two
-//!    curvatures differ, smooth elsewhere, without singularities, combed into one direction per vertex ([`flat`]).
+//! 1. [`cross`]: a cross field that follows the principal directions (or the projection of a given
+//!    axis) where the two curvatures differ, smooth elsewhere, without singularities, combed into
+//!    one direction per vertex ([`flat`]).
 //! 2. [`conjugate`]: the nearest conjugate pair `r, s`, or `r` conjugate to a given `s`.
-//! 3. [`function`]: functions `u, v` with `s . grad u = 0`, `r . grad v = 0` as well as possible; along curves of one
-//!    family the other function counts. Round holes and handles they have [`periods`]. Sides of the boundary that follow a
-//!    family become curves of it.
+//! 3. [`function`]: functions `u, v` with `s . grad u = 0`, `r . grad v = 0` as well as possible;
+//!    along curves of one family the other function counts. Round holes and handles they have
+//!    [`periods`]. Sides of the boundary that follow a family become curves of it.
 //! 4. [`curves`]: level lines, the network itself.
 //!
-//! Source: W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 3, begin with a conjugate network and
-//! leave open how it is made. Fields in place of tracing: curves that are level lines can neither run together nor stop,
-//! and close exactly. Curves follow the field in the sense of least squares, not exactly.
+//! Source: W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 3, begin with a
+//! conjugate network and leave open how it is made. Fields in place of tracing: curves that are
+//! level lines can neither run together nor stop, and close exactly. Curves follow the field in the
+//! sense of least squares, not exactly.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -18,9 +21,9 @@
 //! | `u`, `v` | [`ConjugateNetwork::along`], [`ConjugateNetwork::across`]: arc lengths, about |
 //! | `q(t) = II(t, t)` | normal curvature along a unit tangent |
 //!
-//! Guaranteed: the network has no singularities; rows are the family with the smaller normal curvature on most of the
-//! area. Fails, with an error that says where: on closed surfaces that are no torus, where the directions turn round a
-//! hole, and where the functions fold over.
+//! Guaranteed: the network has no singularities; rows are the family with the smaller normal
+//! curvature on most of the area. Fails, with an error that says where: on closed surfaces that are
+//! no torus, where the directions turn round a hole, and where the functions fold over.
 
 pub mod conjugacy;
 pub mod conjugate;
@@ -66,9 +69,11 @@ pub enum NetworkFamily {
 pub struct NetworkOptions {
     /// Which network.
     pub family: NetworkFamily,
-    /// Weight of the directions against smoothness, per square of the panel length. Large values follow noise.
+    /// Weight of the directions against smoothness, per square of the panel length. Large values
+    /// follow noise.
     pub alignment: f64,
-    /// Difference of the principal curvatures, over the surface's large ones, at which their directions count half.
+    /// Difference of the principal curvatures, over the surface's large ones, at which their
+    /// directions count half.
     pub umbilic_rel: f64,
     /// `W`: how much more the direction of the curves counts than their even spacing.
     pub strictness: f64,
@@ -225,7 +230,8 @@ fn follows_across(
     direction.enumerate().map(across).sum::<f64>() > 0.0
 }
 
-/// The 90 % quantile of the larger principal curvature, at least a thousandth of the reciprocal diagonal.
+/// The 90 % quantile of the larger principal curvature, at least a thousandth of the reciprocal
+/// diagonal.
 fn large_curvature(principal: &PerVertex<Principal>) -> f64 {
     super::metric::large_curvature(principal).max(1e-3)
 }

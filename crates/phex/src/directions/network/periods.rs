@@ -1,15 +1,16 @@
 //! Multivalued functions: one value per vertex and one period per loop that can't be contracted.
 //!
-//! A spanning tree of the vertices and one of the triangles (with the outside of the boundary as a node) that share no
-//! edge leave `2 g + b - 1` edges on a surface of genus `g` with `b` boundaries (`2 g` on a closed one). Each of them
-//! closes a loop; the closed integer cochain that belongs to it is 1 on it, 0 on the others and on the tree of the
-//! vertices, and follows on all other edges because it sums to 0 round each triangle
-//! (tree-cotree decomposition, D. Eppstein 2003).
+//! A spanning tree of the vertices and one of the triangles (with the outside of the boundary as a
+//! node) that share no edge leave `2 g + b - 1` edges on a surface of genus `g` with `b` boundaries
+//! (`2 g` on a closed one). Each of them closes a loop; the closed integer cochain that belongs to
+//! it is 1 on it, 0 on the others and on the tree of the vertices, and follows on all other edges
+//! because it sums to 0 round each triangle (tree-cotree decomposition, D. Eppstein 2003).
 
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, PerVertex, Topology, VertexId};
 use std::collections::VecDeque;
 
-/// Closed integer cochains, a basis modulo differences of vertex values: for each, its value along the half-edge of every edge.
+/// Closed integer cochains, a basis modulo differences of vertex values: for each, its value along
+/// the half-edge of every edge.
 pub fn cochain_basis(topology: &Topology) -> Vec<PerEdge<i32>> {
     let mut role = PerEdge::filled(topology.n_edges(), Role::Generator);
     grow_vertex_tree(topology, &mut role);
@@ -57,7 +58,8 @@ fn grow_vertex_tree(topology: &Topology, role: &mut PerEdge<Role>) {
     }
 }
 
-/// Faces in the order in which the tree reaches them, each with the edge that leads towards the root.
+/// Faces in the order in which the tree reaches them, each with the edge that leads towards the
+/// root.
 fn grow_face_tree(topology: &Topology, role: &mut PerEdge<Role>) -> Vec<(FaceId, Option<EdgeId>)> {
     let mut seen = PerFace::filled(topology.n_faces(), false);
     let mut order: Vec<(FaceId, Option<EdgeId>)> = Vec::with_capacity(topology.n_faces());

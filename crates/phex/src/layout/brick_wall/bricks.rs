@@ -1,8 +1,10 @@
-//! The brick wall as a pattern of the plane: rows of height 1, bricks of length 1, alternate rows shifted by half.
+//! The brick wall as a pattern of the plane: rows of height 1, bricks of length 1, alternate rows
+//! shifted by half.
 //!
-//! Brick `(row, half)` fills `[half / 2, half / 2 + 1] x [row, row + 1]`, `half + row` even. Its corners are junctions
-//! `(half / 2, line)` of three bricks, whose third wall goes up if `half + line` is even and down otherwise. The
-//! translations of the pattern are the pairs `(half, row)` of half bricks and rows with an even sum.
+//! Brick `(row, half)` fills `[half / 2, half / 2 + 1] x [row, row + 1]`, `half + row` even. Its
+//! corners are junctions `(half / 2, line)` of three bricks, whose third wall goes up if `half +
+//! line` is even and down otherwise. The translations of the pattern are the pairs `(half, row)` of
+//! half bricks and rows with an even sum.
 
 /// A brick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +67,8 @@ impl Junction {
         })
     }
 
-    /// Its place with a kink: the share of half a row by which its line is bent towards the third wall.
+    /// Its place with a kink: the share of half a row by which its line is bent towards the third
+    /// wall.
     pub fn place(self, kink: f64) -> [f64; 2] {
         let up = if (self.half + self.line).rem_euclid(2) == 0 {
             1.0
@@ -76,7 +79,8 @@ impl Junction {
     }
 }
 
-/// Share of the way from `a` to `b`, in two neighbouring bricks, at which the wall between them is met.
+/// Share of the way from `a` to `b`, in two neighbouring bricks, at which the wall between them is
+/// met.
 pub fn wall_crossing([a, b]: [[f64; 2]; 2], [of_a, of_b]: [Brick; 2]) -> f64 {
     let t = if of_a.row == of_b.row {
         (0.5 * of_a.half.max(of_b.half) as f64 - a[0]) / (b[0] - a[0])
@@ -91,7 +95,8 @@ pub fn wall_crossing([a, b]: [[f64; 2]; 2], [of_a, of_b]: [Brick; 2]) -> f64 {
     }
 }
 
-/// How much a shear by one brick counts against a misfit of one row when periods are rounded: closed rows are wanted.
+/// How much a shear by one brick counts against a misfit of one row when periods are rounded:
+/// closed rows are wanted.
 const SHEAR: f64 = 3.0;
 
 /// The translation of the pattern nearest to a vector.
@@ -108,7 +113,8 @@ pub fn nearest_translation([u, v]: [f64; 2]) -> Translation {
         .map_or([0, 0], |c| c.1)
 }
 
-/// Rounds the periods of a surface's loops to translations, those of its shortest loops the most exactly.
+/// Rounds the periods of a surface's loops to translations, those of its shortest loops the most
+/// exactly.
 pub fn rounded_periods(periods: &[[f64; 2]]) -> Vec<Translation> {
     let mut short = periods.to_vec();
     let steps = shorten(&mut short);
@@ -123,7 +129,8 @@ pub fn rounded_periods(periods: &[[f64; 2]]) -> Vec<Translation> {
     rounded
 }
 
-/// Adds vectors to each other while that shortens them; the steps `(i, j, sign)` mean `p_i += sign p_j`.
+/// Adds vectors to each other while that shortens them; the steps `(i, j, sign)` mean `p_i += sign
+/// p_j`.
 fn shorten(vectors: &mut [[f64; 2]]) -> Vec<(usize, usize, i64)> {
     const MAX_STEPS: usize = 10_000;
     let square = |p: [f64; 2]| p[0] * p[0] + p[1] * p[1];

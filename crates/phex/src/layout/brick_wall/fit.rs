@@ -1,4 +1,5 @@
-//! Scale and phase of the pattern: where the boundary runs along rows or columns, it is laid on them.
+//! Scale and phase of the pattern: where the boundary runs along rows or columns, it is laid on
+//! them.
 
 use super::grid::BrickGrid;
 use crate::directions::network::{ConjugateNetwork, Function};
@@ -29,8 +30,8 @@ pub fn fitted_grid(
     BrickGrid::new(surface, network, fitted, [along.1, across.1])
 }
 
-/// Values of `constant` in the middles of the boundary edges along which it hardly changes, and the lengths of those edges;
-/// edges that follow neither family count with a length but no value.
+/// Values of `constant` in the middles of the boundary edges along which it hardly changes, and the
+/// lengths of those edges; edges that follow neither family count with a length but no value.
 fn followers(
     surface: &TriangleSurface,
     constant: &Function,

@@ -1,4 +1,5 @@
-//! The pattern laid on a surface: coordinates in bricks and rows at every vertex, continued across triangles.
+//! The pattern laid on a surface: coordinates in bricks and rows at every vertex, continued across
+//! triangles.
 
 use super::bricks::{Brick, Translation, rounded_periods, wall_crossing};
 use crate::directions::network::ConjugateNetwork;
@@ -11,7 +12,8 @@ use phex_mesh::{
 pub struct BrickGrid {
     /// Coordinates `(u, v)` of each vertex, in bricks and rows.
     pub at: PerVertex<[f64; 2]>,
-    /// Translation that continues the coordinates of an edge's second vertex to its first, along its half-edge.
+    /// Translation that continues the coordinates of an edge's second vertex to its first, along
+    /// its half-edge.
     jump: PerEdge<Translation>,
 }
 
@@ -19,7 +21,8 @@ pub struct BrickGrid {
 pub type Chart = [[f64; 2]; 3];
 
 impl BrickGrid {
-    /// The network at `scale` (bricks and rows per length), with periods rounded to translations of the pattern.
+    /// The network at `scale` (bricks and rows per length), with periods rounded to translations of
+    /// the pattern.
     pub fn new(
         surface: &TriangleSurface,
         network: &ConjugateNetwork,
@@ -115,8 +118,8 @@ impl BrickGrid {
         Some((g, continued))
     }
 
-    /// The brick of each vertex. Vertices of the boundary count as lying a little inside, so that rounding does not
-    /// decide where the boundary runs along a row.
+    /// The brick of each vertex. Vertices of the boundary count as lying a little inside, so that
+    /// rounding does not decide where the boundary runs along a row.
     pub fn bricks(&self, topology: &Topology) -> PerVertex<Brick> {
         const INWARDS: f64 = 0.4;
         PerVertex::from_fn(topology.n_vertices(), |v| {
@@ -147,8 +150,8 @@ impl BrickGrid {
         ring
     }
 
-    /// Number of the cell of each vertex (the connected part of a brick), and the vertex nearest to the middle of the brick
-    /// for each cell.
+    /// Number of the cell of each vertex (the connected part of a brick), and the vertex nearest to
+    /// the middle of the brick for each cell.
     pub fn cells(
         &self,
         topology: &Topology,
@@ -207,7 +210,8 @@ impl BrickGrid {
         mates
     }
 
-    /// Share of the way along an edge's half-edge at which it crosses the wall between the bricks of its ends.
+    /// Share of the way along an edge's half-edge at which it crosses the wall between the bricks
+    /// of its ends.
     pub fn crossing(&self, topology: &Topology, bricks: &PerVertex<Brick>, e: EdgeId) -> f64 {
         let h = topology.edge_half_edge(e);
         let (a, b) = (topology.origin(h), topology.target(h));

@@ -1,16 +1,18 @@
 //! Kinks: how far the lines between rows are bent so that bricks are planar.
 //!
-//! A brick of length `a` and height `b` on a quadric with conjugate `u, v` is planar with corners `(+-a/2, +-(b/2 - d))`
-//! and `(0, +-(b/2 + d))`, `d = a^2 q_uu / (8 b q_vv)`. As a share of half a row that is
-//! `rho = 2 d / b = II(x_u, x_u) / (4 II(x_v, x_v))` with the tangents of the brick coordinates. The brick is simple if and
-//! only if `|rho| < 1`; `rho = 1/3` is the affine image of a regular hexagon, 0 a rectangle.
+//! A brick of length `a` and height `b` on a quadric with conjugate `u, v` is planar with corners
+//! `(+-a/2, +-(b/2 - d))` and `(0, +-(b/2 + d))`, `d = a^2 q_uu / (8 b q_vv)`. As a share of half a
+//! row that is `rho = 2 d / b = II(x_u, x_u) / (4 II(x_v, x_v))` with the tangents of the brick
+//! coordinates. The brick is simple if and only if `|rho| < 1`; `rho = 1/3` is the affine image of
+//! a regular hexagon, 0 a rectangle.
 
 use super::grid::BrickGrid;
 use crate::curvature::Curvature;
 use crate::directions::network::function::hat_gradients;
 use phex_mesh::{FaceId, PerVertex, TriangleSurface, Vec3};
 
-/// `II` along the two tangents of the brick coordinates at every vertex, and the area that one unit of them has.
+/// `II` along the two tangents of the brick coordinates at every vertex, and the area that one unit
+/// of them has.
 #[derive(Clone, Debug)]
 pub struct BrickForms {
     /// `II(x_u, x_u)`.
@@ -97,7 +99,8 @@ fn ratio(along: f64, across: f64, flat: f64) -> f64 {
     0.25 * along * across / size
 }
 
-/// Tangents `x_u, x_v` in a triangle and the bricks per area; `None` where the coordinates fold over.
+/// Tangents `x_u, x_v` in a triangle and the bricks per area; `None` where the coordinates fold
+/// over.
 fn tangents(surface: &TriangleSurface, grid: &BrickGrid, f: FaceId) -> Option<([Vec3; 2], f64)> {
     let hats = hat_gradients(surface, f);
     let chart = grid.chart(surface.topology(), f);

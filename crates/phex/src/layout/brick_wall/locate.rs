@@ -17,7 +17,8 @@ pub struct Located {
 /// Triangles that one search walks through at the most.
 const MAX_STEPS: usize = 2000;
 
-/// Walks from a triangle to the one that holds a point; `None` where the way leaves the surface or the coordinates fold over.
+/// Walks from a triangle to the one that holds a point; `None` where the way leaves the surface or
+/// the coordinates fold over.
 pub fn locate(
     surface: &TriangleSurface,
     grid: &BrickGrid,
@@ -51,9 +52,9 @@ fn barycentric(chart: &Chart, p: [f64; 2]) -> Option<[f64; 3]> {
     })
 }
 
-/// The point on the curved surface that the normals describe: half-way from the triangle to the mean of the corners'
-/// tangent planes, exact for quadrics to the order of their curvature (after Phong tessellation, T. Boubekeur and
-/// M. Alexa 2008, who take three quarters).
+/// The point on the curved surface that the normals describe: half-way from the triangle to the
+/// mean of the corners' tangent planes, exact for quadrics to the order of their curvature (after
+/// Phong tessellation, T. Boubekeur and M. Alexa 2008, who take three quarters).
 pub fn curved_point(surface: &TriangleSurface, face: FaceId, barycentric: [f64; 3]) -> Vec3 {
     let corners = surface.topology().face_vertices(face);
     let flat = surface.at(face, barycentric).position;

@@ -1,18 +1,22 @@
-//! Brick wall on a conjugate network: the method of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3.
+//! Brick wall on a conjugate network: the method of Wang and Liu, "A note on planar hexagonal
+//! meshes" (2010), section 3.
 //!
-//! The network (`crate::directions::network`) is sampled in steps of half a brick along rows and of a row across; alternate
-//! rows are shifted by half a brick. Then junctions are moved across their row line by the kink
+//! The network (`crate::directions::network`) is sampled in steps of half a brick along rows and of
+//! a row across; alternate rows are shifted by half a brick. Then junctions are moved across their
+//! row line by the kink
 //!
 //! `d = a^2 q_uu / (8 b q_vv)`,  simple while `a^2 |q_uu| < 4 b^2 |q_vv|`
 //!
-//! which the paper does not have: it makes the panels planar to second order in their size instead of first. The ratio
-//! `a / b` is the largest for which 95 % of the surface keep half the distance to that limit. Periods round holes and
-//! handles are rounded to translations of the pattern ([`bricks`]), so that rows and columns close.
+//! which the paper does not have: it makes the panels planar to second order in their size instead
+//! of first. The ratio `a / b` is the largest for which 95 % of the surface keep half the distance
+//! to that limit. Periods round holes and handles are rounded to translations of the pattern
+//! ([`bricks`]), so that rows and columns close.
 //!
-//! At the boundary, bricks are cut: cells follow from the brick of each vertex, pieces under a quarter of a brick go to a
-//! neighbour, and the boundary's sharp corners are kept (`super::cells`). Boundary vertices lie where walls meet the
-//! boundary. Where the boundary runs along rows or columns, the pattern is stretched by at most 6 % and shifted so that it falls
-//! on them.
+//! At the boundary, bricks are cut: cells follow from the brick of each vertex, pieces under a
+//! quarter of a brick go to a neighbour, and the boundary's sharp corners are kept
+//! (`super::cells`). Boundary vertices lie where walls meet the boundary. Where the boundary runs
+//! along rows or columns, the pattern is stretched by at most 6 % and shifted so that it falls on
+//! them.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -20,8 +24,9 @@
 //! | `q_uu`, `q_vv` | [`kink::BrickForms::along`] over `a^2`, [`kink::BrickForms::across`] over `b^2` |
 //! | `2 d / b` | `rho`, [`kink::BrickForms::kink`], clipped to [`BrickWallOptions::max_kink`] |
 //!
-//! Guaranteed: the surface's topology, interior vertices of degree 3, only hexagons inside if bricks are resolved (five
-//! vertices of the surface along a half brick). Fails: where there is no network, or bricks are too large for the surface.
+//! Guaranteed: the surface's topology, interior vertices of degree 3, only hexagons inside if
+//! bricks are resolved (five vertices of the surface along a half brick). Fails: where there is no
+//! network, or bricks are too large for the surface.
 
 pub mod bricks;
 pub mod fit;
@@ -52,7 +57,8 @@ pub struct BrickWallOptions {
     pub ratio: Option<f64>,
     /// Smallest and largest ratio that is chosen.
     pub ratio_limits: [f64; 2],
-    /// `|rho|` that 95 % of the surface stay under when the ratio is chosen; panels touch themselves at 1.
+    /// `|rho|` that 95 % of the surface stay under when the ratio is chosen; panels touch
+    /// themselves at 1.
     pub kink_goal: f64,
     /// Largest `|rho|` that is built in; in (0, 1).
     pub max_kink: f64,
@@ -222,7 +228,8 @@ impl<'a> Wall<'a> {
         }
     }
 
-    /// The kinked junction of the three bricks at the corners of a triangle, if it lies on the surface.
+    /// The kinked junction of the three bricks at the corners of a triangle, if it lies on the
+    /// surface.
     fn junction(&self, f: FaceId, max_kink: f64) -> Option<Vec3> {
         let (surface, grid) = (self.on.surface, &self.grid);
         let topology = surface.topology();

@@ -2,10 +2,12 @@
 
 use phex_mesh::{HalfEdgeId, HexMesh, TopologyError, Vec3};
 
-/// Shrinks every face to half its size about the mean of its corners and puts a face in place of every edge; a boundary edge gets half a face. Vertices
-/// stay, three faces at each of those inside.
+/// Shrinks every face to half its size about the mean of its corners and puts a face in place of
+/// every edge; a boundary edge gets half a face. Vertices stay, three faces at each of those
+/// inside.
 ///
-/// The first faces are the old ones, in their order; those of the edges follow. On a regular hexagonal mesh this is the dual of splitting triangles in four.
+/// The first faces are the old ones, in their order; those of the edges follow. On a regular
+/// hexagonal mesh this is the dual of splitting triangles in four.
 ///
 /// # Errors
 /// If the mesh is so degenerate that the result is no manifold.

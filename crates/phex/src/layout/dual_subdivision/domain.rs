@@ -1,14 +1,16 @@
 //! Where the rules apply: on meshes whose Gauss curvature has one sign.
 //!
-//! Three planes in general position meet at every vertex inside, so its curvature is the signed area of the spherical triangle of their normals. Where that changes its sign
-//! the poles fold over: planes that rules put between them meet badly or far off, and levels lose planarity.
+//! Three planes in general position meet at every vertex inside, so its curvature is the signed
+//! area of the spherical triangle of their normals. Where that changes its sign the poles fold
+//! over: planes that rules put between them meet badly or far off, and levels lose planarity.
 
 use crate::layout::domain::{CurvatureSign, DomainError, Place};
 use phex_mesh::{FacePlane, HexMesh, PerFace, Vec3, VertexId};
 
 /// Name in messages.
 const METHOD: &str = "dual subdivision";
-/// Share of the absolute curvature that may have the other sign: single vertices where a panel is tilted.
+/// Share of the absolute curvature that may have the other sign: single vertices where a panel is
+/// tilted.
 const OTHER_SIGN: f64 = 0.02;
 /// Total curvature below which a mesh counts as flat.
 const FLAT: f64 = 1e-9;
@@ -55,7 +57,8 @@ pub fn one_sign(mesh: &HexMesh) -> Result<CurvatureSign, DomainError> {
     })
 }
 
-/// Signed area of a spherical polygon, counter-clockwise seen from outside, by the formula of A. van Oosterom and J. Strackee (1983) for the triangles of a fan.
+/// Signed area of a spherical polygon, counter-clockwise seen from outside, by the formula of A.
+/// van Oosterom and J. Strackee (1983) for the triangles of a fan.
 fn fan_area(normals: &[Vec3]) -> f64 {
     let [a, rest @ ..] = normals else { return 0.0 };
     let triangle = |b: &Vec3, c: &Vec3| {
@@ -89,7 +92,8 @@ mod tests {
         assert_eq!(one_sign(&mesh).unwrap(), CurvatureSign::Elliptic);
     }
 
-    /// Three planes that meet in the origin, over three directions; the heights tell cup from saddle.
+    /// Three planes that meet in the origin, over three directions; the heights tell cup from
+    /// saddle.
     fn corner(heights: [f64; 3]) -> HexMesh {
         let spoke = |k: usize| {
             let (sin, cos) = (std::f64::consts::TAU * k as f64 / 3.0).sin_cos();

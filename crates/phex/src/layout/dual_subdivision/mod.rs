@@ -1,23 +1,28 @@
 //! Dual subdivision: the rules of triangle meshes, applied to a P-Hex mesh through its dual.
 //!
-//! The poles of the faces form a triangle mesh, since three faces meet at every vertex. It is subdivided, and each triangle of the finer mesh
-//! is a vertex of a finer P-Hex mesh: where the polar planes of its corners meet. Faces stay planar to rounding at every level. Old faces
-//! are kept (by Loop's rule moved), every edge becomes a new face.
+//! The poles of the faces form a triangle mesh, since three faces meet at every vertex. It is
+//! subdivided, and each triangle of the finer mesh is a vertex of a finer P-Hex mesh: where the
+//! polar planes of its corners meet. Faces stay planar to rounding at every level. Old faces are
+//! kept (by Loop's rule moved), every edge becomes a new face.
 //!
 //! | rule | old vertices | new vertices |
 //! |---|---|---|
 //! | [`SubdivisionRule::Loop`] | smoothed (Loop 1987) | `(3, 3, 1, 1) / 8` |
 //! | [`SubdivisionRule::Butterfly`] | kept | Dyn, Levin, Gregory 1990, at irregular vertices Zorin, Schroeder, Sweldens 1996 |
 //!
-//! [`chamfer()`] makes the same connectivity in space, without the dual, for the robust way: subdivide, then optimise back to the
-//! surface (`pipeline::subdivide`).
+//! [`chamfer()`] makes the same connectivity in space, without the dual, for the robust way:
+//! subdivide, then optimise back to the surface (`pipeline::subdivide`).
 //!
-//! Source: H. Kawaharada, K. Sugihara, as reviewed by W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2; a subdivision scheme as a
-//! design tool is asked for in their section 5.
+//! Source: H. Kawaharada, K. Sugihara, as reviewed by W. Wang and Y. Liu, "A note on planar
+//! hexagonal meshes" (2010), section 2; a subdivision scheme as a design tool is asked for in their
+//! section 5.
 //!
-//! Guaranteed: planar faces, degree 3 inside, the topology of the inside. Fails, with an error: where a face's plane passes through the centre.
-//! Where the Gauss curvature changes its sign the dual folds over, and planes meet badly: [`one_sign`] tells beforehand. Nothing keeps faces simple where the dual is badly distorted. At the rim of an open mesh, rules do to
-//! quadratic functions what they do inside, and boundary vertices stay as near to the given boundary as their planes let them.
+//! Guaranteed: planar faces, degree 3 inside, the topology of the inside. Fails, with an error:
+//! where a face's plane passes through the centre. Where the Gauss curvature changes its sign the
+//! dual folds over, and planes meet badly: [`one_sign`] tells beforehand. Nothing keeps faces
+//! simple where the dual is badly distorted. At the rim of an open mesh, rules do to quadratic
+//! functions what they do inside, and boundary vertices stay as near to the given boundary as their
+//! planes let them.
 
 mod butterfly;
 mod chamfer;
@@ -36,7 +41,8 @@ use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerFace, PerVertex, Topology
 use refined::{Refined, refined};
 use std::collections::BTreeMap;
 
-/// A centre away from the planes of a mesh's faces, and how clear it is of them: see [`clear_centre`].
+/// A centre away from the planes of a mesh's faces, and how clear it is of them: see
+/// [`clear_centre`].
 pub fn clear_centre_of(mesh: &HexMesh) -> (Vec3, f64) {
     let plane = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
     let fitted: Vec<FacePlane> = mesh.topology().faces().map(plane).collect();
@@ -108,7 +114,8 @@ fn level(
     Ok((envelope(&finer.mesh, &PerFace::from_vec(planes?))?, poles))
 }
 
-/// Poles by a rule. Panels with no vertex inside have no triangle in the dual: they keep theirs, and the panel between two such ones has the mean.
+/// Poles by a rule. Panels with no vertex inside have no triangle in the dual: they keep theirs,
+/// and the panel between two such ones has the mean.
 fn finer_poles(
     topology: &Topology,
     finer: &Refined,

@@ -5,14 +5,15 @@ use phex_mesh::{EdgeId, FaceId, HalfEdgeId, HexMesh, Topology, Vec3, VertexId};
 
 /// Panels of the next level.
 pub(super) struct Refined {
-    /// Every old panel in its order, then one for each of [`Self::edges`]. Vertices inside are where [`super::chamfer()`] puts them, those at the boundary on it.
+    /// Every old panel in its order, then one for each of [`Self::edges`]. Vertices inside are
+    /// where [`super::chamfer()`] puts them, those at the boundary on it.
     pub mesh: HexMesh,
     /// The edges inside.
     pub edges: Vec<EdgeId>,
 }
 
-/// Shrinks every panel and puts one in place of every edge inside. Along the boundary, the panel of an edge that ends there takes a share of both its neighbours'
-/// parts.
+/// Shrinks every panel and puts one in place of every edge inside. Along the boundary, the panel of
+/// an edge that ends there takes a share of both its neighbours' parts.
 ///
 /// # Errors
 /// If three panels meet in a vertex at the boundary, or the result is no manifold.
@@ -123,7 +124,8 @@ fn place(mesh: &HexMesh, corner: RefinedVertex) -> Vec3 {
         .into_iter()
         .find(|(side, _)| topology.twin(*side).is_none());
     let (towards, share) = match along {
-        // The boundary vertex between two panels moves into one of them; what is left of a single edge is shared with its other end.
+        // The boundary vertex between two panels moves into one of them; what is left of a single
+        // edge is shared with its other end.
         Some((_, other)) if topology.face_degree(other) == 1 => (mesh.positions[other], 0.5),
         Some((_, other)) => (mesh.positions[other], 0.25),
         None => (mesh.centre(topology.face(h)), 0.5),

@@ -1,8 +1,10 @@
-//! Rules of subdivision at the rim of a triangle mesh, where some of the vertices that they ask for are missing.
+//! Rules of subdivision at the rim of a triangle mesh, where some of the vertices that they ask for
+//! are missing.
 //!
-//! The triangles nearby are unfolded into the lattice of equilateral ones. What a rule would say there of a quadratic function is said by the vertices that
-//! there are: of all weights that do so, the least ones. So rows at the rim are curved like those inside; rules along the rim alone, or with the missing
-//! vertices left out, know nothing of the curvature across it.
+//! The triangles nearby are unfolded into the lattice of equilateral ones. What a rule would say
+//! there of a quadratic function is said by the vertices that there are: of all weights that do so,
+//! the least ones. So rows at the rim are curved like those inside; rules along the rim alone, or
+//! with the missing vertices left out, know nothing of the curvature across it.
 
 use nalgebra::{DMatrix, DVector};
 use phex_mesh::{HalfEdgeId, Topology, Vec2, VertexId};
@@ -22,8 +24,9 @@ pub(super) fn lattice(i: f64, j: f64) -> Vec2 {
     Vec2::new(i + 0.5 * j, HEIGHT * j)
 }
 
-/// The stencil for a rule's points and weights in the lattice, whose origin is that of a half-edge, which runs along the first axis, with its triangle above. `None` where
-/// the mesh is too small for it.
+/// The stencil for a rule's points and weights in the lattice, whose origin is that of a half-edge,
+/// which runs along the first axis, with its triangle above. `None` where the mesh is too small for
+/// it.
 pub(super) fn stencil(
     topology: &Topology,
     from: HalfEdgeId,

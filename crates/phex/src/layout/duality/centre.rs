@@ -5,14 +5,16 @@ use phex_mesh::Vec3;
 
 /// Candidates along each side of the box that is searched.
 const GRID: i32 = 6;
-/// How far beyond the planes' points the search goes, in diagonals of their bounding box: farther away the dual only gets flatter.
+/// How far beyond the planes' points the search goes, in diagonals of their bounding box: farther
+/// away the dual only gets flatter.
 const REACH: f64 = 1.0;
 /// Halvings of the step of the final search.
 const HALVINGS: usize = 12;
 
-/// A point that sees the given planes, which touch near `points`, at distances as even as possible, and the least of these distances
-/// over the largest: 1 for the centre of a sphere, 0 or less where every point lies in one of the planes. The sign of a
-/// distance counts: poles of planes seen from different sides are joined through infinity.
+/// A point that sees the given planes, which touch near `points`, at distances as even as possible,
+/// and the least of these distances over the largest: 1 for the centre of a sphere, 0 or less where
+/// every point lies in one of the planes. The sign of a distance counts: poles of planes seen from
+/// different sides are joined through infinity.
 ///
 /// # Panics
 /// If there are no points.

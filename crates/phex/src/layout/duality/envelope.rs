@@ -3,8 +3,8 @@
 use super::{DualityError, Plane, meet};
 use phex_mesh::{HexMesh, PerFace, PerVertex, VertexId};
 
-/// Puts every vertex where the planes of its panels meet: three inside; at the boundary two or one, and there the vertex moves as
-/// little as possible. Every panel is planar to rounding.
+/// Puts every vertex where the planes of its panels meet: three inside; at the boundary two or one,
+/// and there the vertex moves as little as possible. Every panel is planar to rounding.
 ///
 /// # Errors
 /// If planes do not meet in one point, or a vertex has more than three panels.

@@ -1,4 +1,5 @@
-//! Flips that make panels of given planes valid: those of the convex hull where `K > 0`, those that obey the sign rule where `K < 0`.
+//! Flips that make panels of given planes valid: those of the convex hull where `K > 0`, those that
+//! obey the sign rule where `K < 0`.
 
 use super::hull::behind;
 use super::panels::{Flipped, Panels, Star};
@@ -7,13 +8,15 @@ use phex_mesh::polygon::is_simple;
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, Vec3, VertexId};
 use std::collections::BTreeSet;
 
-/// Steps per edge at the most: far more than are needed where the poles lie on a convex surface, and an end where they do not.
+/// Steps per edge at the most: far more than are needed where the poles lie on a convex surface,
+/// and an end where they do not.
 const STEPS_PER_EDGE: usize = 20;
 /// Corners that flips leave to a panel where `K < 0`: triangles are never simple there.
 const LEAST_SADDLE: usize = 4;
 
-/// Panels joined as the hull of their planes' poles is, by [`convex_flips`]; nothing changes where no centre avoids the planes.
-/// The hull does not depend on the centre: it is the dual of the convex body that the planes bound.
+/// Panels joined as the hull of their planes' poles is, by [`convex_flips`]; nothing changes where
+/// no centre avoids the planes. The hull does not depend on the centre: it is the dual of the
+/// convex body that the planes bound.
 ///
 /// # Errors
 /// If a plane passes through the centre that avoids them best.
@@ -47,11 +50,14 @@ pub fn hull_about(
     Ok(convex_flips(mesh, &PerFace::from_vec(poles?), centre))
 }
 
-/// Panels whose touching points are joined as the poles are in their convex hull, inside the given rim, for poles that lie round `centre`.
+/// Panels whose touching points are joined as the poles are in their convex hull, inside the given
+/// rim, for poles that lie round `centre`.
 ///
-/// An edge between two panels whose dual edge is reflex is replaced by one between the panels at its ends (Lawson's flips, seen from the
-/// dual); a triangle at such an edge is taken out, because its pole lies inside the hull and its plane cuts nothing off (Edelsbrunner and Shah
-/// 1996). On a convex dual surface this ends with the part of the hull that lies over the panels; every panel is then convex.
+/// An edge between two panels whose dual edge is reflex is replaced by one between the panels at
+/// its ends (Lawson's flips, seen from the dual); a triangle at such an edge is taken out, because
+/// its pole lies inside the hull and its plane cuts nothing off (Edelsbrunner and Shah 1996). On a
+/// convex dual surface this ends with the part of the hull that lies over the panels; every panel
+/// is then convex.
 pub fn convex_flips(mesh: &HexMesh, poles: &PerFace<Vec3>, centre: Vec3) -> Flipped {
     let pole = |f: u32| poles[FaceId::new(f)];
     // Round the first end of an edge the panels run: left, before, right.
@@ -76,8 +82,9 @@ pub fn convex_flips(mesh: &HexMesh, poles: &PerFace<Vec3>, centre: Vec3) -> Flip
     })
 }
 
-/// Panels whose touching points are joined so that the edges of their triangles lie on both sides of the asymptotic cone, as far as flips can do it:
-/// the panels in a lattice are then simple where `K < 0`.
+/// Panels whose touching points are joined so that the edges of their triangles lie on both sides
+/// of the asymptotic cone, as far as flips can do it: the panels in a lattice are then simple where
+/// `K < 0`.
 pub fn saddle_flips(mesh: &HexMesh, planes: &PerFace<Plane>, points: &PerFace<Vec3>) -> Flipped {
     let form = |f: u32, g: u32| {
         let (f, g) = (FaceId::new(f), FaceId::new(g));
@@ -105,8 +112,9 @@ pub fn saddle_flips(mesh: &HexMesh, planes: &PerFace<Plane>, points: &PerFace<Ve
     })
 }
 
-/// Panels of which fewer cross themselves: an edge of one that does is flipped where that leaves fewer such panels round it. Vertices inside lie where the planes of
-/// their panels meet, those at the boundary where they are.
+/// Panels of which fewer cross themselves: an edge of one that does is flipped where that leaves
+/// fewer such panels round it. Vertices inside lie where the planes of their panels meet, those at
+/// the boundary where they are.
 pub fn uncrossing_flips(mesh: &HexMesh, planes: &PerFace<Plane>) -> Flipped {
     let place = |panels: &Panels, v: u32| {
         let near = mesh.positions[VertexId::new(v)];
@@ -227,8 +235,9 @@ mod tests {
         assert!((measures.area - 24.0).abs() < 1e-12);
     }
 
-    /// Panels on the saddle `2 z = x^2 - y^2` about a lattice, some of whose cells are cut by the diagonal that leaves all edges of a triangle on one side of
-    /// the asymptotic cone; their planes and touching points.
+    /// Panels on the saddle `2 z = x^2 - y^2` about a lattice, some of whose cells are cut by the
+    /// diagonal that leaves all edges of a triangle on one side of the asymptotic cone; their
+    /// planes and touching points.
     fn saddle(wrong: impl Fn(u32, u32) -> bool) -> (HexMesh, PerFace<Plane>, PerFace<Vec3>) {
         const SIDE: u32 = 9;
         let middle = 0.5 * f64::from(SIDE - 1);

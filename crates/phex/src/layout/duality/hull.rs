@@ -1,8 +1,8 @@
 //! Convex hulls by exact predicates.
 //!
-//! Quickhull (Barber, Dobkin, Huhdanpaa 1996) with Shewchuk's `orient3d` as the only decision: every point outside is kept with one
-//! face that sees it; a point is added by replacing the faces that see it with the cone over their rim. Points that lie in
-//! the plane of a face do not see it.
+//! Quickhull (Barber, Dobkin, Huhdanpaa 1996) with Shewchuk's `orient3d` as the only decision:
+//! every point outside is kept with one face that sees it; a point is added by replacing the faces
+//! that see it with the cone over their rim. Points that lie in the plane of a face do not see it.
 
 use phex_mesh::Vec3;
 use robust::{Coord3D, orient3d};
@@ -28,7 +28,8 @@ pub enum HullError {
     },
 }
 
-/// Triangles of the convex hull, counter-clockwise seen from outside. Points inside the hull or in the plane of one of its faces are in no triangle.
+/// Triangles of the convex hull, counter-clockwise seen from outside. Points inside the hull or in
+/// the plane of one of its faces are in no triangle.
 ///
 /// # Errors
 /// If the points lie in one plane or are not finite.
@@ -57,7 +58,8 @@ pub(super) fn behind(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
     orient3d(at(a), at(b), at(c), at(d))
 }
 
-/// Four points that lie in no plane, the first three counter-clockwise seen from the side where the last is not.
+/// Four points that lie in no plane, the first three counter-clockwise seen from the side where the
+/// last is not.
 fn simplex(points: &[Vec3]) -> Option<[u32; 4]> {
     let largest = |value: &dyn Fn(usize) -> f64| {
         let best =

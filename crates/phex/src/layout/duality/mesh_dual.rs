@@ -14,13 +14,16 @@ pub struct MeshDual {
     pub vertex_of_face: Vec<VertexId>,
 }
 
-/// The dual of `mesh` with respect to `quadric`: poles of the faces' best planes, joined round every vertex inside.
+/// The dual of `mesh` with respect to `quadric`: poles of the faces' best planes, joined round
+/// every vertex inside.
 ///
-/// Faces run round their poles as the faces of the original run round their vertices. The dual of the dual of a closed mesh is the
-/// mesh, elements in their order; of an open one the part whose faces have no vertex on the boundary.
+/// Faces run round their poles as the faces of the original run round their vertices. The dual of
+/// the dual of a closed mesh is the mesh, elements in their order; of an open one the part whose
+/// faces have no vertex on the boundary.
 ///
 /// # Errors
-/// If a pole is at infinity, there is no vertex inside, or the dual is no manifold (the original has vertices of degree 2).
+/// If a pole is at infinity, there is no vertex inside, or the dual is no manifold (the original
+/// has vertices of degree 2).
 pub fn dual_mesh(mesh: &HexMesh, quadric: &Quadric) -> Result<MeshDual, DualityError> {
     let dual = DualTriangles::of(mesh.topology())?;
     let pole = |&face: &FaceId| {

@@ -1,14 +1,15 @@
 //! Planes and their poles: what the classical methods have in common.
 //!
-//! All of them give each panel a plane near the surface and put every vertex where its planes meet; they differ in how the
-//! planes are chosen. A panel is then planar to rounding whatever happens. Whether it is *simple* depends on the touching points:
-//! to second order a vertex is the circumcentre of its triangle of touching points in the metric `q = II` (the faces are
-//! simple where these triangles are not obtuse in `q` for `K > 0`, and where their edges lie on both sides of the asymptotic
-//! cone for `K < 0`).
+//! All of them give each panel a plane near the surface and put every vertex where its planes meet;
+//! they differ in how the planes are chosen. A panel is then planar to rounding whatever happens.
+//! Whether it is *simple* depends on the touching points: to second order a vertex is the
+//! circumcentre of its triangle of touching points in the metric `q = II` (the faces are simple
+//! where these triangles are not obtuse in `q` for `K > 0`, and where their edges lie on both sides
+//! of the asymptotic cone for `K < 0`).
 //!
-//! Polarity with respect to a quadric with symmetric matrix `Q` maps a plane `a x + b y + c z + d = 0` to the point
-//! `Q (a, b, c, d)^T` (homogeneous coordinates), and the planes through a point to the points of a plane: faces become
-//! vertices, vertices become faces.
+//! Polarity with respect to a quadric with symmetric matrix `Q` maps a plane `a x + b y + c z + d =
+//! 0` to the point `Q (a, b, c, d)^T` (homogeneous coordinates), and the planes through a point to
+//! the points of a plane: faces become vertices, vertices become faces.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -18,9 +19,10 @@
 //!
 //! Source: W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2.
 //!
-//! Guaranteed: polarity applied twice is the identity up to rounding; flips and hulls are decided by exact predicates on the
-//! given coordinates. Fails where a plane passes through the centre of the quadric (its pole is at infinity) and where three
-//! planes do not meet in one point; the error names the element.
+//! Guaranteed: polarity applied twice is the identity up to rounding; flips and hulls are decided
+//! by exact predicates on the given coordinates. Fails where a plane passes through the centre of
+//! the quadric (its pole is at infinity) and where three planes do not meet in one point; the error
+//! names the element.
 
 mod centre;
 mod envelope;

@@ -6,20 +6,24 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DualOptions {
-    /// Go on where the surface is outside the method's domain, to see what becomes of it; what fails is told by the statistics.
+    /// Go on where the surface is outside the method's domain, to see what becomes of it; what
+    /// fails is told by the statistics.
     pub any_domain: bool,
-    /// Where `K > 0`, join panels as the poles of their planes are in their convex hull: then all of them are convex. Where `K < 0`, flip edges whose triangles
-    /// break the sign rule. Without it the classical methods keep the regular triangulation, whose panels may cross themselves.
+    /// Where `K > 0`, join panels as the poles of their planes are in their convex hull: then all
+    /// of them are convex. Where `K < 0`, flip edges whose triangles break the sign rule. Without
+    /// it the classical methods keep the regular triangulation, whose panels may cross themselves.
     pub hull: bool,
-    /// Quadric of `projective-dual`: the upper triangle of its symmetric matrix `Q`, row by row, model coordinates. Without one, the unit sphere about a centre away
-    /// from all tangent planes.
+    /// Quadric of `projective-dual`: the upper triangle of its symmetric matrix `Q`, row by row,
+    /// model coordinates. Without one, the unit sphere about a centre away from all tangent planes.
     pub quadric: Option<[f64; 10]>,
-    /// `lambda` of `tangent-planes`, a pure number >= 0: 0 lets the planes meet exactly; from 0.05 to 0.5 vertices are held back where
-    /// planes meet badly, and the optimiser makes the panels planar.
+    /// `lambda` of `tangent-planes`, a pure number >= 0: 0 lets the planes meet exactly; from 0.05
+    /// to 0.5 vertices are held back where planes meet badly, and the optimiser makes the panels
+    /// planar.
     pub regularisation: f64,
     /// Rule of `dual-subdivision`.
     pub rule: SubdivisionRule,
-    /// Levels of `dual-subdivision`, from 1 to 5: the coarse mesh has a quarter of the panels for each.
+    /// Levels of `dual-subdivision`, from 1 to 5: the coarse mesh has a quarter of the panels for
+    /// each.
     pub levels: usize,
 }
 

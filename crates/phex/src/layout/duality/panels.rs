@@ -35,7 +35,8 @@ impl Star {
 pub struct Flipped {
     /// The panels. Vertices keep their places, though the planes that meet there are others.
     pub mesh: HexMesh,
-    /// The panel of the given mesh that each one is. Those that are missing were taken out: their planes cut nothing off.
+    /// The panel of the given mesh that each one is. Those that are missing were taken out: their
+    /// planes cut nothing off.
     pub faces: Vec<FaceId>,
     /// The vertex of the given mesh that each one was.
     pub vertices: Vec<VertexId>,
@@ -117,7 +118,8 @@ impl Panels {
         })
     }
 
-    /// Whether the panels on both sides keep `least` corners, and two panels share one edge at the most.
+    /// Whether the panels on both sides keep `least` corners, and two panels share one edge at the
+    /// most.
     pub fn can_flip(&self, star: &Star, least: usize) -> bool {
         let shared = self.corners[star.before as usize]
             .iter()
@@ -128,7 +130,8 @@ impl Panels {
             && shared.count() == 0
     }
 
-    /// Afterwards the first vertex has the left panel, the second the right one, and both the panels at the ends.
+    /// Afterwards the first vertex has the left panel, the second the right one, and both the
+    /// panels at the ends.
     pub fn flip(&mut self, star: &Star) {
         let Star {
             ends: [a, b],
@@ -139,14 +142,16 @@ impl Panels {
         } = *star;
         self.corners[left as usize].retain(|&v| v != b);
         self.corners[right as usize].retain(|&v| v != a);
-        // The panel before comes from the right panel's side to the left one's, the panel behind goes the other way.
+        // The panel before comes from the right panel's side to the left one's, the panel behind
+        // goes the other way.
         replace(&mut self.corners[before as usize], a, [b, a]);
         replace(&mut self.corners[behind as usize], b, [a, b]);
         self.around[VertexId::new(a)] = Some([left, before, behind]);
         self.around[VertexId::new(b)] = Some([right, behind, before]);
     }
 
-    /// Takes out a triangle inside, whose neighbours keep three corners; they then meet in the vertex that is returned.
+    /// Takes out a triangle inside, whose neighbours keep three corners; they then meet in the
+    /// vertex that is returned.
     pub fn take_out(&mut self, f: u32) -> Option<u32> {
         let [a, b, c]: [u32; 3] = self.corners[f as usize].clone().try_into().ok()?;
         let across = |v: u32, w: u32| {

@@ -5,7 +5,8 @@ use phex_mesh::Vec3;
 
 /// Three planes whose normals span less than this volume are taken to be parallel to a line.
 const LEAST_VOLUME: f64 = 1e-14;
-/// Steps of iterative refinement: the first removes the error of the elimination, the second that of the first.
+/// Steps of iterative refinement: the first removes the error of the elimination, the second that
+/// of the first.
 const REFINEMENTS: usize = 3;
 
 /// The plane `normal . x = offset`.
@@ -32,7 +33,8 @@ impl Plane {
     }
 }
 
-/// The point of up to three planes that is closest to `near`; `None` where they have no common point, or no unique one of three.
+/// The point of up to three planes that is closest to `near`; `None` where they have no common
+/// point, or no unique one of three.
 ///
 /// # Panics
 /// If there are no planes or more than three.
@@ -63,7 +65,8 @@ fn step(planes: &[Plane], x: Vec3) -> Option<Vec3> {
     }
 }
 
-/// Sum and difference of two unit normals are perpendicular, so that the two components can be found one by one.
+/// Sum and difference of two unit normals are perpendicular, so that the two components can be
+/// found one by one.
 fn to_line(p: &Plane, q: &Plane, x: Vec3) -> Option<Vec3> {
     let (a, b) = (p.height(x), q.height(x));
     let (sum, difference) = (p.normal + q.normal, p.normal - q.normal);

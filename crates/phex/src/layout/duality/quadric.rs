@@ -7,7 +7,8 @@ use phex_mesh::Vec3;
 /// Poles whose last coordinate is below this share of the others are at infinity.
 const AT_INFINITY: f64 = 1e-12;
 
-/// A quadric `X^T Q^-1 X = 0` in homogeneous coordinates; its polarity maps planes to points by `Q`.
+/// A quadric `X^T Q^-1 X = 0` in homogeneous coordinates; its polarity maps planes to points by
+/// `Q`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quadric {
     matrix: Matrix4<f64>,
@@ -84,7 +85,8 @@ impl Quadric {
         &self.matrix
     }
 
-    /// The centre, pole of the plane at infinity; `None` if that is at infinity too, as for a paraboloid.
+    /// The centre, pole of the plane at infinity; `None` if that is at infinity too, as for a
+    /// paraboloid.
     pub fn centre(&self) -> Option<Vec3> {
         let x = self.matrix.column(3).into_owned();
         let scale = x.xyz().amax();
@@ -99,7 +101,8 @@ impl Quadric {
         (x.w.abs() > AT_INFINITY * scale && x.w.is_finite()).then(|| x.xyz() / x.w)
     }
 
-    /// The polar plane of a point; `None` if it is the plane at infinity (that of the quadric's centre).
+    /// The polar plane of a point; `None` if it is the plane at infinity (that of the quadric's
+    /// centre).
     pub fn polar(&self, point: Vec3) -> Option<Plane> {
         let p = self.inverse * point.push(1.0);
         let length = p.xyz().norm();

@@ -7,11 +7,14 @@ use phex_mesh::{
     Violation, violations,
 };
 
-/// The mesh without panels at the boundary that cross themselves or others or are turned over, and the panels that are left. Where `K < 0` edges run to the boundary in
-/// zigzag, and two of them may meet before they get there: then nothing is left of the panel between them.
+/// The mesh without panels at the boundary that cross themselves or others or are turned over, and
+/// the panels that are left. Where `K < 0` edges run to the boundary in zigzag, and two of them may
+/// meet before they get there: then nothing is left of the panel between them.
 ///
-/// Of two panels that cross each other the smaller one goes. A panel goes only if it is at the boundary of what is left and, in the given mesh, at the boundary or next to a panel there:
-/// one that comes to lie at the boundary may be broken itself. It stays if its loss would leave others joined in single vertices, or not at all.
+/// Of two panels that cross each other the smaller one goes. A panel goes only if it is at the
+/// boundary of what is left and, in the given mesh, at the boundary or next to a panel there: one
+/// that comes to lie at the boundary may be broken itself. It stays if its loss would leave others
+/// joined in single vertices, or not at all.
 pub fn without_broken_rim(mesh: &HexMesh, planes: &PerFace<Plane>) -> (HexMesh, Vec<FaceId>) {
     let topology = mesh.topology();
     let pieces = topology.components().1;
@@ -45,7 +48,8 @@ fn near_boundary(topology: &Topology) -> PerFace<bool> {
     })
 }
 
-/// The panel to take out first: one that is broken itself, or else the smallest that is at odds with others.
+/// The panel to take out first: one that is broken itself, or else the smallest that is at odds
+/// with others.
 fn worst(
     mesh: &HexMesh,
     may_go: &dyn Fn(FaceId) -> bool,
@@ -98,7 +102,8 @@ fn is_broken(mesh: &HexMesh, f: FaceId, normal: Vec3) -> bool {
 mod tests {
     use super::*;
 
-    /// A row of three squares of side 1; the middle one's upper boundary vertices cross over if they are moved by more than a half.
+    /// A row of three squares of side 1; the middle one's upper boundary vertices cross over if
+    /// they are moved by more than a half.
     fn row(shift: f64) -> (HexMesh, PerFace<Plane>) {
         let at = |k: usize| {
             let (x, y) = ((k % 4) as f64, (k / 4) as f64);

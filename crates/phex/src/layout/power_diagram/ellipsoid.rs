@@ -8,7 +8,8 @@ use phex_mesh::{TriangleSurface, Vec3, VertexId};
 const METHOD: &str = "power-diagram";
 /// Largest distance of a vertex to the ellipsoid, over the diagonal of the surface's bounding box.
 const TOLERANCE: f64 = 2e-3;
-/// Longest over shortest axis beyond which a surface counts as no ellipsoid: a cylinder or paraboloid, up to rounding.
+/// Longest over shortest axis beyond which a surface counts as no ellipsoid: a cylinder or
+/// paraboloid, up to rounding.
 const MAX_AXIS_RATIO: f64 = 100.0;
 
 /// An ellipsoid `|A^-1 (p - c)| = 1`.
@@ -43,7 +44,8 @@ impl Ellipsoid {
     }
 }
 
-/// The ellipsoid that a surface is, or is a piece of: the quadric that fits its vertices in the sense of least squares (Taubin 1991).
+/// The ellipsoid that a surface is, or is a piece of: the quadric that fits its vertices in the
+/// sense of least squares (Taubin 1991).
 ///
 /// # Errors
 /// If the quadric is no ellipsoid, or a vertex lies off it.
@@ -137,7 +139,8 @@ fn gradients(p: Vec3) -> SMatrix<f64, 10, 3> {
     SMatrix::from_fn(|i, j| 2.0 * rows[i][j])
 }
 
-/// Coefficients that minimise `sum f^2 / sum |grad f|^2`, the generalised eigenvector of the least eigenvalue.
+/// Coefficients that minimise `sum f^2 / sum |grad f|^2`, the generalised eigenvector of the least
+/// eigenvalue.
 fn quadric(points: &[Vec3]) -> Option<Coefficients> {
     let mut value = SMatrix::<f64, 10, 10>::zeros();
     let mut slope = SMatrix::<f64, 10, 10>::zeros();

@@ -7,7 +7,8 @@ use std::collections::HashMap;
 /// Largest `m + n`: 10 (m + n)^2 panels are more than anyone asks for.
 const LARGEST: u32 = 120;
 
-/// The Goldberg polyhedron `(m, n)` about the unit sphere: `10 (m^2 + m n + n^2) + 2` panels that touch it, 12 of them pentagons.
+/// The Goldberg polyhedron `(m, n)` about the unit sphere: `10 (m^2 + m n + n^2) + 2` panels that
+/// touch it, 12 of them pentagons.
 ///
 /// # Errors
 /// If `m + n` is 0 or too large.
@@ -15,7 +16,8 @@ pub fn goldberg(m: u32, n: u32) -> Result<PowerDiagram, PowerError> {
     power_diagram(&goldberg_sites(m, n)?, 1.0)
 }
 
-/// Stereographic images of the points of the geodesic sphere `(m, n)`, but for the north pole, where one of the pentagons lies.
+/// Stereographic images of the points of the geodesic sphere `(m, n)`, but for the north pole,
+/// where one of the pentagons lies.
 ///
 /// # Errors
 /// If `m + n` is 0 or too large.
@@ -51,8 +53,9 @@ pub fn nearest_goldberg(panels: usize) -> (u32, u32) {
     best.map_or((1, 0), |&(m, n, _)| (m, n))
 }
 
-/// Points of the triangular lattice of each face of the icosahedron, turned and scaled so that `m` steps along one lattice direction and
-/// `n` along the next lead from corner to corner (Caspar and Klug), projected to the sphere from its centre.
+/// Points of the triangular lattice of each face of the icosahedron, turned and scaled so that `m`
+/// steps along one lattice direction and `n` along the next lead from corner to corner (Caspar and
+/// Klug), projected to the sphere from its centre.
 fn geodesic_points(m: u32, n: u32) -> Result<Vec<Vec3>, PowerError> {
     if !(1..=LARGEST).contains(&m.saturating_add(n)) {
         return Err(PowerError::Class {
@@ -69,8 +72,8 @@ fn geodesic_points(m: u32, n: u32) -> Result<Vec<Vec3>, PowerError> {
         let [a, b, c] = face.map(|k| corners[k]);
         for i in -n..=m {
             for j in 0..=m + n {
-                // Barycentric coordinates of the lattice point i + j w, times the count; the triangle's corners are
-                // 0, m + n w and its turn by a sixth, -n + (m + n) w.
+                // Barycentric coordinates of the lattice point i + j w, times the count; the
+                // triangle's corners are 0, m + n w and its turn by a sixth, -n + (m + n) w.
                 let along = i * (m + n) + j * n;
                 let across = j * m - i * n;
                 let rest = count - along - across;
@@ -162,7 +165,8 @@ mod tests {
     #[test]
     fn chiral_classes_are_mirror_images() {
         let angle = |(m, n)| -> f64 {
-            // The panel next to the cap that lies nearest to the meridian of a corner of the icosahedron.
+            // The panel next to the cap that lies nearest to the meridian of a corner of the
+            // icosahedron.
             let points = geodesic_points(m, n).unwrap();
             let near = points
                 .iter()

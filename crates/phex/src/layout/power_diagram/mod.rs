@@ -1,14 +1,15 @@
 //! Power diagram: hexagonal sites in the plane, lifted to a sphere and mapped to an ellipsoid.
 //!
-//! The power diagram of sites `s_i` with weights `w_i` is the projection of the polyhedron whose faces lie in the planes
-//! `z = 2 s_i . x - |s_i|^2 + w_i`, tangent to the paraboloid `z = |x|^2` where the weight is 0. The projective map
-//! `(x, y, z) -> (2 x, 2 y, z - 1) / (z + 1)` takes the paraboloid to the unit sphere, vertical lines to lines through the north pole, and so the
+//! The power diagram of sites `s_i` with weights `w_i` is the projection of the polyhedron whose
+//! faces lie in the planes `z = 2 s_i . x - |s_i|^2 + w_i`, tangent to the paraboloid `z = |x|^2`
+//! where the weight is 0. The projective map `(x, y, z) -> (2 x, 2 y, z - 1) / (z + 1)` takes the
+//! paraboloid to the unit sphere, vertical lines to lines through the north pole, and so the
 //! projection to the inverse stereographic one. The plane of a site becomes
 //!
 //! `2 s . (x, y) + (c - 1) z = c + 1`,  `c = |s|^2 - w`
 //!
-//! Cells without bounds meet the *cap*, the plane `z = height` of a site at infinity. An affine map takes the sphere to an ellipsoid and
-//! keeps planes.
+//! Cells without bounds meet the *cap*, the plane `z = height` of a site at infinity. An affine map
+//! takes the sphere to an ellipsoid and keeps planes.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -16,10 +17,12 @@
 //! | regular triangulation, dual to the diagram | hull of the planes' poles, by exact predicates |
 //! | `(m, n)` | [`goldberg()`]: `10 (m^2 + m n + n^2) + 2` panels, 12 of them pentagons |
 //!
-//! Source: S. Diaz, J. Gonzalez et al., as reviewed by W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2.
+//! Source: S. Diaz, J. Gonzalez et al., as reviewed by W. Wang and Y. Liu, "A note on planar
+//! hexagonal meshes" (2010), section 2.
 //!
-//! Guaranteed: convex planar panels, three at every vertex; sites whose cells are empty are reported. Works for spheres and ellipsoids only
-//! ([`fit_ellipsoid`] says whether a surface is one): other quadrics have no such map.
+//! Guaranteed: convex planar panels, three at every vertex; sites whose cells are empty are
+//! reported. Works for spheres and ellipsoids only ([`fit_ellipsoid`] says whether a surface is
+//! one): other quadrics have no such map.
 
 mod ellipsoid;
 mod goldberg;
@@ -37,7 +40,8 @@ use thiserror::Error;
 pub struct Site {
     /// Its place in the plane.
     pub position: Vec2,
-    /// Its weight: the squared radius of its circle (or minus it); a larger weight makes a larger cell. 0 is the Voronoi diagram.
+    /// Its weight: the squared radius of its circle (or minus it); a larger weight makes a larger
+    /// cell. 0 is the Voronoi diagram.
     pub weight: f64,
 }
 
@@ -92,7 +96,8 @@ pub struct PowerDiagram {
     pub hidden: Vec<usize>,
 }
 
-/// The power diagram of `sites`, lifted to the unit sphere and closed by the cap `z = cap` (1 touches the north pole).
+/// The power diagram of `sites`, lifted to the unit sphere and closed by the cap `z = cap` (1
+/// touches the north pole).
 ///
 /// # Errors
 /// If a weight is too large, or the sites have no diagram with a bounded cell.
@@ -160,7 +165,8 @@ fn meet_of(triangle: usize, planes: [Plane; 3]) -> Result<Vec3, DualityError> {
 
 /// Triangles round each site, counter-clockwise.
 fn outlines(triangles: &[[u32; 3]], panels: &[usize]) -> Vec<Vec<u32>> {
-    // From a site and the second corner of one of its triangles to the triangle and its third corner.
+    // From a site and the second corner of one of its triangles to the triangle and its third
+    // corner.
     let mut next: HashMap<(u32, u32), (u32, u32)> = HashMap::new();
     let mut first: HashMap<u32, u32> = HashMap::new();
     for (i, t) in triangles.iter().enumerate() {
@@ -214,7 +220,8 @@ mod tests {
     #[test]
     fn panels_of_sites_without_weight_touch_the_sphere_under_their_images() {
         let sites = hexagonal(4, 0.25, |_| 0.0);
-        // Outermost sites lie on lines: a cap that touches the pole would pass through the meets of three of their planes.
+        // Outermost sites lie on lines: a cap that touches the pole would pass through the meets of
+        // three of their planes.
         let diagram = power_diagram(&sites, 0.9).unwrap();
         assert_convex(&diagram);
         assert!(diagram.hidden.is_empty());

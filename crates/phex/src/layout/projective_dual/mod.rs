@@ -1,22 +1,27 @@
 //! Projective dual: a regular triangulation of the dual surface, mapped back.
 //!
-//! The dual `S'` of a surface `S` consists of the poles of its tangent planes, for the unit sphere about a centre `c`
-//! `p' = n / h` with `h = n . (p - c)`. A regular triangulation of `S'` is the dual of a P-Hex mesh whose panels touch `S` where
-//! the triangulation has its vertices. It is made as the lattice of `S` that is regular in the metric that `S'` induces:
+//! The dual `S'` of a surface `S` consists of the poles of its tangent planes, for the unit sphere
+//! about a centre `c` `p' = n / h` with `h = n . (p - c)`. A regular triangulation of `S'` is the
+//! dual of a P-Hex mesh whose panels touch `S` where the triangulation has its vertices. It is made
+//! as the lattice of `S` that is regular in the metric that `S'` induces:
 //!
-//! `G = J^T J`, `J = (h II - n (II p)^T) / h^2` (affine, where no tangent plane passes through `c`), or
-//! `J` of `(n, h) / |(n, h)|` (projective, bounded everywhere)
+//! `G = J^T J`, `J = (h II - n (II p)^T) / h^2` (affine, where no tangent plane passes through
+//! `c`), or `J` of `(n, h) / |(n, h)|` (projective, bounded everywhere)
 //!
-//! with `II` as a tangential tensor; for any other quadric `Q` the same of the poles `Q (n, -n . p)`. Working on `S` with the metric of `S'` keeps the way back one to one where `S'` covers itself.
+//! with `II` as a tangential tensor; for any other quadric `Q` the same of the poles `Q (n, -n .
+//! p)`. Working on `S` with the metric of `S'` keeps the way back one to one where `S'` covers
+//! itself.
 //!
-//! Source: W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2, with its three problems: distortion, points of `S'`
-//! that belong to several points of `S`, and triangulations whose dual panels cross themselves. [`inspect`] finds the
-//! first two: *singular points*, the images of parabolic curves, where `S'` has cusps (`det J ~ K`), and *duplicates*, far points
-//! of `S` with one tangent plane. The third is what validation counts.
+//! Source: W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 2, with its
+//! three problems: distortion, points of `S'` that belong to several points of `S`, and
+//! triangulations whose dual panels cross themselves. [`inspect`] finds the first two: *singular
+//! points*, the images of parabolic curves, where `S'` has cusps (`det J ~ K`), and *duplicates*,
+//! far points of `S` with one tangent plane. The third is what validation counts.
 //!
-//! Guaranteed: planar panels. Valid where the triangles of touching points are as `super::duality` says: on elliptic and hyperbolic
-//! surfaces whose dual is not too anisotropic (ratio of the curvatures of `S` in the metric of `S'` below 3). Refused where
-//! tangent planes pass through every centre, and where `K` changes its sign, unless asked to go on.
+//! Guaranteed: planar panels. Valid where the triangles of touching points are as `super::duality`
+//! says: on elliptic and hyperbolic surfaces whose dual is not too anisotropic (ratio of the
+//! curvatures of `S` in the metric of `S'` below 3). Refused where tangent planes pass through
+//! every centre, and where `K` changes its sign, unless asked to go on.
 
 use super::domain::{DomainError, Place, SignedPlaces, no_flat_point};
 use super::duality::{Plane, Quadric, clear_centre, clearness};
@@ -28,9 +33,11 @@ use std::collections::HashMap;
 
 /// Name in messages.
 pub const METHOD: &str = "projective-dual";
-/// Least distance of the centre to the tangent planes, over the largest, with which the affine dual is used.
+/// Least distance of the centre to the tangent planes, over the largest, with which the affine dual
+/// is used.
 pub const CLEAR: f64 = 0.02;
-/// Poles nearer than this share of the dual's mean edge, of points farther apart than [`FAR`] mean edges, are duplicates.
+/// Poles nearer than this share of the dual's mean edge, of points farther apart than [`FAR`] mean
+/// edges, are duplicates.
 const SAME: f64 = 0.25;
 /// See [`SAME`].
 const FAR: f64 = 4.0;
@@ -40,16 +47,19 @@ const FAR: f64 = 4.0;
 pub struct SurfaceDual {
     /// The quadric whose polarity it is.
     pub quadric: Quadric,
-    /// Least distance of the centre `c` to a tangent plane over the largest; 0 or less where tangent planes pass on both sides of it.
+    /// Least distance of the centre `c` to a tangent plane over the largest; 0 or less where
+    /// tangent planes pass on both sides of it.
     pub clearness: f64,
-    /// The pole of the tangent plane at each vertex, homogeneous, about the centre: `(n, h)` for the unit sphere.
+    /// The pole of the tangent plane at each vertex, homogeneous, about the centre: `(n, h)` for
+    /// the unit sphere.
     pub pole: PerVertex<Vector4<f64>>,
 }
 
 /// What is wrong with a dual surface.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct DualDefects {
-    /// Edges of the surface's triangles between vertices with Gauss curvature of opposite sign: the dual has a cusp there.
+    /// Edges of the surface's triangles between vertices with Gauss curvature of opposite sign: the
+    /// dual has a cusp there.
     pub singular_edges: usize,
     /// Pairs of far vertices with the same tangent plane, about.
     pub duplicate_pairs: usize,
@@ -95,7 +105,8 @@ impl SurfaceDual {
         }
     }
 
-    /// The metric of the dual, pulled back to the surface; a floor keeps it positive where the dual has cusps.
+    /// The metric of the dual, pulled back to the surface; a floor keeps it positive where the dual
+    /// has cusps.
     pub fn metric(
         &self,
         surface: &TriangleSurface,
@@ -165,10 +176,12 @@ pub(super) fn with_floor(
     })
 }
 
-/// Whether a method that works in the dual, `method` in messages, applies; `chosen` says that the program has chosen the centre.
+/// Whether a method that works in the dual, `method` in messages, applies; `chosen` says that the
+/// program has chosen the centre.
 ///
 /// # Errors
-/// Where tangent planes pass through every centre, `K` changes its sign, or `K < 0` but for a flat point.
+/// Where tangent planes pass through every centre, `K` changes its sign, or `K < 0` but for a flat
+/// point.
 pub fn check(
     surface: &TriangleSurface,
     curvature: &Curvature,
@@ -209,7 +222,8 @@ pub fn inspect(
     }
 }
 
-/// Pairs of vertices that are far apart on the surface and have one tangent plane, as points of projective space, about.
+/// Pairs of vertices that are far apart on the surface and have one tangent plane, as points of
+/// projective space, about.
 pub fn duplicates(surface: &TriangleSurface, dual: &SurfaceDual) -> Vec<[VertexId; 2]> {
     let topology = surface.topology();
     let pole = |v: VertexId| {

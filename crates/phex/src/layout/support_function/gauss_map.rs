@@ -5,13 +5,15 @@ use nalgebra::Matrix3;
 use phex_mesh::{FaceId, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::collections::HashMap;
 
-/// How far outside a triangle of the Gauss image a normal may lie, in barycentric coordinates: symmetric surfaces have vertices
-/// with equal normals, up to rounding.
+/// How far outside a triangle of the Gauss image a normal may lie, in barycentric coordinates:
+/// symmetric surfaces have vertices with equal normals, up to rounding.
 const OUTSIDE: f64 = 1e-6;
-/// How far apart two points must be, in mean edges of the surface, that their normals may not agree.
+/// How far apart two points must be, in mean edges of the surface, that their normals may not
+/// agree.
 const FAR: f64 = 4.0;
 
-/// Pairs of far vertices, the second a corner of a triangle whose Gauss image holds the first one's normal. At most one for each vertex.
+/// Pairs of far vertices, the second a corner of a triangle whose Gauss image holds the first one's
+/// normal. At most one for each vertex.
 pub fn shared_normals(surface: &TriangleSurface, normals: &PerVertex<Vec3>) -> Vec<[Place; 2]> {
     let topology = surface.topology();
     let size = cell_size(surface, normals);

@@ -1,21 +1,25 @@
-//! Tangent planes: the panels lie in tangent planes at the points of any triangulation, the vertices where three of them meet.
+//! Tangent planes: the panels lie in tangent planes at the points of any triangulation, the
+//! vertices where three of them meet.
 //!
-//! To second order the vertex of a triangle of touching points is its circumcentre in the metric `q = II` (Dupin duality), so a panel is simple where
-//! `super::forecast` says so. The lattice in the metric `|II|` obeys it everywhere, but near parabolic curves so narrowly that small errors break it.
+//! To second order the vertex of a triangle of touching points is its circumcentre in the metric
+//! `q = II` (Dupin duality), so a panel is simple where `super::forecast` says so. The lattice in
+//! the metric `|II|` obeys it everywhere, but near parabolic curves so narrowly that small errors
+//! break it.
 //!
 //! Raw, the result is planar to rounding. Regularised, vertices solve
 //!
 //! `min_x sum_i (n_i . (x - p_i))^2 + lambda^2 |x - c|^2`
 //!
-//! with `c` the mean of the touching points: simple and close to the surface where planes meet badly, but planar only as far as `lambda` is small;
-//! planarity is left to the optimiser.
+//! with `c` the mean of the touching points: simple and close to the surface where planes meet
+//! badly, but planar only as far as `lambda` is small; planarity is left to the optimiser.
 //!
 //! | symbol | here |
 //! |---|---|
 //! | `p_i`, `n_i` | [`Layout::face_point`], [`Layout::face_normal`] |
 //! | `lambda` | `regularisation`, over the middle singular value of the three normals (a pure number) |
 //!
-//! Source: the report on tangent duality that W. Wang and Y. Liu, "A note on planar hexagonal meshes" (2010), section 5, refer to.
+//! Source: the report on tangent duality that W. Wang and Y. Liu, "A note on planar hexagonal
+//! meshes" (2010), section 5, refer to.
 
 use super::Layout;
 use super::duality::Plane;
@@ -31,7 +35,8 @@ pub fn tangent_planes(layout: &Layout) -> PerFace<Plane> {
     PerFace::from_vec(pairs.map(|(p, n)| Plane::through(*p, *n)).collect())
 }
 
-/// The layout's mesh with regularised meets inside; at the boundary vertices stay where the layout has them.
+/// The layout's mesh with regularised meets inside; at the boundary vertices stay where the layout
+/// has them.
 pub fn regularised(layout: &Layout, regularisation: f64) -> HexMesh {
     let topology = layout.mesh.topology();
     let place = |v: VertexId| {

@@ -73,7 +73,8 @@ fn sphere_gets_the_koebe_mesh_itself() {
 
 #[test]
 fn dome_of_constant_mean_curvature() {
-    // As in figure 1 of the paper: hexagons, constant mean curvature, two layers at constant edge distance.
+    // As in figure 1 of the paper: hexagons, constant mean curvature, two layers at constant edge
+    // distance.
     let target = surface("elliptic-paraboloid", &[]);
     let koebe_options = KoebeOptions {
         opening: 30.0,

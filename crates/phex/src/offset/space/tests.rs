@@ -4,7 +4,8 @@ use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Rank by a dense singular value decomposition of the equations as they stand in the text: three per face.
+/// Rank by a dense singular value decomposition of the equations as they stand in the text: three
+/// per face.
 fn dense_dimension(mesh: &HexMesh) -> usize {
     let t = mesh.topology();
     let space = ParallelSpace::new(mesh).unwrap();
@@ -57,7 +58,8 @@ fn dimensions_of_known_meshes() {
         1,
         "triangles grow together"
     );
-    // An open patch of flat hexagons: 3 directions of every edge, two equations a face, all independent.
+    // An open patch of flat hexagons: 3 directions of every edge, two equations a face, all
+    // independent.
     let flat = hexagon_patch(3);
     let (edges, faces) = (flat.topology().n_edges(), flat.topology().n_faces());
     assert_eq!(dimension(&flat), edges - 2 * faces);
@@ -143,7 +145,8 @@ fn wishes_are_projected_onto_parallel_meshes() {
         for (a, b) in space.lengths(&moved).iter().zip(&lengths) {
             assert!((a - b).abs() < 1e-12);
         }
-        // A parallel mesh is its own projection, and the projection is the closest point: the rest is orthogonal.
+        // A parallel mesh is its own projection, and the projection is the closest point: the rest
+        // is orthogonal.
         let again = space.closest(&moved.positions);
         assert!(
             again

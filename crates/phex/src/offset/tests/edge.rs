@@ -68,7 +68,8 @@ fn parallel_meshes_have_it_too() {
         &koebe,
     );
     let dodecahedron = koebe_of(&dodecahedron());
-    // A face beyond the apex of its neighbours: its edges have turned round and touch to the other side.
+    // A face beyond the apex of its neighbours: its edges have turned round and touch to the other
+    // side.
     let spiked = shifted(&dodecahedron, |f| if f == 0 { 1.3 } else { 0.0 });
     let found = edge_gauss_image(&spiked, &options()).unwrap();
     assert!(found.defect < 1e-12);

@@ -70,7 +70,8 @@ fn inner_edges_stay_parallel() {
     }
 }
 
-/// Which edges turn at the boundary, and how far, is told as it is measured on the coordinates of a layer.
+/// Which edges turn at the boundary, and how far, is told as it is measured on the coordinates of a
+/// layer.
 #[test]
 fn turned_edges_are_those_at_the_rim_that_are_not_parallel() {
     for (name, mesh) in meshes() {
@@ -181,7 +182,8 @@ fn area(mesh: &HexMesh) -> f64 {
     FlatFace::all(mesh).iter().map(FlatFace::area).sum()
 }
 
-/// Steiner: `A + 2 H d + A' d^2` and `V + A d + H d^2 + A'/3 d^3` with `H = sum l tan(theta / 2)` and the Gauss image's `A'`.
+/// Steiner: `A + 2 H d + A' d^2` and `V + A d + H d^2 + A'/3 d^3` with `H = sum l tan(theta / 2)`
+/// and the Gauss image's `A'`.
 #[test]
 fn areas_and_volumes_follow_steiner() {
     for mesh in [
@@ -250,13 +252,15 @@ fn coplanar_faces_can_not_part() {
     assert!(residual > 0.02 && residual < 0.1);
 }
 
-/// Inwards the shortest side of a cuboid vanishes at half its length, less what validity asks of edges.
+/// Inwards the shortest side of a cuboid vanishes at half its length, less what validity asks of
+/// edges.
 #[test]
 fn the_safe_distance_of_a_cuboid() {
     let mesh = cuboid(1.0, 2.0, 3.0);
     let options = OffsetOptions::default();
     let safe = safe_distances(&mesh, &image(&mesh), &options);
-    // The edge 1 - 2d is at its limit, 0.05 of the mean edge 2 - 2d (and the clearance is the same).
+    // The edge 1 - 2d is at its limit, 0.05 of the mean edge 2 - 2d (and the clearance is the
+    // same).
     let expected = (1.0 - 0.05 * 2.0) / (2.0 - 0.05 * 2.0);
     assert!((safe.inward.distance - expected).abs() < 1e-6, "{safe:?}");
     assert!(matches!(

@@ -57,7 +57,8 @@ pub fn dodecahedron() -> HexMesh {
     polar_dual(&normals)
 }
 
-/// The polyhedron of the tangent planes of the unit sphere at some points of it, no four of them meeting in a point.
+/// The polyhedron of the tangent planes of the unit sphere at some points of it, no four of them
+/// meeting in a point.
 pub fn polar_dual(normals: &[Vec3]) -> HexMesh {
     let n = normals.len();
     let mut points = Vec::new();
@@ -105,8 +106,8 @@ pub fn spread_points(n: usize) -> Vec<Vec3> {
     (0..n).map(point).collect()
 }
 
-/// Hexagons in rows on a parametrised surface, over the unit square; `kink` lifts and lowers every other vertex by that
-/// part of a row.
+/// Hexagons in rows on a parametrised surface, over the unit square; `kink` lifts and lowers every
+/// other vertex by that part of a row.
 pub fn patch(
     columns: usize,
     rows: usize,

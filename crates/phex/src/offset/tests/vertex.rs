@@ -105,7 +105,8 @@ fn open_patches_of_every_curvature_have_vertex_offsets() {
     }
 }
 
-/// Round an odd number of edges reflections make a rotation and a reflection, unless the mesh is made for it.
+/// Round an odd number of edges reflections make a rotation and a reflection, unless the mesh is
+/// made for it.
 #[test]
 fn a_loop_of_an_odd_number_of_edges_closes() {
     let n = 5u32;
@@ -200,7 +201,8 @@ fn sheared(corners: &[[f64; 2]], i: usize, by: f64) -> Vec<[f64; 2]> {
     moved
 }
 
-/// Inscribed hexagons, and what is parallel to them, satisfy the condition; the branch tells how they are wound.
+/// Inscribed hexagons, and what is parallel to them, satisfy the condition; the branch tells how
+/// they are wound.
 #[test]
 fn the_condition_holds_for_what_is_parallel_to_inscribed_polygons() {
     let defect = |corners: &[[f64; 2]]| AngleCondition::of(&one_face(corners), FaceId::new(0));
@@ -298,7 +300,8 @@ fn a_mesh_without_the_condition_is_refused_with_the_face() {
     assert!(defect.abs() > 1e-3 && (1..=3).contains(&count));
 }
 
-/// Round an annulus the reflections amount to a rotation, and only its axis closes: it is made to face the normals.
+/// Round an annulus the reflections amount to a rotation, and only its axis closes: it is made to
+/// face the normals.
 #[test]
 fn an_annulus_closes_from_one_start() {
     let columns = 24;
@@ -317,7 +320,8 @@ fn an_annulus_closes_from_one_start() {
     check_offset("annulus", &result.mesh, &spherical, 0.1);
 }
 
-/// The rotations round two holes have two axes; what fails to close is measured, located and refused, until one axis is made of both.
+/// The rotations round two holes have two axes; what fails to close is measured, located and
+/// refused, until one axis is made of both.
 #[test]
 fn two_holes_have_a_holonomy() {
     let (_, whole) = patches().swap_remove(3);
@@ -364,7 +368,8 @@ fn closed(result: &AngleOptimised) -> SphericalMesh {
     spherical
 }
 
-/// Each odd face inside allows only a circle of starts; the mesh is moved until all of them meet, on a closed mesh too.
+/// Each odd face inside allows only a circle of starts; the mesh is moved until all of them meet,
+/// on a closed mesh too.
 #[test]
 fn odd_faces_inside_are_made_to_close() {
     let sphere = polar_dual(&spread_points(60));
@@ -394,7 +399,8 @@ fn annulus_faces(columns: usize, rows: usize) -> Vec<Vec<u32>> {
     starts.map(brick).collect()
 }
 
-/// Inscribed solids close although nothing is free to choose: odd faces allow only the solid itself.
+/// Inscribed solids close although nothing is free to choose: odd faces allow only the solid
+/// itself.
 #[test]
 fn a_dodecahedron_is_its_own_spherical_mesh() {
     let mesh = dodecahedron();

@@ -1,4 +1,5 @@
-//! The `4 F` constraints: planarity of every panel, the alternating sum of the angles of even ones, and the closing equations.
+//! The `4 F` constraints: planarity of every panel, the alternating sum of the angles of even ones,
+//! and the closing equations.
 
 use crate::optimise::angle_term::closing::Closing;
 use crate::optimise::angle_term::walks::Walks;
@@ -13,7 +14,8 @@ use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, Constraints, SymmetricMatrix};
 
-/// Planarity of all faces, the angle condition of the even ones, and what odd ones and loops need to close.
+/// Planarity of all faces, the angle condition of the even ones, and what odd ones and loops need
+/// to close.
 pub(super) struct AngleConstraints<'a> {
     setting: &'a Setting<'a>,
     assembly: &'a Assembly,
@@ -31,7 +33,8 @@ pub(super) struct AngleConstraints<'a> {
     blocks: Vec<f64>,
 }
 
-/// Numbers of the constraints of all faces: `k - 3` for planarity, one more for the angles of even faces.
+/// Numbers of the constraints of all faces: `k - 3` for planarity, one more for the angles of even
+/// faces.
 fn constraint_starts(panels: &Panels) -> Vec<usize> {
     let mut start = vec![0];
     for f in 0..panels.n_faces() {
@@ -90,7 +93,8 @@ impl<'a> AngleConstraints<'a> {
         }
     }
 
-    /// How far an even face is from its branch, in radians: twice the defect of the sum of every other angle.
+    /// How far an even face is from its branch, in radians: twice the defect of the sum of every
+    /// other angle.
     fn angle_residual(&self, shape: &Shape, f: usize) -> f64 {
         let sum = || alternating_sum(shape.face(self.setting.panels, f));
         self.branch[f].map_or(0.0, |branch| sum() - branch)

@@ -1,11 +1,13 @@
-//! A start that nearly meets the constraints: the energy is minimised with the angle condition and what closes as penalties that rise.
+//! A start that nearly meets the constraints: the energy is minimised with the angle condition and
+//! what closes as penalties that rise.
 //!
 //! ```text
 //! E + w_a/2 u^2 (sum r^2 + sum c^2)     r of even faces, c of closing equations, u an eighth of the mean edge
 //! ```
 //!
-//! The feasible path of the stage: the barrier keeps panels simple however far they go. Near parabolic curves they go along the surface by an edge
-//! and more; central symmetry, which satisfies the condition, shows the way.
+//! The feasible path of the stage: the barrier keeps panels simple however far they go. Near
+//! parabolic curves they go along the surface by an edge and more; central symmetry, which
+//! satisfies the condition, shows the way.
 
 use super::AngleOptions;
 use crate::optimise::angle_term::closing::Closing;

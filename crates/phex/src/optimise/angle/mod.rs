@@ -1,14 +1,17 @@
-//! Planar panels that also satisfy the angle condition (4.1) and what odd panels and loops need to close, so that the mesh has a vertex-distance offset.
+//! Planar panels that also satisfy the angle condition (4.1) and what odd panels and loops need to
+//! close, so that the mesh has a vertex-distance offset.
 //!
-//! Two steps: a projection of minimum norm onto planarity, angles *and* closing equations, about `4 F` in all (where tight panels stop it, in
-//! the metric `W` below until it is near); then a descent of closeness, fairness and barrier within them,
+//! Two steps: a projection of minimum norm onto planarity, angles *and* closing equations, about `4
+//! F` in all (where tight panels stop it, in the metric `W` below until it is near); then a descent
+//! of closeness, fairness and barrier within them,
 //!
 //! ```text
 //! d = -W (g + J^T y),   J W J^T y = -J W g,   W = (H + mu I)^-1, block by block,
 //! ```
 //!
-//! each step projected back and taken only if the energy falls. Pulling towards the surface while projecting would leave
-//! no freedom: closeness alone determines `2 F` of the `6 F` unknowns and the constraints the other `4 F`.
+//! each step projected back and taken only if the energy falls. Pulling towards the surface while
+//! projecting would leave no freedom: closeness alone determines `2 F` of the `6 F` unknowns and
+//! the constraints the other `4 F`.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -18,12 +21,14 @@
 //!
 //! | `R x = x` | `Closing`: one equation for each odd panel inside, two for each loop that is no panel (`Walks`) |
 //!
-//! Where the first step does not get there from the mesh as it is, it begins from a start that is eased towards the constraints (`continuation`), with
-//! several weights of symmetry and room.
+//! Where the first step does not get there from the mesh as it is, it begins from a start that is
+//! eased towards the constraints (`continuation`), with several weights of symmetry and room.
 //!
-//! *Guaranteed*: as in the whole stage, simple panels stay simple. *Fails* on closed surfaces where rows run along a parabolic curve whose points share
-//! their tangent plane: the Gauss image of the curve is a point then, and the circles through the vertices of rows of equal panels shrink
-//! towards it in a geometric sequence without passing it (a torus); and where panels can't be sound besides. [`AngleOptimised::is_converged`] tells.
+//! *Guaranteed*: as in the whole stage, simple panels stay simple. *Fails* on closed surfaces where
+//! rows run along a parabolic curve whose points share their tangent plane: the Gauss image of the
+//! curve is a point then, and the circles through the vertices of rows of equal panels shrink
+//! towards it in a geometric sequence without passing it (a torus); and where panels can't be sound
+//! besides. [`AngleOptimised::is_converged`] tells.
 
 mod constraints;
 mod continuation;
@@ -49,10 +54,12 @@ use serde::{Deserialize, Serialize};
 
 /// A way to the constraints.
 struct AngleWay {
-    /// From a start that is found [`by_continuation`] with these factors of fairness and barrier, or from the one that is given.
+    /// From a start that is found [`by_continuation`] with these factors of fairness and barrier,
+    /// or from the one that is given.
     continuation: Option<[f64; 2]>,
-    /// Clearances that are then kept, over the least one of a result, one after the other: near parabolic curves some panels come through only where
-    /// others may come close, and the descent opens them again.
+    /// Clearances that are then kept, over the least one of a result, one after the other: near
+    /// parabolic curves some panels come through only where others may come close, and the descent
+    /// opens them again.
     clearances: &'static [f64],
 }
 
@@ -94,7 +101,8 @@ pub struct AngleOptions {
     pub newton_iterations: usize,
     /// Steps of the descent at the most; 0 leaves the mesh where the projection has put it.
     pub descent_steps: usize,
-    /// Defect, in radians, that counts as none. Rounding allows about 1e-15 times the model's size over an edge.
+    /// Defect, in radians, that counts as none. Rounding allows about 1e-15 times the model's size
+    /// over an edge.
     pub tolerance: f64,
 }
 
@@ -118,9 +126,11 @@ pub struct AngleOptimised {
     pub outcome: Outcome,
     /// Largest defect of the condition before and after, in radians.
     pub angle_defect: [f64; 2],
-    /// Largest failure of reflections to close round odd faces inside and round loops, before and after, over the number of reflections.
+    /// Largest failure of reflections to close round odd faces inside and round loops, before and
+    /// after, over the number of reflections.
     pub closing_defect: [f64; 2],
-    /// Largest distance to the surface (or to the start) before and after, in the unit of the model.
+    /// Largest distance to the surface (or to the start) before and after, in the unit of the
+    /// model.
     pub deviation: [f64; 2],
     /// Figures of the mesh.
     pub quality: Quality,
@@ -135,9 +145,10 @@ impl AngleOptimised {
     }
 }
 
-/// Moves the vertices of a mesh until its faces are planar and its even ones satisfy the angle condition, close to
-/// `target` or, without one, to where they are, and reflections along the edges close round odd faces inside and round loops (if the
-/// mesh is in one piece). Odd faces on the boundary are only made planar. A mesh that meets this is returned unchanged.
+/// Moves the vertices of a mesh until its faces are planar and its even ones satisfy the angle
+/// condition, close to `target` or, without one, to where they are, and reflections along the edges
+/// close round odd faces inside and round loops (if the mesh is in one piece). Odd faces on the
+/// boundary are only made planar. A mesh that meets this is returned unchanged.
 ///
 /// # Errors
 /// If the mesh or an option can't be used; what can't be *reached* is told by the result.

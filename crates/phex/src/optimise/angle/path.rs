@@ -19,7 +19,8 @@ use std::ops::ControlFlow;
 const NEAR: f64 = 1e-2;
 /// Straight projections at the most, with the parting of panels between them.
 const PROJECTIONS: usize = 4;
-/// Newton iterations of a projection that parts panels, over those of a straight one: it goes slowly, but steadily.
+/// Newton iterations of a projection that parts panels, over those of a straight one: it goes
+/// slowly, but steadily.
 const APART: usize = 4;
 /// Halvings of a step of the descent.
 const HALVINGS: usize = 5;
@@ -69,7 +70,8 @@ impl<'a> AnglePath<'a> {
         residual.is_some_and(|r| r <= self.options.tolerance)
     }
 
-    /// Projects `x` onto the constraints. Where panels that must not come closer stop that, they are parted first.
+    /// Projects `x` onto the constraints. Where panels that must not come closer stop that, they
+    /// are parted first.
     pub(super) fn project(&mut self, x: &mut [f64]) {
         for _ in 0..PROJECTIONS {
             self.project_straight(x);
@@ -93,8 +95,9 @@ impl<'a> AnglePath<'a> {
         self.outcome.append(outcome);
     }
 
-    /// Newton steps in the metric of the energy, whose barrier makes tight corners stiff, along its gradient, which opens
-    /// them; ends near the constraints, where straight steps do better. False if it does not get there.
+    /// Newton steps in the metric of the energy, whose barrier makes tight corners stiff, along its
+    /// gradient, which opens them; ends near the constraints, where straight steps do better. False
+    /// if it does not get there.
     fn project_apart(&mut self, x: &mut [f64]) -> bool {
         let mut values = vec![0.0; self.tangent.multiplier.len()];
         let mut residual = self.constraints.admissible(x).unwrap_or(f64::INFINITY);

@@ -52,8 +52,8 @@ impl Tangent {
         (0..self.gradient.len() / 3).map(block).collect()
     }
 
-    /// The step of steepest descent in the metric `W` that keeps the linearised constraints or, with their values, meets them;
-    /// false if there is none.
+    /// The step of steepest descent in the metric `W` that keeps the linearised constraints or,
+    /// with their values, meets them; false if there is none.
     pub(super) fn solve(
         &mut self,
         constraints: &mut AngleConstraints<'_>,

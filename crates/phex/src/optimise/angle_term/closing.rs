@@ -4,10 +4,11 @@
 //! R x = x,   R = H_n ... H_2 H_1,   H = I - 2 e e^T for each edge e of a closed walk from the root
 //! ```
 //!
-//! with the image `x` of the root on the unit sphere, chosen once. Even faces close by their angles. Round an odd face inside `R` is a
-//! reflection, and `x` must lie in its mirror: one equation. Round a loop that is no face (of an annulus, a torus) it is a rotation, whose axis
-//! `x` must be, or with an odd number of edges a rotation and a reflection, whose mirror must then hold `x`: two equations either way. Odd faces
-//! at the boundary leave an edge free and need none.
+//! with the image `x` of the root on the unit sphere, chosen once. Even faces close by their
+//! angles. Round an odd face inside `R` is a reflection, and `x` must lie in its mirror: one
+//! equation. Round a loop that is no face (of an annulus, a torus) it is a rotation, whose axis `x`
+//! must be, or with an odd number of edges a rotation and a reflection, whose mirror must then hold
+//! `x`: two equations either way. Odd faces at the boundary leave an edge free and need none.
 
 use super::walks::{Walk, Walks};
 use crate::optimise::panels::{Panels, Shape, point};
@@ -52,7 +53,8 @@ impl<'a> Closing<'a> {
         }
     }
 
-    /// Largest failure to close, over the number of reflections: as it were, that of one reflection.
+    /// Largest failure to close, over the number of reflections: as it were, that of one
+    /// reflection.
     pub fn defect(&self, x: &[f64]) -> f64 {
         let of_walk = |walk: &Walk| {
             let end = walk
@@ -121,7 +123,8 @@ impl<'a> Closing<'a> {
         }
     }
 
-    /// Unit vectors along which a walk can fail to close: the mirror's normal, or all that are perpendicular to the start.
+    /// Unit vectors along which a walk can fail to close: the mirror's normal, or all that are
+    /// perpendicular to the start.
     fn directions(&self, walk: &Walk, x: &[f64]) -> Vec<Vec3> {
         if walk.is_mirror() {
             vec![mirror_normal(&product(walk, x)) * 0.5]
@@ -133,7 +136,8 @@ impl<'a> Closing<'a> {
         }
     }
 
-    /// Backwards along the walk with the adjoint `y`: `d(y . H s) = -2 de . (y (e . s) + s (y . e))`.
+    /// Backwards along the walk with the adjoint `y`: `d(y . H s) = -2 de . (y (e . s) + s (y .
+    /// e))`.
     fn add_derivatives(&mut self, equation: usize, steps: &[WalkStep], direction: Vec3) {
         let mut y = direction;
         for step in steps.iter().rev() {
@@ -181,7 +185,8 @@ fn mirror_normal(reflection: &Matrix3<f64>) -> Vec3 {
     doubled.column(largest).normalize()
 }
 
-/// The unit vector that faces the normals best when it is reflected to all vertices and nearly closes or, if about as good, one that closes.
+/// The unit vector that faces the normals best when it is reflected to all vertices and nearly
+/// closes or, if about as good, one that closes.
 fn best_start(walks: &Walks, panels: &Panels, shape: &Shape, x: &[f64]) -> Vec3 {
     let mut products = vec![Matrix3::identity(); panels.n_vertices()];
     for &[from, to] in &walks.tree {

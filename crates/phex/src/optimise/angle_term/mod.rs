@@ -1,4 +1,5 @@
-//! The angle condition as a penalty: `w/2 (u r)^2` for each even face, with `r` of the constraints and their unit `u`.
+//! The angle condition as a penalty: `w/2 (u r)^2` for each even face, with `r` of the constraints
+//! and their unit `u`.
 
 pub(super) mod closing;
 pub(super) mod walks;
@@ -39,11 +40,12 @@ pub(super) fn angle_gradient(frame: &FaceFrame, corners: &[Corner], i: usize) ->
     }
 }
 
-/// Unit of the angle constraint, over the mean edge: its gradient is then about as long as those of planarity.
+/// Unit of the angle constraint, over the mean edge: its gradient is then about as long as those of
+/// planarity.
 pub(super) const ANGLE_UNIT: f64 = 0.125;
 
-/// Alternating sums that even faces are nearest to, of those that simple ones can have: 0 alone for a quadrilateral, whose opposite angles must
-/// make pi.
+/// Alternating sums that even faces are nearest to, of those that simple ones can have: 0 alone for
+/// a quadrilateral, whose opposite angles must make pi.
 pub(super) fn branches(panels: &Panels, shape: &Shape) -> Vec<Option<f64>> {
     let nearest = |f: usize| {
         let most = (panels.valence(f) / 2) as f64 - 2.0;
@@ -82,7 +84,8 @@ impl<'a> AngleTerm<'a> {
         0.5 * self.weight * self.closing.squares(x)
     }
 
-    /// Adds gradient and Gauss-Newton blocks of what fails to close: a block for each walk, from `first` on.
+    /// Adds gradient and Gauss-Newton blocks of what fails to close: a block for each walk, from
+    /// `first` on.
     pub fn add_closing(
         &mut self,
         x: &[f64],
@@ -171,7 +174,8 @@ mod tests {
         HexMesh::new(corners.iter().map(place).collect(), &[[0, 1, 2, 3, 4, 5]]).unwrap()
     }
 
-    /// A square frustum with its bottom: even faces, and a ring of four quadrilaterals that is open at the top.
+    /// A square frustum with its bottom: even faces, and a ring of four quadrilaterals that is open
+    /// at the top.
     fn frustum() -> HexMesh {
         let ring = |r: f64, z: f64| {
             [[1.0, 0.1], [-0.1, 0.9], [-1.1, 0.0], [0.2, -1.0]]
@@ -247,7 +251,8 @@ mod tests {
 
     #[test]
     fn branches_are_those_that_simple_faces_can_have() {
-        // A dart: its angles 20, 20 and 280, 40 degrees add up to 40 and 320, nearer to 0 and 360 than to 180 each.
+        // A dart: its angles 20, 20 and 280, 40 degrees add up to 40 and 320, nearer to 0 and 360
+        // than to 180 each.
         let dart = [[0.0, 1.0], [-0.4, -0.1], [0.0, 0.2], [0.4, -0.1]];
         let place = |c: &[f64; 2]| Vec3::new(c[0], c[1], 0.0);
         let mesh = HexMesh::new(dart.iter().map(place).collect(), &[[0, 1, 2, 3]]).unwrap();

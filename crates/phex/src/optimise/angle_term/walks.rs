@@ -1,7 +1,8 @@
-//! Closed walks from a root that generate all loops that even faces do not close: round odd faces inside, and round loops that are no faces.
+//! Closed walks from a root that generate all loops that even faces do not close: round odd faces
+//! inside, and round loops that are no faces.
 //!
-//! A spanning tree of the vertices and one of the faces (with the outside as one more) that share no edge leave an edge for each loop
-//! (tree-cotree decomposition, D. Eppstein 2003).
+//! A spanning tree of the vertices and one of the faces (with the outside as one more) that share
+//! no edge leave an edge for each loop (tree-cotree decomposition, D. Eppstein 2003).
 
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerFace, PerVertex, Topology, VertexId};
 use std::collections::VecDeque;
@@ -11,7 +12,8 @@ use std::ops::Range;
 #[derive(Debug)]
 pub(in crate::optimise) struct Walk {
     vertices: Vec<u32>,
-    /// Whether it goes round an odd face, all of whose reflections keep the face's normal; else round a loop that is no face.
+    /// Whether it goes round an odd face, all of whose reflections keep the face's normal; else
+    /// round a loop that is no face.
     round_face: bool,
     /// Its first equation.
     pub first: usize,

@@ -1,4 +1,5 @@
-//! What the retries at the end want of a part of a mesh, what it may cost, and how a result is judged by that.
+//! What the retries at the end want of a part of a mesh, what it may cost, and how a result is
+//! judged by that.
 
 use crate::optimise::areas::AreaWish;
 use crate::optimise::barrier::clearance;
@@ -16,7 +17,8 @@ const STRONGER: f64 = 4.0;
 const FARTHER: f64 = 1.4;
 /// Area that small faces pay for, over what is wanted: a penalty leaves a rest.
 const AMPLE: f64 = 1.1;
-/// Weight of a fold, a re-entrant corner or a small face at first, over that of closeness, and the factor from each round to the next.
+/// Weight of a fold, a re-entrant corner or a small face at first, over that of closeness, and the
+/// factor from each round to the next.
 const FIRST_WEIGHT: f64 = 1.0;
 const HEAVIER: f64 = 10.0;
 
@@ -27,7 +29,8 @@ pub(super) struct Demand {
 }
 
 pub(super) enum Wish {
-    /// A clearance of each face. Barriers reach at least `reach` times as far as the clearance of their face.
+    /// A clearance of each face. Barriers reach at least `reach` times as far as the clearance of
+    /// their face.
     Room {
         clearance: Vec<f64>,
         reach: Option<f64>,
@@ -67,7 +70,8 @@ impl Allowed {
     }
 }
 
-/// Relative difference that is rounding: much of a mesh stays where it is, and what is farthest off or sharpest there must not count for more or less by chance.
+/// Relative difference that is rounding: much of a mesh stays where it is, and what is farthest off
+/// or sharpest there must not count for more or less by chance.
 const ROUNDING: f64 = 1e-9;
 
 impl Demand {

@@ -1,4 +1,5 @@
-//! Parts of a mesh by themselves: panels that are joined anew, and panels that are tried again, with what is around them at rest.
+//! Parts of a mesh by themselves: panels that are joined anew, and panels that are tried again,
+//! with what is around them at rest.
 
 mod demand;
 mod retry;
@@ -33,8 +34,8 @@ pub struct LocalPart<'a> {
 }
 
 impl LocalPart<'_> {
-    /// Makes the panels planar, simple and close to `target`: free vertices are smoothed on the surface and go the feasible path,
-    /// the others rest.
+    /// Makes the panels planar, simple and close to `target`: free vertices are smoothed on the
+    /// surface and go the feasible path, the others rest.
     ///
     /// # Errors
     /// If the part or an option can't be used; what can't be *reached* is told by [`Optimised`].

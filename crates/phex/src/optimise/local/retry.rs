@@ -1,9 +1,13 @@
-//! Retries at the end, around panels that stand off the surface by more than is allowed, folded, needlessly concave and tight ones.
+//! Retries at the end, around panels that stand off the surface by more than is allowed, folded,
+//! needlessly concave and tight ones.
 //!
-//! The phases end when the energy of the whole hardly falls, and one panel counts little in it: it may come out tight where its neighbours
-//! would have given way. Around each such panel some rings of faces go through the last phases again, everything else at rest,
-//! with stronger closeness or with a stronger barrier that reaches farther, and are projected. Around edges over which panels fold these
-//! phases have folds pay, around panels that are concave where the surface is convex re-entrant corners. The result is taken if it is planar, better in what was wanted, breaks nothing, and costs nothing else that counts.
+//! The phases end when the energy of the whole hardly falls, and one panel counts little in it: it
+//! may come out tight where its neighbours would have given way. Around each such panel some rings
+//! of faces go through the last phases again, everything else at rest, with stronger closeness or
+//! with a stronger barrier that reaches farther, and are projected. Around edges over which panels
+//! fold these phases have folds pay, around panels that are concave where the surface is convex
+//! re-entrant corners. The result is taken if it is planar, better in what was wanted, breaks
+//! nothing, and costs nothing else that counts.
 
 use super::demand::{Allowed, Demand, Judged, Wish, areas, clearances, largest, sharpest_angle};
 use crate::optimise::concavity::{is_concave, to_be_convex};
@@ -18,9 +22,9 @@ use crate::optimise::reference::Reference;
 use crate::optimise::setting::{Setting, distances};
 use crate::optimise::solvers::Solvers;
 
-/// Clearance, in mean edges, that a panel should have, and the share of it below which it is tight. Retries end half-way to a
-/// minimum and enlarge rounding, to 1e-4 of a clearance: where nothing is tight they are not worth that. What was minimised part by
-/// part has ended half-way already.
+/// Clearance, in mean edges, that a panel should have, and the share of it below which it is tight.
+/// Retries end half-way to a minimum and enlarge rounding, to 1e-4 of a clearance: where nothing is
+/// tight they are not worth that. What was minimised part by part has ended half-way already.
 const ROOMY: f64 = 0.31;
 const TIGHT: f64 = 0.65;
 const TIGHT_IN_PARTS: f64 = 1.0;
@@ -28,19 +32,21 @@ const TIGHT_IN_PARTS: f64 = 1.0;
 const SMALL: f64 = 0.4;
 /// Rings of faces around a panel that count as its surroundings; two more move along.
 const RINGS: usize = 2;
-/// Least reach of the barriers around tight panels of a finished mesh, over the clearance that is wanted: small panels are kept
-/// open, and what lies beside gives way without becoming tight.
+/// Least reach of the barriers around tight panels of a finished mesh, over the clearance that is
+/// wanted: small panels are kept open, and what lies beside gives way without becoming tight.
 const BEYOND: f64 = 1.25;
 /// Deviation, in mean edges, that more room may always cost, and clearance that nearness may.
 const NEAR: f64 = 0.018;
 const ROOM: f64 = 0.15;
-/// Last phases that are gone through again, by rounds: where Newton's method follows it alone often finds the room without leaving the
-/// constraints.
+/// Last phases that are gone through again, by rounds: where Newton's method follows it alone often
+/// finds the room without leaving the constraints.
 const PHASES: [usize; 3] = [3; 3];
 const PHASES_BEFORE_NEWTON: [usize; 3] = [0, 1, 3];
-/// Area, over the mean, that panels of a finished mesh keep: a little more than what counts as small at the boundary.
+/// Area, over the mean, that panels of a finished mesh keep: a little more than what counts as
+/// small at the boundary.
 const LEAST_AREA: f64 = 1.02 * phex_mesh::LEAST_RIM_AREA;
-/// Deviation, in mean edges, and sharpest angle, radians, that the growth of small panels may always cost, and the clearance, where it can be and at the least.
+/// Deviation, in mean edges, and sharpest angle, radians, that the growth of small panels may
+/// always cost, and the clearance, where it can be and at the least.
 const LARGE_NEAR: f64 = 0.05;
 const LARGE_ROOM: [f64; 2] = [0.2, 0.1];
 const LARGE_ANGLE: f64 = 0.155;
@@ -102,8 +108,8 @@ fn groups(panels: &Panels, mut faces: Vec<u32>) -> Vec<Vec<u32>> {
 }
 
 impl Path<'_> {
-    /// Draws panels that stand off too far nearer, unfolds folded ones, makes concave ones convex where the surface is, and gives
-    /// tight ones more room.
+    /// Draws panels that stand off too far nearer, unfolds folded ones, makes concave ones convex
+    /// where the surface is, and gives tight ones more room.
     pub fn retry(&mut self, reached: Reached) -> Result<Reached, OptimiseError> {
         let setting = self.setting;
         let (panels, mut x) = (setting.panels, reached.x);
@@ -159,7 +165,8 @@ impl Path<'_> {
         self.retry_around(concave, &demand, x)
     }
 
-    /// Gives tight panels of a finished mesh more room where that costs neither nearness nor the sharpest angle.
+    /// Gives tight panels of a finished mesh more room where that costs neither nearness nor the
+    /// sharpest angle.
     pub fn give_room(&mut self, x: &[f64]) -> Result<Vec<f64>, OptimiseError> {
         let (panels, edge) = (self.setting.panels, self.setting.mean_edge);
         let mut x = x.to_vec();
@@ -176,7 +183,8 @@ impl Path<'_> {
         Ok(x)
     }
 
-    /// Makes small panels at the boundary of a finished mesh larger, where that can be without sharper angles, else with some.
+    /// Makes small panels at the boundary of a finished mesh larger, where that can be without
+    /// sharper angles, else with some.
     pub fn enlarge(&mut self, rim: &[bool], x: &[f64]) -> Result<Vec<f64>, OptimiseError> {
         let (panels, edge) = (self.setting.panels, self.setting.mean_edge);
         let mut x = x.to_vec();

@@ -1,8 +1,11 @@
-//! Room at the very end: panels of a finished mesh that are tight move with what is around them, the boundary on its curve.
+//! Room at the very end: panels of a finished mesh that are tight move with what is around them,
+//! the boundary on its curve.
 //!
-//! What trims a mesh and slides it to the boundary looks at validity, not at room. Here the retries of [`super::retry`] go over the tight panels
-//! of what came of it: Newton's method on the constraints first, then the last phases. Vertices on the boundary curve stay on it,
-//! other ones of the boundary stay where they are. A place is only taken where it costs neither nearness nor the sharpest angle.
+//! What trims a mesh and slides it to the boundary looks at validity, not at room. Here the retries
+//! of [`super::retry`] go over the tight panels of what came of it: Newton's method on the
+//! constraints first, then the last phases. Vertices on the boundary curve stay on it, other ones
+//! of the boundary stay where they are. A place is only taken where it costs neither nearness nor
+//! the sharpest angle.
 
 use crate::optimise::on_boundary::{already_there, near_corners};
 use crate::optimise::options::NEWTON_ITERATIONS;
@@ -32,7 +35,8 @@ pub fn give_room(
     finished(mesh, target, hold, &[], options, progress, work)
 }
 
-/// Makes small panels at the boundary of a planar mesh larger, vertices next to its corners at rest; `None` if that can be done for none without harm.
+/// Makes small panels at the boundary of a planar mesh larger, vertices next to its corners at
+/// rest; `None` if that can be done for none without harm.
 ///
 /// # Errors
 /// If the mesh or an option can't be used.
@@ -52,7 +56,8 @@ pub fn enlarge_small(
     finished(mesh, target, Some(hold), &rest, options, progress, work)
 }
 
-/// A finished mesh gone over with its boundary kept and some vertices at rest; `None` if it stays as it is.
+/// A finished mesh gone over with its boundary kept and some vertices at rest; `None` if it stays
+/// as it is.
 fn finished(
     mesh: &HexMesh,
     target: &dyn Target,
@@ -99,7 +104,8 @@ fn finished(
     Ok(sound.then(|| finished_mesh(mesh, run)))
 }
 
-/// What keeps the boundary: on its curve where it lies there, along the curve where it does not, at rest where no curve is known.
+/// What keeps the boundary: on its curve where it lies there, along the curve where it does not, at
+/// rest where no curve is known.
 pub(super) fn rim_holds(mesh: &HexMesh, shape: &Shape, hold: Option<&BoundaryHold<'_>>) -> Holds {
     let topology = mesh.topology();
     let rim = topology

@@ -1,4 +1,5 @@
-//! Gradients and Hessians against finite differences, and the constraints against their own Jacobian.
+//! Gradients and Hessians against finite differences, and the constraints against their own
+//! Jacobian.
 
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_saddle, turn_edge};
 use crate::optimise::areas::{AreaWish, any};
@@ -356,7 +357,8 @@ fn normal_matrix_is_the_product_of_the_jacobian() {
     assert!((heights - squares).abs() < 1e-12 * heights);
 }
 
-/// `J d`, `W J^T y` and `J W J^T` of a [`Jacobian`] against its rows, with metrics that differ from vertex to vertex.
+/// `J d`, `W J^T y` and `J W J^T` of a [`Jacobian`] against its rows, with metrics that differ from
+/// vertex to vertex.
 fn the_jacobian_agrees(panels: &Panels, assembly: &Assembly, x: &[f64], rows: &[Vec<f64>]) {
     let n = panels.n_vertices();
     let mut jacobian = Jacobian::new(panels, assembly);

@@ -140,7 +140,8 @@ impl Target for Shape {
     }
 }
 
-/// Vertex grid and faces of a brick wall; `wrap` closes it both ways. Vertex `(i, j)` is number `j * columns + i`.
+/// Vertex grid and faces of a brick wall; `wrap` closes it both ways. Vertex `(i, j)` is number
+/// `j * columns + i`.
 pub fn brick_faces(columns: usize, rows: usize, wrap: bool) -> Vec<Vec<u32>> {
     let at = |i: usize, j: usize| {
         let lines = if wrap { rows } else { rows + 1 };
@@ -234,7 +235,8 @@ pub fn layout(mesh: HexMesh, target: &dyn Target) -> Layout {
     }
 }
 
-/// An exactly planar mesh of regular hexagons in plan on `z = x^2 + y^2`: faces lie in tangent planes.
+/// An exactly planar mesh of regular hexagons in plan on `z = x^2 + y^2`: faces lie in tangent
+/// planes.
 pub fn planar_paraboloid(columns: usize, rows: usize) -> HexMesh {
     let edge = 0.05;
     let grid = (0..=rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
@@ -250,8 +252,9 @@ pub fn planar_paraboloid(columns: usize, rows: usize) -> HexMesh {
     )
 }
 
-/// An exactly planar mesh of concave hexagons on `z = c / 2 (x^2 - y^2)`, in tangent planes at the points of a lattice with mean edge about 1: the meets of
-/// three planes are circumcentres in the metric `dx^2 - dy^2`.
+/// An exactly planar mesh of concave hexagons on `z = c / 2 (x^2 - y^2)`, in tangent planes at the
+/// points of a lattice with mean edge about 1: the meets of three planes are circumcentres in the
+/// metric `dx^2 - dy^2`.
 pub fn planar_saddle(columns: usize, rows: usize, curvature: f64) -> HexMesh {
     let (a, b): (f64, f64) = (1.7, 1.5);
     let kink = a * a / (8.0 * b);
@@ -269,7 +272,8 @@ pub fn planar_saddle(columns: usize, rows: usize, curvature: f64) -> HexMesh {
     )
 }
 
-/// Turns an inner edge between two neighbours: its faces lose a corner each, those at its ends gain one.
+/// Turns an inner edge between two neighbours: its faces lose a corner each, those at its ends gain
+/// one.
 pub fn turn_edge(mesh: &HexMesh, a: u32, b: u32) -> HexMesh {
     let mut faces = mesh.topology().face_lists();
     let next = |f: &[u32], v: u32| f[(f.iter().position(|&w| w == v).unwrap() + 1) % f.len()];

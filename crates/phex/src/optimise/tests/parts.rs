@@ -69,7 +69,8 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
     assert!(planarity(&x) < 1e-3 && planarity(&x) < 0.1 * planarity(&start));
 }
 
-/// A bound on the deviation that the default misses is met, or at least approached, with panels as planar and simple as ever.
+/// A bound on the deviation that the default misses is met, or at least approached, with panels as
+/// planar and simple as ever.
 #[test]
 fn a_bound_on_the_deviation_draws_panels_nearer() {
     let shape = Shape::MonkeySaddle;
@@ -99,7 +100,8 @@ fn tight_panels_get_room() {
     assert!(result.quality.clearance >= 0.28, "{:?}", result.quality);
 }
 
-/// On a wall that has to slide along the surface the hold on the start is given up early, not after all phases.
+/// On a wall that has to slide along the surface the hold on the start is given up early, not after
+/// all phases.
 #[test]
 fn a_hold_that_is_too_strong_is_given_up_early() {
     let wall = brick_wall(Shape::Wave, 100, 48);

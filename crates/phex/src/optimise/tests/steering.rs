@@ -412,8 +412,8 @@ impl Progress for Notes {
     }
 }
 
-/// Three corners of a panel on a curve in a plane, the others off it: it can't be planar and is named, and so are the corners that
-/// are let go for it.
+/// Three corners of a panel on a curve in a plane, the others off it: it can't be planar and is
+/// named, and so are the corners that are let go for it.
 #[test]
 fn a_panel_that_its_holds_bend_is_named_and_let_go() {
     let wall = brick_wall(Shape::Wave, 15, 8);

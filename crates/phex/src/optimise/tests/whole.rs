@@ -51,7 +51,8 @@ fn brick_walls_become_planar_and_stay_simple() {
     }
 }
 
-/// Rows of bricks along lines of curvature: one factorisation takes the circumcentres to a stationary point.
+/// Rows of bricks along lines of curvature: one factorisation takes the circumcentres to a
+/// stationary point.
 #[test]
 fn a_conjugate_layout_takes_the_fast_path() {
     let shape = Shape::Torus(1.0);
@@ -72,7 +73,8 @@ fn a_conjugate_layout_takes_the_fast_path() {
     }
 }
 
-/// Bricks where the curvature across rows changes sign are no good start: the feasible path is taken, and says so.
+/// Bricks where the curvature across rows changes sign are no good start: the feasible path is
+/// taken, and says so.
 #[test]
 fn a_layout_that_is_not_conjugate_takes_the_feasible_path() {
     let wall = brick_wall(Shape::Wave, 41, 20);
@@ -518,7 +520,8 @@ fn unusable_input_is_refused() {
     );
 }
 
-/// The paper's formulation: as planar, where the start is good; where panels would cross, nothing stops them, and they are named.
+/// The paper's formulation: as planar, where the start is good; where panels would cross, nothing
+/// stops them, and they are named.
 #[test]
 fn tetrahedra_flatten_panels_and_say_which_ones_cross() {
     let options = OptimiseOptions {
@@ -547,7 +550,8 @@ fn tetrahedra_flatten_panels_and_say_which_ones_cross() {
     }
 }
 
-/// Along the sharp rim of a flat ellipsoid panels of both sides meet; without what folds pay some of them end over the rim.
+/// Along the sharp rim of a flat ellipsoid panels of both sides meet; without what folds pay some
+/// of them end over the rim.
 #[test]
 fn panels_do_not_fold_at_a_sharp_rim() {
     for height in [0.03, 0.04, 0.05] {

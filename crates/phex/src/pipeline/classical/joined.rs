@@ -34,8 +34,8 @@ pub(super) fn met(
     Ok(classical.with_sound_rim(mesh, &planes))
 }
 
-/// The layout with its panels joined as the poles of their planes are in their hull where `K > 0`; where `K < 0` by the sign rule, and then so that fewer
-/// panels cross themselves.
+/// The layout with its panels joined as the poles of their planes are in their hull where `K > 0`;
+/// where `K < 0` by the sign rule, and then so that fewer panels cross themselves.
 pub(super) fn joined(
     ground: &Ground,
     layout: Layout,

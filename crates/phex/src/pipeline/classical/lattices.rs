@@ -1,4 +1,5 @@
-//! The methods that take the tangent planes of a lattice: `projective-dual`, `support-function`, `tangent-planes`. They differ in the metric in which it is regular.
+//! The methods that take the tangent planes of a lattice: `projective-dual`, `support-function`,
+//! `tangent-planes`. They differ in the metric in which it is regular.
 
 use super::joined::{cells, joined, met};
 use super::{ClassicalStatistics, Made, Start, refusal};
@@ -61,7 +62,8 @@ pub(super) fn tangent_planes(
     let options = &ground.options;
     let (start, field) = Start::with_lattice(ground, clock)?;
     let mut classical = start.statistics(Method::TangentPlanes);
-    // Planes of any lattice can be taken; what becomes of them where facets hide the curvature is not the method's fault.
+    // Planes of any lattice can be taken; what becomes of them where facets hide the curvature is
+    // not the method's fault.
     classical.outside = start.resolved(ground, TANGENT_PLANES).err();
     let (fine, Drawn { placed, mut layout }) = cells(ground, &field, clock)?;
     classical.foresee(&layout);

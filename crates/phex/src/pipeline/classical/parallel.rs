@@ -1,6 +1,7 @@
-//! `parallel`: the mesh parallel to a given P-Hex mesh that is closest to the surface. What is given is made from tangent planes: where `K > 0` a convex mesh
-//! about the unit sphere, the lattice's discrete Gauss image; where `K < 0` the tangent planes' mesh itself, because edges there run against those of
-//! their Gauss image.
+//! `parallel`: the mesh parallel to a given P-Hex mesh that is closest to the surface. What is
+//! given is made from tangent planes: where `K > 0` a convex mesh about the unit sphere, the
+//! lattice's discrete Gauss image; where `K < 0` the tangent planes' mesh itself, because edges
+//! there run against those of their Gauss image.
 
 use super::{ClassicalStatistics, Made, Start, cells, fitted_planes, joined, met, refusal};
 use crate::layout::domain::{CurvatureSign, SignedPlaces, no_flat_point};
@@ -62,8 +63,8 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     })
 }
 
-/// The mesh with the layout's normals whose faces touch the unit sphere. With convex panels so are those of every mesh that is
-/// parallel to it with edges in the same sense.
+/// The mesh with the layout's normals whose faces touch the unit sphere. With convex panels so are
+/// those of every mesh that is parallel to it with edges in the same sense.
 fn gauss_image(
     layout: &Layout,
     surface: &TriangleSurface,

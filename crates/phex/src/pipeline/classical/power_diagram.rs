@@ -9,7 +9,8 @@ use crate::trim;
 use phex_mesh::{FaceId, HexMesh, PerVertex, TriangleSurface, Vec3};
 use phex_numeric::{Outcome, Status};
 
-/// A panel of the polyhedron belongs to a patch if its touching point is nearer to it than this share of a panel's length.
+/// A panel of the polyhedron belongs to a patch if its touching point is nearer to it than this
+/// share of a panel's length.
 const NEAR: f64 = 0.1;
 
 pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
@@ -50,7 +51,8 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
 fn patch(whole: &HexMesh, surface: &TriangleSurface) -> Result<HexMesh, PipelineError> {
     let centres: Vec<Vec3> = whole.topology().faces().map(|f| whole.centre(f)).collect();
     let feet = surface.closest_points(&centres);
-    // Panels stand off the facets of the surface by the sagitta of both; only the way along the surface counts.
+    // Panels stand off the facets of the surface by the sagitta of both; only the way along the
+    // surface counts.
     let off = |f: &FaceId| {
         let (d, n) = (
             centres[f.index()] - feet[f.index()].position,

@@ -1,4 +1,5 @@
-//! Where the methods start: the surface with its curvature, and a lattice that is regular in a method's own metric.
+//! Where the methods start: the surface with its curvature, and a lattice that is regular in a
+//! method's own metric.
 
 use super::ClassicalStatistics;
 use crate::curvature::{self, Curvature};
@@ -64,8 +65,9 @@ impl<'a> Start<'a> {
         SignedPlaces::find(self.surface, &self.curvature).sign()
     }
 
-    /// Options for a lattice with few dislocations, at which planes cross. It keeps the sign rule with a margin where `K < 0`: its edges stay off the asymptotic directions, to which rows along the boundary may
-    /// come too near, and it has no dislocations.
+    /// Options for a lattice with few dislocations, at which planes cross. It keeps the sign rule
+    /// with a margin where `K < 0`: its edges stay off the asymptotic directions, to which rows
+    /// along the boundary may come too near, and it has no dislocations.
     fn lattice_options(&self, options: &MeshOptions) -> MeshOptions {
         let mut options = options.clone();
         if self.sign() == CurvatureSign::Hyperbolic {
@@ -146,7 +148,8 @@ impl<'a> Start<'a> {
     }
 }
 
-/// Screening of the conformal factor, over that of lattices for the optimiser, which evens out areas and mends dislocations.
+/// Screening of the conformal factor, over that of lattices for the optimiser, which evens out
+/// areas and mends dislocations.
 const CLASSICAL_SCREENING: f64 = 0.5;
 /// Weight of the alignment where `K < 0`.
 const SADDLE_ALIGNMENT: f64 = 20.0;

@@ -27,7 +27,8 @@ pub struct ClassicalStatistics {
     pub clearness: Option<f64>,
     /// Singular points and duplicates of the dual surface.
     pub defects: Option<DualDefects>,
-    /// Flips that joined the panels as their planes want it: as the convex hull where `K > 0`, by the sign rule where `K < 0`.
+    /// Flips that joined the panels as their planes want it: as the convex hull where `K > 0`, by
+    /// the sign rule where `K < 0`.
     pub flips: Option<usize>,
     /// Panels that were taken out on the way, because their planes cut nothing off.
     pub taken_out: usize,
@@ -35,7 +36,8 @@ pub struct ClassicalStatistics {
     pub goldberg: Option<(u32, u32)>,
     /// Edges of a parallel mesh that are as short as is allowed.
     pub edges_at_bound: Option<usize>,
-    /// Panels that the sign rule says will cross themselves; nothing where there is no layout to ask, or panels are those of a convex hull.
+    /// Panels that the sign rule says will cross themselves; nothing where there is no layout to
+    /// ask, or panels are those of a convex hull.
     pub forecast: Option<usize>,
     /// How many of these were taken out on the way or by the boundary.
     pub forecast_taken_out: Option<usize>,
@@ -56,7 +58,8 @@ impl ClassicalStatistics {
         self.taken_out += taken_out;
     }
 
-    /// The mesh without panels at the boundary for which there is no room; outside a method's domain it stays as it is.
+    /// The mesh without panels at the boundary for which there is no room; outside a method's
+    /// domain it stays as it is.
     pub(super) fn with_sound_rim(&mut self, mesh: HexMesh, planes: &PerFace<Plane>) -> HexMesh {
         if self.curvature == CurvatureSign::Mixed {
             return mesh;
@@ -67,7 +70,8 @@ impl ClassicalStatistics {
         left
     }
 
-    /// Goes on with the foreseen panels among those that are left; `left` says which panel each of them was.
+    /// Goes on with the foreseen panels among those that are left; `left` says which panel each of
+    /// them was.
     pub(super) fn follow(&mut self, left: &[FaceId]) {
         let numbers = left.iter().enumerate();
         let foreseen = numbers.filter(|(_, was)| self.foreseen.contains(was));

@@ -1,7 +1,8 @@
-//! `dual-subdivision`: a coarse mesh of tangent planes, refined by a rule of triangle meshes through its dual.
+//! `dual-subdivision`: a coarse mesh of tangent planes, refined by a rule of triangle meshes
+//! through its dual.
 //!
-//! The panels along the boundary of the coarse mesh have tangent planes like all others, and rules at the rim of their dual go on as inside, so every level
-//! covers the surface.
+//! The panels along the boundary of the coarse mesh have tangent planes like all others, and rules
+//! at the rim of their dual go on as inside, so every level covers the surface.
 
 use super::{
     ClassicalStatistics, Made, Start, boundary_length, cells, fitted_planes, joined, panel_length,
@@ -34,7 +35,8 @@ pub(super) fn ground(surface: &TriangleSurface, panels: usize, options: &MeshOpt
     )
 }
 
-/// Panels of the coarse mesh. A level makes four of each, but of one at the boundary, of which there are twice as many then, it makes three.
+/// Panels of the coarse mesh. A level makes four of each, but of one at the boundary, of which
+/// there are twice as many then, it makes three.
 fn coarse_panels(surface: &TriangleSurface, panels: usize, levels: usize) -> usize {
     let (four, two) = (4f64.powi(levels as i32), 2f64.powi(levels as i32));
     let rim = boundary_length(surface);
@@ -47,7 +49,8 @@ fn coarse_panels(surface: &TriangleSurface, panels: usize, levels: usize) -> usi
 }
 
 pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
-    // The strip beyond the boundary is not the user's: curvature of the other sign there is no reason to refuse.
+    // The strip beyond the boundary is not the user's: curvature of the other sign there is no
+    // reason to refuse.
     let start = Start::on(coarse.given(), coarse, clock)?;
     let mut classical = start.statistics(Method::DualSubdivision);
     let dual = SurfaceDual::of(start.surface, &start.curvature.normal);
@@ -70,7 +73,8 @@ pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     ))
 }
 
-/// The finest mesh. Where `K < 0` the rules do better on a regular coarse mesh, but for panels that cross themselves: then on a joined one.
+/// The finest mesh. Where `K < 0` the rules do better on a regular coarse mesh, but for panels that
+/// cross themselves: then on a joined one.
 fn refined(
     coarse: &Ground,
     layout: Layout,
@@ -145,7 +149,8 @@ fn clear(
     })
 }
 
-/// Angle between the planes of neighbouring coarse panels, degrees, beyond which rules know nothing of what is between them where `K < 0`.
+/// Angle between the planes of neighbouring coarse panels, degrees, beyond which rules know nothing
+/// of what is between them where `K < 0`.
 const LARGEST_TURN: f64 = 50.0;
 
 /// Whether the planes of a coarse mesh turn little enough from one panel to the next.
@@ -172,7 +177,8 @@ fn follows_surface(layout: &Layout) -> Result<(), DomainError> {
     }
 }
 
-/// The mesh with its panels joined as their planes want it: rules of subdivision know neither hulls nor signs.
+/// The mesh with its panels joined as their planes want it: rules of subdivision know neither hulls
+/// nor signs.
 fn rejoined(
     mesh: HexMesh,
     quadric: &Quadric,
