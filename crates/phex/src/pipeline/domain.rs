@@ -4,7 +4,7 @@ use crate::layout::lattice::CELL;
 use crate::pipeline::{MeshOptions, moved};
 use crate::smooth_surface::extend::{self, Extension};
 use crate::smooth_surface::{self, SmoothTarget, TargetKind};
-use crate::trim::{self, Boundary, Domain, Takeover, TrimError, Trimmed};
+use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
 use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
@@ -12,13 +12,6 @@ use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 const WHOLE_STRIP: f64 = 2.0 * CELL;
 /// The same for clipped panels: as much as is cut off a row that runs along the boundary.
 const CLIP_STRIP: f64 = 0.2;
-
-/// Small panels at the boundary are taken over where that leaves room.
-const TAKEOVER: Takeover = Takeover {
-    room: 0.2,
-    shared: true,
-    cut: false,
-};
 
 /// Holes no longer round than this many panel lengths are closed while panels are laid out, and cut
 /// out of them afterwards: rows can't go round a hole of a panel or two without slivers.
@@ -188,26 +181,18 @@ impl Ground {
 
     /// Panels brought back to the boundary.
     pub fn trimmed(&self, mesh: &HexMesh, fine: &TriangleSurface) -> Result<Trimmed, TrimError> {
-        let corner_angle = self.options.target.corner_angle.to_radians();
         let Some(trimming) = &self.trimming else {
-            let untrimmed = Trimmed {
+            return Ok(Trimmed {
                 mesh: mesh.clone(),
                 parent: PerFace::from_vec(mesh.topology().faces().collect()),
-            };
-            let surface = self.smooth.finest();
-            return Ok(trim::without_slivers(
-                untrimmed,
-                surface,
-                corner_angle,
-                TAKEOVER,
-            ));
+            });
         };
         let domain = Domain {
             extended: fine,
             extension: &trimming.extension,
             levels: self.smooth.refinements.len(),
             original: trimming.smooth.finest(),
-            corner_angle,
+            corner_angle: self.options.target.corner_angle.to_radians(),
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }

@@ -313,7 +313,7 @@ fn without_close_pairs(cuts: Vec<f64>, near: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dissolve::tests::{domain, square};
+    use super::super::fixtures::{domain, square};
     use super::*;
     use crate::smooth_surface::extend;
     use phex_mesh::FlatFace;

@@ -46,16 +46,6 @@ impl Curve {
         }
     }
 
-    /// Diagonal of the surface.
-    pub fn diagonal(&self) -> f64 {
-        self.diagonal
-    }
-
-    /// Largest distance between the curve and the vertices that stand for it.
-    pub fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
     /// The place closest to a point.
     pub fn closest(&self, p: Vec3) -> Place {
         let mut best = (
@@ -98,11 +88,6 @@ impl Curve {
         let n = self.loops[from.of].len() as f64;
         let position = |p: Place| p.segment as f64 + p.along;
         (position(to) - position(from)).rem_euclid(n)
-    }
-
-    /// Segments of the loop that a place is on.
-    pub fn length_of(&self, place: Place) -> f64 {
-        self.loops[place.of].len() as f64
     }
 
     /// Vertices that stand for the curve between two places, without the places; none if the way is

@@ -186,7 +186,7 @@ fn contains(outline: &[Vec2], p: Vec2) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dissolve::tests::domain;
+    use super::super::fixtures::domain;
     use super::*;
     use crate::smooth_surface::extend;
     use crate::trim::{Boundary, trim};

@@ -23,29 +23,20 @@
 //!
 //! Guaranteed: panels stay planar; interior vertices keep their degree of 3; the result is one
 //! connected manifold. Fails, with an error, where nothing is left. Clipping can leave panels that
-//! are too small: they are joined to a neighbour in the same plane (`merge`), or the plane of a
-//! neighbour is continued over them (`dissolve`), they grow into their neighbours (`grow`), or
-//! narrow ones are left out (`omit`); [`phex_mesh::small_rim_faces`] lists those that are left, and
-//! the repair loop drops their seeds.
+//! are too small: [`phex_mesh::small_rim_faces`] lists them, and the search joins them to others.
 
 mod chamfer;
 mod clip;
 mod curve;
-mod dissolve;
 pub(crate) mod folds;
 pub(crate) mod follow;
-mod grow;
 mod holes;
-mod merge;
-mod omit;
 mod turn;
 mod whole;
 
 use crate::smooth_surface::extend::Extension;
-use curve::Curve;
-pub(crate) use dissolve::Takeover;
 use phex_mesh::{
-    BoundaryCurve, FaceId, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3, small_rim_faces,
+    BoundaryCurve, FaceId, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3,
 };
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -118,42 +109,12 @@ pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<T
             let mut clipped = clip::clipped(&parted.mesh, domain)?;
             let parent = |f: &FaceId| parted.parent[*f];
             clipped.parent = clipped.parent.map(parent);
-            let merged = merge::without_slivers(clipped)?;
-            dissolve::without_slivers(
-                merged,
-                &|p| domain.contains(p),
-                &clip::curve(domain),
-                Takeover::of_cuts(),
-            )
+            clipped
         }
         Boundary::Whole => whole::whole_panels(mesh, domain)?,
     };
     largest_part(trimmed)
 }
-
-/// Panels laid out up to the boundary of `surface`, small ones there taken over by their
-/// neighbours.
-pub(crate) fn without_slivers(
-    trimmed: Trimmed,
-    surface: &TriangleSurface,
-    corner_angle: f64,
-    how: Takeover,
-) -> Trimmed {
-    if small_rim_faces(&trimmed.mesh).is_empty() {
-        return trimmed;
-    }
-    let curve = Curve::of(surface, corner_angle, clip::TOLERANCE);
-    let close = ON_BOUNDARY * surface.diagonal();
-    // Beyond the boundary all points have their feet on it.
-    let inside = |p: Vec3| {
-        let foot = surface.closest_point(p).position;
-        (curve.at(curve.closest(foot)) - foot).norm() > close
-    };
-    dissolve::without_slivers(trimmed, &inside, &curve, how)
-}
-
-/// Distance from the boundary, diagonals, up to which a point of the surface lies on it.
-const ON_BOUNDARY: f64 = 1e-9;
 
 /// Faces and the positions they use, renumbered in the order of use.
 pub(crate) fn compact(positions: &[Vec3], faces: &[Vec<u32>]) -> Result<HexMesh, TrimError> {
@@ -212,4 +173,33 @@ fn near_boundary(mesh: &HexMesh, original: &TriangleSurface) -> Vec<bool> {
         (curve.closest_point(centre).position - centre).norm() < reach
     };
     faces.par_iter().map(near).collect()
+}
+
+#[cfg(test)]
+mod fixtures {
+    use super::Domain;
+    use crate::smooth_surface::extend::Extension;
+    use phex_mesh::{TriangleSurface, Vec3};
+
+    /// A flat square from 0 to 3.
+    pub fn square() -> TriangleSurface {
+        let n = 12;
+        let at = |v: u32| Vec3::new(f64::from(v % (n + 1)), f64::from(v / (n + 1)), 0.0) * 0.25;
+        let cells = (0..n * n).map(|c| c % n + (c / n) * (n + 1));
+        let triangles: Vec<[u32; 3]> = cells
+            .flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]])
+            .collect();
+        TriangleSurface::new((0..(n + 1) * (n + 1)).map(at).collect(), &triangles).unwrap()
+    }
+
+    /// An extended surface as it is, without refinement.
+    pub fn domain<'a>(original: &'a TriangleSurface, extension: &'a Extension) -> Domain<'a> {
+        Domain {
+            extended: &extension.surface,
+            extension,
+            levels: 0,
+            original,
+            corner_angle: 0.7,
+        }
+    }
 }
