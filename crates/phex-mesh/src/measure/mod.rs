@@ -40,6 +40,17 @@ use crate::{
     EdgeId, FaceId, FlatFace, HexMesh, PerEdge, PerElement, PerFace, PerHalfEdge, Topology, Vec3,
 };
 use serde::Serialize;
+
+/// Clearance, in mean edges, below which a panel of mean area counts as tight.
+const ROOMY_CLEARANCE: f64 = 0.31;
+/// Area, over the mean, below which a panel needs less.
+const NEEDS_LESS: f64 = 0.4;
+
+/// Clearance, in mean edges, that a panel should have, by its area over the mean: below it is
+/// tight, which is allowed and not liked.
+pub fn wanted_clearance(area_ratio: f64) -> f64 {
+    ROOMY_CLEARANCE * (area_ratio / NEEDS_LESS).sqrt().min(1.0)
+}
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 

@@ -124,7 +124,7 @@ pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub(crate) use angle_term::walks::free_edges;
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
-pub use local::{LocalPart, enlarge_small, give_room};
+pub use local::{EMPHASES, LocalPart, Wanted};
 pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, Solver, StartKind};
 pub use shape_target::ShapeTarget;

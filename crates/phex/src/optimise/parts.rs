@@ -99,12 +99,6 @@ impl<'a> Part<'a> {
         self.faces.iter().map(value).collect()
     }
 
-    /// Numbers of some faces within the part.
-    pub fn local_faces(&self, faces: &[u32]) -> Vec<usize> {
-        let local = |f: &u32| self.faces.binary_search(f).ok();
-        faces.iter().filter_map(local).collect()
-    }
-
     /// The coordinates of the part's vertices.
     pub fn of_vertices(&self, x: &[f64]) -> Vec<f64> {
         let at = |&v: &u32| &x[3 * v as usize..3 * v as usize + 3];

@@ -53,7 +53,7 @@ impl Stage<'_> {
         if !path.is_over() && best.is_planar(options) {
             best = path.finish(best)?;
         }
-        if !path.is_over() && best.is_planar(options) && kind != StartKind::Local {
+        if !path.is_over() && best.is_planar(options) && kind == StartKind::AsGiven {
             best = path.retry(best)?;
         }
         let way = Way {

@@ -2,7 +2,7 @@
 //! Each is kept unless the judge finds more that is invalid or outside limits.
 
 use super::domain::Ground;
-use super::rim::{Rim, enlarged, follow_rim, on_curve, roomier};
+use super::rim::{Rim, follow_rim, on_curve};
 use super::{Clock, PipelineError};
 use crate::optimise::OptimiseError;
 use crate::quality::{Judgement, Merit};
@@ -65,16 +65,10 @@ pub(super) fn finished(
     if now.is_valid() && !progress.is_cancelled() {
         clock.timed("optimise", || -> Result<(), OptimiseError> {
             if let Some(rim) = &rim {
-                // What was cut is small by chance.
-                let steps = [enlarged, on_curve, enlarged];
-                for step in &steps[usize::from(!ground.is_extended())..] {
-                    let next = step(&now.mesh, site, rim, progress)?;
-                    now.offer(next.map(|n| n.mesh));
-                }
+                let next = on_curve(&now.mesh, site, rim, progress)?;
+                now.offer(next.map(|n| n.mesh));
                 now.offer(follow_rim(&now.mesh, surface, options));
             }
-            let roomy = roomier(&now.mesh, site, rim.as_ref(), progress)?;
-            now.offer_if(roomy.map(|n| n.mesh), |a, b| a.compare(b).is_le());
             Ok(())
         })?;
     }

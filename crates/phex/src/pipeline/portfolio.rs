@@ -21,6 +21,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Mutex;
 
+/// Excess over limits, in limits and summed over panels, that is left to the search.
+const CURABLE: f64 = 2.0;
+
 /// One member of the portfolio, for the report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AttemptSummary {
@@ -76,11 +79,11 @@ impl AttemptSummary {
     /// that resolve the surface where the options leave sizes free. `None` if this one is within
     /// limits and as regular as can be.
     fn alternative(&self, options: &MeshOptions) -> Option<Candidate> {
-        let free = options.sizes.adaptive.is_none() && options.size_field.is_none();
         let within = self.merit.is_within();
         let seamless = self.regular_possible && self.irregular > 0;
         let usual_deviation = !within && is_tight(options);
-        let resolving = free && !within && !usual_deviation;
+        let much = self.merit.invalid > 0.0 || self.merit.outside > CURABLE;
+        let resolving = self.resolving(options).is_some() && much && !usual_deviation;
         (seamless || resolving || usual_deviation).then_some(Candidate {
             seamless: seamless && within,
             resolving,
@@ -91,16 +94,21 @@ impl AttemptSummary {
 }
 
 impl AttemptSummary {
+    /// The same with sizes that resolve the surface, where the options leave sizes free.
+    fn resolving(&self, options: &MeshOptions) -> Option<Candidate> {
+        let free = options.sizes.adaptive.is_none() && options.size_field.is_none();
+        free.then_some(Candidate {
+            resolving: true,
+            ..self.candidate
+        })
+    }
+
     /// What the usual limit would have tried after this one, if it was laid out for that.
     fn after_usual(&self, options: &MeshOptions) -> Option<Candidate> {
         let limit = options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
         let misses = self.merit.off * limit > USUAL_DEVIATION || self.merit.invalid > 0.0;
-        let free = options.sizes.adaptive.is_none() && options.size_field.is_none();
         let is_usual = self.candidate.usual_deviation && !self.candidate.resolving;
-        (is_usual && free && misses).then_some(Candidate {
-            resolving: true,
-            ..self.candidate
-        })
+        self.resolving(options).filter(|_| is_usual && misses)
     }
 }
 
@@ -178,10 +186,13 @@ pub(super) fn mesh_with_panels(
     });
     let best = best.ok_or(PipelineError::Cancelled)?;
     members[best].summary.kept = true;
-    let tried = members.iter().map(|m| m.summary.clone()).collect();
+    let mut tried: Vec<AttemptSummary> = members.iter().map(|m| m.summary.clone()).collect();
     members.iter().for_each(|m| clock.add(&m.clock));
     let mut run = match members.swap_remove(best).made {
-        Made::Lattice(pass) => task.run_of(*pass, &mut clock),
+        Made::Lattice(pass) => {
+            let searched = task.searched(*pass, &mut clock);
+            task.cured(searched, &mut tried, &mut clock).0
+        }
         Made::Wall(wall) => *wall,
     };
     run.statistics.tried = tried;
@@ -264,14 +275,46 @@ impl Task<'_> {
         })
     }
 
-    /// The pass searched, as a run.
-    fn run_of(&self, mut pass: Pass, clock: &mut Clock<'_>) -> MeshRun {
+    /// Where the search has left something outside limits, the other lattice that was not tried
+    /// before, if it comes out better.
+    fn cured(
+        &self,
+        first: (MeshRun, Merit),
+        tried: &mut Vec<AttemptSummary>,
+        clock: &mut Clock<'_>,
+    ) -> (MeshRun, Merit) {
+        let [only] = &mut tried[..] else {
+            return first;
+        };
+        let again = only.resolving(self.options);
+        let again = again.filter(|_| self.options.search && !first.1.is_within());
+        let Some(candidate) = again.filter(|_| !clock.progress.is_cancelled()) else {
+            return first;
+        };
+        let Ok(mut member) = self.member(candidate, clock.progress) else {
+            return first;
+        };
+        clock.add(&member.clock);
+        let Made::Lattice(pass) = member.made else {
+            return first;
+        };
+        let second = self.searched(*pass, clock);
+        let is_better = second.1.is_better(&first.1);
+        (only.kept, member.summary.kept) = (!is_better, is_better);
+        tried.push(member.summary);
+        if is_better { second } else { first }
+    }
+
+    /// The pass searched, as a run, and what it is compared by.
+    fn searched(&self, mut pass: Pass, clock: &mut Clock<'_>) -> (MeshRun, Merit) {
         let mut found = None;
         if self.options.search && !clock.progress.is_cancelled() {
             let searched = pass.searched(&self.ground, clock);
             pass.mesh = searched.mesh;
+            pass.judgement = searched.judgement;
             found = Some(searched.summary);
         }
+        let merit = pass.judgement.merit;
         let runs = pass.optimised.runs.clone();
         let statistics = Statistics {
             layout: pass.layout,
@@ -284,7 +327,7 @@ impl Task<'_> {
         let (mesh, start) = (pass.mesh.clone(), pass.start.clone());
         let outcome = pass.optimised.outcome.clone();
         let surfaces = pass.into_surfaces();
-        MeshRun {
+        let run = MeshRun {
             start: Some(start),
             violations: clock.timed("validate", || surfaces.violations(&mesh)),
             mesh,
@@ -293,7 +336,8 @@ impl Task<'_> {
             outcome,
             statistics,
             stages: Vec::new(),
-        }
+        };
+        (run, merit)
     }
 
     fn wall(&self, candidate: Candidate, progress: &dyn Progress) -> Result<Member, PipelineError> {

@@ -40,32 +40,6 @@ impl Rim {
     }
 }
 
-/// A mesh with larger panels at the boundary in place of small ones; `None` where none gets larger.
-pub(super) fn enlarged(
-    mesh: &HexMesh,
-    site: &Site<'_>,
-    rim: &Rim,
-    progress: &dyn Progress,
-) -> Result<Option<Optimised>, OptimiseError> {
-    if phex_mesh::small_rim_faces(mesh).is_empty() {
-        return Ok(None);
-    }
-    let target = SurfaceTarget::new(site.judge.surface());
-    optimise::enlarge_small(mesh, &target, &rim.hold(), site.options, progress)
-}
-
-/// A valid mesh with more room in tight panels; `None` where there is none to be had.
-pub(super) fn roomier(
-    mesh: &HexMesh,
-    site: &Site<'_>,
-    rim: Option<&Rim>,
-    progress: &dyn Progress,
-) -> Result<Option<Optimised>, OptimiseError> {
-    let hold = rim.map(Rim::hold);
-    let target = SurfaceTarget::new(site.close_to);
-    optimise::give_room(mesh, &target, hold.as_ref(), site.options, progress)
-}
-
 /// The mesh with further corners where its edges would cut the boundary short; `None` where there
 /// are none.
 pub(super) fn follow_rim(

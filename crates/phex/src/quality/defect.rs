@@ -15,6 +15,8 @@ pub struct Defect {
     pub needs_more: bool,
     /// Whether it is allowed: a panel is tight or small, and nothing is invalid or outside limits.
     pub is_allowed: bool,
+    /// Whether more room is all that is lacking, and not much of it.
+    pub is_slight: bool,
     /// Whether a panel is no panel, or not planar.
     pub is_invalid: bool,
     /// How bad it is, to compare defects.
@@ -48,6 +50,7 @@ pub fn defects(mesh: &HexMesh, judgement: &Judgement) -> Vec<Defect> {
                 place: mesh.centre(f),
                 needs_more: worst.crossed.is_some() || worst.bare > 0.0 || worst.far > 0.0,
                 is_allowed: faces.iter().all(|f| findings[*f].is_within()),
+                is_slight: faces.iter().all(|f| findings[*f].is_slight()),
                 is_invalid: faces.iter().any(|f| findings[*f].invalid > 0.0),
                 amount: faces.iter().map(amount).sum(),
                 faces,

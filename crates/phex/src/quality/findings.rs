@@ -2,6 +2,9 @@
 
 use phex_mesh::FaceId;
 
+/// What a panel costs that has half the room that is wanted.
+const MUCH: f64 = 0.25;
+
 /// By how much a face is outside limits, each over its limit, 0 where it is within.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Findings {
@@ -46,6 +49,11 @@ impl Findings {
     /// Whether nothing is invalid or outside limits.
     pub fn is_within(&self) -> bool {
         self.invalid + self.outside() == 0.0
+    }
+
+    /// Whether nothing but a little room is lacking.
+    pub(super) fn is_slight(&self) -> bool {
+        self.is_within() && self.small == 0.0 && self.tight < MUCH
     }
 
     /// Whether something is to be done there.

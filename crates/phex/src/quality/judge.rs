@@ -3,16 +3,13 @@
 use super::findings::Findings;
 use super::merit::Merit;
 use super::{Limits, References, USUAL_DEVIATION};
-use phex_mesh::measure::{LEAST_RIM_AREA, points_on_boundary};
+use phex_mesh::measure::{LEAST_RIM_AREA, points_on_boundary, wanted_clearance};
 use phex_mesh::validate::{ValidateOptions, Violation, add_flips, violations};
 use phex_mesh::{
     BoundaryCurve, FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId,
     closest_faces,
 };
 
-/// Clearance, in mean edges, below which a panel is tight: it is allowed from a third of that on,
-/// and not liked.
-const ROOMY: f64 = 0.15;
 /// Excess over a limit, in limits, above which it does not matter how far it is exceeded.
 const LARGEST_EXCESS: f64 = 10.0;
 /// Mean edges from the boundary within which the surface need not be covered.
@@ -187,7 +184,8 @@ impl<'a> Judge<'a> {
         }
     }
 
-    fn limit(&self) -> f64 {
+    /// Largest distance between panels and surface that is allowed, a length.
+    pub fn largest_distance(&self) -> f64 {
         self.diagonal * self.limits.deviation_rel.unwrap_or(USUAL_DEVIATION)
     }
 
@@ -210,7 +208,7 @@ impl<'a> Judge<'a> {
             let vertices = mesh.topology().face_vertices(f).iter();
             let farthest = vertices.map(|v| corners[v.index()]).fold(centre, f64::max);
             let face = &mut of_face[f];
-            face.off = face.off.max(farthest / self.limit());
+            face.off = face.off.max(farthest / self.largest_distance());
             face.far = self.excess(self.limits.deviation_rel, farthest);
         }
     }
@@ -227,7 +225,7 @@ impl<'a> Judge<'a> {
         for (v, &(f, distance)) in scope.points.iter().zip(&closest) {
             if self.to_boundary[*v] > RIM * yardstick.mean_edge {
                 let face = &mut of_face[f];
-                face.off = face.off.max(distance / self.limit());
+                face.off = face.off.max(distance / self.largest_distance());
                 face.bare = face
                     .bare
                     .max(self.excess(self.limits.deviation_rel, distance));
@@ -305,7 +303,8 @@ fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Fi
         let face = &mut of_face[f];
         let (area, at_rim) = (flat.area(), topology.is_boundary_face(f));
         let clearance = flat.clearance().distance / yardstick.mean_edge;
-        face.tight = (1.0 - clearance / ROOMY).max(0.0).powi(2);
+        let wanted = wanted_clearance(area / yardstick.mean_area);
+        face.tight = (1.0 - clearance / wanted).max(0.0).powi(2);
         face.irregular = !at_rim && topology.valence(f) != 6;
         let wished = scope.wished[f.index()];
         if !at_rim && wished > 0.0 && area > 0.0 {

@@ -33,7 +33,7 @@ const ROUNDING: f64 = 1e-9;
 const IRREGULAR: f64 = 10.0;
 const UNEVEN: f64 = 1.0;
 /// Cost of a distance to the surface that is just allowed.
-const OFF: f64 = 0.1;
+const OFF: f64 = 0.5;
 /// Factor of the cost of irregular panels where a lattice can do without any that topology does not
 /// ask for.
 const NEEDLESS: f64 = 10.0;

@@ -23,6 +23,7 @@ mod site;
 #[cfg(test)]
 mod tests;
 
+use crate::optimise::EMPHASES;
 use crate::progress::{Event, Progress};
 use crate::quality::{Defect, Judgement, Merit, defects};
 use draft::Draft;
@@ -220,8 +221,37 @@ impl Place {
         let before = judged(&now, &now.mesh);
         let goal = before.amount(&now.counts) - CURED * self.defect.amount;
         let before = before.merit;
-        let mut settled: Vec<Settled> = Vec::new();
-        let mut tried = 0;
+        let is_cured = |next: &Settled, judgement: &Judgement| {
+            judgement.amount(&next.built.counts) <= goal && next.merit.is_better(&before)
+        };
+        let improved = |mut next: Settled| {
+            for round in 0..EMPHASES {
+                let step = Step::Improve(round);
+                let Some(mesh) = site.settled(&next.built, whole, step, progress) else {
+                    continue;
+                };
+                let judgement = judged(&next.built, &mesh);
+                if judgement.merit.is_less(&next.merit) {
+                    (next.merit, next.built.mesh) = (judgement.merit, mesh);
+                    if is_cured(&next, &judgement) {
+                        break;
+                    }
+                }
+            }
+            next
+        };
+        let same = improved(Settled {
+            merit: before,
+            draft: patch.draft.clone(),
+            built: now,
+        });
+        let is_enough = judged(&same.built, &same.built.mesh).amount(&same.built.counts) <= goal;
+        if self.defect.is_slight || is_enough {
+            let better = same.merit.is_better(&before);
+            return (better.then(|| same.change(patch)), 1);
+        }
+        let mut settled = vec![same];
+        let mut tried = 1;
         for draft in candidates::candidates(patch, self.defect.needs_more, self.wide) {
             let Some(built) = patch.built(&draft).filter(|_| !progress.is_cancelled()) else {
                 continue;
@@ -234,8 +264,7 @@ impl Place {
                     draft,
                     built: built.with(mesh),
                 };
-                let cured = judgement.amount(&next.built.counts) <= goal;
-                if cured && next.merit.is_better(&before) {
+                if is_cured(&next, &judgement) {
                     return (Some(next.change(patch)), tried);
                 }
                 settled.push(next);
@@ -243,17 +272,7 @@ impl Place {
         }
         settled.sort_by(|a, b| a.merit.total_cmp(&b.merit));
         settled.truncate(IMPROVED);
-        for next in &mut settled {
-            if let Some(mesh) = site.settled(&next.built, whole, Step::Improve, progress) {
-                let merit = judged(&next.built, &mesh).merit;
-                if merit.is_less(&next.merit) {
-                    (next.merit, next.built.mesh) = (merit, mesh);
-                }
-            }
-        }
-        let best = settled
-            .into_iter()
-            .min_by(|a, b| a.merit.total_cmp(&b.merit));
+        let best = (settled.into_iter().map(improved)).min_by(|a, b| a.merit.total_cmp(&b.merit));
         let best = best.filter(|best| best.merit.is_better(&before));
         (best.map(|best| best.change(patch)), tried)
     }

@@ -2,10 +2,14 @@
 
 use super::patch::{Built, Patch};
 use crate::layout::{Layout, VertexKind, WishedArea};
-use crate::optimise::{BoundaryHold, LocalPart, OptimiseOptions, SurfaceTarget};
+use crate::optimise::{BoundaryHold, LocalPart, OptimiseOptions, SurfaceTarget, Wanted};
 use crate::progress::Progress;
 use crate::quality::{Judge, Judgement, Scope, Yardstick};
+use phex_mesh::measure::{LEAST_RIM_AREA, wanted_clearance};
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
+
+/// Area that small panels at the boundary are to have, over what does not count as small.
+const SAFE: f64 = 1.02;
 
 /// Areas that panels are to have, at the vertices of a surface.
 pub struct AreaField<'a> {
@@ -103,6 +107,22 @@ impl Site<'_> {
         }
     }
 
+    /// What the panels of a part are to have.
+    fn wanted(&self, part: &HexMesh, whole: &Whole) -> Wanted {
+        let (topology, yardstick) = (part.topology(), &whole.yardstick);
+        let areas = FlatFace::all(part).map(FlatFace::area);
+        let clearance = |a: &f64| yardstick.mean_edge * wanted_clearance(a / yardstick.mean_area);
+        let least = |f: FaceId| match topology.is_boundary_face(f) {
+            true => SAFE * LEAST_RIM_AREA * yardstick.mean_area,
+            false => 0.0,
+        };
+        Wanted {
+            clearance: areas.iter().map(clearance).collect(),
+            area: topology.faces().map(least).collect(),
+            distance: self.judge.largest_distance(),
+        }
+    }
+
     /// The panels of a draft, made planar, and then perhaps better; `None` if that can't be done.
     pub(super) fn settled(
         &self,
@@ -121,7 +141,10 @@ impl Site<'_> {
         let quiet = Quiet(progress);
         let made = match step {
             Step::Settle => part.settled(&target, self.options, &quiet),
-            Step::Improve => part.improved(&target, self.options, &quiet),
+            Step::Improve(round) => {
+                let wanted = self.wanted(&built.mesh, whole);
+                part.emphasised(&wanted, round, &target, self.options, &quiet)
+            }
         };
         Some(made.ok()?.mesh)
     }
@@ -132,8 +155,8 @@ impl Site<'_> {
 pub(super) enum Step {
     /// From joined panels to planar ones.
     Settle,
-    /// From planar panels to better ones.
-    Improve,
+    /// From planar panels to better ones, in a round.
+    Improve(usize),
 }
 
 /// What is known of a mesh as a whole.

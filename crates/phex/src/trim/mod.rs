@@ -35,9 +35,7 @@ mod turn;
 mod whole;
 
 use crate::smooth_surface::extend::Extension;
-use phex_mesh::{
-    BoundaryCurve, FaceId, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3,
-};
+use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

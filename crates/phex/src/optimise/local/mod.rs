@@ -1,13 +1,14 @@
 //! Parts of a mesh by themselves: panels that are joined anew, and panels that are tried again,
 //! with what is around them at rest.
 
-mod demand;
+mod emphasis;
 mod retry;
-mod room;
+mod rim;
 
-pub use room::{enlarge_small, give_room};
+pub use emphasis::{EMPHASES, Wanted};
 
 use super::holds::Hold;
+use super::options::NEWTON_ITERATIONS;
 use super::panels::{Shape, unknowns};
 use super::path::Path;
 use super::reached::{Reached, Way};
@@ -18,8 +19,9 @@ use super::{
 };
 use crate::layout::Layout;
 use crate::progress::Progress;
+use emphasis::Lack;
 use phex_mesh::VertexId;
-use room::rim_holds;
+use rim::rim_holds;
 
 /// A part of a mesh.
 pub struct LocalPart<'a> {
@@ -58,24 +60,33 @@ impl LocalPart<'_> {
         Ok(finished(mesh, run))
     }
 
-    /// Goes on from planar panels: those that stand off, fold or are tight are tried again.
+    /// Goes on from planar panels with more weight on what they lack, the more the later the
+    /// `round` of the [`EMPHASES`]. Whether that is better is for the caller to say.
     ///
     /// # Errors
     /// As [`LocalPart::settled`].
-    pub fn improved(
+    pub fn emphasised(
         &self,
+        wanted: &Wanted,
+        round: usize,
         target: &dyn Target,
         options: &OptimiseOptions,
         progress: &dyn Progress,
     ) -> Result<Optimised, OptimiseError> {
-        let (mesh, options) = (&self.layout.mesh, &self.scaled(options));
+        let mesh = &self.layout.mesh;
+        let options = &OptimiseOptions {
+            newton_iterations: options.newton_iterations.or(Some(NEWTON_ITERATIONS)),
+            ..self.scaled(options)
+        };
         let mut stage = self.stage(target, options)?;
         let x = unknowns(mesh);
         stage.areas = areas::of_layout(self.layout, &stage.panels, &x, options.evenness);
         let setting = stage.setting(&x);
-        let mut solvers = Solvers::new(&stage.panels)?;
+        let lack = Lack::at(&setting, &x, wanted);
+        let (mut solvers, folds) = lack.solvers(&setting, &x)?;
         let mut path = Path::new(&setting, &mut solvers, &x, options, progress)?;
-        let reached = path.retry(Reached::at(&setting, x.clone()))?;
+        let now = path.emphasised(&x, (&lack, folds), wanted, round)?;
+        let reached = Reached::at(&setting, now);
         let way = Way {
             kind: StartKind::Local,
             path: PathKind::Feasible,

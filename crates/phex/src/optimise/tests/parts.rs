@@ -74,14 +74,15 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
 #[test]
 fn a_bound_on_the_deviation_draws_panels_nearer() {
     let shape = Shape::MonkeySaddle;
-    let start = layout(brick_wall(shape, 19, 9), &shape);
-    let free = optimise(&start, &shape, &OptimiseOptions::default(), &Silent).unwrap();
+    let start = brick_wall(shape, 19, 9);
+    let made = |o: &OptimiseOptions| planarize(&start, Some(&shape), o, &Silent).unwrap();
+    let free = made(&OptimiseOptions::default());
     let share = free.quality.deviation_max / free.mesh.diagonal();
     let options = OptimiseOptions {
         max_deviation: Some(0.8 * share),
         ..OptimiseOptions::default()
     };
-    let bound = optimise(&start, &shape, &options, &Silent).unwrap();
+    let bound = made(&options);
     assert_sound(&bound, 1e-13);
     assert!(
         bound.quality.deviation_max < 0.95 * free.quality.deviation_max,

@@ -557,7 +557,8 @@ fn panels_do_not_fold_at_a_sharp_rim() {
     for height in [0.03, 0.04, 0.05] {
         let shape = Shape::Ellipsoid(Vec3::new(1.0, 0.9, height));
         let ball = dual_icosphere(2, &shape);
-        let result = run(&layout(ball, &shape), &shape);
+        let mesh = run(&layout(ball, &shape), &shape).mesh;
+        let result = planarize(&mesh, Some(&shape), &OptimiseOptions::default(), &Silent).unwrap();
         assert_sound(&result, 1e-13);
         assert!(result.quality.clearance > 0.06, "{:?}", result.quality);
     }
