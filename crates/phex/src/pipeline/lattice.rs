@@ -12,8 +12,8 @@ use crate::layout::{Layout, LayoutStatistics};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::quality::{Judge, Judgement, References};
 use crate::search::{AreaField, Searched, Site, search};
-use crate::trim::{Trimmed, folds};
-use phex_mesh::{FaceId, HexMesh, PerFace, PolygonSoup, TriangleSurface, Violation};
+use crate::trim::Trimmed;
+use phex_mesh::{FaceId, HexMesh, PolygonSoup, TriangleSurface, Violation};
 use std::collections::BTreeSet;
 
 /// A panelling made in one way.
@@ -106,7 +106,7 @@ pub(super) fn pass(
     let trimmed = clock.timed("trim", || ground.trimmed(&optimised.mesh, &fine.surface))?;
     let start = laid_out(&layout, &trimmed);
     let surfaces = Surfaces::new(ground, fine);
-    let made = surfaces.with_site(options, |site| finished(trimmed, site, ground, clock));
+    let made = surfaces.with_site(options, |site| finished(trimmed.mesh, site, ground, clock));
     let (mesh, mut judgement) = made?;
     if way.usual_deviation {
         judgement = surfaces.with_site(&ground.options, |site| site.judged(&mesh));
@@ -127,7 +127,7 @@ impl Pass {
     /// Searches the mesh where something is wrong.
     pub fn searched(&self, ground: &Ground, clock: &mut Clock<'_>) -> Searched {
         let progress = clock.progress;
-        let work = |site: &Site<'_>| unfolded(search(self.mesh.clone(), site, progress), site);
+        let work = |site: &Site<'_>| search(self.mesh.clone(), site, progress);
         clock.timed("search", || self.surfaces.with_site(&ground.options, work))
     }
 
@@ -135,25 +135,6 @@ impl Pass {
     pub fn into_surfaces(self) -> Surfaces {
         self.surfaces
     }
-}
-
-/// A mesh after its search without folds that are left: panels are turned a little, or edges cut
-/// off, where that makes it better.
-fn unfolded(mut searched: Searched, site: &Site<'_>) -> Searched {
-    if searched.judgement.of_face.iter().all(|f| f.folded == 0.0) {
-        return searched;
-    }
-    let trimmed = Trimmed {
-        parent: PerFace::from_vec(searched.mesh.topology().faces().collect()),
-        mesh: searched.mesh.clone(),
-    };
-    if let Some(next) = folds::without_folds(&trimmed, Some(site.judge.surface())) {
-        let judgement = site.judged(&next.mesh);
-        if judgement.merit.is_less(&searched.judgement.merit) {
-            (searched.mesh, searched.judgement) = (next.mesh, judgement);
-        }
-    }
-    searched
 }
 
 /// The panels of a layout of which something is left.

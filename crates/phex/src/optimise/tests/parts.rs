@@ -1,6 +1,6 @@
 //! Large meshes part by part, retries around single panels, and what is shared out among surfaces.
 
-use super::fixtures::{Shape, brick_wall, layout};
+use super::fixtures::{Shape, brick_wall};
 use super::whole::{all_simple, assert_sound};
 use crate::optimise::barrier::barriers;
 use crate::optimise::energy::PanelEnergy;
@@ -9,9 +9,7 @@ use crate::optimise::panels::{points, unknowns};
 use crate::optimise::parts::{Cuts, minimise_in_parts};
 use crate::optimise::reference::Reference;
 use crate::optimise::solvers::{Reporter, energy_assembly};
-use crate::optimise::{
-    Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, optimise, planarize,
-};
+use crate::optimise::{Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, planarize};
 use crate::progress::Silent;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};
 use phex_numeric::{DampedOptions, DampedProblem};
