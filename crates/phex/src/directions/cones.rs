@@ -9,7 +9,7 @@
 use super::DirectionOptions;
 use super::guides::Cone;
 use super::intrinsic::IntrinsicMesh;
-use super::rosy::Field;
+use super::rosy::SixFoldField;
 use super::turns::{Route, Turns, cones, routes, settle};
 use phex_mesh::{FaceId, PerEdge, PerFace, PerVertex, TriangleSurface, Vec3};
 use phex_numeric::NumericError;
@@ -20,7 +20,7 @@ use thiserror::Error;
 const BAND: f64 = 0.8;
 
 /// Angles of a field and its turns along edges.
-pub struct TurnedField {
+pub(crate) struct TurnedField {
     /// Angle at each vertex, radians.
     pub angle: PerVertex<f64>,
     /// Turns along each edge from its origin to its target, sixths.
@@ -60,10 +60,10 @@ pub enum ConeError {
 ///
 /// # Errors
 /// If a linear system can't be solved.
-pub fn settle_cones(
+pub(crate) fn settle_cones(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,
-    field: Field,
+    field: SixFoldField,
     weight: &PerVertex<f64>,
     options: &DirectionOptions,
 ) -> Result<TurnedField, NumericError> {
@@ -147,7 +147,7 @@ fn push_off(
 ///
 /// # Errors
 /// If they can't be.
-pub fn prescribed_faces(
+pub(crate) fn prescribed_faces(
     surface: &TriangleSurface,
     cones: &[Cone],
 ) -> Result<Vec<(FaceId, i32)>, ConeError> {

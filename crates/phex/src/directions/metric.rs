@@ -1,7 +1,7 @@
 //! The clipped `|II|` metric and the weight of alignment.
 
 use super::DirectionOptions;
-pub use crate::curvature::large_curvature;
+pub(crate) use crate::curvature::large_curvature;
 use crate::curvature::{Curvature, Principal, tangent_frame};
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};
@@ -16,7 +16,7 @@ pub(super) const COMPULSORY: f64 = 0.8;
 const SMOOTHING: usize = 4;
 
 /// Metric tensors with unit determinant over `panel_length^2`.
-pub fn metric(
+pub(crate) fn metric(
     surface: &TriangleSurface,
     curvature: &Curvature,
     principal: &PerVertex<Principal>,
@@ -47,7 +47,7 @@ fn determinant_root(n: Vec3, m: &Matrix3<f64>) -> f64 {
 
 /// Weight of alignment with the direction of smaller curvature: compulsory near parabolic curves,
 /// gentle elsewhere, none where the surface is flat or two radii disagree about its curvature.
-pub fn alignment_weight(
+pub(crate) fn alignment_weight(
     principal: &PerVertex<Principal>,
     curvature: &Curvature,
     options: &DirectionOptions,

@@ -28,22 +28,29 @@
 //! unit lattice spacing is one intrinsic length. Fails: never; where the metric violates triangle
 //! inequalities it is blended towards them.
 
-pub mod boundary;
-pub mod cones;
-pub mod conformal;
-pub mod guides;
-pub mod intrinsic;
-pub mod metric;
-pub mod network;
-pub mod rosy;
-pub mod saddle;
-pub mod size;
-pub mod thickness;
-pub mod turns;
+pub(crate) mod boundary;
+pub(crate) mod cones;
+pub(crate) mod conformal;
+pub(crate) mod guides;
+pub(crate) mod intrinsic;
+pub(crate) mod metric;
+pub(crate) mod network;
+pub(crate) mod rosy;
+pub(crate) mod saddle;
+pub(crate) mod size;
+#[cfg(test)]
+mod tests;
+pub(crate) mod thickness;
+pub(crate) mod turns;
+
+pub use cones::ConeError;
+pub use guides::{Cone, Guides};
+pub use intrinsic::IntrinsicMesh;
+pub use network::{Conjugacy, Curve, NetworkError, NetworkFamily, NetworkOptions};
+pub use size::{Demands, SizeOptions, relative_sizes};
+pub use thickness::thickness;
 
 use crate::curvature::{Curvature, Principal};
-use guides::Guides;
-use intrinsic::IntrinsicMesh;
 use nalgebra::Matrix3;
 use phex_mesh::{EdgeId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface};
 use phex_numeric::NumericError;

@@ -112,7 +112,7 @@ fn graded(surface: &TriangleSurface, wish: &PerVertex<f64>, slope: f64) -> PerVe
 
 /// The factor `L0` that makes panels of length `L0 * relative` cover the surface with `panels`
 /// cells of area `cell L^2`.
-pub fn base_length(
+pub(crate) fn base_length(
     surface: &TriangleSurface,
     relative: &PerVertex<f64>,
     cell: f64,
@@ -132,11 +132,6 @@ pub fn base_length(
         })
         .sum();
     (share / (cell * panels as f64)).sqrt()
-}
-
-/// `L k_max` at each vertex: above about 0.8 a feature is smaller than the panels on it.
-pub fn resolution(principal: &PerVertex<Principal>, length: &PerVertex<f64>) -> PerVertex<f64> {
-    PerVertex::from_fn(length.len(), |v| principal[v].large.abs() * length[v])
 }
 
 #[cfg(test)]

@@ -15,51 +15,59 @@
 //! every interior vertex has degree 3, sharp boundary corners are kept as corners of one panel.
 //! Fails, with an error that says so: where panels are so large that cells can't be made discs.
 
-pub mod boundary;
-pub mod boundary_nodes;
-pub mod brick_wall;
-pub mod cells;
+pub(crate) mod boundary;
+pub(crate) mod boundary_nodes;
+pub(crate) mod brick_wall;
+pub(crate) mod cells;
 mod chart_graph;
-pub mod clusters;
-pub mod dislocations;
-pub mod domain;
-pub mod dual_subdivision;
-pub mod duality;
-pub mod flips;
-pub mod forecast;
-pub mod glide;
-pub mod halves;
-pub mod lattice;
-pub mod polish;
-pub mod power_diagram;
-pub mod projective_dual;
-pub mod record;
-pub mod rim;
-pub mod seamless;
-pub mod seeds;
+pub(crate) mod clusters;
+pub(crate) mod dislocations;
+pub(crate) mod domain;
+pub(crate) mod dual_subdivision;
+pub(crate) mod duality;
+pub(crate) mod flips;
+pub(crate) mod forecast;
+pub(crate) mod glide;
+pub(crate) mod halves;
+pub(crate) mod lattice;
+#[cfg(test)]
+mod layout_time;
+pub(crate) mod polish;
+pub(crate) mod power_diagram;
+pub(crate) mod projective_dual;
+pub(crate) mod record;
+pub(crate) mod rim;
+pub(crate) mod seamless;
+pub(crate) mod seeds;
+#[cfg(test)]
+mod stage_tests;
 mod strain;
-pub mod support_function;
-pub mod tangent_planes;
-pub mod voronoi;
+pub(crate) mod support_function;
+pub(crate) mod tangent_planes;
+pub(crate) mod voronoi;
 mod wave_operator;
-pub mod waves;
+pub(crate) mod waves;
 
+pub use brick_wall::{BrickWallOptions, BrickWallStatistics};
+pub use dislocations::Annihilation;
+pub use domain::{CurvatureSign, DomainError, LocatedVertex};
+pub use dual_subdivision::{clear_centre_of, clear_quadric, dual_subdivision, one_sign};
+pub use duality::{DualOptions, DualityError, Quadric, SubdivisionRule, dual_mesh};
+pub use lattice::CELL;
+pub use power_diagram::{PowerDiagram, PowerError, PowerSite, goldberg, power_diagram};
+pub use projective_dual::DualDefects;
 pub use record::{Layout, VertexKind, WishedArea};
+pub use seeds::Seed;
 
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
 use cells::{CellComplex, Node};
-use dislocations::Annihilation;
-use domain::DomainError;
-use duality::DualityError;
 use lattice::Charts;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;
-use power_diagram::PowerError;
 use seamless::Offsets;
-use seeds::Seed;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use thiserror::Error;
@@ -202,6 +210,30 @@ pub struct CellSurface<'a> {
 
 /// The panelling whose cells grow from `seeds`.
 ///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let torus = triangulate(&Shape::from_name("torus", &[])?, &TriangulationOptions::default())?;
+/// use phex::curvature::{CurvatureOptions, curvature};
+/// use phex::directions::{DirectionOptions, directions};
+/// use phex::layout::{CellSurface, LayoutOptions, panelling, place_seeds};
+///
+/// let length = 0.1 * torus.diagonal();
+/// let bent = curvature(&torus, length, &CurvatureOptions::default());
+/// let field = directions(&torus, &bent, length, &DirectionOptions::default())?;
+/// let placed = place_seeds(torus.topology(), &field, &LayoutOptions::default())?;
+/// let cells = CellSurface {
+///     surface: &torus.with_normals(bent.normal),
+///     metric: &field.metric,
+///     mesh: &field.intrinsic,
+///     corners: &Default::default(),
+/// };
+/// let layout = panelling(&cells, &placed.seeds)?;
+/// // Hexagons alone cover a torus.
+/// let panels = layout.mesh.topology();
+/// assert!(panels.faces().all(|f| panels.valence(f) == 6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If no panelling with the surface's topology is found.
 pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, LayoutError> {
@@ -332,7 +364,7 @@ pub(crate) mod tests {
     use super::*;
 
     /// Regular hexagons in a rhombus of `n` by `n`.
-    pub fn lattice_patch(n: i32) -> Layout {
+    pub(crate) fn lattice_patch(n: i32) -> Layout {
         let mut index = std::collections::HashMap::new();
         let mut positions = Vec::new();
         let mut faces = Vec::new();
@@ -375,7 +407,7 @@ pub(crate) mod tests {
     }
 
     /// The layout with a panel cut from the middle of one edge to the middle of the opposite one.
-    pub fn cut_in_two(layout: &Layout, f: phex_mesh::FaceId) -> Layout {
+    pub(crate) fn cut_in_two(layout: &Layout, f: phex_mesh::FaceId) -> Layout {
         let topology = layout.mesh.topology();
         let ring: Vec<VertexId> = topology.face_vertices(f).to_vec();
         let mut faces = topology.face_lists();

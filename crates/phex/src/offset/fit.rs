@@ -188,20 +188,20 @@ fn check(options: &FitOptions) -> Result<(), FitError> {
 }
 
 /// Foot points and normals, one per vertex.
-struct Feet {
+struct SurfaceFeet {
     position: Vec<Vec3>,
     normal: Vec<Vec3>,
 }
 
-fn feet_by_positions(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
+fn feet_by_positions(mesh: &HexMesh, surface: &TriangleSurface) -> SurfaceFeet {
     let feet = surface.closest_points(mesh.positions.as_slice());
-    Feet {
+    SurfaceFeet {
         position: feet.iter().map(|f| f.position).collect(),
         normal: feet.iter().map(|f| f.normal).collect(),
     }
 }
 
-fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
+fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> SurfaceFeet {
     let foot = |v| {
         let normal = mesh.mean_normal(v);
         let closeness = |w: &VertexId| surface.normals()[*w].dot(&normal);
@@ -210,7 +210,7 @@ fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
         closest.unwrap_or_else(|| VertexId::new(0))
     };
     let feet: Vec<VertexId> = mesh.topology().vertices().map(foot).collect();
-    Feet {
+    SurfaceFeet {
         position: feet.iter().map(|&w| surface.positions()[w]).collect(),
         normal: feet.iter().map(|&w| surface.normals()[w]).collect(),
     }
@@ -220,7 +220,7 @@ fn rounds(
     space: &ParallelSpace,
     surface: &TriangleSurface,
     program: &Program,
-    mut feet: Feet,
+    mut feet: SurfaceFeet,
     options: &FitOptions,
     progress: &dyn Progress,
 ) -> Fitted {
@@ -254,7 +254,7 @@ fn rounds(
 }
 
 /// Root mean square of the vertices' movement along the normals of their foot points.
-fn normal_movement(before: &HexMesh, after: &HexMesh, feet: &Feet) -> f64 {
+fn normal_movement(before: &HexMesh, after: &HexMesh, feet: &SurfaceFeet) -> f64 {
     let pairs = before.positions.iter().zip(&after.positions);
     let squares = pairs
         .zip(&feet.normal)
@@ -314,7 +314,7 @@ struct Program<'a> {
 
 impl<'a> Program<'a> {
     /// `None` if all foot points coincide.
-    fn new(space: &'a ParallelSpace, feet: &Feet, options: &'a FitOptions) -> Option<Self> {
+    fn new(space: &'a ParallelSpace, feet: &SurfaceFeet, options: &'a FitOptions) -> Option<Self> {
         let t = space.mesh().topology();
         let span = |e| {
             let [a, b] = t.edge_vertices(e);
@@ -341,7 +341,7 @@ impl<'a> Program<'a> {
     }
 
     /// The input itself, scaled and moved to the foot points.
-    fn start(&self, space: &ParallelSpace, feet: &Feet) -> HexMesh {
+    fn start(&self, space: &ParallelSpace, feet: &SurfaceFeet) -> HexMesh {
         let mesh = space.mesh();
         let scale = self.unit / mesh.mean_edge();
         let mean = mesh.positions.iter().sum::<Vec3>() / feet.position.len() as f64;
@@ -350,7 +350,7 @@ impl<'a> Program<'a> {
     }
 
     /// Positions of the vertices for given foot points; `None` if the solver gives up.
-    fn solve(&self, feet: &Feet, current: &HexMesh) -> Option<PerVertex<Vec3>> {
+    fn solve(&self, feet: &SurfaceFeet, current: &HexMesh) -> Option<PerVertex<Vec3>> {
         let (hessian, gradient) = self.objective(feet, current);
         let cones = [
             ZeroConeT(self.n_equalities),
@@ -385,7 +385,7 @@ impl<'a> Program<'a> {
     }
 
     /// Upper triangle of the Hessian, and the gradient at the origin.
-    fn objective(&self, feet: &Feet, current: &HexMesh) -> (CscMatrix<f64>, Vec<f64>) {
+    fn objective(&self, feet: &SurfaceFeet, current: &HexMesh) -> (CscMatrix<f64>, Vec<f64>) {
         let n = 3 * feet.position.len();
         let (mut triplets, mut gradient) = (Vec::new(), vec![0.0; n]);
         for (v, (p, normal)) in feet.position.iter().zip(&feet.normal).enumerate() {

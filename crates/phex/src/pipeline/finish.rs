@@ -11,13 +11,13 @@ use crate::trim::{Trimmed, folds};
 use phex_mesh::HexMesh;
 
 /// A mesh on its way, and what the judge says of it.
-struct Candidate<'a> {
+struct JudgedMesh<'a> {
     mesh: HexMesh,
     judgement: Judgement,
     site: &'a Site<'a>,
 }
 
-impl<'a> Candidate<'a> {
+impl<'a> JudgedMesh<'a> {
     fn new(mesh: HexMesh, site: &'a Site<'a>) -> Self {
         Self {
             judgement: site.judged(&mesh),
@@ -56,7 +56,7 @@ pub(super) fn finished(
 ) -> Result<(HexMesh, Judgement), PipelineError> {
     let (options, progress) = (&ground.options, clock.progress);
     let surface = site.judge.surface();
-    let mut now = clock.timed("validate", || Candidate::new(trimmed.mesh.clone(), site));
+    let mut now = clock.timed("validate", || JudgedMesh::new(trimmed.mesh.clone(), site));
     if now.judgement.of_face.iter().any(|f| f.folded > 0.0) {
         let unfolded = clock.timed("trim", || folds::without_folds(&trimmed, Some(surface)));
         now.offer(unfolded.map(|t| t.mesh));

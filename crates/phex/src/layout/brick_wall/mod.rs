@@ -28,11 +28,13 @@
 //! bricks are resolved (five vertices of the surface along a half brick). Fails: where there is no
 //! network, or bricks are too large for the surface.
 
-pub mod bricks;
-pub mod fit;
-pub mod grid;
-pub mod kink;
-pub mod locate;
+pub(crate) mod bricks;
+pub(crate) mod fit;
+pub(crate) mod grid;
+pub(crate) mod kink;
+pub(crate) mod locate;
+#[cfg(test)]
+mod tests;
 
 use super::cells::{self, CellComplex, Node};
 use super::{CellSurface, Layout, LayoutError, place, record};
@@ -91,7 +93,7 @@ pub struct BrickWallStatistics {
 
 /// A surface on which bricks are laid.
 #[derive(Clone, Copy)]
-pub struct BrickSurface<'a> {
+pub(crate) struct BrickSurface<'a> {
     /// The surface, with normals of fitted jets; a brick should hold some 25 of its vertices.
     pub surface: &'a TriangleSurface,
     /// Its curvature at the scale of a panel.
@@ -111,7 +113,7 @@ const COUNT_TOLERANCE: f64 = 0.04;
 ///
 /// # Errors
 /// If there is no network, or no panelling with the surface's topology.
-pub fn brick_wall(
+pub(crate) fn brick_wall(
     on: &BrickSurface<'_>,
     panels: usize,
     options: &BrickWallOptions,
@@ -139,7 +141,7 @@ pub fn brick_wall(
 }
 
 /// Bricks and rows per length for the wanted number and ratio.
-pub fn first_scale(
+pub(crate) fn first_scale(
     on: &BrickSurface<'_>,
     network: &ConjugateNetwork,
     panels: usize,

@@ -42,7 +42,7 @@ use super::angle_term::walks::Walks;
 use super::error::OptimiseError;
 use super::inspect::{Offender, Quality, inspect};
 use super::options::OptimiseOptions;
-use super::panels::{Panels, Shape, points, unknowns};
+use super::panels::{FaceShapes, Panels, points, unknowns};
 use super::setting::{Setting, deviation};
 use super::solvers::energy_assembly;
 use super::{Reference, Stage, Target, check_mesh, kinds_of};
@@ -162,7 +162,7 @@ pub fn satisfy_angle_condition(
     check_mesh(mesh)?;
     let start = unknowns(mesh);
     let panels = Panels::new(mesh.topology());
-    let shape = Shape::at(&panels, &start);
+    let shape = FaceShapes::at(&panels, &start);
     let reference = target.map_or_else(|| Reference::start(&panels, &start), Reference::Surface);
     let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
     let stage = Stage::new(mesh, reference, side, &kinds_of(mesh), &options.optimise);
