@@ -12,6 +12,10 @@ const FLAT_RADIUS: f64 = 1e3;
 /// Ratio of the principal curvatures, times the square of the anisotropy, below which rows must
 /// follow the smaller one.
 pub(super) const COMPULSORY: f64 = 0.8;
+/// Curvature below which a surface counts as flat, over the 90 % quantile of `|k2|`.
+const CURVATURE_FLOOR: f64 = 0.05;
+/// Weight of the alignment where rows need not follow the smaller curvature.
+const GENTLE_ALIGNMENT: f64 = 0.3;
 /// Passes of smoothing over one-rings.
 const SMOOTHING: usize = 4;
 
@@ -23,7 +27,7 @@ pub(crate) fn metric(
     panel_length: &PerVertex<f64>,
     options: &DirectionOptions,
 ) -> PerVertex<Matrix3<f64>> {
-    let floor = options.curvature_floor * large_curvature(principal) + 1.0 / FLAT_RADIUS;
+    let floor = CURVATURE_FLOOR * large_curvature(principal) + 1.0 / FLAT_RADIUS;
     let raw = principal.map(|p| shape(p, floor, options.anisotropy));
     let smooth = crate::curvature::smoothed(surface.topology(), &curvature.normal, raw, SMOOTHING);
     PerVertex::from_fn(smooth.len(), |v| {
@@ -60,8 +64,8 @@ pub(crate) fn alignment_weight(
         let clipped = ratio * options.anisotropy * options.anisotropy;
         let t = ((COMPULSORY - clipped) / 0.6).clamp(0.0, 1.0);
         let curved = k2 * k2 / (k2 * k2 + (0.1 * large).powi(2));
-        let weight = options.alignment * t * t * (3.0 - 2.0 * t)
-            + options.gentle_alignment * (1.0 - ratio).powi(2);
+        let weight =
+            options.alignment * t * t * (3.0 - 2.0 * t) + GENTLE_ALIGNMENT * (1.0 - ratio).powi(2);
         weight * curved * curvature.confidence.as_slice()[v.index()]
     })
 }

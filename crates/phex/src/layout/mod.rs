@@ -72,6 +72,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use thiserror::Error;
 
+/// Weight that draws rows along the boundary to half a row's distance from it, per panel length.
+const BOUNDARY_PHASE: f64 = 3.0;
+
 /// How panels are laid out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -86,9 +89,6 @@ pub struct LayoutOptions {
     /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it
     /// those come back that strain pulls on the hardest.
     pub max_distortion: f64,
-    /// Weight that draws rows along the boundary to half a row's distance from it, per panel length
-    /// (0: not at all).
-    pub boundary_phase: f64,
 }
 
 impl Default for LayoutOptions {
@@ -98,7 +98,6 @@ impl Default for LayoutOptions {
             sweeps: 60,
             annihilation_length: None,
             max_distortion: 0.35,
-            boundary_phase: 3.0,
         }
     }
 }
@@ -140,8 +139,6 @@ pub struct LayoutStatistics {
     pub cones: usize,
     /// Pairs of opposite cones that were cancelled.
     pub cancelled: usize,
-    /// Cones that were moved off parabolic curves.
-    pub pushed: usize,
     /// What became of the dislocations.
     pub annihilation: Annihilation,
     /// 95 % quantile of the edges' distortion.
@@ -168,7 +165,7 @@ pub fn place_seeds(
 ) -> Result<Placed, LayoutError> {
     let mesh = &directions.intrinsic;
     let charts = Charts::new(topology, directions);
-    let pins = boundary::pins(topology, directions, options.boundary_phase);
+    let pins = boundary::pins(topology, directions, BOUNDARY_PHASE);
     let mut position = waves::diffuse(topology, mesh, &charts, &pins, options.seed);
     polish::polish(
         topology,
@@ -186,7 +183,6 @@ pub fn place_seeds(
         seed: options.seed,
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
         cancelled: directions.cancelled,
-        pushed: directions.pushed,
         annihilation,
         distortion_p95,
     };

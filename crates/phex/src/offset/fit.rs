@@ -17,7 +17,7 @@
 //! |---|---|
 //! | `d_e`, `l0_e` | direction and length of the edges of the given mesh |
 //! | `s` | mean distance of neighbouring foot points over the mean `l0_e` |
-//! | `w_t`, `w_f`, `w_h` | [`FitOptions::tangential`], [`FitOptions::fairness`], [`FitOptions::constant_mean_curvature`] |
+//! | `w_t`, `w_f`, `w_h` | 1e-2, [`FitOptions::fairness`], [`FitOptions::constant_mean_curvature`] |
 //! | `A(., .)`, `K`, `H` | mixed area, the input, mean curvature: see [`edge_offset`](super::edge_offset) |
 //! | `l_min` | [`FitOptions::least_edge`] times the mean distance of neighbouring foot points |
 //!
@@ -55,15 +55,16 @@ pub enum FitStart {
     Positions,
 }
 
+/// `w_t`: weight of the distance along the surface. It keeps the mesh from sliding off and hardly
+/// costs closeness.
+const TANGENTIAL: f64 = 1e-2;
+
 /// Options of [`fit_parallel`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FitOptions {
     /// Where the first foot points come from.
     pub start: FitStart,
-    /// `w_t`: weight of the distance along the surface, > 0. It keeps the mesh from sliding off;
-    /// 1e-2 hardly costs closeness.
-    pub tangential: f64,
     /// `w_f`: weight of edge lengths in proportion to the input's, >= 0. It decides where the
     /// surface does not, as at the rim.
     pub fairness: f64,
@@ -83,7 +84,6 @@ impl Default for FitOptions {
     fn default() -> Self {
         Self {
             start: FitStart::Normals,
-            tangential: 1e-2,
             fairness: 1e-3,
             constant_mean_curvature: 0.0,
             least_edge: 0.05,
@@ -171,9 +171,6 @@ fn check(options: &FitOptions) -> Result<(), FitError> {
             range,
         })
     };
-    if !(options.tangential > 0.0 && options.tangential.is_finite()) {
-        return fail("tangential", options.tangential, "positive");
-    }
     if !(options.fairness >= 0.0 && options.fairness.is_finite()) {
         return fail("fairness", options.fairness, "0 or positive");
     }
@@ -390,8 +387,8 @@ impl<'a> Program<'a> {
         let (mut triplets, mut gradient) = (Vec::new(), vec![0.0; n]);
         for (v, (p, normal)) in feet.position.iter().zip(&feet.normal).enumerate() {
             let p = (p - self.centre) / self.unit;
-            let block = nalgebra::Matrix3::from_diagonal_element(self.options.tangential)
-                + normal * normal.transpose();
+            let block =
+                nalgebra::Matrix3::from_diagonal_element(TANGENTIAL) + normal * normal.transpose();
             let pull = block * p;
             for j in 0..3 {
                 gradient[3 * v + j] -= pull[j];

@@ -51,6 +51,10 @@ use phex_numeric::NumericError;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+/// Difference of the principal curvatures, over the surface's large ones, at which their directions
+/// count half.
+const UMBILIC: f64 = 0.25;
+
 /// Which conjugate network.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -74,9 +78,6 @@ pub struct NetworkOptions {
     /// Weight of the directions against smoothness, per square of the panel length. Large values
     /// follow noise.
     pub alignment: f64,
-    /// Difference of the principal curvatures, over the surface's large ones, at which their
-    /// directions count half.
-    pub umbilic_rel: f64,
     /// `W`: how much more the direction of the curves counts than their even spacing.
     pub strictness: f64,
 }
@@ -86,7 +87,6 @@ impl Default for NetworkOptions {
         Self {
             family: NetworkFamily::Principal,
             alignment: 10.0,
-            umbilic_rel: 0.25,
             strictness: 100.0,
         }
     }
@@ -193,7 +193,7 @@ pub(crate) fn row_field(
         return Err(NetworkError::Closed { euler, count, near });
     }
     let combed = cross::combed_cross_field(surface, &mesh, &wishes)?;
-    let flat = options.umbilic_rel * large_curvature(&principal);
+    let flat = UMBILIC * large_curvature(&principal);
     let quarter = follows_across(curvature, &combed.direction, &wishes);
     let pair = |v| {
         let (n, form) = (curvature.normal[v], &curvature.tensor[v]);
@@ -251,7 +251,7 @@ fn wishes(
             Some(finite.ok_or(NetworkError::BadAxis)?)
         }
     };
-    let half = options.umbilic_rel * large_curvature(principal);
+    let half = UMBILIC * large_curvature(principal);
     Ok(PerVertex::from_fn(principal.len(), |v| match axis {
         Some(axis) => {
             let (direction, length) = conjugate::projected(curvature.normal[v], axis);

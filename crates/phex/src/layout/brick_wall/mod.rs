@@ -22,7 +22,7 @@
 //! |---|---|
 //! | `a`, `b` | [`kink::BrickForms::size`] |
 //! | `q_uu`, `q_vv` | [`kink::BrickForms::along`] over `a^2`, [`kink::BrickForms::across`] over `b^2` |
-//! | `2 d / b` | `rho`, [`kink::BrickForms::kink`], clipped to [`BrickWallOptions::max_kink`] |
+//! | `2 d / b` | `rho`, [`kink::BrickForms::kink`], clipped to [`MAX_KINK`] |
 //!
 //! Guaranteed: the surface's topology, interior vertices of degree 3, only hexagons inside if
 //! bricks are resolved (five vertices of the surface along a half brick). Fails: where there is no
@@ -57,13 +57,6 @@ pub struct BrickWallOptions {
     pub network: NetworkOptions,
     /// Length of a brick over its height (`a / b`, median); `None` takes it from the validity rule.
     pub ratio: Option<f64>,
-    /// Smallest and largest ratio that is chosen.
-    pub ratio_limits: [f64; 2],
-    /// `|rho|` that 95 % of the surface stay under when the ratio is chosen; panels touch
-    /// themselves at 1.
-    pub kink_goal: f64,
-    /// Largest `|rho|` that is built in; in (0, 1).
-    pub max_kink: f64,
 }
 
 impl Default for BrickWallOptions {
@@ -71,9 +64,6 @@ impl Default for BrickWallOptions {
         Self {
             network: NetworkOptions::default(),
             ratio: None,
-            ratio_limits: [0.7, 1.6],
-            kink_goal: 0.5,
-            max_kink: 0.7,
         }
     }
 }
@@ -103,6 +93,14 @@ pub(crate) struct BrickSurface<'a> {
     /// Sharp corners of the boundary.
     pub corners: &'a HashSet<VertexId>,
 }
+
+/// Least and largest ratio that is chosen; one that is asked for may lie outside.
+const RATIO_LIMITS: [f64; 2] = [0.7, 1.6];
+/// `|rho|` that 95 % of the surface stay under when the ratio is chosen; panels touch themselves at
+/// 1.
+const KINK_GOAL: f64 = 0.5;
+/// Largest `|rho|` that is built in.
+const MAX_KINK: f64 = 0.7;
 
 /// Walls tried until the number of panels fits.
 const TRIES: usize = 3;
@@ -134,10 +132,7 @@ pub(crate) fn brick_wall(
         scale = scale.map(|s| s / ratio.sqrt());
     }
     let (_, wall) = best.expect("at least one wall is built");
-    Ok((
-        wall.layout(options.max_kink)?,
-        wall.statistics(options.max_kink),
-    ))
+    Ok((wall.layout()?, wall.statistics()))
 }
 
 /// Bricks and rows per length for the wanted number and ratio.
@@ -155,8 +150,8 @@ pub(crate) fn first_scale(
         Some(ratio) => ratio / forms.ratio(),
         None => {
             // `rho` grows with the square of the ratio.
-            let free = (options.kink_goal / forms.kink_quantile(0.95).max(1e-6)).sqrt();
-            let [least, largest] = options.ratio_limits.map(|r| r / forms.ratio());
+            let free = (KINK_GOAL / forms.kink_quantile(0.95).max(1e-6)).sqrt();
+            let [least, largest] = RATIO_LIMITS.map(|r| r / forms.ratio());
             free.clamp(least, largest.max(least))
         }
     };
@@ -205,22 +200,20 @@ impl<'a> Wall<'a> {
         })
     }
 
-    fn layout(&self, max_kink: f64) -> Result<Layout, LayoutError> {
+    fn layout(&self) -> Result<Layout, LayoutError> {
         let fine = CellSurface {
             surface: self.on.surface,
             metric: &self.metric,
             mesh: &self.mesh,
             corners: self.on.corners,
         };
-        record(&fine, &self.complex, |node| self.place(node, max_kink))
+        record(&fine, &self.complex, |node| self.place(node))
     }
 
-    fn place(&self, node: Node, max_kink: f64) -> Vec3 {
+    fn place(&self, node: Node) -> Vec3 {
         let surface = self.on.surface;
         match node {
-            Node::Triangle(f) => self
-                .junction(f, max_kink)
-                .unwrap_or_else(|| place(surface, node)),
+            Node::Triangle(f) => self.junction(f).unwrap_or_else(|| place(surface, node)),
             Node::Edge(e) => {
                 let [a, b] = surface.topology().edge_vertices(e);
                 let t = self.grid.crossing(surface.topology(), &self.bricks, e);
@@ -232,7 +225,7 @@ impl<'a> Wall<'a> {
 
     /// The kinked junction of the three bricks at the corners of a triangle, if it lies on the
     /// surface.
-    fn junction(&self, f: FaceId, max_kink: f64) -> Option<Vec3> {
+    fn junction(&self, f: FaceId) -> Option<Vec3> {
         let (surface, grid) = (self.on.surface, &self.grid);
         let topology = surface.topology();
         let junction = Junction::of(grid.corner_bricks(topology, &self.bricks, f))?;
@@ -240,15 +233,15 @@ impl<'a> Wall<'a> {
         let straight = locate::locate(surface, grid, start, junction.place(0.0))?;
         let corners = topology.face_vertices(straight.face);
         let kink = self.forms.face_kink(corners, straight.barycentric);
-        let target = junction.place(kink.clamp(-max_kink, max_kink));
+        let target = junction.place(kink.clamp(-MAX_KINK, MAX_KINK));
         let from = (straight.face, straight.chart);
         let end = locate::locate(surface, grid, from, target).unwrap_or(straight);
         Some(locate::curved_point(surface, end.face, end.barycentric))
     }
 
-    fn statistics(&self, max_kink: f64) -> BrickWallStatistics {
+    fn statistics(&self) -> BrickWallStatistics {
         let kinks = || self.forms.along.ids().map(|v| self.forms.kink(v).abs());
-        let clipped = kinks().filter(|k| *k > max_kink).count();
+        let clipped = kinks().filter(|k| *k > MAX_KINK).count();
         BrickWallStatistics {
             ratio: self.forms.ratio(),
             kink_p95: self.forms.kink_quantile(0.95),

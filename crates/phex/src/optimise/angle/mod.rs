@@ -91,6 +91,9 @@ const WAYS: [AngleWay; 8] = [
     },
 ];
 
+/// Steps of the descent at the most.
+const DESCENT_STEPS: usize = 30;
+
 /// Options of [`satisfy_angle_condition`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -99,8 +102,6 @@ pub struct AngleOptions {
     pub optimise: OptimiseOptions,
     /// Newton iterations of the projection at the most.
     pub newton_iterations: usize,
-    /// Steps of the descent at the most; 0 leaves the mesh where the projection has put it.
-    pub descent_steps: usize,
     /// Defect, in radians, that counts as none. Rounding allows about 1e-15 times the model's size
     /// over an edge.
     pub tolerance: f64,
@@ -111,7 +112,6 @@ impl Default for AngleOptions {
         Self {
             optimise: OptimiseOptions::default(),
             newton_iterations: 60,
-            descent_steps: 30,
             tolerance: 1e-12,
         }
     }
