@@ -143,7 +143,6 @@ mod tests {
         let (principal, length) = (PerVertex::filled(4, bent), 0.3);
         let options = SizeOptions {
             adaptive: Some(0.4),
-            ..SizeOptions::default()
         };
         let size_at = |t: f64| {
             let thickness = PerVertex::filled(4, t);

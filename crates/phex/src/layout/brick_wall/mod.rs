@@ -50,22 +50,13 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 
 /// How bricks are laid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BrickWallOptions {
     /// The network.
     pub network: NetworkOptions,
     /// Length of a brick over its height (`a / b`, median); `None` takes it from the validity rule.
     pub ratio: Option<f64>,
-}
-
-impl Default for BrickWallOptions {
-    fn default() -> Self {
-        Self {
-            network: NetworkOptions::default(),
-            ratio: None,
-        }
-    }
 }
 
 /// What the wall is like.
