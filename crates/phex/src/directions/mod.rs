@@ -80,7 +80,7 @@ pub struct DirectionOptions {
     /// give fewer irregular panels, and larger ones where the surface is strongly curved.
     pub cancel_reach: f64,
     /// Weight of the alignment that keeps the edges of a lattice off the asymptotic directions, for
-    /// surfaces with `K < 0` (0: none); see [`saddle`].
+    /// surfaces with `K < 0` (0: none); see `saddle`.
     pub saddle_alignment: f64,
     /// Whether rows on saddles may run along either principal direction, whichever is nearer (a
     /// double well): larger least angles, but on some surfaces more irregular panels.

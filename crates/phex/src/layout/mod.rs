@@ -1,14 +1,14 @@
 //! Layout: connectivity and first positions of the panels.
 //!
-//! 1. [`waves`]: lattice offsets by diffusion and projection of three waves in the charts of the
-//!    direction field; [`polish`]: Gauss-Seidel.
-//! 2. [`dislocations`]: Burgers vectors moved into opposites, cones or the boundary; [`seamless`]:
+//! 1. `waves`: lattice offsets by diffusion and projection of three waves in the charts of the
+//!    direction field; `polish`: Gauss-Seidel.
+//! 2. `dislocations`: Burgers vectors moved into opposites, cones or the boundary; `seamless`:
 //!    one linear solve for the lattice; vectors come back where it would be strained too much.
-//! 3. [`seeds`]: one seed vertex per lattice point; [`voronoi`]: geodesic cells in the metric, on a
+//! 3. `seeds`: one seed vertex per lattice point; `voronoi`: geodesic cells in the metric, on a
 //!    finer mesh.
-//! 4. [`cells`]: discs whose outlines are the panels; triangles with three labels are vertices, so
+//! 4. `cells`: discs whose outlines are the panels; triangles with three labels are vertices, so
 //!    every interior vertex has degree 3 by construction.
-//! 5. [`flips`], [`glide`], [`halves`]: edges turn and cut panels are joined where that makes the
+//! 5. `flips`, `glide`, `halves`: edges turn and cut panels are joined where that makes the
 //!    panels more regular.
 //!
 //! Guaranteed: the panelling has the Euler characteristic and the boundary loops of the surface,

@@ -14,22 +14,22 @@
 //!
 //! | file | what it computes |
 //! |---|---|
-//! | [`vertex_normal`](mod@vertex_normal) | where three moved planes meet, by four ways with error estimates |
-//! | [`face_offset`](mod@face_offset) | face-distance offsets, one distance for all faces or one for each |
-//! | [`angle_condition`] | the condition (4.1) for vertex-distance offsets |
-//! | [`vertex_offset`] | spherical meshes by reflections along edges, and their holonomy |
-//! | [`gauss_image`] | `M'` and `M + d M'` |
+//! | `vertex_normal` | where three moved planes meet, by four ways with error estimates |
+//! | `face_offset` | face-distance offsets, one distance for all faces or one for each |
+//! | `angle_condition` | the condition (4.1) for vertex-distance offsets |
+//! | `vertex_offset` | spherical meshes by reflections along edges, and their holonomy |
+//! | `gauss_image` | `M'` and `M + d M'` |
 //! | `contact` | when a face first meets itself on its way |
-//! | [`edge_gauss_image`](mod@edge_gauss_image) | the Koebe mesh that a given mesh is parallel to, if there is one |
+//! | `edge_gauss_image` | the Koebe mesh that a given mesh is parallel to, if there is one |
 //! | [`edge_offset`] | offsets at constant edge distance, of meshes parallel to a Koebe mesh |
-//! | [`space`], `basis`, [`fit`] | the linear space of parallel meshes, a sparse basis, and those in it close to a surface |
-//! | [`inheritance`] | what an offset takes over from its mesh, and what is new and therefore wrong |
-//! | [`layers`] | offsets that have been checked, and how far one may go |
-//! | [`accuracy`] | how far the distances of a finished offset are from what was asked for |
-//! | [`solids`] | closed panels between two layers, mitred, with joint gaps |
-//! | [`beams`] | beams and node axes between two layers |
-//! | [`options`] | limits |
-//! | [`error`] | why an offset can't be made |
+//! | `space`, `basis`, `fit` | the linear space of parallel meshes, a sparse basis, and those in it close to a surface |
+//! | `inheritance` | what an offset takes over from its mesh, and what is new and therefore wrong |
+//! | `layers` | offsets that have been checked, and how far one may go |
+//! | `accuracy` | how far the distances of a finished offset are from what was asked for |
+//! | `solids` | closed panels between two layers, mitred, with joint gaps |
+//! | `beams` | beams and node axes between two layers |
+//! | `options` | limits |
+//! | `error` | why an offset can't be made |
 //!
 //! *Guaranteed*: a [`layer`] has no violation that its mesh has not, and no edge that points
 //! backwards; a distance up to the safe one gives such a layer at every place that was looked at

@@ -42,7 +42,7 @@ use refined::{Refined, refined};
 use std::collections::BTreeMap;
 
 /// A centre away from the planes of a mesh's faces, and how clear it is of them: see
-/// [`clear_centre`].
+/// `clear_centre`.
 pub fn clear_centre_of(mesh: &HexMesh) -> (Vec3, f64) {
     let plane = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
     let fitted: Vec<FacePlane> = mesh.topology().faces().map(plane).collect();
