@@ -5,7 +5,7 @@
 //! those that it declares itself are one thing here and may use each other. Test code is left out.
 
 mod names;
-mod sources;
+pub mod sources;
 
 use names::Names;
 use sources::{Source, crate_folders, sources, without_tests};

@@ -16,7 +16,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// One figure of the gallery.
-pub struct Figure {
+pub struct GalleryFigure {
     /// Its number in the paper.
     number: usize,
     /// What it shows, one sentence.
@@ -130,7 +130,7 @@ pub fn figures(root: &Path, only: &[&str]) -> Result<(), String> {
     let path = phex.gallery("README.md");
     if !only.is_empty() {
         let mut page = crate::read(&path)?;
-        let wanted = |f: &&Figure| only.contains(&f.number.to_string().as_str());
+        let wanted = |f: &&GalleryFigure| only.contains(&f.number.to_string().as_str());
         for figure in list::FIGURES.iter().filter(wanted) {
             page = with_section(&page, &section(&phex, figure)?);
         }
@@ -177,7 +177,7 @@ nearly flat parts.
 
 ";
 
-fn section(phex: &Phex, figure: &Figure) -> Result<String, String> {
+fn section(phex: &Phex, figure: &GalleryFigure) -> Result<String, String> {
     let mut maker = Maker {
         phex,
         commands: Vec::new(),

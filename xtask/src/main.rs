@@ -8,6 +8,7 @@ mod foreign;
 mod ledger;
 mod paths;
 mod stages;
+mod types;
 mod viewer;
 
 use std::ffi::OsString;
@@ -55,7 +56,7 @@ impl From<String> for Stop {
     }
 }
 
-const CHECK: [Step; 14] = [
+const CHECK: [Step; 15] = [
     Step {
         name: "formatting",
         run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
@@ -71,6 +72,10 @@ const CHECK: [Step; 14] = [
     Step {
         name: "modules use one another in no circle",
         run: |root| Ok(circles::check(root)?),
+    },
+    Step {
+        name: "types have names of their own",
+        run: |root| Ok(types::check(root)?),
     },
     Step {
         name: "no machine paths",

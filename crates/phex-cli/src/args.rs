@@ -10,7 +10,7 @@ use crate::offset_arguments::OffsetCommand;
 use crate::parallel_arguments::ParallelCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
 use crate::settings::{AtBoundary, MeshSettings};
-use crate::shared_arguments::{Extras, Limits, Talk};
+use crate::shared_arguments::{Extras, Talk, ToleranceArguments};
 use crate::steering::SteeringSettings;
 use crate::terms::TERMS;
 use clap::builder::PossibleValuesParser;
@@ -181,7 +181,7 @@ pub struct PlanarizeCommand {
     pub surface: Option<PathBuf>,
     /// Limits.
     #[command(flatten)]
-    pub limits: Limits,
+    pub limits: ToleranceArguments,
     /// What is held, and the dials.
     #[command(flatten)]
     pub steering: SteeringSettings,
@@ -225,7 +225,7 @@ pub struct CheckCommand {
     pub boundary: Option<AtBoundary>,
     /// Limits.
     #[command(flatten)]
-    pub limits: Limits,
+    pub limits: ToleranceArguments,
     /// Print the report (JSON) instead of the table
     #[arg(long)]
     pub json: bool,

@@ -2,7 +2,7 @@
 
 use crate::exit::EXIT_CODES;
 use crate::number_lists::{finite, ten, three};
-use crate::shared_arguments::{Extras, Limits, Talk};
+use crate::shared_arguments::{Extras, Talk, ToleranceArguments};
 use crate::steering::positive;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -74,7 +74,7 @@ pub struct SubdivideCommand {
     pub surface: Option<PathBuf>,
     /// Limits.
     #[command(flatten)]
-    pub limits: Limits,
+    pub limits: ToleranceArguments,
     /// Write the mesh even if it is not valid (the exit code is still 5)
     #[arg(long, help_heading = "Files")]
     pub keep_invalid: bool,

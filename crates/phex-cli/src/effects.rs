@@ -2,28 +2,32 @@
 //! silence.
 
 use crate::exit::Failure;
-use crate::settings::{CloseTo, Layout, MeshSettings};
+use crate::settings::{CloseTo, LayoutMethod, MeshSettings};
 use crate::steering::TypedSolver;
 use clap::ValueEnum;
 
 /// Methods that lay the lattice of `lattice` out, and then take planes of it.
-const ON_LATTICE: [Layout; 5] = [
-    Layout::Lattice,
-    Layout::Best,
-    Layout::TangentPlanes,
-    Layout::DualSubdivision,
-    Layout::Parallel,
+const ON_LATTICE: [LayoutMethod; 5] = [
+    LayoutMethod::Lattice,
+    LayoutMethod::Best,
+    LayoutMethod::TangentPlanes,
+    LayoutMethod::DualSubdivision,
+    LayoutMethod::Parallel,
 ];
 /// Methods whose lattice is regular in a metric of their own: it has directions and cones, but
 /// neither sizes nor lines to follow.
-const OWN_METRIC: [Layout; 2] = [Layout::ProjectiveDual, Layout::SupportFunction];
+const OWN_METRIC: [LayoutMethod; 2] = [LayoutMethod::ProjectiveDual, LayoutMethod::SupportFunction];
 /// Methods that end with the optimiser, which keeps panels to the target.
-const OPTIMISED: [Layout; 3] = [Layout::Lattice, Layout::Best, Layout::BrickWall];
+const OPTIMISED: [LayoutMethod; 3] = [
+    LayoutMethod::Lattice,
+    LayoutMethod::Best,
+    LayoutMethod::BrickWall,
+];
 
 /// An option that is set, and the methods that heed it.
 struct Heeded {
     option: &'static str,
-    by: Vec<Layout>,
+    by: Vec<LayoutMethod>,
 }
 
 impl MeshSettings {
@@ -32,7 +36,7 @@ impl MeshSettings {
     /// # Errors
     /// All of them that are set, with the methods that heed them.
     pub fn check_effects(&self) -> Result<(), Failure> {
-        let method = Layout::from(self.options(1).method);
+        let method = LayoutMethod::from(self.options(1).method);
         let idle = self
             .heeded()
             .into_iter()
@@ -55,17 +59,19 @@ impl MeshSettings {
 
     /// The options that are set and that not every method heeds.
     fn heeded(&self) -> Vec<Heeded> {
-        let every = || Layout::value_variants().to_vec();
+        let every = || LayoutMethod::value_variants().to_vec();
         let lattice = || ON_LATTICE.to_vec();
         let directed = [ON_LATTICE.as_slice(), &OWN_METRIC].concat();
         let fitted = self.fitted();
-        let bounded = every().into_iter().filter(|m| *m != Layout::PowerDiagram);
+        let bounded = every()
+            .into_iter()
+            .filter(|m| *m != LayoutMethod::PowerDiagram);
         let near = match self.target {
             Some(CloseTo::Facets) => fitted.clone(),
             _ => bounded.clone().collect(),
         };
         let mut one_sign = OWN_METRIC.to_vec();
-        one_sign.extend([Layout::DualSubdivision, Layout::Parallel]);
+        one_sign.extend([LayoutMethod::DualSubdivision, LayoutMethod::Parallel]);
         let dials = if self.steering.holds() {
             every()
         } else {
@@ -85,12 +91,12 @@ impl MeshSettings {
             (
                 "quadric",
                 self.quadric.is_some(),
-                vec![Layout::ProjectiveDual],
+                vec![LayoutMethod::ProjectiveDual],
             ),
             (
                 "regularise",
                 self.regularise.is_some(),
-                vec![Layout::TangentPlanes],
+                vec![LayoutMethod::TangentPlanes],
             ),
             ("fairness", s.fairness.is_some(), dials.clone()),
             ("closeness", s.closeness.is_some(), dials.clone()),
@@ -104,10 +110,10 @@ impl MeshSettings {
 
     /// The methods that end with the optimiser; that of tangent planes does where vertices are held
     /// back.
-    fn fitted(&self) -> Vec<Layout> {
+    fn fitted(&self) -> Vec<LayoutMethod> {
         let mut fitted = OPTIMISED.to_vec();
         if self.options(1).dual.regularisation > 0.0 {
-            fitted.push(Layout::TangentPlanes);
+            fitted.push(LayoutMethod::TangentPlanes);
         }
         fitted
     }
@@ -164,7 +170,7 @@ impl crate::steering::SteeringSettings {
 }
 
 /// A method as it is typed.
-fn name(method: Layout) -> String {
+fn name(method: LayoutMethod) -> String {
     let value = method.to_possible_value();
     value.map_or_else(String::new, |v| v.get_name().to_owned())
 }

@@ -3,10 +3,10 @@
 
 use crate::exit::{Exit, Failure, OrExit};
 use anyhow::Context;
-use phex::directions::guides::Cone;
-use phex::directions::network::NetworkError;
+use phex::directions::Cone;
+use phex::directions::NetworkError;
+use phex::layout::DualityError;
 use phex::layout::LayoutError;
-use phex::layout::duality::DualityError;
 use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
 use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
@@ -18,7 +18,7 @@ use serde_json::Value;
 use std::time::Instant;
 
 /// What a computation reached.
-pub struct Reached {
+pub struct Computed {
     /// The mesh, in model coordinates; valid or not.
     pub mesh: HexMesh,
     /// The panels before the optimiser, where there were any, in model coordinates.
@@ -50,7 +50,7 @@ pub fn mesh(
     surface: &TriangleSurface,
     options: &MeshOptions,
     progress: &dyn Progress,
-) -> Result<Reached, Failure> {
+) -> Result<Computed, Failure> {
     reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
 }
 
@@ -64,19 +64,15 @@ pub fn refit(
     surface: &TriangleSurface,
     options: &MeshOptions,
     progress: &dyn Progress,
-) -> Result<Reached, Failure> {
+) -> Result<Computed, Failure> {
     let run = pipeline::refit_surface(earlier, surface, options, progress);
     reached(run.map_err(pipeline_failure)?)
 }
 
-fn reached(run: MeshRun) -> Result<Reached, Failure> {
-    let times = run.stages.iter().map(|s| StageTime {
-        stage: s.stage.to_owned(),
-        seconds: s.seconds,
-    });
-    Ok(Reached {
+fn reached(run: MeshRun) -> Result<Computed, Failure> {
+    Ok(Computed {
         outcome: value(&run.outcome)?,
-        stages: times.collect(),
+        stages: run.stages.iter().map(StageTime::from).collect(),
         statistics: value(&run.statistics)?,
         cones: run.statistics.cones,
         classical: run.statistics.classical,
@@ -119,7 +115,7 @@ pub fn planarize(
     surface: Option<&TriangleSurface>,
     how: &Planarization,
     progress: &dyn Progress,
-) -> Result<Reached, Failure> {
+) -> Result<Computed, Failure> {
     let start = Instant::now();
     let target = surface.map(SurfaceTarget::new);
     let target = target.as_ref().map(|t| t as &dyn Target);
@@ -131,7 +127,7 @@ pub fn planarize(
     let run = steer(mesh, target, &how.steering, &how.options, progress);
     let run = run.or_exit(Exit::InputUnusable)?;
     let seconds = start.elapsed().as_secs_f64();
-    Ok(Reached {
+    Ok(Computed {
         outcome: ended(&run.outcome)?,
         stages: vec![StageTime {
             stage: "optimise".to_owned(),

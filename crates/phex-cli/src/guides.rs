@@ -3,7 +3,7 @@
 use crate::exit::Failure;
 use crate::input::{read_numbers, read_polylines};
 use clap::Args;
-use phex::directions::guides::{Cone, Guides};
+use phex::directions::{Cone, Guides};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@ use crate::exit::Failure;
 use crate::output::write_text;
 use crate::progress::is_interrupted;
 use anyhow::Context;
-use phex::directions::network::Curve;
+use phex::directions::Curve;
 use phex::report::RunReport;
 use phex::{Event, MeshOptions, PanelSize, Progress};
 use phex_fab::PanelIds;

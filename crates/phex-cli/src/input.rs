@@ -4,10 +4,7 @@ use crate::exit::{Exit, Failure, OrExit};
 use anyhow::Context;
 use phex::report::InputFile;
 use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup, shown};
-use phex_mesh::{
-    HexMesh, LARGEST_COORDINATE, PolygonSoup, SurfaceComponent, SurfaceNotes, SurfaceParts,
-    TriangleSurface, Vec3,
-};
+use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, SurfaceParts, TriangleSurface, Vec3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
@@ -51,6 +48,14 @@ impl MeshFile {
         TriangleSurface::from_soup(&self.soup)
             .with_context(|| self.path.display().to_string())
             .or_exit(Exit::InputUnusable)
+    }
+
+    /// All connected surfaces in the file as one.
+    ///
+    /// # Errors
+    /// As [`surfaces`](Self::surfaces).
+    pub fn surface(&self) -> Result<TriangleSurface, Failure> {
+        Ok(self.surfaces()?.whole())
     }
 
     /// The file's faces as a polygon mesh, and the number of vertices that no face uses and that
@@ -227,60 +232,6 @@ fn without_unused_vertices(soup: &PolygonSoup) -> PolygonSoup {
     }
 }
 
-/// What was repaired in a surface, as sentences.
-pub fn sentences(notes: SurfaceNotes) -> Vec<String> {
-    let SurfaceNotes {
-        unused_vertices,
-        turned_faces,
-        cut_polygons,
-    } = notes;
-    [
-        (
-            unused_vertices,
-            "vertices belong to no face and were left out",
-        ),
-        (
-            turned_faces,
-            "faces were turned round to agree with their neighbours",
-        ),
-        (cut_polygons, "polygons were cut into triangles"),
-    ]
-    .into_iter()
-    .filter(|&(count, _)| count > 0)
-    .map(|(count, what)| format!("{count} {what}"))
-    .collect()
-}
-
-/// One surface of several parts.
-///
-/// # Errors
-/// If the parts together have more elements than can be addressed.
-pub fn joined<'a>(
-    parts: impl IntoIterator<Item = &'a TriangleSurface>,
-) -> Result<TriangleSurface, Failure> {
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for part in parts {
-        let first = u32::try_from(positions.len()).context("too many vertices")?;
-        positions.extend_from_slice(part.positions().as_slice());
-        let topology = part.topology();
-        triangles.extend(topology.faces().map(|f| {
-            let corners = topology.face_vertices(f);
-            [corners[0], corners[1], corners[2]].map(|v| v.index() as u32 + first)
-        }));
-    }
-    TriangleSurface::new(positions, &triangles)
-        .context("joining the parts of a surface")
-        .map_err(Failure::from)
-}
-
-/// All connected surfaces of a file as one.
-///
-/// # Errors
-/// As [`joined`].
-pub fn whole(components: &[SurfaceComponent]) -> Result<TriangleSurface, Failure> {
-    joined(components.iter().map(|c| &c.surface))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -295,17 +246,5 @@ mod tests {
         let used = without_unused_vertices(&soup);
         assert_eq!(used.faces, [[2, 0, 1]]);
         assert_eq!(used.positions, [1.0, 3.0, 4.0].map(Vec3::repeat));
-    }
-
-    #[test]
-    fn joined_parts_keep_their_topology() {
-        let triangle = |x: f64| {
-            TriangleSurface::new(vec![Vec3::x() * x, Vec3::y(), Vec3::z()], &[[0, 1, 2]]).unwrap()
-        };
-        let both = joined([&triangle(1.0), &triangle(2.0)]).unwrap();
-        assert_eq!(
-            (both.topology().n_faces(), both.topology().components().1),
-            (2, 2)
-        );
     }
 }

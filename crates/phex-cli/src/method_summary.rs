@@ -1,14 +1,14 @@
 //! What the portfolio tried, and what the methods by planes and poles met with, as lines of the
 //! table.
 
-use crate::summary::Table;
-use phex::layout::domain::CurvatureSign;
-use phex::layout::projective_dual::DualDefects;
+use crate::summary::SummaryTable;
+use phex::layout::CurvatureSign;
+use phex::layout::DualDefects;
 use phex::pipeline::{AttemptSummary, ClassicalStatistics, Method};
 
 /// The lines of a portfolio.
 pub fn of_portfolio(tried: &[AttemptSummary]) -> String {
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     let lines = members(tried);
     lines.iter().for_each(|line| table.row("portfolio", line));
     if !lines.is_empty() {
@@ -49,7 +49,7 @@ fn member(summary: &AttemptSummary) -> String {
 
 /// The lines of a run; none for other methods.
 pub fn of_method(classical: Option<&ClassicalStatistics>) -> String {
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     let Some(told) = classical else {
         return table.into_text();
     };

@@ -124,8 +124,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
 /// # Errors
 /// If the user interrupted, or writing fails.
 pub fn write_picture(path: &Path, picture: &Picture) -> Result<(), Failure> {
-    let bytes = phex_html::encode_png(picture).with_context(|| path.display().to_string())?;
-    write_bytes(path, &bytes)
+    write_bytes(path, &picture.to_png())
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {

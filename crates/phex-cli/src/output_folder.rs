@@ -57,7 +57,7 @@ pub struct OutputFolder<'a> {
 
 /// One of the steps that change the folder, in this order; a run may be killed between or within
 /// any two.
-enum Step {
+enum FolderStep {
     /// Writes a file in `STAGE`.
     Stage { name: String, bytes: Vec<u8> },
     /// Moves a file from `STAGE` to its place.
@@ -158,7 +158,7 @@ impl<'a> OutputFolder<'a> {
     ///
     /// # Errors
     /// If files of others are in the way, or the list can't be read.
-    fn steps(&self, files: &[NamedFile]) -> Result<[Vec<Step>; 2], Failure> {
+    fn steps(&self, files: &[NamedFile]) -> Result<[Vec<FolderStep>; 2], Failure> {
         let listed = self.listed()?;
         let names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
         self.check_files(&listed, &names)?;
@@ -172,11 +172,11 @@ impl<'a> OutputFolder<'a> {
         let mut either = listed.clone();
         either.add(&new);
 
-        let stage = |name: &str, bytes: &[u8]| Step::Stage {
+        let stage = |name: &str, bytes: &[u8]| FolderStep::Stage {
             name: name.to_owned(),
             bytes: bytes.to_vec(),
         };
-        let place = |from: &str, to: &str| Step::Place {
+        let place = |from: &str, to: &str| FolderStep::Place {
             from: from.to_owned(),
             to: to.to_owned(),
         };
@@ -189,13 +189,13 @@ impl<'a> OutputFolder<'a> {
         placed.extend(missing().map(|(name, _)| place(name, name)));
         // A listed file that has been changed is the user's.
         let gone = found.names().filter(|name| !last.holds(name));
-        placed.extend(gone.map(|name| Step::Remove(name.to_owned())));
+        placed.extend(gone.map(|name| FolderStep::Remove(name.to_owned())));
         placed.push(place(LAST_LIST, LIST));
         Ok([staged, placed])
     }
 
-    fn run(&self, steps: &[Step]) -> Result<(), Failure> {
-        let run = |step: &Step| step.run(self.path);
+    fn run(&self, steps: &[FolderStep]) -> Result<(), Failure> {
+        let run = |step: &FolderStep| step.run(self.path);
         steps.iter().try_for_each(run).or_exit(Exit::Internal)
     }
 
@@ -290,7 +290,7 @@ fn empty(stage: &Path) -> io::Result<()> {
     Ok(())
 }
 
-impl Step {
+impl FolderStep {
     fn run(&self, folder: &Path) -> anyhow::Result<()> {
         let stage = folder.join(STAGE);
         let (path, done) = match self {

@@ -1,7 +1,7 @@
 //! Whether panels of the size that is asked for make sense on a surface.
 
 use crate::exit::Failure;
-use crate::settings::PanelSize;
+use crate::settings::TypedPanelSize;
 use crate::units::Unit;
 use phex::pipeline::MAX_PANELS;
 use phex_mesh::TriangleSurface;
@@ -15,14 +15,14 @@ const LEAST_EDGE_ULPS: f64 = 1e4;
 /// # Errors
 /// If it is none, more than [`MAX_PANELS`], or so many that double precision can't hold their
 /// shapes.
-pub fn panels(size: PanelSize, surface: &TriangleSurface, unit: Unit) -> Result<u64, Failure> {
+pub fn panels(size: TypedPanelSize, surface: &TriangleSurface, unit: Unit) -> Result<u64, Failure> {
     let area = surface.area();
     let panels = match size {
-        PanelSize::Panels(0) => {
+        TypedPanelSize::Panels(0) => {
             return Err(Failure::input("--panels 0: at least one panel is needed"));
         }
-        PanelSize::Panels(panels) => panels,
-        PanelSize::EdgeLength(length) => {
+        TypedPanelSize::Panels(panels) => panels,
+        TypedPanelSize::EdgeLength(length) => {
             let edge = length.length(unit, surface.diagonal());
             let panels = (area / hexagon_area(edge)).round();
             if panels < 1.0 {
@@ -107,7 +107,7 @@ mod tests {
         TriangleSurface::new(positions, &[[0, 1, 2], [0, 2, 3]]).unwrap()
     }
 
-    fn message(size: PanelSize, offset: f64) -> String {
+    fn message(size: TypedPanelSize, offset: f64) -> String {
         panels(size, &square(offset), Unit::M)
             .unwrap_err()
             .to_string()
@@ -117,7 +117,7 @@ mod tests {
     fn edge_length_becomes_a_number_of_panels() {
         let count = |text: &str| {
             panels(
-                PanelSize::EdgeLength(text.parse().unwrap()),
+                TypedPanelSize::EdgeLength(text.parse().unwrap()),
                 &square(0.0),
                 Unit::M,
             )
@@ -130,13 +130,14 @@ mod tests {
 
     #[test]
     fn senseless_sizes_are_refused() {
-        assert!(message(PanelSize::Panels(0), 0.0).contains("--panels 0"));
-        assert!(message(PanelSize::Panels(MAX_PANELS as u64 + 1), 0.0).contains("at most"));
-        assert!(message(PanelSize::EdgeLength("0".parse().unwrap()), 0.0).contains("at most"));
+        assert!(message(TypedPanelSize::Panels(0), 0.0).contains("--panels 0"));
+        assert!(message(TypedPanelSize::Panels(MAX_PANELS as u64 + 1), 0.0).contains("at most"));
+        assert!(message(TypedPanelSize::EdgeLength("0".parse().unwrap()), 0.0).contains("at most"));
         assert!(
-            message(PanelSize::EdgeLength("30m".parse().unwrap()), 0.0).contains("less than one")
+            message(TypedPanelSize::EdgeLength("30m".parse().unwrap()), 0.0)
+                .contains("less than one")
         );
-        assert!(message(PanelSize::Panels(1000), 1e12).contains("move the model"));
+        assert!(message(TypedPanelSize::Panels(1000), 1e12).contains("move the model"));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What can be typed after `phex parallel`.
 
 use crate::exit::EXIT_CODES;
-use crate::shared_arguments::{Extras, Limits, Talk};
+use crate::shared_arguments::{Extras, Talk, ToleranceArguments};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -55,7 +55,7 @@ pub struct ParallelCommand {
     pub constant_mean_curvature: f64,
     /// Limits.
     #[command(flatten)]
-    pub limits: Limits,
+    pub limits: ToleranceArguments,
     /// Write the mesh even if it is not valid (the exit code is still 5)
     #[arg(long, help_heading = "Files", requires = "output")]
     pub keep_invalid: bool,

@@ -1,7 +1,7 @@
 //! What can be typed about pictures.
 
 use crate::exit::EXIT_CODES;
-use crate::shared_arguments::{Limits, Talk};
+use crate::shared_arguments::{Talk, ToleranceArguments};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use phex_picture::PictureOptions;
@@ -31,7 +31,7 @@ pub struct RenderCommand {
     pub mark: Option<PathBuf>,
     /// From where the mesh is seen
     #[arg(long, value_enum, default_value_t)]
-    pub view: View,
+    pub view: ViewFrom,
     /// Direction from which it is seen instead, degrees counter-clockwise from +x (-60 for `iso`:
     /// from the front, a little from the right)
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_hyphen_values = true)]
@@ -58,7 +58,7 @@ pub struct RenderCommand {
     pub no_legend: bool,
     /// Limits.
     #[command(flatten)]
-    pub limits: Limits,
+    pub limits: ToleranceArguments,
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,
@@ -82,7 +82,7 @@ pub struct ReportCommand {
     pub before: Option<PathBuf>,
     /// Limits.
     #[command(flatten)]
-    pub limits: Limits,
+    pub limits: ToleranceArguments,
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,
@@ -90,7 +90,7 @@ pub struct ReportCommand {
 
 /// Directions from which a model is seen; z is up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum View {
+pub enum ViewFrom {
     /// From above, from the side that shows most
     #[default]
     Iso,
@@ -111,12 +111,12 @@ impl RenderCommand {
     pub fn options(&self) -> PictureOptions {
         let iso = PictureOptions::default().elevation;
         let (azimuth, elevation) = match self.view {
-            View::Iso => (None, iso),
-            View::Top => (Some(-90.0), 90.0),
-            View::Front => (Some(-90.0), 0.0),
-            View::Back => (Some(90.0), 0.0),
-            View::Left => (Some(180.0), 0.0),
-            View::Right => (Some(0.0), 0.0),
+            ViewFrom::Iso => (None, iso),
+            ViewFrom::Top => (Some(-90.0), 90.0),
+            ViewFrom::Front => (Some(-90.0), 0.0),
+            ViewFrom::Back => (Some(90.0), 0.0),
+            ViewFrom::Left => (Some(180.0), 0.0),
+            ViewFrom::Right => (Some(0.0), 0.0),
         };
         PictureOptions {
             width: self.size.0,

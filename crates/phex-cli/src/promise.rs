@@ -14,7 +14,7 @@ pub struct Promise {
     command: String,
     limits: Option<TypedLimits>,
     inputs: Vec<Read>,
-    outputs: Vec<Written>,
+    outputs: Vec<PromisedFile>,
     /// Where the report lies.
     #[serde(skip)]
     folder: PathBuf,
@@ -27,7 +27,7 @@ struct Read {
 }
 
 #[derive(Debug, Deserialize)]
-struct Written {
+struct PromisedFile {
     content: String,
     path: PathBuf,
 }

@@ -31,7 +31,7 @@ pub struct MeshSettings {
     pub edge_length: Option<Quantity>,
     /// How panels are laid out [default: lattice]
     #[arg(long, value_enum)]
-    pub method: Option<Layout>,
+    pub method: Option<LayoutMethod>,
     /// Use the method where it is not made for the surface, to see what becomes of it
     #[arg(long)]
     pub any_domain: bool,
@@ -95,7 +95,7 @@ pub struct MeshSettings {
 /// How panels are laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Layout {
+pub enum LayoutMethod {
     /// A hexagonal lattice, on any surface
     Lattice,
     /// All ways of the portfolio side by side, lattices and a brick wall; the best is kept
@@ -119,23 +119,23 @@ pub enum Layout {
     Parallel,
 }
 
-impl From<Layout> for Method {
-    fn from(layout: Layout) -> Self {
+impl From<LayoutMethod> for Method {
+    fn from(layout: LayoutMethod) -> Self {
         match layout {
-            Layout::Lattice => Self::Lattice,
-            Layout::Best => Self::Best,
-            Layout::BrickWall => Self::BrickWall,
-            Layout::ProjectiveDual => Self::ProjectiveDual,
-            Layout::SupportFunction => Self::SupportFunction,
-            Layout::TangentPlanes => Self::TangentPlanes,
-            Layout::PowerDiagram => Self::PowerDiagram,
-            Layout::DualSubdivision => Self::DualSubdivision,
-            Layout::Parallel => Self::Parallel,
+            LayoutMethod::Lattice => Self::Lattice,
+            LayoutMethod::Best => Self::Best,
+            LayoutMethod::BrickWall => Self::BrickWall,
+            LayoutMethod::ProjectiveDual => Self::ProjectiveDual,
+            LayoutMethod::SupportFunction => Self::SupportFunction,
+            LayoutMethod::TangentPlanes => Self::TangentPlanes,
+            LayoutMethod::PowerDiagram => Self::PowerDiagram,
+            LayoutMethod::DualSubdivision => Self::DualSubdivision,
+            LayoutMethod::Parallel => Self::Parallel,
         }
     }
 }
 
-impl From<Method> for Layout {
+impl From<Method> for LayoutMethod {
     fn from(method: Method) -> Self {
         match method {
             Method::Lattice => Self::Lattice,
@@ -217,7 +217,7 @@ fn located(error: &toml::de::Error, text: &str) -> String {
 
 /// How fine the panelling is to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PanelSize {
+pub enum TypedPanelSize {
     /// Number of panels.
     Panels(u64),
     /// Length of their edges.
@@ -305,10 +305,10 @@ impl MeshSettings {
     }
 
     /// How fine the panelling is to be.
-    pub fn size(&self) -> PanelSize {
+    pub fn size(&self) -> TypedPanelSize {
         match self.edge_length {
-            Some(length) => PanelSize::EdgeLength(length),
-            None => PanelSize::Panels(self.panels.unwrap_or(DEFAULT_PANELS)),
+            Some(length) => TypedPanelSize::EdgeLength(length),
+            None => TypedPanelSize::Panels(self.panels.unwrap_or(DEFAULT_PANELS)),
         }
     }
 
@@ -384,7 +384,7 @@ mod tests {
         let both = typed.over(file.clone());
         assert_eq!(
             both.size(),
-            PanelSize::Panels(300),
+            TypedPanelSize::Panels(300),
             "a size on the command line replaces either kind in the file"
         );
         assert_eq!(
@@ -392,7 +392,7 @@ mod tests {
             (Some(1), Some(15.0), Some(Unit::Mm))
         );
         let size = MeshSettings::default().over(file).size();
-        assert_eq!(size, PanelSize::EdgeLength("80cm".parse().unwrap()));
+        assert_eq!(size, TypedPanelSize::EdgeLength("80cm".parse().unwrap()));
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub struct Extras {
 
 /// Tolerances, and the unit that lengths refer to.
 #[derive(Clone, Debug, Default, Args)]
-pub struct Limits {
+pub struct ToleranceArguments {
     /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length
     /// [default: 1e-12, or rounding]
     #[arg(long, value_name = "X", help_heading = "Tolerances")]
@@ -68,7 +68,7 @@ pub struct Limits {
     pub unit: Unit,
 }
 
-impl Limits {
+impl ToleranceArguments {
     /// Refuses a limit of the distance to a surface where there is no surface.
     ///
     /// # Errors

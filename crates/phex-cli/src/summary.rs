@@ -15,11 +15,11 @@ const LISTED: usize = 10;
 
 /// Lines of a label and a text each.
 #[derive(Clone, Debug, Default)]
-pub struct Table {
+pub struct SummaryTable {
     text: String,
 }
 
-impl Table {
+impl SummaryTable {
     /// Adds a line.
     pub fn row(&mut self, label: &str, text: impl std::fmt::Display) {
         // Writing to a string does not fail.
@@ -35,7 +35,7 @@ impl Table {
 /// Figures, deviation and failed checks of a mesh; with `every_check` also the checks that pass.
 pub fn of_assessment(assessment: &Assessment, limits: &TypedLimits, every_check: bool) -> String {
     let unit = limits.unit;
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     let measures = &assessment.measures;
     table.row("panels", panels(measures));
     table.row("planarity", planarity(measures, unit));
@@ -77,14 +77,14 @@ pub fn of_verdict(verdict: Verdict) -> String {
         Verdict::OutsideTolerance => "OUTSIDE TOLERANCE",
         Verdict::Invalid => "INVALID",
     };
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     table.row("verdict", word);
     table.into_text()
 }
 
 /// The checks that were not made, a line for each reason; none if all were.
 fn not_checked(assessment: &Assessment) -> String {
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     let reasons = [
         (Reason::NoSurface, "there is no surface to compare with"),
         (
@@ -113,7 +113,7 @@ pub fn of_features(
     surface: Option<&TriangleSurface>,
 ) -> String {
     let sizes = surface.map(|surface| FeatureSizes::new(mesh, surface));
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     if let Some(warning) = sizes.as_ref().and_then(|s| s.warning(&report.checks)) {
         table.row("WARNING", &warning);
         report.notes.push(warning);
@@ -124,7 +124,7 @@ pub fn of_features(
 
 /// What came of wishes, by what each is about; kept in the report too.
 pub fn of_wishes(report: &mut RunReport, told: Vec<(&'static str, String)>) -> String {
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     for (what, sentence) in told {
         table.row(what, &sentence);
         report.notes.push(format!("{what}: {sentence}"));
@@ -134,7 +134,7 @@ pub fn of_wishes(report: &mut RunReport, told: Vec<(&'static str, String)>) -> S
 
 /// Why the mesh was not written.
 pub fn not_written() -> String {
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     table.row(
         "NOT WRITTEN",
         "the mesh, since it is not valid (--keep-invalid writes it)",
@@ -144,7 +144,7 @@ pub fn not_written() -> String {
 
 /// The files that were written.
 pub fn of_files(report: &RunReport) -> String {
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     for output in &report.outputs {
         table.row("written", &output.path);
         if let Some(note) = html::without_view().filter(|_| output.content == "report") {

@@ -5,7 +5,7 @@ use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
 use crate::output::{self, Content};
 use crate::settings::MeshSettings;
-use crate::shared_arguments::{Extras, Limits};
+use crate::shared_arguments::{Extras, ToleranceArguments};
 use crate::units::{Quantity, Unit};
 use anyhow::Context;
 use phex::Boundary;
@@ -37,8 +37,8 @@ pub struct TypedLimits {
     pub boundary: Option<Boundary>,
 }
 
-impl From<&Limits> for TypedLimits {
-    fn from(limits: &Limits) -> Self {
+impl From<&ToleranceArguments> for TypedLimits {
+    fn from(limits: &ToleranceArguments) -> Self {
         let settings = MeshSettings {
             max_deviation: limits.max_deviation,
             ..Default::default()
@@ -67,7 +67,7 @@ impl From<&MeshSettings> for TypedLimits {
 impl TypedLimits {
     /// What is typed, and where nothing is what an earlier run promised; the unit is that run's.
     pub fn or_promised(
-        limits: &Limits,
+        limits: &ToleranceArguments,
         boundary: Option<Boundary>,
         promised: Option<Self>,
     ) -> Self {

@@ -4,10 +4,10 @@
 use crate::exit::Failure;
 use phex::MeshOptions;
 use phex::curvature::curvature;
-use phex::directions::guides::{Cone, Guides};
-use phex::directions::size::{Demands, relative_sizes};
-use phex::directions::thickness::thickness;
-use phex::layout::lattice::CELL;
+use phex::directions::thickness;
+use phex::directions::{Cone, Guides};
+use phex::directions::{Demands, relative_sizes};
+use phex::layout::CELL;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3};
 
 /// Diagonals of the surface that points for rows, cones and holds may be away from its box: farther
@@ -147,7 +147,7 @@ impl Wishes<'_> {
     fn of_lines(&self, lines: &[Vec<[f64; 3]>]) -> String {
         let edge = self.mesh.mean_edge();
         let samples = samples(lines, 0.5 * edge);
-        let rows = Rows::of(self.mesh);
+        let rows = PanelRows::of(self.mesh);
         let angles = samples
             .iter()
             .filter_map(|(p, t)| rows.angle(*p, *t, 2.0 * edge));
@@ -282,11 +282,11 @@ fn samples(lines: &[Vec<[f64; 3]>], step: f64) -> Vec<(Vec3, Vec3)> {
 }
 
 /// Panels with the directions of the rows that run through them.
-struct Rows {
+struct PanelRows {
     panels: Vec<(Vec3, Vec<Vec3>)>,
 }
 
-impl Rows {
+impl PanelRows {
     fn of(mesh: &HexMesh) -> Self {
         let topology = mesh.topology();
         let panel = |f: FaceId| {

@@ -362,9 +362,9 @@ fn settings_that_are_not_finite_or_out_of_range() {
     }
     for (table, line) in [
         ("directions", "rotate = inf"),
-        ("directions", "gentle_alignment = inf"),
+        ("directions", "alignment = inf"),
         ("directions", "anisotropy = 0"),
-        ("layout", "boundary_phase = inf"),
+        ("layout", "max_distortion = inf"),
         ("layout", "sweeps = 1000000000000"),
         ("optimise", "planarity_tolerance = nan"),
         ("optimise", "fairness = -1"),
@@ -372,8 +372,8 @@ fn settings_that_are_not_finite_or_out_of_range() {
         ("dual", "levels = 40"),
         ("target", "damping = nan"),
         ("curvature", "radius_rel = -1"),
-        ("sizes", "gradation = 0"),
-        ("brick_wall", "max_kink = 1"),
+        ("sizes", "adaptive = 0"),
+        ("brick_wall", "ratio = 0"),
         ("brick_wall.network", "strictness = inf"),
     ] {
         shop.write("job.toml", format!("[stages.{table}]\n{line}\n"));

@@ -88,13 +88,13 @@ fn spots(polygon: &[Vec2]) -> Vec<(f64, Vec2)> {
 
 /// A rectangle that a text fills.
 #[derive(Clone, Copy)]
-struct Frame {
+struct TextBox {
     centre: Vec2,
     along: Vec2,
     half: Vec2,
 }
 
-impl Frame {
+impl TextBox {
     fn new(centre: Vec2, along: Vec2, width: f64, height: f64) -> Self {
         Self {
             centre,
@@ -143,7 +143,7 @@ fn attempt(
 ) -> PanelText {
     let mut placed = PanelText::default();
     let wide = width(name, height);
-    let frame = |&(_, p): &(f64, Vec2)| Frame::new(p, Vec2::x(), wide, height);
+    let frame = |&(_, p): &(f64, Vec2)| TextBox::new(p, Vec2::x(), wide, height);
     let margin = MARGIN * height;
     match spots
         .iter()
@@ -181,11 +181,11 @@ fn place_side(plate: &Plate, text: &SideText, height: f64, placed: &mut PanelTex
         .flat_map(|depth| PLACES.iter().map(move |t| (*t, *depth)))
         .map(|(t, depth)| {
             let from_side = 1.01 * margin + (0.5 + depth) * height;
-            Frame::new(a + (b - a) * t + inward * from_side, along, size, height)
+            TextBox::new(a + (b - a) * t + inward * from_side, along, size, height)
         });
     let across = PLACES.iter().map(|t| {
         let centre = a + (b - a) * *t + inward * (1.01 * margin + 0.5 * size);
-        Frame::new(centre, upright(inward), size, height)
+        TextBox::new(centre, upright(inward), size, height)
     });
     match beside
         .chain(across)
@@ -215,7 +215,7 @@ fn upright(d: Vec2) -> Vec2 {
 }
 
 impl PanelText {
-    fn add(&mut self, frame: &Frame, [first, second]: [(&str, Layer); 2], height: f64) {
+    fn add(&mut self, frame: &TextBox, [first, second]: [(&str, Layer); 2], height: f64) {
         let skip = strokes::advance(&written(&format!("{} ", first.0)), height);
         self.strokes
             .extend(frame.write(first.0, height, 0.0, first.1));
@@ -226,7 +226,7 @@ impl PanelText {
 }
 
 /// Whether a rectangle with its margin lies in a polygon and off other rectangles.
-fn is_free(frame: &Frame, margin: f64, polygon: &[Vec2], others: &[[Vec2; 4]]) -> bool {
+fn is_free(frame: &TextBox, margin: f64, polygon: &[Vec2], others: &[[Vec2; 4]]) -> bool {
     let wide = frame.corners(margin);
     let inside = || {
         let crosses = |[a, b]: [Vec2; 2]| sides(&wide).any(|[c, d]| segments_touch(a, b, c, d));

@@ -45,7 +45,7 @@ impl Plate {
     /// Lays a solid flat. `mesh` is the mesh that the solids were made from, `millimetres` those of
     /// a model unit.
     pub fn new(mesh: &HexMesh, solid: &PanelSolid, millimetres: f64) -> Self {
-        let frame = Frame::of(&solid.top);
+        let frame = PlateFrame::of(&solid.top);
         let flat = |corners: &[Vec3]| -> Vec<Vec2> {
             corners
                 .iter()
@@ -108,13 +108,13 @@ fn shifts(top: &[Vec2], bottom: &[Vec2]) -> Vec<[f64; 2]> {
 }
 
 /// Origin, axes and normal of a panel's plane.
-struct Frame {
+struct PlateFrame {
     origin: Vec3,
     axes: [Vec3; 2],
     normal: Vec3,
 }
 
-impl Frame {
+impl PlateFrame {
     fn of(corners: &[Vec3]) -> Self {
         let FacePlane { centre, normal, .. } = FacePlane::fit(corners);
         let along = |d: Vec3| d - normal * d.dot(&normal);

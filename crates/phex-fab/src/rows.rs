@@ -32,7 +32,7 @@ const LEAST_ROWS: i64 = 3;
 
 /// Row and place in the row of each face, from 0; `None` where there are no rows.
 pub fn rows(mesh: &HexMesh) -> Option<PerFace<[usize; 2]>> {
-    let lattice = Lattice::of(mesh)?;
+    let lattice = PanelLattice::of(mesh)?;
     let separate = |&k: &usize| {
         let period = lattice.period(mesh, ACROSS[k]);
         period == 0 || period >= LEAST_ROWS
@@ -45,12 +45,12 @@ pub fn rows(mesh: &HexMesh) -> Option<PerFace<[usize; 2]>> {
 }
 
 /// Directions of half-edges and coordinates of faces.
-struct Lattice {
+struct PanelLattice {
     direction: PerHalfEdge<Option<u8>>,
     coordinates: PerFace<[i64; 2]>,
 }
 
-impl Lattice {
+impl PanelLattice {
     /// `None` if directions contradict one another, or the mesh has several parts.
     fn of(mesh: &HexMesh) -> Option<Self> {
         let topology = mesh.topology();

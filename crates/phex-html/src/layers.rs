@@ -65,12 +65,12 @@ fn offset_options(report: &Report<'_>) -> OffsetOptions {
 
 /// The surface, thinned out where it is very fine.
 #[derive(Debug, Serialize)]
-pub struct Surface {
+pub struct PackedSurface {
     positions: String,
     triangles: String,
 }
 
-impl Surface {
+impl PackedSurface {
     /// Packs a surface.
     pub fn new(surface: &TriangleSurface, origin: Vec3) -> Self {
         let soup = thinned(surface);
@@ -107,12 +107,12 @@ impl<'a> Curves<'a> {
 
 /// The mesh before the last step.
 #[derive(Debug, Serialize)]
-pub struct Start {
+pub struct StartLayer {
     mesh: MeshData,
     planarity: String,
 }
 
-impl Start {
+impl StartLayer {
     /// Packs polygons with their planarity over the result's mean edge.
     pub fn new(soup: &PolygonSoup, mean_edge: f64, origin: Vec3) -> Self {
         let planarity = soup.faces.iter().map(|face| {

@@ -22,7 +22,6 @@ mod viewer_data;
 pub use bundle::Viewer;
 pub use escape::escaped;
 pub use page::page;
-pub use pictures::encode_png;
 
 use phex::report::RunReport;
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Vec3};

@@ -60,7 +60,7 @@ impl MeshData {
         let edges = topology.edges().map(|e| {
             let h = topology.edge_half_edge(e);
             let other = topology.twin(h).map(|t| number(topology.face(t)));
-            Side {
+            EdgeSides {
                 ends: topology.edge_vertices(e).map(|v| v.index() as u32),
                 faces: [number(topology.face(h)), other.unwrap_or(NO_FACE)],
             }
@@ -68,7 +68,7 @@ impl MeshData {
         Self::with_edges(&soup, &edges.collect::<Vec<_>>(), origin)
     }
 
-    fn with_edges(soup: &PolygonSoup, edges: &[Side], origin: Vec3) -> Self {
+    fn with_edges(soup: &PolygonSoup, edges: &[EdgeSides], origin: Vec3) -> Self {
         let mut start = vec![0];
         for face in &soup.faces {
             start.push(start[start.len() - 1] + face.len() as u32);
@@ -93,21 +93,21 @@ impl MeshData {
 }
 
 /// An edge with the faces on its two sides.
-struct Side {
+struct EdgeSides {
     ends: [u32; 2],
     faces: [u32; 2],
 }
 
-fn sides(soup: &PolygonSoup) -> Vec<Side> {
+fn sides(soup: &PolygonSoup) -> Vec<EdgeSides> {
     let mut found: BTreeMap<[u32; 2], usize> = BTreeMap::new();
-    let mut sides: Vec<Side> = Vec::new();
+    let mut sides: Vec<EdgeSides> = Vec::new();
     for (f, face) in soup.faces.iter().enumerate() {
         for (k, &a) in face.iter().enumerate() {
             let b = face[(k + 1) % face.len()];
             let at = *found.entry([a.min(b), a.max(b)]).or_insert(sides.len());
             match sides.get_mut(at) {
                 Some(side) => side.faces[1] = f as u32,
-                None => sides.push(Side {
+                None => sides.push(EdgeSides {
                     ends: [a, b],
                     faces: [f as u32, NO_FACE],
                 }),

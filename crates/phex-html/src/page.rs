@@ -178,7 +178,7 @@ fn facts(report: &Report<'_>) -> Vec<(&'static str, String)> {
 fn pictures(report: &Report<'_>, maps: &[ColourMap], interactive: bool) -> String {
     let figures: String = maps
         .iter()
-        .filter_map(|map| Some((map.map, data_address(report.mesh, map)?)))
+        .map(|map| (map.map, data_address(report.mesh, map)))
         .map(|(map, address)| {
             let title = map.title();
             format!("<figure><img alt=\"{title} of the panels\" src=\"{address}\"><figcaption>{title}</figcaption></figure>\n")

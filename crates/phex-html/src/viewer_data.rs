@@ -1,11 +1,11 @@
 //! The data of the interactive view.
 
 use crate::Report;
-use crate::layers::{Curves, Gauss, Start, Surface, other_gauss_images};
+use crate::layers::{Curves, Gauss, PackedSurface, StartLayer, other_gauss_images};
 use crate::mesh_data::{MeshData, floats, numbers};
 use phex::quality::{Check, ElementKind};
 use phex_mesh::{FaceId, HexMesh, Vec3, Violation};
-use phex_picture::maps::{ColourMap, Coloured, Scale};
+use phex_picture::maps::{ColourMap, ColourScale, Coloured};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -25,13 +25,13 @@ pub struct ViewerData<'a> {
     angles: String,
     concave: String,
     maps: Vec<MapData>,
-    offenders: Vec<Offender>,
+    offenders: Vec<FaultyPanels>,
     gauss: Option<Gauss>,
     /// Gauss images of the other kinds, by the names of their layers.
     spheres: BTreeMap<&'static str, String>,
-    surface: Option<Surface>,
+    surface: Option<PackedSurface>,
     curves: Vec<Curves<'a>>,
-    start: Option<Start>,
+    start: Option<StartLayer>,
     missing: BTreeMap<&'static str, String>,
 }
 
@@ -81,13 +81,13 @@ impl<'a> ViewerData<'a> {
             offenders: offenders(report),
             gauss: gauss.ok(),
             spheres,
-            surface: report.surface.map(|s| Surface::new(s, origin)),
+            surface: report.surface.map(|s| PackedSurface::new(s, origin)),
             curves: report
                 .curves
                 .iter()
                 .map(|c| Curves::new(c, origin))
                 .collect(),
-            start: report.start.map(|s| Start::new(s, mean_edge, origin)),
+            start: report.start.map(|s| StartLayer::new(s, mean_edge, origin)),
             missing,
         }
     }
@@ -111,7 +111,7 @@ struct MapData {
     caption: &'static str,
     element: Coloured,
     values: String,
-    scale: Scale,
+    scale: ColourScale,
     counts: Vec<usize>,
     below: usize,
     above: usize,
@@ -131,8 +131,8 @@ impl MapData {
             below: histogram.below,
             above: histogram.above,
             ticks: match &map.scale {
-                Scale::Continuous(scale) => scale.ticks(),
-                Scale::Classes(_) => Vec::new(),
+                ColourScale::Continuous(scale) => scale.ticks(),
+                ColourScale::Classes(_) => Vec::new(),
             },
             scale: map.scale.clone(),
         }
@@ -141,7 +141,7 @@ impl MapData {
 
 /// Something that is wrong with panels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Offender {
+pub struct FaultyPanels {
     kind: &'static str,
     /// Whether it makes the mesh no panelling at all.
     pub loud: bool,
@@ -152,9 +152,9 @@ pub struct Offender {
 }
 
 /// What is wrong with panels, the worst kinds first.
-pub fn offenders(report: &Report<'_>) -> Vec<Offender> {
+pub fn offenders(report: &Report<'_>) -> Vec<FaultyPanels> {
     let violations = report.run.violations.iter();
-    let mut list: Vec<Offender> = violations.map(|v| violation(report, v)).collect();
+    let mut list: Vec<FaultyPanels> = violations.map(|v| violation(report, v)).collect();
     let far = report.run.checks.iter().find(|c| c.name == "deviation");
     list.extend(far.into_iter().flat_map(too_far));
     list.retain(|o| !o.faces.is_empty());
@@ -163,11 +163,11 @@ pub fn offenders(report: &Report<'_>) -> Vec<Offender> {
     list
 }
 
-fn violation(report: &Report<'_>, violation: &Violation) -> Offender {
+fn violation(report: &Report<'_>, violation: &Violation) -> FaultyPanels {
     let kind = violation.kind();
     let faces = violation.faces(report.mesh.topology());
     let quiet = ["not_planar", "collapsed_edge", "small_clearance", "fold"];
-    Offender {
+    FaultyPanels {
         kind,
         loud: !quiet.contains(&kind),
         faces: faces.into_iter().map(FaceId::index).collect(),
@@ -175,14 +175,14 @@ fn violation(report: &Report<'_>, violation: &Violation) -> Offender {
     }
 }
 
-fn too_far(check: &Check) -> impl Iterator<Item = Offender> {
+fn too_far(check: &Check) -> impl Iterator<Item = FaultyPanels> {
     let limit = 100.0 * check.limit;
     let faces = if check.element == ElementKind::Face {
         check.ids.as_slice()
     } else {
         &[]
     };
-    faces.iter().map(move |&face| Offender {
+    faces.iter().map(move |&face| FaultyPanels {
         kind: "deviation",
         loud: false,
         faces: vec![face],

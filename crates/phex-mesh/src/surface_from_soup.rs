@@ -101,7 +101,58 @@ pub struct SurfaceParts {
     pub notes: SurfaceNotes,
 }
 
+impl SurfaceNotes {
+    /// What was changed, as sentences.
+    pub fn sentences(&self) -> Vec<String> {
+        [
+            (
+                self.unused_vertices,
+                "vertices belong to no face and were left out",
+            ),
+            (
+                self.turned_faces,
+                "faces were turned round to agree with their neighbours",
+            ),
+            (self.cut_polygons, "polygons were cut into triangles"),
+        ]
+        .into_iter()
+        .filter(|&(count, _)| count > 0)
+        .map(|(count, what)| format!("{count} {what}"))
+        .collect()
+    }
+}
+
+impl SurfaceParts {
+    /// All connected surfaces as one.
+    pub fn whole(&self) -> TriangleSurface {
+        let parts = self.components.iter().map(|c| &c.surface);
+        TriangleSurface::joined(parts).expect("the parts of a file are surfaces that it can number")
+    }
+}
+
 impl TriangleSurface {
+    /// One surface of several parts.
+    ///
+    /// # Errors
+    /// If there is no part, or they together have more elements than can be addressed.
+    pub fn joined<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Result<Self, TopologyError> {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for part in parts {
+            let first = positions.len() as u32;
+            positions.extend_from_slice(part.positions().as_slice());
+            let topology = part.topology();
+            let corners = 3 * (triangles.len() + topology.n_faces());
+            if corners >= u32::MAX as usize {
+                return Err(TopologyError::TooLarge { corners });
+            }
+            triangles.extend(topology.faces().map(|f| {
+                let corners = topology.face_vertices(f);
+                [corners[0], corners[1], corners[2]].map(|v| v.index() as u32 + first)
+            }));
+        }
+        Self::new(positions, &triangles)
+    }
+
     /// Builds the connected surfaces of faces of any valence: drops unused vertices, makes the
     /// orientation consistent, cuts polygons into triangles. Equal positions are *not* joined.
     /// Whether more than one component is welcome is for the caller to say.
@@ -182,7 +233,7 @@ struct Joint {
 }
 
 /// What orienting all faces gives.
-struct Sides {
+struct OrientedFaces {
     /// Component of each face, numbered by first faces.
     component: Vec<u32>,
     /// Whether each face is to be turned.
@@ -278,7 +329,7 @@ impl Corners {
 
     /// Walks over each component from its first face and turns the faces that disagree, or the
     /// others if they are fewer.
-    fn sides(&self, joints: &[Joint]) -> Result<Sides, SurfaceError> {
+    fn sides(&self, joints: &[Joint]) -> Result<OrientedFaces, SurfaceError> {
         let n_faces = self.face.last().map_or(0, |&f| f as usize + 1);
         let mut neighbours: Vec<Vec<(u32, bool)>> = vec![Vec::new(); n_faces];
         for joint in joints {
@@ -286,7 +337,7 @@ impl Corners {
             neighbours[f as usize].push((g, joint.same_direction));
             neighbours[g as usize].push((f, joint.same_direction));
         }
-        let mut sides = Sides {
+        let mut sides = OrientedFaces {
             component: vec![u32::MAX; n_faces],
             turned: vec![false; n_faces],
         };
@@ -301,7 +352,7 @@ impl Corners {
         Ok(sides)
     }
 
-    fn check_sides(&self, joints: &[Joint], sides: &Sides) -> Result<(), SurfaceError> {
+    fn check_sides(&self, joints: &[Joint], sides: &OrientedFaces) -> Result<(), SurfaceError> {
         let turned = |side: u32| sides.turned[self.face[side as usize] as usize];
         let agree = |j: &&Joint| (turned(j.sides[0]) != turned(j.sides[1])) == j.same_direction;
         let Some(joint) = joints.iter().find(|joint| !agree(joint)) else {
@@ -317,7 +368,7 @@ impl Corners {
     }
 }
 
-impl Sides {
+impl OrientedFaces {
     fn spread(&mut self, seed: u32, component: u32, neighbours: &[Vec<(u32, bool)>]) {
         let mut faces = vec![seed];
         self.component[seed as usize] = component;
@@ -430,7 +481,7 @@ fn least_height([a, b, c]: [Vec3; 3]) -> f64 {
 fn split(
     soup: &PolygonSoup,
     triangles: &[Triangle],
-    sides: &Sides,
+    sides: &OrientedFaces,
 ) -> Result<Vec<SurfaceComponent>, SurfaceError> {
     let count = sides.component.iter().max().map_or(0, |&c| c as usize + 1);
     let mut parts: Vec<Vec<&Triangle>> = vec![Vec::new(); count];

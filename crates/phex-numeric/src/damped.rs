@@ -101,7 +101,7 @@ pub struct DampedSolver {
     trial: Vec<f64>,
 }
 
-struct Accepted {
+struct DampedStep {
     energy: f64,
     fraction: f64,
     damping: f64,
@@ -234,7 +234,7 @@ impl DampedSolver {
         x: &[f64],
         energy: f64,
         damping: &mut Damping,
-    ) -> Option<Accepted> {
+    ) -> Option<DampedStep> {
         for attempt in 0..TRIES {
             let used = damping.0;
             if self.solve(used) {
@@ -245,7 +245,7 @@ impl DampedSolver {
                 }
                 if let Some((fraction, energy)) = self.line_search(problem, x, energy, bound) {
                     damping.after_step(fraction);
-                    return Some(Accepted {
+                    return Some(DampedStep {
                         energy,
                         fraction,
                         damping: used,

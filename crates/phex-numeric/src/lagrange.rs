@@ -106,7 +106,7 @@ pub struct LagrangeNewton<'a> {
     shift: f64,
 }
 
-struct Accepted {
+struct LagrangeStep {
     merit: f64,
     fraction: f64,
     shift: f64,
@@ -177,7 +177,7 @@ impl<'a> LagrangeNewton<'a> {
     }
 
     /// Finds a shift and a fraction of the step that lower the merit.
-    fn search(&mut self, problem: &mut impl LagrangeProblem, x: &[f64]) -> Option<Accepted> {
+    fn search(&mut self, problem: &mut impl LagrangeProblem, x: &[f64]) -> Option<LagrangeStep> {
         while self.shift <= LAST_SHIFT {
             let shift = self.shift;
             if self.factorise(shift) && self.solve(problem) {
@@ -185,7 +185,7 @@ impl<'a> LagrangeNewton<'a> {
                 let found = (bound >= SHORT).then(|| self.line_search(problem, x, bound));
                 if let Some((fraction, merit)) = found.flatten() {
                     self.adapt(fraction);
-                    return Some(Accepted {
+                    return Some(LagrangeStep {
                         merit,
                         fraction,
                         shift,

@@ -1,7 +1,7 @@
 //! Curves over the panels.
 
 use super::camera::{Camera, Seen};
-use super::raster::Sheet;
+use super::raster::LinearImage;
 use crate::srgb::linear;
 use phex_mesh::{Vec2, Vec3};
 
@@ -12,7 +12,7 @@ const WIDTH_REL: f64 = 0.0033;
 const BEHIND: f64 = 0.02;
 
 /// Draws polylines in one colour, where no panel hides them.
-pub(super) fn draw(sheet: &mut Sheet, camera: &Camera, curves: &[Vec<Vec3>]) {
+pub(super) fn draw(sheet: &mut LinearImage, camera: &Camera, curves: &[Vec<Vec3>]) {
     let colour = linear([0.80, 0.13, 0.16]);
     let radius = (0.5 * WIDTH_REL * sheet.height as f64).max(0.6);
     for curve in curves {
@@ -34,7 +34,7 @@ pub(super) fn draw(sheet: &mut Sheet, camera: &Camera, curves: &[Vec<Vec3>]) {
 
 /// Collects the share of each visible pixel that a segment covers.
 fn cover(
-    sheet: &Sheet,
+    sheet: &LinearImage,
     [a, b]: [Seen; 2],
     radius: f64,
     shares: &mut std::collections::BTreeMap<(usize, usize), f64>,
@@ -59,7 +59,7 @@ fn cover(
     }
 }
 
-fn is_visible(sheet: &Sheet, x: f64, y: f64, nearness: f64) -> bool {
+fn is_visible(sheet: &LinearImage, x: f64, y: f64, nearness: f64) -> bool {
     let panel = sheet.panel_at(x, y);
     panel.is_none_or(|(_, panel)| 1.0 / nearness <= 1.0 / panel + BEHIND)
 }

@@ -3,13 +3,13 @@
 
 use super::legend_layout::{Item, LegendLayout};
 use super::paint::Legend;
-use super::raster::Sheet;
+use super::raster::LinearImage;
 use crate::srgb::{linear, linear_bytes};
 use crate::strokes::{HEIGHT, strokes};
 use phex_mesh::{Vec2, Vec3};
 
 /// Draws the legend in the corner where it hides least of the model, at best the lower left.
-pub fn draw(sheet: &mut Sheet, legend: &Legend) {
+pub fn draw(sheet: &mut LinearImage, legend: &Legend) {
     let size = Vec2::new(sheet.width as f64, sheet.height as f64);
     let layout = LegendLayout::new(legend, size.y);
     let corner = layout.place(size, |low, high| {
@@ -23,7 +23,7 @@ pub fn draw(sheet: &mut Sheet, legend: &Legend) {
     }
 }
 
-fn draw_item(sheet: &mut Sheet, corner: Vec2, item: &Item) {
+fn draw_item(sheet: &mut LinearImage, corner: Vec2, item: &Item) {
     match item {
         Item::Hexagon {
             centre,
@@ -37,7 +37,7 @@ fn draw_item(sheet: &mut Sheet, corner: Vec2, item: &Item) {
     }
 }
 
-fn hexagon(sheet: &mut Sheet, centre: Vec2, radius: f64, colour: Vec3) {
+fn hexagon(sheet: &mut LinearImage, centre: Vec2, radius: f64, colour: Vec3) {
     let ink = linear([0.25, 0.25, 0.28]);
     for (x, y) in pixels_around([centre; 2], radius + 1.0) {
         let offset = Vec2::new(x as f64 + 0.5, y as f64 + 0.5) - centre;
@@ -54,7 +54,7 @@ fn hexagon_distance(p: Vec2, radius: f64) -> f64 {
 }
 
 /// Fills a rectangle; pixels that it covers in part take as much of the colour.
-fn rectangle(sheet: &mut Sheet, [low, high]: [Vec2; 2], colour: Vec3) {
+fn rectangle(sheet: &mut LinearImage, [low, high]: [Vec2; 2], colour: Vec3) {
     let share = |x: usize, low: f64, high: f64| {
         let x = x as f64;
         ((x + 1.0).min(high) - x.max(low)).clamp(0.0, 1.0)
@@ -66,7 +66,7 @@ fn rectangle(sheet: &mut Sheet, [low, high]: [Vec2; 2], colour: Vec3) {
 }
 
 /// Writes text with its baseline at `start`, `unit` pixels per unit of the alphabet.
-fn write(sheet: &mut Sheet, start: Vec2, unit: f64, text: &str) {
+fn write(sheet: &mut LinearImage, start: Vec2, unit: f64, text: &str) {
     let ink = linear([0.22, 0.22, 0.25]);
     let radius = (0.32 * unit).max(0.5);
     let place = |p: Vec2| start + Vec2::new(p.x, -p.y) * unit;

@@ -1,6 +1,6 @@
 //! Where the parts of a legend stand, for pixels and for vectors alike.
 
-use super::paint::{Legend, Strip};
+use super::paint::{Legend, LegendStrip};
 use crate::maps::Rgb;
 use crate::strokes::{self, HEIGHT};
 use phex_mesh::Vec2;
@@ -69,7 +69,7 @@ impl LegendLayout {
         let step = (LINE_REL * height).max(LEGIBLE.min(MOST_REL * height));
         let (items, size) = match legend {
             Legend::Classes(lines) => classes(lines, step),
-            Legend::Strip(strip) => strip_items(strip, step),
+            Legend::LegendStrip(strip) => strip_items(strip, step),
         };
         Self {
             items,
@@ -139,7 +139,7 @@ fn text(start: Vec2, unit: f64, text: &str) -> Item {
 }
 
 /// Caption, histogram, strip, marks with labels, from the top.
-fn strip_items(strip: &Strip, step: f64) -> (Vec<Item>, Vec2) {
+fn strip_items(strip: &LegendStrip, step: f64) -> (Vec<Item>, Vec2) {
     let unit = UNIT_REL * step;
     let length = (STRIP_LENGTH * step).max(unit * text_width(strip.caption));
     let top = (1.4 + HISTOGRAM_HEIGHT) * step;
@@ -158,7 +158,7 @@ fn strip_items(strip: &Strip, step: f64) -> (Vec<Item>, Vec2) {
     (items, Vec2::new(length, top + 2.0 * step))
 }
 
-fn bars(strip: &Strip, length: f64, foot: f64, step: f64) -> Vec<Item> {
+fn bars(strip: &LegendStrip, length: f64, foot: f64, step: f64) -> Vec<Item> {
     let counts = &strip.histogram.counts;
     let most = counts.iter().copied().max().unwrap_or(0).max(1) as f64;
     let width = length / counts.len() as f64;
@@ -189,7 +189,7 @@ fn darker(colour: Rgb) -> Rgb {
     colour.map(|c| (f64::from(c) * 0.86) as u8)
 }
 
-fn marks(strip: &Strip, length: f64, top: f64, step: f64) -> Vec<Item> {
+fn marks(strip: &LegendStrip, length: f64, top: f64, step: f64) -> Vec<Item> {
     let unit = 0.85 * UNIT_REL * step;
     let line = |at: f64, low: f64, high: f64| Item::Rectangle {
         low: Vec2::new(at - 0.03 * step, low),

@@ -18,17 +18,20 @@ mod light;
 pub mod maps;
 mod occlusion;
 mod paint;
+mod picture;
 mod raster;
 mod scan;
 mod srgb;
 pub mod strokes;
 mod vector;
 
+pub use picture::{Picture, write_png};
+
 use crate::light::Shading;
 use crate::maps::ColourMap;
 use crate::occlusion::occlusion;
 use crate::paint::Paint;
-use crate::raster::{PanelRaster, Sheet};
+use crate::raster::{LinearImage, PanelRaster};
 use phex_mesh::{HexMesh, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -84,17 +87,6 @@ impl PictureOptions {
             ..self.clone()
         }
     }
-}
-
-/// An opaque picture: rows from the top, four bytes (red, green, blue, alpha; sRGB) a pixel.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
-    /// Width in pixels.
-    pub width: usize,
-    /// Height in pixels.
-    pub height: usize,
-    /// The pixels.
-    pub rgba: Vec<u8>,
 }
 
 /// Draws a mesh in the colours of its panels' kinds; options outside their ranges are moved to the
@@ -181,7 +173,7 @@ fn draw_paint(
     if !options.edges {
         panels = panels.without_edges();
     }
-    let mut sheet = Sheet::draw(&panels, &shading, &options);
+    let mut sheet = LinearImage::draw(&panels, &shading, &options);
     if options.ground {
         sheet.darken(&occlusion(&shading, &sheet, &camera));
     }

@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::light::Shading;
-use super::raster::Sheet;
+use super::raster::LinearImage;
 use phex_mesh::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ const OCCLUSION_DEPTH: f64 = 1.1;
 
 /// Share of light that each pixel keeps where panels stand close to one another (1 where nothing is
 /// near).
-pub fn occlusion(shading: &Shading, sheet: &Sheet, camera: &Camera) -> Vec<f32> {
+pub fn occlusion(shading: &Shading, sheet: &LinearImage, camera: &Camera) -> Vec<f32> {
     let offsets = spiral(OCCLUSION_REACH * camera.focal / camera.eye().norm());
     let row = |y: usize| {
         let offsets = &offsets;
@@ -29,7 +29,7 @@ pub fn occlusion(shading: &Shading, sheet: &Sheet, camera: &Camera) -> Vec<f32> 
 
 fn openness(
     shading: &Shading,
-    sheet: &Sheet,
+    sheet: &LinearImage,
     camera: &Camera,
     x: usize,
     y: usize,

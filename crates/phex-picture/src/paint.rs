@@ -1,6 +1,6 @@
 //! The colours of a picture, and the legend that explains them.
 
-use crate::maps::{ColourMap, Coloured, Histogram, PanelKind, Rgb, Scale, panel_kinds};
+use crate::maps::{ColourMap, ColourScale, Coloured, PanelKind, Rgb, ValueCounts, panel_kinds};
 use crate::srgb::{linear, linear_bytes};
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerFace, Vec3};
 
@@ -27,12 +27,12 @@ pub enum Legend {
     /// A line for each class that occurs: colour (sRGB) and text.
     Classes(Vec<(Rgb, String)>),
     /// A strip of colours with a histogram on it.
-    Strip(Strip),
+    LegendStrip(LegendStrip),
 }
 
 /// The legend of a continuous map.
 #[derive(Clone, Debug)]
-pub struct Strip {
+pub struct LegendStrip {
     /// What the values are.
     pub caption: &'static str,
     /// Colours at equal distances.
@@ -42,7 +42,7 @@ pub struct Strip {
     /// Place of the largest accepted value.
     pub limit: Option<f64>,
     /// Number of elements along the strip.
-    pub histogram: Histogram,
+    pub histogram: ValueCounts,
 }
 
 /// Relief of maps.
@@ -120,7 +120,7 @@ impl Legend {
     fn of(map: &ColourMap) -> Self {
         let histogram = map.histogram();
         match &map.scale {
-            Scale::Classes(classes) => {
+            ColourScale::Classes(classes) => {
                 let counted = classes.iter().zip(&histogram.counts);
                 let lines = counted.filter(|(_, n)| **n > 0);
                 Self::Classes(
@@ -129,10 +129,10 @@ impl Legend {
                         .collect(),
                 )
             }
-            Scale::Continuous(scale) => {
+            ColourScale::Continuous(scale) => {
                 let middle = |k: usize| scale.at((k as f64 + 0.5) / STEPS as f64);
                 let limit = scale.limit.map(|l| scale.place(l));
-                Self::Strip(Strip {
+                Self::LegendStrip(LegendStrip {
                     caption: map.map.caption(),
                     colours: (0..STEPS).map(|k| map.scale.colour(middle(k))).collect(),
                     ticks: scale.ticks(),

@@ -241,7 +241,7 @@ impl Band {
 
 /// The picture in linear light, with the panel that lies at the middle of each pixel.
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub struct LinearImage {
     /// Width in pixels.
     pub width: usize,
     /// Height in pixels.
@@ -253,7 +253,7 @@ pub struct Sheet {
     covered: Vec<f32>,
 }
 
-/// One pixel of a [`Sheet`].
+/// One pixel of a [`LinearImage`].
 struct Pixel {
     light: Vec3,
     panel: u32,
@@ -261,7 +261,7 @@ struct Pixel {
     covered: f32,
 }
 
-impl Sheet {
+impl LinearImage {
     /// Draws panels, edges and background.
     pub fn draw(raster: &PanelRaster, shading: &Shading, options: &PictureOptions) -> Self {
         let (width, height, s) = (options.width, options.height, raster.samples);

@@ -12,20 +12,20 @@ pub const SLASHED_ZERO: char = '∅';
 
 /// A part of a letter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Stroke {
+enum GlyphStroke {
     /// From `(0, 1)` to `(2, 3)`.
     Line(f64, f64, f64, f64),
     /// Centre, radii, first and last angle in degrees counter-clockwise from the right.
     Arc(f64, f64, f64, f64, f64, f64),
 }
 
-use Stroke::{Arc, Line};
+use GlyphStroke::{Arc, Line};
 
-const BOWL: Stroke = Arc(2.0, 2.0, 2.0, 2.0, 0.0, 360.0);
-const ZERO: Stroke = Arc(1.9, 3.0, 1.9, 3.0, 0.0, 360.0);
+const BOWL: GlyphStroke = Arc(2.0, 2.0, 2.0, 2.0, 0.0, 360.0);
+const ZERO: GlyphStroke = Arc(1.9, 3.0, 1.9, 3.0, 0.0, 360.0);
 
 /// Strokes and advance width of a character other than capitals; those without a form are blank.
-fn glyph(c: char) -> (&'static [Stroke], f64) {
+fn glyph(c: char) -> (&'static [GlyphStroke], f64) {
     match c {
         'a'..='m' => first_half(c),
         'n'..='z' => second_half(c),
@@ -83,7 +83,7 @@ fn capital(c: char) -> &'static str {
     }
 }
 
-fn first_half(c: char) -> (&'static [Stroke], f64) {
+fn first_half(c: char) -> (&'static [GlyphStroke], f64) {
     match c {
         'a' => (&[BOWL, Line(4.0, 0.0, 4.0, 4.0)], 5.6),
         'b' => (&[BOWL, Line(0.0, 0.0, 0.0, 6.0)], 5.4),
@@ -151,7 +151,7 @@ fn first_half(c: char) -> (&'static [Stroke], f64) {
     }
 }
 
-fn second_half(c: char) -> (&'static [Stroke], f64) {
+fn second_half(c: char) -> (&'static [GlyphStroke], f64) {
     match c {
         'n' => (
             &[
@@ -217,9 +217,9 @@ fn second_half(c: char) -> (&'static [Stroke], f64) {
     }
 }
 
-fn digit(c: char) -> (&'static [Stroke], f64) {
+fn digit(c: char) -> (&'static [GlyphStroke], f64) {
     const WIDTH: f64 = 5.2;
-    let strokes: &[Stroke] = match c {
+    let strokes: &[GlyphStroke] = match c {
         '0' => &[ZERO],
         '1' => &[Line(0.6, 4.8, 2.2, 6.0), Line(2.2, 6.0, 2.2, 0.0)],
         '2' => &[
@@ -320,7 +320,7 @@ fn lines(c: char) -> Vec<Vec<Vec2>> {
         .collect()
 }
 
-fn polyline(stroke: Stroke) -> Vec<Vec2> {
+fn polyline(stroke: GlyphStroke) -> Vec<Vec2> {
     match stroke {
         Line(x0, y0, x1, y1) => vec![Vec2::new(x0, y0), Vec2::new(x1, y1)],
         Arc(x, y, rx, ry, from, to) => {

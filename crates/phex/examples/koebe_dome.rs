@@ -5,8 +5,8 @@
 
 use phex::Silent;
 use phex::koebe::{KoebeOptions, koebe};
-use phex::offset::edge_offset::{edge_distances, edge_offset};
-use phex::offset::fit::{FitOptions, fit_parallel};
+use phex::offset::{FitOptions, fit_parallel};
+use phex::offset::{edge_distances, edge_offset};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{HexMesh, Vec3};
 use std::collections::HashMap;

@@ -1,5 +1,19 @@
 //! From a surface to a planar hexagonal mesh.
 //!
+//! ```no_run
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let surface = phex::Surface::read("roof.obj")?;
+//! let made = phex::Mesher::new().panels(600).boundary(phex::Boundary::Clip).run(&surface)?;
+//! made.write("roof-phex.obj")?;
+//! println!("valid: {}, {} panels", made.is_valid(), made.mesh().topology().n_faces());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`Mesher`] sets the options, [`Panelling`] is what comes back: the mesh, its checks, its report
+//! and its offsets. The stages can be called one by one, too: each is a function with one struct
+//! of options.
+//!
 //! Data flows `smooth_surface -> curvature -> directions -> layout -> optimise -> trim -> koebe ->
 //! offset -> report`; a stage uses earlier stages only.
 //!
@@ -15,14 +29,22 @@
 //! | [`offset`] | parallel meshes: offsets, Gauss images, layers and solid panels |
 //! | [`report`] | what was reached: figures, checks, verdict |
 
+// Tests inside share code with those outside, which name the crate.
+#[cfg(test)]
+extern crate self as phex;
+
+#[cfg(test)]
+#[path = "../tests/common/mod.rs"]
+mod common;
 pub mod curvature;
 pub mod directions;
 pub mod koebe;
 pub mod layout;
+mod mesher;
 pub mod offset;
 pub mod optimise;
 pub mod pipeline;
-pub mod progress;
+mod progress;
 pub mod quality;
 pub mod ranges;
 pub mod report;
@@ -32,8 +54,10 @@ pub mod smooth_surface;
 mod test_meshes;
 pub mod trim;
 
+pub use mesher::{Mesher, Panelling};
+pub use phex_mesh::TriangleSurface as Surface;
 pub use pipeline::{
-    Beyond, MeshOptions, MeshRun, PanelSize, PipelineError, continued, mesh_surface,
+    Beyond, MeshOptions, MeshRun, Method, PanelSize, PipelineError, continued, mesh_surface,
 };
 pub use progress::{Event, Progress, Silent};
 pub use ranges::BadOption;

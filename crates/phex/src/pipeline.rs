@@ -205,6 +205,17 @@ impl MeshRun {
 
 /// Makes a planar hexagonal mesh of a connected surface.
 ///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let sphere = triangulate(&Shape::from_name("sphere", &[])?, &TriangulationOptions::default())?;
+/// use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
+///
+/// let options = MeshOptions { size: PanelSize::Panels(32), ..Default::default() };
+/// let run = mesh_surface(&sphere, &options, &Silent)?;
+/// assert!(run.is_sound());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the input can't be used or no panelling with its topology is found. A mesh that did not
 /// become valid is returned, with its offenders, and never called valid.

@@ -3,8 +3,8 @@
 mod common;
 
 use phex::layout::LayoutError;
-use phex::layout::domain::{DomainError, Place};
-use phex::layout::dual_subdivision::one_sign;
+use phex::layout::one_sign;
+use phex::layout::{DomainError, LocatedVertex};
 use phex::pipeline::Method;
 use phex::{MeshOptions, MeshRun, PanelSize, PipelineError, Silent, mesh_surface};
 use phex_mesh::polygon::is_simple;
@@ -142,7 +142,7 @@ fn the_two_signs_of_a_torus_of_panels_are_told_with_a_vertex_each() {
         panic!("another error");
     };
     // Outside and inside of the circle of radius 1 round the axis.
-    let from_axis = |p: Place| p.position.xy().norm();
+    let from_axis = |p: LocatedVertex| p.position.xy().norm();
     assert!(from_axis(positive) > 1.1, "{positive}");
     assert!(from_axis(negative) < 0.9, "{negative}");
 }

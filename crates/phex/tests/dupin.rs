@@ -3,7 +3,7 @@
 
 mod common;
 
-use phex::curvature::dupin::indicatrix_distances;
+use phex::curvature::indicatrix_distances;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::optimise::OptimiseOptions;
 use phex::pipeline::Method;

@@ -1,7 +1,7 @@
 //! Offsets of meshes that the pipeline makes.
 
-use phex::offset::face_offset::face_normals;
-use phex::offset::solids::volume;
+use phex::offset::face_normals;
+use phex::offset::volume;
 use phex::offset::{
     OffsetError, OffsetOptions, PanelSolid, beam_axes, face_gauss_image, face_offset, layer,
     panel_solids, safe_distances, vertex_gauss_image,

@@ -4,7 +4,7 @@ mod common;
 
 use common::{figures, genus_two, mapped, normalised, punched_plane, rotation, shape, shape_with};
 use phex::smooth_surface::{
-    Similarity, SmoothTarget, TargetOptions, boundary_corners, smooth_target, subdivide::Refinement,
+    Refinement, Similarity, SmoothTarget, TargetOptions, boundary_corners, smooth_target,
 };
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
 

@@ -18,6 +18,8 @@ pub struct Source {
     pub imports: Vec<(String, Segments)>,
     /// Modules that exist in tests only.
     pub test_modules: Vec<String>,
+    /// Types, traits and aliases that it declares, outside of bodies.
+    pub types: Vec<String>,
 }
 
 /// The folders of all crates of the workspace, this one too.
@@ -67,9 +69,34 @@ impl Source {
             paths: Vec::new(),
             imports: Vec::new(),
             test_modules: Vec::new(),
+            types: Vec::new(),
         };
+        source.types(tokens.clone());
         source.scan(tokens, 0);
         Ok(source)
+    }
+
+    /// Collects the types that a module declares, and those of the modules in it.
+    fn types(&mut self, tokens: TokenStream) {
+        const WORDS: [&str; 4] = ["struct", "enum", "trait", "type"];
+        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+        let mut at = 0;
+        while at < tokens.len() {
+            match &tokens[at..] {
+                tests if is_test_attribute(tests) => {
+                    at += skipped_item(tests).0;
+                    continue;
+                }
+                [word, TokenTree::Ident(name), ..] if WORDS.iter().any(|w| is_word(word, w)) => {
+                    self.types.push(name.to_string());
+                }
+                [word, _, TokenTree::Group(body), ..] if is_word(word, "mod") => {
+                    self.types(body.stream());
+                }
+                _ => {}
+            }
+            at += 1;
+        }
     }
 
     /// Collects paths; `depth` counts the modules within the file that the tokens lie in.

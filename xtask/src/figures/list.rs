@@ -3,65 +3,65 @@
 use super::obj::Obj;
 use super::run::WORK;
 use super::steps::hexagon;
-use super::{Figure, Maker};
+use super::{GalleryFigure, Maker};
 
-pub const FIGURES: [Figure; 12] = [
-    Figure {
+pub const FIGURES: [GalleryFigure; 12] = [
+    GalleryFigure {
         number: 1,
         sentence: "A geodesic dome as a power diagram on a sphere, and a dome of constant mean curvature: a mesh parallel to one whose edges touch the unit sphere (a Koebe mesh), which is a Gauss image of it.",
         make: domes,
     },
-    Figure {
+    GalleryFigure {
         number: 2,
         sentence: "An ellipsoid needs twelve pentagons, a torus none.",
         make: ellipsoid_and_torus,
     },
-    Figure {
+    GalleryFigure {
         number: 3,
         sentence: "Three developable strips run through every hexagon, across its three pairs of opposite edges.",
         make: strips,
     },
-    Figure {
+    GalleryFigure {
         number: 4,
         sentence: "A panel in its tangent plane: its corners lie on a homothetic copy of Dupin's indicatrix (red) at its middle.",
         make: inscribed,
     },
-    Figure {
+    GalleryFigure {
         number: 5,
         sentence: "A torus of hexagons with the indicatrices of panels that have no corner in common: ellipses round convex panels where K > 0, hyperbolas through concave ones where K < 0.",
         make: indicatrices,
     },
-    Figure {
+    GalleryFigure {
         number: 6,
         sentence: "A torus by a regular triangulation of its projective dual, and that dual: the outer half becomes the spindle, whose tips are the cusps, the inner half the waist round it, which runs through infinity (cut off here).",
         make: torus_dual,
     },
-    Figure {
+    GalleryFigure {
         number: 7,
         sentence: "A convex surface with nearly flat parts: the projective dual is convex and regularly triangulated, and still panels cross themselves, where triangles of touching points are obtuse in the second fundamental form. The convex hull of the dual gives convex panels of many shapes, some with very short edges; ours are valid and regular.",
         make: broken,
     },
-    Figure {
+    GalleryFigure {
         number: 8,
         sentence: "The paper's own method on a torus: conjugate network, shifted rows, planar panels.",
         make: brick_torus,
     },
-    Figure {
+    GalleryFigure {
         number: 9,
         sentence: "The same on an open surface with hills, hollows and saddles.",
         make: brick_wave,
     },
-    Figure {
+    GalleryFigure {
         number: 10,
         sentence: "A mesh with its offset at constant face distance, and its Gauss image, whose faces touch the unit sphere.",
         make: face_offset,
     },
-    Figure {
+    GalleryFigure {
         number: 11,
         sentence: "A panel of a mesh that meets the angle condition, and the parallel panel of its Gauss image, which has a circumscribed circle.",
         make: parallel_panels,
     },
-    Figure {
+    GalleryFigure {
         number: 12,
         sentence: "A mesh that meets the angle condition with its offset at constant vertex distance, and its Gauss image, whose vertices lie on the unit sphere.",
         make: vertex_offset,

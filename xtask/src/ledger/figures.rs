@@ -334,7 +334,7 @@ pub fn failed(report: &Value) -> Vec<String> {
 
 /// Which figures are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scope {
+pub enum FigureScope {
     /// All.
     All,
     /// All but times, counts of steps and memory.
@@ -343,14 +343,14 @@ pub enum Scope {
 
 /// How a row changed.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Change {
+pub struct FigureChange {
     /// What became better.
     pub better: Vec<String>,
     /// What became worse.
     pub worse: Vec<String>,
 }
 
-impl Change {
+impl FigureChange {
     /// Whether anything became worse.
     pub fn is_worse(&self) -> bool {
         !self.worse.is_empty()
@@ -358,8 +358,8 @@ impl Change {
 }
 
 /// Compares a row with the same row before.
-pub fn compare(before: &Entry, now: &Entry, scope: Scope) -> Change {
-    let mut change = Change::default();
+pub fn compare(before: &Entry, now: &Entry, scope: FigureScope) -> FigureChange {
+    let mut change = FigureChange::default();
     let (old, new) = (severity(before), severity(now));
     let verdicts = format!("{} -> {}", outcome(before), outcome(now));
     match new.cmp(&old) {
@@ -368,7 +368,7 @@ pub fn compare(before: &Entry, now: &Entry, scope: Scope) -> Change {
         std::cmp::Ordering::Equal => {}
     }
     for figure in &FIGURES {
-        if scope == Scope::WithoutCost && figure.cost {
+        if scope == FigureScope::WithoutCost && figure.cost {
             continue;
         }
         let values = (
@@ -440,11 +440,14 @@ mod tests {
             let step = 1.01 * (figure.relative * old).max(figure.absolute);
             let up = entry(0, &[(figure.name, old + step)]);
             let before = entry(0, &[(figure.name, old)]);
-            let change = compare(&before, &up, Scope::All);
+            let change = compare(&before, &up, FigureScope::All);
             assert_eq!(change.is_worse(), figure.better == Low, "{}", figure.name);
             assert_eq!(change.better.len(), usize::from(figure.better == High));
             let within = entry(0, &[(figure.name, old + 0.9 * step)]);
-            assert_eq!(compare(&before, &within, Scope::All), Change::default());
+            assert_eq!(
+                compare(&before, &within, FigureScope::All),
+                FigureChange::default()
+            );
         }
     }
 
@@ -453,11 +456,11 @@ mod tests {
         let order = [0, 3, 5, 1, -1];
         let codes = order.map(|code| severity(&entry(code, &[])));
         assert!(codes.windows(2).all(|w| w[0] <= w[1]), "{codes:?}");
-        assert!(compare(&entry(0, &[]), &entry(3, &[]), Scope::All).is_worse());
-        assert!(!compare(&entry(5, &[]), &entry(3, &[]), Scope::All).is_worse());
+        assert!(compare(&entry(0, &[]), &entry(3, &[]), FigureScope::All).is_worse());
+        assert!(!compare(&entry(5, &[]), &entry(3, &[]), FigureScope::All).is_worse());
         let (fast, slow) = (entry(0, &[("cpu", 10.0)]), entry(0, &[("cpu", 99.0)]));
-        assert!(compare(&fast, &slow, Scope::All).is_worse());
-        assert!(!compare(&fast, &slow, Scope::WithoutCost).is_worse());
+        assert!(compare(&fast, &slow, FigureScope::All).is_worse());
+        assert!(!compare(&fast, &slow, FigureScope::WithoutCost).is_worse());
     }
 
     #[test]
@@ -466,6 +469,6 @@ mod tests {
             entry(0, &[("hexagons", 0.9)]),
             entry(0, &[("hexagons", f64::NAN)]),
         );
-        assert!(compare(&old, &new, Scope::All).is_worse());
+        assert!(compare(&old, &new, FigureScope::All).is_worse());
     }
 }

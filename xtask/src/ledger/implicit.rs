@@ -5,7 +5,8 @@
 use crate::figures::Obj;
 use std::collections::HashMap;
 
-type Point = [f64; 3];
+/// A point of space.
+pub type Point = [f64; 3];
 
 /// Steps of Newton's method that bring a vertex onto the surface.
 const STEPS: usize = 12;

@@ -1,11 +1,9 @@
 //! Surfaces of the ledger that no file holds: written out as formulas, so that anybody has the
 //! same.
 
-use super::implicit;
+use super::implicit::{self, Point};
 use crate::figures::Obj;
 use std::f64::consts::{PI, TAU};
-
-type Point = [f64; 3];
 
 /// Free-form patch over the unit square whose radius of curvature, .03 at the least, is below the
 /// length of a panel.

@@ -15,7 +15,7 @@ mod run;
 mod table;
 
 use entries::{Entry, Ledger};
-use rows::Row;
+use rows::LedgerRow;
 use run::Runner;
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ const TABLE: &str = "docs/ledger.md";
 const WORK: &str = "out/ledger";
 
 /// What is wanted of the ledger.
-struct Wanted {
+struct WantedRows {
     /// Whether the yardstick stays and is compared with.
     compare: bool,
     /// Whether only the rows that `cargo xtask check` makes are wanted.
@@ -42,7 +42,7 @@ struct Wanted {
     only: Vec<String>,
 }
 
-impl Wanted {
+impl WantedRows {
     fn parse(root: &Path, words: &[&str]) -> Result<Self, String> {
         let mut wanted = Self {
             compare: false,
@@ -69,8 +69,8 @@ impl Wanted {
         }
     }
 
-    fn rows(&self) -> Vec<&'static Row> {
-        let wanted = |row: &&Row| {
+    fn rows(&self) -> Vec<&'static LedgerRow> {
+        let wanted = |row: &&LedgerRow| {
             (self.only.is_empty() || self.only.iter().any(|name| name == row.name))
                 && (!self.quick || row.quick)
                 && row.surface.is_there(&self.models)
@@ -82,7 +82,7 @@ impl Wanted {
 /// Makes the rows; without `--compare` they become the new yardstick, those that were not made
 /// staying as they are.
 pub fn ledger(root: &Path, words: &[&str]) -> Result<(), String> {
-    let wanted = Wanted::parse(root, words)?;
+    let wanted = WantedRows::parse(root, words)?;
     let program = match &wanted.program {
         Some(program) => program.clone(),
         None => built(root, "release")?,
@@ -103,7 +103,7 @@ pub fn ledger(root: &Path, words: &[&str]) -> Result<(), String> {
         return Ok(());
     }
     match kept {
-        Some(kept) if wanted.compare => slipped(&kept, &made, figures::Scope::All),
+        Some(kept) if wanted.compare => slipped(&kept, &made, figures::FigureScope::All),
         _ => Ok(()),
     }
 }
@@ -111,14 +111,14 @@ pub fn ledger(root: &Path, words: &[&str]) -> Result<(), String> {
 /// The step of `cargo xtask check`: the quick rows, held to the yardstick in all figures but cost,
 /// which depends on how the program was built.
 pub fn check(root: &Path) -> Result<(), String> {
-    let wanted = Wanted::parse(root, &["--quick"])?;
+    let wanted = WantedRows::parse(root, &["--quick"])?;
     let made = make(root, built(root, "debug")?, &wanted)?;
     let kept = Ledger::read(&root.join(KEPT))?;
     print!("{}", table::comparison(&kept, &made));
-    slipped(&kept, &made, figures::Scope::WithoutCost)
+    slipped(&kept, &made, figures::FigureScope::WithoutCost)
 }
 
-fn make(root: &Path, program: PathBuf, wanted: &Wanted) -> Result<Ledger, String> {
+fn make(root: &Path, program: PathBuf, wanted: &WantedRows) -> Result<Ledger, String> {
     let runner = Runner::new(root, program, &wanted.models)?;
     let made = runner.run(&wanted.rows())?;
     made.write(&root.join(WORK).join("ledger.json"))?;
@@ -139,7 +139,7 @@ fn built(root: &Path, profile: &str) -> Result<PathBuf, String> {
 }
 
 /// An error that names the rows that are worse than the yardstick.
-fn slipped(kept: &Ledger, made: &Ledger, scope: figures::Scope) -> Result<(), String> {
+fn slipped(kept: &Ledger, made: &Ledger, scope: figures::FigureScope) -> Result<(), String> {
     let worse = |entry: &&Entry| {
         let before = kept.row(&entry.name);
         before.is_some_and(|before| figures::compare(before, entry, scope).is_worse())

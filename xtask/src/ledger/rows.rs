@@ -5,11 +5,11 @@ use crate::figures::Obj;
 use std::path::Path;
 
 /// One surface at one size.
-pub struct Row {
+pub struct LedgerRow {
     /// Name, which never changes.
     pub name: &'static str,
     /// Where the surface comes from.
-    pub surface: Surface,
+    pub surface: LedgerSurface,
     /// Options of `phex mesh`.
     pub options: &'static str,
     /// Whether `cargo xtask check` makes it.
@@ -17,7 +17,7 @@ pub struct Row {
 }
 
 /// Where a surface comes from.
-pub enum Surface {
+pub enum LedgerSurface {
     /// Options of `phex shape`.
     Shape(&'static str),
     /// A formula of the tool.
@@ -28,7 +28,7 @@ pub enum Surface {
     Model(&'static str),
 }
 
-impl Surface {
+impl LedgerSurface {
     /// Whether the surface can be had.
     pub fn is_there(&self, models: &Path) -> bool {
         match self {
@@ -38,8 +38,8 @@ impl Surface {
     }
 }
 
-const fn row(name: &'static str, surface: Surface, options: &'static str) -> Row {
-    Row {
+const fn row(name: &'static str, surface: LedgerSurface, options: &'static str) -> LedgerRow {
+    LedgerRow {
         name,
         surface,
         options,
@@ -47,17 +47,17 @@ const fn row(name: &'static str, surface: Surface, options: &'static str) -> Row
     }
 }
 
-const fn quick(name: &'static str, surface: Surface, options: &'static str) -> Row {
-    Row {
+const fn quick(name: &'static str, surface: LedgerSurface, options: &'static str) -> LedgerRow {
+    LedgerRow {
         quick: true,
         ..row(name, surface, options)
     }
 }
 
-use Surface::{Kept, Made, Model, Shape};
+use LedgerSurface::{Kept, Made, Model, Shape};
 
 /// All rows, easy ones first within each kind.
-pub const ROWS: [Row; 57] = [
+pub const ROWS: [LedgerRow; 57] = [
     // Open, built in.
     quick("plane", Shape("plane"), "-n 200"),
     quick("cylinder", Shape("cylinder"), "-n 300"),

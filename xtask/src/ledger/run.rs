@@ -4,7 +4,7 @@
 use super::WORK;
 use super::entries::{Entry, Ledger};
 use super::figures;
-use super::rows::{Row, Surface};
+use super::rows::{LedgerRow, LedgerSurface};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
@@ -37,7 +37,7 @@ impl<'a> Runner<'a> {
     }
 
     /// Makes rows, and says each one's verdict when it is there.
-    pub fn run(&self, rows: &[&'static Row]) -> Result<Ledger, String> {
+    pub fn run(&self, rows: &[&'static LedgerRow]) -> Result<Ledger, String> {
         let workers = std::thread::available_parallelism().map_or(1, usize::from);
         let next = AtomicUsize::new(0);
         let done: Mutex<Vec<Option<Result<Entry, String>>>> = Mutex::new(vec![None; rows.len()]);
@@ -62,7 +62,7 @@ impl<'a> Runner<'a> {
         Ok(Ledger { rows: rows? })
     }
 
-    fn entry(&self, row: &'static Row) -> Result<Entry, String> {
+    fn entry(&self, row: &'static LedgerRow) -> Result<Entry, String> {
         let surface = self.surface(row)?;
         let (mesh, report) = (self.file(row, "obj"), self.file(row, "json"));
         for old in [&mesh, &report] {
@@ -91,18 +91,18 @@ impl<'a> Runner<'a> {
         })
     }
 
-    fn file(&self, row: &Row, ending: &str) -> PathBuf {
+    fn file(&self, row: &LedgerRow, ending: &str) -> PathBuf {
         self.work.join(format!("{}.{ending}", row.name))
     }
 
     /// The file of a row's surface, written first where the tool makes it.
-    fn surface(&self, row: &'static Row) -> Result<PathBuf, String> {
+    fn surface(&self, row: &'static LedgerRow) -> Result<PathBuf, String> {
         let own = self.work.join(format!("{}.surface.obj", row.name));
         match row.surface {
-            Surface::Kept(path) => return Ok(self.root.join(path)),
-            Surface::Model(path) => return Ok(self.models.join(path)),
-            Surface::Made(make) => make().write(&own)?,
-            Surface::Shape(name) => {
+            LedgerSurface::Kept(path) => return Ok(self.root.join(path)),
+            LedgerSurface::Model(path) => return Ok(self.models.join(path)),
+            LedgerSurface::Made(make) => make().write(&own)?,
+            LedgerSurface::Shape(name) => {
                 let mut command = Command::new(&self.program);
                 command.args(["shape", name, "-q", "-o"]).arg(&own);
                 crate::succeed(&mut command)?;

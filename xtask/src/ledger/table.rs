@@ -1,7 +1,7 @@
 //! The ledger for people: a table of all rows, and what changed.
 
 use super::entries::{Entry, Ledger};
-use super::figures::{Better, FIGURES, Figure, Scope, compare};
+use super::figures::{Better, FIGURES, Figure, FigureScope, compare};
 use std::fmt::Write;
 
 /// One row while the ledger is being made.
@@ -43,7 +43,7 @@ pub fn comparison(kept: &Ledger, made: &Ledger) -> String {
             let _ = writeln!(out, "new    {}", line(entry));
             continue;
         };
-        let change = compare(before, entry, Scope::All);
+        let change = compare(before, entry, FigureScope::All);
         better += usize::from(!change.better.is_empty());
         worse += usize::from(change.is_worse());
         same += usize::from(change.better.is_empty() && !change.is_worse());

@@ -4,16 +4,16 @@ use super::tell;
 use crate::args::CheckCommand;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
-use crate::input::{MeshFile, whole};
+use crate::input::MeshFile;
 use crate::output::{self, check_writable};
 use crate::progress::Reporter;
 use crate::promise::Promise;
-use crate::summary::{self, Table};
+use crate::summary::{self, SummaryTable};
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use phex::curvature::dupin::{free_panels, indicatrix_distances};
 use phex::curvature::{CurvatureOptions, curvature};
-use phex::layout::lattice::CELL;
+use phex::curvature::{free_panels, indicatrix_distances};
+use phex::layout::CELL;
 use phex::quality::{Assessment, Omitted, Reason, References, Verdict};
 use phex::report::{InputFile, RunReport};
 use phex::{Boundary, continued};
@@ -46,7 +46,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     let limits = TypedLimits::or_promised(&command.limits, boundary, promised);
     let file = MeshFile::read(&command.input)?;
     let (mesh, dropped) = file.polygon_mesh()?;
-    let surfaces = Surfaces::read(command, promise.as_ref())?;
+    let surfaces = CheckSurfaces::read(command, promise.as_ref())?;
     let beyond = surfaces.beyond(&limits, mesh.topology().n_faces());
     let references = References {
         smooth: surfaces.smooth.as_ref(),
@@ -96,13 +96,13 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
 }
 
 /// The surfaces that a mesh stands for.
-struct Surfaces {
+struct CheckSurfaces {
     facets: Option<TriangleSurface>,
     smooth: Option<TriangleSurface>,
     records: Vec<InputFile>,
 }
 
-impl Surfaces {
+impl CheckSurfaces {
     /// Those that are typed, or else those of an earlier run.
     fn read(command: &CheckCommand, promise: Option<&Promise>) -> Result<Self, Failure> {
         let (facets, smooth) = match (&command.surface, promise) {
@@ -112,7 +112,7 @@ impl Surfaces {
         };
         let surface = |file: &Option<MeshFile>| -> Result<Option<TriangleSurface>, Failure> {
             let file = file.as_ref();
-            file.map(|f| whole(&f.surfaces()?.components)).transpose()
+            file.map(|f| f.surface()).transpose()
         };
         Ok(Self {
             facets: surface(&facets)?,
@@ -182,7 +182,7 @@ fn indicatrix(mesh: &HexMesh, surface: &TriangleSurface) -> Inscribed {
 }
 
 fn inscribed(found: &Inscribed) -> String {
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     let percent = |x: f64| format!("{:.1} %", 100.0 * x);
     table.row(
         "indicatrix",

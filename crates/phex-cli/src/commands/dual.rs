@@ -6,12 +6,12 @@ use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::input::MeshFile;
 use crate::output::check_writable;
-use crate::shared_arguments::Limits;
-use crate::summary::Table;
+use crate::shared_arguments::ToleranceArguments;
+use crate::summary::SummaryTable;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use phex::layout::dual_subdivision::clear_centre_of;
-use phex::layout::duality::{Quadric, dual_mesh};
+use phex::layout::clear_centre_of;
+use phex::layout::{Quadric, dual_mesh};
 use phex_mesh::{HexMesh, Vec3, measure};
 use serde_json::json;
 
@@ -27,7 +27,7 @@ pub fn run(command: &DualCommand) -> Result<Exit, Failure> {
     let file = MeshFile::read(&command.input)?;
     let (mesh, _) = file.polygon_mesh()?;
     let name = || command.input.display().to_string();
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     let quadric = quadric(command, &mesh, &mut table)
         .with_context(name)
         .or_exit(Exit::InputUnusable)?;
@@ -41,7 +41,10 @@ pub fn run(command: &DualCommand) -> Result<Exit, Failure> {
     );
     let planarity = measure(&dual.mesh).planarity.max;
     table.row("planarity", format!("max {planarity:.1e} mean edges"));
-    let (shown, limits) = (Shown::of(&dual.mesh), TypedLimits::from(&Limits::default()));
+    let (shown, limits) = (
+        Shown::of(&dual.mesh),
+        TypedLimits::from(&ToleranceArguments::default()),
+    );
     let mut report = judged("dual", &shown, &limits);
     report.settings = json!({ "quadric": quadric.matrix().as_slice() });
     report.statistics = json!({ "dropped_faces": mesh.topology().n_faces() - t.n_vertices() });
@@ -61,7 +64,11 @@ pub fn run(command: &DualCommand) -> Result<Exit, Failure> {
     .send()
 }
 
-fn quadric(command: &DualCommand, mesh: &HexMesh, table: &mut Table) -> anyhow::Result<Quadric> {
+fn quadric(
+    command: &DualCommand,
+    mesh: &HexMesh,
+    table: &mut SummaryTable,
+) -> anyhow::Result<Quadric> {
     if let Some(upper) = command.quadric {
         return Ok(Quadric::from_upper(upper)?);
     }

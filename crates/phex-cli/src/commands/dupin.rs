@@ -4,13 +4,13 @@ use super::network::push_curve;
 use super::tell;
 use crate::dual_arguments::DupinCommand;
 use crate::exit::{Exit, Failure};
-use crate::input::{MeshFile, sentences, whole};
+use crate::input::MeshFile;
 use crate::output::{Content, check_writable, write_text};
 use crate::progress::Reporter;
-use phex::curvature::dupin::{Indicatrix, inscribing_curves};
 use phex::curvature::{CurvatureOptions, curvature};
-use phex::directions::network::Curve;
-use phex::layout::lattice::CELL;
+use phex::curvature::{Indicatrix, inscribing_curves};
+use phex::directions::Curve;
+use phex::layout::CELL;
 use phex_mesh::{FaceId, SurfacePoint, Topology, TriangleSurface, Vec3, VertexId};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -39,8 +39,10 @@ pub fn run(command: &DupinCommand) -> Result<Exit, Failure> {
     }
     let reporter = Reporter::new(&command.talk);
     let parts = MeshFile::read(&command.input)?.surfaces()?;
-    let surface = whole(&parts.components)?;
-    sentences(parts.notes)
+    let surface = parts.whole();
+    parts
+        .notes
+        .sentences()
         .into_iter()
         .for_each(|note| reporter.note(note));
     let panels = panels(command)?;

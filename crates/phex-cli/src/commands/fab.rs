@@ -6,7 +6,7 @@ use crate::fab_arguments::{FabCommand, millimetres};
 use crate::input::MeshFile;
 use crate::output_folder::{Extent, OutputFolder};
 use crate::progress::Reporter;
-use crate::summary::Table;
+use crate::summary::SummaryTable;
 use crate::units::Unit;
 use phex_fab::folder::{files, summary};
 use phex_fab::schedule::panel_centres;
@@ -98,7 +98,7 @@ const NAMED: usize = 6;
 fn text(fabrication: &Fabrication, folder: &Path) -> String {
     let summary = summary(fabrication);
     let number = |name: &str| summary[name].as_f64().unwrap_or(f64::NAN);
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     table.row(
         "panels",
         format!(

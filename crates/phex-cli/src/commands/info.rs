@@ -3,9 +3,9 @@
 use super::tell;
 use crate::args::InfoCommand;
 use crate::exit::{Exit, Failure};
-use crate::input::{MeshFile, sentences};
+use crate::input::MeshFile;
 use crate::output;
-use crate::summary::Table;
+use crate::summary::SummaryTable;
 use anyhow::Context;
 use phex_mesh::{PolygonSoup, SurfaceParts, TriangleSurface, Vec3};
 use serde::Serialize;
@@ -107,11 +107,11 @@ impl FileInfo {
             .map(|c| ComponentInfo::new(&c.surface))
             .collect();
         self.area = Some(self.components.iter().map(|c| c.area).sum());
-        self.notes = sentences(parts.notes);
+        self.notes = parts.notes.sentences();
     }
 
     fn table(&self) -> String {
-        let mut table = Table::default();
+        let mut table = SummaryTable::default();
         table.row("file", &self.path);
         table.row("vertices", self.vertices);
         table.row("faces", self.faces_by_size());

@@ -7,8 +7,8 @@ use crate::html::Shown;
 use crate::input::MeshFile;
 use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
-use crate::shared_arguments::Limits;
-use crate::summary::Table;
+use crate::shared_arguments::ToleranceArguments;
+use crate::summary::SummaryTable;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
 use phex::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
@@ -40,7 +40,7 @@ pub fn run(command: &KoebeCommand) -> Result<Exit, Failure> {
         let message = format!("the circles were not found: {:?}", made.outcome.status);
         return Err(Failure::new(Exit::NoValidResult, message));
     }
-    let limits = TypedLimits::from(&Limits::default());
+    let limits = TypedLimits::from(&ToleranceArguments::default());
     let shown = Shown::of(&made.mesh);
     let mut report = judged("koebe", &shown, &limits);
     report.settings = json!({ "koebe": options, "unit": "sphere of radius 1" });
@@ -94,7 +94,7 @@ fn check_effects(command: &KoebeCommand, mesh: &HexMesh) -> Result<(), Failure> 
 
 /// What makes it a Koebe mesh.
 fn table(made: &Koebe) -> String {
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     let defects = &made.defects;
     table.row(
         "tangency",

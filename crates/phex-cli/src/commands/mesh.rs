@@ -3,22 +3,22 @@
 use super::deliver::Delivery;
 use super::use_threads;
 use crate::args::MeshCommand;
-use crate::engine::{self, Reached};
+use crate::engine::{self, Computed};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
-use crate::input::{MeshFile, joined, sentences, whole};
+use crate::input::MeshFile;
 use crate::method_summary::{members, of_method, of_portfolio};
 use crate::output::{Content, check_writable, write_mesh};
 use crate::panel_size::{self, edge_length, shares};
 use crate::progress::{Reporter, is_interrupted, keep_best, take_interruption};
-use crate::settings::{MeshSettings, PanelSize};
+use crate::settings::{MeshSettings, TypedPanelSize};
 use crate::size_field::SizeField;
 use crate::summary;
 use crate::verdict::{TypedLimits, written};
 use crate::wishes::{Wishes, check_near};
 use anyhow::Context;
 use phex::MeshOptions;
-use phex::directions::guides::Cone;
+use phex::directions::Cone;
 use phex::optimise::led_elsewhere;
 use phex::quality::References;
 use phex::report::{RunReport, StageTime};
@@ -38,8 +38,8 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let file = MeshFile::read(&command.input)?;
     let parts = file.surfaces()?;
     check_components(&parts.components, &settings)?;
-    let facets = whole(&parts.components)?;
-    let mut notes = sentences(parts.notes);
+    let facets = parts.whole();
+    let mut notes = parts.notes.sentences();
     notes.extend(without_effect(command, &settings, &facets));
     notes.iter().for_each(|note| reporter.note(note));
 
@@ -69,7 +69,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         facets.diagonal(),
     );
     limits.demand(&mut settings.stages.optimise, edge, extent, extent);
-    let job = Job {
+    let job = MeshJob {
         components: &parts.components,
         facets: &facets,
         panels,
@@ -107,7 +107,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         elsewhere: &elsewhere,
     };
     let assessment = limits.judge(&mesh, references);
-    let told = |run: &Reached| of_portfolio(&run.tried) + &of_method(run.classical.as_ref());
+    let told = |run: &Computed| of_portfolio(&run.tried) + &of_method(run.classical.as_ref());
     let methods: String = runs.iter().map(told).collect();
     if !elsewhere.is_empty() {
         // A later judge does not know where the boundary was to go.
@@ -258,7 +258,7 @@ fn check_steering(command: &MeshCommand, settings: &MeshSettings) -> Result<(), 
 }
 
 /// What is to be covered, and how.
-struct Job<'a> {
+struct MeshJob<'a> {
     components: &'a [SurfaceComponent],
     /// All components.
     facets: &'a TriangleSurface,
@@ -270,9 +270,9 @@ struct Job<'a> {
     keeps_best: bool,
 }
 
-impl Job<'_> {
+impl MeshJob<'_> {
     /// An earlier mesh, brought to the surface again.
-    fn refit(&self, path: &Path) -> Result<Reached, Failure> {
+    fn refit(&self, path: &Path) -> Result<Computed, Failure> {
         let (earlier, _) = MeshFile::read(path)?.polygon_mesh()?;
         let mut options = self.settings.stages.clone();
         self.demand(&mut options, self.facets, earlier.mean_edge());
@@ -280,7 +280,7 @@ impl Job<'_> {
         self.unless_interrupted(reached)
     }
 
-    fn mesh_each(&self) -> Result<Vec<Reached>, Failure> {
+    fn mesh_each(&self) -> Result<Vec<Computed>, Failure> {
         let areas: Vec<f64> = self.components.iter().map(|c| c.surface.area()).collect();
         let edge = edge_length(areas.iter().sum::<f64>() / self.panels as f64);
         let surfaces: Vec<TriangleSurface> =
@@ -289,7 +289,7 @@ impl Job<'_> {
         let counts = shares(self.panels, &areas);
         let mesh = |(k, (part, &count)): (usize, (&SurfaceComponent, &u64))| {
             let mut options = self.settings.options(count);
-            if let PanelSize::EdgeLength(length) = self.settings.size() {
+            if let TypedPanelSize::EdgeLength(length) = self.settings.size() {
                 let unit = self.settings.unit.unwrap_or_default();
                 let length = length.length(unit, self.facets.diagonal());
                 options.size = phex::PanelSize::EdgeLength(length);
@@ -306,7 +306,7 @@ impl Job<'_> {
     }
 
     /// What a run has reached, unless an interruption ends the program.
-    fn unless_interrupted(&self, reached: Reached) -> Result<Reached, Failure> {
+    fn unless_interrupted(&self, reached: Computed) -> Result<Computed, Failure> {
         match is_interrupted() && !self.keeps_best {
             true => Err(Failure::interrupted()),
             false => Ok(reached),
@@ -326,7 +326,7 @@ const TOLD_EDGE_ERROR: f64 = 0.03;
 
 /// What is said where panels do not have the edges that were asked for.
 fn missed_edge(settings: &MeshSettings, mesh: &HexMesh, extent: f64) -> Option<String> {
-    let PanelSize::EdgeLength(asked) = settings.size() else {
+    let TypedPanelSize::EdgeLength(asked) = settings.size() else {
         return None;
     };
     let unit = settings.unit.unwrap_or_default();
@@ -366,7 +366,7 @@ fn too_late(failure: Failure, command: &MeshCommand) -> Failure {
     }
 }
 
-fn joined_mesh(runs: &[Reached]) -> Result<HexMesh, Failure> {
+fn joined_mesh(runs: &[Computed]) -> Result<HexMesh, Failure> {
     let soup = joined_polygons(runs.iter().map(|run| run.mesh.to_soup()))?;
     HexMesh::new(soup.positions, &soup.faces)
         .context("joining the parts of a mesh")
@@ -374,7 +374,7 @@ fn joined_mesh(runs: &[Reached]) -> Result<HexMesh, Failure> {
 }
 
 /// The layouts that the optimiser started from; nothing if one has none.
-fn joined_start(runs: &[Reached]) -> Option<PolygonSoup> {
+fn joined_start(runs: &[Computed]) -> Option<PolygonSoup> {
     let starts: Option<Vec<PolygonSoup>> = runs.iter().map(|run| run.start.clone()).collect();
     joined_polygons(starts?.into_iter()).ok()
 }
@@ -393,7 +393,7 @@ fn joined_polygons(parts: impl Iterator<Item = PolygonSoup>) -> Result<PolygonSo
     Ok(soup)
 }
 
-fn joined_target(runs: &[Reached]) -> Result<Option<TriangleSurface>, Failure> {
+fn joined_target(runs: &[Computed]) -> Result<Option<TriangleSurface>, Failure> {
     let targets: Option<Vec<&TriangleSurface>> =
         runs.iter().map(|run| run.smooth.as_ref()).collect();
     targets.map(joined).transpose()
@@ -402,7 +402,7 @@ fn joined_target(runs: &[Reached]) -> Result<Option<TriangleSurface>, Failure> {
 /// The smooth surfaces and the facets, continued beyond their boundaries where panels were kept
 /// whole; nothing if they were nowhere.
 fn joined_beyond(
-    runs: &[Reached],
+    runs: &[Computed],
     components: &[SurfaceComponent],
 ) -> Result<Option<[TriangleSurface; 2]>, Failure> {
     if runs.iter().all(|run| run.beyond.is_none()) {
@@ -424,7 +424,7 @@ fn joined_beyond(
 fn describe(
     report: &mut RunReport,
     settings: &MeshSettings,
-    runs: Vec<Reached>,
+    runs: Vec<Computed>,
 ) -> Result<(), Failure> {
     report.settings = serde_json::to_value(settings).context("the settings")?;
     report.seed = settings.stages.layout.seed;
@@ -448,6 +448,13 @@ fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
         }
     }
     sums
+}
+
+fn joined<'a>(
+    parts: impl IntoIterator<Item = &'a TriangleSurface>,
+) -> Result<TriangleSurface, Failure> {
+    let joined = TriangleSurface::joined(parts).context("joining the parts of a surface");
+    joined.map_err(Failure::from)
 }
 
 fn to_soup(surface: &TriangleSurface) -> PolygonSoup {

@@ -4,15 +4,15 @@ use super::{tell, use_threads};
 use crate::args::NetworkCommand;
 use crate::engine;
 use crate::exit::{Exit, Failure};
-use crate::input::{MeshFile, sentences, whole};
+use crate::input::MeshFile;
 use crate::output::{Content, check_writable, write_text};
 use crate::panel_size;
 use crate::progress::Reporter;
-use crate::settings::PanelSize;
-use crate::summary::Table;
+use crate::settings::TypedPanelSize;
+use crate::summary::SummaryTable;
 use crate::units::Unit;
 use phex::MeshOptions;
-use phex::directions::network::{Conjugacy, Curve, NetworkFamily};
+use phex::directions::{Conjugacy, Curve, NetworkFamily};
 use phex::pipeline::NetworkCurves;
 use std::fmt::Write;
 use std::path::Path;
@@ -30,11 +30,11 @@ pub fn run(command: &NetworkCommand) -> Result<Exit, Failure> {
     use_threads(command.threads)?;
     let reporter = Reporter::new(&command.talk);
     let parts = MeshFile::read(&command.input)?.surfaces()?;
-    let surface = whole(&parts.components)?;
-    for note in sentences(parts.notes) {
+    let surface = parts.whole();
+    for note in parts.notes.sentences() {
         reporter.note(note);
     }
-    let size = PanelSize::Panels(command.panels);
+    let size = TypedPanelSize::Panels(command.panels);
     let panels = panel_size::panels(size, &surface, Unit::default())?;
     let curves = engine::network(&surface, &options(command, panels), &reporter)?;
     reporter.finish();
@@ -44,7 +44,7 @@ pub fn run(command: &NetworkCommand) -> Result<Exit, Failure> {
 }
 
 fn told(curves: &NetworkCurves, path: &Path) -> String {
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     let (rows, columns) = (curves.rows.len(), curves.columns.len());
     table.row("curves", format!("{rows} along rows, {columns} across"));
     match &curves.conjugacy {

@@ -15,7 +15,7 @@ use crate::input::{MeshFile, number, read_text};
 use crate::offset_arguments::{Kind, OffsetCommand};
 use crate::output::{check_writable, write_text};
 use crate::progress::is_interrupted;
-use base::{Base, Layer};
+use base::{Base, OffsetLayer};
 use files::Files;
 use phex::offset::OffsetOptions;
 use phex_mesh::measure::diagonal;
@@ -32,7 +32,7 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
     use_threads(command.threads)?;
     let input = MeshFile::read(&command.input)?;
     let (given, _) = input.polygon_mesh()?;
-    let job = Job::new(command, &given)?;
+    let job = OffsetJob::new(command, &given)?;
     let files = Files::plan(command, &job.distances)?;
     let outputs = files.outputs();
     let paths: Vec<_> = outputs
@@ -51,7 +51,7 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
         return Err(Failure::interrupted());
     }
     let contents = files.contents(command, &job, &base, &layers)?;
-    let written: Vec<_> = contents.iter().map(files::Content::file).collect();
+    let written: Vec<_> = contents.iter().map(files::OffsetFile::file).collect();
     folder.map_or(Ok(()), |folder| folder.write(&written))?;
     let told = Told {
         job: &job,
@@ -72,7 +72,7 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
 }
 
 /// What was typed, in model units.
-struct Job<'a> {
+struct OffsetJob<'a> {
     command: &'a OffsetCommand,
     options: OffsetOptions,
     distances: Vec<f64>,
@@ -80,7 +80,7 @@ struct Job<'a> {
     gap: f64,
 }
 
-impl<'a> Job<'a> {
+impl<'a> OffsetJob<'a> {
     fn new(command: &'a OffsetCommand, mesh: &HexMesh) -> Result<Self, Failure> {
         let (unit, size) = (command.unit, diagonal(mesh));
         let planarity = command

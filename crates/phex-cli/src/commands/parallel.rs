@@ -6,29 +6,29 @@ mod space;
 use super::deliver::{Delivery, judged};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
-use crate::input::{MeshFile, whole};
+use crate::input::MeshFile;
 use crate::output::{Content, check_writable, write_text};
 use crate::parallel_arguments::{ParallelCommand, ParallelStart};
 use crate::progress::{Reporter, is_interrupted};
-use crate::summary::Table;
+use crate::summary::SummaryTable;
 use crate::verdict::{TypedLimits, written};
 use anyhow::Context;
-use phex::offset::edge_offset::face_curvatures;
-use phex::offset::fit::{FitOptions, FitStart, Fitted, fit_parallel};
+use phex::offset::face_curvatures;
+use phex::offset::{FitOptions, FitStart, Fitted, fit_parallel};
 use phex::report::InputFile;
 use phex_mesh::{HexMesh, TriangleSurface};
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// A parallel mesh, with what there is to say of it.
-struct Made {
+struct ParallelMesh {
     mesh: HexMesh,
     surface: Option<TriangleSurface>,
     /// The surface's file.
     input: Option<InputFile>,
     settings: Value,
     statistics: Value,
-    table: Table,
+    table: SummaryTable,
     /// The basis, as CSV.
     basis: Option<String>,
 }
@@ -98,16 +98,20 @@ fn outputs(command: &ParallelCommand) -> Vec<(&Path, Content)> {
 }
 
 /// The parallel mesh that is closest to a surface.
-fn fitted(command: &ParallelCommand, mesh: &HexMesh, surface: &Path) -> Result<Made, Failure> {
+fn fitted(
+    command: &ParallelCommand,
+    mesh: &HexMesh,
+    surface: &Path,
+) -> Result<ParallelMesh, Failure> {
     let reporter = Reporter::new(&command.talk);
     let file = MeshFile::read(surface)?;
-    let surface = whole(&file.surfaces()?.components)?;
+    let surface = file.surface()?;
     let options = options(command);
     let fitted = fit_parallel(mesh, &surface, &options, &reporter)
         .with_context(|| command.input.display().to_string())
         .or_exit(Exit::InputUnusable)?;
     reporter.finish();
-    Ok(Made {
+    Ok(ParallelMesh {
         settings: json!(options),
         statistics: json!({
             "status": fitted.status,
@@ -141,8 +145,8 @@ fn options(command: &ParallelCommand) -> FitOptions {
     }
 }
 
-fn table(fitted: &Fitted, gauss_image: &HexMesh) -> Table {
-    let mut table = Table::default();
+fn table(fitted: &Fitted, gauss_image: &HexMesh) -> SummaryTable {
+    let mut table = SummaryTable::default();
     table.row(
         "fit",
         format!("{:?} after {} rounds", fitted.status, fitted.rounds),

@@ -3,10 +3,10 @@
 use super::deliver::{Delivery, outputs};
 use super::use_threads;
 use crate::args::PlanarizeCommand;
-use crate::engine::{self, Planarization, Reached};
+use crate::engine::{self, Computed, Planarization};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
-use crate::input::{MeshFile, whole};
+use crate::input::MeshFile;
 use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
 use crate::settings::MeshSettings;
@@ -29,7 +29,7 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     )?;
     let threads = use_threads(command.threads)?;
     let reporter = Reporter::new(&command.talk);
-    let files = Files::read(command)?;
+    let files = PlanarizeInput::read(command)?;
     let (start, dropped) = files.mesh.polygon_mesh()?;
     let surface = files.surface()?;
     let mut how = planarization(command, settings)?;
@@ -110,12 +110,12 @@ fn planarization(
 }
 
 /// The files that are read.
-struct Files {
+struct PlanarizeInput {
     mesh: MeshFile,
     surface: Option<MeshFile>,
 }
 
-impl Files {
+impl PlanarizeInput {
     fn read(command: &PlanarizeCommand) -> Result<Self, Failure> {
         let mesh = MeshFile::read(&command.input)?;
         let surface = command.surface.as_deref().map(MeshFile::read).transpose()?;
@@ -124,17 +124,14 @@ impl Files {
 
     /// The surface to stay close to, where one is given.
     fn surface(&self) -> Result<Option<TriangleSurface>, Failure> {
-        let surface = self
-            .surface
-            .as_ref()
-            .map(|file| whole(&file.surfaces()?.components));
+        let surface = self.surface.as_ref().map(|file| file.surface());
         surface.transpose()
     }
 
     /// The faces as they are, to measure how far they move; nothing if they are too bad to be a
     /// surface.
     fn own_surface(&self) -> Option<TriangleSurface> {
-        whole(&self.mesh.surfaces().ok()?.components).ok()
+        Some(self.mesh.surfaces().ok()?.whole())
     }
 
     fn records(self) -> Vec<InputFile> {
@@ -147,7 +144,7 @@ fn report(
     assessment: Assessment,
     limits: &TypedLimits,
     how: &Planarization,
-    reached: &Reached,
+    reached: &Computed,
 ) -> RunReport {
     let mut report = limits.report("planarize", assessment);
     report.settings = json!({

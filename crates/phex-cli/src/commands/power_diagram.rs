@@ -6,12 +6,12 @@ use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::input::{NumberLine, read_numbers};
 use crate::output::check_writable;
-use crate::shared_arguments::Limits;
-use crate::summary::Table;
+use crate::shared_arguments::ToleranceArguments;
+use crate::summary::SummaryTable;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
 use nalgebra::Matrix3x4;
-use phex::layout::power_diagram::{PowerDiagram, Site, goldberg, power_diagram};
+use phex::layout::{PowerDiagram, PowerSite, goldberg, power_diagram};
 use phex_mesh::{HexMesh, Vec2};
 use serde_json::json;
 use std::path::Path;
@@ -30,7 +30,7 @@ pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
     }
     let diagram = diagram(command)?;
     let mesh = placed(&diagram.mesh, &map(command))?;
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     if !diagram.hidden.is_empty() {
         let first: Vec<String> = diagram
             .hidden
@@ -44,7 +44,10 @@ pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
             format!("{count} sites have no cell: {}", first.join(" ")),
         );
     }
-    let (shown, limits) = (Shown::of(&mesh), TypedLimits::from(&Limits::default()));
+    let (shown, limits) = (
+        Shown::of(&mesh),
+        TypedLimits::from(&ToleranceArguments::default()),
+    );
     let mut report = judged("power-diagram", &shown, &limits);
     report.settings = json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes, "affine": command.affine });
     report.statistics = json!({ "hidden": diagram.hidden });
@@ -104,7 +107,7 @@ fn diagram(command: &PowerCommand) -> Result<PowerDiagram, Failure> {
     }
 }
 
-fn read_sites(path: &Path) -> Result<Vec<Site>, Failure> {
+fn read_sites(path: &Path) -> Result<Vec<PowerSite>, Failure> {
     let site = |line: &NumberLine| match line.numbers[..] {
         [x, y] => Ok((x, y, 0.0)),
         [x, y, weight] => Ok((x, y, weight)),
@@ -112,7 +115,7 @@ fn read_sites(path: &Path) -> Result<Vec<Site>, Failure> {
     };
     let sites = read_numbers(path)?;
     let placed = sites.iter().map(site).map(|s| {
-        s.map(|(x, y, weight)| Site {
+        s.map(|(x, y, weight)| PowerSite {
             position: Vec2::new(x, y),
             weight,
         })
@@ -153,7 +156,7 @@ mod tests {
         let sites = |text: &str| {
             std::fs::write(&path, text).unwrap();
             read_sites(&path).map(|all| {
-                let at = |s: &Site| (s.position.x, s.position.y, s.weight);
+                let at = |s: &PowerSite| (s.position.x, s.position.y, s.weight);
                 all.iter().map(at).collect::<Vec<_>>()
             })
         };

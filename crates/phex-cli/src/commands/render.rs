@@ -2,18 +2,18 @@
 
 use super::tell;
 use crate::exit::{Exit, Failure};
-use crate::input::{MeshFile, read_numbers, read_polylines, whole};
+use crate::input::{MeshFile, read_numbers, read_polylines};
 use crate::output::{Content, check_writable, write_picture, write_text};
 use crate::picture_arguments::RenderCommand;
 use crate::verdict::TypedLimits;
 use phex::quality::References;
 use phex_mesh::HexMesh;
-use phex_picture::maps::{Class, ColourMap, Coloured, Map, Range, Rgb, Scale, Subject};
+use phex_picture::maps::{Class, ColourMap, ColourScale, Coloured, Map, Range, Rgb, Subject};
 use phex_picture::{draw_svg, draw_with_curves};
 use std::path::Path;
 
 /// The formats of pictures.
-enum Format {
+enum PictureFormat {
     Png,
     Svg,
 }
@@ -34,9 +34,7 @@ pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
     check_writable(&[(&command.output, Content::Other)], &inputs)?;
     let (mesh, _) = MeshFile::read(&command.input)?.polygon_mesh()?;
     let file = command.surface.as_deref().map(MeshFile::read).transpose()?;
-    let facets = file
-        .map(|file| whole(&file.surfaces()?.components))
-        .transpose()?;
+    let facets = file.map(|file| file.surface()).transpose()?;
     let references = References {
         facets: facets.as_ref(),
         ..Default::default()
@@ -53,7 +51,7 @@ pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
     };
     let options = command.options();
     match format {
-        Format::Png => {
+        PictureFormat::Png => {
             let curves = command
                 .curves
                 .as_deref()
@@ -61,10 +59,10 @@ pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
             let picture = draw_with_curves(&mesh, &map, &curves, &options);
             write_picture(&command.output, &picture)?;
         }
-        Format::Svg if command.curves.is_some() => {
+        PictureFormat::Svg if command.curves.is_some() => {
             return Err(Failure::input("curves are drawn in PNG pictures only"));
         }
-        Format::Svg => write_text(&command.output, &draw_svg(&mesh, &map, &options))?,
+        PictureFormat::Svg => write_text(&command.output, &draw_svg(&mesh, &map, &options))?,
     }
     let written = format!("written      {}\n", command.output.display());
     tell(command.talk.quiet, &written)?;
@@ -80,13 +78,13 @@ fn coloured(command: &RenderCommand, subject: &Subject<'_>) -> Result<ColourMap,
         return Ok(coloured);
     };
     match &coloured.scale {
-        Scale::Classes(_) => Err(Failure::input(format!(
+        ColourScale::Classes(_) => Err(Failure::input(format!(
             "--range: the colours of --color {name} are classes, which have no range"
         ))),
-        Scale::Continuous(scale) if scale.logarithmic && low <= 0.0 => Err(Failure::input(
+        ColourScale::Continuous(scale) if scale.logarithmic && low <= 0.0 => Err(Failure::input(
             format!("--range: --color {name} is logarithmic, its range begins above 0"),
         )),
-        Scale::Continuous(_) => Ok(coloured),
+        ColourScale::Continuous(_) => Ok(coloured),
     }
 }
 
@@ -124,15 +122,15 @@ fn marked(path: &Path, mesh: &HexMesh) -> Result<ColourMap, Failure> {
         map: Map::Valence,
         element: Coloured::Face,
         values,
-        scale: Scale::Classes(MARKS.to_vec()),
+        scale: ColourScale::Classes(MARKS.to_vec()),
     })
 }
 
-fn format(command: &RenderCommand) -> Result<Format, Failure> {
+fn format(command: &RenderCommand) -> Result<PictureFormat, Failure> {
     let extension = command.output.extension().and_then(|e| e.to_str());
     match extension.map(str::to_ascii_lowercase).as_deref() {
-        Some("png") => Ok(Format::Png),
-        Some("svg") => Ok(Format::Svg),
+        Some("png") => Ok(PictureFormat::Png),
+        Some("svg") => Ok(PictureFormat::Svg),
         _ => Err(Failure::input(format!(
             "{}: pictures are written as .png or .svg",
             command.output.display()

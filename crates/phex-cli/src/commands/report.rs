@@ -4,7 +4,7 @@ use super::check::report_of;
 use super::tell;
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
-use crate::input::{MeshFile, whole};
+use crate::input::MeshFile;
 use crate::output::{Content, check_writable};
 use crate::picture_arguments::ReportCommand;
 use crate::summary;
@@ -29,10 +29,7 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
         before.polygon_mesh()?;
     }
     let (mesh, _) = file.polygon_mesh()?;
-    let facets = surface
-        .as_ref()
-        .map(|s| whole(&s.surfaces()?.components))
-        .transpose()?;
+    let facets = surface.as_ref().map(|s| s.surface()).transpose()?;
     let limits = TypedLimits::from(&command.limits);
     let references = References {
         facets: facets.as_ref(),

@@ -5,14 +5,14 @@ use crate::dual_arguments::{SubdivideCommand, SubdivideRule};
 use crate::engine;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
-use crate::input::{MeshFile, whole};
+use crate::input::MeshFile;
 use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
-use crate::summary::Table;
+use crate::summary::SummaryTable;
 use crate::verdict::TypedLimits;
 use anyhow::Context;
-use phex::layout::dual_subdivision::{clear_quadric, dual_subdivision, one_sign};
-use phex::layout::duality::SubdivisionRule;
+use phex::layout::SubdivisionRule;
+use phex::layout::{clear_quadric, dual_subdivision, one_sign};
 use phex_mesh::{HexMesh, TriangleSurface, measure};
 use serde_json::json;
 
@@ -38,8 +38,8 @@ pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
     let surface_file = command.surface.as_deref().map(MeshFile::read).transpose()?;
     let (mesh, _) = file.polygon_mesh()?;
     let surface = match &surface_file {
-        Some(file) => Some(whole(&file.surfaces()?.components)?),
-        None if command.rule == SubdivideRule::Robust => Some(whole(&file.surfaces()?.components)?),
+        Some(file) => Some(file.surface()?),
+        None if command.rule == SubdivideRule::Robust => Some(file.surface()?),
         None => None,
     };
     let outside = outside_domain(command, &mesh)?;
@@ -48,7 +48,7 @@ pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
     if is_interrupted() {
         return Err(Failure::interrupted());
     }
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     if let Some(sentence) = &outside {
         table.row("domain", format!("outside: {sentence}"));
     }

@@ -100,14 +100,14 @@ fn a_run_that_is_killed_at_any_moment_loses_nothing() {
         let folder = whole(&place);
         let lock = folder.locked_stage().unwrap();
         let [staged, placed] = folder.steps(&new()).unwrap();
-        let steps: Vec<&Step> = staged.iter().chain(&placed).collect();
+        let steps: Vec<&FolderStep> = staged.iter().chain(&placed).collect();
         if k > steps.len() {
             break;
         }
         steps[..k].iter().for_each(|step| step.run(&place).unwrap());
-        if let Some(Step::Stage { name, bytes }) = steps.get(k) {
+        if let Some(FolderStep::Stage { name, bytes }) = steps.get(k) {
             let half = name.clone();
-            let part = Step::Stage {
+            let part = FolderStep::Stage {
                 name: half,
                 bytes: bytes[..bytes.len() / 2].to_vec(),
             };

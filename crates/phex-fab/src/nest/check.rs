@@ -10,14 +10,14 @@ use std::fmt;
 
 /// What is wrong with a panel on a sheet.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct NestingFault {
     /// Number of the panel.
     pub plate: usize,
     /// What it is.
     pub cause: String,
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for NestingFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.cause)
     }
@@ -28,19 +28,27 @@ impl fmt::Display for Fault {
 ///
 /// # Errors
 /// The first fault.
-pub fn check(plates: &[Plate], sheets: &[SheetLayout], options: &FabOptions) -> Result<(), Fault> {
+pub fn check(
+    plates: &[Plate],
+    sheets: &[SheetLayout],
+    options: &FabOptions,
+) -> Result<(), NestingFault> {
     let mut times = vec![0; plates.len()];
     sheets.iter().flatten().for_each(|p| times[p.plate] += 1);
     if let Some(plate) = times.iter().position(|&t| t != 1) {
         let cause = format!("it lies on {} sheets", times[plate]);
-        return Err(Fault { plate, cause });
+        return Err(NestingFault { plate, cause });
     }
     sheets
         .iter()
         .try_for_each(|sheet| check_sheet(plates, sheet, options))
 }
 
-fn check_sheet(plates: &[Plate], sheet: &SheetLayout, options: &FabOptions) -> Result<(), Fault> {
+fn check_sheet(
+    plates: &[Plate],
+    sheet: &SheetLayout,
+    options: &FabOptions,
+) -> Result<(), NestingFault> {
     let spacing = options.spacing_mm;
     let faces = |p: &Placement| {
         [
@@ -53,7 +61,7 @@ fn check_sheet(plates: &[Plate], sheet: &SheetLayout, options: &FabOptions) -> R
         let [low, high] = bounds(&a.concat());
         let [width, height] = options.sheet_mm;
         if low.x.min(low.y).min(width - high.x).min(height - high.y) < spacing {
-            return Err(Fault {
+            return Err(NestingFault {
                 plate: p.plate,
                 cause: "it is too close to the sheet's border".into(),
             });
@@ -62,7 +70,7 @@ fn check_sheet(plates: &[Plate], sheet: &SheetLayout, options: &FabOptions) -> R
             let near = a.iter().any(|f| b.iter().any(|g| closer(f, g, spacing)));
             if near {
                 let cause = format!("it is too close to panel number {}", q.plate);
-                return Err(Fault {
+                return Err(NestingFault {
                     plate: p.plate,
                     cause,
                 });

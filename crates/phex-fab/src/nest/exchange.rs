@@ -33,7 +33,7 @@ pub struct Exchange<'a> {
 }
 
 /// Panels that leave a sheet and panels that come.
-struct Change {
+struct PlateSwap {
     out: Vec<usize>,
     new: Vec<usize>,
 }
@@ -126,7 +126,7 @@ impl Exchange<'_> {
         sheet: &SheetLayout,
         left: &[usize],
         random: &mut ChaCha8Rng,
-    ) -> Option<Change> {
+    ) -> Option<PlateSwap> {
         let on: Vec<usize> = sheet.iter().map(|p| p.plate).collect();
         let size = (self.border.high - self.border.low).product();
         let room = FULL * size - self.area(&on);
@@ -137,7 +137,7 @@ impl Exchange<'_> {
             let new: Vec<usize> = left.choose_multiple(random, coming).copied().collect();
             let more = self.area(&new) - self.area(&out);
             if more < room && self.value(&new) > self.value(&out) {
-                return Some(Change { out, new });
+                return Some(PlateSwap { out, new });
             }
         }
         None

@@ -3,7 +3,7 @@
 use super::candidates::Zone;
 use super::engine::Engine;
 use super::left::Left;
-use super::shape::{Place, Shape};
+use super::shape::{FreePlace, PlateShape};
 use super::{Border, Placement, SheetLayout};
 use crate::plate::Plate;
 use phex_mesh::EdgeId;
@@ -35,7 +35,7 @@ pub struct Sheet<'a> {
     failed_beside: HashSet<(usize, EdgeId)>,
     /// The best place of panels beside those on the sheet when it was last looked for, with the
     /// number of rotations.
-    known: HashMap<usize, (usize, Place)>,
+    known: HashMap<usize, (usize, FreePlace)>,
 }
 
 /// A panel with rotations to try.
@@ -69,7 +69,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// Puts panels on it until none fits.
-    pub fn fill(&mut self, shapes: &[Shape], border: &Border) {
+    pub fn fill(&mut self, shapes: &[PlateShape], border: &Border) {
         loop {
             let next = self
                 .grow(shapes, border)
@@ -80,7 +80,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The best panel beside those on the sheet.
-    fn grow(&mut self, shapes: &[Shape], border: &Border) -> Option<(usize, Place)> {
+    fn grow(&mut self, shapes: &[PlateShape], border: &Border) -> Option<(usize, FreePlace)> {
         while let trials = self.beside()
             && !trials.is_empty()
         {
@@ -99,8 +99,8 @@ impl<'a> Sheet<'a> {
                     )
                 })
             };
-            let places: Vec<Option<Place>> = trials.par_iter().map(place).collect();
-            let mut best: Option<(usize, Place)> = None;
+            let places: Vec<Option<FreePlace>> = trials.par_iter().map(place).collect();
+            let mut best: Option<(usize, FreePlace)> = None;
             for (trial, place) in trials.iter().zip(places) {
                 let Some(place) = place else {
                     self.failed_beside
@@ -121,7 +121,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The first of the panels that are left that fits anywhere.
-    fn fill_gap(&mut self, shapes: &[Shape], border: &Border) -> Option<(usize, Place)> {
+    fn fill_gap(&mut self, shapes: &[PlateShape], border: &Border) -> Option<(usize, FreePlace)> {
         let left: Vec<usize> = self
             .left
             .iter()
@@ -184,7 +184,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// Puts a panel there.
-    pub fn put(&mut self, shape: &Shape, place: Place) {
+    pub fn put(&mut self, shape: &PlateShape, place: FreePlace) {
         let placement = Placement {
             plate: shape.plate,
             rotation: place.rotation,

@@ -43,7 +43,7 @@ use left::Left;
 use phex::{Event, Progress};
 use phex_mesh::Vec2;
 use rayon::prelude::*;
-use shape::{Place, Shape};
+use shape::{FreePlace, PlateShape};
 use smallest::smallest_sheet;
 use squeeze::squeeze;
 
@@ -111,7 +111,7 @@ pub fn nest(
             smallest_free: free.map(|shapes| smallest_sheet(&shapes, margins)),
         })));
     }
-    let bodies: Vec<Body> = shapes.iter().map(Shape::body).collect();
+    let bodies: Vec<Body> = shapes.iter().map(PlateShape::body).collect();
     let exchange = Exchange {
         bodies: &bodies,
         border: &border,
@@ -158,15 +158,16 @@ fn shapes(
     plates: &[Plate],
     margins: Margins,
     rotations: &Rotations,
-) -> Result<Vec<Shape>, (usize, Refusal)> {
-    let shape = |(k, plate)| Shape::new(k, plate, margins, rotations).map_err(|cause| (k, cause));
+) -> Result<Vec<PlateShape>, (usize, Refusal)> {
+    let shape =
+        |(k, plate)| PlateShape::new(k, plate, margins, rotations).map_err(|cause| (k, cause));
     plates.iter().enumerate().map(shape).collect()
 }
 
 /// What sheets are filled from.
 struct Stock<'a> {
     plates: &'a [Plate],
-    shapes: &'a [Shape],
+    shapes: &'a [PlateShape],
     border: &'a Border,
     empty: &'a Engine,
 }
@@ -174,7 +175,7 @@ struct Stock<'a> {
 impl Stock<'_> {
     /// The best of the sheets that start with a panel, and what is left.
     fn grow(&self, first: usize, left: &Left) -> Option<(SheetLayout, Vec<usize>)> {
-        let starts: Vec<Place> = self.shapes[first].starts(self.border, self.empty);
+        let starts: Vec<FreePlace> = self.shapes[first].starts(self.border, self.empty);
         let filled = starts.par_iter().map(|&start| {
             let mut sheet = Sheet::new(self.empty, self.plates, left.clone());
             sheet.put(&self.shapes[first], start);
@@ -208,8 +209,8 @@ impl Stock<'_> {
 }
 
 /// The panels that do not fit on an empty sheet.
-fn too_large(shapes: &[Shape], border: &Border, empty: &Engine) -> Vec<usize> {
-    let fits = |shape: &Shape| {
+fn too_large(shapes: &[PlateShape], border: &Border, empty: &Engine) -> Vec<usize> {
+    let fits = |shape: &PlateShape| {
         shape
             .best_place(&shape.rotations, border, &[], empty)
             .is_some()

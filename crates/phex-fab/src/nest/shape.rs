@@ -21,7 +21,7 @@ const SAME_ANGLE: f64 = 1e-6;
 const STARTS: usize = 2;
 
 /// A panel with half of the spacing round it.
-pub struct Shape {
+pub struct PlateShape {
     /// Number of the panel.
     pub plate: usize,
     /// The shape in the collision library.
@@ -37,7 +37,7 @@ pub struct Shape {
 
 /// A place that is free.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct FreePlace {
     /// Angle in radians.
     pub rotation: f64,
     /// Where the panel's origin is.
@@ -48,7 +48,7 @@ pub struct Place {
     pub reach: f64,
 }
 
-impl Shape {
+impl PlateShape {
     /// Prepares a panel.
     ///
     /// # Errors
@@ -79,21 +79,21 @@ impl Shape {
     }
 
     /// Where it may lie first on an empty sheet: in the rotations in which it reaches least far.
-    pub fn starts(&self, border: &Border, empty: &Engine) -> Vec<Place> {
+    pub fn starts(&self, border: &Border, empty: &Engine) -> Vec<FreePlace> {
         let places = self
             .rotations
             .iter()
             .filter_map(|&r| self.best_at(r, border, &[], empty));
-        let mut places: Vec<Place> = places.collect();
+        let mut places: Vec<FreePlace> = places.collect();
         places.sort_by(|a, b| a.reach.total_cmp(&b.reach));
         // Half a turn of everything on a sheet is the same sheet.
-        let same = |a: &Place, b: &Place| {
+        let same = |a: &FreePlace, b: &FreePlace| {
             (a.rotation - b.rotation)
                 .rem_euclid(PI)
                 .min((b.rotation - a.rotation).rem_euclid(PI))
                 < SAME_ANGLE
         };
-        let mut starts: Vec<Place> = Vec::new();
+        let mut starts: Vec<FreePlace> = Vec::new();
         for place in places {
             if starts.len() < STARTS && !starts.iter().any(|s| same(s, &place)) {
                 starts.push(place);
@@ -103,7 +103,7 @@ impl Shape {
     }
 
     /// Whether a place is free.
-    pub fn is_free(&self, place: &Place, engine: &Engine) -> bool {
+    pub fn is_free(&self, place: &FreePlace, engine: &Engine) -> bool {
         let mut scratch = self.item.shape_cd().as_ref().clone();
         engine.is_free(&self.item, place.rotation, place.translation, &mut scratch)
     }
@@ -124,8 +124,8 @@ impl Shape {
         border: &Border,
         placed: &[Zone],
         engine: &Engine,
-    ) -> Option<Place> {
-        let places: Vec<Place> = rotations
+    ) -> Option<FreePlace> {
+        let places: Vec<FreePlace> = rotations
             .par_iter()
             .filter_map(|&r| self.best_at(r, border, placed, engine))
             .collect();
@@ -161,12 +161,12 @@ impl Shape {
         border: &Border,
         placed: &[Zone],
         engine: &Engine,
-    ) -> Option<Place> {
+    ) -> Option<FreePlace> {
         let pieces = self.turned(rotation);
         let mut scratch = self.item.shape_cd().as_ref().clone();
         let free = |at| engine.is_free(&self.item, rotation, at, &mut scratch);
         let (cost, translation, reach) = cheapest(border, placed, &pieces, free)?;
-        Some(Place {
+        Some(FreePlace {
             rotation,
             translation,
             cost,

@@ -1,7 +1,7 @@
 //! The smallest sheet on which every panel has a place by itself.
 
 use super::engine::Margins;
-use super::shape::Shape;
+use super::shape::PlateShape;
 use crate::outline::bounds;
 use std::collections::BinaryHeap;
 
@@ -11,7 +11,7 @@ const SLACK: f64 = 1e-5;
 
 /// Length and width, in whole mm, of the sheet of least area on which every panel fits in one of
 /// its rotations.
-pub fn smallest_sheet(shapes: &[Shape], margins: Margins) -> [f64; 2] {
+pub fn smallest_sheet(shapes: &[PlateShape], margins: Margins) -> [f64; 2] {
     let mut boxes: Vec<([u64; 2], usize)> = Vec::new();
     for (k, shape) in shapes.iter().enumerate() {
         boxes.extend(shape_boxes(shape, margins).map(|size| (size, k)));
@@ -21,7 +21,7 @@ pub fn smallest_sheet(shapes: &[Shape], margins: Margins) -> [f64; 2] {
 }
 
 /// What a panel covers in each of its rotations, with the spacing round it.
-fn shape_boxes(shape: &Shape, margins: Margins) -> impl Iterator<Item = [u64; 2]> + '_ {
+fn shape_boxes(shape: &PlateShape, margins: Margins) -> impl Iterator<Item = [u64; 2]> + '_ {
     shape.rotations.iter().map(move |&rotation| {
         let [low, high] = bounds(&shape.turned(rotation).concat());
         let whole = |side: f64| ((1.0 + SLACK) * (side + 2.0 * margins.half_spacing)).ceil() as u64;

@@ -12,14 +12,14 @@ pub struct ReadError {
     /// The file, where one was read.
     pub path: Option<PathBuf>,
     /// The line or element.
-    pub place: Place,
+    pub place: FilePlace,
     /// What is wrong there.
     pub cause: ReadCause,
 }
 
 /// A place in a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePlace {
     /// The file as a whole.
     File,
     /// A line, counted from 1.
@@ -30,7 +30,7 @@ pub enum Place {
     Face(usize),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => Ok(()),
@@ -161,7 +161,7 @@ impl ReadError {
 }
 
 impl ReadCause {
-    pub(super) fn at(self, place: Place) -> ReadError {
+    pub(super) fn at(self, place: FilePlace) -> ReadError {
         ReadError {
             path: None,
             place,
@@ -172,7 +172,7 @@ impl ReadCause {
 
 impl From<ReadCause> for ReadError {
     fn from(cause: ReadCause) -> Self {
-        cause.at(Place::File)
+        cause.at(FilePlace::File)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: vertices (`v`) and faces (`f`); groups, materials, texture, normals, points and
 //! lines are skipped.
 
-use super::error::{Place, ReadCause, ReadError};
+use super::error::{FilePlace, ReadCause, ReadError};
 use super::text::{decode, integer, out_of_range, point, without_comment};
 use crate::PolygonSoup;
 use std::borrow::Cow;
@@ -12,7 +12,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<PolygonSoup, ReadError> {
     let text = decode(bytes);
     let mut file = ObjFile::default();
     for (number, line) in logical_lines(&text) {
-        file.read_line(Place::Line(number), &line)?;
+        file.read_line(FilePlace::Line(number), &line)?;
     }
     file.finish()
 }
@@ -22,11 +22,11 @@ struct ObjFile {
     soup: PolygonSoup,
     /// Where each face stands: a face may name vertices that follow it, so the range is checked at
     /// the end.
-    face_places: Vec<Place>,
+    face_places: Vec<FilePlace>,
 }
 
 impl ObjFile {
-    fn read_line(&mut self, place: Place, line: &str) -> Result<(), ReadError> {
+    fn read_line(&mut self, place: FilePlace, line: &str) -> Result<(), ReadError> {
         let mut tokens = line.split_whitespace();
         match tokens.next() {
             Some("v") => self.soup.positions.push(point(tokens, place)?),
@@ -138,7 +138,7 @@ mod tests {
         parse(text.as_bytes()).unwrap().faces
     }
 
-    fn error(text: &str) -> (Place, ReadCause) {
+    fn error(text: &str) -> (FilePlace, ReadCause) {
         let error = parse(text.as_bytes()).unwrap_err();
         (error.place, error.cause)
     }
@@ -179,15 +179,15 @@ mod tests {
         let with = |line: &str| error(&format!("{SQUARE}{line}\n"));
         assert!(matches!(
             with("f 0 1 2"),
-            (Place::Line(5), ReadCause::IndexZero)
+            (FilePlace::Line(5), ReadCause::IndexZero)
         ));
         assert!(matches!(
             with("f 1 2"),
-            (Place::Line(5), ReadCause::TooFewCorners { corners: 2 })
+            (FilePlace::Line(5), ReadCause::TooFewCorners { corners: 2 })
         ));
         assert!(matches!(
             with("f 1 2 x"),
-            (Place::Line(5), ReadCause::NotANumber { .. })
+            (FilePlace::Line(5), ReadCause::NotANumber { .. })
         ));
         for index in [
             "-5",
@@ -208,20 +208,23 @@ mod tests {
                 ),
                 "{index}: {cause}"
             );
-            assert_eq!(place, Place::Line(5));
+            assert_eq!(place, FilePlace::Line(5));
         }
         for x in ["nan", "inf", "-Infinity", "1e999"] {
             let (place, cause) = with(&format!("v 0 {x} 0"));
             assert!(matches!(cause, ReadCause::NonFinite { .. }), "{x}: {cause}");
-            assert_eq!(place, Place::Line(5));
+            assert_eq!(place, FilePlace::Line(5));
         }
         assert!(matches!(
             with("v 0 0,5 0"),
-            (Place::Line(5), ReadCause::NotANumber { .. })
+            (FilePlace::Line(5), ReadCause::NotANumber { .. })
         ));
         assert!(matches!(
             with("v 0 0"),
-            (Place::Line(5), ReadCause::TooFewCoordinates { found: 2 })
+            (
+                FilePlace::Line(5),
+                ReadCause::TooFewCoordinates { found: 2 }
+            )
         ));
     }
 
@@ -240,7 +243,7 @@ mod tests {
     fn text_that_is_no_mesh() {
         assert!(matches!(
             error("dear reader,\nthis is a letter"),
-            (Place::File, ReadCause::NoVertices)
+            (FilePlace::File, ReadCause::NoVertices)
         ));
     }
 }

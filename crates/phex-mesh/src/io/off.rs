@@ -2,7 +2,7 @@
 //! combinations, colours after a face) are skipped; vertices of four or n coordinates and binary
 //! files are refused.
 
-use super::error::{Place, ReadCause, ReadError};
+use super::error::{FilePlace, ReadCause, ReadError};
 use super::text::{count, decode, integer, numbered_lines, point, shown, vertex_number};
 use crate::{PolygonSoup, Vec3};
 use std::fmt::Write;
@@ -27,14 +27,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<PolygonSoup, ReadError> {
         let (line, text) = lines
             .next()
             .ok_or_else(|| truncated("vertices", vertices, found))?;
-        let position: Vec3 = point(text.split_whitespace(), Place::Line(line))?;
+        let position: Vec3 = point(text.split_whitespace(), FilePlace::Line(line))?;
         soup.positions.push(position);
     }
     for found in 0..faces {
         let (line, text) = lines
             .next()
             .ok_or_else(|| truncated("faces", faces, found))?;
-        let corners = face(text, vertices).map_err(|cause| cause.at(Place::Line(line)))?;
+        let corners = face(text, vertices).map_err(|cause| cause.at(FilePlace::Line(line)))?;
         soup.faces.push(corners);
     }
     Ok(soup)
@@ -45,7 +45,7 @@ fn counts<'a>(
     lines: &mut impl Iterator<Item = (usize, &'a str)>,
 ) -> Result<(usize, usize), ReadError> {
     let (mut number, mut line) = lines.next().ok_or(ReadCause::Empty)?;
-    let rest = after_keyword(line).map_err(|cause| cause.at(Place::Line(number)))?;
+    let rest = after_keyword(line).map_err(|cause| cause.at(FilePlace::Line(number)))?;
     if rest.is_empty() {
         (number, line) = lines.next().ok_or(ReadCause::NoVertices)?;
     } else {
@@ -53,11 +53,11 @@ fn counts<'a>(
     }
     let counts: Result<Vec<usize>, ReadCause> =
         line.split_whitespace().take(2).map(count).collect();
-    match counts.map_err(|cause| cause.at(Place::Line(number)))?[..] {
+    match counts.map_err(|cause| cause.at(FilePlace::Line(number)))?[..] {
         [vertices, faces] => Ok((vertices, faces)),
         _ => Err(
             ReadCause::Malformed("the numbers of vertices and faces are missing".into())
-                .at(Place::Line(number)),
+                .at(FilePlace::Line(number)),
         ),
     }
 }
@@ -131,7 +131,7 @@ pub(super) fn encode(soup: &PolygonSoup) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    fn error(text: &str) -> (Place, ReadCause) {
+    fn error(text: &str) -> (FilePlace, ReadCause) {
         let error = parse(text.as_bytes()).unwrap_err();
         (error.place, error.cause)
     }
@@ -163,19 +163,19 @@ mod tests {
     fn other_headers_are_refused() {
         assert!(matches!(
             error("4OFF\n1 1 1\n"),
-            (Place::Line(1), ReadCause::Unsupported(_))
+            (FilePlace::Line(1), ReadCause::Unsupported(_))
         ));
         assert!(matches!(
             error("OFF BINARY\n\0\0"),
-            (Place::Line(1), ReadCause::Unsupported(_))
+            (FilePlace::Line(1), ReadCause::Unsupported(_))
         ));
         assert!(matches!(
             error("dear reader\n"),
-            (Place::Line(1), ReadCause::WrongStart { .. })
+            (FilePlace::Line(1), ReadCause::WrongStart { .. })
         ));
         assert!(matches!(
             error("OFF\n8\n"),
-            (Place::Line(2), ReadCause::Malformed(_))
+            (FilePlace::Line(2), ReadCause::Malformed(_))
         ));
     }
 
@@ -195,16 +195,16 @@ mod tests {
                 ),
                 "{index}: {cause}"
             );
-            assert_eq!(place, Place::Line(7));
+            assert_eq!(place, FilePlace::Line(7));
         }
         assert!(matches!(
             with("2 0 1\n"),
-            (Place::Line(7), ReadCause::TooFewCorners { corners: 2 })
+            (FilePlace::Line(7), ReadCause::TooFewCorners { corners: 2 })
         ));
         assert!(matches!(
             with("4 0 1 2\n"),
             (
-                Place::Line(7),
+                FilePlace::Line(7),
                 ReadCause::Truncated {
                     announced: 4,
                     found: 3,
@@ -215,7 +215,7 @@ mod tests {
         assert!(matches!(
             with(""),
             (
-                Place::File,
+                FilePlace::File,
                 ReadCause::Truncated {
                     announced: 1,
                     found: 0,
@@ -225,7 +225,7 @@ mod tests {
         ));
         assert!(matches!(
             error("OFF\n1 0 0\n0 nan 0\n"),
-            (Place::Line(3), ReadCause::NonFinite { .. })
+            (FilePlace::Line(3), ReadCause::NonFinite { .. })
         ));
     }
 

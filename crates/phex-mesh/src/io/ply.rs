@@ -5,7 +5,7 @@
 //! is held against the bytes that remain, so that a short file can ask for no more than its own
 //! length.
 
-use super::error::{Place, ReadCause, ReadError};
+use super::error::{FilePlace, ReadCause, ReadError};
 use super::text::{shown, vertex_number};
 use crate::{PolygonSoup, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -69,12 +69,12 @@ fn soup(positions: Vec<VertexRow>, faces: Vec<FaceRow>) -> Result<PolygonSoup, R
     for (i, VertexRow(p)) in positions.iter().enumerate() {
         if let Some(x) = p.iter().find(|x| !x.is_finite()) {
             let token = x.to_string();
-            return Err(ReadCause::NonFinite { token }.at(Place::Vertex(i)));
+            return Err(ReadCause::NonFinite { token }.at(FilePlace::Vertex(i)));
         }
     }
     let vertices = positions.len();
     let faces = faces.iter().enumerate().map(|(i, FaceRow(corners))| {
-        face(corners, vertices).map_err(|cause| cause.at(Place::Face(i)))
+        face(corners, vertices).map_err(|cause| cause.at(FilePlace::Face(i)))
     });
     Ok(PolygonSoup {
         faces: faces.collect::<Result<_, _>>()?,
@@ -171,7 +171,7 @@ fn malformed(error: &ParseError, text: bool) -> ReadError {
     let place = error
         .line()
         .filter(|_| text)
-        .map_or(Place::File, Place::Line);
+        .map_or(FilePlace::File, FilePlace::Line);
     ReadCause::Malformed(message).at(place)
 }
 
@@ -373,7 +373,7 @@ mod tests {
         let change = |from: &str, to: &str| parse(ASCII.replace(from, to).as_bytes()).unwrap_err();
         let error = change("4 0 1 2 3 0.25", "4 0 1 2 -3 0.25");
         assert!(matches!(error.cause, ReadCause::IndexOutOfRange { .. }));
-        assert_eq!(error.place, Place::Face(0));
+        assert_eq!(error.place, FilePlace::Face(0));
         assert!(matches!(
             change("4 0 1 2 3", "4 0 1 2 4").cause,
             ReadCause::IndexOutOfRange { .. }
@@ -383,14 +383,14 @@ mod tests {
             ReadCause::TooFewCorners { corners: 2 }
         ));
         let error = change("9 1e0 0 0", "9 nan 0 0");
-        assert_eq!(error.place, Place::Line(19));
+        assert_eq!(error.place, FilePlace::Line(19));
         assert!(
             error.to_string().contains("nan") && !error.to_string().contains('\n'),
             "{error}"
         );
         let error = change("9 1e0 0 0", "9 1e999 0 0");
         assert!(matches!(error.cause, ReadCause::NonFinite { .. }));
-        assert_eq!(error.place, Place::Vertex(1));
+        assert_eq!(error.place, FilePlace::Vertex(1));
     }
 
     #[test]
@@ -403,7 +403,7 @@ mod tests {
             matches!(error.cause, ReadCause::NonFinite { .. }),
             "{error}"
         );
-        assert_eq!(error.place, Place::Vertex(1));
+        assert_eq!(error.place, FilePlace::Vertex(1));
     }
 
     #[test]

@@ -13,7 +13,7 @@
 //! `stl_io` reads and writes binary files. Text is read here: the library drops all but the first
 //! solid, wants a space after `solid`, rounds to single precision and names no line.
 
-use super::error::{Place, ReadCause, ReadError, WriteCause};
+use super::error::{FilePlace, ReadCause, ReadError, WriteCause};
 use super::text::{decode, numbered_lines, point, shown};
 use super::triangles::{of_face, single};
 use super::weld::weld;
@@ -45,7 +45,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<PolygonSoup, ReadError> {
 }
 
 /// Corners, and the number of corners of each face.
-type Corners = (Vec<Vec3>, Vec<usize>);
+type StlCorners = (Vec<Vec3>, Vec<usize>);
 
 fn is_text(bytes: &[u8]) -> bool {
     let solid = bytes
@@ -63,7 +63,7 @@ fn announced(bytes: &[u8]) -> Option<u64> {
     Some(u64::from(u32::from_le_bytes(count.try_into().ok()?)))
 }
 
-fn parse_binary(bytes: &[u8]) -> Result<Corners, ReadError> {
+fn parse_binary(bytes: &[u8]) -> Result<StlCorners, ReadError> {
     let Some(announced) = announced(bytes) else {
         let found = shown(String::from_utf8_lossy(bytes).trim());
         return Err(ReadCause::WrongStart {
@@ -90,7 +90,7 @@ fn parse_binary(bytes: &[u8]) -> Result<Corners, ReadError> {
     let mut corners = Vec::new();
     for (i, triangle) in triangles.enumerate() {
         for corner in triangle.map_err(ReadCause::from)?.vertices {
-            corners.push(finite(corner).map_err(|cause| cause.at(Place::Face(i)))?);
+            corners.push(finite(corner).map_err(|cause| cause.at(FilePlace::Face(i)))?);
         }
     }
     let faces = vec![3; corners.len() / 3];
@@ -106,13 +106,13 @@ fn finite(corner: Vector<f32>) -> Result<Vec3, ReadCause> {
     }
 }
 
-fn parse_text(text: &str) -> Result<Corners, ReadError> {
+fn parse_text(text: &str) -> Result<StlCorners, ReadError> {
     let (mut corners, mut faces) = (Vec::new(), Vec::new());
     // Number of corners at the start of the facet that is open.
     let mut facet: Option<usize> = None;
     let mut solid_open = false;
     for (number, line) in numbered_lines(text) {
-        let place = Place::Line(number);
+        let place = FilePlace::Line(number);
         let mut tokens = line.split_whitespace();
         match (
             tokens
@@ -291,7 +291,7 @@ mod tests {
             |from: &str, to: &str| parse(TEXT.replacen(from, to, 1).as_bytes()).unwrap_err();
         let error = change("vertex 1 0 0", "vertex 1 nan 0");
         assert!(matches!(error.cause, ReadCause::NonFinite { .. }));
-        assert_eq!(error.place, Place::Line(5));
+        assert_eq!(error.place, FilePlace::Line(5));
         assert!(matches!(
             change("vertex 1 0 0\n", "\n").cause,
             ReadCause::TooFewCorners { corners: 2 }
@@ -322,7 +322,7 @@ mod tests {
         bytes[second..second + 4].copy_from_slice(&f32::INFINITY.to_le_bytes());
         let error = parse(&bytes).unwrap_err();
         assert!(matches!(error.cause, ReadCause::NonFinite { .. }));
-        assert_eq!(error.place, Place::Face(1));
+        assert_eq!(error.place, FilePlace::Face(1));
         let mut soup = cube_corner();
         soup.positions[3].z = 1e39;
         assert!(matches!(

@@ -1,6 +1,6 @@
 //! Lines, tokens and numbers of the text formats.
 
-use super::error::{Place, ReadCause, ReadError};
+use super::error::{FilePlace, ReadCause, ReadError};
 use crate::Vec3;
 use std::borrow::Cow;
 use std::num::IntErrorKind;
@@ -36,7 +36,7 @@ pub fn shown(token: &str) -> String {
 /// The first three tokens as a point; further ones (weight, colour, normal) are ignored.
 pub(super) fn point<'a>(
     tokens: impl Iterator<Item = &'a str>,
-    place: Place,
+    place: FilePlace,
 ) -> Result<Vec3, ReadError> {
     let mut point = Vec3::zeros();
     let mut found = 0;

@@ -12,7 +12,7 @@
 //! smaller than the mean edge of some 4000 triangles may be missed. Where several points are
 //! equally close, one of them is returned, always the same.
 
-use super::domain::{BoundaryArc, Domain};
+use super::domain::{BoundaryArc, ParameterDomain};
 use super::parametric::ParametricSurface;
 use super::triangulate::{Triangulation, TriangulationOptions, triangulate_with_parameters};
 use super::{Shape, ShapeError};
@@ -46,7 +46,7 @@ pub struct ShapePoint {
 #[derive(Clone, Debug)]
 pub struct ShapeProjector<S = Shape> {
     surface: S,
-    domain: Domain,
+    domain: ParameterDomain,
     samples: Samples,
     arcs: Vec<(BoundaryArc, Vec<Vec3>)>,
 }

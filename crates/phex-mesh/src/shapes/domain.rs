@@ -88,7 +88,7 @@ pub enum Region {
 
 /// The set of parameter pairs of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Domain {
+pub struct ParameterDomain {
     /// Range of `u`.
     pub u: Interval,
     /// Range of `v`.
@@ -97,7 +97,7 @@ pub struct Domain {
     pub region: Region,
 }
 
-impl Domain {
+impl ParameterDomain {
     /// All of a rectangle.
     pub fn rectangle(u: Interval, v: Interval) -> Self {
         Self {
@@ -176,7 +176,7 @@ pub enum BoundaryArc {
     /// `u`.
     Superellipse {
         /// The domain.
-        domain: Domain,
+        domain: ParameterDomain,
         /// As in [`Region::Superellipse`].
         exponent: f64,
     },
@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn superellipse_arc_bounds_the_region_and_has_its_derivative() {
-        let domain = Domain::superellipse(20.0, 14.0, 2.6);
+        let domain = ParameterDomain::superellipse(20.0, 14.0, 2.6);
         let arc = domain.boundary_arcs()[0];
         for k in 0..97 {
             let t = (k as f64 + 0.37) / 97.0;
@@ -284,12 +284,13 @@ mod tests {
 
     #[test]
     fn an_annulus_has_two_closed_arcs_and_a_patch_four_sides() {
-        let annulus = Domain::rectangle(Interval::turn(), Interval::symmetric(1.0)).boundary_arcs();
+        let annulus =
+            ParameterDomain::rectangle(Interval::turn(), Interval::symmetric(1.0)).boundary_arcs();
         assert!(annulus.len() == 2 && annulus.iter().all(BoundaryArc::is_closed));
-        let patch =
-            Domain::rectangle(Interval::symmetric(2.0), Interval::symmetric(1.0)).boundary_arcs();
+        let patch = ParameterDomain::rectangle(Interval::symmetric(2.0), Interval::symmetric(1.0))
+            .boundary_arcs();
         assert!(patch.len() == 4 && !patch.iter().any(BoundaryArc::is_closed));
-        let torus = Domain::rectangle(Interval::turn(), Interval::turn()).boundary_arcs();
+        let torus = ParameterDomain::rectangle(Interval::turn(), Interval::turn()).boundary_arcs();
         assert!(torus.is_empty());
     }
 }

@@ -3,16 +3,16 @@
 //! `u` is the longitude and `v` the parametric latitude. Normal and curvature come from the
 //! implicit equation, so they hold at the poles too.
 
-use super::domain::{Domain, Interval, Region};
+use super::domain::{Interval, ParameterDomain, Region};
 use super::parametric::{ParametricSurface, PrincipalCurvatures, SurfaceJet};
 use crate::Vec3;
 use std::f64::consts::FRAC_PI_2;
 
-pub(super) struct Ellipsoid {
+pub(super) struct EllipsoidSurface {
     pub semi_axes: Vec3,
 }
 
-impl Ellipsoid {
+impl EllipsoidSurface {
     /// Gradient of half the implicit function.
     fn gradient(&self, point: Vec3) -> Vec3 {
         point
@@ -27,9 +27,9 @@ impl Ellipsoid {
     }
 }
 
-impl ParametricSurface for Ellipsoid {
-    fn domain(&self) -> Domain {
-        Domain {
+impl ParametricSurface for EllipsoidSurface {
+    fn domain(&self) -> ParameterDomain {
+        ParameterDomain {
             u: Interval::turn(),
             v: Interval::symmetric(FRAC_PI_2),
             region: Region::PoleToPole,
@@ -115,8 +115,8 @@ mod tests {
 
     const AXES: [f64; 3] = [1.5, 1.0, 0.7];
 
-    fn ellipsoid() -> Ellipsoid {
-        Ellipsoid {
+    fn ellipsoid() -> EllipsoidSurface {
+        EllipsoidSurface {
             semi_axes: Vec3::from(AXES),
         }
     }

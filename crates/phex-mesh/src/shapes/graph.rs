@@ -1,7 +1,7 @@
 //! Graphs `z = f(x, y)`: plane, paraboloids, monkey saddle, wave. `u = x`, `v = y`; normals point
 //! up.
 
-use super::domain::Domain;
+use super::domain::ParameterDomain;
 use super::parametric::{ParametricSurface, SurfaceJet};
 use crate::Vec3;
 
@@ -24,11 +24,11 @@ pub(super) trait HeightField: Send + Sync {
 /// The graph of a height field over a domain.
 pub(super) struct Graph<H> {
     pub height: H,
-    pub domain: Domain,
+    pub domain: ParameterDomain,
 }
 
 impl<H: HeightField> ParametricSurface for Graph<H> {
-    fn domain(&self) -> Domain {
+    fn domain(&self) -> ParameterDomain {
         self.domain
     }
 

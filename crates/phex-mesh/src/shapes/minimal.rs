@@ -1,6 +1,6 @@
 //! Two minimal surfaces: the helicoid and Enneper's surface.
 
-use super::domain::{Domain, Interval};
+use super::domain::{Interval, ParameterDomain};
 use super::parametric::{ParametricSurface, SurfaceJet};
 use crate::Vec3;
 
@@ -13,8 +13,8 @@ pub(super) struct Helicoid {
 }
 
 impl ParametricSurface for Helicoid {
-    fn domain(&self) -> Domain {
-        Domain::rectangle(
+    fn domain(&self) -> ParameterDomain {
+        ParameterDomain::rectangle(
             Interval::symmetric(self.half_angle),
             Interval::symmetric(self.radius),
         )
@@ -42,8 +42,8 @@ pub(super) struct Enneper {
 }
 
 impl ParametricSurface for Enneper {
-    fn domain(&self) -> Domain {
-        Domain::superellipse(self.radius, self.radius, 2.0)
+    fn domain(&self) -> ParameterDomain {
+        ParameterDomain::superellipse(self.radius, self.radius, 2.0)
     }
 
     fn jet(&self, u: f64, v: f64) -> SurfaceJet {

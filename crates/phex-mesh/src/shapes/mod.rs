@@ -33,7 +33,7 @@ mod roof;
 mod triangulate;
 
 pub use closest_point::{ShapePoint, ShapeProjector, closest_point};
-pub use domain::{BoundaryArc, Domain, Interval, Region};
+pub use domain::{BoundaryArc, Interval, ParameterDomain, Region};
 pub use parametric::{FirstForm, ParametricSurface, PrincipalCurvatures, SecondForm, SurfaceJet};
 pub use registry::{Shape, ShapeInfo, ShapeParameter};
 pub use triangulate::{

@@ -1,6 +1,6 @@
 //! Differential geometry of a parametrised surface, from its second-order jet.
 
-use super::domain::Domain;
+use super::domain::ParameterDomain;
 use crate::Vec3;
 
 /// Position and partial derivatives up to order two at one parameter pair `(u, v)`.
@@ -99,7 +99,7 @@ impl PrincipalCurvatures {
 /// derivatives may be evaluated a little outside the domain.
 pub trait ParametricSurface: Send + Sync {
     /// The parameters that the surface is made of.
-    fn domain(&self) -> Domain;
+    fn domain(&self) -> ParameterDomain;
 
     /// Position, first and second derivatives at `(u, v)`.
     fn jet(&self, u: f64, v: f64) -> SurfaceJet;

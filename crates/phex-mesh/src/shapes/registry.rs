@@ -2,8 +2,8 @@
 
 use super::ShapeError;
 use super::b_spline::BSplineHeights;
-use super::domain::{Domain, Interval};
-use super::ellipsoid::Ellipsoid;
+use super::domain::{Interval, ParameterDomain};
+use super::ellipsoid::EllipsoidSurface;
 use super::graph::{Graph, HeightField, MonkeySaddle, Paraboloid, Wave};
 use super::minimal::{Enneper, Helicoid};
 use super::parametric::{ParametricSurface, PrincipalCurvatures, SurfaceJet};
@@ -176,7 +176,7 @@ fn join<'a>(names: impl Iterator<Item = &'a str>) -> String {
 }
 
 impl ParametricSurface for Shape {
-    fn domain(&self) -> Domain {
+    fn domain(&self) -> ParameterDomain {
         self.surface.domain()
     }
     fn jet(&self, u: f64, v: f64) -> SurfaceJet {
@@ -363,7 +363,7 @@ static SHAPES: [ShapeInfo; 16] = [
         build: |p| {
             graph(
                 paraboloid(-1.0 / p[0], -1.0 / p[1]),
-                Domain::superellipse(p[2], p[2], 2.0),
+                ParameterDomain::superellipse(p[2], p[2], 2.0),
             )
         },
     },
@@ -378,7 +378,7 @@ static SHAPES: [ShapeInfo; 16] = [
             let scale = p[1] / p[0].powi(3);
             graph(
                 MonkeySaddle { scale },
-                Domain::superellipse(p[0], p[0], 2.0),
+                ParameterDomain::superellipse(p[0], p[0], 2.0),
             )
         },
     },
@@ -451,14 +451,17 @@ static SHAPES: [ShapeInfo; 16] = [
                 half_width,
                 height: p[2],
             };
-            graph(roof, Domain::superellipse(half_length, half_width, p[3]))
+            graph(
+                roof,
+                ParameterDomain::superellipse(half_length, half_width, p[3]),
+            )
         },
     },
 ];
 
-type Built = Result<Arc<dyn ParametricSurface>, OutOfRange>;
+type ShapeResult = Result<Arc<dyn ParametricSurface>, OutOfRange>;
 
-fn graph(height: impl HeightField + 'static, domain: Domain) -> Built {
+fn graph(height: impl HeightField + 'static, domain: ParameterDomain) -> ShapeResult {
     Ok(Arc::new(Graph { height, domain }))
 }
 
@@ -473,14 +476,14 @@ fn flat() -> Paraboloid {
     paraboloid(0.0, 0.0)
 }
 
-fn half_sizes(width: f64, depth: f64) -> Domain {
-    Domain::rectangle(
+fn half_sizes(width: f64, depth: f64) -> ParameterDomain {
+    ParameterDomain::rectangle(
         Interval::symmetric(0.5 * width),
         Interval::symmetric(0.5 * depth),
     )
 }
 
-fn ellipsoid(semi_axes: [f64; 3]) -> Built {
+fn ellipsoid(semi_axes: [f64; 3]) -> ShapeResult {
     let semi_axes = Vec3::from(semi_axes);
     let (shortest, longest) = (semi_axes.min(), semi_axes.max());
     if longest > MAX_AXIS_RATIO * shortest {
@@ -490,14 +493,14 @@ fn ellipsoid(semi_axes: [f64; 3]) -> Built {
             max: MAX_AXIS_RATIO * shortest,
         });
     }
-    Ok(Arc::new(Ellipsoid { semi_axes }))
+    Ok(Arc::new(EllipsoidSurface { semi_axes }))
 }
 
-fn revolution(profile: Profile) -> Built {
+fn revolution(profile: Profile) -> ShapeResult {
     Ok(Arc::new(Revolution(profile)))
 }
 
-fn line(lower: f64, upper: f64, height: f64) -> Built {
+fn line(lower: f64, upper: f64, height: f64) -> ShapeResult {
     revolution(Profile::Line {
         lower,
         upper,
@@ -505,12 +508,12 @@ fn line(lower: f64, upper: f64, height: f64) -> Built {
     })
 }
 
-fn torus(major: f64, minor: f64) -> Built {
+fn torus(major: f64, minor: f64) -> ShapeResult {
     at_most(1, minor, 0.95 * major)?;
     revolution(Profile::Circle { major, minor })
 }
 
-fn catenoid(waist: f64, height: f64) -> Built {
+fn catenoid(waist: f64, height: f64) -> ShapeResult {
     at_most(1, height, 6.0 * waist)?;
     revolution(Profile::Catenary {
         waist,
@@ -518,7 +521,7 @@ fn catenoid(waist: f64, height: f64) -> Built {
     })
 }
 
-fn hyperboloid(waist: f64, rim: f64, height: f64) -> Built {
+fn hyperboloid(waist: f64, rim: f64, height: f64) -> ShapeResult {
     at_most(0, waist, 0.99 * rim)?;
     let reach = (rim / waist).acosh();
     revolution(Profile::Hyperbola {

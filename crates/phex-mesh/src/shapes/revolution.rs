@@ -3,7 +3,7 @@
 //! `x(u, v) = (rho(v) cos u, rho(v) sin u, z(v))`; the normal points away from the axis where `z`
 //! rises with `v`.
 
-use super::domain::{Domain, Interval};
+use super::domain::{Interval, ParameterDomain};
 use super::parametric::{ParametricSurface, SurfaceJet};
 use crate::{Vec2, Vec3};
 
@@ -66,8 +66,8 @@ impl Profile {
 pub(super) struct Revolution(pub Profile);
 
 impl ParametricSurface for Revolution {
-    fn domain(&self) -> Domain {
-        Domain::rectangle(Interval::turn(), self.0.interval())
+    fn domain(&self) -> ParameterDomain {
+        ParameterDomain::rectangle(Interval::turn(), self.0.interval())
     }
 
     fn jet(&self, u: f64, v: f64) -> SurfaceJet {

@@ -24,7 +24,7 @@ mod scale;
 mod values;
 
 pub(crate) use panel_kinds::{PanelKind, kinds as panel_kinds};
-pub use scale::{Class, Continuous, Histogram, Range, Rgb, Scale};
+pub use scale::{Class, ColourScale, Continuous, Range, Rgb, ValueCounts};
 pub use values::{Subject, principal_at_panels};
 
 use phex::report::FeatureSizes;
@@ -130,7 +130,7 @@ pub struct ColourMap {
     /// dihedral angle).
     pub values: Vec<f64>,
     /// How values become colours.
-    pub scale: Scale,
+    pub scale: ColourScale,
 }
 
 impl ColourMap {
@@ -162,7 +162,7 @@ impl ColourMap {
     pub fn over(map: Map, subject: &Subject<'_>, range: Range) -> Option<Self> {
         let (element, values) = values::values(map, subject)?;
         let scale = match scale(map, subject) {
-            Scale::Continuous(fixed) => Scale::Continuous(fixed.over(range, &values)),
+            ColourScale::Continuous(fixed) => ColourScale::Continuous(fixed.over(range, &values)),
             classes => classes,
         };
         Some(Self {
@@ -179,12 +179,12 @@ impl ColourMap {
     }
 
     /// Number of elements by value.
-    pub fn histogram(&self) -> Histogram {
+    pub fn histogram(&self) -> ValueCounts {
         self.scale.histogram(&self.values)
     }
 }
 
-fn scale(map: Map, subject: &Subject<'_>) -> Scale {
+fn scale(map: Map, subject: &Subject<'_>) -> ColourScale {
     let limit = |name: &str, factor: f64| {
         let checks = &subject.assessment.checks;
         let check = checks.iter().find(|c| c.name == name);
@@ -204,32 +204,32 @@ fn scale(map: Map, subject: &Subject<'_>) -> Scale {
         ..continuous
     };
     match map {
-        Map::Planarity => Scale::Continuous(Continuous {
+        Map::Planarity => ColourScale::Continuous(Continuous {
             limit: limit("planarity", 1.0),
             ..continuous(1e-12, 0.1, true, ramps::SEQUENTIAL)
         }),
-        Map::Deviation => Scale::Continuous(Continuous {
+        Map::Deviation => ColourScale::Continuous(Continuous {
             limit: limit("deviation", 100.0),
             ..continuous(0.0, 0.5, false, ramps::SEQUENTIAL)
         }),
         Map::EdgeLength => {
             let lengths = continuous(0.25, 4.0, true, ramps::DIVERGING_LINES);
-            Scale::Continuous(about(1.0, lengths))
+            ColourScale::Continuous(about(1.0, lengths))
         }
         Map::Dihedral => {
             let angles = continuous(160.0, 200.0, false, ramps::DIVERGING_LINES);
-            Scale::Continuous(about(180.0, angles))
+            ColourScale::Continuous(about(180.0, angles))
         }
-        Map::Curvature => Scale::Continuous(Continuous {
+        Map::Curvature => ColourScale::Continuous(Continuous {
             band: Some((PARABOLIC, ramps::PARABOLIC)),
             ..continuous(-1.0, 1.0, false, ramps::DIVERGING)
         }),
-        Map::FeatureSize => Scale::Continuous(Continuous {
+        Map::FeatureSize => ColourScale::Continuous(Continuous {
             limit: Some(FeatureSizes::BOUND),
             ..continuous(0.0, 2.0, false, ramps::SEQUENTIAL)
         }),
-        Map::Valence => Scale::Classes(panel_kinds::classes()),
-        Map::Validity => Scale::Classes(values::VALIDITY.to_vec()),
+        Map::Valence => ColourScale::Classes(panel_kinds::classes()),
+        Map::Validity => ColourScale::Classes(values::VALIDITY.to_vec()),
     }
 }
 

@@ -184,7 +184,7 @@ pub fn label(value: f64) -> String {
 /// How values become colours.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Scale {
+pub enum ColourScale {
     /// Along a range.
     Continuous(Continuous),
     /// By class; values are the classes' numbers from 0.
@@ -193,7 +193,7 @@ pub enum Scale {
 
 /// Number of elements by value.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Histogram {
+pub struct ValueCounts {
     /// Elements in each class, or in bins of equal width along the legend; the first and last bin
     /// hold what is outside.
     pub counts: Vec<usize>,
@@ -203,7 +203,7 @@ pub struct Histogram {
     pub above: usize,
 }
 
-impl Scale {
+impl ColourScale {
     /// Colour of a value.
     pub fn colour(&self, value: f64) -> Rgb {
         match self {
@@ -217,7 +217,7 @@ impl Scale {
     }
 
     /// Counts values; those that are NaN are left out.
-    pub fn histogram(&self, values: &[f64]) -> Histogram {
+    pub fn histogram(&self, values: &[f64]) -> ValueCounts {
         let values = || values.iter().copied().filter(|v| !v.is_nan());
         let bins = match self {
             Self::Continuous(_) => BINS,
@@ -231,7 +231,7 @@ impl Scale {
             Self::Continuous(c) => values().filter(|&v| is(v, c)).count(),
             Self::Classes(_) => 0,
         };
-        Histogram {
+        ValueCounts {
             counts,
             below: outside(|v, c| v < c.low),
             above: outside(|v, c| v > c.high),

@@ -21,7 +21,7 @@ fn map_over(mesh: &HexMesh, map: Map, range: Range) -> ColourMap {
 
 /// A map that shows differences: not all elements have the colour of one end.
 fn shows_differences(map: &ColourMap) -> bool {
-    let Scale::Continuous(scale) = &map.scale else {
+    let ColourScale::Continuous(scale) = &map.scale else {
         return false;
     };
     let places = map.values.iter().filter(|v| !v.is_nan());
@@ -63,7 +63,7 @@ fn a_map_of_a_good_mesh_is_not_blank() {
 #[test]
 fn a_range_of_one_s_choice_is_kept() {
     let given = map_over(&corner([1.0; 2]), Map::EdgeLength, Range::Given([0.5, 2.5]));
-    let Scale::Continuous(scale) = given.scale else {
+    let ColourScale::Continuous(scale) = given.scale else {
         panic!("lengths have a range");
     };
     assert_eq!((scale.low, scale.high), (0.5, 2.5));
@@ -104,7 +104,7 @@ fn dihedral_angles_of_a_cube_are_right_angles_and_the_boundary_has_none() {
 fn edges_of_mean_length_are_in_the_middle_of_the_scale() {
     let lengths = map_over(&corner([1.0; 2]), Map::EdgeLength, Range::Fixed);
     assert!(lengths.values.iter().all(|v| (v - 1.0).abs() < 1e-12));
-    let Scale::Continuous(scale) = &lengths.scale else {
+    let ColourScale::Continuous(scale) = &lengths.scale else {
         panic!("lengths have a range");
     };
     assert!((scale.place(1.0) - 0.5).abs() < 1e-12);

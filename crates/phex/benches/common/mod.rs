@@ -3,8 +3,8 @@
 
 use phex::curvature::{Curvature, curvature};
 use phex::directions::{Directions, directions};
-use phex::layout::lattice::CELL;
-use phex::layout::seeds::Seed;
+use phex::layout::CELL;
+use phex::layout::Seed;
 use phex::layout::{CellSurface, Layout, Placed, panelling, place_seeds};
 use phex::smooth_surface::{Similarity, SmoothTarget, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};

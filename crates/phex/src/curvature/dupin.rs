@@ -57,7 +57,7 @@ impl Indicatrix {
     /// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
     /// # let options = TriangulationOptions { triangles: 2000, ..Default::default() };
     /// # let sphere = triangulate(&Shape::from_name("sphere", &[])?, &options)?;
-    /// use phex::curvature::dupin::Indicatrix;
+    /// use phex::curvature::Indicatrix;
     /// use phex::curvature::{CurvatureOptions, curvature};
     /// use phex_mesh::Vec3;
     ///
@@ -180,7 +180,7 @@ pub fn free_panels(mesh: &HexMesh) -> PerFace<bool> {
 
 /// The distance of one polygon in space, projected to the plane of its corners, as in
 /// [`indicatrix_distances`].
-pub fn inscribed_distance(corners: &[Vec3], indicatrix: &Indicatrix) -> Option<f64> {
+pub(crate) fn inscribed_distance(corners: &[Vec3], indicatrix: &Indicatrix) -> Option<f64> {
     let local = Local::new(corners, indicatrix)?;
     let conic = local.conic()?;
     let squares = local.points.iter().map(|q| conic.distance(q).powi(2));

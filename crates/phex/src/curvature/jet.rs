@@ -6,13 +6,13 @@ use phex_mesh::{TriangleSurface, Vec3, VertexId};
 
 /// Normal and second fundamental form at a vertex.
 #[derive(Clone, Copy, Debug)]
-pub struct Jet {
+pub(super) struct Jet {
     pub normal: Vec3,
     pub tensor: Matrix3<f64>,
 }
 
 /// Collects connected neighbourhoods without allocating for each vertex.
-pub struct Neighbourhood<'a> {
+pub(super) struct Neighbourhood<'a> {
     surface: &'a TriangleSurface,
     stamp: Vec<u32>,
     round: u32,
@@ -73,7 +73,7 @@ impl<'a> Neighbourhood<'a> {
 }
 
 /// Fits a jet at `v` to the members within `reach` (all, when too few are).
-pub fn fit(surface: &TriangleSurface, v: VertexId, members: &[VertexId], reach: f64) -> Jet {
+pub(super) fn fit(surface: &TriangleSurface, v: VertexId, members: &[VertexId], reach: f64) -> Jet {
     let (p, n) = (surface.positions()[v], surface.normals()[v]);
     let [e1, e2] = tangent_frame(n);
     let within = |w: &VertexId| (surface.positions()[*w] - p).norm() <= reach;

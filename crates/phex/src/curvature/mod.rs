@@ -18,11 +18,13 @@
 //! Guaranteed: exact for quadrics in graph form at the fitted vertex, error `O(r^2)` elsewhere; a
 //! plane gives 0. Fails: where features are smaller than `r` they are averaged.
 
-pub mod dupin;
+pub(crate) mod dupin;
 mod jet;
 mod tensor;
 
-pub use tensor::{Principal, large_curvature, principal, smoothed, tangent_frame};
+pub use dupin::{Indicatrix, free_panels, indicatrix_distances, inscribing_curves};
+pub use tensor::{Principal, principal, tangent_frame};
+pub(crate) use tensor::{large_curvature, smoothed};
 
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};

@@ -38,7 +38,7 @@ pub fn smoothed(
 }
 
 /// `P S P` with the projector `P = 1 - n n^T`.
-pub fn tangential(n: Vec3, s: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn tangential(n: Vec3, s: &Matrix3<f64>) -> Matrix3<f64> {
     let p = Matrix3::identity() - n * n.transpose();
     p * s * p
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// The boundary at one of its vertices, in the vertex's polar coordinates.
 #[derive(Clone, Copy, Debug)]
-pub struct BoundaryFrame {
+pub(crate) struct BoundaryFrame {
     /// Polar angle of the direction that points inwards, half-way between the two boundary edges.
     pub inward: f64,
     /// Angle by which the boundary turns here (positive to the left, where the surface lies).
@@ -20,7 +20,10 @@ pub struct BoundaryFrame {
 }
 
 /// Frames of the vertices on the boundary; `None` inside.
-pub fn frames(topology: &Topology, mesh: &IntrinsicMesh) -> PerVertex<Option<BoundaryFrame>> {
+pub(crate) fn frames(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+) -> PerVertex<Option<BoundaryFrame>> {
     PerVertex::from_fn(topology.n_vertices(), |v: VertexId| {
         topology
             .is_boundary_vertex(v)
@@ -49,7 +52,7 @@ const STRAIGHT: f64 = 0.05;
 
 /// Frames of the vertices on the longest straight side of the boundary alone: on a plane rows
 /// follow it everywhere, where all sides together would bend them.
-pub fn on_longest_side(
+pub(crate) fn on_longest_side(
     topology: &Topology,
     frames: &PerVertex<Option<BoundaryFrame>>,
 ) -> PerVertex<Option<BoundaryFrame>> {
@@ -93,7 +96,7 @@ fn sides(boundary: &[VertexId], frames: &PerVertex<Option<BoundaryFrame>>) -> Ve
 }
 
 /// The half-edge along the boundary that leaves a boundary vertex, and the one that enters it.
-pub fn boundary_half_edges(topology: &Topology, v: VertexId) -> [HalfEdgeId; 2] {
+pub(crate) fn boundary_half_edges(topology: &Topology, v: VertexId) -> [HalfEdgeId; 2] {
     let mut outgoing = topology.outgoing(v);
     let first = outgoing.next().expect("a vertex has an outgoing half-edge");
     let last = outgoing.last().unwrap_or(first);

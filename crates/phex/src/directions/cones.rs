@@ -9,18 +9,14 @@
 use super::DirectionOptions;
 use super::guides::Cone;
 use super::intrinsic::IntrinsicMesh;
-use super::rosy::Field;
+use super::rosy::SixFoldField;
 use super::turns::{Route, Turns, cones, routes, settle};
 use phex_mesh::{FaceId, PerEdge, PerFace, PerVertex, TriangleSurface, Vec3};
 use phex_numeric::NumericError;
 use thiserror::Error;
 
-/// Share of the compulsory alignment from which on a triangle lies in the band round a parabolic
-/// curve.
-const BAND: f64 = 0.8;
-
 /// Angles of a field and its turns along edges.
-pub struct TurnedField {
+pub(crate) struct TurnedField {
     /// Angle at each vertex, radians.
     pub angle: PerVertex<f64>,
     /// Turns along each edge from its origin to its target, sixths.
@@ -29,8 +25,6 @@ pub struct TurnedField {
     pub cone: PerFace<i32>,
     /// Pairs that were cancelled.
     pub cancelled: usize,
-    /// Cones that were moved off parabolic curves.
-    pub pushed: usize,
 }
 
 /// Why prescribed cones can't be.
@@ -56,29 +50,24 @@ pub enum ConeError {
     },
 }
 
-/// The field with its cones where they should be. `weight` is that of the alignment at each vertex.
+/// The field with its cones where they should be.
 ///
 /// # Errors
 /// If a linear system can't be solved.
-pub fn settle_cones(
+pub(crate) fn settle_cones(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,
-    field: Field,
-    weight: &PerVertex<f64>,
+    field: SixFoldField,
     options: &DirectionOptions,
 ) -> Result<TurnedField, NumericError> {
     let topology = surface.topology();
     let mut turns = Turns::smallest(topology, mesh, &field.angle);
-    let (mut cancelled, mut pushed) = (0, 0);
-    let mut moved = 0;
+    let (mut cancelled, mut moved) = (0, 0);
     match prescribed_faces(surface, &options.guides.cones) {
         Ok(wanted) if !wanted.is_empty() => moved = prescribe(surface, mesh, &mut turns, &wanted),
-        _ => {
-            cancelled = cancel(surface, mesh, &mut turns, options.cancel_reach);
-            pushed = push_off(surface, mesh, &mut turns, weight, options);
-        }
+        _ => cancelled = cancel(surface, mesh, &mut turns, options.cancel_reach),
     }
-    let angle = if cancelled + pushed + moved == 0 {
+    let angle = if cancelled + moved == 0 {
         field.angle
     } else {
         settle(topology, mesh, &field, &turns.turn)?
@@ -88,7 +77,6 @@ pub fn settle_cones(
         angle,
         turn: turns.turn,
         cancelled,
-        pushed,
     })
 }
 
@@ -113,41 +101,11 @@ fn cancel(surface: &TriangleSurface, mesh: &IntrinsicMesh, turns: &mut Turns, re
     cancelled
 }
 
-/// Moves cones out of the band round parabolic curves to the nearest place outside; how many.
-fn push_off(
-    surface: &TriangleSurface,
-    mesh: &IntrinsicMesh,
-    turns: &mut Turns,
-    weight: &PerVertex<f64>,
-    options: &DirectionOptions,
-) -> usize {
-    let topology = surface.topology();
-    let in_band = |f: FaceId| {
-        let mut corners = topology.face_vertices(f).iter();
-        corners.any(|v| weight[*v] > BAND * options.alignment)
-    };
-    let inside: Vec<FaceId> = topology
-        .faces()
-        .filter(|f| turns.cone[*f] != 0 && in_band(*f))
-        .collect();
-    let mut pushed = 0;
-    for f in inside {
-        let free = |g: FaceId| turns.cone[g] == 0 && !in_band(g);
-        let ways = routes(topology, mesh, f, options.band_reach, false, free);
-        if let Some(way) = ways.first() {
-            let index = turns.cone[f];
-            turns.carry(topology, way, index);
-            pushed += 1;
-        }
-    }
-    pushed
-}
-
 /// The triangles of prescribed cones with their indices.
 ///
 /// # Errors
 /// If they can't be.
-pub fn prescribed_faces(
+pub(crate) fn prescribed_faces(
     surface: &TriangleSurface,
     cones: &[Cone],
 ) -> Result<Vec<(FaceId, i32)>, ConeError> {

@@ -9,7 +9,7 @@ use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::f64::consts::{FRAC_PI_3, PI};
 
 /// Logarithm of the length factor at each vertex; the area-weighted mean of its square is 1.
-pub fn log_factor(
+pub(crate) fn log_factor(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     cone: &PerFace<i32>,

@@ -54,7 +54,7 @@ impl IntrinsicMesh {
     }
 
     /// Everything else from edge lengths that satisfy the triangle inequalities.
-    pub fn from_lengths(topology: &Topology, length: PerEdge<f64>) -> Self {
+    pub(crate) fn from_lengths(topology: &Topology, length: PerEdge<f64>) -> Self {
         let side = |h: HalfEdgeId| length[topology.edge(h)];
         let corner = PerHalfEdge::from_fn(topology.n_half_edges(), |h| {
             let (b, c, a) = (side(h), side(topology.prev(h)), side(topology.next(h)));
@@ -126,7 +126,7 @@ impl IntrinsicMesh {
 
     /// Rotation that parallel transport along an edge (from the origin to the target of its
     /// half-edge) adds to a polar angle.
-    pub fn transport(&self, e: phex_mesh::EdgeId) -> f64 {
+    pub(crate) fn transport(&self, e: phex_mesh::EdgeId) -> f64 {
         self.polar_target[e] + PI - self.polar_origin[e]
     }
 

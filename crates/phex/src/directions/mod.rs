@@ -20,7 +20,7 @@
 //! | symbol | variable |
 //! |---|---|
 //! | `rho` | [`DirectionOptions::anisotropy`] |
-//! | `k0` | [`DirectionOptions::curvature_floor`] times the 90 % quantile of `|k2|` |
+//! | `k0` | 0.05 times the 90 % quantile of `|k2|` |
 //! | `alpha` | [`DirectionOptions::conformal_screening`] |
 //! | `theta` | [`Directions::angle`], from the first half-edge of the vertex, counter-clockwise |
 //!
@@ -28,22 +28,29 @@
 //! unit lattice spacing is one intrinsic length. Fails: never; where the metric violates triangle
 //! inequalities it is blended towards them.
 
-pub mod boundary;
-pub mod cones;
-pub mod conformal;
-pub mod guides;
-pub mod intrinsic;
-pub mod metric;
-pub mod network;
-pub mod rosy;
-pub mod saddle;
-pub mod size;
-pub mod thickness;
-pub mod turns;
+pub(crate) mod boundary;
+pub(crate) mod cones;
+pub(crate) mod conformal;
+pub(crate) mod guides;
+pub(crate) mod intrinsic;
+pub(crate) mod metric;
+pub(crate) mod network;
+pub(crate) mod rosy;
+pub(crate) mod saddle;
+pub(crate) mod size;
+#[cfg(test)]
+mod tests;
+pub(crate) mod thickness;
+pub(crate) mod turns;
+
+pub use cones::ConeError;
+pub use guides::{Cone, Guides};
+pub use intrinsic::IntrinsicMesh;
+pub use network::{Conjugacy, Curve, NetworkError, NetworkFamily, NetworkOptions};
+pub use size::{Demands, SizeOptions, relative_sizes};
+pub use thickness::thickness;
 
 use crate::curvature::{Curvature, Principal};
-use guides::Guides;
-use intrinsic::IntrinsicMesh;
 use nalgebra::Matrix3;
 use phex_mesh::{EdgeId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface};
 use phex_numeric::NumericError;
@@ -57,12 +64,8 @@ pub struct DirectionOptions {
     /// Largest ratio of panel lengths along the two principal directions (1: isotropic). 1.5 to 2
     /// is the measured optimum.
     pub anisotropy: f64,
-    /// Curvatures below this share of the surface's large ones count as flat.
-    pub curvature_floor: f64,
     /// Weight of the compulsory alignment near parabolic curves.
     pub alignment: f64,
-    /// Weight of the gentle alignment elsewhere.
-    pub gentle_alignment: f64,
     /// Screening of the conformal factor (larger: more uniform size, more dislocations), per panel
     /// area.
     pub conformal_screening: f64,
@@ -76,11 +79,8 @@ pub struct DirectionOptions {
     /// Distance, in panels, up to which opposite cones are cancelled (0: none are). More of them
     /// give fewer irregular panels, and larger ones where the surface is strongly curved.
     pub cancel_reach: f64,
-    /// Distance, in panels, up to which cones are moved off the bands round parabolic curves where
-    /// rows must be aligned (0: none are).
-    pub band_reach: f64,
     /// Weight of the alignment that keeps the edges of a lattice off the asymptotic directions, for
-    /// surfaces with `K < 0` (0: none); see [`saddle`].
+    /// surfaces with `K < 0` (0: none); see `saddle`.
     pub saddle_alignment: f64,
     /// Whether rows on saddles may run along either principal direction, whichever is nearer (a
     /// double well): larger least angles, but on some surfaces more irregular panels.
@@ -93,15 +93,12 @@ impl Default for DirectionOptions {
     fn default() -> Self {
         Self {
             anisotropy: 2.0,
-            curvature_floor: 0.05,
             alignment: 5.0,
-            gentle_alignment: 0.3,
             conformal_screening: 0.2,
             conformal_limit: 0.6,
             rotate: 0.0,
             boundary_alignment: 0.5,
             cancel_reach: 4.0,
-            band_reach: 0.0,
             double_well: false,
             saddle_alignment: 0.0,
             guides: Guides::default(),
@@ -127,8 +124,6 @@ pub struct Directions {
     pub cone: PerFace<i32>,
     /// Pairs of opposite cones that were cancelled.
     pub cancelled: usize,
-    /// Cones that were moved off parabolic curves.
-    pub pushed: usize,
 }
 
 impl Directions {
@@ -223,7 +218,7 @@ pub fn in_metric(
             options,
             &mut factor,
         )?;
-        cones::settle_cones(surface, intrinsic, field, weight, options)
+        cones::settle_cones(surface, intrinsic, field, options)
     };
     let mut turned = field(&intrinsic, &tensor)?;
     if options.conformal_limit > 0.0 {
@@ -241,6 +236,5 @@ pub fn in_metric(
         turn: turned.turn,
         cone: turned.cone,
         cancelled: turned.cancelled,
-        pushed: turned.pushed,
     })
 }

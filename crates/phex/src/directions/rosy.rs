@@ -18,7 +18,7 @@ const POLISH_STEPS: usize = 3;
 const TIE_BREAK: f64 = 1e-4;
 
 /// A six-fold field and what it was asked for.
-pub struct Field {
+pub(crate) struct SixFoldField {
     /// Angle at each vertex, radians modulo pi / 3.
     pub angle: PerVertex<f64>,
     /// Wish at each vertex: strength, integrated over the vertex, times `exp(6 i t)` of the
@@ -28,7 +28,7 @@ pub struct Field {
 
 /// The smoothest field that is drawn to the small curvature's direction, and to the boundary. The
 /// factorisation that is left there serves the next field on the same triangles.
-pub fn field(
+pub(crate) fn field(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,
     metric: &PerVertex<Matrix3<f64>>,
@@ -36,7 +36,7 @@ pub fn field(
     weight: &PerVertex<f64>,
     options: &DirectionOptions,
     factor: &mut Option<Cholesky>,
-) -> Result<Field, NumericError> {
+) -> Result<SixFoldField, NumericError> {
     let topology = surface.topology();
     let wish = |v: VertexId, along: Vec3, across: Vec3| {
         Complex::from_polar(
@@ -90,7 +90,7 @@ pub fn field(
         );
     }
     *factor = Some(polish);
-    Ok(Field {
+    Ok(SixFoldField {
         angle: PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()),
         wish: PerVertex::from_vec(source),
     })

@@ -26,7 +26,7 @@ const ENOUGH: f64 = 0.3;
 
 /// What rows are wished to do: to run along [`Principal::small_direction`], each with a weight from
 /// 0 to `weight`.
-pub fn wishes(
+pub(crate) fn wishes(
     surface: &TriangleSurface,
     curvature: &Curvature,
     metric: &PerVertex<Matrix3<f64>>,

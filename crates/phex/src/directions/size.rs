@@ -13,31 +13,21 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// How sizes follow the surface.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SizeOptions {
     /// Largest panel length times curvature (`L k_max`), or `None` for uniform panels. 0.4 resolves
     /// features well.
     pub adaptive: Option<f64>,
-    /// Smallest size over the largest that `adaptive` may ask for.
-    pub smallest_rel: f64,
-    /// Relative change of size per panel length at the most.
-    pub gradation: f64,
-}
-
-impl Default for SizeOptions {
-    fn default() -> Self {
-        Self {
-            adaptive: None,
-            smallest_rel: 0.25,
-            gradation: 0.15,
-        }
-    }
 }
 
 /// Share of the distance to the opposite sheet that the sagitta of a panel may be: those of both
 /// sheets stand off towards each other.
 const OF_THICKNESS: f64 = 0.25;
+/// Smallest size over the largest that curvature may ask for.
+const SMALLEST: f64 = 0.25;
+/// Relative change of size per panel length at the most.
+const GRADATION: f64 = 0.15;
 /// Smallest size that thickness may ask for, over the smallest that curvature may: sheets nearly
 /// touch in few places.
 const THINNEST: f64 = 0.3;
@@ -71,16 +61,16 @@ pub fn relative_sizes(
     let own = |v| match options.adaptive {
         Some(c) => {
             let curvature = principal[v].large.abs();
-            let resolved = (c / (curvature * length)).clamp(options.smallest_rel, 1.0);
+            let resolved = (c / (curvature * length)).clamp(SMALLEST, 1.0);
             let apart = thickness.map_or(f64::INFINITY, |t| {
                 (8.0 * OF_THICKNESS * t[v] / curvature).sqrt() / length
             });
-            resolved.min(apart.max(THINNEST * options.smallest_rel))
+            resolved.min(apart.max(THINNEST * SMALLEST))
         }
         None => 1.0,
     };
     let wish = PerVertex::from_fn(principal.len(), |v| own(v) * field.map_or(1.0, |f| f[v]));
-    Some(graded(surface, &wish, options.gradation / length))
+    Some(graded(surface, &wish, GRADATION / length))
 }
 
 /// The largest field below `wish` whose slope is at most `slope` times the size (per length): sizes
@@ -112,7 +102,7 @@ fn graded(surface: &TriangleSurface, wish: &PerVertex<f64>, slope: f64) -> PerVe
 
 /// The factor `L0` that makes panels of length `L0 * relative` cover the surface with `panels`
 /// cells of area `cell L^2`.
-pub fn base_length(
+pub(crate) fn base_length(
     surface: &TriangleSurface,
     relative: &PerVertex<f64>,
     cell: f64,
@@ -134,11 +124,6 @@ pub fn base_length(
     (share / (cell * panels as f64)).sqrt()
 }
 
-/// `L k_max` at each vertex: above about 0.8 a feature is smaller than the panels on it.
-pub fn resolution(principal: &PerVertex<Principal>, length: &PerVertex<f64>) -> PerVertex<f64> {
-    PerVertex::from_fn(length.len(), |v| principal[v].large.abs() * length[v])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,7 +143,6 @@ mod tests {
         let (principal, length) = (PerVertex::filled(4, bent), 0.3);
         let options = SizeOptions {
             adaptive: Some(0.4),
-            ..SizeOptions::default()
         };
         let size_at = |t: f64| {
             let thickness = PerVertex::filled(4, t);

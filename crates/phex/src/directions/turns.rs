@@ -11,7 +11,7 @@
 //! Source: trivial connections (Crane, Desbrun, Schroeder 2010).
 
 use super::intrinsic::{Distance, IntrinsicMesh, row};
-use super::rosy::Field;
+use super::rosy::SixFoldField;
 use nalgebra::Complex;
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, PerVertex, Topology, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
@@ -25,7 +25,7 @@ const SOLVES: usize = 3;
 const HOLD: f64 = 1e-6;
 
 /// Turns along edges and the cones that they make.
-pub struct Turns {
+pub(crate) struct Turns {
     /// Turns along each edge from its origin to its target, sixths.
     pub turn: PerEdge<i32>,
     /// Index in each triangle, sixths.
@@ -55,7 +55,7 @@ impl Turns {
 }
 
 /// A way over triangles, each with the edge to leave it by.
-pub struct Route {
+pub(crate) struct Route {
     /// Length, lattice spacings.
     pub length: f64,
     /// The first triangle.
@@ -67,7 +67,7 @@ pub struct Route {
 
 /// The shortest ways from a triangle to those within `reach` lattice spacings that `wanted` names,
 /// and, where `leaving`, out of the boundary; the shortest first.
-pub fn routes(
+pub(crate) fn routes(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     from: FaceId,
@@ -118,7 +118,7 @@ pub fn routes(
 }
 
 /// Turns of the field along each edge with the smallest rest, in sixths.
-pub fn smallest_turns(
+pub(crate) fn smallest_turns(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     angle: &PerVertex<f64>,
@@ -144,7 +144,7 @@ fn side(topology: &Topology, f: FaceId, e: EdgeId) -> i32 {
 }
 
 /// Index in each triangle of a field with given turns, in sixths.
-pub fn cones(
+pub(crate) fn cones(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     angle: &PerVertex<f64>,
@@ -177,10 +177,10 @@ fn path_to(known: &ReachedTriangles, to: FaceId) -> Vec<(FaceId, EdgeId)> {
 }
 
 /// The angles that fit fixed turns best.
-pub fn settle(
+pub(crate) fn settle(
     topology: &Topology,
     mesh: &IntrinsicMesh,
-    field: &Field,
+    field: &SixFoldField,
     turn: &PerEdge<i32>,
 ) -> Result<PerVertex<f64>, NumericError> {
     let factor = Cholesky::new(&matrix(topology, mesh, &field.wish)?)?;

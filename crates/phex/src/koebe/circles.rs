@@ -17,11 +17,11 @@ impl<'a> Circles<'a> {
         Self { topology }
     }
 
-    pub fn n_nodes(&self) -> usize {
+    pub(crate) fn n_nodes(&self) -> usize {
         self.topology.n_vertices() + self.topology.n_faces()
     }
 
-    pub fn n_pairs(&self) -> usize {
+    pub(crate) fn n_pairs(&self) -> usize {
         self.topology.n_half_edges()
     }
 
@@ -61,7 +61,7 @@ impl<'a> Circles<'a> {
     }
 
     /// Kites at a circle, counter-clockwise.
-    pub fn kites(&self, node: NodeId) -> Vec<HalfEdgeId> {
+    pub(crate) fn kites(&self, node: NodeId) -> Vec<HalfEdgeId> {
         match self.vertex(node) {
             Some(v) => self.topology.outgoing(v).collect(),
             None => {

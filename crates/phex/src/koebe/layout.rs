@@ -58,7 +58,7 @@ impl Ord for Waiting {
     }
 }
 
-struct Builder<'a> {
+struct CirclePlacer<'a> {
     circles: &'a Circles<'a>,
     radii: &'a Radii,
     placed: Vec<Option<PlaneCircle>>,
@@ -69,7 +69,7 @@ struct Builder<'a> {
 /// Lays out every circle; `None` if a circle is joined to no other one of finite radius.
 pub(super) fn lay_out(circles: &Circles, radii: &Radii) -> Option<PlaneLayout> {
     let n = circles.n_nodes();
-    let mut builder = Builder {
+    let mut builder = CirclePlacer {
         circles,
         radii,
         placed: vec![None; n],
@@ -90,7 +90,7 @@ pub(super) fn lay_out(circles: &Circles, radii: &Radii) -> Option<PlaneLayout> {
     })
 }
 
-impl Builder<'_> {
+impl CirclePlacer<'_> {
     fn place_waiting(&mut self, next: &Waiting) {
         if self.placed[next.node].is_some() {
             return;

@@ -147,6 +147,9 @@ pub enum BoundaryCondition {
     Angles,
 }
 
+/// Newton steps in space at the most; 1 or 2 are usual.
+const MOST_POLISH_STEPS: usize = 5;
+
 /// Options of [`koebe`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -160,8 +163,6 @@ pub struct KoebeOptions {
     pub max_iterations: usize,
     /// Error of the angle sums, radians, at which the radii are good enough to be laid out.
     pub angle_tolerance: f64,
-    /// Newton steps in space at the most; 1 or 2 are usual.
-    pub max_polish_iterations: usize,
 }
 
 impl Default for KoebeOptions {
@@ -171,7 +172,6 @@ impl Default for KoebeOptions {
             opening: 60.0,
             max_iterations: 40,
             angle_tolerance: 1e-10,
-            max_polish_iterations: 5,
         }
     }
 }
@@ -312,11 +312,11 @@ pub fn koebe(
     }
     let mut poles = poles(&circles, &sphere);
     if outcome.status == Status::Converged {
-        let report = reporter(options.max_polish_iterations, progress);
+        let report = reporter(MOST_POLISH_STEPS, progress);
         outcome.append(polish::polish(
             mesh.topology(),
             &mut poles,
-            options.max_polish_iterations,
+            MOST_POLISH_STEPS,
             &report,
         )?);
     }

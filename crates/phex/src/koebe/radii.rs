@@ -56,7 +56,7 @@ impl Radii {
 
     /// Keeps the start value of the last unknown: where no radius is given the pattern is free to
     /// grow, and the other angle sums imply that of one node.
-    pub fn fix_scale(&mut self) {
+    pub(crate) fn fix_scale(&mut self) {
         if let Some(last) = self.unknown.iter_mut().rev().find(|u| u.is_some()) {
             *last = None;
             self.n_unknowns -= 1;

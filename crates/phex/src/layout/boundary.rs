@@ -17,7 +17,7 @@ const MAX_MISFIT: f64 = 0.25;
 
 /// What the boundary wants of the lattice at one of its vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pin {
+pub(crate) struct Pin {
     /// The wave (0 to 2) whose crests run along the boundary.
     pub wave: usize,
     /// Inward normal of the rows, a unit vector in the vertex's chart.
@@ -28,14 +28,18 @@ pub struct Pin {
 
 impl Pin {
     /// The way to the nearest offset half-way between two rows.
-    pub fn correction(&self, z: Plane) -> Plane {
+    pub(crate) fn correction(&self, z: Plane) -> Plane {
         let height = dot(self.normal, z) / CELL - 0.5;
         self.normal * ((height.round() - height) * CELL)
     }
 }
 
 /// Pins of the boundary's vertices, `None` inside and where no row runs along the boundary.
-pub fn pins(topology: &Topology, directions: &Directions, weight: f64) -> PerVertex<Option<Pin>> {
+pub(crate) fn pins(
+    topology: &Topology,
+    directions: &Directions,
+    weight: f64,
+) -> PerVertex<Option<Pin>> {
     let frames = frames(topology, &directions.intrinsic);
     PerVertex::from_fn(topology.n_vertices(), |v: VertexId| {
         let frame = frames[v].as_ref().filter(|_| weight > 0.0)?;

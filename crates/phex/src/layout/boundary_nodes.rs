@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 0.002;
 /// Adds nodes to the outlines wherever the boundary stands off from the straight edge between two
 /// nodes: the farthest vertex of the boundary first, as in the line simplification of Douglas and
 /// Peucker.
-pub fn follow_boundary(surface: &TriangleSurface, complex: &mut CellComplex) {
+pub(crate) fn follow_boundary(surface: &TriangleSurface, complex: &mut CellComplex) {
     let next = next_on_boundary(surface.topology());
     for (label, outline) in &mut complex.panels {
         let mut refined = Vec::with_capacity(outline.len());

@@ -15,7 +15,7 @@ use std::collections::{HashMap, HashSet};
 
 /// A place where the outline of a cell passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Node {
+pub(crate) enum Node {
     /// Middle of an edge (a vertex of the panelling only on the boundary).
     Edge(EdgeId),
     /// Middle of a triangle with three labels.
@@ -35,7 +35,7 @@ struct Outline {
 
 /// Cells with their outlines.
 #[derive(Clone, Debug)]
-pub struct CellComplex {
+pub(crate) struct CellComplex {
     /// Label of each vertex.
     pub label: PerVertex<u32>,
     /// Seed vertex of each label; labels without a panel keep theirs.
@@ -52,7 +52,7 @@ const ROUNDS: usize = 20;
 ///
 /// # Errors
 /// A sentence that says what remains when that does not end.
-pub fn disc_cells(
+pub(crate) fn disc_cells(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     corners: &HashSet<VertexId>,
@@ -391,7 +391,7 @@ fn closed_loops(topology: &Topology, walk: &OutlineWalk, count: usize) -> Vec<Ou
 }
 
 /// Number of vertices of the panelling, for building arrays.
-pub fn node_index(panels: &[(u32, Vec<Node>)]) -> (IdMap<Node, u32>, Vec<Node>) {
+pub(crate) fn node_index(panels: &[(u32, Vec<Node>)]) -> (IdMap<Node, u32>, Vec<Node>) {
     let (mut index, mut nodes) = (IdMap::default(), Vec::new());
     for node in panels.iter().flat_map(|p| &p.1) {
         index.entry(*node).or_insert_with(|| {

@@ -138,7 +138,7 @@ pub(super) struct View {
 
 /// What holds the three waves of a vertex.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Hold {
+pub(super) struct WaveHold {
     pub weight: [f64; 3],
     /// Weights times the values to which waves are drawn.
     pub drawn: [Plane; 3],
@@ -149,17 +149,17 @@ pub(super) struct ChartGraph {
     /// Areas.
     pub mass: Vec<f64>,
     pub views: Lists<View>,
-    pub holds: Vec<Hold>,
+    pub holds: Vec<WaveHold>,
 }
 
 /// The group of a vertex, and the position of the vertex's origin in the group's chart.
 #[derive(Clone, Copy)]
-pub(super) struct Member {
+pub(super) struct GroupMember {
     pub group: u32,
     pub offset: Plane,
 }
 
-impl Member {
+impl GroupMember {
     /// No group yet.
     const NONE: Self = Self {
         group: u32::MAX,
@@ -200,7 +200,7 @@ impl ChartGraph {
         Self {
             mass: combing.in_order(|v| mesh.mass[v]),
             views,
-            holds: combing.in_order(|v| Hold::of_pin(&pins[v], combing.turned[v])),
+            holds: combing.in_order(|v| WaveHold::of_pin(&pins[v], combing.turned[v])),
         }
     }
 
@@ -208,7 +208,7 @@ impl ChartGraph {
     ///
     /// # Errors
     /// If the system is singular to rounding.
-    pub fn best_positions(&self) -> Result<Vec<Plane>, NumericError> {
+    pub(crate) fn best_positions(&self) -> Result<Vec<Plane>, NumericError> {
         let n = self.mass.len();
         let (mut entries, mut rhs) = (Vec::new(), vec![Plane::new(0.0, 0.0); n]);
         for (v, rhs) in rhs.iter_mut().enumerate() {
@@ -230,7 +230,7 @@ impl ChartGraph {
 
     /// Vertices in groups of a few that are joined, charts of a group agreeing, and how groups see
     /// each other.
-    pub fn coarse(&self) -> (Self, Vec<Member>) {
+    pub fn coarse(&self) -> (Self, Vec<GroupMember>) {
         let (groups, members) = self.groups();
         let mut inside = vec![Vec::new(); groups];
         for (v, member) in members.iter().enumerate() {
@@ -255,7 +255,7 @@ impl ChartGraph {
         let mut coarse = Self {
             mass: vec![0.0; groups],
             views,
-            holds: vec![Hold::default(); groups],
+            holds: vec![WaveHold::default(); groups],
         };
         for (v, member) in members.iter().enumerate() {
             let group = member.group as usize;
@@ -267,8 +267,8 @@ impl ChartGraph {
 
     /// A vertex with all its neighbours where those are free, and then what is left with a
     /// neighbour or alone.
-    fn groups(&self) -> (usize, Vec<Member>) {
-        let mut members = vec![Member::NONE; self.mass.len()];
+    fn groups(&self) -> (usize, Vec<GroupMember>) {
+        let mut members = vec![GroupMember::NONE; self.mass.len()];
         let mut groups = 0;
         for v in 0..members.len() {
             let is_free = |view: &View| members[view.to as usize].is_free();
@@ -276,7 +276,7 @@ impl ChartGraph {
                 continue;
             }
             let mut join = |v: usize, offset| {
-                members[v] = Member {
+                members[v] = GroupMember {
                     group: groups,
                     offset,
                 }
@@ -290,9 +290,9 @@ impl ChartGraph {
         for (v, member) in left.filter(|(_, m)| m.is_free()) {
             *member = self.beside(v, &grouped).unwrap_or_else(|| {
                 groups += 1;
-                Member {
+                GroupMember {
                     group: groups - 1,
-                    ..Member::NONE
+                    ..GroupMember::NONE
                 }
             });
         }
@@ -305,13 +305,13 @@ impl ChartGraph {
     }
 
     /// A vertex as a member of its nearest neighbour's group, if one has a group.
-    fn beside(&self, v: usize, members: &[Member]) -> Option<Member> {
+    fn beside(&self, v: usize, members: &[GroupMember]) -> Option<GroupMember> {
         let near = self
             .agreeing(v)
             .filter(|w| !members[w.to as usize].is_free());
         let nearest = near.min_by(|a, b| a.offset.norm_sqr().total_cmp(&b.offset.norm_sqr()))?;
         let beside = members[nearest.to as usize];
-        Some(Member {
+        Some(GroupMember {
             group: beside.group,
             offset: beside.offset - nearest.offset,
         })
@@ -321,7 +321,7 @@ impl ChartGraph {
 /// How the group of a vertex sees that of a neighbour, the offset times the weight; `None` for the
 /// same group, and where the edge has no weight. An edge is softer by its length over that of the
 /// whole way between the groups' origins: so many of them lie on it one after the other.
-fn seen_by_group(of: &Member, view: &View, to: &Member) -> Option<View> {
+fn seen_by_group(of: &GroupMember, view: &View, to: &GroupMember) -> Option<View> {
     let length = view.offset.norm();
     let way = length + of.offset.norm() + to.offset.norm();
     let weight = view.weight.max(0.0) * (length / way.max(f64::MIN_POSITIVE));
@@ -346,7 +346,7 @@ fn add_view(views: &mut Vec<View>, first: usize, view: View) {
     }
 }
 
-impl Hold {
+impl WaveHold {
     fn of_pin(pin: &Option<Pin>, turned: u8) -> Self {
         let mut hold = Self::default();
         if let Some(pin) = pin {
@@ -375,7 +375,7 @@ pub(super) mod tests {
     use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 
     /// The charts of a shape, which turn against each other.
-    pub fn charts_of(name: &str) -> (TriangleSurface, IntrinsicMesh, Charts) {
+    pub(crate) fn charts_of(name: &str) -> (TriangleSurface, IntrinsicMesh, Charts) {
         let options = TriangulationOptions {
             triangles: 500,
             ..Default::default()
@@ -389,7 +389,7 @@ pub(super) mod tests {
     }
 
     /// Its vertices, free at the boundary.
-    pub fn graph_of(name: &str) -> ChartGraph {
+    pub(crate) fn graph_of(name: &str) -> ChartGraph {
         let (surface, mesh, charts) = charts_of(name);
         let topology = surface.topology();
         let free = PerVertex::filled(topology.n_vertices(), None);

@@ -18,7 +18,7 @@ const SPLIT_AREA: f64 = 1.75;
 const SAME_POINT: f64 = 0.6;
 
 /// One seed per panel, in the order of their vertices.
-pub fn seeds(
+pub(crate) fn seeds(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,

@@ -14,7 +14,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
 /// The way of a Burgers vector: triangles, and the edge by which it leaves each.
-pub type Slip = Vec<(FaceId, EdgeId)>;
+pub(crate) type Slip = Vec<(FaceId, EdgeId)>;
 
 /// What the seamless step did.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
@@ -100,7 +100,7 @@ fn defect(c: &Circuit) -> LatticeDefect {
 /// Moves every Burgers vector into the nearest opposite, cone or boundary, the closest pairs first,
 /// and returns the ways that they took. Paths longer than `max_length` lattice spacings are not
 /// taken.
-pub fn annihilate(
+pub(crate) fn annihilate(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,

@@ -19,14 +19,14 @@ const SIGN_SHARE: f64 = 0.005;
 
 /// A vertex of the surface and its position, in the words of an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct LocatedVertex {
     /// The vertex.
     pub vertex: VertexId,
     /// Its position, model units.
     pub position: Vec3,
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for LocatedVertex {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let p = self.position;
         write!(
@@ -50,9 +50,9 @@ pub enum DomainError {
         /// The method.
         method: &'static str,
         /// Where `K > 0` most clearly.
-        positive: Place,
+        positive: LocatedVertex,
         /// Where `K < 0` most clearly.
-        negative: Place,
+        negative: LocatedVertex,
         /// What fails on the parabolic curve.
         consequence: &'static str,
     },
@@ -65,7 +65,7 @@ pub enum DomainError {
         /// The method.
         method: &'static str,
         /// Where the tangent plane of the best centre passes through it.
-        place: Place,
+        place: LocatedVertex,
     },
     /// A tangent plane passes through the centre of the quadric that is to be used.
     #[error(
@@ -75,7 +75,7 @@ pub enum DomainError {
         /// The method.
         method: &'static str,
         /// Where the tangent plane touches.
-        place: Place,
+        place: LocatedVertex,
     },
     /// Two points of the surface have one normal.
     #[error(
@@ -86,9 +86,9 @@ pub enum DomainError {
         /// The method.
         method: &'static str,
         /// A vertex.
-        first: Place,
+        first: LocatedVertex,
         /// Another one with its normal.
-        second: Place,
+        second: LocatedVertex,
         /// Number of pairs.
         pairs: usize,
         /// Vertices that were looked at.
@@ -102,7 +102,7 @@ pub enum DomainError {
         /// The method.
         method: &'static str,
         /// The vertex that is farthest off.
-        place: Place,
+        place: LocatedVertex,
         /// Its distance, over the diagonal of the bounding box.
         distance: f64,
     },
@@ -117,7 +117,7 @@ pub enum DomainError {
         /// What kind it is.
         found: &'static str,
         /// The vertex that is farthest off.
-        place: Place,
+        place: LocatedVertex,
         /// Its distance, over the diagonal of the bounding box.
         distance: f64,
     },
@@ -130,7 +130,7 @@ pub enum DomainError {
         /// The method.
         method: &'static str,
         /// An end of the edge between the two triangles.
-        place: Place,
+        place: LocatedVertex,
         /// The angle between their normals, degrees.
         degrees: f64,
     },
@@ -143,7 +143,7 @@ pub enum DomainError {
         /// The method.
         method: &'static str,
         /// Where one of the two panels touches.
-        place: Place,
+        place: LocatedVertex,
         /// The angle between their planes, degrees.
         degrees: f64,
     },
@@ -155,7 +155,7 @@ pub enum DomainError {
         /// The method.
         method: &'static str,
         /// A vertex next to the point.
-        place: Place,
+        place: LocatedVertex,
         /// What fails there.
         consequence: &'static str,
     },
@@ -163,8 +163,8 @@ pub enum DomainError {
 
 impl DomainError {
     /// The same error with its places mapped, to vertices of the model say.
-    pub fn mapped(mut self, map: impl Fn(Place) -> Place) -> Self {
-        let move_to = |p: &mut Place| *p = map(*p);
+    pub fn mapped(mut self, map: impl Fn(LocatedVertex) -> LocatedVertex) -> Self {
+        let move_to = |p: &mut LocatedVertex| *p = map(*p);
         match &mut self {
             Self::MixedCurvature {
                 positive: a,
@@ -205,11 +205,11 @@ pub enum CurvatureSign {
 
 /// Where the Gauss curvature is positive most clearly and where negative, as far as it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SignedPlaces {
+pub(crate) struct SignedPlaces {
     /// Where `K > 0`.
-    pub positive: Option<Place>,
+    pub positive: Option<LocatedVertex>,
     /// Where `K < 0`.
-    pub negative: Option<Place>,
+    pub negative: Option<LocatedVertex>,
 }
 
 impl SignedPlaces {
@@ -261,7 +261,7 @@ fn extreme(
     principal: &PerVertex<Principal>,
     floor: f64,
     sign: f64,
-) -> Option<Place> {
+) -> Option<LocatedVertex> {
     let topology = surface.topology();
     let ratio = |v: VertexId| {
         let p = &principal[v];
@@ -286,7 +286,7 @@ fn extreme(
     let best = sure
         .into_iter()
         .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
-    (share > SIGN_SHARE).then(|| Place {
+    (share > SIGN_SHARE).then(|| LocatedVertex {
         vertex: best.0,
         position: surface.positions()[best.0],
     })
@@ -300,7 +300,10 @@ const FLAT_RINGS: usize = 4;
 /// A vertex next to a flat point of a surface with `K < 0` else: the principal directions turn by a
 /// multiple of a half-turn round a triangle, and the curvature falls towards it. Umbilics, round
 /// which they turn elsewhere, need `K > 0`.
-pub fn flat_point(surface: &TriangleSurface, curvature: &Curvature) -> Option<Place> {
+pub(crate) fn flat_point(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+) -> Option<LocatedVertex> {
     let topology = surface.topology();
     let principal = curvature.principal();
     let curved = |v: &VertexId| principal[*v].large.abs();
@@ -314,7 +317,7 @@ pub fn flat_point(surface: &TriangleSurface, curvature: &Curvature) -> Option<Pl
         let around = ring.iter().map(curved).sum::<f64>() / ring.len() as f64;
         (curved(&vertex) < FLAT * around).then_some(vertex)
     })?;
-    Some(Place {
+    Some(LocatedVertex {
         vertex: found,
         position: surface.positions()[found],
     })
@@ -360,7 +363,7 @@ const CREASE: f64 = 30.0;
 ///
 /// # Errors
 /// If two neighbouring ones make an angle of 30 degrees or more: the place where it is largest.
-pub fn resolved(surface: &TriangleSurface, method: &'static str) -> Result<(), DomainError> {
+pub(crate) fn resolved(surface: &TriangleSurface, method: &'static str) -> Result<(), DomainError> {
     let topology = surface.topology();
     let turn = |e: EdgeId| {
         let h = topology.edge_half_edge(e);
@@ -373,7 +376,7 @@ pub fn resolved(surface: &TriangleSurface, method: &'static str) -> Result<(), D
         None => Ok(()),
         Some((vertex, degrees)) => {
             let position = surface.positions()[vertex];
-            let place = Place { vertex, position };
+            let place = LocatedVertex { vertex, position };
             Err(DomainError::Unresolved {
                 method,
                 place,
@@ -387,7 +390,7 @@ pub fn resolved(surface: &TriangleSurface, method: &'static str) -> Result<(), D
 ///
 /// # Errors
 /// If there is one and the curvature is negative else.
-pub fn no_flat_point(
+pub(crate) fn no_flat_point(
     sign: CurvatureSign,
     surface: &TriangleSurface,
     curvature: &Curvature,

@@ -26,7 +26,7 @@ const OPENING: f64 = 0.25;
 
 /// Turns edges while that makes the panels inside more regular: the sum of `(n - 6)^2` falls with
 /// each turn, or with each short sequence of them.
-pub fn turn_edges(mut layout: Layout) -> Layout {
+pub(crate) fn turn_edges(mut layout: Layout) -> Layout {
     for _ in 0..ROUNDS {
         let turns = independent_turns(layout.mesh.topology());
         let next = if turns.is_empty() {

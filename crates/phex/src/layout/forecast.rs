@@ -30,7 +30,7 @@ use phex_mesh::{FaceId, Vec2, Vec3, VertexId};
 
 /// Panels that will cross themselves, and panels that may, each in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Forecast {
+pub(crate) struct Forecast {
     /// Panels that the sign rule says will cross themselves.
     pub crossing: Vec<FaceId>,
     /// Panels of which it says they will not, but where terms of third order may decide otherwise.
@@ -38,7 +38,7 @@ pub struct Forecast {
 }
 
 /// The forecast for a layout whose panels get the tangent planes at their points.
-pub fn forecast(layout: &Layout) -> Forecast {
+pub(crate) fn forecast(layout: &Layout) -> Forecast {
     let topology = layout.mesh.topology();
     let corners: Vec<Option<ForecastCorner>> =
         topology.vertices().map(|v| corner(layout, v)).collect();

@@ -19,11 +19,11 @@ const CORNERS: [usize; 2] = [4, 8];
 const STEPS_AFTER_JOIN: usize = 3;
 
 /// Panels on the sides of an edge that turns.
-pub type Sides = [FaceId; 2];
+pub(crate) type Sides = [FaceId; 2];
 
 /// Turns after which the panels inside are more regular than before, if first the second of `sides`
 /// becomes part of the first; `None` if there are none.
-pub fn turns_after_join(topology: &Topology, sides: Sides) -> Option<Vec<Sides>> {
+pub(crate) fn turns_after_join(topology: &Topology, sides: Sides) -> Option<Vec<Sides>> {
     let mut patch = DualPatch::around(topology, sides[0], &BTreeSet::new());
     let gain = patch.join(sides)?;
     let mut path = Vec::new();
@@ -33,12 +33,15 @@ pub fn turns_after_join(topology: &Topology, sides: Sides) -> Option<Vec<Sides>>
 
 /// Sequences of turns, each of which makes the panels inside more regular; no two of them change
 /// the same panel.
-pub fn sequences(topology: &Topology) -> Vec<Vec<Sides>> {
+pub(crate) fn sequences(topology: &Topology) -> Vec<Vec<Sides>> {
     sequences_beside(topology, BTreeSet::new())
 }
 
 /// The same where some panels must stay as they are.
-pub fn sequences_beside(topology: &Topology, mut taken: BTreeSet<FaceId>) -> Vec<Vec<Sides>> {
+pub(crate) fn sequences_beside(
+    topology: &Topology,
+    mut taken: BTreeSet<FaceId>,
+) -> Vec<Vec<Sides>> {
     let irregular = |f: &FaceId| !topology.is_boundary_face(*f) && topology.valence(*f) != 6;
     let mut found = Vec::new();
     for f in topology.faces().filter(irregular) {

@@ -17,7 +17,7 @@ const HALF: f64 = 1.2;
 const BOTH: f64 = 1.8;
 
 /// Joins pairs, one after the other in the order of their edges.
-pub fn join_halves(mut layout: Layout) -> Layout {
+pub(crate) fn join_halves(mut layout: Layout) -> Layout {
     while let Some(next) = joined_once(&layout) {
         layout = next;
     }

@@ -7,14 +7,14 @@ use std::f64::consts::TAU;
 use std::ops::{Add, AddAssign, Neg, Sub};
 
 /// Complex numbers: positions in a tangent plane, in lattice spacings.
-pub type Plane = Complex<f64>;
+pub(crate) type Plane = Complex<f64>;
 
 /// Half the square root of three: height of the lattice's triangle, and area of its cell.
 pub const CELL: f64 = 0.866_025_403_784_438_6;
 
 /// A lattice point `a + b w`, exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Eisenstein {
+pub(crate) struct Eisenstein {
     /// Multiple of 1.
     pub a: i32,
     /// Multiple of `w`.
@@ -57,7 +57,7 @@ impl Eisenstein {
     }
 
     /// Product with `w^k`, a rotation by `k` sixths of a turn.
-    pub fn rotated(self, k: u8) -> Self {
+    pub(crate) fn rotated(self, k: u8) -> Self {
         (0..k % 6).fold(self, |p, _| Self {
             a: -p.b,
             b: p.a + p.b,
@@ -102,7 +102,7 @@ impl Neg for Eisenstein {
 }
 
 /// `z` rotated by `k` sixths of a turn.
-pub fn rotate(z: Plane, k: u8) -> Plane {
+pub(crate) fn rotate(z: Plane, k: u8) -> Plane {
     const H: f64 = CELL;
     match k % 6 {
         0 => z,
@@ -117,7 +117,7 @@ pub fn rotate(z: Plane, k: u8) -> Plane {
 /// The change of chart across an edge: a point `z` of the target's chart is `rotate(z, turn) +
 /// offset` in the origin's.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Transition {
+pub(crate) struct Transition {
     /// Sixths of a turn.
     pub turn: u8,
     /// Position of the target vertex in the chart of the origin.
@@ -141,7 +141,7 @@ impl Transition {
 
 /// Transitions along all edges, from the target's chart to the origin's of the edge's half-edge.
 #[derive(Clone, Debug)]
-pub struct Charts {
+pub(crate) struct Charts {
     edge: PerEdge<Transition>,
 }
 
@@ -194,7 +194,7 @@ fn transition(topology: &Topology, directions: &Directions, e: EdgeId) -> Transi
 
 /// The six shortest vectors `g` of the reciprocal lattice: `<g, z>` is an integer at lattice
 /// points.
-pub fn reciprocal(m: usize) -> Plane {
+pub(crate) fn reciprocal(m: usize) -> Plane {
     const THIRD: f64 = 0.5 / CELL;
     match m % 6 {
         0 => Plane::new(1.0, THIRD),
@@ -217,7 +217,7 @@ pub(super) fn third(first: Plane, second: Plane) -> Plane {
 }
 
 /// Real scalar product of two plane vectors.
-pub fn dot(a: Plane, b: Plane) -> f64 {
+pub(crate) fn dot(a: Plane, b: Plane) -> f64 {
     a.re * b.re + a.im * b.im
 }
 

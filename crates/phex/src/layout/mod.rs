@@ -1,68 +1,79 @@
 //! Layout: connectivity and first positions of the panels.
 //!
-//! 1. [`waves`]: lattice offsets by diffusion and projection of three waves in the charts of the
-//!    direction field; [`polish`]: Gauss-Seidel.
-//! 2. [`dislocations`]: Burgers vectors moved into opposites, cones or the boundary; [`seamless`]:
+//! 1. `waves`: lattice offsets by diffusion and projection of three waves in the charts of the
+//!    direction field; `polish`: Gauss-Seidel.
+//! 2. `dislocations`: Burgers vectors moved into opposites, cones or the boundary; `seamless`:
 //!    one linear solve for the lattice; vectors come back where it would be strained too much.
-//! 3. [`seeds`]: one seed vertex per lattice point; [`voronoi`]: geodesic cells in the metric, on a
+//! 3. `seeds`: one seed vertex per lattice point; `voronoi`: geodesic cells in the metric, on a
 //!    finer mesh.
-//! 4. [`cells`]: discs whose outlines are the panels; triangles with three labels are vertices, so
+//! 4. `cells`: discs whose outlines are the panels; triangles with three labels are vertices, so
 //!    every interior vertex has degree 3 by construction.
-//! 5. [`flips`], [`glide`], [`halves`]: edges turn and cut panels are joined where that makes the
+//! 5. `flips`, `glide`, `halves`: edges turn and cut panels are joined where that makes the
 //!    panels more regular.
 //!
 //! Guaranteed: the panelling has the Euler characteristic and the boundary loops of the surface,
 //! every interior vertex has degree 3, sharp boundary corners are kept as corners of one panel.
 //! Fails, with an error that says so: where panels are so large that cells can't be made discs.
 
-pub mod boundary;
-pub mod boundary_nodes;
-pub mod brick_wall;
-pub mod cells;
+pub(crate) mod boundary;
+pub(crate) mod boundary_nodes;
+pub(crate) mod brick_wall;
+pub(crate) mod cells;
 mod chart_graph;
-pub mod clusters;
-pub mod dislocations;
-pub mod domain;
-pub mod dual_subdivision;
-pub mod duality;
-pub mod flips;
-pub mod forecast;
-pub mod glide;
-pub mod halves;
-pub mod lattice;
-pub mod polish;
-pub mod power_diagram;
-pub mod projective_dual;
-pub mod record;
-pub mod rim;
-pub mod seamless;
-pub mod seeds;
+pub(crate) mod clusters;
+pub(crate) mod dislocations;
+pub(crate) mod domain;
+pub(crate) mod dual_subdivision;
+pub(crate) mod duality;
+pub(crate) mod flips;
+pub(crate) mod forecast;
+pub(crate) mod glide;
+pub(crate) mod halves;
+pub(crate) mod lattice;
+#[cfg(test)]
+mod layout_time;
+pub(crate) mod polish;
+pub(crate) mod power_diagram;
+pub(crate) mod projective_dual;
+pub(crate) mod record;
+pub(crate) mod rim;
+pub(crate) mod seamless;
+pub(crate) mod seeds;
+#[cfg(test)]
+mod stage_tests;
 mod strain;
-pub mod support_function;
-pub mod tangent_planes;
-pub mod voronoi;
+pub(crate) mod support_function;
+pub(crate) mod tangent_planes;
+pub(crate) mod voronoi;
 mod wave_operator;
-pub mod waves;
+pub(crate) mod waves;
 
+pub use brick_wall::{BrickWallOptions, BrickWallStatistics};
+pub use dislocations::Annihilation;
+pub use domain::{CurvatureSign, DomainError, LocatedVertex};
+pub use dual_subdivision::{clear_centre_of, clear_quadric, dual_subdivision, one_sign};
+pub use duality::{DualOptions, DualityError, Quadric, SubdivisionRule, dual_mesh};
+pub use lattice::CELL;
+pub use power_diagram::{PowerDiagram, PowerError, PowerSite, goldberg, power_diagram};
+pub use projective_dual::DualDefects;
 pub use record::{Layout, VertexKind, WishedArea};
+pub use seeds::Seed;
 
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
 use cells::{CellComplex, Node};
-use dislocations::Annihilation;
-use domain::DomainError;
-use duality::DualityError;
 use lattice::Charts;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;
-use power_diagram::PowerError;
 use seamless::Offsets;
-use seeds::Seed;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use thiserror::Error;
+
+/// Weight that draws rows along the boundary to half a row's distance from it, per panel length.
+const BOUNDARY_PHASE: f64 = 3.0;
 
 /// How panels are laid out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -78,9 +89,6 @@ pub struct LayoutOptions {
     /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it
     /// those come back that strain pulls on the hardest.
     pub max_distortion: f64,
-    /// Weight that draws rows along the boundary to half a row's distance from it, per panel length
-    /// (0: not at all).
-    pub boundary_phase: f64,
 }
 
 impl Default for LayoutOptions {
@@ -90,7 +98,6 @@ impl Default for LayoutOptions {
             sweeps: 60,
             annihilation_length: None,
             max_distortion: 0.35,
-            boundary_phase: 3.0,
         }
     }
 }
@@ -132,8 +139,6 @@ pub struct LayoutStatistics {
     pub cones: usize,
     /// Pairs of opposite cones that were cancelled.
     pub cancelled: usize,
-    /// Cones that were moved off parabolic curves.
-    pub pushed: usize,
     /// What became of the dislocations.
     pub annihilation: Annihilation,
     /// 95 % quantile of the edges' distortion.
@@ -160,7 +165,7 @@ pub fn place_seeds(
 ) -> Result<Placed, LayoutError> {
     let mesh = &directions.intrinsic;
     let charts = Charts::new(topology, directions);
-    let pins = boundary::pins(topology, directions, options.boundary_phase);
+    let pins = boundary::pins(topology, directions, BOUNDARY_PHASE);
     let mut position = waves::diffuse(topology, mesh, &charts, &pins, options.seed);
     polish::polish(
         topology,
@@ -178,7 +183,6 @@ pub fn place_seeds(
         seed: options.seed,
         cones: directions.cone.iter().filter(|c| **c != 0).count(),
         cancelled: directions.cancelled,
-        pushed: directions.pushed,
         annihilation,
         distortion_p95,
     };
@@ -201,6 +205,30 @@ pub struct CellSurface<'a> {
 }
 
 /// The panelling whose cells grow from `seeds`.
+///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let torus = triangulate(&Shape::from_name("torus", &[])?, &TriangulationOptions::default())?;
+/// use phex::curvature::{CurvatureOptions, curvature};
+/// use phex::directions::{DirectionOptions, directions};
+/// use phex::layout::{CellSurface, LayoutOptions, panelling, place_seeds};
+///
+/// let length = 0.1 * torus.diagonal();
+/// let bent = curvature(&torus, length, &CurvatureOptions::default());
+/// let field = directions(&torus, &bent, length, &DirectionOptions::default())?;
+/// let placed = place_seeds(torus.topology(), &field, &LayoutOptions::default())?;
+/// let cells = CellSurface {
+///     surface: &torus.with_normals(bent.normal),
+///     metric: &field.metric,
+///     mesh: &field.intrinsic,
+///     corners: &Default::default(),
+/// };
+/// let layout = panelling(&cells, &placed.seeds)?;
+/// // Hexagons alone cover a torus.
+/// let panels = layout.mesh.topology();
+/// assert!(panels.faces().all(|f| panels.valence(f) == 6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// If no panelling with the surface's topology is found.
@@ -332,7 +360,7 @@ pub(crate) mod tests {
     use super::*;
 
     /// Regular hexagons in a rhombus of `n` by `n`.
-    pub fn lattice_patch(n: i32) -> Layout {
+    pub(crate) fn lattice_patch(n: i32) -> Layout {
         let mut index = std::collections::HashMap::new();
         let mut positions = Vec::new();
         let mut faces = Vec::new();
@@ -375,7 +403,7 @@ pub(crate) mod tests {
     }
 
     /// The layout with a panel cut from the middle of one edge to the middle of the opposite one.
-    pub fn cut_in_two(layout: &Layout, f: phex_mesh::FaceId) -> Layout {
+    pub(crate) fn cut_in_two(layout: &Layout, f: phex_mesh::FaceId) -> Layout {
         let topology = layout.mesh.topology();
         let ring: Vec<VertexId> = topology.face_vertices(f).to_vec();
         let mut faces = topology.face_lists();

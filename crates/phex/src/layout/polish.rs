@@ -39,7 +39,7 @@ impl Views {
 
 /// Runs up to `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the
 /// lattice cell round 0.
-pub fn polish(
+pub(crate) fn polish(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,

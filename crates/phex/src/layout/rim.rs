@@ -22,7 +22,7 @@ const ROUNDS: usize = 4;
 
 /// Seeds with the row at the boundary made even, and their cells. Seeds keep the vertices that name
 /// them.
-pub fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
+pub(crate) fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
     let mut seeds = seeds.to_vec();
     let topology = fine.surface.topology();
     let mut grown = voronoi::grow(topology, fine.mesh, &seeds, |_| true);

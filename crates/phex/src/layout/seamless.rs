@@ -15,7 +15,7 @@ use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 
 /// Lattice offsets and the integer jumps between them.
 #[derive(Clone, Debug)]
-pub struct Offsets {
+pub(crate) struct Offsets {
     /// Position of the nearest lattice point in the chart of each vertex.
     pub position: PerVertex<Plane>,
     /// Jump along each edge: the target's lattice point is the origin's moved by it. Zero: both
@@ -34,7 +34,7 @@ impl Offsets {
     }
 
     /// The same lattice, each vertex naming the point nearest to it.
-    pub fn reduced(mut self, topology: &Topology, charts: &Charts) -> Self {
+    pub(crate) fn reduced(mut self, topology: &Topology, charts: &Charts) -> Self {
         let shift = self.position.map(|z| Eisenstein::nearest(*z));
         for e in topology.edges() {
             let [i, j] = topology.edge_vertices(e);
@@ -49,7 +49,12 @@ impl Offsets {
     /// Whether the ends of each edge name the same lattice point, or points nearer to each other
     /// than `distance`: the offsets about a cone do not close, so that a point beside it is seen
     /// twice.
-    pub fn same_point(&self, topology: &Topology, charts: &Charts, distance: f64) -> PerEdge<bool> {
+    pub(crate) fn same_point(
+        &self,
+        topology: &Topology,
+        charts: &Charts,
+        distance: f64,
+    ) -> PerEdge<bool> {
         PerEdge::from_fn(topology.n_edges(), |e| {
             let [i, j] = topology.edge_vertices(e);
             let apart = charts.edge(e).apply(self.position[j]) - self.position[i];
@@ -64,7 +69,7 @@ impl Offsets {
     }
 
     /// Residuals over the lengths of the edges.
-    pub fn distortion(
+    pub(crate) fn distortion(
         &self,
         topology: &Topology,
         mesh: &IntrinsicMesh,
@@ -78,7 +83,7 @@ impl Offsets {
 
 /// Lattice offsets that fit the edges best with given jumps, and the pins; nearest to `near` where
 /// that leaves them free. `factor` is that of [`factorised`] with the same charts and pins.
-pub fn solve_offsets(
+pub(crate) fn solve_offsets(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,
@@ -111,7 +116,7 @@ pub fn solve_offsets(
 ///
 /// # Errors
 /// If it is singular to rounding.
-pub fn factorised(
+pub(crate) fn factorised(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,

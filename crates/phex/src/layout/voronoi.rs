@@ -11,11 +11,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Label of a vertex that no seed reaches.
-pub const UNREACHED: u32 = u32::MAX;
+pub(crate) const UNREACHED: u32 = u32::MAX;
 
 /// Cells of seeds: for each vertex the number of the nearest seed and the distance to it.
 #[derive(Clone, Debug)]
-pub struct Cells {
+pub(crate) struct Cells {
     /// Number of the seed, or [`UNREACHED`].
     pub label: PerVertex<u32>,
     /// Distance to it in intrinsic lengths.
@@ -44,7 +44,7 @@ impl Front {
 }
 
 /// Grows cells over the vertices that `allowed` admits.
-pub fn grow(
+pub(crate) fn grow(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     seeds: &[Seed],
@@ -64,7 +64,7 @@ pub fn grow(
 /// Grows the cells of `labels` again, and those round them up to the second neighbours: what is
 /// farther stays as it is, for a cell changes no border but its own. `number` is the new number of
 /// each old cell, `None` for those whose seeds are gone.
-pub fn regrow(
+pub(crate) fn regrow(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     seeds: &[Seed],

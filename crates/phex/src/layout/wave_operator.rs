@@ -133,7 +133,7 @@ impl WaveOperator {
     }
 
     /// `mass * x` and what the boundary draws to.
-    pub fn right_side(&self, time: f32, mut x: Vec<f32>) -> Vec<f32> {
+    pub(crate) fn right_side(&self, time: f32, mut x: Vec<f32>) -> Vec<f32> {
         for (v, y) in x.chunks_exact_mut(WIDTH).enumerate() {
             y.iter_mut().for_each(|y| *y *= self.mass[v]);
             let wish = y.iter_mut().zip(&self.drawn[v]);

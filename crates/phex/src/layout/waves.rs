@@ -39,7 +39,7 @@ const DIFFUSION: ConjugateGradientOptions = ConjugateGradientOptions {
 };
 
 /// Lattice offset of each vertex (position of a lattice point in the vertex's chart).
-pub fn diffuse(
+pub(crate) fn diffuse(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,

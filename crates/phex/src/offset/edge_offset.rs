@@ -28,7 +28,7 @@ use phex_mesh::{FaceId, FacePlane, HexMesh, PerEdge, PerFace, PerVertex, Vec3};
 /// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
 /// use phex::Silent;
 /// use phex::koebe::{KoebeOptions, koebe};
-/// use phex::offset::edge_offset::{edge_distances, edge_offset};
+/// use phex::offset::{edge_distances, edge_offset};
 ///
 /// let koebe = koebe(&cube, &KoebeOptions::default(), &Silent)?.mesh;
 /// let layer = edge_offset(&koebe, &koebe, 0.2);
@@ -91,7 +91,7 @@ fn face_curvature(mesh: &HexMesh, gauss_image: &HexMesh, f: FaceId) -> FaceCurva
 
 /// Mean curvature of the whole mesh, `-sum A(M, K) / sum A(M)`, and the root mean square (by area)
 /// of the faces' deviation from it, over its size.
-pub fn mean_curvature(mesh: &HexMesh, gauss_image: &HexMesh) -> (f64, f64) {
+pub(crate) fn mean_curvature(mesh: &HexMesh, gauss_image: &HexMesh) -> (f64, f64) {
     let faces = || {
         mesh.topology()
             .faces()

@@ -17,7 +17,7 @@
 //! |---|---|
 //! | `d_e`, `l0_e` | direction and length of the edges of the given mesh |
 //! | `s` | mean distance of neighbouring foot points over the mean `l0_e` |
-//! | `w_t`, `w_f`, `w_h` | [`FitOptions::tangential`], [`FitOptions::fairness`], [`FitOptions::constant_mean_curvature`] |
+//! | `w_t`, `w_f`, `w_h` | 1e-2, [`FitOptions::fairness`], [`FitOptions::constant_mean_curvature`] |
 //! | `A(., .)`, `K`, `H` | mixed area, the input, mean curvature: see [`edge_offset`](super::edge_offset) |
 //! | `l_min` | [`FitOptions::least_edge`] times the mean distance of neighbouring foot points |
 //!
@@ -55,15 +55,16 @@ pub enum FitStart {
     Positions,
 }
 
+/// `w_t`: weight of the distance along the surface. It keeps the mesh from sliding off and hardly
+/// costs closeness.
+const TANGENTIAL: f64 = 1e-2;
+
 /// Options of [`fit_parallel`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FitOptions {
     /// Where the first foot points come from.
     pub start: FitStart,
-    /// `w_t`: weight of the distance along the surface, > 0. It keeps the mesh from sliding off;
-    /// 1e-2 hardly costs closeness.
-    pub tangential: f64,
     /// `w_f`: weight of edge lengths in proportion to the input's, >= 0. It decides where the
     /// surface does not, as at the rim.
     pub fairness: f64,
@@ -83,7 +84,6 @@ impl Default for FitOptions {
     fn default() -> Self {
         Self {
             start: FitStart::Normals,
-            tangential: 1e-2,
             fairness: 1e-3,
             constant_mean_curvature: 0.0,
             least_edge: 0.05,
@@ -171,9 +171,6 @@ fn check(options: &FitOptions) -> Result<(), FitError> {
             range,
         })
     };
-    if !(options.tangential > 0.0 && options.tangential.is_finite()) {
-        return fail("tangential", options.tangential, "positive");
-    }
     if !(options.fairness >= 0.0 && options.fairness.is_finite()) {
         return fail("fairness", options.fairness, "0 or positive");
     }
@@ -188,20 +185,20 @@ fn check(options: &FitOptions) -> Result<(), FitError> {
 }
 
 /// Foot points and normals, one per vertex.
-struct Feet {
+struct SurfaceFeet {
     position: Vec<Vec3>,
     normal: Vec<Vec3>,
 }
 
-fn feet_by_positions(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
+fn feet_by_positions(mesh: &HexMesh, surface: &TriangleSurface) -> SurfaceFeet {
     let feet = surface.closest_points(mesh.positions.as_slice());
-    Feet {
+    SurfaceFeet {
         position: feet.iter().map(|f| f.position).collect(),
         normal: feet.iter().map(|f| f.normal).collect(),
     }
 }
 
-fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
+fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> SurfaceFeet {
     let foot = |v| {
         let normal = mesh.mean_normal(v);
         let closeness = |w: &VertexId| surface.normals()[*w].dot(&normal);
@@ -210,7 +207,7 @@ fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> Feet {
         closest.unwrap_or_else(|| VertexId::new(0))
     };
     let feet: Vec<VertexId> = mesh.topology().vertices().map(foot).collect();
-    Feet {
+    SurfaceFeet {
         position: feet.iter().map(|&w| surface.positions()[w]).collect(),
         normal: feet.iter().map(|&w| surface.normals()[w]).collect(),
     }
@@ -220,7 +217,7 @@ fn rounds(
     space: &ParallelSpace,
     surface: &TriangleSurface,
     program: &Program,
-    mut feet: Feet,
+    mut feet: SurfaceFeet,
     options: &FitOptions,
     progress: &dyn Progress,
 ) -> Fitted {
@@ -254,7 +251,7 @@ fn rounds(
 }
 
 /// Root mean square of the vertices' movement along the normals of their foot points.
-fn normal_movement(before: &HexMesh, after: &HexMesh, feet: &Feet) -> f64 {
+fn normal_movement(before: &HexMesh, after: &HexMesh, feet: &SurfaceFeet) -> f64 {
     let pairs = before.positions.iter().zip(&after.positions);
     let squares = pairs
         .zip(&feet.normal)
@@ -314,7 +311,7 @@ struct Program<'a> {
 
 impl<'a> Program<'a> {
     /// `None` if all foot points coincide.
-    fn new(space: &'a ParallelSpace, feet: &Feet, options: &'a FitOptions) -> Option<Self> {
+    fn new(space: &'a ParallelSpace, feet: &SurfaceFeet, options: &'a FitOptions) -> Option<Self> {
         let t = space.mesh().topology();
         let span = |e| {
             let [a, b] = t.edge_vertices(e);
@@ -341,7 +338,7 @@ impl<'a> Program<'a> {
     }
 
     /// The input itself, scaled and moved to the foot points.
-    fn start(&self, space: &ParallelSpace, feet: &Feet) -> HexMesh {
+    fn start(&self, space: &ParallelSpace, feet: &SurfaceFeet) -> HexMesh {
         let mesh = space.mesh();
         let scale = self.unit / mesh.mean_edge();
         let mean = mesh.positions.iter().sum::<Vec3>() / feet.position.len() as f64;
@@ -350,7 +347,7 @@ impl<'a> Program<'a> {
     }
 
     /// Positions of the vertices for given foot points; `None` if the solver gives up.
-    fn solve(&self, feet: &Feet, current: &HexMesh) -> Option<PerVertex<Vec3>> {
+    fn solve(&self, feet: &SurfaceFeet, current: &HexMesh) -> Option<PerVertex<Vec3>> {
         let (hessian, gradient) = self.objective(feet, current);
         let cones = [
             ZeroConeT(self.n_equalities),
@@ -385,13 +382,13 @@ impl<'a> Program<'a> {
     }
 
     /// Upper triangle of the Hessian, and the gradient at the origin.
-    fn objective(&self, feet: &Feet, current: &HexMesh) -> (CscMatrix<f64>, Vec<f64>) {
+    fn objective(&self, feet: &SurfaceFeet, current: &HexMesh) -> (CscMatrix<f64>, Vec<f64>) {
         let n = 3 * feet.position.len();
         let (mut triplets, mut gradient) = (Vec::new(), vec![0.0; n]);
         for (v, (p, normal)) in feet.position.iter().zip(&feet.normal).enumerate() {
             let p = (p - self.centre) / self.unit;
-            let block = nalgebra::Matrix3::from_diagonal_element(self.options.tangential)
-                + normal * normal.transpose();
+            let block =
+                nalgebra::Matrix3::from_diagonal_element(TANGENTIAL) + normal * normal.transpose();
             let pull = block * p;
             for j in 0..3 {
                 gradient[3 * v + j] -= pull[j];

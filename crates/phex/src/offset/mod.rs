@@ -14,22 +14,22 @@
 //!
 //! | file | what it computes |
 //! |---|---|
-//! | [`vertex_normal`](mod@vertex_normal) | where three moved planes meet, by four ways with error estimates |
-//! | [`face_offset`](mod@face_offset) | face-distance offsets, one distance for all faces or one for each |
-//! | [`angle_condition`] | the condition (4.1) for vertex-distance offsets |
-//! | [`vertex_offset`] | spherical meshes by reflections along edges, and their holonomy |
-//! | [`gauss_image`] | `M'` and `M + d M'` |
+//! | `vertex_normal` | where three moved planes meet, by four ways with error estimates |
+//! | `face_offset` | face-distance offsets, one distance for all faces or one for each |
+//! | `angle_condition` | the condition (4.1) for vertex-distance offsets |
+//! | `vertex_offset` | spherical meshes by reflections along edges, and their holonomy |
+//! | `gauss_image` | `M'` and `M + d M'` |
 //! | `contact` | when a face first meets itself on its way |
-//! | [`edge_gauss_image`](mod@edge_gauss_image) | the Koebe mesh that a given mesh is parallel to, if there is one |
+//! | `edge_gauss_image` | the Koebe mesh that a given mesh is parallel to, if there is one |
 //! | [`edge_offset`] | offsets at constant edge distance, of meshes parallel to a Koebe mesh |
-//! | [`space`], `basis`, [`fit`] | the linear space of parallel meshes, a sparse basis, and those in it close to a surface |
-//! | [`inheritance`] | what an offset takes over from its mesh, and what is new and therefore wrong |
-//! | [`layers`] | offsets that have been checked, and how far one may go |
-//! | [`accuracy`] | how far the distances of a finished offset are from what was asked for |
-//! | [`solids`] | closed panels between two layers, mitred, with joint gaps |
-//! | [`beams`] | beams and node axes between two layers |
-//! | [`options`] | limits |
-//! | [`error`] | why an offset can't be made |
+//! | `space`, `basis`, `fit` | the linear space of parallel meshes, a sparse basis, and those in it close to a surface |
+//! | `inheritance` | what an offset takes over from its mesh, and what is new and therefore wrong |
+//! | `layers` | offsets that have been checked, and how far one may go |
+//! | `accuracy` | how far the distances of a finished offset are from what was asked for |
+//! | `solids` | closed panels between two layers, mitred, with joint gaps |
+//! | `beams` | beams and node axes between two layers |
+//! | `options` | limits |
+//! | `error` | why an offset can't be made |
 //!
 //! *Guaranteed*: a [`layer`] has no violation that its mesh has not, and no edge that points
 //! backwards; a distance up to the safe one gives such a layer at every place that was looked at
@@ -49,25 +49,25 @@
 //! loses its digits at folded edges and where two faces lie in one plane; the angle condition is
 //! taken modulo pi; on an annulus it is sufficient, too.
 
-pub mod accuracy;
-pub mod angle_condition;
+pub(crate) mod accuracy;
+pub(crate) mod angle_condition;
 mod basis;
-pub mod beams;
+pub(crate) mod beams;
 mod contact;
-pub mod edge_gauss_image;
-pub mod edge_offset;
-pub mod error;
-pub mod face_offset;
-pub mod fit;
-pub mod gauss_image;
-pub mod inheritance;
-pub mod layers;
+pub(crate) mod edge_gauss_image;
+pub(crate) mod edge_offset;
+pub(crate) mod error;
+pub(crate) mod face_offset;
+pub(crate) mod fit;
+pub(crate) mod gauss_image;
+pub(crate) mod inheritance;
+pub(crate) mod layers;
 mod null_space;
-pub mod options;
-pub mod solids;
-pub mod space;
-pub mod vertex_normal;
-pub mod vertex_offset;
+pub(crate) mod options;
+pub(crate) mod solids;
+pub(crate) mod space;
+pub(crate) mod vertex_normal;
+pub(crate) mod vertex_offset;
 
 #[cfg(test)]
 mod tests;
@@ -77,15 +77,16 @@ pub use angle_condition::{AngleCondition, angle_conditions};
 pub use basis::LengthChange;
 pub use beams::{BeamAxis, NodeAxis, beam_axes, node_axes};
 pub use edge_gauss_image::{EdgeGaussImage, edge_gauss_image};
+pub use edge_offset::{edge_distances, edge_offset, face_curvatures};
 pub use error::OffsetError;
-pub use face_offset::{FaceOffset, face_gauss_image, face_offset};
+pub use face_offset::{FaceOffset, face_gauss_image, face_normals, face_offset};
+pub use fit::{FitError, FitOptions, FitStart, Fitted, fit_parallel};
 pub use gauss_image::{GaussImage, OffsetKind, TurnedEdge};
 pub use inheritance::Inheritance;
 pub use layers::{SafeDistance, SafeDistances, layer, safe_distances};
 pub use null_space::Rank;
 pub use options::OffsetOptions;
-pub use solids::{PanelSolid, joined, panel_solids};
+pub use solids::{PanelSolid, joined, panel_solids, volume};
+pub use space::ParallelSpace;
 pub use vertex_normal::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};
-pub use vertex_offset::{
-    Holonomy, SphericalMesh, check_angles, spherical_mesh, vertex_gauss_image,
-};
+pub use vertex_offset::{Holonomy, SphericalMesh, spherical_mesh, vertex_gauss_image};

@@ -57,11 +57,11 @@ impl Rows {
         self.start.push(self.entries.len());
     }
 
-    pub fn n_rows(&self) -> usize {
+    pub(crate) fn n_rows(&self) -> usize {
         self.start.len() - 1
     }
 
-    pub fn n_columns(&self) -> usize {
+    pub(crate) fn n_columns(&self) -> usize {
         self.n_columns
     }
 
@@ -76,7 +76,7 @@ impl Rows {
     }
 
     /// `A^T y`.
-    pub fn mul_transposed(&self, y: &[f64]) -> Vec<f64> {
+    pub(crate) fn mul_transposed(&self, y: &[f64]) -> Vec<f64> {
         let mut product = vec![0.0; self.n_columns];
         for (i, y) in y.iter().enumerate() {
             for &(j, a) in self.row(i) {

@@ -103,7 +103,7 @@ impl ParallelSpace {
     /// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
     /// # ];
     /// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
-    /// use phex::offset::space::ParallelSpace;
+    /// use phex::offset::ParallelSpace;
     ///
     /// // Boxes: length, width and height are free.
     /// assert_eq!(ParallelSpace::new(&cube)?.dimension(), 3);

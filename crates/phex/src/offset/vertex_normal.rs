@@ -128,7 +128,7 @@ pub fn vertex_normal(vertex: &TrivalentVertex) -> Displacement {
 
 /// The vector with `x . N_i = d_i` at a vertex of three faces: the mean distance along the vertex
 /// normal, and the rest.
-pub fn three_face_displacement(vertex: &TrivalentVertex, d: &[f64; 3]) -> Displacement {
+pub(crate) fn three_face_displacement(vertex: &TrivalentVertex, d: &[f64; 3]) -> Displacement {
     let (normals, normal) = (&vertex.normals, vertex_normal(vertex));
     let mean = d.iter().sum::<f64>() / 3.0;
     let rest = d.map(|d| d - mean);
@@ -148,7 +148,7 @@ pub fn three_face_displacement(vertex: &TrivalentVertex, d: &[f64; 3]) -> Displa
 ///
 /// # Panics
 /// If there are more than three faces, or not as many distances.
-pub fn minimum_norm(normals: &[Vec3], d: &[f64]) -> Displacement {
+pub(crate) fn minimum_norm(normals: &[Vec3], d: &[f64]) -> Displacement {
     let method = NormalMethod::MinimumNorm;
     match (normals, d) {
         ([n], [d]) => Displacement::new(n * *d, method, ROUNDING, &[*n], &[*d]),

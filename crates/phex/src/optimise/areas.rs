@@ -8,7 +8,7 @@
 //! Faces at the boundary are cut by it and wish for no area, unless they are to grow.
 
 use super::barrier::add_turning;
-use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
+use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
 use super::simple::area;
 use crate::layout::{Layout, WishedArea};
 use phex_mesh::{Topology, Vec2, Vec3};
@@ -79,7 +79,7 @@ pub(super) fn any(faces: usize) -> Vec<AreaWish> {
 /// as much in all as they have.
 pub(super) fn of_layout(layout: &Layout, panels: &Panels, x: &[f64], weight: f64) -> Vec<AreaWish> {
     let topology = layout.mesh.topology();
-    let shape = Shape::at(panels, x);
+    let shape = FaceShapes::at(panels, x);
     let inner = |f: &usize| is_inner(topology, *f) && layout.face_wish.as_slice()[*f].share > 0.0;
     let wish = |f: usize| layout.face_wish.as_slice()[f];
     let faces = || (0..panels.n_faces()).filter(inner);
@@ -104,7 +104,7 @@ pub(super) fn as_they_are(
     x: &[f64],
     weight: f64,
 ) -> Vec<AreaWish> {
-    let shape = Shape::at(panels, x);
+    let shape = FaceShapes::at(panels, x);
     let wish = |f: usize| match area(shape.face(panels, f)) {
         area if area > 0.0 && is_inner(topology, f) => AreaWish {
             area,
@@ -123,7 +123,7 @@ fn is_inner(topology: &Topology, f: usize) -> bool {
 /// How far the areas at `x` are from the wishes: the 95 % over the 5 % quantile of their ratios, 1
 /// without wishes.
 pub(super) fn unevenness(wishes: &[AreaWish], panels: &Panels, x: &[f64]) -> f64 {
-    let shape = Shape::at(panels, x);
+    let shape = FaceShapes::at(panels, x);
     let wished = (0..panels.n_faces()).filter(|f| wishes[*f].weight > 0.0);
     let ratio = |f: usize| area(shape.face(panels, f)).abs() / wishes[f].area;
     let mut ratios: Vec<f64> = wished.map(ratio).collect();

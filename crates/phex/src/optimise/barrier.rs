@@ -10,7 +10,7 @@
 //! `l_0 = sum h^2`. The Hessian is the Gauss-Newton part `b'' grad d grad d^T` in the fixed plane.
 
 use super::options::OptimiseOptions;
-use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
+use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
 use super::simple::area;
 use phex_mesh::{Vec2, Vec3};
 
@@ -45,7 +45,7 @@ impl Barrier {
 /// Barriers in proportion to each panel's own area, so that graded meshes are treated alike
 /// everywhere.
 pub(super) fn barriers(panels: &Panels, start: &[f64], options: &OptimiseOptions) -> Vec<Barrier> {
-    let shape = Shape::at(panels, start);
+    let shape = FaceShapes::at(panels, start);
     let areas: Vec<f64> = (0..panels.n_faces())
         .map(|f| area(shape.face(panels, f)).abs())
         .collect();

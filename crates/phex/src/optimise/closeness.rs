@@ -7,7 +7,7 @@
 //! surface term takes the same form.
 
 use super::osculating::Osculating;
-use super::panels::{Shape, extent};
+use super::panels::{FaceShapes, extent};
 use super::point_term::PointTerm;
 use super::reference::Reference;
 use super::{CurvePoint, TargetPoint};
@@ -40,10 +40,10 @@ pub(super) struct ClosenessWeights {
 
 impl Feet {
     /// Finds the foot points; `rim_vertices` are drawn to the boundary curve.
-    pub fn update(
+    pub(crate) fn update(
         &mut self,
         reference: &Reference<'_>,
-        shape: &Shape,
+        shape: &FaceShapes,
         x: &[f64],
         rim_vertices: &[u32],
     ) {
@@ -65,12 +65,12 @@ impl Feet {
 
     /// From now on a smooth stand-in at the foot points found last takes the place of surface and
     /// boundary curve.
-    pub fn freeze(&mut self, reference: &Reference<'_>, mean_edge: f64) {
+    pub(crate) fn freeze(&mut self, reference: &Reference<'_>, mean_edge: f64) {
         self.osculating = Some(Osculating::new(reference, &self.feet, &self.rim, mean_edge));
     }
 
     /// Goes back to surface and boundary curve themselves.
-    pub fn thaw(&mut self) {
+    pub(crate) fn thaw(&mut self) {
         self.osculating = None;
     }
 
@@ -124,7 +124,7 @@ impl Feet {
     }
 
     /// Surface and boundary term of the `k`-th rim vertex `v`.
-    pub fn rim_vertex(&self, k: usize, v: usize, weights: &ClosenessWeights) -> PointTerm {
+    pub(crate) fn rim_vertex(&self, k: usize, v: usize, weights: &ClosenessWeights) -> PointTerm {
         let mut term = self.vertex(v, weights.vertex);
         if let Some(o) = &self.osculating {
             o.add_rim(k, self.points[v], weights.rim, &mut term);

@@ -12,7 +12,7 @@
 //! the Gauss-Newton part in the fixed plane.
 
 use super::barrier::add_turning;
-use super::panels::{Corner, FaceFrame, Shape, add_block};
+use super::panels::{Corner, FaceFrame, FaceShapes, add_block};
 use super::reference::Reference;
 use super::setting::Setting;
 use nalgebra::{Matrix2, Vector3};
@@ -130,7 +130,7 @@ pub(super) fn is_concave(corners: &[Corner], edge: f64) -> bool {
 
 /// Faces that the surface wants convex: all of their inner vertices, of which there are some, lie
 /// where `K > 0`.
-pub(super) fn to_be_convex(setting: &Setting<'_>, shape: &Shape) -> Vec<bool> {
+pub(super) fn to_be_convex(setting: &Setting<'_>, shape: &FaceShapes) -> Vec<bool> {
     let panels = setting.panels;
     let Reference::Surface(target) = setting.reference else {
         return vec![false; panels.n_faces()];
@@ -223,7 +223,7 @@ mod tests {
     fn panels_are_to_be_convex_where_the_surface_is() {
         let mesh = brick_wall(Surface::Wave, 60, 40);
         with_setting(&mesh, Surface::Wave, |setting, x| {
-            let shape = Shape::at(setting.panels, x);
+            let shape = FaceShapes::at(setting.panels, x);
             let convex = to_be_convex(setting, &shape);
             let (mut yes, mut no) = (0, 0);
             for (f, convex) in convex.iter().enumerate() {
@@ -247,7 +247,7 @@ mod tests {
         with_setting(&lifted, sphere, |setting, x| {
             let panels = setting.panels;
             let concave = |x: &[f64]| {
-                let shape = Shape::at(panels, x);
+                let shape = FaceShapes::at(panels, x);
                 let faces = 0..panels.n_faces();
                 let concave = |&f: &usize| is_concave(shape.face(panels, f), setting.mean_edge);
                 faces.filter(concave).count()
@@ -259,7 +259,7 @@ mod tests {
             let mut path = Path::new(setting, &mut solvers, x, &options, &Silent).unwrap();
             let after = path.retry(Reached::at(setting, x.to_vec())).unwrap().x;
             assert_eq!(concave(&after), 0);
-            let height = Shape::at(panels, &after).max_height();
+            let height = FaceShapes::at(panels, &after).max_height();
             assert!(height < 1e-12 * setting.mean_edge, "{height:e}");
             assert!(farthest(&after) <= farthest(x));
         });

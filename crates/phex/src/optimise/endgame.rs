@@ -14,7 +14,7 @@
 
 use super::energy::PanelEnergy;
 use super::jacobian::Jacobian;
-use super::solvers::Reporter;
+use super::solvers::StepReporter;
 use phex_numeric::{
     Assembly, Cholesky, DampedProblem, LagrangeNewton, LagrangeOptions, LagrangeProblem, Outcome,
     Record, SymmetricMatrix,
@@ -39,7 +39,7 @@ pub(super) fn minimise_on_constraints(
     system: (&mut Cholesky, &mut SymmetricMatrix),
     x: &mut [f64],
     most: usize,
-    reporter: &mut Reporter<'_>,
+    reporter: &mut StepReporter<'_>,
 ) -> Outcome {
     energy.constrain(x);
     let limits = LagrangeOptions {

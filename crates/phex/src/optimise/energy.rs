@@ -12,7 +12,7 @@ use super::folds::FoldTerm;
 use super::guard::Armed;
 use super::holds::Holds;
 use super::options::OptimiseOptions;
-use super::panels::{Panels, Shape, add_block};
+use super::panels::{FaceShapes, Panels, add_block};
 use super::planarity;
 use super::setting::{Setting, collision_bound, longest};
 use super::spatial_barrier;
@@ -81,9 +81,9 @@ pub(super) struct PanelEnergy<'a> {
     armed: Armed,
     anchor: Vec<f64>,
     at: Vec<f64>,
-    shape: Shape,
+    shape: FaceShapes,
     /// The shape that was linearised last.
-    linearised: Shape,
+    linearised: FaceShapes,
     feet: Feet,
     admissible: bool,
     /// Trials in a row that were not admissible.
@@ -104,7 +104,7 @@ impl<'a> PanelEnergy<'a> {
         start: &[f64],
     ) -> Self {
         let panels = setting.panels;
-        let shape = Shape::at(panels, start);
+        let shape = FaceShapes::at(panels, start);
         Self {
             weights,
             barriers,
@@ -140,7 +140,7 @@ impl<'a> PanelEnergy<'a> {
             self.feet = Feet::default();
         }
         let panels = self.setting.panels;
-        let shape = Shape::at(panels, x);
+        let shape = FaceShapes::at(panels, x);
         self.armed = self
             .setting
             .guard
@@ -158,24 +158,24 @@ impl<'a> PanelEnergy<'a> {
     }
 
     /// Where the panels lie at the point that was visited last.
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &FaceShapes {
         &self.shape
     }
 
     /// Takes planarity as a constraint from `x` on, with multipliers that are 0 at first.
     /// Everything that is demanded of a result is demanded now if `x` meets it, and nothing is
     /// given up.
-    pub fn constrain(&mut self, x: &[f64]) {
+    pub(crate) fn constrain(&mut self, x: &[f64]) {
         let setting = self.setting;
         self.arm(x);
         self.armed = setting
             .guard
-            .arm(setting.panels, &Shape::at(setting.panels, x), x);
+            .arm(setting.panels, &FaceShapes::at(setting.panels, x), x);
         self.multipliers = Some(vec![0.0; setting.panels.n_corners()]);
     }
 
     /// From now on a smooth stand-in that touches the surface around `x` takes its place.
-    pub fn freeze(&mut self, x: &[f64]) {
+    pub(crate) fn freeze(&mut self, x: &[f64]) {
         let setting = self.setting;
         self.feet.thaw();
         self.at.clear();

@@ -18,7 +18,7 @@ use super::closeness::{ClosenessWeights, Feet};
 use super::guarded::GuardedSteps;
 use super::jacobian::Jacobian;
 use super::options::OptimiseOptions;
-use super::panels::{Shape, point};
+use super::panels::{FaceShapes, point};
 use super::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
@@ -46,7 +46,7 @@ impl<'a> NearlyPlanar<'a> {
         options: &OptimiseOptions,
     ) -> Self {
         let panels = setting.panels;
-        let shape = Shape::at(panels, start);
+        let shape = FaceShapes::at(panels, start);
         let mut feet = Feet::default();
         feet.update(setting.reference, &shape, start, setting.rim);
         let weights = ClosenessWeights {

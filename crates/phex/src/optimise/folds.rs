@@ -4,7 +4,7 @@
 //! both faces, so that `dA/dx_i d = 1/2 d x (x_(i+1) - x_(i-1))`.
 
 use super::guard::Guard;
-use super::panels::{Panels, Shape, add_block, point};
+use super::panels::{FaceShapes, Panels, add_block, point};
 use super::simple::area;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
@@ -32,7 +32,7 @@ pub(super) struct FoldTerm {
 impl FoldTerm {
     /// For the inner edges of `guard`, without weight.
     pub fn new(panels: &Panels, guard: &Guard, x: &[f64]) -> Self {
-        let shape = Shape::at(panels, x);
+        let shape = FaceShapes::at(panels, x);
         let hinge = |faces: &[u32; 2]| {
             let faces = faces.map(|f| f as usize);
             let of_faces = faces.iter().flat_map(|&f| panels.vertices(f));

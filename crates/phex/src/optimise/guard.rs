@@ -7,7 +7,7 @@
 //! that blocks one step after another is given up for the rest of the phase.
 
 use super::barrier::clearance;
-use super::panels::{Panels, Shape, point};
+use super::panels::{FaceShapes, Panels, point};
 use super::simple::is_simple;
 use phex_mesh::{FaceId, Topology, Vec3, VertexId};
 
@@ -96,11 +96,11 @@ impl Guard {
     }
 
     /// The two faces of each interior edge.
-    pub fn hinges(&self) -> &[[u32; 2]] {
+    pub(crate) fn hinges(&self) -> &[[u32; 2]] {
         &self.hinges
     }
 
-    fn fan_goes_round_once(&self, fan: &Fan, shape: &Shape, x: &[f64]) -> bool {
+    fn fan_goes_round_once(&self, fan: &Fan, shape: &FaceShapes, x: &[f64]) -> bool {
         let axis: Vec3 = fan.faces.iter().map(|&f| shape.normal(f as usize)).sum();
         let centre = point(x, fan.vertex as usize);
         let e = fan.neighbours.map(|n| point(x, n as usize) - centre);
@@ -110,17 +110,17 @@ impl Guard {
         (0..3).filter(|&k| left(k)).count() >= 2
     }
 
-    fn on_its_side(&self, shape: &Shape, face: usize) -> bool {
+    fn on_its_side(&self, shape: &FaceShapes, face: usize) -> bool {
         let dot = |side: &Vec<Vec3>| shape.normal(face).dot(&side[face]);
         self.side.as_ref().is_none_or(|s| dot(s) > self.least_side)
     }
 
-    fn unfolded(&self, shape: &Shape, [f, g]: [u32; 2]) -> bool {
+    fn unfolded(&self, shape: &FaceShapes, [f, g]: [u32; 2]) -> bool {
         shape.normal(f as usize).dot(&shape.normal(g as usize)) > UNFOLDED
     }
 
     /// Arms every demand that a shape meets.
-    pub fn arm(&self, panels: &Panels, shape: &Shape, x: &[f64]) -> Armed {
+    pub fn arm(&self, panels: &Panels, shape: &FaceShapes, x: &[f64]) -> Armed {
         let faces = 0..panels.n_faces();
         let simple = |f: usize| is_simple(shape.face(panels, f));
         Armed {
@@ -141,7 +141,7 @@ impl Guard {
     }
 
     /// Whether a shape meets every armed demand.
-    pub fn holds(&self, armed: &Armed, panels: &Panels, shape: &Shape, x: &[f64]) -> bool {
+    pub fn holds(&self, armed: &Armed, panels: &Panels, shape: &FaceShapes, x: &[f64]) -> bool {
         let simple = |f: usize| !armed.simple[f] || is_simple(shape.face(panels, f));
         let clear = |least: &Vec<f64>| {
             let enough = |(f, least): (usize, &f64)| clearance(shape.face(panels, f)) >= *least;
@@ -156,14 +156,14 @@ impl Guard {
     }
 
     /// Gives up the demands on sides that a shape breaks.
-    pub fn give_up_sides(&self, armed: &mut Armed, shape: &Shape) {
+    pub(crate) fn give_up_sides(&self, armed: &mut Armed, shape: &FaceShapes) {
         for (f, on) in armed.side.iter_mut().enumerate() {
             *on &= self.on_its_side(shape, f);
         }
     }
 
     /// Everything that a shape breaks.
-    pub fn breaches(&self, panels: &Panels, shape: &Shape, x: &[f64]) -> Vec<Breach> {
+    pub(crate) fn breaches(&self, panels: &Panels, shape: &FaceShapes, x: &[f64]) -> Vec<Breach> {
         let mut found = Vec::new();
         for f in 0..panels.n_faces() {
             if !is_simple(shape.face(panels, f)) {
@@ -189,14 +189,14 @@ impl Armed {
     }
 
     /// Without the demands on fans and folds.
-    pub fn without_neighbours(mut self) -> Self {
+    pub(crate) fn without_neighbours(mut self) -> Self {
         self.fan.fill(false);
         self.hinge.fill(false);
         self
     }
 
     /// Also demands a clearance of `least`, or half of what a face has now if that is less.
-    pub fn keep_clear(&mut self, panels: &Panels, shape: &Shape, least: f64) {
+    pub(crate) fn keep_clear(&mut self, panels: &Panels, shape: &FaceShapes, least: f64) {
         let now = |f: usize| clearance(shape.face(panels, f));
         let demands = (0..panels.n_faces()).map(|f| least.min(0.5 * now(f)));
         self.clearance = Some(demands.collect());

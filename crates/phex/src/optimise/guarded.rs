@@ -2,7 +2,7 @@
 //! guard admits.
 
 use super::guard::Armed;
-use super::panels::Shape;
+use super::panels::FaceShapes;
 use super::setting::{Setting, collision_bound, longest};
 use phex_mesh::Vec2;
 
@@ -13,8 +13,8 @@ const LONGEST: f64 = 0.3;
 pub(super) struct GuardedSteps<'a> {
     setting: &'a Setting<'a>,
     armed: Armed,
-    pub linearised: Shape,
-    pub trial: Shape,
+    pub linearised: FaceShapes,
+    pub trial: FaceShapes,
     corner_motion: Vec<Vec2>,
 }
 
@@ -22,7 +22,7 @@ impl<'a> GuardedSteps<'a> {
     /// Demands what `start` meets, and a clearance of `least`, a length.
     pub fn new(setting: &'a Setting<'a>, start: &[f64], least: f64) -> Self {
         let panels = setting.panels;
-        let shape = Shape::at(panels, start);
+        let shape = FaceShapes::at(panels, start);
         let mut armed = setting.guard.arm(panels, &shape, start);
         armed.keep_clear(panels, &shape, least);
         Self {
@@ -42,7 +42,7 @@ impl<'a> GuardedSteps<'a> {
     }
 
     /// Tries positions; whether they may be visited.
-    pub fn admits(&mut self, x: &[f64]) -> bool {
+    pub(crate) fn admits(&mut self, x: &[f64]) -> bool {
         let (guard, panels) = (self.setting.guard, self.setting.panels);
         self.trial.update(panels, x);
         guard.holds(&self.armed, panels, &self.trial, x)

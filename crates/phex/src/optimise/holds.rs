@@ -48,7 +48,7 @@ pub(super) struct Holds {
 
 impl Holds {
     /// Keeps vertices on the boundary that nothing else holds.
-    pub fn keep_rim(&mut self, held: &BTreeMap<u32, Hold>, curves: &BoundaryCurve) {
+    pub(crate) fn keep_rim(&mut self, held: &BTreeMap<u32, Hold>, curves: &BoundaryCurve) {
         for (&v, &hold) in held {
             self.held.entry(v).or_insert(hold);
         }
@@ -64,7 +64,10 @@ impl Holds {
     }
 
     /// The held vertices, in order, with the tangent spaces `T` at `x`.
-    pub fn freedoms<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = (u32, Matrix3<f64>)> + 'a {
+    pub(crate) fn freedoms<'a>(
+        &'a self,
+        x: &'a [f64],
+    ) -> impl Iterator<Item = (u32, Matrix3<f64>)> + 'a {
         let freedom = |(&v, hold): (&u32, &Hold)| (v, self.freedom(hold, point(x, v as usize)));
         self.held.iter().map(freedom)
     }
@@ -117,7 +120,7 @@ impl Holds {
 
     /// Takes the directions in which held vertices can't move out of a gradient and the blocks of a
     /// Hessian, one for every face and then one for every vertex; `weight` stands in their place.
-    pub fn restrict(
+    pub(crate) fn restrict(
         &self,
         panels: &Panels,
         assembly: &Assembly,

@@ -3,7 +3,7 @@
 use super::barrier::clearance;
 use super::guard::{Breach, Guard};
 use super::options::OptimiseOptions;
-use super::panels::{Panels, Shape};
+use super::panels::{FaceShapes, Panels};
 use phex_mesh::FaceId;
 use serde::{Deserialize, Serialize};
 
@@ -72,7 +72,7 @@ pub(super) fn inspect(
     deviation: (f64, f64),
     options: &OptimiseOptions,
 ) -> (Quality, Vec<Offender>) {
-    let shape = Shape::at(panels, x);
+    let shape = FaceShapes::at(panels, x);
     let mean_edge = panels.mean_edge(x);
     let clearances: Vec<f64> = (0..panels.n_faces())
         .map(|f| clearance(shape.face(panels, f)) / mean_edge)
@@ -102,7 +102,7 @@ fn quantile(values: &[f64], fraction: f64) -> f64 {
 
 fn measured_faults(
     panels: &Panels,
-    shape: &Shape,
+    shape: &FaceShapes,
     mean_edge: f64,
     clearances: &[f64],
     options: &OptimiseOptions,

@@ -4,7 +4,7 @@
 //! `S = J W J^T` couples a face with its neighbours alone: `3 F` unknowns for a mesh of hexagons,
 //! half as many as the coordinates, and a fraction of their fill-in.
 
-use super::panels::{Panels, Shape, point};
+use super::panels::{FaceShapes, Panels, point};
 use super::planarity::ConstraintBases;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
@@ -35,7 +35,7 @@ impl<'a> Jacobian<'a> {
     }
 
     /// Takes `J` at a shape and writes the values of the constraints.
-    pub fn linearise(&mut self, shape: &Shape, values: &mut [f64]) {
+    pub fn linearise(&mut self, shape: &FaceShapes, values: &mut [f64]) {
         self.bases.update(self.panels, shape);
         for f in 0..self.panels.n_faces() {
             self.normals[f] = shape.normal(f);
@@ -56,7 +56,7 @@ impl<'a> Jacobian<'a> {
     }
 
     /// `S = J W J^T`.
-    pub fn normal_matrix(&mut self, matrix: &mut SymmetricMatrix) {
+    pub(crate) fn normal_matrix(&mut self, matrix: &mut SymmetricMatrix) {
         let mut blocks = std::mem::take(&mut self.blocks);
         for v in 0..self.panels.n_vertices() {
             let corners = self.panels.corners_at(v);
@@ -95,7 +95,7 @@ impl<'a> Jacobian<'a> {
     }
 
     /// Adds `Q y` at the corners.
-    pub fn add_at_corners(&self, y: &[f64], corners: &mut [f64]) {
+    pub(crate) fn add_at_corners(&self, y: &[f64], corners: &mut [f64]) {
         for f in 0..self.panels.n_faces() {
             let k = self.panels.valence(f);
             let values = &mut corners[self.panels.corners(f)];
@@ -110,7 +110,7 @@ impl<'a> Jacobian<'a> {
     }
 
     /// Brings values at the corners into the range of `Q`: `l = Q Q^T l`.
-    pub fn keep_to_range(&self, corners: &mut [f64]) {
+    pub(crate) fn keep_to_range(&self, corners: &mut [f64]) {
         let mut y = vec![0.0; self.bases.n_constraints()];
         for f in 0..self.panels.n_faces() {
             let k = self.panels.valence(f);

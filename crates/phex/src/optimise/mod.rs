@@ -110,7 +110,7 @@ use crate::progress::{Event, Progress};
 use areas::AreaWish;
 use guard::Guard;
 use holds::{Hold, Holds};
-use panels::{Panels, Shape, points, unknowns};
+use panels::{FaceShapes, Panels, points, unknowns};
 use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
 use reached::Run;
@@ -124,8 +124,9 @@ pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub(crate) use angle_term::walks::free_edges;
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
-pub use local::{EMPHASES, LocalPart, Wanted};
-pub use on_boundary::{BoundaryHold, onto_boundary, steer_on_boundary};
+pub(crate) use local::{EMPHASES, LocalPart, Wanted};
+pub use on_boundary::BoundaryHold;
+pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, Solver, StartKind};
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
@@ -251,6 +252,24 @@ pub fn optimise(
 /// A mesh that is planar and sound is returned unchanged; one that is nearly planar is only
 /// projected.
 ///
+/// ```
+/// # use phex_mesh::Vec3;
+/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// # let faces = [
+/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+/// # ];
+/// use phex::Silent;
+/// use phex::optimise::{OptimiseOptions, planarize};
+/// use phex_mesh::{HexMesh, VertexId, measure};
+///
+/// // A cube with one corner off.
+/// let mut cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+/// cube.positions[VertexId::new(7)] *= 1.1;
+/// let made = planarize(&cube, None, &OptimiseOptions::default(), &Silent)?;
+/// assert!(made.is_sound() && measure(&made.mesh).planarity.max < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the mesh or an option can't be used.
 pub fn planarize(
@@ -359,7 +378,7 @@ fn from_mesh(
     let x = unknowns(mesh);
     let panels = Panels::new(mesh.topology());
     let reference = target.map_or_else(|| Reference::start(&panels, &x), Reference::Surface);
-    let shape = Shape::at(&panels, &x);
+    let shape = FaceShapes::at(&panels, &x);
     let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
     let kinds = kinds_of(mesh);
     let mut stage = Stage::new(mesh, reference, side, &kinds, options);

@@ -9,8 +9,8 @@
 //! have to move far, their vertices are let go, and the rest is tried again.
 
 use super::holds::{Hold, Holds};
-use super::panels::{Panels, Shape, point, points, unknowns};
-use super::reached::{Reached, Run, Way};
+use super::panels::{FaceShapes, Panels, point, points, unknowns};
+use super::reached::{Reached, ResultOrigin, Run};
 use super::solvers::Solvers;
 use super::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,
@@ -63,7 +63,7 @@ pub fn onto_boundary(
     check_mesh(mesh)?;
     let x = unknowns(mesh);
     let panels = Panels::new(mesh.topology());
-    let shape = Shape::at(&panels, &x);
+    let shape = FaceShapes::at(&panels, &x);
     let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
     let (reference, kinds) = (Reference::Surface(target), kinds_of(mesh));
     let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
@@ -162,7 +162,7 @@ pub(super) fn already_there(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap
 impl Stage<'_> {
     /// Figures of positions as they are, and what is wrong with them.
     pub(super) fn judged(&self, x: &[f64], options: &OptimiseOptions) -> Run {
-        let way = Way {
+        let way = ResultOrigin {
             kind: StartKind::AsGiven,
             path: PathKind::Projection,
             in_parts: 0,

@@ -80,7 +80,7 @@ impl Osculating {
     }
 
     /// From the boundary curve's stand-in to the `k`-th vertex of the rim; `None` without a curve.
-    pub fn rim_residual(&self, k: usize, p: Vec3) -> Option<Vec3> {
+    pub(crate) fn rim_residual(&self, k: usize, p: Vec3) -> Option<Vec3> {
         let OsculatingArc { foot, curvature } = self.arcs.get(k)?;
         let y = p - foot.position;
         let s = foot.tangent.dot(&y);
@@ -88,7 +88,7 @@ impl Osculating {
     }
 
     /// Adds gradient and Hessian of the rim's closeness.
-    pub fn add_rim(&self, k: usize, p: Vec3, weight: f64, term: &mut PointTerm) {
+    pub(crate) fn add_rim(&self, k: usize, p: Vec3, weight: f64, term: &mut PointTerm) {
         let (Some(arc), Some(r)) = (self.arcs.get(k), self.rim_residual(k, p)) else {
             return;
         };

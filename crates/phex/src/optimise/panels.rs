@@ -70,7 +70,7 @@ impl Panels {
         self.vertex_start.len() - 1
     }
 
-    pub fn n_corners(&self) -> usize {
+    pub(crate) fn n_corners(&self) -> usize {
         self.corner_vertex.len()
     }
 
@@ -79,7 +79,7 @@ impl Panels {
     }
 
     /// The face that a corner belongs to.
-    pub fn face_of(&self, corner: u32) -> usize {
+    pub(crate) fn face_of(&self, corner: u32) -> usize {
         self.corner_face[corner as usize] as usize
     }
 
@@ -94,7 +94,7 @@ impl Panels {
     }
 
     /// Corners that lie at a vertex.
-    pub fn corners_at(&self, vertex: usize) -> &[u32] {
+    pub(crate) fn corners_at(&self, vertex: usize) -> &[u32] {
         &self.vertex_corner[self.vertex_start[vertex]..self.vertex_start[vertex + 1]]
     }
 
@@ -106,7 +106,7 @@ impl Panels {
 
     /// Calls `work(face, per_face, per_corner, block)` for every face, each with its own slices, on
     /// all threads. Block `f` is `blocks[block_end(f - 1)..block_end(f)]`.
-    pub fn for_each_face<A: Send, B: Send>(
+    pub(crate) fn for_each_face<A: Send, B: Send>(
         &self,
         per_face: &mut [A],
         per_corner: &mut [B],
@@ -285,12 +285,12 @@ fn fit_plane(corners: &[Corner]) -> FacePlane {
 
 /// All faces at some positions.
 #[derive(Clone, Debug)]
-pub(super) struct Shape {
+pub(super) struct FaceShapes {
     pub frames: Vec<FaceFrame>,
     pub corners: Vec<Corner>,
 }
 
-impl Shape {
+impl FaceShapes {
     pub fn new(panels: &Panels) -> Self {
         let corner = Corner {
             position: Vec3::zeros(),
@@ -310,7 +310,7 @@ impl Shape {
         shape
     }
 
-    pub fn update(&mut self, panels: &Panels, x: &[f64]) {
+    pub(crate) fn update(&mut self, panels: &Panels, x: &[f64]) {
         let work = |f: usize, frame: &mut FaceFrame, corners: &mut [Corner], _: &mut [f64]| {
             for (corner, &v) in corners.iter_mut().zip(panels.vertices(f)) {
                 corner.position = point(x, v as usize);
@@ -330,7 +330,7 @@ impl Shape {
     }
 
     /// Largest distance of a corner to the plane of its face.
-    pub fn max_height(&self) -> f64 {
+    pub(crate) fn max_height(&self) -> f64 {
         let heights = self.corners.iter().map(|c| c.height.abs());
         heights.fold(0.0, |m, h| if h > m || h.is_nan() { h } else { m })
     }

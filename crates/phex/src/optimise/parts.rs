@@ -12,10 +12,10 @@ use super::energy::PanelEnergy;
 use super::error::OptimiseError;
 use super::guard::Guard;
 use super::holds::{Hold, Holds};
-use super::panels::{Panels, Shape, point};
+use super::panels::{FaceShapes, Panels, point};
 use super::reference::Reference;
 use super::setting::Setting;
-use super::solvers::{Dual, Reporter, constraint_assembly, energy_assembly, system};
+use super::solvers::{Dual, StepReporter, constraint_assembly, energy_assembly, system};
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};
 
@@ -105,7 +105,7 @@ impl<'a> Part<'a> {
         self.vertices.iter().flat_map(at).copied().collect()
     }
 
-    pub fn write_back(&self, part: &[f64], x: &mut [f64]) {
+    pub(crate) fn write_back(&self, part: &[f64], x: &mut [f64]) {
         for (&v, p) in self.vertices.iter().zip(part.chunks_exact(3)) {
             x[3 * v as usize..3 * v as usize + 3].copy_from_slice(p);
         }
@@ -119,7 +119,7 @@ pub(super) fn minimise_in_parts(
     x: &mut [f64],
     cuts: &Cuts,
     limits: &DampedOptions,
-    reporter: &mut Reporter<'_>,
+    reporter: &mut StepReporter<'_>,
 ) -> Result<Outcome, OptimiseError> {
     for_each_part(whole, energy, x, cuts, |problem, (cholesky, matrix), y| {
         problem.arm(y);
@@ -138,7 +138,7 @@ pub(super) fn finish_in_parts(
     x: &mut [f64],
     cuts: &Cuts,
     most: usize,
-    reporter: &mut Reporter<'_>,
+    reporter: &mut StepReporter<'_>,
 ) -> Result<Outcome, OptimiseError> {
     for_each_part(whole, energy, x, cuts, |problem, mut system, y| {
         let assembly = constraint_assembly(problem.panels());
@@ -176,7 +176,7 @@ fn for_each_part(
 /// All faces in compact groups; those that are too large are cut along their longest extent.
 fn cores(panels: &Panels, x: &[f64], cuts: &Cuts) -> Vec<Vec<u32>> {
     let share = SHARES[cuts.phase % SHARES.len()];
-    let shape = Shape::at(panels, x);
+    let shape = FaceShapes::at(panels, x);
     let centres: Vec<Vec3> = shape.frames.iter().map(|f| f.plane.centre).collect();
     let (mut open, mut done) = (
         vec![(0..panels.n_faces() as u32).collect::<Vec<_>>()],

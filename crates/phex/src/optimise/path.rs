@@ -11,13 +11,13 @@ use super::energy::{PanelEnergy, Weights};
 use super::error::OptimiseError;
 use super::folds::FoldTerm;
 use super::options::{NEWTON_ITERATIONS, OptimiseOptions};
-use super::panels::Shape;
+use super::panels::FaceShapes;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
 use super::reached::{Reached, better};
 use super::reference::Reference;
 use super::setting::{Setting, deviation};
 use super::shortcut::Projection;
-use super::solvers::{Dual, Reporter, Solvers};
+use super::solvers::{Dual, Solvers, StepReporter};
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
 
@@ -49,7 +49,7 @@ pub(super) struct Path<'a> {
     descent: Descent<'a>,
     dual: &'a mut Option<Dual>,
     constraint_assembly: &'a Assembly,
-    pub reporter: Reporter<'a>,
+    pub reporter: StepReporter<'a>,
     pub outcome: Outcome,
     /// Factorisations for parts of the mesh alone.
     pub in_parts: usize,
@@ -101,7 +101,7 @@ impl<'a> Path<'a> {
             constraint_assembly: &solvers.constraint_assembly,
             setting,
             options,
-            reporter: Reporter::new(progress, limit),
+            reporter: StepReporter::new(progress, limit),
             outcome: Outcome::empty(Status::Converged),
             in_parts: 0,
             weights,
@@ -121,7 +121,7 @@ impl<'a> Path<'a> {
     }
 
     /// What re-entrant corners pay. Meshes in parts do without.
-    pub fn concavity(&mut self) -> Option<&mut Option<ConcavityTerm>> {
+    pub(crate) fn concavity(&mut self) -> Option<&mut Option<ConcavityTerm>> {
         match &mut self.descent {
             Descent::Whole(whole) => Some(&mut whole.energy.concavity),
             Descent::Parts => None,
@@ -142,7 +142,7 @@ impl<'a> Path<'a> {
 
     /// From the start to planar panels, with what is tried where they come out tight or are not
     /// planar.
-    pub fn settle(&mut self) -> Result<Reached, OptimiseError> {
+    pub(crate) fn settle(&mut self) -> Result<Reached, OptimiseError> {
         let mut best = self.arrive()?;
         if !self.is_over() && best.is_tight(self.options) {
             best = better(best, self.strengthen()?);
@@ -218,7 +218,7 @@ impl<'a> Path<'a> {
 
     /// Largest distance of a corner to its face's plane.
     fn bending(&self) -> f64 {
-        Shape::at(self.setting.panels, &self.x).max_height()
+        FaceShapes::at(self.setting.panels, &self.x).max_height()
     }
 
     /// Weakens a strong hold on the start, which may keep panels from becoming planar, and goes
@@ -384,7 +384,7 @@ impl<'a> Path<'a> {
     fn strengthen(&mut self) -> Result<Reached, OptimiseError> {
         const TIGHT: f64 = 1.5;
         let panels = self.setting.panels;
-        let shape = Shape::at(panels, &self.x);
+        let shape = FaceShapes::at(panels, &self.x);
         let limit = TIGHT * self.options.clearance_margin * panels.mean_edge(&self.x);
         for (f, barrier) in self.barriers.iter_mut().enumerate() {
             if clearance(shape.face(panels, f)) < limit {
@@ -403,7 +403,7 @@ impl WholeDescent<'_> {
         barriers: &[Barrier],
         x: &mut [f64],
         limits: &DampedOptions,
-        reporter: &mut Reporter<'_>,
+        reporter: &mut StepReporter<'_>,
     ) -> Outcome {
         self.energy.weights = weights;
         self.energy.barriers.copy_from_slice(barriers);

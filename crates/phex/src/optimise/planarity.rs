@@ -7,7 +7,7 @@
 //! a `k`-gon.
 
 use super::barrier::add_turning;
-use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
+use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
 
@@ -99,7 +99,7 @@ impl ConstraintBases {
         }
     }
 
-    pub fn n_constraints(&self) -> usize {
+    pub(crate) fn n_constraints(&self) -> usize {
         self.start[self.start.len() - 1]
     }
 
@@ -115,7 +115,7 @@ impl ConstraintBases {
     }
 
     /// Recomputes the bases for a shape.
-    pub fn update(&mut self, panels: &Panels, shape: &Shape) {
+    pub(crate) fn update(&mut self, panels: &Panels, shape: &FaceShapes) {
         for f in 0..panels.n_faces() {
             let range = self.entry_start[f]..self.entry_start[f + 1];
             let corners = shape.face(panels, f);

@@ -4,7 +4,7 @@ use super::RunSummary;
 use super::barrier::clearance;
 use super::inspect::Offender;
 use super::options::{OptimiseOptions, PathKind, StartKind};
-use super::panels::Shape;
+use super::panels::FaceShapes;
 use super::setting::Setting;
 use phex_numeric::{Outcome, Status};
 
@@ -23,7 +23,7 @@ impl Run {
 }
 
 /// How a result came about.
-pub(super) struct Way {
+pub(super) struct ResultOrigin {
     pub kind: StartKind,
     pub path: PathKind,
     /// Factorisations for parts of the mesh alone.
@@ -40,7 +40,7 @@ pub(super) struct Reached {
 
 impl Reached {
     pub fn at(setting: &Setting<'_>, x: Vec<f64>) -> Self {
-        let shape = Shape::at(setting.panels, &x);
+        let shape = FaceShapes::at(setting.panels, &x);
         let faces = 0..setting.panels.n_faces();
         let clearances = faces.map(|f| clearance(shape.face(setting.panels, f)));
         Self {
@@ -50,12 +50,12 @@ impl Reached {
         }
     }
 
-    pub fn is_planar(&self, options: &OptimiseOptions) -> bool {
+    pub(crate) fn is_planar(&self, options: &OptimiseOptions) -> bool {
         self.planarity <= options.planarity_tolerance
     }
 
     /// Whether a panel is squeezed so that a stronger barrier may do better.
-    pub fn is_tight(&self, options: &OptimiseOptions) -> bool {
+    pub(crate) fn is_tight(&self, options: &OptimiseOptions) -> bool {
         const BLOCKED: f64 = 1.5;
         let margin = options.clearance_margin;
         self.clearance < margin || (!self.is_planar(options) && self.clearance < BLOCKED * margin)

@@ -1,6 +1,6 @@
 //! What a panelling is kept close to: a surface, or the start itself.
 
-use super::panels::{Panels, Shape, point};
+use super::panels::{FaceShapes, Panels, point};
 use super::{CurvePoint, Target, TargetPoint};
 use phex_mesh::Vec3;
 
@@ -15,7 +15,7 @@ pub(super) enum Reference<'a> {
 impl<'a> Reference<'a> {
     /// Tangent planes of a mesh at its own vertices and face centres.
     pub fn start(panels: &Panels, x: &[f64]) -> Self {
-        let shape = Shape::at(panels, x);
+        let shape = FaceShapes::at(panels, x);
         let vertex = |v: usize| {
             let normals = panels.corners_at(v).iter();
             let sum: Vec3 = normals.map(|&c| shape.normal(panels.face_of(c))).sum();

@@ -3,9 +3,9 @@
 use super::error::OptimiseError;
 use super::inspect::inspect;
 use super::options::{OptimiseOptions, PathKind, Solver, StartKind};
-use super::panels::Shape;
+use super::panels::FaceShapes;
 use super::path::Path;
-use super::reached::{Reached, Run, Way, better};
+use super::reached::{Reached, ResultOrigin, Run, better};
 use super::setting::{Setting, deviation};
 use super::simple::is_simple;
 use super::solvers::Solvers;
@@ -56,7 +56,7 @@ impl Stage<'_> {
         if !path.is_over() && best.is_planar(options) && kind == StartKind::AsGiven {
             best = path.retry(best)?;
         }
-        let way = Way {
+        let way = ResultOrigin {
             kind,
             path: PathKind::Feasible,
             in_parts: path.in_parts,
@@ -67,7 +67,7 @@ impl Stage<'_> {
 
     /// Makes a mesh planar as it is: nothing if it is sound, a projection if that is enough, then
     /// the fast path, else the feasible one.
-    pub fn run_as_given(
+    pub(crate) fn run_as_given(
         &self,
         solvers: &mut Solvers,
         x: &[f64],
@@ -75,7 +75,7 @@ impl Stage<'_> {
         progress: &dyn Progress,
     ) -> Result<Run, OptimiseError> {
         let start = self.start_at(x);
-        let planarity = Shape::at(&self.panels, x).max_height() / self.panels.mean_edge(x);
+        let planarity = FaceShapes::at(&self.panels, x).max_height() / self.panels.mean_edge(x);
         let by_barrier = options.solver == Solver::Barrier;
         let planar = planarity <= options.planarity_tolerance;
         if planarity <= NEARLY_PLANAR && (by_barrier || planar) {
@@ -94,7 +94,7 @@ impl Stage<'_> {
     }
 
     /// Optimises a mesh from where it is.
-    pub fn run_from(
+    pub(crate) fn run_from(
         &self,
         solvers: &mut Solvers,
         x: &[f64],
@@ -105,8 +105,8 @@ impl Stage<'_> {
         self.run(solvers, StartKind::AsGiven, &start, options, progress)
     }
 
-    pub fn start_at(&self, x: &[f64]) -> Start {
-        let shape = Shape::at(&self.panels, x);
+    pub(crate) fn start_at(&self, x: &[f64]) -> Start {
+        let shape = FaceShapes::at(&self.panels, x);
         let simple = |f: &usize| is_simple(shape.face(&self.panels, *f));
         let n_bad = (0..self.panels.n_faces()).filter(|f| !simple(f)).count();
         Start {
@@ -116,11 +116,11 @@ impl Stage<'_> {
     }
 
     /// Judges what a run has reached.
-    pub fn conclude(
+    pub(crate) fn conclude(
         &self,
         start_faults: usize,
         reached: Reached,
-        way: Way,
+        way: ResultOrigin,
         options: &OptimiseOptions,
     ) -> Run {
         let mut outcome = way.outcome;

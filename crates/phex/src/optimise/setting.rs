@@ -4,7 +4,7 @@ use super::areas::AreaWish;
 use super::closeness::Feet;
 use super::guard::{Armed, Guard};
 use super::holds::Holds;
-use super::panels::{Panels, Shape, point};
+use super::panels::{FaceShapes, Panels, point};
 use super::reference::Reference;
 use super::simple::collision;
 use phex_mesh::Vec2;
@@ -30,7 +30,7 @@ pub(super) struct Setting<'a> {
 
 /// Distances of vertices, then of face centres, to the reference.
 pub(super) fn distances(setting: &Setting<'_>, x: &[f64]) -> Vec<f64> {
-    let shape = Shape::at(setting.panels, x);
+    let shape = FaceShapes::at(setting.panels, x);
     let mut feet = Feet::default();
     feet.update(setting.reference, &shape, x, &[]);
     feet.distances()
@@ -54,7 +54,7 @@ pub(super) fn longest(step: &[f64]) -> f64 {
 pub(super) fn collision_bound(
     setting: &Setting<'_>,
     armed: &Armed,
-    shape: &Shape,
+    shape: &FaceShapes,
     step: &[f64],
     corner_motion: &mut [Vec2],
 ) -> f64 {

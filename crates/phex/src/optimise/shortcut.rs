@@ -5,9 +5,9 @@ use super::areas::unevenness;
 use super::constraints::PlanarityConstraints;
 use super::fast::NearlyPlanar;
 use super::options::{OptimiseOptions, PathKind, StartKind};
-use super::reached::{Reached, Run, Way};
+use super::reached::{Reached, ResultOrigin, Run};
 use super::setting::Setting;
-use super::solvers::{Dual, Reporter, Solvers};
+use super::solvers::{Dual, Solvers, StepReporter};
 use super::start::{Start, TangentCells, circumcentres, kinked};
 use crate::progress::Progress;
 use phex_numeric::{
@@ -48,7 +48,7 @@ impl Projection<'_> {
         &self,
         dual: &mut Option<Dual>,
         x: &mut [f64],
-        reporter: &mut Reporter<'_>,
+        reporter: &mut StepReporter<'_>,
     ) -> Outcome {
         let Some((cholesky, matrix)) = dual.take() else {
             return Outcome::empty(Status::Converged);
@@ -71,7 +71,7 @@ impl Projection<'_> {
 
 impl Stage<'_> {
     /// Only projects a start.
-    pub fn run_projection(
+    pub(crate) fn run_projection(
         &self,
         solvers: &mut Solvers,
         start: &Start,
@@ -86,9 +86,9 @@ impl Stage<'_> {
             margin: options.clearance_margin,
         };
         let mut x = start.x.clone();
-        let mut reporter = Reporter::new(progress, options.projection_iterations);
+        let mut reporter = StepReporter::new(progress, options.projection_iterations);
         let outcome = projection.project(&mut solvers.constraints, &mut x, &mut reporter);
-        let way = Way {
+        let way = ResultOrigin {
             kind: StartKind::AsGiven,
             path: PathKind::Projection,
             in_parts: 0,
@@ -98,12 +98,12 @@ impl Stage<'_> {
     }
 
     /// A start with its vertices moved to where the planes of its faces meet.
-    pub fn kinked(&self, start: &Start) -> Start {
+    pub(crate) fn kinked(&self, start: &Start) -> Start {
         kinked(self.topology, &self.panels, &self.guard, start)
     }
 
     /// Takes the fast path from the circumcentres of a layout, unless another start is asked for.
-    pub fn run_fast_on_layout(
+    pub(crate) fn run_fast_on_layout(
         &self,
         solvers: &mut Solvers,
         tangents: &TangentCells<'_>,
@@ -121,7 +121,7 @@ impl Stage<'_> {
     }
 
     /// Takes the fast path from a start; `None` if the result is not good.
-    pub fn run_fast(
+    pub(crate) fn run_fast(
         &self,
         solvers: &mut Solvers,
         start: &Start,
@@ -136,7 +136,7 @@ impl Stage<'_> {
         }
         let (cholesky, matrix) = solvers.constraints.take()?;
         let mut x = start.x.clone();
-        let mut reporter = Reporter::new(progress, FAST_ITERATIONS);
+        let mut reporter = StepReporter::new(progress, FAST_ITERATIONS);
         let rounding = 4.0 * f64::EPSILON * self.diagonal / setting.mean_edge;
         let limits = SchurOptions {
             max_iterations: FAST_ITERATIONS,
@@ -148,7 +148,7 @@ impl Stage<'_> {
         let observe = |record: &Record| reporter.observe(record);
         let outcome = solver.minimise(&mut problem, &mut x, &limits, observe);
         solvers.constraints = Some(solver.into_parts());
-        let way = Way {
+        let way = ResultOrigin {
             kind: StartKind::Circumcentres,
             path: PathKind::Fast,
             in_parts: 0,

@@ -39,7 +39,7 @@ impl Solvers {
     }
 
     /// With room in the energy's matrix for what folds pay.
-    pub fn with_folds(panels: &Panels, folds: &FoldTerm) -> Result<Self, OptimiseError> {
+    pub(crate) fn with_folds(panels: &Panels, folds: &FoldTerm) -> Result<Self, OptimiseError> {
         let assembly = energy_assembly_with(panels, folds.vertices());
         let energy = EnergySolver(Some(EnergySolver::of(assembly)?));
         Ok(Self {
@@ -56,7 +56,7 @@ impl EnergySolver {
     }
 
     /// Makes it ready.
-    pub fn prepare(
+    pub(crate) fn prepare(
         &mut self,
         panels: &Panels,
     ) -> Result<(&Assembly, &mut DampedSolver), OptimiseError> {
@@ -109,14 +109,14 @@ pub(super) fn system(
 }
 
 /// Tells of iterations and hears of cancelling.
-pub(super) struct Reporter<'a> {
+pub(super) struct StepReporter<'a> {
     progress: &'a dyn Progress,
     iteration: usize,
     limit: usize,
 }
 
 /// A run within a run is watched and cancelled like it; its iterations do not count.
-impl Progress for Reporter<'_> {
+impl Progress for StepReporter<'_> {
     fn report(&self, event: &Event) {
         if let Event::Iteration { residual, .. } = event {
             self.tell(self.iteration, *residual);
@@ -128,7 +128,7 @@ impl Progress for Reporter<'_> {
     }
 }
 
-impl<'a> Reporter<'a> {
+impl<'a> StepReporter<'a> {
     /// `limit` iterations are expected at the most.
     pub fn new(progress: &'a dyn Progress, limit: usize) -> Self {
         Self {

@@ -14,7 +14,7 @@
 use super::Target;
 use super::barrier::clearance;
 use super::guard::{Breach, Guard};
-use super::panels::{Panels, Shape, flatten, points};
+use super::panels::{FaceShapes, Panels, flatten, points};
 use super::simple::area;
 use crate::layout::{Layout, VertexKind};
 use nalgebra::Matrix3;
@@ -28,8 +28,8 @@ pub(super) struct Start {
 }
 
 /// Panels that are not simple or not on their side.
-fn bad_faces(panels: &Panels, guard: &Guard, x: &[f64]) -> (Vec<usize>, Shape) {
-    let shape = Shape::at(panels, x);
+fn bad_faces(panels: &Panels, guard: &Guard, x: &[f64]) -> (Vec<usize>, FaceShapes) {
+    let shape = FaceShapes::at(panels, x);
     let face = |b: Breach| match b {
         Breach::NotSimple(f) | Breach::WrongSide(f) => Some(f),
         Breach::Fan(_) | Breach::Fold(_) => None,
@@ -64,7 +64,7 @@ pub(super) struct Smoothing<'a> {
 
 impl Smoothing<'_> {
     /// From the layout's own cells. Stops early when asked to.
-    pub fn of_cells(&self, cancelled: impl Fn() -> bool) -> Start {
+    pub(crate) fn of_cells(&self, cancelled: impl Fn() -> bool) -> Start {
         let positions = self.layout.mesh.positions.as_slice().to_vec();
         self.from(positions, |_| true, cancelled)
     }
@@ -148,7 +148,7 @@ impl<'a> TangentCells<'a> {
 
 /// A start moved towards the circumcentres of the best planes of its own faces.
 pub(super) fn kinked(topology: &Topology, panels: &Panels, guard: &Guard, given: &Start) -> Start {
-    let shape = Shape::at(panels, &given.x);
+    let shape = FaceShapes::at(panels, &given.x);
     let faces = || 0..panels.n_faces();
     let normal: Vec<Vec3> = faces().map(|f| shape.normal(f)).collect();
     let point: Vec<Vec3> = faces().map(|f| shape.frames[f].plane.centre).collect();

@@ -7,7 +7,7 @@
 use super::error::{MOST_MOVE, OptimiseError, SteeringError};
 use super::holds::{Anchored, Hold, Holds};
 use super::inspect::{Fault, Offender};
-use super::panels::{Panels, Shape, flatten, points, unknowns};
+use super::panels::{FaceShapes, Panels, flatten, points, unknowns};
 use super::simple::is_simple;
 use phex_mesh::{BoundaryCurve, FaceId, FacePlane, HexMesh, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
@@ -416,7 +416,7 @@ pub(super) fn put_in_place(
 }
 
 fn crossed(panels: &Panels, x: &[f64]) -> Vec<usize> {
-    let shape = Shape::at(panels, x);
+    let shape = FaceShapes::at(panels, x);
     let simple = |f: &usize| is_simple(shape.face(panels, *f));
     (0..panels.n_faces()).filter(|f| !simple(f)).collect()
 }

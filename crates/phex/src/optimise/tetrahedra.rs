@@ -18,10 +18,10 @@ use super::Stage;
 use super::closeness::Feet;
 use super::error::OptimiseError;
 use super::options::{OptimiseOptions, PathKind, StartKind};
-use super::panels::{Shape, add_block, point};
-use super::reached::{Reached, Run, Way};
+use super::panels::{FaceShapes, add_block, point};
+use super::reached::{Reached, ResultOrigin, Run};
 use super::setting::Setting;
-use super::solvers::{Reporter, Solvers};
+use super::solvers::{Solvers, StepReporter};
 use super::start::Start;
 use crate::progress::Progress;
 use nalgebra::Matrix3;
@@ -45,7 +45,7 @@ struct Tetrahedra<'a> {
     anchor: (f64, Vec<f64>),
     /// `w`.
     weight: f64,
-    shape: Shape,
+    shape: FaceShapes,
     feet: Feet,
     blocks: Vec<f64>,
 }
@@ -82,7 +82,7 @@ impl<'a> Tetrahedra<'a> {
             closeness: options.vertex_closeness,
             anchor: (options.anchor, x.to_vec()),
             weight: WEIGHTS.0,
-            shape: Shape::at(setting.panels, x),
+            shape: FaceShapes::at(setting.panels, x),
             feet: Feet::default(),
             blocks: vec![0.0; assembly.n_block_entries()],
         }
@@ -230,7 +230,7 @@ fn penalise(
 
 impl Stage<'_> {
     /// Optimises one start by the paper's formulation.
-    pub fn run_tetrahedra(
+    pub(crate) fn run_tetrahedra(
         &self,
         solvers: &mut Solvers,
         kind: StartKind,
@@ -242,10 +242,10 @@ impl Stage<'_> {
         let mut x = start.x.clone();
         let (assembly, minimiser) = solvers.energy.prepare(&self.panels)?;
         let mut energy = Tetrahedra::new(&setting, assembly, options, &x);
-        let mut reporter = Reporter::new(progress, WEIGHTS.2 * options.max_iterations);
+        let mut reporter = StepReporter::new(progress, WEIGHTS.2 * options.max_iterations);
         let observe = |record: &Record| reporter.observe(record);
         let outcome = penalise(&mut energy, minimiser, &mut x, options, observe);
-        let way = Way {
+        let way = ResultOrigin {
             kind,
             path: PathKind::Tetrahedra,
             in_parts: 0,

@@ -33,7 +33,7 @@ fn with_corners(options: &MeshOptions) -> MeshOptions {
 }
 
 /// The ground with everything that bricks are laid on, in normalised coordinates.
-struct Site {
+struct BrickSite {
     ground: Ground,
     surface: TriangleSurface,
     curvature: Curvature,
@@ -41,7 +41,7 @@ struct Site {
     corners: HashSet<VertexId>,
 }
 
-impl Site {
+impl BrickSite {
     fn new(
         normalised: &TriangleSurface,
         panels: usize,
@@ -98,7 +98,7 @@ pub(super) fn mesh_with_panels(
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
     let mut clock = Clock::new(progress);
-    let site = Site::new(normalised, panels, options, &mut clock)?;
+    let site = BrickSite::new(normalised, panels, options, &mut clock)?;
     let ground = &site.ground;
     let (layout, wall) = clock.stage("layout", || {
         brick_wall(&site.bricks(), ground.panels, &options.brick_wall)
@@ -176,7 +176,7 @@ pub fn network_curves(
     let panels = panel_count(input, options.size)?;
     let model = Normalised::of(input);
     let in_model = |e: PipelineError| e.in_model(&model);
-    let site = Site::new(&model.surface, panels, options, &mut clock).map_err(in_model)?;
+    let site = BrickSite::new(&model.surface, panels, options, &mut clock).map_err(in_model)?;
     let sampled = clock.stage("layout", || {
         sampled_network(&site, site.ground.panels, options)
     })?;
@@ -201,7 +201,7 @@ pub fn network_curves(
 
 /// Functions whose whole values are the rows and the columns.
 fn sampled_network(
-    site: &Site,
+    site: &BrickSite,
     panels: usize,
     options: &MeshOptions,
 ) -> Result<[Function; 2], NetworkError> {

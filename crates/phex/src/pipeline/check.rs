@@ -78,12 +78,7 @@ fn points<'a>(
 }
 
 fn sizes_fit(options: &SizeOptions) -> Result<(), BadOption> {
-    positive(&[
-        ("adaptive", options.adaptive.unwrap_or(1.0)),
-        ("smallest_rel", options.smallest_rel),
-        ("gradation", options.gradation),
-    ])?;
-    within(0.0..=1.0, &[("smallest_rel", options.smallest_rel)])
+    positive(&[("adaptive", options.adaptive.unwrap_or(1.0))])
 }
 
 fn target_fits(options: &TargetOptions) -> Result<(), BadOption> {
@@ -95,17 +90,12 @@ fn target_fits(options: &TargetOptions) -> Result<(), BadOption> {
 fn directions_fit(options: &DirectionOptions) -> Result<(), BadOption> {
     within(1.0..=LARGEST_RATIO, &[("anisotropy", options.anisotropy)])?;
     within(-TAU..=TAU, &[("rotate", options.rotate)])?;
-    positive(&[
-        ("curvature_floor", options.curvature_floor),
-        ("conformal_screening", options.conformal_screening),
-    ])?;
+    positive(&[("conformal_screening", options.conformal_screening)])?;
     not_negative(&[
         ("alignment", options.alignment),
-        ("gentle_alignment", options.gentle_alignment),
         ("conformal_limit", options.conformal_limit),
         ("boundary_alignment", options.boundary_alignment),
         ("cancel_reach", options.cancel_reach),
-        ("band_reach", options.band_reach),
         ("saddle_alignment", options.saddle_alignment),
     ])?;
     guides_fit(&options.guides).map_err(|e| e.in_table("guides"))
@@ -132,35 +122,18 @@ fn layout_fits(options: &LayoutOptions) -> Result<(), BadOption> {
             options.annihilation_length.unwrap_or(0.0),
         ),
         ("max_distortion", options.max_distortion),
-        ("boundary_phase", options.boundary_phase),
     ])
 }
 
 fn wall_fits(options: &BrickWallOptions) -> Result<(), BadOption> {
-    let [least, most] = options.ratio_limits;
-    let ratios = [
-        ("ratio", options.ratio.unwrap_or(1.0)),
-        ("ratio_limits", least),
-        ("ratio_limits", most),
-    ];
-    positive(&ratios)?;
-    within(0.0..=LARGEST_RATIO, &ratios)?;
-    within(least..=LARGEST_RATIO, &[("ratio_limits", most)])?;
-    below(
-        1.0,
-        &[
-            ("kink_goal", options.kink_goal),
-            ("max_kink", options.max_kink),
-        ],
-    )?;
+    let ratio = [("ratio", options.ratio.unwrap_or(1.0))];
+    positive(&ratio)?;
+    within(0.0..=LARGEST_RATIO, &ratio)?;
     network_fits(&options.network).map_err(|e| e.in_table("network"))
 }
 
 fn network_fits(options: &NetworkOptions) -> Result<(), BadOption> {
-    not_negative(&[
-        ("alignment", options.alignment),
-        ("umbilic_rel", options.umbilic_rel),
-    ])?;
+    not_negative(&[("alignment", options.alignment)])?;
     positive(&[("strictness", options.strictness)])
 }
 

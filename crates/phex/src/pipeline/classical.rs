@@ -26,7 +26,7 @@ use crate::smooth_surface::Normalised;
 use joined::{cells, fitted_planes, joined, met};
 use phex_mesh::{HexMesh, TriangleSurface};
 use phex_numeric::{Outcome, Status};
-use start::Start;
+use start::CurvedGround;
 
 /// Panels by one of the methods, of a normalised surface.
 pub(super) fn mesh_with_panels(
@@ -78,7 +78,7 @@ pub(super) fn mesh_with_panels(
 }
 
 /// What a method made, in normalised coordinates.
-struct Made {
+struct ClassicalMesh {
     mesh: HexMesh,
     /// The surface that the panels are compared with.
     reported: TriangleSurface,
@@ -92,7 +92,7 @@ struct Made {
     classical: ClassicalStatistics,
 }
 
-impl Made {
+impl ClassicalMesh {
     fn of(
         ground: &Ground,
         mesh: HexMesh,
@@ -117,7 +117,7 @@ impl Made {
     }
 }
 
-fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
+fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, PipelineError> {
     match ground.options.method {
         Method::ProjectiveDual => lattices::projective_dual(ground, clock),
         Method::SupportFunction => lattices::support_function(ground, clock),

@@ -79,7 +79,7 @@ impl Ground {
     }
 
     /// The same with a strip of another width beyond the boundary, 0 for none.
-    pub fn with_strip(
+    pub(crate) fn with_strip(
         facets: &TriangleSurface,
         panels: usize,
         options: &MeshOptions,
@@ -121,12 +121,12 @@ impl Ground {
 
     /// Whether panels are laid out on more than the surface; triangles of its levels are then known
     /// by their numbers.
-    pub fn is_extended(&self) -> bool {
+    pub(crate) fn is_extended(&self) -> bool {
         self.trimming.is_some()
     }
 
     /// The same with other levels of its surface.
-    pub fn with_smooth(&self, smooth: SmoothTarget) -> Self {
+    pub(crate) fn with_smooth(&self, smooth: SmoothTarget) -> Self {
         Self {
             smooth,
             facets: self.facets.clone(),
@@ -137,7 +137,7 @@ impl Ground {
     }
 
     /// The level on which directions and lattice are computed.
-    pub fn field_level(&self, options: &MeshOptions) -> usize {
+    pub(crate) fn field_level(&self, options: &MeshOptions) -> usize {
         let vertices = options.field_density * self.panels as f64;
         self.smooth.level_with(vertices)
     }
@@ -165,7 +165,7 @@ impl Ground {
     }
 
     /// The facets that were given, without the strip.
-    pub fn given_facets(&self) -> &TriangleSurface {
+    pub(crate) fn given_facets(&self) -> &TriangleSurface {
         let trimming = self.trimming.as_ref();
         trimming.map_or(&self.facets, |trimming| &trimming.facets)
     }

@@ -179,7 +179,7 @@ pub(super) fn with_seeds(
 /// How far a lattice may follow the curvature, and whether its panels may change their size so far
 /// that it needs no dislocations.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct LatticeFreedom {
     pub anisotropy: f64,
     pub seamless: bool,
     pub resolving: bool,
@@ -194,7 +194,7 @@ const RESOLVED: f64 = 0.8;
 const SEAMLESS_SCREENING: f64 = 0.025;
 const SEAMLESS_LIMIT: f64 = 2.0;
 
-impl Way {
+impl LatticeFreedom {
     /// Options for a lattice of this kind. A seamless one is computed on a fine level: about cones
     /// it must be exact.
     pub fn options(self, options: &MeshOptions) -> MeshOptions {

@@ -9,13 +9,13 @@ use crate::search::Site;
 use phex_mesh::HexMesh;
 
 /// A mesh on its way, and what the judge says of it.
-struct Candidate<'a> {
+struct JudgedMesh<'a> {
     mesh: HexMesh,
     judgement: Judgement,
     site: &'a Site<'a>,
 }
 
-impl<'a> Candidate<'a> {
+impl<'a> JudgedMesh<'a> {
     fn new(mesh: HexMesh, site: &'a Site<'a>) -> Self {
         Self {
             judgement: site.judged(&mesh),
@@ -44,7 +44,7 @@ pub(super) fn finished(
 ) -> Result<(HexMesh, Judgement), PipelineError> {
     let (options, progress) = (&ground.options, clock.progress);
     let surface = site.judge.surface();
-    let mut now = clock.timed("validate", || Candidate::new(trimmed, site));
+    let mut now = clock.timed("validate", || JudgedMesh::new(trimmed, site));
     let is_valid = now.judgement.merit.invalid == 0.0;
     if let Some(rim) = Rim::kept(surface, options).filter(|_| is_valid && !progress.is_cancelled())
     {

@@ -2,7 +2,7 @@
 //! has been repaired.
 
 use super::domain::{Beyond, Ground};
-use super::field::{Field, FineSurface, Way, direction_options, finer_ground};
+use super::field::{Field, FineSurface, LatticeFreedom, direction_options, finer_ground};
 use super::finish::finished;
 use super::restarts::{Drawn, most_regular};
 use super::rim::Rim;
@@ -57,7 +57,11 @@ impl Surfaces {
     }
 
     /// Does something with the site of these surfaces.
-    pub fn with_site<T>(&self, options: &MeshOptions, work: impl FnOnce(&Site<'_>) -> T) -> T {
+    pub(crate) fn with_site<T>(
+        &self,
+        options: &MeshOptions,
+        work: impl FnOnce(&Site<'_>) -> T,
+    ) -> T {
         let beyond = self.beyond.as_ref().map(|b| [&b.smooth, &b.facets]);
         let references = References {
             smooth: Some(&self.reported),
@@ -83,7 +87,7 @@ impl Surfaces {
 /// One pass for a lattice of one kind.
 pub(super) fn pass(
     ground: &Ground,
-    way: Way,
+    way: LatticeFreedom,
     clock: &mut Clock<'_>,
 ) -> Result<Pass, PipelineError> {
     let (options, progress) = (&way.options(&ground.options), clock.progress);
@@ -125,14 +129,14 @@ pub(super) fn pass(
 
 impl Pass {
     /// Searches the mesh where something is wrong.
-    pub fn searched(&self, ground: &Ground, clock: &mut Clock<'_>) -> Searched {
+    pub(crate) fn searched(&self, ground: &Ground, clock: &mut Clock<'_>) -> Searched {
         let progress = clock.progress;
         let work = |site: &Site<'_>| search(self.mesh.clone(), site, progress);
         clock.timed("search", || self.surfaces.with_site(&ground.options, work))
     }
 
     /// The surfaces that the mesh is reported against.
-    pub fn into_surfaces(self) -> Surfaces {
+    pub(crate) fn into_surfaces(self) -> Surfaces {
         self.surfaces
     }
 }

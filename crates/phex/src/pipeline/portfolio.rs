@@ -9,7 +9,7 @@
 //! [`Method::Best`] all of them are, side by side.
 
 use super::domain::Ground;
-use super::field::Way;
+use super::field::LatticeFreedom;
 use super::lattice::{Pass, pass};
 use super::{
     Candidate, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall,
@@ -120,8 +120,8 @@ fn is_tight(options: &MeshOptions) -> bool {
 }
 
 /// The kind of lattice that a candidate asks for.
-fn way_of(candidate: Candidate) -> Way {
-    Way {
+fn way_of(candidate: Candidate) -> LatticeFreedom {
+    LatticeFreedom {
         anisotropy: candidate.anisotropy,
         seamless: candidate.seamless,
         resolving: candidate.resolving,
@@ -132,11 +132,11 @@ fn way_of(candidate: Candidate) -> Way {
 /// A member of the portfolio after its single pass.
 struct Member {
     summary: AttemptSummary,
-    made: Made,
+    made: AttemptMesh,
     clock: Vec<super::StageSeconds>,
 }
 
-enum Made {
+enum AttemptMesh {
     Lattice(Box<Pass>),
     Wall(Box<MeshRun>),
 }
@@ -189,11 +189,11 @@ pub(super) fn mesh_with_panels(
     let mut tried: Vec<AttemptSummary> = members.iter().map(|m| m.summary.clone()).collect();
     members.iter().for_each(|m| clock.add(&m.clock));
     let mut run = match members.swap_remove(best).made {
-        Made::Lattice(pass) => {
+        AttemptMesh::Lattice(pass) => {
             let searched = task.searched(*pass, &mut clock);
             task.cured(searched, &mut tried, &mut clock).0
         }
-        Made::Wall(wall) => *wall,
+        AttemptMesh::Wall(wall) => *wall,
     };
     run.statistics.tried = tried;
     run.stages = clock.stages;
@@ -270,7 +270,7 @@ impl Task<'_> {
         };
         Ok(Member {
             summary,
-            made: Made::Lattice(Box::new(made)),
+            made: AttemptMesh::Lattice(Box::new(made)),
             clock: clock.stages,
         })
     }
@@ -295,7 +295,7 @@ impl Task<'_> {
             return first;
         };
         clock.add(&member.clock);
-        let Made::Lattice(pass) = member.made else {
+        let AttemptMesh::Lattice(pass) = member.made else {
             return first;
         };
         let second = self.searched(*pass, clock);
@@ -346,7 +346,7 @@ impl Task<'_> {
         Ok(Member {
             summary: AttemptSummary::new(candidate, &run.mesh, merit, false),
             clock: run.stages.clone(),
-            made: Made::Wall(Box::new(run)),
+            made: AttemptMesh::Wall(Box::new(run)),
         })
     }
 }

@@ -88,6 +88,20 @@ pub struct Assessment {
 
 impl Assessment {
     /// Judges a mesh.
+    ///
+    /// ```
+    /// # use phex_mesh::{HexMesh, Vec3};
+    /// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+    /// # let faces = [
+    /// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
+    /// # ];
+    /// # let cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
+    /// use phex::quality::{Assessment, Limits, References, Verdict};
+    ///
+    /// let found = Assessment::new(&cube, References::default(), &Limits::default());
+    /// assert_eq!(found.verdict, Verdict::Pass);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(mesh: &HexMesh, references: References<'_>, limits: &Limits) -> Self {
         let measures = measure(mesh);
         let mut violations = violations(mesh, references.judge(), &limits.validity);

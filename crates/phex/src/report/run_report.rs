@@ -114,6 +114,19 @@ pub struct RunReport {
 
 impl RunReport {
     /// A report of `command` around an assessment; the rest is empty and is filled in by field.
+    ///
+    /// ```
+    /// # use phex_mesh::{HexMesh, Vec3};
+    /// # let corners = [Vec3::x(), Vec3::y(), Vec3::z()].to_vec();
+    /// # let mesh = HexMesh::new(corners, &[[0, 1, 2]])?;
+    /// use phex::quality::{Assessment, Limits, References};
+    /// use phex::report::RunReport;
+    ///
+    /// let assessment = Assessment::new(&mesh, References::default(), &Limits::default());
+    /// let json = RunReport::new("check", assessment).to_json()?;
+    /// assert!(json.contains("\"verdict\": \"pass\""));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn new(command: &'static str, assessment: Assessment) -> Self {
         Self {
             schema_version: SCHEMA_VERSION,

@@ -1,6 +1,6 @@
 //! What is tried at a defect, mild changes first.
 
-use super::draft::{Draft, Side};
+use super::draft::{DirectedEdge, Draft};
 use super::patch::Patch;
 
 /// Panels of a defect that are merged or split at the most.
@@ -54,7 +54,7 @@ pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Dra
 
 /// A panel merged with one of its neighbours, those with the fewest corners first.
 fn merges(draft: &Draft, f: usize) -> Vec<Draft> {
-    let mut sides: Vec<(usize, Side)> = (draft.neighbours(f).into_iter())
+    let mut sides: Vec<(usize, DirectedEdge)> = (draft.neighbours(f).into_iter())
         .map(|(side, g)| (draft.faces[g].len(), side))
         .collect();
     sides.sort_unstable();

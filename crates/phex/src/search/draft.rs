@@ -30,11 +30,11 @@ pub(super) struct Draft {
 }
 
 /// An edge as its corners in the order of the panel on its left.
-pub(super) type Side = [u32; 2];
+pub(super) type DirectedEdge = [u32; 2];
 
 impl Draft {
     /// Panels by the sides that they have.
-    fn owners(&self) -> BTreeMap<Side, usize> {
+    fn owners(&self) -> BTreeMap<DirectedEdge, usize> {
         let sides = |(f, face): (usize, &Vec<u32>)| {
             let n = face.len();
             let side = move |k: usize| [face[k], face[(k + 1) % n]];
@@ -44,11 +44,11 @@ impl Draft {
     }
 
     /// The sides of a panel and the panels across them.
-    pub fn neighbours(&self, f: usize) -> Vec<(Side, usize)> {
+    pub fn neighbours(&self, f: usize) -> Vec<(DirectedEdge, usize)> {
         let owners = self.owners();
         let face = &self.faces[f];
         let sides = (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]);
-        let across = |[a, b]: Side| owners.get(&[b, a]).map(|g| ([a, b], *g));
+        let across = |[a, b]: DirectedEdge| owners.get(&[b, a]).map(|g| ([a, b], *g));
         sides.filter_map(across).collect()
     }
 
@@ -69,7 +69,7 @@ impl Draft {
 
     /// Turns an edge; `None` if one of the four panels can't take part, or would have too few or
     /// too many corners.
-    pub fn turned(&self, [u, v]: Side) -> Option<Self> {
+    pub fn turned(&self, [u, v]: DirectedEdge) -> Option<Self> {
         let turn = self.turn([u, v])?;
         let mut next = self.clone();
         next.faces[turn.left].retain(|x| *x != v);
@@ -87,7 +87,7 @@ impl Draft {
     }
 
     /// What a turn does to the sum of irregularities.
-    fn gain(&self, side: Side) -> Option<i64> {
+    fn gain(&self, side: DirectedEdge) -> Option<i64> {
         let turn = self.turn(side)?;
         let change = |f: usize, by: i64| {
             let n = self.faces[f].len();
@@ -101,7 +101,7 @@ impl Draft {
         )
     }
 
-    fn turn(&self, [u, v]: Side) -> Option<Turn> {
+    fn turn(&self, [u, v]: DirectedEdge) -> Option<Turn> {
         if self.on_boundary[u as usize] || self.on_boundary[v as usize] {
             return None;
         }
@@ -131,7 +131,7 @@ impl Draft {
     }
 
     /// Takes the edge between two panels away.
-    pub fn merged(&self, [u, v]: Side) -> Option<Self> {
+    pub(crate) fn merged(&self, [u, v]: DirectedEdge) -> Option<Self> {
         let owners = self.owners();
         let (f, g) = (*owners.get(&[u, v])?, *owners.get(&[v, u])?);
         let shared = self.faces[f].iter().filter(|x| self.faces[g].contains(x));
@@ -213,7 +213,7 @@ impl Draft {
     }
 
     /// Turns edges, alone and in short sequences, while that makes panels more regular.
-    pub fn calmed(self) -> Self {
+    pub(crate) fn calmed(self) -> Self {
         let mut calm = self.turned_greedily();
         for _ in 0..GLIDES {
             let Some(next) = calm.glided() else { break };
@@ -263,7 +263,8 @@ impl Draft {
 
     fn turned_greedily(mut self) -> Self {
         for _ in 0..TURNS {
-            let sides: Vec<Side> = self.owners().into_keys().filter(|[a, b]| a < b).collect();
+            let sides: Vec<DirectedEdge> =
+                self.owners().into_keys().filter(|[a, b]| a < b).collect();
             let gains = sides.iter().filter_map(|s| Some((self.gain(*s)?, *s)));
             let best = gains.max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1)));
             let Some((_, side)) = best.filter(|b| b.0 > 0) else {

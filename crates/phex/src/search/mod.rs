@@ -32,7 +32,7 @@ use phex_mesh::{FaceId, HexMesh, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 pub use site::{AreaField, Site};
-use site::{Step, Whole};
+use site::{LocalStep, Whole};
 use std::collections::BTreeSet;
 
 /// Rings of panels around a defect that may be joined anew, at first and where that has failed.
@@ -90,6 +90,30 @@ struct Failed {
 }
 
 /// Searches a mesh until no local change makes it better, or until it is cancelled.
+///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let torus = triangulate(&Shape::from_name("torus", &[])?, &TriangulationOptions::default())?;
+/// use phex::optimise::OptimiseOptions;
+/// use phex::quality::{Judge, Limits, References};
+/// use phex::search::{Site, search};
+/// use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
+///
+/// let options = MeshOptions { size: PanelSize::Panels(60), search: false, ..Default::default() };
+/// let run = mesh_surface(&torus, &options, &Silent)?;
+/// let references = References { smooth: Some(&run.target), ..Default::default() };
+/// let judge = Judge::new(&run.target, references, Limits::new(Some(0.02), None));
+/// let site = Site {
+///     judge: &judge,
+///     close_to: &run.target,
+///     hold: None,
+///     areas: None,
+///     options: &OptimiseOptions::default(),
+/// };
+/// let found = search(run.mesh, &site, &Silent);
+/// assert!(found.summary.left <= found.summary.defects);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn search(mut mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Searched {
     let mut whole = Whole::of(&mesh, site);
     let mut summary = SearchSummary {
@@ -158,14 +182,14 @@ fn fail(failed: &mut Vec<Failed>, place: Vec3, mean_edge: f64) {
 }
 
 /// A defect, and the patch around it.
-struct Place {
+struct DefectPatch {
     defect: Defect,
     patch: Patch,
     wide: bool,
 }
 
 /// Defects at which something is left to try, the worst first, none of whose patches touch.
-fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed]) -> Vec<Place> {
+fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed]) -> Vec<DefectPatch> {
     let same = SAME * whole.yardstick.mean_edge;
     let mut taken: BTreeSet<FaceId> = BTreeSet::new();
     let mut places = Vec::new();
@@ -193,7 +217,7 @@ fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed]) -> Vec<Place> {
         let patch = Patch::around(mesh, &defect.faces, *rings);
         if patch.faces.iter().all(|f| !taken.contains(f)) {
             taken.extend(&patch.faces);
-            places.push(Place {
+            places.push(DefectPatch {
                 defect,
                 patch,
                 wide: times > 0,
@@ -203,7 +227,7 @@ fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed]) -> Vec<Place> {
     places
 }
 
-impl Place {
+impl DefectPatch {
     /// The best candidate, if it is better than what there is, and how many were tried.
     fn best(
         &self,
@@ -226,7 +250,7 @@ impl Place {
         };
         let improved = |mut next: Settled| {
             for round in 0..EMPHASES {
-                let step = Step::Improve(round);
+                let step = LocalStep::Improve(round);
                 let Some(mesh) = site.settled(&next.built, whole, step, progress) else {
                     continue;
                 };
@@ -257,7 +281,7 @@ impl Place {
                 continue;
             };
             tried += 1;
-            if let Some(mesh) = site.settled(&built, whole, Step::Settle, progress) {
+            if let Some(mesh) = site.settled(&built, whole, LocalStep::Settle, progress) {
                 let judgement = judged(&built, &mesh);
                 let next = Settled {
                     merit: judgement.merit,

@@ -129,14 +129,14 @@ impl Built {
 pub(super) struct Change {
     /// The panels of the mesh that go.
     pub removed: Vec<FaceId>,
-    faces: Vec<Vec<Corner>>,
+    faces: Vec<Vec<PatchCorner>>,
     /// The panel of the mesh in whose place each comes; `None` for one that is new.
     replaces: Vec<Option<FaceId>>,
     moved: Vec<(VertexId, Vec3)>,
     added: Vec<Vec3>,
 }
 
-enum Corner {
+enum PatchCorner {
     Old(VertexId),
     New(usize),
 }
@@ -154,7 +154,8 @@ impl Change {
                 }
             }
         }
-        let corner = |v: &u32| old(*v).map_or_else(|| Corner::New(of_new[v]), Corner::Old);
+        let corner =
+            |v: &u32| old(*v).map_or_else(|| PatchCorner::New(of_new[v]), PatchCorner::Old);
         let ring = |f: &usize| draft.faces[*f].iter().map(corner).collect();
         Self {
             removed: patch.faces.clone(),
@@ -182,9 +183,9 @@ pub(super) fn applied(mesh: &HexMesh, changes: &[&Change]) -> Option<HexMesh> {
             .for_each(|(v, p)| positions[v.index()] = *p);
         change.removed.iter().for_each(|f| faces[f.index()].clear());
         for (ring, place) in change.faces.iter().zip(&change.replaces) {
-            let number = |c: &Corner| match c {
-                Corner::Old(v) => v.index() as u32,
-                Corner::New(k) => (first + k) as u32,
+            let number = |c: &PatchCorner| match c {
+                PatchCorner::Old(v) => v.index() as u32,
+                PatchCorner::New(k) => (first + k) as u32,
             };
             let ring: Vec<u32> = ring.iter().map(number).collect();
             match place {

@@ -128,7 +128,7 @@ impl Site<'_> {
         &self,
         built: &Built,
         whole: &Whole,
-        step: Step,
+        step: LocalStep,
         progress: &dyn Progress,
     ) -> Option<HexMesh> {
         let part = LocalPart {
@@ -140,8 +140,8 @@ impl Site<'_> {
         let target = SurfaceTarget::new(self.close_to);
         let quiet = Quiet(progress);
         let made = match step {
-            Step::Settle => part.settled(&target, self.options, &quiet),
-            Step::Improve(round) => {
+            LocalStep::Settle => part.settled(&target, self.options, &quiet),
+            LocalStep::Improve(round) => {
                 let wanted = self.wanted(&built.mesh, whole);
                 part.emphasised(&wanted, round, &target, self.options, &quiet)
             }
@@ -152,7 +152,7 @@ impl Site<'_> {
 
 /// What the optimiser does with a part.
 #[derive(Clone, Copy)]
-pub(super) enum Step {
+pub(super) enum LocalStep {
     /// From joined panels to planar ones.
     Settle,
     /// From planar panels to better ones, in a round.

@@ -17,16 +17,17 @@
 //! corrections do not converge (very irregular triangles) the control points that came closest to
 //! the input are used.
 
-pub mod extend;
+pub(crate) mod extend;
 mod local;
 mod normalise;
-pub mod subdivide;
+pub(crate) mod subdivide;
 
+pub use extend::{Extension, extend};
 pub use normalise::Normalised;
+pub use subdivide::Refinement;
 
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
-use subdivide::Refinement;
 
 /// Which surface the panels are kept close to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -128,6 +129,20 @@ impl SmoothTarget {
 }
 
 /// Refines a normalised surface until it has at least `min_vertices` vertices.
+///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let options = TriangulationOptions { triangles: 320, ..Default::default() };
+/// # let sphere = triangulate(&Shape::from_name("sphere", &[])?, &options)?;
+/// use phex::smooth_surface::{Normalised, TargetOptions, smooth_target};
+///
+/// let model = Normalised::of(&sphere);
+/// let target = smooth_target(&model.surface, 1000, &TargetOptions::default());
+/// // New vertices lie on the sphere of radius 1, too.
+/// let radius = |p| model.similarity.restore(p).norm();
+/// assert!(target.finest().positions().iter().all(|p| (radius(*p) - 1.0).abs() < 0.01));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn smooth_target(
     surface: &TriangleSurface,
     min_vertices: usize,

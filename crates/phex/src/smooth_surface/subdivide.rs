@@ -33,7 +33,7 @@ impl Refinement {
 
     /// The step that splits each triangle in four and has the given stencils for old vertices and
     /// for edges.
-    pub fn with_stencils(
+    pub(crate) fn with_stencils(
         topology: &Topology,
         vertex: impl Fn(VertexId) -> Vec<(VertexId, f64)>,
         edge: impl Fn(EdgeId) -> Vec<(VertexId, f64)>,
@@ -53,7 +53,7 @@ impl Refinement {
 
     /// The step that keeps all old vertices, with new ones half-way between `ends`, and the given
     /// triangles.
-    pub fn with_middles(
+    pub(crate) fn with_middles(
         n_vertices: usize,
         ends: impl Iterator<Item = [VertexId; 2]>,
         faces: Vec<[u32; 3]>,

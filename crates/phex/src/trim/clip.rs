@@ -5,7 +5,7 @@
 //! so that no tiny edges arise. The parts of a panel's outline that lie inside are then joined
 //! along the boundary curve, which has the surface on its left as the panel has.
 
-use super::curve::{Curve, Place};
+use super::curve::{LoopPoint, OutlineLoops};
 use super::follow::is_simple;
 use super::{Domain, TrimError, Trimmed, compact, near_boundary};
 use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerEdge, PerFace, Vec3};
@@ -39,8 +39,8 @@ pub(super) fn clipped(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimmed, Tr
 }
 
 /// The curve along which panels are cut.
-pub(super) fn curve(domain: &Domain<'_>) -> Curve {
-    Curve::of(domain.original, domain.corner_angle, TOLERANCE)
+pub(super) fn curve(domain: &Domain<'_>) -> OutlineLoops {
+    OutlineLoops::of(domain.original, domain.corner_angle, TOLERANCE)
 }
 
 /// An edge between its cuts: vertices in the direction of its half-edge, and whether each piece
@@ -56,7 +56,7 @@ struct Cut<'a> {
     mesh: &'a HexMesh,
     positions: Vec<Vec3>,
     edges: PerEdge<CutEdge>,
-    curve: Curve,
+    curve: OutlineLoops,
     domain: &'a Domain<'a>,
     /// Distance over which a crossing is never moved.
     near_length: f64,
@@ -155,8 +155,8 @@ impl<'a> Cut<'a> {
     /// next on the curve.
     fn joined(&mut self, runs: &[Vec<u32>], plane: &FacePlane) -> Vec<PanelPart> {
         let place = |v: u32| self.curve.closest(self.positions[v as usize]);
-        let starts: Vec<Place> = runs.iter().map(|r| place(r[0])).collect();
-        let ends: Vec<Place> = runs.iter().map(|r| place(r[r.len() - 1])).collect();
+        let starts: Vec<LoopPoint> = runs.iter().map(|r| place(r[0])).collect();
+        let ends: Vec<LoopPoint> = runs.iter().map(|r| place(r[r.len() - 1])).collect();
         let mut used = vec![false; runs.len()];
         let mut parts = Vec::new();
         for first in 0..runs.len() {
@@ -188,7 +188,7 @@ impl<'a> Cut<'a> {
     }
 
     /// Adds vertices along the curve between two places, in the plane of the panel.
-    fn follow(&mut self, from: Place, to: Place, plane: &FacePlane, part: &mut Vec<u32>) {
+    fn follow(&mut self, from: LoopPoint, to: LoopPoint, plane: &FacePlane, part: &mut Vec<u32>) {
         let Some(&last) = part.last() else { return };
         let (begin, end) = (self.positions[last as usize], self.curve.at(to));
         for p in self.curve.between(from, to, begin, end) {

@@ -7,14 +7,14 @@ const SPACING: f64 = 2e-3;
 
 /// A place on the boundary: a loop, a segment of it, and how far along that (0 to 1).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct LoopPoint {
     of: usize,
     segment: usize,
     along: f64,
 }
 
 /// The boundary loops, each with the surface on its left.
-pub(super) struct Curve {
+pub(super) struct OutlineLoops {
     loops: Vec<Vec<Vec3>>,
     corners: Vec<Vec<bool>>,
     diagonal: f64,
@@ -22,7 +22,7 @@ pub(super) struct Curve {
     tolerance: f64,
 }
 
-impl Curve {
+impl OutlineLoops {
     /// The boundary of a surface; vertices where it turns by more than `corner_angle` are always
     /// kept, others where what stands for the curve would be farther from it than `tolerance`, in
     /// diagonals.
@@ -47,10 +47,10 @@ impl Curve {
     }
 
     /// The place closest to a point.
-    pub fn closest(&self, p: Vec3) -> Place {
+    pub fn closest(&self, p: Vec3) -> LoopPoint {
         let mut best = (
             f64::INFINITY,
-            Place {
+            LoopPoint {
                 of: 0,
                 segment: 0,
                 along: 0.0,
@@ -63,7 +63,7 @@ impl Curve {
                     ((p - a).dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
                 let distance = (a + d * along - p).norm_squared();
                 if distance < best.0 {
-                    best = (distance, Place { of, segment, along });
+                    best = (distance, LoopPoint { of, segment, along });
                 }
             }
         }
@@ -71,7 +71,7 @@ impl Curve {
     }
 
     /// The point of a place.
-    pub fn at(&self, place: Place) -> Vec3 {
+    pub fn at(&self, place: LoopPoint) -> Vec3 {
         let points = &self.loops[place.of];
         let (a, b) = (
             points[place.segment],
@@ -81,18 +81,18 @@ impl Curve {
     }
 
     /// Segments from one place forward to another; infinite on different loops.
-    pub fn ahead(&self, from: Place, to: Place) -> f64 {
+    pub fn ahead(&self, from: LoopPoint, to: LoopPoint) -> f64 {
         if from.of != to.of {
             return f64::INFINITY;
         }
         let n = self.loops[from.of].len() as f64;
-        let position = |p: Place| p.segment as f64 + p.along;
+        let position = |p: LoopPoint| p.segment as f64 + p.along;
         (position(to) - position(from)).rem_euclid(n)
     }
 
     /// Vertices that stand for the curve between two places, without the places; none if the way is
     /// a long detour.
-    pub fn between(&self, from: Place, to: Place, begin: Vec3, end: Vec3) -> Vec<Vec3> {
+    pub fn between(&self, from: LoopPoint, to: LoopPoint, begin: Vec3, end: Vec3) -> Vec<Vec3> {
         let ahead = self.ahead(from, to);
         let points = &self.loops[from.of];
         // Rounding may put the end a little before the beginning: that is no way round the whole

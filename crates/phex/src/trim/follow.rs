@@ -3,7 +3,7 @@
 //! They lie in the plane of their panel, over the curve, so the panel stays planar. An edge gets
 //! those of them with which its panel stays simple and keeps some clearance.
 
-use super::curve::{Curve, distance_to_segment};
+use super::curve::{OutlineLoops, distance_to_segment};
 use phex_mesh::{FacePlane, HalfEdgeId, HexMesh, TriangleSurface, Vec3, polygon};
 
 /// Largest distance between the curve and an edge along it, diagonals.
@@ -23,7 +23,7 @@ pub(crate) fn followed(
     corner_angle: f64,
 ) -> Option<HexMesh> {
     let topology = mesh.topology();
-    let curve = Curve::of(surface, corner_angle, TOLERANCE);
+    let curve = OutlineLoops::of(surface, corner_angle, TOLERANCE);
     let room = ROOM * mesh.mean_edge();
     let mut positions = mesh.positions.as_slice().to_vec();
     let mut faces = topology.face_lists();

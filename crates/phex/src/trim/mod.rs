@@ -98,6 +98,30 @@ impl Domain<'_> {
 
 /// Trims a planar mesh; with [`Boundary::Snap`] only holes that were closed for the layout are cut.
 ///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let plane = triangulate(&Shape::from_name("plane", &[])?, &TriangulationOptions::default())?;
+/// use phex::smooth_surface::extend;
+/// use phex::trim::{Boundary, Domain, trim};
+/// use phex_mesh::{FaceId, FlatFace, HexMesh, Vec3};
+///
+/// // One panel that sticks out of a square of side 2.
+/// let corners = [(-1.2, -1.2), (1.2, -1.2), (1.2, 1.2), (-1.2, 1.2)];
+/// let corners = corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
+/// let panel = HexMesh::new(corners, &[[0, 1, 2, 3]])?;
+/// let extension = extend(&plane, 0.5, 0.0).ok_or("the plane has a boundary")?;
+/// let domain = Domain {
+///     extended: &extension.surface,
+///     extension: &extension,
+///     levels: 0,
+///     original: &plane,
+///     corner_angle: 0.5,
+/// };
+/// let clipped = trim(&panel, &domain, Boundary::Clip)?.mesh;
+/// assert!((FlatFace::of(&clipped, FaceId::new(0)).area() - 4.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If nothing or no manifold is left.
 pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<Trimmed, TrimError> {

@@ -4,7 +4,7 @@
 use nalgebra::Rotation3;
 use phex::curvature::{Curvature, curvature};
 use phex::directions::{DirectionOptions, Directions, directions};
-use phex::layout::seeds::Seed;
+use phex::layout::Seed;
 use phex::layout::{
     CellSurface, Layout, LayoutError, LayoutOptions, Placed, panelling, place_seeds,
 };
@@ -239,5 +239,5 @@ impl Stages {
 
 /// Distance of neighbouring panel centres for a number of panels.
 pub fn panel_length(surface: &TriangleSurface, panels: usize) -> f64 {
-    (surface.area() / panels as f64 / phex::layout::lattice::CELL).sqrt()
+    (surface.area() / panels as f64 / phex::layout::CELL).sqrt()
 }

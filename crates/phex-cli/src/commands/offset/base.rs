@@ -1,8 +1,8 @@
 //! The mesh that layers are offsets of, and the layers.
 
-use super::Job;
+use super::OffsetJob;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::input::{MeshFile, whole};
+use crate::input::MeshFile;
 use crate::offset_arguments::Kind;
 use crate::progress::{Reporter, is_interrupted};
 use phex::offset::{
@@ -26,7 +26,7 @@ pub(super) enum Motion {
 }
 
 impl Motion {
-    fn of(mesh: &HexMesh, job: &Job<'_>) -> Result<Self, OffsetError> {
+    fn of(mesh: &HexMesh, job: &OffsetJob<'_>) -> Result<Self, OffsetError> {
         let options = &job.options;
         Ok(match job.command.kind {
             Kind::Face => {
@@ -55,13 +55,13 @@ pub(super) struct Base {
     pub motion: Motion,
     /// What is wrong with the mesh already.
     pub inheritance: Inheritance,
-    pub optimised: Option<Optimised>,
+    pub optimised: Option<MovedVertices>,
     /// Edges of the Gauss image that are not parallel to those of the mesh.
     pub turned: Vec<TurnedEdge>,
 }
 
 /// What moved the vertices first, and how far.
-pub(super) struct Optimised {
+pub(super) struct MovedVertices {
     pub result: AngleOptimised,
     /// Largest distance of a vertex from where it was given, in model units.
     pub moved: f64,
@@ -76,14 +76,14 @@ pub(super) struct Optimised {
     pub diagonal: f64,
 }
 
-impl Optimised {
+impl MovedVertices {
     pub fn keeps_to_surface(&self) -> bool {
         self.deviation <= self.limit
     }
 }
 
 impl Base {
-    pub fn new(job: &Job<'_>, given: HexMesh) -> Result<Self, Failure> {
+    pub fn new(job: &OffsetJob<'_>, given: HexMesh) -> Result<Self, Failure> {
         let optimised = job
             .command
             .optimise
@@ -105,15 +105,15 @@ impl Base {
         let close = self
             .optimised
             .as_ref()
-            .is_none_or(Optimised::keeps_to_surface);
+            .is_none_or(MovedVertices::keeps_to_surface);
         close && self.inheritance.violations.is_empty()
     }
 
-    pub fn safe_distances(&self, job: &Job<'_>) -> SafeDistances {
+    pub fn safe_distances(&self, job: &OffsetJob<'_>) -> SafeDistances {
         safe_distances(&self.mesh, self.motion.image(), &job.options)
     }
 
-    pub fn layers(&self, job: &Job<'_>) -> Result<Vec<Layer>, Failure> {
+    pub fn layers(&self, job: &OffsetJob<'_>) -> Result<Vec<OffsetLayer>, Failure> {
         if let Some(distances) = &job.face_distances {
             return Ok(vec![self.own_distances(job, distances)?]);
         }
@@ -121,13 +121,13 @@ impl Base {
         distances.map(|&d| self.layer(job, d)).collect()
     }
 
-    fn layer(&self, job: &Job<'_>, distance: f64) -> Result<Layer, Failure> {
+    fn layer(&self, job: &OffsetJob<'_>, distance: f64) -> Result<OffsetLayer, Failure> {
         let image = self.motion.image();
         let moved = layer(&self.mesh, image, distance, &job.options)
             .map_err(|e| self.refusal(job, distance, &e))?;
         let error = distance_error(&self.mesh, &moved, image.kind, distance);
         let turned = Turned::of(&image.turned_edges(&self.mesh), distance);
-        Ok(Layer::new(
+        Ok(OffsetLayer::new(
             moved,
             distance,
             error.or_exit(Exit::Internal)?,
@@ -135,7 +135,11 @@ impl Base {
         ))
     }
 
-    fn own_distances(&self, job: &Job<'_>, distances: &PerFace<f64>) -> Result<Layer, Failure> {
+    fn own_distances(
+        &self,
+        job: &OffsetJob<'_>,
+        distances: &PerFace<f64>,
+    ) -> Result<OffsetLayer, Failure> {
         let offset =
             face_offset(&self.mesh, distances, &job.options).or_exit(Exit::InputUnusable)?;
         let farther = |m: f64, &d: &f64| if d.abs() > m.abs() { d } else { m };
@@ -147,7 +151,7 @@ impl Base {
         let error = face_distance_error(&self.mesh, &moved, distances);
         // The displacements are those of this layer already.
         let turned = Turned::of(&offset.into_image().turned_edges(&self.mesh), 1.0);
-        Ok(Layer::new(
+        Ok(OffsetLayer::new(
             moved,
             largest,
             error.or_exit(Exit::Internal)?,
@@ -156,7 +160,7 @@ impl Base {
     }
 
     /// Why a distance does not work, and how far it might go.
-    fn refusal(&self, job: &Job<'_>, distance: f64, error: &OffsetError) -> Failure {
+    fn refusal(&self, job: &OffsetJob<'_>, distance: f64, error: &OffsetError) -> Failure {
         let safe = self.safe_distances(job);
         let most = if distance < 0.0 {
             -rounded_down(safe.inward.distance)
@@ -183,7 +187,7 @@ fn advised(error: OffsetError) -> Failure {
     Failure::input(format!("{error}{advice}"))
 }
 
-fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<Optimised, Failure> {
+fn optimise(job: &OffsetJob<'_>, mesh: &HexMesh) -> Result<MovedVertices, Failure> {
     let reporter = Reporter::new(&job.command.talk);
     let file = job
         .command
@@ -191,9 +195,7 @@ fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<Optimised, Failure> {
         .as_deref()
         .map(MeshFile::read)
         .transpose()?;
-    let surface = file
-        .map(|file| whole(&file.surfaces()?.components))
-        .transpose()?;
+    let surface = file.map(|file| file.surface()).transpose()?;
     let target = surface.as_ref().map(SurfaceTarget::new);
     let target = target.as_ref().map(|t| t as &dyn Target);
     let result = satisfy_angle_condition(mesh, target, &AngleOptions::default(), &reporter)
@@ -221,7 +223,7 @@ fn optimise(job: &Job<'_>, mesh: &HexMesh) -> Result<Optimised, Failure> {
     let (limit, unit) = (job.command.max_deviation, job.command.unit);
     let step = |(p, q): (&Vec3, &Vec3)| (p - q).norm();
     let steps = mesh.positions.iter().zip(&result.mesh.positions).map(step);
-    Ok(Optimised {
+    Ok(MovedVertices {
         moved: steps.fold(0.0, f64::max),
         deviation,
         reference,
@@ -287,7 +289,7 @@ fn unreached(result: &AngleOptimised) -> String {
 }
 
 /// One offset, with what was measured of it.
-pub(super) struct Layer {
+pub(super) struct OffsetLayer {
     pub distance: f64,
     pub mesh: HexMesh,
     /// Largest error of a distance, in model units.
@@ -323,7 +325,7 @@ impl Turned {
     }
 }
 
-impl Layer {
+impl OffsetLayer {
     fn new(mesh: HexMesh, distance: f64, distance_error: f64, turned: Turned) -> Self {
         let faces = FlatFace::all(&mesh);
         let bent = faces.iter().map(|f| f.planarity_length).fold(0.0, f64::max);

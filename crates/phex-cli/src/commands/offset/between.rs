@@ -1,6 +1,6 @@
 //! What lies between two layers: solid panels, beams, nodes.
 
-use super::Layer;
+use super::OffsetLayer;
 use crate::exit::{Exit, Failure, OrExit};
 use phex::offset::{PanelSolid, beam_axes, joined, node_axes, panel_solids};
 use phex_mesh::{HexMesh, PolygonSoup, Vec3};
@@ -14,7 +14,7 @@ pub(super) struct Pair<'a> {
 
 impl<'a> Pair<'a> {
     /// Successive layers, in ascending order; a single layer makes a pair with the mesh.
-    pub fn successive(mesh: &'a HexMesh, layers: &'a [Layer]) -> Vec<Self> {
+    pub fn successive(mesh: &'a HexMesh, layers: &'a [OffsetLayer]) -> Vec<Self> {
         match layers {
             [only] if only.distance < 0.0 => vec![Self {
                 lower: &only.mesh,
@@ -25,7 +25,7 @@ impl<'a> Pair<'a> {
                 upper: &only.mesh,
             }],
             _ => {
-                let pair = |w: &'a [Layer]| Self {
+                let pair = |w: &'a [OffsetLayer]| Self {
                     lower: &w[0].mesh,
                     upper: &w[1].mesh,
                 };

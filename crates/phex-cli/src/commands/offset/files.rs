@@ -1,7 +1,7 @@
 //! The files of `phex offset`: their names, and what stands in them.
 
 use super::between::{Pair, beam_table, node_table, solids};
-use super::{Base, Job, Layer};
+use super::{Base, OffsetJob, OffsetLayer};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::offset_arguments::OffsetCommand;
 use crate::output;
@@ -21,19 +21,19 @@ pub(super) struct Files {
 }
 
 /// One file with what it holds.
-pub(super) struct Content {
+pub(super) struct OffsetFile {
     path: PathBuf,
     what: &'static str,
     file: NamedFile,
     volume: Option<f64>,
 }
 
-enum Body {
+enum FileBody {
     Mesh(PolygonSoup),
     Text(String),
 }
 
-impl Body {
+impl FileBody {
     fn bytes(self, name: &str) -> Result<Vec<u8>, Failure> {
         let soup = match self {
             Self::Text(text) => return Ok(text.into_bytes()),
@@ -46,7 +46,7 @@ impl Body {
     }
 }
 
-impl Content {
+impl OffsetFile {
     /// The file, to be written into the folder.
     pub fn file(&self) -> NamedFile {
         self.file.clone()
@@ -145,38 +145,38 @@ impl Files {
     pub fn contents(
         &self,
         command: &OffsetCommand,
-        job: &Job<'_>,
+        job: &OffsetJob<'_>,
         base: &Base,
-        layers: &[Layer],
-    ) -> Result<Vec<Content>, Failure> {
-        let mut bodies: Vec<(&'static str, Body, Option<f64>)> = Vec::new();
+        layers: &[OffsetLayer],
+    ) -> Result<Vec<OffsetFile>, Failure> {
+        let mut bodies: Vec<(&'static str, FileBody, Option<f64>)> = Vec::new();
         for layer in layers {
-            bodies.push(("layer", Body::Mesh(layer.mesh.to_soup()), None));
+            bodies.push(("layer", FileBody::Mesh(layer.mesh.to_soup()), None));
         }
         let pairs = Pair::successive(&base.mesh, layers);
         if command.solids {
             for pair in &pairs {
                 let (soup, volume) = solids(pair, job.gap)?;
-                bodies.push(("solids", Body::Mesh(soup), Some(volume)));
+                bodies.push(("solids", FileBody::Mesh(soup), Some(volume)));
             }
         }
         if command.gauss_image {
             let image = base.motion.image().mesh(&base.mesh).to_soup();
-            bodies.push(("gauss image", Body::Mesh(image), None));
+            bodies.push(("gauss image", FileBody::Mesh(image), None));
         }
         if base.optimised.is_some() && !self.names.is_empty() {
-            bodies.push(("mesh", Body::Mesh(base.mesh.to_soup()), None));
+            bodies.push(("mesh", FileBody::Mesh(base.mesh.to_soup()), None));
         }
         if command.beams {
             for pair in &pairs {
-                bodies.push(("beams", Body::Text(beam_table(pair)?), None));
+                bodies.push(("beams", FileBody::Text(beam_table(pair)?), None));
             }
             for pair in &pairs {
-                bodies.push(("nodes", Body::Text(node_table(pair)?), None));
+                bodies.push(("nodes", FileBody::Text(node_table(pair)?), None));
             }
         }
-        let content = |(name, (what, body, volume)): (String, (&'static str, Body, _))| {
-            Ok(Content {
+        let content = |(name, (what, body, volume)): (String, (&'static str, FileBody, _))| {
+            Ok(OffsetFile {
                 path: self.path(&name),
                 what,
                 file: (name.clone(), body.bytes(&name)?),

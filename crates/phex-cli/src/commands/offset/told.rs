@@ -1,20 +1,20 @@
 //! What `phex offset` says: the short table, and the report.
 
-use super::Job;
-use super::base::{Base, Layer, Motion, Optimised, Turned, rounded_down};
-use super::files::Content;
-use crate::summary::Table;
+use super::OffsetJob;
+use super::base::{Base, Motion, MovedVertices, OffsetLayer, Turned, rounded_down};
+use super::files::OffsetFile;
+use crate::summary::SummaryTable;
 use phex::offset::{OffsetKind, SafeDistance, SafeDistances};
 use phex_mesh::Violation;
 use serde_json::{Value, json};
 
 /// Everything that there is to tell.
 pub(super) struct Told<'a> {
-    pub job: &'a Job<'a>,
+    pub job: &'a OffsetJob<'a>,
     pub base: &'a Base,
     pub safe: Option<&'a SafeDistances>,
-    pub layers: &'a [Layer],
-    pub contents: &'a [Content],
+    pub layers: &'a [OffsetLayer],
+    pub contents: &'a [OffsetFile],
 }
 
 impl Told<'_> {
@@ -55,13 +55,13 @@ impl Told<'_> {
             "inherited": base.inheritance.violations,
             "safe_distances": self.safe.map(sides),
             "layers": layers.collect::<Vec<_>>(),
-            "outputs": self.contents.iter().map(Content::record).collect::<Vec<_>>(),
+            "outputs": self.contents.iter().map(OffsetFile::record).collect::<Vec<_>>(),
         })
     }
 
     /// The short table.
     pub fn summary(&self) -> String {
-        let mut table = Table::default();
+        let mut table = SummaryTable::default();
         let (base, unit) = (self.base, self.job.command.unit);
         let panels = base.mesh.topology().n_faces();
         let edge = base.mesh.mean_edge();
@@ -89,7 +89,7 @@ impl Told<'_> {
         if let Some(text) = self.turned() {
             table.row("rim", text);
         }
-        for volume in self.contents.iter().filter_map(Content::volume) {
+        for volume in self.contents.iter().filter_map(OffsetFile::volume) {
             table.row(
                 "solids",
                 format!("{panels} closed panels, volume {volume:.6} {unit}3"),
@@ -104,7 +104,7 @@ impl Told<'_> {
         table.into_text()
     }
 
-    fn add_optimised(&self, table: &mut Table, made: &Optimised) {
+    fn add_optimised(&self, table: &mut SummaryTable, made: &MovedVertices) {
         let (unit, edge) = (self.job.command.unit, self.base.mesh.mean_edge());
         let [before, after] = made.result.angle_defect;
         let text = format!(
@@ -157,7 +157,7 @@ impl Told<'_> {
         })
     }
 
-    fn add_safe(&self, table: &mut Table) {
+    fn add_safe(&self, table: &mut SummaryTable) {
         let unit = self.job.command.unit;
         let Some(safe) = self.safe else { return };
         for (name, side) in [("outward", &safe.outward), ("inward", &safe.inward)] {

@@ -1,12 +1,12 @@
 //! The space of parallel meshes: its dimension and basis, and the mesh in it with edge lengths
 //! closest to wishes.
 
-use super::Made;
+use super::ParallelMesh;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::input::read_numbers;
 use crate::parallel_arguments::ParallelCommand;
-use crate::summary::Table;
-use phex::offset::space::ParallelSpace;
+use crate::summary::SummaryTable;
+use phex::offset::ParallelSpace;
 use phex_mesh::{EdgeId, HexMesh, PerEdge, Topology};
 use serde_json::json;
 use std::collections::HashMap;
@@ -26,11 +26,11 @@ pub(super) fn of(mesh: &HexMesh) -> Result<ParallelSpace, Failure> {
 ///
 /// # Errors
 /// If the mesh has no such space, or the lengths are not those of edges.
-pub(super) fn made(command: &ParallelCommand, mesh: HexMesh) -> Result<Made, Failure> {
+pub(super) fn made(command: &ParallelCommand, mesh: HexMesh) -> Result<ParallelMesh, Failure> {
     let space = of(&mesh)?;
     let rank = space.rank();
     let (edges, dimension) = (mesh.topology().n_edges(), space.dimension());
-    let mut table = Table::default();
+    let mut table = SummaryTable::default();
     table.row(
         "space",
         format!("{dimension} dimensions (and 3 of translations): {edges} edges, {} independent closing equations", rank.rank),
@@ -54,7 +54,7 @@ pub(super) fn made(command: &ParallelCommand, mesh: HexMesh) -> Result<Made, Fai
         statistics["edges_turned"] = json!(turned);
         result = space.mesh_with_lengths(&lengths);
     }
-    Ok(Made {
+    Ok(ParallelMesh {
         mesh: result,
         surface: None,
         input: None,

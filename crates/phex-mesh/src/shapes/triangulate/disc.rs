@@ -3,7 +3,7 @@
 //! surface, and every ring takes its spacing from the rim.
 
 use super::jitter::{Jitter, safe_edges};
-use super::rows::{Row, stitch};
+use super::rows::{LatticeRow, stitch};
 use super::{ParameterMesh, TriangulationOptions};
 use crate::Vec2;
 use crate::shapes::domain::BoundaryArc;
@@ -40,11 +40,11 @@ pub(super) fn mesh<S: ParametricSurface + ?Sized>(
 fn concentric_rings(rings: u32) -> (Vec<Vec2>, Vec<[u32; 3]>) {
     let mut points = vec![Vec2::zeros()];
     let mut triangles = Vec::new();
-    let mut inside: Row = vec![(0.5, 0)];
+    let mut inside: LatticeRow = vec![(0.5, 0)];
     for k in 1..=rings {
         let first = points.len() as u32;
         let turns = (0..=6 * k).map(|j| f64::from(j) / f64::from(6 * k));
-        let mut ring: Row = turns.zip(first..).collect();
+        let mut ring: LatticeRow = turns.zip(first..).collect();
         let radius = f64::from(k) / f64::from(rings);
         points.extend(
             ring[..6 * k as usize]

@@ -1,13 +1,13 @@
 //! Rows of lattice vertices and the triangles between neighbouring rows.
 
 /// Vertices of one row: abscissa and number, by rising abscissa.
-pub(super) type Row = Vec<(f64, u32)>;
+pub(super) type LatticeRow = Vec<(f64, u32)>;
 
 /// Triangles between two rows, counter-clockwise with `lower` below `upper`. Each step advances on
 /// the row whose next edge has its middle further left, which pairs the rows of an equilateral
 /// lattice as they belong.
-pub(super) fn stitch(lower: &Row, upper: &Row, triangles: &mut Vec<[u32; 3]>) {
-    let middle = |row: &Row, i: usize| {
+pub(super) fn stitch(lower: &LatticeRow, upper: &LatticeRow, triangles: &mut Vec<[u32; 3]>) {
+    let middle = |row: &LatticeRow, i: usize| {
         row.get(i + 1)
             .map_or(f64::INFINITY, |next| next.0 + row[i].0)
     };
@@ -29,8 +29,8 @@ mod tests {
 
     #[test]
     fn shifted_rows_make_equilateral_triangles_with_halves_at_the_ends() {
-        let lower: Row = vec![(0.0, 0), (1.0, 1), (2.0, 2)];
-        let upper: Row = vec![(0.0, 3), (0.5, 4), (1.5, 5), (2.0, 6)];
+        let lower: LatticeRow = vec![(0.0, 0), (1.0, 1), (2.0, 2)];
+        let upper: LatticeRow = vec![(0.0, 3), (0.5, 4), (1.5, 5), (2.0, 6)];
         let mut triangles = Vec::new();
         stitch(&lower, &upper, &mut triangles);
         assert_eq!(

@@ -2,10 +2,10 @@
 //! sides are joined.
 
 use super::jitter::Jitter;
-use super::rows::{Row, stitch};
+use super::rows::{LatticeRow, stitch};
 use super::{ParameterMesh, TriangulationOptions};
 use crate::Vec2;
-use crate::shapes::domain::{Domain, Interval};
+use crate::shapes::domain::{Interval, ParameterDomain};
 use crate::shapes::parametric::ParametricSurface;
 
 /// Height of an equilateral triangle over its side.
@@ -25,7 +25,7 @@ pub(super) fn mesh<S: ParametricSurface + ?Sized>(
     let along_v = LengthScale::new(domain.v, |v, fraction| {
         surface.jet(domain.u.at(fraction), v).dv.norm()
     });
-    let lattice = Lattice::new(
+    let lattice = UnitLattice::new(
         &domain,
         along_u.length(),
         along_v.length(),
@@ -50,16 +50,16 @@ pub(super) fn mesh<S: ParametricSurface + ?Sized>(
 }
 
 /// A rectangle of the lattice with unit edges.
-struct Lattice {
+struct UnitLattice {
     columns: usize,
     rows: usize,
     periodic_u: bool,
     periodic_v: bool,
 }
 
-impl Lattice {
+impl UnitLattice {
     /// The division that comes closest to equilateral triangles and the number of them asked for.
-    fn new(domain: &Domain, length_u: f64, length_v: f64, triangles: usize) -> Self {
+    fn new(domain: &ParameterDomain, length_u: f64, length_v: f64, triangles: usize) -> Self {
         let edge = (2.0 * length_u * length_v / (ROW_HEIGHT * triangles as f64)).sqrt();
         // However long and thin the rectangle is, there are no more triangles than asked for.
         let count = |wanted: f64, fewest: f64| wanted.round().clamp(fewest, triangles as f64 / 8.0);
@@ -86,7 +86,7 @@ impl Lattice {
     fn build(&self) -> (Vec<Vec2>, Vec<[u32; 3]>) {
         let count = self.rows + usize::from(!self.periodic_v);
         let mut points = Vec::new();
-        let mut rows: Vec<Row> = (0..count).map(|r| self.row(r, &mut points)).collect();
+        let mut rows: Vec<LatticeRow> = (0..count).map(|r| self.row(r, &mut points)).collect();
         if self.periodic_v {
             rows.push(rows[0].clone());
         }
@@ -97,7 +97,7 @@ impl Lattice {
         (points, triangles)
     }
 
-    fn row(&self, r: usize, points: &mut Vec<Vec2>) -> Row {
+    fn row(&self, r: usize, points: &mut Vec<Vec2>) -> LatticeRow {
         let first = points.len() as u32;
         let abscissae = self.abscissae(r % 2 == 1);
         points.extend(
@@ -105,7 +105,7 @@ impl Lattice {
                 .iter()
                 .map(|&x| Vec2::new(x, r as f64 * ROW_HEIGHT)),
         );
-        let mut row: Row = abscissae.into_iter().zip(first..).collect();
+        let mut row: LatticeRow = abscissae.into_iter().zip(first..).collect();
         if self.periodic_u {
             row.push((row[0].0 + self.columns as f64, first));
         }

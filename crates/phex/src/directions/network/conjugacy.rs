@@ -27,7 +27,7 @@ pub struct Conjugacy {
 }
 
 /// Measures the level lines of two functions; nothing where the surface is flat everywhere.
-pub fn conjugacy(
+pub(crate) fn conjugacy(
     surface: &TriangleSurface,
     curvature: &Curvature,
     functions: [&Function; 2],

@@ -17,7 +17,7 @@ const ASYMPTOTIC: f64 = 0.3;
 /// With `a, b, d` the second fundamental form in the given frame, `row + alpha column` and
 /// `column + beta row` are conjugate to first order for `beta a + alpha d = -b`; the solution of
 /// least norm is taken, three times. Forms below `flat`, in 1 / length, count as none.
-pub fn nearest_pair(normal: Vec3, form: &Matrix3<f64>, row: Vec3, flat: f64) -> [Vec3; 2] {
+pub(crate) fn nearest_pair(normal: Vec3, form: &Matrix3<f64>, row: Vec3, flat: f64) -> [Vec3; 2] {
     let mut pair = [row, normal.cross(&row)];
     let [_, b0, _] = coefficients(form, pair);
     for _ in 0..3 {
@@ -37,7 +37,7 @@ pub fn nearest_pair(normal: Vec3, form: &Matrix3<f64>, row: Vec3, flat: f64) -> 
 
 /// The unit direction conjugate to `column`, on its right, within `atan` of `MAX_TURN` of the
 /// perpendicular.
-pub fn conjugate_row(normal: Vec3, form: &Matrix3<f64>, column: Vec3, flat: f64) -> Vec3 {
+pub(crate) fn conjugate_row(normal: Vec3, form: &Matrix3<f64>, column: Vec3, flat: f64) -> Vec3 {
     let right = column.cross(&normal);
     let [_, b, d] = coefficients(form, [right, column]);
     let size = d * d + flat * flat;
@@ -52,7 +52,7 @@ fn coefficients(form: &Matrix3<f64>, [r, s]: [Vec3; 2]) -> [f64; 3] {
 
 /// The projection of a direction of space to the tangent plane: a unit vector and the length of the
 /// projection.
-pub fn projected(normal: Vec3, axis: Vec3) -> (Vec3, f64) {
+pub(crate) fn projected(normal: Vec3, axis: Vec3) -> (Vec3, f64) {
     let tangent = axis - normal * axis.dot(&normal);
     let length = tangent.norm();
     match tangent.try_normalize(1e-9) {

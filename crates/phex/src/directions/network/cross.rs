@@ -32,7 +32,7 @@ const TIE_BREAK: f64 = 1e-6;
 
 /// A wished direction (modulo a quarter turn) and its weight, per square of the unit of length.
 #[derive(Clone, Copy, Debug)]
-pub struct Wish {
+pub(crate) struct DirectionWish {
     /// Tangent, of any length but 0.
     pub direction: Vec3,
     /// Weight, at least 0.
@@ -41,7 +41,7 @@ pub struct Wish {
 
 /// A combed field and how much the wishes were weakened for it.
 #[derive(Clone, Debug)]
-pub struct Combed {
+pub(crate) struct Combed {
     /// Unit tangent at each vertex.
     pub direction: PerVertex<Vec3>,
     /// Share of the weights that was left.
@@ -52,10 +52,10 @@ pub struct Combed {
 ///
 /// # Errors
 /// If singularities remain, or the field turns round a hole or a handle.
-pub fn combed_cross_field(
+pub(crate) fn combed_cross_field(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,
-    wishes: &PerVertex<Wish>,
+    wishes: &PerVertex<DirectionWish>,
 ) -> Result<Combed, NetworkError> {
     let topology = surface.topology();
     let transport = flat_transport(topology, mesh)?;
@@ -104,7 +104,7 @@ fn combed(frames: &PerVertex<TangentFrame>, angle: &PerVertex<f64>, kept: f64) -
 }
 
 /// Share of the weights that is left.
-fn kept(wishes: &PerVertex<Wish>, weights: &PerVertex<f64>) -> f64 {
+fn kept(wishes: &PerVertex<DirectionWish>, weights: &PerVertex<f64>) -> f64 {
     let wished: f64 = wishes.iter().map(|w| w.weight).sum();
     if wished > 0.0 {
         weights.iter().sum::<f64>() / wished
@@ -131,10 +131,10 @@ fn weaken(topology: &Topology, weights: &mut PerVertex<f64>, near: &[FaceId], ra
 ///
 /// # Errors
 /// If the linear system can't be solved.
-pub fn singular_triangles(
+pub(crate) fn singular_triangles(
     surface: &TriangleSurface,
     mesh: &IntrinsicMesh,
-    wishes: &PerVertex<Wish>,
+    wishes: &PerVertex<DirectionWish>,
 ) -> Result<(usize, Vec3), NumericError> {
     let topology = surface.topology();
     let transport = PerEdge::from_fn(topology.n_edges(), |e| mesh.transport(e));
@@ -203,7 +203,7 @@ impl CrossSmoothing<'_> {
     /// Angles of the smoothest cross field that follows the wishes with the given weights.
     fn angles(
         &self,
-        wishes: &PerVertex<Wish>,
+        wishes: &PerVertex<DirectionWish>,
         weights: &PerVertex<f64>,
     ) -> Result<PerVertex<f64>, NumericError> {
         let topology = self.surface.topology();

@@ -15,7 +15,7 @@ pub struct Curve {
 
 /// The curves on which `function` has whole values, in the order of the edges that they begin in.
 /// The function's periods must be whole.
-pub fn level_lines(surface: &TriangleSurface, function: &Function) -> Vec<Curve> {
+pub(crate) fn level_lines(surface: &TriangleSurface, function: &Function) -> Vec<Curve> {
     let topology = surface.topology();
     let mut links: BTreeMap<Crossing, Vec<Crossing>> = BTreeMap::new();
     for f in topology.faces() {

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 ///
 /// # Errors
 /// If the linear system can't be solved.
-pub fn flat_transport(
+pub(crate) fn flat_transport(
     topology: &Topology,
     mesh: &IntrinsicMesh,
 ) -> Result<PerEdge<f64>, NumericError> {

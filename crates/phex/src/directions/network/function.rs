@@ -15,7 +15,7 @@ use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 
 /// What a function should follow in a triangle: unit tangents.
 #[derive(Clone, Copy, Debug)]
-pub struct Guide {
+pub(crate) struct Guide {
     /// Direction of the level line.
     pub level: Vec3,
     /// Direction in which the function grows.
@@ -26,7 +26,7 @@ pub struct Guide {
 
 /// A family of functions: all scales and all periods of the solution.
 #[derive(Clone, Debug)]
-pub struct FunctionFamily {
+pub(crate) struct FunctionFamily {
     base: PerVertex<f64>,
     response: Vec<PerVertex<f64>>,
     /// Periods of the best function, one per cochain of the basis.
@@ -35,7 +35,7 @@ pub struct FunctionFamily {
 
 /// A function with given periods.
 #[derive(Clone, Debug)]
-pub struct Function {
+pub(crate) struct Function {
     /// Value at each vertex.
     pub value: PerVertex<f64>,
     /// Change along the half-edge of each edge; differs from the difference of the values by
@@ -106,7 +106,7 @@ fn continued(
 }
 
 /// Gradients of the three hat functions of a triangle.
-pub fn hat_gradients(surface: &TriangleSurface, f: FaceId) -> [Vec3; 3] {
+pub(crate) fn hat_gradients(surface: &TriangleSurface, f: FaceId) -> [Vec3; 3] {
     let corner = surface.corners(f);
     let normal = surface.area_vector(f);
     let scale = 1.0 / normal.norm_squared();
@@ -118,7 +118,7 @@ pub fn hat_gradients(surface: &TriangleSurface, f: FaceId) -> [Vec3; 3] {
 ///
 /// # Errors
 /// If a linear system can't be solved.
-pub fn following(
+pub(crate) fn following(
     surface: &TriangleSurface,
     basis: &[PerEdge<i32>],
     guides: &PerFace<Guide>,

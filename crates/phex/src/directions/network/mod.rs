@@ -25,29 +25,35 @@
 //! curvature on most of the area. Fails, with an error that says where: on closed surfaces that are
 //! no torus, where the directions turn round a hole, and where the functions fold over.
 
-pub mod conjugacy;
-pub mod conjugate;
-pub mod cross;
-pub mod curves;
-pub mod flat;
-pub mod function;
-pub mod periods;
+pub(crate) mod conjugacy;
+pub(crate) mod conjugate;
+pub(crate) mod cross;
+pub(crate) mod curves;
+pub(crate) mod flat;
+pub(crate) mod function;
+pub(crate) mod periods;
 mod sides;
 
-pub use conjugacy::{Conjugacy, conjugacy};
-pub use curves::{Curve, level_lines};
-pub use function::{Function, FunctionFamily};
+pub use conjugacy::Conjugacy;
+pub(crate) use conjugacy::conjugacy;
+pub use curves::Curve;
+pub(crate) use curves::level_lines;
+pub(crate) use function::{Function, FunctionFamily};
 
 use super::intrinsic::IntrinsicMesh;
 use crate::curvature::{Curvature, Principal};
 use crate::smooth_surface::subdivide::Refinement;
-use cross::Wish;
+use cross::DirectionWish;
 use function::Guide;
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, PerEdge, PerFace, PerVertex, TriangleSurface, Vec3};
 use phex_numeric::NumericError;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+/// Difference of the principal curvatures, over the surface's large ones, at which their directions
+/// count half.
+const UMBILIC: f64 = 0.25;
 
 /// Which conjugate network.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -72,9 +78,6 @@ pub struct NetworkOptions {
     /// Weight of the directions against smoothness, per square of the panel length. Large values
     /// follow noise.
     pub alignment: f64,
-    /// Difference of the principal curvatures, over the surface's large ones, at which their
-    /// directions count half.
-    pub umbilic_rel: f64,
     /// `W`: how much more the direction of the curves counts than their even spacing.
     pub strictness: f64,
 }
@@ -84,7 +87,6 @@ impl Default for NetworkOptions {
         Self {
             family: NetworkFamily::Principal,
             alignment: 10.0,
-            umbilic_rel: 0.25,
             strictness: 100.0,
         }
     }
@@ -160,7 +162,7 @@ impl NetworkError {
 
 /// The two directions of a network at every vertex.
 #[derive(Clone, Debug)]
-pub struct RowField {
+pub(crate) struct RowField {
     /// Unit tangent `r` along the rows.
     pub row: PerVertex<Vec3>,
     /// Unit tangent `s` conjugate to it, on its left.
@@ -173,7 +175,7 @@ pub struct RowField {
 ///
 /// # Errors
 /// If there is no field without singularities.
-pub fn row_field(
+pub(crate) fn row_field(
     surface: &TriangleSurface,
     curvature: &Curvature,
     panel_length: f64,
@@ -191,7 +193,7 @@ pub fn row_field(
         return Err(NetworkError::Closed { euler, count, near });
     }
     let combed = cross::combed_cross_field(surface, &mesh, &wishes)?;
-    let flat = options.umbilic_rel * large_curvature(&principal);
+    let flat = UMBILIC * large_curvature(&principal);
     let quarter = follows_across(curvature, &combed.direction, &wishes);
     let pair = |v| {
         let (n, form) = (curvature.normal[v], &curvature.tensor[v]);
@@ -219,7 +221,7 @@ pub fn row_field(
 fn follows_across(
     curvature: &Curvature,
     direction: &PerVertex<Vec3>,
-    wishes: &PerVertex<Wish>,
+    wishes: &PerVertex<DirectionWish>,
 ) -> bool {
     let across = |(v, d): (phex_mesh::VertexId, &Vec3)| {
         let wish = &wishes[v];
@@ -240,7 +242,7 @@ fn wishes(
     curvature: &Curvature,
     principal: &PerVertex<Principal>,
     options: &NetworkOptions,
-) -> Result<PerVertex<Wish>, NetworkError> {
+) -> Result<PerVertex<DirectionWish>, NetworkError> {
     let axis = match options.family {
         NetworkFamily::Principal => None,
         NetworkFamily::ConjugateTo(axis) => {
@@ -249,11 +251,11 @@ fn wishes(
             Some(finite.ok_or(NetworkError::BadAxis)?)
         }
     };
-    let half = options.umbilic_rel * large_curvature(principal);
+    let half = UMBILIC * large_curvature(principal);
     Ok(PerVertex::from_fn(principal.len(), |v| match axis {
         Some(axis) => {
             let (direction, length) = conjugate::projected(curvature.normal[v], axis);
-            Wish {
+            DirectionWish {
                 direction,
                 weight: options.alignment * length * length,
             }
@@ -262,7 +264,7 @@ fn wishes(
             let p = &principal[v];
             let square = (p.large - p.small).powi(2);
             let share = square / (square + half * half);
-            Wish {
+            DirectionWish {
                 direction: p.small_direction,
                 weight: options.alignment * share * curvature.confidence[v],
             }
@@ -310,7 +312,7 @@ impl RowField {
 
 /// Two families of curves as level lines.
 #[derive(Clone, Debug)]
-pub struct ConjugateNetwork {
+pub(crate) struct ConjugateNetwork {
     /// Basis of the closed cochains, to which the periods belong.
     pub basis: Vec<PerEdge<i32>>,
     /// `u`: counts along rows; its level lines are the columns.
@@ -328,7 +330,7 @@ const SOME_FOLDED: f64 = 5e-4;
 ///
 /// # Errors
 /// If the curves fold over.
-pub fn conjugate_network(
+pub(crate) fn conjugate_network(
     surface: &TriangleSurface,
     field: &RowField,
     options: &NetworkOptions,

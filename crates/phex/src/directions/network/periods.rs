@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 
 /// Closed integer cochains, a basis modulo differences of vertex values: for each, its value along
 /// the half-edge of every edge.
-pub fn cochain_basis(topology: &Topology) -> Vec<PerEdge<i32>> {
+pub(crate) fn cochain_basis(topology: &Topology) -> Vec<PerEdge<i32>> {
     let mut role = PerEdge::filled(topology.n_edges(), Role::Generator);
     grow_vertex_tree(topology, &mut role);
     let order = grow_face_tree(topology, &mut role);
@@ -23,7 +23,7 @@ pub fn cochain_basis(topology: &Topology) -> Vec<PerEdge<i32>> {
 }
 
 /// Value of a cochain along a half-edge.
-pub fn along(topology: &Topology, cochain: &PerEdge<i32>, h: phex_mesh::HalfEdgeId) -> i32 {
+pub(crate) fn along(topology: &Topology, cochain: &PerEdge<i32>, h: phex_mesh::HalfEdgeId) -> i32 {
     let e = topology.edge(h);
     if topology.edge_half_edge(e) == h {
         cochain[e]

@@ -10,7 +10,10 @@ const SLANT: f64 = 12.0;
 const SHARE: f64 = 0.9;
 
 /// Half-edges of all sides that follow the directions `level`.
-pub fn followed(surface: &TriangleSurface, level: impl Fn(FaceId) -> Vec3) -> Vec<HalfEdgeId> {
+pub(super) fn followed(
+    surface: &TriangleSurface,
+    level: impl Fn(FaceId) -> Vec3,
+) -> Vec<HalfEdgeId> {
     let topology = surface.topology();
     let edge = |h: HalfEdgeId| {
         surface.positions()[topology.target(h)] - surface.positions()[topology.origin(h)]

@@ -8,7 +8,7 @@
 
 /// A brick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Brick {
+pub(crate) struct Brick {
     /// Its row.
     pub row: i64,
     /// Its left end, in half bricks.
@@ -16,11 +16,11 @@ pub struct Brick {
 }
 
 /// A translation: half bricks along the rows, and rows.
-pub type Translation = [i64; 2];
+pub(crate) type Translation = [i64; 2];
 
 impl Brick {
     /// The brick that holds a point.
-    pub fn containing([u, v]: [f64; 2]) -> Self {
+    pub(crate) fn containing([u, v]: [f64; 2]) -> Self {
         let row = v.floor() as i64;
         let odd = row.rem_euclid(2);
         let number = (u - 0.5 * odd as f64).floor() as i64;
@@ -46,7 +46,7 @@ impl Brick {
 
 /// Where three bricks meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Junction {
+pub(crate) struct Junction {
     /// In half bricks.
     pub half: i64,
     /// The line between the rows `line - 1` and `line`.
@@ -81,7 +81,7 @@ impl Junction {
 
 /// Share of the way from `a` to `b`, in two neighbouring bricks, at which the wall between them is
 /// met.
-pub fn wall_crossing([a, b]: [[f64; 2]; 2], [of_a, of_b]: [Brick; 2]) -> f64 {
+pub(crate) fn wall_crossing([a, b]: [[f64; 2]; 2], [of_a, of_b]: [Brick; 2]) -> f64 {
     let t = if of_a.row == of_b.row {
         (0.5 * of_a.half.max(of_b.half) as f64 - a[0]) / (b[0] - a[0])
     } else {
@@ -100,7 +100,7 @@ pub fn wall_crossing([a, b]: [[f64; 2]; 2], [of_a, of_b]: [Brick; 2]) -> f64 {
 const SHEAR: f64 = 3.0;
 
 /// The translation of the pattern nearest to a vector.
-pub fn nearest_translation([u, v]: [f64; 2]) -> Translation {
+pub(crate) fn nearest_translation([u, v]: [f64; 2]) -> Translation {
     let row = v.floor() as i64;
     let candidates = (row - 1..=row + 2).map(|row| {
         let odd = row.rem_euclid(2);
@@ -115,7 +115,7 @@ pub fn nearest_translation([u, v]: [f64; 2]) -> Translation {
 
 /// Rounds the periods of a surface's loops to translations, those of its shortest loops the most
 /// exactly.
-pub fn rounded_periods(periods: &[[f64; 2]]) -> Vec<Translation> {
+pub(crate) fn rounded_periods(periods: &[[f64; 2]]) -> Vec<Translation> {
     let mut short = periods.to_vec();
     let steps = shorten(&mut short);
     let mut rounded: Vec<Translation> = short.into_iter().map(nearest_translation).collect();

@@ -17,7 +17,7 @@ const ALONG: f64 = 0.2;
 const MIN_SHARE: f64 = 0.2;
 
 /// The pattern at about the given scale.
-pub fn fitted_grid(
+pub(crate) fn fitted_grid(
     surface: &TriangleSurface,
     network: &ConjugateNetwork,
     scale: [f64; 2],

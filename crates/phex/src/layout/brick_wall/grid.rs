@@ -9,7 +9,7 @@ use phex_mesh::{
 
 /// Brick coordinates on a surface.
 #[derive(Clone, Debug)]
-pub struct BrickGrid {
+pub(crate) struct BrickGrid {
     /// Coordinates `(u, v)` of each vertex, in bricks and rows.
     pub at: PerVertex<[f64; 2]>,
     /// Translation that continues the coordinates of an edge's second vertex to its first, along
@@ -18,7 +18,7 @@ pub struct BrickGrid {
 }
 
 /// Corners of a triangle in one chart.
-pub type Chart = [[f64; 2]; 3];
+pub(crate) type Chart = [[f64; 2]; 3];
 
 impl BrickGrid {
     /// The network at `scale` (bricks and rows per length), with periods rounded to translations of
@@ -54,7 +54,7 @@ impl BrickGrid {
     }
 
     /// Translation along a half-edge.
-    pub fn jump(&self, topology: &Topology, h: HalfEdgeId) -> Translation {
+    pub(crate) fn jump(&self, topology: &Topology, h: HalfEdgeId) -> Translation {
         let e = topology.edge(h);
         if topology.edge_half_edge(e) == h {
             self.jump[e]
@@ -69,14 +69,14 @@ impl BrickGrid {
     }
 
     /// Corners of a triangle in the chart of its first corner.
-    pub fn chart(&self, topology: &Topology, f: FaceId) -> Chart {
+    pub(crate) fn chart(&self, topology: &Topology, f: FaceId) -> Chart {
         let corners = topology.face_vertices(f);
         let jumps = self.corner_jumps(topology, f);
         std::array::from_fn(|k| shifted(self.at[corners[k]], jumps[k]))
     }
 
     /// Bricks that hold the corners of a triangle, in the chart of its first corner.
-    pub fn corner_bricks(
+    pub(crate) fn corner_bricks(
         &self,
         topology: &Topology,
         bricks: &PerVertex<Brick>,

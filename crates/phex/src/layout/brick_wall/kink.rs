@@ -14,7 +14,7 @@ use phex_mesh::{FaceId, PerVertex, TriangleSurface, Vec3};
 /// `II` along the two tangents of the brick coordinates at every vertex, and the area that one unit
 /// of them has.
 #[derive(Clone, Debug)]
-pub struct BrickForms {
+pub(crate) struct BrickForms {
     /// `II(x_u, x_u)`.
     pub along: PerVertex<f64>,
     /// `II(x_v, x_v)`.
@@ -68,7 +68,7 @@ impl BrickForms {
     }
 
     /// `rho` in a triangle.
-    pub fn face_kink(&self, corners: &[phex_mesh::VertexId], barycentric: [f64; 3]) -> f64 {
+    pub(crate) fn face_kink(&self, corners: &[phex_mesh::VertexId], barycentric: [f64; 3]) -> f64 {
         let mix = |q: &PerVertex<f64>| -> f64 {
             corners
                 .iter()
@@ -80,7 +80,7 @@ impl BrickForms {
     }
 
     /// Quantile of `|rho|` over the vertices.
-    pub fn kink_quantile(&self, share: f64) -> f64 {
+    pub(crate) fn kink_quantile(&self, share: f64) -> f64 {
         quantile(self.along.ids().map(|v| self.kink(v).abs()), share)
     }
 
@@ -117,7 +117,7 @@ fn tangents(surface: &TriangleSurface, grid: &BrickGrid, f: FaceId) -> Option<([
 }
 
 /// Quantile of finite values; 0 if there are none.
-pub fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+pub(crate) fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     let mut sorted: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     let last = sorted.len().saturating_sub(1);

@@ -5,7 +5,7 @@ use phex_mesh::{FaceId, TriangleSurface, Vec3};
 
 /// A point in a triangle.
 #[derive(Clone, Copy, Debug)]
-pub struct Located {
+pub(crate) struct Located {
     /// The triangle.
     pub face: FaceId,
     /// The chart in which the point was found.
@@ -19,7 +19,7 @@ const MAX_STEPS: usize = 2000;
 
 /// Walks from a triangle to the one that holds a point; `None` where the way leaves the surface or
 /// the coordinates fold over.
-pub fn locate(
+pub(crate) fn locate(
     surface: &TriangleSurface,
     grid: &BrickGrid,
     start: (FaceId, Chart),
@@ -55,7 +55,7 @@ fn barycentric(chart: &Chart, p: [f64; 2]) -> Option<[f64; 3]> {
 /// The point on the curved surface that the normals describe: half-way from the triangle to the
 /// mean of the corners' tangent planes, exact for quadrics to the order of their curvature (after
 /// Phong tessellation, T. Boubekeur and M. Alexa 2008, who take three quarters).
-pub fn curved_point(surface: &TriangleSurface, face: FaceId, barycentric: [f64; 3]) -> Vec3 {
+pub(crate) fn curved_point(surface: &TriangleSurface, face: FaceId, barycentric: [f64; 3]) -> Vec3 {
     let corners = surface.topology().face_vertices(face);
     let flat = surface.at(face, barycentric).position;
     let lift = |(&v, b): (&phex_mesh::VertexId, f64)| {

@@ -22,17 +22,19 @@
 //! |---|---|
 //! | `a`, `b` | [`kink::BrickForms::size`] |
 //! | `q_uu`, `q_vv` | [`kink::BrickForms::along`] over `a^2`, [`kink::BrickForms::across`] over `b^2` |
-//! | `2 d / b` | `rho`, [`kink::BrickForms::kink`], clipped to [`BrickWallOptions::max_kink`] |
+//! | `2 d / b` | `rho`, [`kink::BrickForms::kink`], clipped to [`MAX_KINK`] |
 //!
 //! Guaranteed: the surface's topology, interior vertices of degree 3, only hexagons inside if
 //! bricks are resolved (five vertices of the surface along a half brick). Fails: where there is no
 //! network, or bricks are too large for the surface.
 
-pub mod bricks;
-pub mod fit;
-pub mod grid;
-pub mod kink;
-pub mod locate;
+pub(crate) mod bricks;
+pub(crate) mod fit;
+pub(crate) mod grid;
+pub(crate) mod kink;
+pub(crate) mod locate;
+#[cfg(test)]
+mod tests;
 
 use super::cells::{self, CellComplex, Node};
 use super::{CellSurface, Layout, LayoutError, place, record};
@@ -48,32 +50,13 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 
 /// How bricks are laid.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BrickWallOptions {
     /// The network.
     pub network: NetworkOptions,
     /// Length of a brick over its height (`a / b`, median); `None` takes it from the validity rule.
     pub ratio: Option<f64>,
-    /// Smallest and largest ratio that is chosen.
-    pub ratio_limits: [f64; 2],
-    /// `|rho|` that 95 % of the surface stay under when the ratio is chosen; panels touch
-    /// themselves at 1.
-    pub kink_goal: f64,
-    /// Largest `|rho|` that is built in; in (0, 1).
-    pub max_kink: f64,
-}
-
-impl Default for BrickWallOptions {
-    fn default() -> Self {
-        Self {
-            network: NetworkOptions::default(),
-            ratio: None,
-            ratio_limits: [0.7, 1.6],
-            kink_goal: 0.5,
-            max_kink: 0.7,
-        }
-    }
 }
 
 /// What the wall is like.
@@ -91,7 +74,7 @@ pub struct BrickWallStatistics {
 
 /// A surface on which bricks are laid.
 #[derive(Clone, Copy)]
-pub struct BrickSurface<'a> {
+pub(crate) struct BrickSurface<'a> {
     /// The surface, with normals of fitted jets; a brick should hold some 25 of its vertices.
     pub surface: &'a TriangleSurface,
     /// Its curvature at the scale of a panel.
@@ -102,6 +85,14 @@ pub struct BrickSurface<'a> {
     pub corners: &'a HashSet<VertexId>,
 }
 
+/// Least and largest ratio that is chosen; one that is asked for may lie outside.
+const RATIO_LIMITS: [f64; 2] = [0.7, 1.6];
+/// `|rho|` that 95 % of the surface stay under when the ratio is chosen; panels touch themselves at
+/// 1.
+const KINK_GOAL: f64 = 0.5;
+/// Largest `|rho|` that is built in.
+const MAX_KINK: f64 = 0.7;
+
 /// Walls tried until the number of panels fits.
 const TRIES: usize = 3;
 /// Deviation from that number that is accepted.
@@ -111,7 +102,7 @@ const COUNT_TOLERANCE: f64 = 0.04;
 ///
 /// # Errors
 /// If there is no network, or no panelling with the surface's topology.
-pub fn brick_wall(
+pub(crate) fn brick_wall(
     on: &BrickSurface<'_>,
     panels: usize,
     options: &BrickWallOptions,
@@ -132,14 +123,11 @@ pub fn brick_wall(
         scale = scale.map(|s| s / ratio.sqrt());
     }
     let (_, wall) = best.expect("at least one wall is built");
-    Ok((
-        wall.layout(options.max_kink)?,
-        wall.statistics(options.max_kink),
-    ))
+    Ok((wall.layout()?, wall.statistics()))
 }
 
 /// Bricks and rows per length for the wanted number and ratio.
-pub fn first_scale(
+pub(crate) fn first_scale(
     on: &BrickSurface<'_>,
     network: &ConjugateNetwork,
     panels: usize,
@@ -153,8 +141,8 @@ pub fn first_scale(
         Some(ratio) => ratio / forms.ratio(),
         None => {
             // `rho` grows with the square of the ratio.
-            let free = (options.kink_goal / forms.kink_quantile(0.95).max(1e-6)).sqrt();
-            let [least, largest] = options.ratio_limits.map(|r| r / forms.ratio());
+            let free = (KINK_GOAL / forms.kink_quantile(0.95).max(1e-6)).sqrt();
+            let [least, largest] = RATIO_LIMITS.map(|r| r / forms.ratio());
             free.clamp(least, largest.max(least))
         }
     };
@@ -203,22 +191,20 @@ impl<'a> Wall<'a> {
         })
     }
 
-    fn layout(&self, max_kink: f64) -> Result<Layout, LayoutError> {
+    fn layout(&self) -> Result<Layout, LayoutError> {
         let fine = CellSurface {
             surface: self.on.surface,
             metric: &self.metric,
             mesh: &self.mesh,
             corners: self.on.corners,
         };
-        record(&fine, &self.complex, |node| self.place(node, max_kink))
+        record(&fine, &self.complex, |node| self.place(node))
     }
 
-    fn place(&self, node: Node, max_kink: f64) -> Vec3 {
+    fn place(&self, node: Node) -> Vec3 {
         let surface = self.on.surface;
         match node {
-            Node::Triangle(f) => self
-                .junction(f, max_kink)
-                .unwrap_or_else(|| place(surface, node)),
+            Node::Triangle(f) => self.junction(f).unwrap_or_else(|| place(surface, node)),
             Node::Edge(e) => {
                 let [a, b] = surface.topology().edge_vertices(e);
                 let t = self.grid.crossing(surface.topology(), &self.bricks, e);
@@ -230,7 +216,7 @@ impl<'a> Wall<'a> {
 
     /// The kinked junction of the three bricks at the corners of a triangle, if it lies on the
     /// surface.
-    fn junction(&self, f: FaceId, max_kink: f64) -> Option<Vec3> {
+    fn junction(&self, f: FaceId) -> Option<Vec3> {
         let (surface, grid) = (self.on.surface, &self.grid);
         let topology = surface.topology();
         let junction = Junction::of(grid.corner_bricks(topology, &self.bricks, f))?;
@@ -238,15 +224,15 @@ impl<'a> Wall<'a> {
         let straight = locate::locate(surface, grid, start, junction.place(0.0))?;
         let corners = topology.face_vertices(straight.face);
         let kink = self.forms.face_kink(corners, straight.barycentric);
-        let target = junction.place(kink.clamp(-max_kink, max_kink));
+        let target = junction.place(kink.clamp(-MAX_KINK, MAX_KINK));
         let from = (straight.face, straight.chart);
         let end = locate::locate(surface, grid, from, target).unwrap_or(straight);
         Some(locate::curved_point(surface, end.face, end.barycentric))
     }
 
-    fn statistics(&self, max_kink: f64) -> BrickWallStatistics {
+    fn statistics(&self) -> BrickWallStatistics {
         let kinks = || self.forms.along.ids().map(|v| self.forms.kink(v).abs());
-        let clipped = kinks().filter(|k| *k > max_kink).count();
+        let clipped = kinks().filter(|k| *k > MAX_KINK).count();
         BrickWallStatistics {
             ratio: self.forms.ratio(),
             kink_p95: self.forms.kink_quantile(0.95),

@@ -11,7 +11,7 @@ use phex_mesh::{HalfEdgeId, HexMesh, TopologyError, Vec3};
 ///
 /// # Errors
 /// If the mesh is so degenerate that the result is no manifold.
-pub fn chamfer(mesh: &HexMesh) -> Result<HexMesh, TopologyError> {
+pub(crate) fn chamfer(mesh: &HexMesh) -> Result<HexMesh, TopologyError> {
     let topology = mesh.topology();
     let n = topology.n_vertices() as u32;
     let inner = |h: HalfEdgeId| n + h.index() as u32;

@@ -4,7 +4,7 @@
 //! area of the spherical triangle of their normals. Where that changes its sign the poles fold
 //! over: planes that rules put between them meet badly or far off, and levels lose planarity.
 
-use crate::layout::domain::{CurvatureSign, DomainError, Place};
+use crate::layout::domain::{CurvatureSign, DomainError, LocatedVertex};
 use phex_mesh::{FacePlane, HexMesh, PerFace, Vec3, VertexId};
 
 /// Name in messages.
@@ -41,7 +41,7 @@ pub fn one_sign(mesh: &HexMesh) -> Result<CurvatureSign, DomainError> {
                 .max_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)));
             let vertex = most.map_or(VertexId::new(0), |c| c.0);
             let position = mesh.positions[vertex];
-            Place { vertex, position }
+            LocatedVertex { vertex, position }
         };
         return Err(DomainError::MixedCurvature {
             method: METHOD,

@@ -31,24 +31,24 @@ mod loop_rule;
 mod refined;
 mod rim;
 
-pub use chamfer::chamfer;
+pub(crate) use chamfer::chamfer;
 pub use domain::one_sign;
 
 use super::duality::{
-    DualTriangles, DualityError, Plane, Quadric, SubdivisionRule, clear_centre, envelope,
+    DualTriangles, DualityError, OrientedPlane, Quadric, SubdivisionRule, clear_centre, envelope,
 };
 use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
 use refined::{Refined, refined};
 use std::collections::BTreeMap;
 
 /// A centre away from the planes of a mesh's faces, and how clear it is of them: see
-/// [`clear_centre`].
+/// `clear_centre`.
 pub fn clear_centre_of(mesh: &HexMesh) -> (Vec3, f64) {
     let plane = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
     let fitted: Vec<FacePlane> = mesh.topology().faces().map(plane).collect();
-    let planes: Vec<Plane> = fitted
+    let planes: Vec<OrientedPlane> = fitted
         .iter()
-        .map(|p| Plane::through(p.centre, p.normal))
+        .map(|p| OrientedPlane::through(p.centre, p.normal))
         .collect();
     let points: Vec<Vec3> = fitted.iter().map(|p| p.centre).collect();
     clear_centre(&planes, &points)
@@ -83,7 +83,7 @@ pub fn dual_subdivision(
     }
     let pole = |face: FaceId| {
         let fitted = FacePlane::fit(&mesh.corners(face).collect::<Vec<_>>());
-        let pole = quadric.pole(&Plane::through(fitted.centre, fitted.normal));
+        let pole = quadric.pole(&OrientedPlane::through(fitted.centre, fitted.normal));
         pole.ok_or(DualityError::PoleAtInfinity { face })
     };
     let poles: Result<Vec<Vec3>, _> = topology.faces().map(pole).collect();
@@ -110,7 +110,7 @@ fn level(
             .polar(*pole)
             .ok_or(DualityError::PoleAtInfinity { face })
     };
-    let planes: Result<Vec<Plane>, _> = poles.enumerate().map(plane).collect();
+    let planes: Result<Vec<OrientedPlane>, _> = poles.enumerate().map(plane).collect();
     Ok((envelope(&finer.mesh, &PerFace::from_vec(planes?))?, poles))
 }
 

@@ -1,6 +1,6 @@
 //! A centre for the polarity, away from all tangent planes.
 
-use super::Plane;
+use super::OrientedPlane;
 use phex_mesh::Vec3;
 
 /// Candidates along each side of the box that is searched.
@@ -18,7 +18,7 @@ const HALVINGS: usize = 12;
 ///
 /// # Panics
 /// If there are no points.
-pub fn clear_centre(planes: &[Plane], points: &[Vec3]) -> (Vec3, f64) {
+pub(crate) fn clear_centre(planes: &[OrientedPlane], points: &[Vec3]) -> (Vec3, f64) {
     let first = points[0];
     let (low, high) = points
         .iter()
@@ -55,7 +55,7 @@ fn directions() -> impl Iterator<Item = Vec3> {
 }
 
 /// The least of signed distances over the largest, with the sign of most of them.
-pub fn clearness(heights: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn clearness(heights: impl Iterator<Item = f64>) -> f64 {
     let (low, high) = heights.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
     let (least, largest) = if low + high > 0.0 {
         (low, high)
@@ -82,7 +82,8 @@ mod tests {
         };
         let surface = triangulate(&Shape::from_name(name, &[]).unwrap(), &options).unwrap();
         let pairs = surface.positions().iter().zip(surface.normals());
-        let planes: Vec<Plane> = pairs.map(|(p, n)| Plane::through(*p, *n)).collect();
+        let planes: Vec<OrientedPlane> =
+            pairs.map(|(p, n)| OrientedPlane::through(*p, *n)).collect();
         clear_centre(&planes, surface.positions().as_slice())
     }
 

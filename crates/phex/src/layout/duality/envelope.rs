@@ -1,6 +1,6 @@
 //! The mesh whose panels lie in given planes.
 
-use super::{DualityError, Plane, meet};
+use super::{DualityError, OrientedPlane, meet};
 use phex_mesh::{HexMesh, PerFace, PerVertex, VertexId};
 
 /// Puts every vertex where the planes of its panels meet: three inside; at the boundary two or one,
@@ -8,11 +8,14 @@ use phex_mesh::{HexMesh, PerFace, PerVertex, VertexId};
 ///
 /// # Errors
 /// If planes do not meet in one point, or a vertex has more than three panels.
-pub fn envelope(mesh: &HexMesh, planes: &PerFace<Plane>) -> Result<HexMesh, DualityError> {
+pub(crate) fn envelope(
+    mesh: &HexMesh,
+    planes: &PerFace<OrientedPlane>,
+) -> Result<HexMesh, DualityError> {
     let topology = mesh.topology();
     let place = |vertex: VertexId| {
         let near = mesh.positions[vertex];
-        let around: Vec<Plane> = topology
+        let around: Vec<OrientedPlane> = topology
             .outgoing(vertex)
             .map(|h| planes[topology.face(h)])
             .collect();

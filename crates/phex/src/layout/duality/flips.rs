@@ -2,8 +2,8 @@
 //! obey the sign rule where `K < 0`.
 
 use super::hull::behind;
-use super::panels::{Flipped, Panels, Star};
-use super::{DualityError, Plane, Quadric, clear_centre, meet};
+use super::panels::{Flipped, PanelOutlines, Star};
+use super::{DualityError, OrientedPlane, Quadric, clear_centre, meet};
 use phex_mesh::polygon::is_simple;
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, Vec3, VertexId};
 use std::collections::BTreeSet;
@@ -20,9 +20,9 @@ const LEAST_SADDLE: usize = 4;
 ///
 /// # Errors
 /// If a plane passes through the centre that avoids them best.
-pub fn convex_panels(
+pub(crate) fn convex_panels(
     mesh: &HexMesh,
-    planes: &PerFace<Plane>,
+    planes: &PerFace<OrientedPlane>,
     points: &PerFace<Vec3>,
 ) -> Result<Flipped, DualityError> {
     let (centre, clearness) = clear_centre(planes.as_slice(), points.as_slice());
@@ -36,9 +36,9 @@ pub fn convex_panels(
 ///
 /// # Errors
 /// If a plane passes through the centre, or the quadric has none.
-pub fn hull_about(
+pub(crate) fn hull_about(
     mesh: &HexMesh,
-    planes: &PerFace<Plane>,
+    planes: &PerFace<OrientedPlane>,
     quadric: &Quadric,
 ) -> Result<Flipped, DualityError> {
     let pole = |(face, plane)| {
@@ -58,12 +58,12 @@ pub fn hull_about(
 /// its pole lies inside the hull and its plane cuts nothing off (Edelsbrunner and Shah 1996). On a
 /// convex dual surface this ends with the part of the hull that lies over the panels; every panel
 /// is then convex.
-pub fn convex_flips(mesh: &HexMesh, poles: &PerFace<Vec3>, centre: Vec3) -> Flipped {
+pub(crate) fn convex_flips(mesh: &HexMesh, poles: &PerFace<Vec3>, centre: Vec3) -> Flipped {
     let pole = |f: u32| poles[FaceId::new(f)];
     // Round the first end of an edge the panels run: left, before, right.
     let first = |s: &Star| [s.left, s.before, s.right].map(pole);
     let side = |[a, b, c]: [Vec3; 3], d: Vec3| behind(a, b, c, d);
-    let panels = Panels::new(mesh);
+    let panels = PanelOutlines::new(mesh);
     let edges = panels.inner_edges(mesh);
     let stars = edges.iter().filter_map(|e| panels.star(*e));
     let votes: f64 = stars.map(|s| side(first(&s), centre).signum()).sum();
@@ -85,7 +85,11 @@ pub fn convex_flips(mesh: &HexMesh, poles: &PerFace<Vec3>, centre: Vec3) -> Flip
 /// Panels whose touching points are joined so that the edges of their triangles lie on both sides
 /// of the asymptotic cone, as far as flips can do it: the panels in a lattice are then simple where
 /// `K < 0`.
-pub fn saddle_flips(mesh: &HexMesh, planes: &PerFace<Plane>, points: &PerFace<Vec3>) -> Flipped {
+pub(crate) fn saddle_flips(
+    mesh: &HexMesh,
+    planes: &PerFace<OrientedPlane>,
+    points: &PerFace<Vec3>,
+) -> Flipped {
     let form = |f: u32, g: u32| {
         let (f, g) = (FaceId::new(f), FaceId::new(g));
         (points[g] - points[f]).dot(&(planes[g].normal - planes[f].normal))
@@ -115,19 +119,19 @@ pub fn saddle_flips(mesh: &HexMesh, planes: &PerFace<Plane>, points: &PerFace<Ve
 /// Panels of which fewer cross themselves: an edge of one that does is flipped where that leaves
 /// fewer such panels round it. Vertices inside lie where the planes of their panels meet, those at
 /// the boundary where they are.
-pub fn uncrossing_flips(mesh: &HexMesh, planes: &PerFace<Plane>) -> Flipped {
-    let place = |panels: &Panels, v: u32| {
+pub(crate) fn uncrossing_flips(mesh: &HexMesh, planes: &PerFace<OrientedPlane>) -> Flipped {
+    let place = |panels: &PanelOutlines, v: u32| {
         let near = mesh.positions[VertexId::new(v)];
         let around = panels.faces_at(v);
         let planes = around.map(|faces| faces.map(|f| planes[FaceId::new(f)]));
         planes.map_or(Some(near), |planes| meet(&planes, near))
     };
-    let crosses = |panels: &Panels, f: u32| {
+    let crosses = |panels: &PanelOutlines, f: u32| {
         let corners = panels.corners(f).iter().map(|&v| place(panels, v));
         let corners: Option<Vec<Vec3>> = corners.collect();
         corners.is_none_or(|c| !is_simple(&FlatFace::new(&c).polygon))
     };
-    let count = |panels: &Panels, star: &Star| {
+    let count = |panels: &PanelOutlines, star: &Star| {
         let four = [star.left, star.right, star.before, star.behind];
         four.into_iter().filter(|&f| crosses(panels, f)).count()
     };
@@ -163,8 +167,8 @@ impl FlipStep {
 }
 
 /// Takes steps at the edges inside until none is left; edges near a step are looked at again.
-fn flipped(mesh: &HexMesh, step: impl Fn(&Panels, &Star) -> FlipStep) -> Flipped {
-    let mut panels = Panels::new(mesh);
+fn flipped(mesh: &HexMesh, step: impl Fn(&PanelOutlines, &Star) -> FlipStep) -> Flipped {
+    let mut panels = PanelOutlines::new(mesh);
     let mut waiting: BTreeSet<[u32; 2]> = panels.inner_edges(mesh).into_iter().collect();
     let limit = STEPS_PER_EDGE * waiting.len();
     let mut steps = 0;
@@ -194,7 +198,7 @@ mod tests {
     use phex_mesh::{PerFace, measure};
 
     /// A cube with a corner cut off at a distance from its middle, and the planes of its faces.
-    fn cut_cube(height: f64) -> (HexMesh, PerFace<Plane>) {
+    fn cut_cube(height: f64) -> (HexMesh, PerFace<OrientedPlane>) {
         let at = |i: u32| Vec3::from_fn(|k, _| if i >> k & 1 == 1 { 1.0 } else { -1.0 });
         let mut positions: Vec<Vec3> = (0..7).map(at).collect();
         positions.extend([Vec3::x(), Vec3::y(), Vec3::z()].map(|e| at(7) - e * 0.5));
@@ -210,9 +214,9 @@ mod tests {
         ];
         let lists: Vec<Vec<u32>> = faces.iter().map(|f| f.to_vec()).collect();
         let mesh = HexMesh::new(positions, &lists).unwrap();
-        let plane = |normal: Vec3, offset| Plane { normal, offset };
+        let plane = |normal: Vec3, offset| OrientedPlane { normal, offset };
         let sides = [Vec3::x(), Vec3::y(), Vec3::z()];
-        let mut planes: Vec<Plane> = sides.iter().map(|n| plane(-n, 1.0)).collect();
+        let mut planes: Vec<OrientedPlane> = sides.iter().map(|n| plane(-n, 1.0)).collect();
         planes.extend(sides.map(|n| plane(n, 1.0)));
         planes.push(plane(Vec3::repeat(3f64.sqrt().recip()), height));
         (mesh, PerFace::from_vec(planes))
@@ -238,7 +242,9 @@ mod tests {
     /// Panels on the saddle `2 z = x^2 - y^2` about a lattice, some of whose cells are cut by the
     /// diagonal that leaves all edges of a triangle on one side of the asymptotic cone; their
     /// planes and touching points.
-    fn saddle(wrong: impl Fn(u32, u32) -> bool) -> (HexMesh, PerFace<Plane>, PerFace<Vec3>) {
+    fn saddle(
+        wrong: impl Fn(u32, u32) -> bool,
+    ) -> (HexMesh, PerFace<OrientedPlane>, PerFace<Vec3>) {
         const SIDE: u32 = 9;
         let middle = 0.5 * f64::from(SIDE - 1);
         let on_saddle = |i: u32, j: u32| {
@@ -270,13 +276,14 @@ mod tests {
         let dual = dual_mesh(&triangles, &quadric).unwrap();
         let touching = dual.vertex_of_face.iter().map(|v| points[v.index()]);
         let touching = PerFace::from_vec(touching.collect());
-        let planes = touching.map(|p| Plane::through(*p, Vec3::new(-p.x, p.y, 1.0).normalize()));
+        let planes =
+            touching.map(|p| OrientedPlane::through(*p, Vec3::new(-p.x, p.y, 1.0).normalize()));
         (dual.mesh, planes, touching)
     }
 
     #[test]
     fn edges_come_to_lie_on_both_sides_of_the_asymptotic_cone() {
-        let crossing = |mesh: &HexMesh, planes: &PerFace<Plane>| {
+        let crossing = |mesh: &HexMesh, planes: &PerFace<OrientedPlane>| {
             let made = envelope(mesh, planes).unwrap();
             let topology = made.topology();
             // At the rim vertices lie where they are put.

@@ -33,7 +33,7 @@ pub enum HullError {
 ///
 /// # Errors
 /// If the points lie in one plane or are not finite.
-pub fn convex_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, HullError> {
+pub(crate) fn convex_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, HullError> {
     if let Some(point) = points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         return Err(HullError::NotFinite { point });
     }

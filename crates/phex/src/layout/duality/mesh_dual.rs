@@ -1,6 +1,6 @@
 //! The dual of a mesh with planar faces.
 
-use super::{DualityError, Plane, Quadric};
+use super::{DualityError, OrientedPlane, Quadric};
 use phex_mesh::{FaceId, FacePlane, HexMesh, Topology, Vec3, VertexId};
 
 /// The dual of a mesh, and where its elements come from.
@@ -28,7 +28,7 @@ pub fn dual_mesh(mesh: &HexMesh, quadric: &Quadric) -> Result<MeshDual, DualityE
     let dual = DualTriangles::of(mesh.topology())?;
     let pole = |&face: &FaceId| {
         let plane = FacePlane::fit(&mesh.corners(face).collect::<Vec<_>>());
-        let plane = Plane::through(plane.centre, plane.normal);
+        let plane = OrientedPlane::through(plane.centre, plane.normal);
         quadric
             .pole(&plane)
             .ok_or(DualityError::PoleAtInfinity { face })
@@ -42,7 +42,7 @@ pub fn dual_mesh(mesh: &HexMesh, quadric: &Quadric) -> Result<MeshDual, DualityE
 }
 
 /// How the poles are joined: round every vertex inside, in triangles where three faces meet.
-pub struct DualTriangles {
+pub(crate) struct DualTriangles {
     /// The face that each vertex of the dual is the pole of: those with a vertex inside.
     pub face_of_vertex: Vec<FaceId>,
     /// The vertex that each face of the dual stands for.

@@ -13,7 +13,7 @@
 //!
 //! | symbol | here |
 //! |---|---|
-//! | plane `n . x = h` | [`Plane`] |
+//! | plane `n . x = h` | [`OrientedPlane`] |
 //! | `Q` | [`Quadric`]; the unit sphere is `diag(1, 1, 1, -1)` and maps the plane to `n / h` |
 //! | the dual `S'` of a surface | poles of its tangent planes |
 //!
@@ -35,17 +35,18 @@ mod plane;
 mod quadric;
 mod rim;
 
-pub use centre::{clear_centre, clearness};
-pub use envelope::envelope;
-pub use flips::{convex_flips, convex_panels, hull_about, saddle_flips, uncrossing_flips};
-pub use hull::{HullError, convex_hull};
-pub use mesh_dual::{DualTriangles, MeshDual, dual_mesh};
+pub(crate) use centre::{clear_centre, clearness};
+pub(crate) use envelope::envelope;
+pub(crate) use flips::{convex_panels, hull_about, saddle_flips, uncrossing_flips};
+pub(crate) use hull::{HullError, convex_hull};
+pub(crate) use mesh_dual::DualTriangles;
+pub use mesh_dual::dual_mesh;
 
 pub use options::{DualOptions, SubdivisionRule};
-pub use panels::Flipped;
-pub use plane::{Plane, meet};
+pub(crate) use panels::Flipped;
+pub(crate) use plane::{OrientedPlane, meet};
 pub use quadric::Quadric;
-pub use rim::without_broken_rim;
+pub(crate) use rim::without_broken_rim;
 
 use phex_mesh::{FaceId, TopologyError, Vec3, VertexId};
 use thiserror::Error;

@@ -4,7 +4,7 @@ use phex_mesh::{EdgeId, FaceId, HexMesh, PerVertex, TopologyError, Vec3, VertexI
 
 /// Outlines of the panels as lists of vertices, and the panels at each vertex inside.
 #[derive(Clone)]
-pub(super) struct Panels {
+pub(super) struct PanelOutlines {
     /// The outlines; that of a panel which was taken out is empty.
     corners: Vec<Vec<u32>>,
     /// The three panels at a vertex inside.
@@ -46,7 +46,7 @@ pub struct Flipped {
 
 impl Flipped {
     /// Panels that stay as they are.
-    pub fn unchanged(mesh: &HexMesh) -> Self {
+    pub(crate) fn unchanged(mesh: &HexMesh) -> Self {
         Self {
             mesh: mesh.clone(),
             faces: mesh.topology().faces().collect(),
@@ -56,7 +56,7 @@ impl Flipped {
     }
 }
 
-impl Panels {
+impl PanelOutlines {
     pub fn new(mesh: &HexMesh) -> Self {
         let topology = mesh.topology();
         let around = |v: VertexId| {
@@ -85,7 +85,7 @@ impl Panels {
     }
 
     /// The three panels at a vertex inside.
-    pub fn faces_at(&self, v: u32) -> Option<[u32; 3]> {
+    pub(crate) fn faces_at(&self, v: u32) -> Option<[u32; 3]> {
         self.around[VertexId::new(v)]
     }
 
@@ -120,7 +120,7 @@ impl Panels {
 
     /// Whether the panels on both sides keep `least` corners, and two panels share one edge at the
     /// most.
-    pub fn can_flip(&self, star: &Star, least: usize) -> bool {
+    pub(crate) fn can_flip(&self, star: &Star, least: usize) -> bool {
         let shared = self.corners[star.before as usize]
             .iter()
             .filter(|v| self.corners[star.behind as usize].contains(v));
@@ -132,7 +132,7 @@ impl Panels {
 
     /// Afterwards the first vertex has the left panel, the second the right one, and both the
     /// panels at the ends.
-    pub fn flip(&mut self, star: &Star) {
+    pub(crate) fn flip(&mut self, star: &Star) {
         let Star {
             ends: [a, b],
             left,
@@ -152,7 +152,7 @@ impl Panels {
 
     /// Takes out a triangle inside, whose neighbours keep three corners; they then meet in the
     /// vertex that is returned.
-    pub fn take_out(&mut self, f: u32) -> Option<u32> {
+    pub(crate) fn take_out(&mut self, f: u32) -> Option<u32> {
         let [a, b, c]: [u32; 3] = self.corners[f as usize].clone().try_into().ok()?;
         let across = |v: u32, w: u32| {
             let mut others = self.faces_at(v)?.into_iter().filter(|&g| g != f);
@@ -176,7 +176,7 @@ impl Panels {
     }
 
     /// The edges of the panels at some vertices that begin there.
-    pub fn edges_round(&self, vertices: &[u32]) -> Vec<[u32; 2]> {
+    pub(crate) fn edges_round(&self, vertices: &[u32]) -> Vec<[u32; 2]> {
         let at = |&v: &u32| {
             let faces = self.faces_at(v).into_iter().flatten();
             faces.filter_map(move |f| {
@@ -190,7 +190,7 @@ impl Panels {
     }
 
     /// The mesh of the panels that are left.
-    pub fn into_mesh(self, mesh: &HexMesh, steps: usize) -> Result<Flipped, TopologyError> {
+    pub(crate) fn into_mesh(self, mesh: &HexMesh, steps: usize) -> Result<Flipped, TopologyError> {
         let mut used = vec![false; mesh.positions.len()];
         self.corners
             .iter()

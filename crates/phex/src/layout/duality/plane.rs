@@ -11,14 +11,14 @@ const REFINEMENTS: usize = 3;
 
 /// The plane `normal . x = offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
+pub struct OrientedPlane {
     /// Unit normal.
     pub normal: Vec3,
     /// Signed distance from the origin, in the unit of the coordinates.
     pub offset: f64,
 }
 
-impl Plane {
+impl OrientedPlane {
     /// The plane through a point with a unit normal.
     pub fn through(point: Vec3, normal: Vec3) -> Self {
         Self {
@@ -38,7 +38,7 @@ impl Plane {
 ///
 /// # Panics
 /// If there are no planes or more than three.
-pub fn meet(planes: &[Plane], near: Vec3) -> Option<Vec3> {
+pub(crate) fn meet(planes: &[OrientedPlane], near: Vec3) -> Option<Vec3> {
     let mut x = near;
     for _ in 0..REFINEMENTS {
         x += step(planes, x)?;
@@ -47,7 +47,7 @@ pub fn meet(planes: &[Plane], near: Vec3) -> Option<Vec3> {
 }
 
 /// The shortest way from a point to the planes.
-fn step(planes: &[Plane], x: Vec3) -> Option<Vec3> {
+fn step(planes: &[OrientedPlane], x: Vec3) -> Option<Vec3> {
     match planes {
         [p] => Some(p.normal * -p.height(x)),
         [p, q] => to_line(p, q, x),
@@ -67,7 +67,7 @@ fn step(planes: &[Plane], x: Vec3) -> Option<Vec3> {
 
 /// Sum and difference of two unit normals are perpendicular, so that the two components can be
 /// found one by one.
-fn to_line(p: &Plane, q: &Plane, x: Vec3) -> Option<Vec3> {
+fn to_line(p: &OrientedPlane, q: &OrientedPlane, x: Vec3) -> Option<Vec3> {
     let (a, b) = (p.height(x), q.height(x));
     let (sum, difference) = (p.normal + q.normal, p.normal - q.normal);
     let along = |direction: Vec3, height: f64| direction * (-height / direction.norm_squared());
@@ -87,9 +87,9 @@ fn to_line(p: &Plane, q: &Plane, x: Vec3) -> Option<Vec3> {
 mod tests {
     use super::*;
 
-    fn plane(x: f64, y: f64, z: f64, offset: f64) -> Plane {
+    fn plane(x: f64, y: f64, z: f64, offset: f64) -> OrientedPlane {
         let n = Vec3::new(x, y, z);
-        Plane {
+        OrientedPlane {
             normal: n.normalize(),
             offset: offset / n.norm(),
         }

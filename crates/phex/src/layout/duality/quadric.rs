@@ -1,6 +1,6 @@
 //! Polarity with respect to a quadric.
 
-use super::{DualityError, Plane};
+use super::{DualityError, OrientedPlane};
 use nalgebra::{Matrix4, Vector4};
 use phex_mesh::Vec3;
 
@@ -94,7 +94,7 @@ impl Quadric {
     }
 
     /// The pole of a plane; `None` if it is at infinity.
-    pub fn pole(&self, plane: &Plane) -> Option<Vec3> {
+    pub fn pole(&self, plane: &OrientedPlane) -> Option<Vec3> {
         let n = plane.normal;
         let x = self.matrix * Vector4::new(n.x, n.y, n.z, -plane.offset);
         let scale = x.xyz().amax();
@@ -103,10 +103,10 @@ impl Quadric {
 
     /// The polar plane of a point; `None` if it is the plane at infinity (that of the quadric's
     /// centre).
-    pub fn polar(&self, point: Vec3) -> Option<Plane> {
+    pub fn polar(&self, point: Vec3) -> Option<OrientedPlane> {
         let p = self.inverse * point.push(1.0);
         let length = p.xyz().norm();
-        (length > AT_INFINITY * p.w.abs() && length.is_finite()).then(|| Plane {
+        (length > AT_INFINITY * p.w.abs() && length.is_finite()).then(|| OrientedPlane {
             normal: p.xyz() / length,
             offset: -p.w / length,
         })
@@ -123,14 +123,14 @@ mod tests {
         let sphere = Quadric::sphere(Vec3::zeros(), 1.0).unwrap();
         let n = Vec3::new(2.0, -1.0, 2.0) / 3.0;
         let pole = sphere
-            .pole(&Plane {
+            .pole(&OrientedPlane {
                 normal: n,
                 offset: 0.25,
             })
             .unwrap();
         assert!((pole - n * 4.0).norm() < 1e-14);
         assert_eq!(
-            sphere.pole(&Plane {
+            sphere.pole(&OrientedPlane {
                 normal: n,
                 offset: 0.0
             }),
@@ -160,9 +160,13 @@ mod tests {
         let there = |p: Vec3| (p - centre) / scale;
         let point = Vec3::new(0.7, -0.2, 1.9);
         let normal = Vec3::new(2.0, -1.0, 2.0) / 3.0;
-        let pole = quadric.pole(&Plane::through(point, normal)).unwrap();
+        let pole = quadric
+            .pole(&OrientedPlane::through(point, normal))
+            .unwrap();
         let moved = quadric.normalised(centre, scale).unwrap();
-        let pole_there = moved.pole(&Plane::through(there(point), normal)).unwrap();
+        let pole_there = moved
+            .pole(&OrientedPlane::through(there(point), normal))
+            .unwrap();
         assert!((there(pole) - pole_there).norm() < 1e-13);
     }
 

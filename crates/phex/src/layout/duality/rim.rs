@@ -1,6 +1,6 @@
 //! Panels at the boundary that the planes of their neighbours leave no room.
 
-use super::Plane;
+use super::OrientedPlane;
 use phex_mesh::polygon::{is_simple, signed_area};
 use phex_mesh::{
     FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, ValidateOptions, Vec2, Vec3, VertexId,
@@ -15,7 +15,10 @@ use phex_mesh::{
 /// boundary of what is left and, in the given mesh, at the boundary or next to a panel there: one
 /// that comes to lie at the boundary may be broken itself. It stays if its loss would leave others
 /// joined in single vertices, or not at all.
-pub fn without_broken_rim(mesh: &HexMesh, planes: &PerFace<Plane>) -> (HexMesh, Vec<FaceId>) {
+pub(crate) fn without_broken_rim(
+    mesh: &HexMesh,
+    planes: &PerFace<OrientedPlane>,
+) -> (HexMesh, Vec<FaceId>) {
     let topology = mesh.topology();
     let pieces = topology.components().1;
     let mut may_go = near_boundary(topology);
@@ -104,7 +107,7 @@ mod tests {
 
     /// A row of three squares of side 1; the middle one's upper boundary vertices cross over if
     /// they are moved by more than a half.
-    fn row(shift: f64) -> (HexMesh, PerFace<Plane>) {
+    fn row(shift: f64) -> (HexMesh, PerFace<OrientedPlane>) {
         let at = |k: usize| {
             let (x, y) = ((k % 4) as f64, (k / 4) as f64);
             let moved = if y > 0.5 && (0.5..2.5).contains(&x) {
@@ -116,7 +119,7 @@ mod tests {
         };
         let faces = [[0u32, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6]];
         let mesh = HexMesh::new((0..8).map(at).collect(), &faces).unwrap();
-        let up = Plane::through(Vec3::zeros(), Vec3::z());
+        let up = OrientedPlane::through(Vec3::zeros(), Vec3::z());
         (mesh, PerFace::filled(3, up))
     }
 

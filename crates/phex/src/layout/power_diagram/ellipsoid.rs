@@ -1,6 +1,6 @@
 //! Whether a surface is an ellipsoid, or a piece of one.
 
-use crate::layout::domain::{DomainError, Place};
+use crate::layout::domain::{DomainError, LocatedVertex};
 use nalgebra::{DMatrix, Matrix3, Matrix4, SMatrix, SVector, SymmetricEigen, Vector4};
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
 
@@ -14,7 +14,7 @@ const MAX_AXIS_RATIO: f64 = 100.0;
 
 /// An ellipsoid `|A^-1 (p - c)| = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ellipsoid {
+pub(crate) struct Ellipsoid {
     /// Centre `c`.
     pub centre: Vec3,
     /// `A`, symmetric: the affine map that takes the unit sphere to the ellipsoid about the origin.
@@ -49,8 +49,8 @@ impl Ellipsoid {
 ///
 /// # Errors
 /// If the quadric is no ellipsoid, or a vertex lies off it.
-pub fn fit_ellipsoid(surface: &TriangleSurface) -> Result<Ellipsoid, DomainError> {
-    let place = |vertex| Place {
+pub(crate) fn fit_ellipsoid(surface: &TriangleSurface) -> Result<Ellipsoid, DomainError> {
+    let place = |vertex| LocatedVertex {
         vertex,
         position: surface.positions()[vertex],
     };

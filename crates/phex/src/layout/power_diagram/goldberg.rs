@@ -1,6 +1,6 @@
 //! Goldberg polyhedra: hexagons and twelve pentagons in icosahedral symmetry.
 
-use super::{PowerDiagram, PowerError, Site, power_diagram};
+use super::{PowerDiagram, PowerError, PowerSite, power_diagram};
 use phex_mesh::{Vec2, Vec3};
 use std::collections::HashMap;
 
@@ -21,11 +21,11 @@ pub fn goldberg(m: u32, n: u32) -> Result<PowerDiagram, PowerError> {
 ///
 /// # Errors
 /// If `m + n` is 0 or too large.
-pub fn goldberg_sites(m: u32, n: u32) -> Result<Vec<Site>, PowerError> {
+pub(crate) fn goldberg_sites(m: u32, n: u32) -> Result<Vec<PowerSite>, PowerError> {
     let points = geodesic_points(m, n)?;
     let south = points.iter().filter(|p| p.z < 1.0 - 1e-9);
     Ok(south
-        .map(|p| Site {
+        .map(|p| PowerSite {
             position: p.xy() / (1.0 - p.z),
             weight: 0.0,
         })
@@ -33,7 +33,7 @@ pub fn goldberg_sites(m: u32, n: u32) -> Result<Vec<Site>, PowerError> {
 }
 
 /// The classes with `m >= n` whose number of panels is at most `panels`, by that number.
-pub fn goldberg_classes(panels: usize) -> Vec<(u32, u32, usize)> {
+pub(crate) fn goldberg_classes(panels: usize) -> Vec<(u32, u32, usize)> {
     let pairs = (1..=LARGEST).flat_map(|m| (0..=m.min(LARGEST - m)).map(move |n| (m, n)));
     let mut classes: Vec<(u32, u32, usize)> = pairs
         .map(|(m, n)| (m, n, 10 * (m * m + m * n + n * n) as usize + 2))
@@ -44,7 +44,7 @@ pub fn goldberg_classes(panels: usize) -> Vec<(u32, u32, usize)> {
 }
 
 /// The class whose number of panels is nearest to `panels`; of two the one with the smaller `n`.
-pub fn nearest_goldberg(panels: usize) -> (u32, u32) {
+pub(crate) fn nearest_goldberg(panels: usize) -> (u32, u32) {
     let ratio = |count: usize| (count as f64 / panels.max(1) as f64).ln().abs();
     let classes = goldberg_classes(2 * panels.max(12));
     let best = classes

@@ -13,7 +13,7 @@
 //!
 //! | symbol | here |
 //! |---|---|
-//! | `s_i`, `w_i` | [`Site`] |
+//! | `s_i`, `w_i` | [`PowerSite`] |
 //! | regular triangulation, dual to the diagram | hull of the planes' poles, by exact predicates |
 //! | `(m, n)` | [`goldberg()`]: `10 (m^2 + m n + n^2) + 2` panels, 12 of them pentagons |
 //!
@@ -27,17 +27,18 @@
 mod ellipsoid;
 mod goldberg;
 
-pub use ellipsoid::{Ellipsoid, fit_ellipsoid};
-pub use goldberg::{goldberg, goldberg_classes, goldberg_sites, nearest_goldberg};
+pub(crate) use ellipsoid::fit_ellipsoid;
+pub use goldberg::goldberg;
+pub(crate) use goldberg::nearest_goldberg;
 
-use super::duality::{DualityError, HullError, Plane, convex_hull, meet};
+use super::duality::{DualityError, HullError, OrientedPlane, convex_hull, meet};
 use phex_mesh::{HexMesh, TopologyError, Vec2, Vec3, VertexId};
 use std::collections::HashMap;
 use thiserror::Error;
 
 /// A site of a power diagram.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Site {
+pub struct PowerSite {
     /// Its place in the plane.
     pub position: Vec2,
     /// Its weight: the squared radius of its circle (or minus it); a larger weight makes a larger
@@ -101,10 +102,10 @@ pub struct PowerDiagram {
 ///
 /// # Errors
 /// If a weight is too large, or the sites have no diagram with a bounded cell.
-pub fn power_diagram(sites: &[Site], cap: f64) -> Result<PowerDiagram, PowerError> {
-    let planes: Result<Vec<Plane>, _> = sites.iter().enumerate().map(plane_of).collect();
+pub fn power_diagram(sites: &[PowerSite], cap: f64) -> Result<PowerDiagram, PowerError> {
+    let planes: Result<Vec<OrientedPlane>, _> = sites.iter().enumerate().map(plane_of).collect();
     let mut planes = planes?;
-    planes.push(Plane {
+    planes.push(OrientedPlane {
         normal: Vec3::z(),
         offset: cap,
     });
@@ -139,7 +140,7 @@ pub fn power_diagram(sites: &[Site], cap: f64) -> Result<PowerDiagram, PowerErro
     })
 }
 
-fn plane_of((site, s): (usize, &Site)) -> Result<Plane, PowerError> {
+fn plane_of((site, s): (usize, &PowerSite)) -> Result<OrientedPlane, PowerError> {
     let squared = s.position.norm_squared();
     let c = squared - s.weight;
     if !(c + 1.0 > 0.0 && c.is_finite()) {
@@ -151,13 +152,13 @@ fn plane_of((site, s): (usize, &Site)) -> Result<Plane, PowerError> {
     }
     let normal = Vec3::new(2.0 * s.position.x, 2.0 * s.position.y, c - 1.0);
     let length = normal.norm();
-    Ok(Plane {
+    Ok(OrientedPlane {
         normal: normal / length,
         offset: (c + 1.0) / length,
     })
 }
 
-fn meet_of(triangle: usize, planes: [Plane; 3]) -> Result<Vec3, DualityError> {
+fn meet_of(triangle: usize, planes: [OrientedPlane; 3]) -> Result<Vec3, DualityError> {
     let near: Vec3 = planes.iter().map(|p| p.normal * p.offset).sum::<Vec3>() / 3.0;
     let vertex = VertexId::new(triangle as u32);
     meet(&planes, near).ok_or(DualityError::NoMeet { vertex, near })
@@ -197,13 +198,13 @@ mod tests {
     use phex_mesh::measure;
     use proptest::prelude::*;
 
-    fn hexagonal(rings: i32, spacing: f64, weight: impl Fn(Vec2) -> f64) -> Vec<Site> {
+    fn hexagonal(rings: i32, spacing: f64, weight: impl Fn(Vec2) -> f64) -> Vec<PowerSite> {
         let lattice = (-rings..=rings).flat_map(|i| (-rings..=rings).map(move |j| (i, j)));
         let inside = lattice.filter(|(i, j)| (i + j).abs() <= rings);
         inside
             .map(|(i, j)| (f64::from(i), f64::from(j)))
             .map(|(i, j)| Vec2::new(i + 0.5 * j, 0.75f64.sqrt() * j) * spacing)
-            .map(|position| Site {
+            .map(|position| PowerSite {
                 position,
                 weight: weight(position),
             })
@@ -248,7 +249,7 @@ mod tests {
         });
         let diagram = power_diagram(&sites, 0.9).unwrap();
         assert_convex(&diagram);
-        let power = |s: &Site, x: Vec2| (x - s.position).norm_squared() - s.weight;
+        let power = |s: &PowerSite, x: Vec2| (x - s.position).norm_squared() - s.weight;
         for v in diagram.mesh.topology().vertices() {
             let p = diagram.mesh.positions[v];
             if p.z > 0.89 {
@@ -276,7 +277,7 @@ mod tests {
     fn covered_sites_are_reported_and_excessive_weights_refused() {
         let mut sites = hexagonal(3, 0.3, |_| 0.0);
         let covered = sites.len();
-        sites.push(Site {
+        sites.push(PowerSite {
             position: Vec2::new(0.05, 0.02),
             weight: -0.5,
         });
@@ -296,9 +297,9 @@ mod tests {
         fn any_sites_make_a_closed_convex_polyhedron(
             places in prop::collection::vec(prop::array::uniform2(-1.0..1.0f64), 8..40)
         ) {
-            let sites: Vec<Site> = places
+            let sites: Vec<PowerSite> = places
                 .into_iter()
-                .map(|p| Site { position: Vec2::from(p), weight: 0.0 })
+                .map(|p| PowerSite { position: Vec2::from(p), weight: 0.0 })
                 .collect();
             if let Ok(diagram) = power_diagram(&sites, 1.0) {
                 let topology = diagram.mesh.topology();

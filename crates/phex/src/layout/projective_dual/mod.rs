@@ -23,8 +23,8 @@
 //! curvatures of `S` in the metric of `S'` below 3). Refused where tangent planes pass through
 //! every centre, and where `K` changes its sign, unless asked to go on.
 
-use super::domain::{DomainError, Place, SignedPlaces, no_flat_point};
-use super::duality::{Plane, Quadric, clear_centre, clearness};
+use super::domain::{DomainError, LocatedVertex, SignedPlaces, no_flat_point};
+use super::duality::{OrientedPlane, Quadric, clear_centre, clearness};
 use crate::curvature::Curvature;
 use nalgebra::{Matrix3, Matrix4, SMatrix, Vector4};
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
@@ -32,10 +32,10 @@ use serde::Serialize;
 use std::collections::HashMap;
 
 /// Name in messages.
-pub const METHOD: &str = "projective-dual";
+pub(crate) const METHOD: &str = "projective-dual";
 /// Least distance of the centre to the tangent planes, over the largest, with which the affine dual
 /// is used.
-pub const CLEAR: f64 = 0.02;
+pub(crate) const CLEAR: f64 = 0.02;
 /// Poles nearer than this share of the dual's mean edge, of points farther apart than [`FAR`] mean
 /// edges, are duplicates.
 const SAME: f64 = 0.25;
@@ -44,7 +44,7 @@ const FAR: f64 = 4.0;
 
 /// The dual of a surface.
 #[derive(Clone, Debug)]
-pub struct SurfaceDual {
+pub(crate) struct SurfaceDual {
     /// The quadric whose polarity it is.
     pub quadric: Quadric,
     /// Least distance of the centre `c` to a tangent plane over the largest; 0 or less where
@@ -89,17 +89,17 @@ impl SurfaceDual {
     }
 
     /// Whether all of the dual is finite and on one side.
-    pub fn is_affine(&self) -> bool {
+    pub(crate) fn is_affine(&self) -> bool {
         self.clearness >= CLEAR
     }
 
     /// The vertex whose tangent plane passes nearest to the centre.
-    fn nearest(&self, surface: &TriangleSurface) -> Place {
+    fn nearest(&self, surface: &TriangleSurface) -> LocatedVertex {
         let distance = |v: &VertexId| self.pole[*v].w.abs();
         let all = surface.topology().vertices();
         let vertex = all.min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let vertex = vertex.unwrap_or(VertexId::new(0));
-        Place {
+        LocatedVertex {
             vertex,
             position: surface.positions()[vertex],
         }
@@ -131,9 +131,9 @@ impl SurfaceDual {
 }
 
 /// The tangent planes of a surface.
-fn tangents(surface: &TriangleSurface, normals: &PerVertex<Vec3>) -> Vec<Plane> {
+fn tangents(surface: &TriangleSurface, normals: &PerVertex<Vec3>) -> Vec<OrientedPlane> {
     let pairs = surface.positions().iter().zip(normals);
-    pairs.map(|(p, n)| Plane::through(*p, *n)).collect()
+    pairs.map(|(p, n)| OrientedPlane::through(*p, *n)).collect()
 }
 
 /// The matrix of a quadric with its centre, if it has one, moved to the origin of the poles.
@@ -182,7 +182,7 @@ pub(super) fn with_floor(
 /// # Errors
 /// Where tangent planes pass through every centre, `K` changes its sign, or `K < 0` but for a flat
 /// point.
-pub fn check(
+pub(crate) fn check(
     surface: &TriangleSurface,
     curvature: &Curvature,
     dual: &SurfaceDual,
@@ -204,7 +204,7 @@ pub fn check(
 }
 
 /// Counts singular points and duplicates of the dual.
-pub fn inspect(
+pub(crate) fn inspect(
     surface: &TriangleSurface,
     curvature: &Curvature,
     dual: &SurfaceDual,
@@ -224,7 +224,7 @@ pub fn inspect(
 
 /// Pairs of vertices that are far apart on the surface and have one tangent plane, as points of
 /// projective space, about.
-pub fn duplicates(surface: &TriangleSurface, dual: &SurfaceDual) -> Vec<[VertexId; 2]> {
+pub(crate) fn duplicates(surface: &TriangleSurface, dual: &SurfaceDual) -> Vec<[VertexId; 2]> {
     let topology = surface.topology();
     let pole = |v: VertexId| {
         let x = dual.pole[v].normalize();
@@ -296,7 +296,7 @@ mod tests {
         let (mut error, mut count) = (0.0, 0.0);
         for e in surface.topology().edges() {
             let [a, b] = surface.topology().edge_vertices(e);
-            let plane = |v: VertexId| Plane::through(positions[v], curvature.normal[v]);
+            let plane = |v: VertexId| OrientedPlane::through(positions[v], curvature.normal[v]);
             let pole = |v: VertexId| quadric.pole(&plane(v)).unwrap();
             let d = positions[b] - positions[a];
             let induced = (0.5 * d.dot(&((metric[a] + metric[b]) * d))).sqrt();

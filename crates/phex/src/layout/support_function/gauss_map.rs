@@ -1,6 +1,6 @@
 //! Whether the Gauss map is one to one.
 
-use crate::layout::domain::Place;
+use crate::layout::domain::LocatedVertex;
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::collections::HashMap;
@@ -14,7 +14,10 @@ const FAR: f64 = 4.0;
 
 /// Pairs of far vertices, the second a corner of a triangle whose Gauss image holds the first one's
 /// normal. At most one for each vertex.
-pub fn shared_normals(surface: &TriangleSurface, normals: &PerVertex<Vec3>) -> Vec<[Place; 2]> {
+pub(crate) fn shared_normals(
+    surface: &TriangleSurface,
+    normals: &PerVertex<Vec3>,
+) -> Vec<[LocatedVertex; 2]> {
     let topology = surface.topology();
     let size = cell_size(surface, normals);
     let cell = |n: Vec3| -> [i32; 3] { n.map(|x| (x / size).floor() as i32).into() };
@@ -31,7 +34,7 @@ pub fn shared_normals(surface: &TriangleSurface, normals: &PerVertex<Vec3>) -> V
         }
     }
     let far = FAR * mean_edge(surface);
-    let place = |v: VertexId| Place {
+    let place = |v: VertexId| LocatedVertex {
         vertex: v,
         position: surface.positions()[v],
     };

@@ -23,7 +23,7 @@
 
 mod gauss_map;
 
-pub use gauss_map::shared_normals;
+pub(crate) use gauss_map::shared_normals;
 
 use super::domain::{CurvatureSign, DomainError, SignedPlaces};
 use super::projective_dual::with_floor;
@@ -32,11 +32,11 @@ use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface};
 
 /// Name in messages.
-pub const METHOD: &str = "support-function";
+pub(crate) const METHOD: &str = "support-function";
 
 /// The third fundamental form as a tangential tensor, with a small isotropic part where the surface
 /// is flat.
-pub fn metric(curvature: &Curvature) -> PerVertex<Matrix3<f64>> {
+pub(crate) fn metric(curvature: &Curvature) -> PerVertex<Matrix3<f64>> {
     let raw = curvature.tensor.map(|s| s * s);
     with_floor(raw, &curvature.normal)
 }
@@ -45,7 +45,7 @@ pub fn metric(curvature: &Curvature) -> PerVertex<Matrix3<f64>> {
 ///
 /// # Errors
 /// Where `K` changes its sign, or two vertices share a normal.
-pub fn check(
+pub(crate) fn check(
     surface: &TriangleSurface,
     curvature: &Curvature,
 ) -> Result<CurvatureSign, DomainError> {

@@ -22,22 +22,22 @@
 //! meshes" (2010), section 5, refer to.
 
 use super::Layout;
-use super::duality::Plane;
+use super::duality::OrientedPlane;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3, VertexId};
 
 /// Name in messages.
-pub const METHOD: &str = "tangent-planes";
+pub(crate) const METHOD: &str = "tangent-planes";
 
 /// The tangent planes of a layout's panels.
-pub fn tangent_planes(layout: &Layout) -> PerFace<Plane> {
+pub(crate) fn tangent_planes(layout: &Layout) -> PerFace<OrientedPlane> {
     let pairs = layout.face_point.iter().zip(&layout.face_normal);
-    PerFace::from_vec(pairs.map(|(p, n)| Plane::through(*p, *n)).collect())
+    PerFace::from_vec(pairs.map(|(p, n)| OrientedPlane::through(*p, *n)).collect())
 }
 
 /// The layout's mesh with regularised meets inside; at the boundary vertices stay where the layout
 /// has them.
-pub fn regularised(layout: &Layout, regularisation: f64) -> HexMesh {
+pub(crate) fn regularised(layout: &Layout, regularisation: f64) -> HexMesh {
     let topology = layout.mesh.topology();
     let place = |v: VertexId| {
         if topology.is_boundary_vertex(v) {

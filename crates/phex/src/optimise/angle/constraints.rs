@@ -7,7 +7,7 @@ use crate::optimise::angle_term::{
     ANGLE_UNIT, alternating_sum, angle_gradient, branches, has_angle,
 };
 use crate::optimise::guarded::GuardedSteps;
-use crate::optimise::panels::{Panels, Shape, point};
+use crate::optimise::panels::{FaceShapes, Panels, point};
 use crate::optimise::planarity::ConstraintBases;
 use crate::optimise::setting::Setting;
 use nalgebra::Matrix3;
@@ -95,12 +95,12 @@ impl<'a> AngleConstraints<'a> {
 
     /// How far an even face is from its branch, in radians: twice the defect of the sum of every
     /// other angle.
-    fn angle_residual(&self, shape: &Shape, f: usize) -> f64 {
+    fn angle_residual(&self, shape: &FaceShapes, f: usize) -> f64 {
         let sum = || alternating_sum(shape.face(self.setting.panels, f));
         self.branch[f].map_or(0.0, |branch| sum() - branch)
     }
 
-    fn largest_angle(&self, shape: &Shape) -> f64 {
+    fn largest_angle(&self, shape: &FaceShapes) -> f64 {
         let faces = 0..self.setting.panels.n_faces();
         let sizes = faces.map(|f| self.angle_residual(shape, f).abs());
         sizes.fold(0.0, |m, r| if r > m || r.is_nan() { r } else { m })
@@ -115,7 +115,7 @@ impl<'a> AngleConstraints<'a> {
 
     /// The same from the nearest branches.
     pub(super) fn nearest_defects(&mut self, x: &[f64]) -> [f64; 2] {
-        let shape = Shape::at(self.setting.panels, x);
+        let shape = FaceShapes::at(self.setting.panels, x);
         let nearest = branches(self.setting.panels, &shape);
         let own = std::mem::replace(&mut self.branch, nearest);
         let defects = self.defects(x);

@@ -15,9 +15,9 @@ use crate::optimise::angle_term::walks::{Walk, Walks};
 use crate::optimise::angle_term::{AngleTerm, branches};
 use crate::optimise::energy::panel_energy;
 use crate::optimise::error::OptimiseError;
-use crate::optimise::panels::Shape;
+use crate::optimise::panels::FaceShapes;
 use crate::optimise::setting::Setting;
-use crate::optimise::solvers::{Reporter, energy_assembly_with, system};
+use crate::optimise::solvers::{StepReporter, energy_assembly_with, system};
 use crate::progress::Progress;
 use phex_numeric::{DampedOptions, DampedSolver, Damping, Outcome, Status};
 
@@ -56,11 +56,11 @@ pub(super) fn by_continuation(
     energy.weights.fairness *= fairness;
     energy.barriers.iter_mut().for_each(|b| b.weight *= barrier);
     let mut damping = Damping::default();
-    let mut reporter = Reporter::new(progress, PHASES.len() * ITERATIONS);
+    let mut reporter = StepReporter::new(progress, PHASES.len() * ITERATIONS);
     let mut outcome = Outcome::empty(Status::Converged);
     for [planarity, angles] in PHASES {
         energy.weights.planarity = planarity;
-        let shape = Shape::at(setting.panels, &x);
+        let shape = FaceShapes::at(setting.panels, &x);
         energy.angles = Some(AngleTerm::new(
             angles,
             setting.mean_edge,

@@ -42,7 +42,7 @@ use super::angle_term::walks::Walks;
 use super::error::OptimiseError;
 use super::inspect::{Offender, Quality, inspect};
 use super::options::OptimiseOptions;
-use super::panels::{Panels, Shape, points, unknowns};
+use super::panels::{FaceShapes, Panels, points, unknowns};
 use super::setting::{Setting, deviation};
 use super::solvers::energy_assembly;
 use super::{Reference, Stage, Target, check_mesh, kinds_of};
@@ -91,6 +91,9 @@ const WAYS: [AngleWay; 8] = [
     },
 ];
 
+/// Steps of the descent at the most.
+const DESCENT_STEPS: usize = 30;
+
 /// Options of [`satisfy_angle_condition`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -99,8 +102,6 @@ pub struct AngleOptions {
     pub optimise: OptimiseOptions,
     /// Newton iterations of the projection at the most.
     pub newton_iterations: usize,
-    /// Steps of the descent at the most; 0 leaves the mesh where the projection has put it.
-    pub descent_steps: usize,
     /// Defect, in radians, that counts as none. Rounding allows about 1e-15 times the model's size
     /// over an edge.
     pub tolerance: f64,
@@ -111,7 +112,6 @@ impl Default for AngleOptions {
         Self {
             optimise: OptimiseOptions::default(),
             newton_iterations: 60,
-            descent_steps: 30,
             tolerance: 1e-12,
         }
     }
@@ -162,7 +162,7 @@ pub fn satisfy_angle_condition(
     check_mesh(mesh)?;
     let start = unknowns(mesh);
     let panels = Panels::new(mesh.topology());
-    let shape = Shape::at(&panels, &start);
+    let shape = FaceShapes::at(&panels, &start);
     let reference = target.map_or_else(|| Reference::start(&panels, &start), Reference::Surface);
     let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
     let stage = Stage::new(mesh, reference, side, &kinds_of(mesh), &options.optimise);

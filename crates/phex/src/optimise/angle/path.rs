@@ -153,7 +153,7 @@ impl<'a> AnglePath<'a> {
     pub(super) fn descend(&mut self, x: &mut Vec<f64>) {
         self.energy.arm(x);
         let mut energy = self.energy.energy(x);
-        for iteration in 1..=self.options.descent_steps {
+        for iteration in 1..=super::DESCENT_STEPS {
             if !energy.is_finite() {
                 break;
             }
@@ -164,7 +164,7 @@ impl<'a> AnglePath<'a> {
             (*x, energy) = (trial, lower);
             let record = self.outcome.history.last().copied();
             let over = record.is_some_and(|r| {
-                observe(self.progress, iteration, self.options.descent_steps, &r).is_break()
+                observe(self.progress, iteration, super::DESCENT_STEPS, &r).is_break()
             });
             if over {
                 self.outcome.status = Status::Cancelled;

@@ -11,7 +11,7 @@
 //! `x`: two equations either way. Odd faces at the boundary leave an edge free and need none.
 
 use super::walks::{Walk, Walks};
-use crate::optimise::panels::{Panels, Shape, point};
+use crate::optimise::panels::{FaceShapes, Panels, point};
 use nalgebra::{Matrix3, SymmetricEigen};
 use phex_mesh::Vec3;
 
@@ -44,7 +44,7 @@ struct WalkStep {
 }
 
 impl<'a> Closing<'a> {
-    pub fn new(walks: &'a Walks, panels: &Panels, shape: &Shape, x: &[f64]) -> Self {
+    pub fn new(walks: &'a Walks, panels: &Panels, shape: &FaceShapes, x: &[f64]) -> Self {
         Self {
             start: best_start(walks, panels, shape, x),
             rows: vec![Vec3::zeros(); walks.n_places()],
@@ -71,7 +71,7 @@ impl<'a> Closing<'a> {
     }
 
     /// Derivatives by a vertex of the equations [`Walks::at`] it.
-    pub fn rows_at(&self, vertex: usize) -> &[Vec3] {
+    pub(crate) fn rows_at(&self, vertex: usize) -> &[Vec3] {
         &self.rows[self.walks.places(vertex)]
     }
 
@@ -81,7 +81,7 @@ impl<'a> Closing<'a> {
     }
 
     /// All walks.
-    pub fn walks(&self) -> &'a Walks {
+    pub(crate) fn walks(&self) -> &'a Walks {
         self.walks
     }
 
@@ -187,7 +187,7 @@ fn mirror_normal(reflection: &Matrix3<f64>) -> Vec3 {
 
 /// The unit vector that faces the normals best when it is reflected to all vertices and nearly
 /// closes or, if about as good, one that closes.
-fn best_start(walks: &Walks, panels: &Panels, shape: &Shape, x: &[f64]) -> Vec3 {
+fn best_start(walks: &Walks, panels: &Panels, shape: &FaceShapes, x: &[f64]) -> Vec3 {
     let mut products = vec![Matrix3::identity(); panels.n_vertices()];
     for &[from, to] in &walks.tree {
         let e = (point(x, to as usize) - point(x, from as usize)).normalize();
@@ -269,7 +269,7 @@ mod tests {
         let (panels, walks) = (Panels::new(mesh.topology()), Walks::of(&mesh));
         assert_eq!(walks.n_equations(), 12);
         let x = unknowns(&mesh);
-        let mut closing = Closing::new(&walks, &panels, &Shape::at(&panels, &x), &x);
+        let mut closing = Closing::new(&walks, &panels, &FaceShapes::at(&panels, &x), &x);
         closing.linearise(&x, 1.0);
         let directions: Vec<Vec3> = walks
             .walks

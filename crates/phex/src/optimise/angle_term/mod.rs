@@ -4,7 +4,7 @@
 pub(super) mod closing;
 pub(super) mod walks;
 
-use super::panels::{Corner, FaceFrame, Panels, Shape, add_block};
+use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
 use closing::Closing;
 use nalgebra::Matrix3;
 use phex_mesh::polygon::interior_angles;
@@ -46,7 +46,7 @@ pub(super) const ANGLE_UNIT: f64 = 0.125;
 
 /// Alternating sums that even faces are nearest to, of those that simple ones can have: 0 alone for
 /// a quadrilateral, whose opposite angles must make pi.
-pub(super) fn branches(panels: &Panels, shape: &Shape) -> Vec<Option<f64>> {
+pub(super) fn branches(panels: &Panels, shape: &FaceShapes) -> Vec<Option<f64>> {
     let nearest = |f: usize| {
         let most = (panels.valence(f) / 2) as f64 - 2.0;
         let turns = alternating_sum(shape.face(panels, f)) / TAU;
@@ -80,13 +80,13 @@ impl<'a> AngleTerm<'a> {
     }
 
     /// Energy of what fails to close.
-    pub fn closing_energy(&self, x: &[f64]) -> f64 {
+    pub(crate) fn closing_energy(&self, x: &[f64]) -> f64 {
         0.5 * self.weight * self.closing.squares(x)
     }
 
     /// Adds gradient and Gauss-Newton blocks of what fails to close: a block for each walk, from
     /// `first` on.
-    pub fn add_closing(
+    pub(crate) fn add_closing(
         &mut self,
         x: &[f64],
         gradient: &mut [f64],
@@ -191,7 +191,7 @@ mod tests {
         let mesh = hexagon();
         let (panels, walks) = (Panels::new(mesh.topology()), Walks::of(&mesh));
         let x = unknowns(&mesh);
-        let shape = Shape::at(&panels, &x);
+        let shape = FaceShapes::at(&panels, &x);
         let closing = Closing::new(&walks, &panels, &shape, &x);
         let term = AngleTerm::new(3.0, 0.9, branches(&panels, &shape), closing);
         let mut gradient = vec![Vec3::zeros(); 6];
@@ -204,7 +204,7 @@ mod tests {
                 let at = |step: f64| {
                     let mut moved = x.clone();
                     moved[3 * v + k] += step;
-                    term.energy(0, Shape::at(&panels, &moved).face(&panels, 0))
+                    term.energy(0, FaceShapes::at(&panels, &moved).face(&panels, 0))
                 };
                 let slope = (at(h) - at(-h)) / (2.0 * h);
                 let own = gradient[panels
@@ -224,7 +224,7 @@ mod tests {
         let (panels, walks) = (Panels::new(mesh.topology()), Walks::of(&mesh));
         assert_eq!(walks.n_equations(), 2);
         let x = unknowns(&mesh);
-        let shape = Shape::at(&panels, &x);
+        let shape = FaceShapes::at(&panels, &x);
         let closing = Closing::new(&walks, &panels, &shape, &x);
         let mut term = AngleTerm::new(3.0, 0.9, branches(&panels, &shape), closing);
         let assembly = energy_assembly_with(&panels, walks.walks.iter().map(|w| w.distinct()));
@@ -257,7 +257,7 @@ mod tests {
         let place = |c: &[f64; 2]| Vec3::new(c[0], c[1], 0.0);
         let mesh = HexMesh::new(dart.iter().map(place).collect(), &[[0, 1, 2, 3]]).unwrap();
         let panels = Panels::new(mesh.topology());
-        let shape = Shape::at(&panels, &unknowns(&mesh));
+        let shape = FaceShapes::at(&panels, &unknowns(&mesh));
         let sum = alternating_sum(shape.face(&panels, 0));
         assert!((sum / TAU).round().abs() == 1.0, "{sum}");
         assert_eq!(branches(&panels, &shape), [Some(0.0)]);

@@ -20,12 +20,12 @@ pub(in crate::optimise) struct Walk {
 }
 
 impl Walk {
-    pub fn n_steps(&self) -> usize {
+    pub(crate) fn n_steps(&self) -> usize {
         self.vertices.len() - 1
     }
 
     /// Whether its reflections make one reflection: those along the edges of an odd planar face do.
-    pub fn is_mirror(&self) -> bool {
+    pub(crate) fn is_mirror(&self) -> bool {
         self.round_face
     }
 
@@ -112,7 +112,7 @@ impl Walks {
     }
 
     /// Pairs of a vertex and an equation.
-    pub fn n_places(&self) -> usize {
+    pub(crate) fn n_places(&self) -> usize {
         self.start[self.at.len()]
     }
 

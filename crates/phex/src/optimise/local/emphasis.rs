@@ -14,7 +14,7 @@ use crate::optimise::barrier::clearance;
 use crate::optimise::concavity::{ConcavityTerm, is_concave, to_be_convex};
 use crate::optimise::folds::FoldTerm;
 use crate::optimise::guard::Breach;
-use crate::optimise::panels::{Panels, Shape};
+use crate::optimise::panels::{FaceShapes, Panels};
 use crate::optimise::path::Path;
 use crate::optimise::setting::{Setting, distances};
 use crate::optimise::simple::area;
@@ -37,11 +37,11 @@ const HEAVIER: f64 = 10.0;
 const PHASES: [usize; EMPHASES] = [0, 1, 3];
 
 /// Rounds of rising emphasis.
-pub const EMPHASES: usize = 3;
+pub(crate) const EMPHASES: usize = 3;
 
 /// What faces are to have; lengths in the unit of the mesh.
 #[derive(Clone, Debug)]
-pub struct Wanted {
+pub(crate) struct Wanted {
     /// Least clearance of each face.
     pub clearance: Vec<f64>,
     /// Least area of each face; 0 for any.
@@ -70,7 +70,7 @@ pub(super) struct Lack {
 
 impl Lack {
     pub fn at(setting: &Setting<'_>, x: &[f64], wanted: &Wanted) -> Self {
-        let (panels, shape) = (setting.panels, Shape::at(setting.panels, x));
+        let (panels, shape) = (setting.panels, FaceShapes::at(setting.panels, x));
         let faces = 0..panels.n_faces();
         let lacks = |has: f64, wants: f64| match wants > 0.0 {
             true => (1.0 - has / wants).max(0.0),

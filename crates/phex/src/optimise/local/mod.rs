@@ -5,13 +5,13 @@ mod emphasis;
 mod retry;
 mod rim;
 
-pub use emphasis::{EMPHASES, Wanted};
+pub(crate) use emphasis::{EMPHASES, Wanted};
 
 use super::holds::Hold;
 use super::options::NEWTON_ITERATIONS;
-use super::panels::{Shape, unknowns};
+use super::panels::{FaceShapes, unknowns};
 use super::path::Path;
-use super::reached::{Reached, Way};
+use super::reached::{Reached, ResultOrigin};
 use super::solvers::Solvers;
 use super::{
     BoundaryHold, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference, Stage, StartKind,
@@ -24,7 +24,7 @@ use phex_mesh::VertexId;
 use rim::rim_holds;
 
 /// A part of a mesh.
-pub struct LocalPart<'a> {
+pub(crate) struct LocalPart<'a> {
     /// Its panels.
     pub layout: &'a Layout,
     /// Whether each vertex may move; those on the boundary of the surface slide along it.
@@ -41,7 +41,7 @@ impl LocalPart<'_> {
     ///
     /// # Errors
     /// If the part or an option can't be used; what can't be *reached* is told by [`Optimised`].
-    pub fn settled(
+    pub(crate) fn settled(
         &self,
         target: &dyn Target,
         options: &OptimiseOptions,
@@ -87,7 +87,7 @@ impl LocalPart<'_> {
         let mut path = Path::new(&setting, &mut solvers, &x, options, progress)?;
         let now = path.emphasised(&x, (&lack, folds), wanted, round)?;
         let reached = Reached::at(&setting, now);
-        let way = Way {
+        let way = ResultOrigin {
             kind: StartKind::Local,
             path: PathKind::Feasible,
             in_parts: path.in_parts,
@@ -117,7 +117,7 @@ impl LocalPart<'_> {
         let side = Some(layout.face_normal.as_slice().to_vec());
         let reference = Reference::Surface(target);
         let mut stage = Stage::new(mesh, reference, side, &layout.vertex_kind, options);
-        let shape = Shape::at(&stage.panels, &unknowns(mesh));
+        let shape = FaceShapes::at(&stage.panels, &unknowns(mesh));
         stage.holds = rim_holds(mesh, &shape, self.hold);
         let rests = |v: &VertexId| !self.free[v.index()];
         for v in mesh.topology().vertices().filter(rests) {

@@ -4,7 +4,7 @@
 use super::emphasis::{EMPHASES, Lack, Wanted};
 use crate::optimise::error::OptimiseError;
 use crate::optimise::options::NEWTON_ITERATIONS;
-use crate::optimise::panels::{Panels, Shape, extent};
+use crate::optimise::panels::{FaceShapes, Panels, extent};
 use crate::optimise::parts::{Part, with_neighbours};
 use crate::optimise::path::Path;
 use crate::optimise::reached::Reached;
@@ -45,7 +45,7 @@ fn groups(panels: &Panels, mut faces: Vec<u32>) -> Vec<Vec<u32>> {
 impl Path<'_> {
     /// What panels of a whole mesh are to have.
     fn wanted(&self, x: &[f64]) -> Wanted {
-        let (setting, shape) = (self.setting, Shape::at(self.setting.panels, x));
+        let (setting, shape) = (self.setting, FaceShapes::at(self.setting.panels, x));
         let areas =
             (0..setting.panels.n_faces()).map(|f| area(shape.face(setting.panels, f)).abs());
         let areas: Vec<f64> = areas.collect();
@@ -114,7 +114,7 @@ impl Path<'_> {
             }
             let after = Lack::at(&setting, &now, &wanted);
             let near = lack.farthest.max(NEAR * setting.mean_edge) * (1.0 + ROUNDING);
-            let height = Shape::at(setting.panels, &now).max_height();
+            let height = FaceShapes::at(setting.panels, &now).max_height();
             let planar = height <= options.planarity_tolerance * setting.mean_edge;
             let ((wrong, room), (before, less)) = (after.total(), lack.total());
             let roomier = wrong == before && room * (1.0 + ROUNDING) < less;

@@ -1,13 +1,17 @@
 //! What keeps the boundary of a part while its panels move.
 
 use crate::optimise::on_boundary::already_there;
-use crate::optimise::panels::Shape;
+use crate::optimise::panels::FaceShapes;
 use crate::optimise::{BoundaryHold, Hold, Holds};
 use phex_mesh::{BoundaryCurve, HexMesh, Vec3, VertexId};
 
 /// What keeps the boundary: on its curve where it lies there, along the curve where it does not, at
 /// rest where no curve is known.
-pub(super) fn rim_holds(mesh: &HexMesh, shape: &Shape, hold: Option<&BoundaryHold<'_>>) -> Holds {
+pub(super) fn rim_holds(
+    mesh: &HexMesh,
+    shape: &FaceShapes,
+    hold: Option<&BoundaryHold<'_>>,
+) -> Holds {
     let topology = mesh.topology();
     let rim = topology
         .vertices()
@@ -28,7 +32,7 @@ pub(super) fn rim_holds(mesh: &HexMesh, shape: &Shape, hold: Option<&BoundaryHol
 }
 
 /// The plane through a vertex of the boundary, along the curve and across the panels there.
-fn along(mesh: &HexMesh, shape: &Shape, v: VertexId, curves: &BoundaryCurve) -> Hold {
+fn along(mesh: &HexMesh, shape: &FaceShapes, v: VertexId, curves: &BoundaryCurve) -> Hold {
     let topology = mesh.topology();
     let point = mesh.position(v);
     let faces = topology.outgoing(v).map(|h| topology.face(h).index());
@@ -71,7 +75,7 @@ mod tests {
     fn the_boundary_slides_on_its_curve_or_beside_it() {
         let mesh = tight().mesh;
         let panels = Panels::new(mesh.topology());
-        let shape = Shape::at(&panels, &unknowns(&mesh));
+        let shape = FaceShapes::at(&panels, &unknowns(&mesh));
         let beside = mesh.with_positions(mesh.positions.map(|p| p * 1.001));
         for (mesh, on_it) in [(&mesh, true), (&beside, false)] {
             let curves = boundary(&tight().mesh);

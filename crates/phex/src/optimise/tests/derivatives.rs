@@ -351,7 +351,7 @@ fn normal_matrix_is_the_product_of_the_jacobian() {
     }
     the_jacobian_agrees(&panels, &assembly, &x, &rows);
     // The sum of squared constraints is the sum of squared heights.
-    let shape = crate::optimise::panels::Shape::at(&panels, &x);
+    let shape = crate::optimise::panels::FaceShapes::at(&panels, &x);
     let heights: f64 = shape.corners.iter().map(|c| c.height * c.height).sum();
     let squares: f64 = values.iter().map(|c| c * c).sum();
     assert!((heights - squares).abs() < 1e-12 * heights);
@@ -363,7 +363,10 @@ fn the_jacobian_agrees(panels: &Panels, assembly: &Assembly, x: &[f64], rows: &[
     let n = panels.n_vertices();
     let mut jacobian = Jacobian::new(panels, assembly);
     let mut values = vec![0.0; rows.len()];
-    jacobian.linearise(&crate::optimise::panels::Shape::at(panels, x), &mut values);
+    jacobian.linearise(
+        &crate::optimise::panels::FaceShapes::at(panels, x),
+        &mut values,
+    );
     let metric = |v: usize| {
         let axis = Vec3::new((v as f64).sin(), (v as f64).cos(), 0.3);
         Matrix3::from_diagonal_element(0.2) + axis * axis.transpose()

@@ -8,7 +8,7 @@ use crate::optimise::energy::{panel_energy, weights};
 use crate::optimise::panels::{points, unknowns};
 use crate::optimise::parts::{Cuts, minimise_in_parts};
 use crate::optimise::reference::Reference;
-use crate::optimise::solvers::{Reporter, energy_assembly};
+use crate::optimise::solvers::{StepReporter, energy_assembly};
 use crate::optimise::{Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, planarize};
 use crate::progress::Silent;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};
@@ -51,7 +51,7 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
             &mut x,
             &Cuts { most: 70, phase },
             &limits,
-            &mut Reporter::new(&Silent, 0),
+            &mut StepReporter::new(&Silent, 0),
         )
         .unwrap();
         assert!(outcome.factorisations >= 3, "{outcome:?}");
@@ -61,7 +61,7 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
     }
     // What comes out is close to planar, as after the same phases on the whole.
     let planarity = |x: &[f64]| {
-        let shape = crate::optimise::panels::Shape::at(setting.panels, x);
+        let shape = crate::optimise::panels::FaceShapes::at(setting.panels, x);
         shape.max_height() / setting.mean_edge
     };
     assert!(planarity(&x) < 1e-3 && planarity(&x) < 0.1 * planarity(&start));

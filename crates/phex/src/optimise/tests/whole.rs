@@ -4,7 +4,7 @@ use super::fixtures::{
     Shape, brick_wall, jittered, layout, mesh, noise, planar_paraboloid, turn_edge,
 };
 use crate::layout::{Layout, VertexKind};
-use crate::optimise::panels::{Panels, Shape as Faces, unknowns};
+use crate::optimise::panels::{FaceShapes as Faces, Panels, unknowns};
 use crate::optimise::simple::is_simple;
 use crate::optimise::{
     Fault, OptimiseError, OptimiseOptions, Optimised, PathKind, ShapeTarget, Solver, StartKind,

@@ -2,7 +2,9 @@
 
 use super::ClassicalStatistics;
 use crate::layout::domain::CurvatureSign;
-use crate::layout::duality::{Plane, convex_panels, envelope, saddle_flips, uncrossing_flips};
+use crate::layout::duality::{
+    OrientedPlane, convex_panels, envelope, saddle_flips, uncrossing_flips,
+};
 use crate::layout::seeds::Seed;
 use crate::layout::tangent_planes::tangent_planes as tangent_planes_of;
 use crate::layout::{self, Layout, LayoutError};
@@ -64,10 +66,10 @@ pub(super) fn joined(
 }
 
 /// The planes of a mesh's faces.
-pub(super) fn fitted_planes(mesh: &HexMesh) -> PerFace<Plane> {
+pub(super) fn fitted_planes(mesh: &HexMesh) -> PerFace<OrientedPlane> {
     let plane = |f| {
         let fitted = FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
-        Plane::through(fitted.centre, fitted.normal)
+        OrientedPlane::through(fitted.centre, fitted.normal)
     };
     PerFace::from_vec(mesh.topology().faces().map(plane).collect())
 }

@@ -2,7 +2,7 @@
 //! `tangent-planes`. They differ in the metric in which it is regular.
 
 use super::joined::{cells, joined, met};
-use super::{ClassicalStatistics, Made, Start, refusal};
+use super::{ClassicalMesh, ClassicalStatistics, CurvedGround, refusal};
 use crate::layout::domain::CurvatureSign;
 use crate::layout::duality::Quadric;
 use crate::layout::projective_dual::{self, SurfaceDual};
@@ -18,8 +18,8 @@ use crate::pipeline::{Clock, Method, PipelineError};
 pub(super) fn projective_dual(
     ground: &Ground,
     clock: &mut Clock<'_>,
-) -> Result<Made, PipelineError> {
-    let start = Start::new(ground, clock)?;
+) -> Result<ClassicalMesh, PipelineError> {
+    let start = CurvedGround::new(ground, clock)?;
     let (surface, curvature) = (start.surface, &start.curvature);
     let given = ground.options.dual.quadric.map(Quadric::from_upper);
     let dual = match given.transpose().map_err(LayoutError::from)? {
@@ -44,8 +44,8 @@ pub(super) fn projective_dual(
 pub(super) fn support_function(
     ground: &Ground,
     clock: &mut Clock<'_>,
-) -> Result<Made, PipelineError> {
-    let start = Start::new(ground, clock)?;
+) -> Result<ClassicalMesh, PipelineError> {
+    let start = CurvedGround::new(ground, clock)?;
     let mut classical = start.statistics(Method::SupportFunction);
     let checked = start.resolved(ground, support_function::METHOD);
     let checked = checked.and_then(|()| support_function::check(start.surface, &start.curvature));
@@ -58,9 +58,9 @@ pub(super) fn support_function(
 pub(super) fn tangent_planes(
     ground: &Ground,
     clock: &mut Clock<'_>,
-) -> Result<Made, PipelineError> {
+) -> Result<ClassicalMesh, PipelineError> {
     let options = &ground.options;
-    let (start, field) = Start::with_lattice(ground, clock)?;
+    let (start, field) = CurvedGround::with_lattice(ground, clock)?;
     let mut classical = start.statistics(Method::TangentPlanes);
     // Planes of any lattice can be taken; what becomes of them where facets hide the curvature is
     // not the method's fault.
@@ -78,7 +78,7 @@ pub(super) fn tangent_planes(
     } else {
         (met(&layout, &mut classical)?, None)
     };
-    Ok(Made::of(
+    Ok(ClassicalMesh::of(
         ground,
         mesh,
         fine,
@@ -94,7 +94,7 @@ fn tangent_panels(
     field: &Field,
     mut classical: ClassicalStatistics,
     clock: &mut Clock<'_>,
-) -> Result<Made, PipelineError> {
+) -> Result<ClassicalMesh, PipelineError> {
     let (fine, Drawn { placed, layout }) = cells(ground, field, clock)?;
     let layout = joined(ground, layout, &mut classical)?;
     // Panels of a hull are convex, whatever the second order says.
@@ -102,7 +102,7 @@ fn tangent_panels(
         classical.foresee(&layout);
     }
     let mesh = met(&layout, &mut classical)?;
-    Ok(Made::of(
+    Ok(ClassicalMesh::of(
         ground,
         mesh,
         fine,

@@ -1,17 +1,17 @@
 //! Places and quadrics in the user's coordinates.
 
 use crate::layout::LayoutError;
-use crate::layout::domain::Place;
+use crate::layout::domain::LocatedVertex;
 use crate::layout::duality::{DualOptions, DualityError, Quadric};
 use crate::smooth_surface::{Normalised, Similarity};
 use phex_mesh::Vec3;
 
 /// The vertex of the input that is nearest to a place on the refined surface.
-pub(in crate::pipeline) fn place_in(model: &Normalised, place: Place) -> Place {
+pub(in crate::pipeline) fn place_in(model: &Normalised, place: LocatedVertex) -> LocatedVertex {
     let distance = |p: &Vec3| (p - place.position).norm_squared();
     let all = model.surface.positions().enumerate();
     let nearest = all.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
-    nearest.map_or(place, |(vertex, p)| Place {
+    nearest.map_or(place, |(vertex, p)| LocatedVertex {
         vertex,
         position: model.similarity.restore(*p),
     })

@@ -3,9 +3,11 @@
 //! lattice's discrete Gauss image; where `K < 0` the tangent planes' mesh itself, because edges
 //! there run against those of their Gauss image.
 
-use super::{ClassicalStatistics, Made, Start, cells, fitted_planes, joined, met, refusal};
+use super::{
+    ClassicalMesh, ClassicalStatistics, CurvedGround, cells, fitted_planes, joined, met, refusal,
+};
 use crate::layout::domain::{CurvatureSign, SignedPlaces, no_flat_point};
-use crate::layout::duality::{Plane, convex_panels, envelope};
+use crate::layout::duality::{OrientedPlane, convex_panels, envelope};
 use crate::layout::{Layout, LayoutError};
 use crate::offset::fit::{FitOptions, FitStart, fit_parallel};
 use crate::pipeline::domain::Ground;
@@ -17,8 +19,8 @@ use phex_numeric::Outcome;
 /// Name in messages.
 const METHOD: &str = "parallel";
 
-pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
-    let (start, field) = Start::with_lattice(ground, clock)?;
+pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, PipelineError> {
+    let (start, field) = CurvedGround::with_lattice(ground, clock)?;
     let mut classical = start.statistics(Method::Parallel);
     let places = SignedPlaces::find(start.surface, &start.curvature);
     let consequence = "edges of the Gauss image vanish and turn round";
@@ -51,7 +53,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     let outcome = Outcome::empty(fitted.status);
     // Lengths of edges at the rim are free, but for what closes their panel: some turn over.
     let mesh = classical.with_sound_rim(fitted.mesh, &fitted_planes(&given));
-    Ok(Made {
+    Ok(ClassicalMesh {
         reported: ground.reported(&fine.surface).clone(),
         mesh,
         fine: Some(fine),
@@ -72,7 +74,7 @@ fn gauss_image(
     classical: &mut ClassicalStatistics,
 ) -> Result<HexMesh, LayoutError> {
     let touching = |layout: &Layout| {
-        layout.face_normal.map(|n| Plane {
+        layout.face_normal.map(|n| OrientedPlane {
             normal: *n,
             offset: 1.0,
         })

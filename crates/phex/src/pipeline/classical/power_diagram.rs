@@ -1,6 +1,6 @@
 //! `power-diagram`: a Goldberg polyhedron on the ellipsoid that the surface is, or is a piece of.
 
-use super::Made;
+use super::ClassicalMesh;
 use crate::layout::power_diagram::{fit_ellipsoid, goldberg, nearest_goldberg};
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::pipeline::domain::Ground;
@@ -13,9 +13,9 @@ use phex_numeric::{Outcome, Status};
 /// share of a panel's length.
 const NEAR: f64 = 0.1;
 
-pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
+pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, PipelineError> {
     let surface = &ground.smooth.levels[0];
-    let mut classical = super::Start::new(ground, clock)?.statistics(Method::PowerDiagram);
+    let mut classical = super::CurvedGround::new(ground, clock)?.statistics(Method::PowerDiagram);
     let ellipsoid = fit_ellipsoid(surface).map_err(LayoutError::from)?;
     classical.centre = Some(ellipsoid.centre.into());
     let polyhedron = |panels: usize| -> Result<_, PipelineError> {
@@ -35,7 +35,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
     })?;
     let (class, mesh) = made?;
     classical.goldberg = Some(class);
-    Ok(Made {
+    Ok(ClassicalMesh {
         mesh,
         reported: ground.smooth.finest().clone(),
         fine: None,

@@ -17,13 +17,13 @@ use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface};
 
 /// The surface of the field's level with its curvature.
-pub(super) struct Start<'a> {
+pub(super) struct CurvedGround<'a> {
     pub level: usize,
     pub surface: &'a TriangleSurface,
     pub curvature: Curvature,
 }
 
-impl<'a> Start<'a> {
+impl<'a> CurvedGround<'a> {
     pub fn new(ground: &'a Ground, clock: &mut Clock<'_>) -> Result<Self, PipelineError> {
         Self::on(&ground.smooth, ground, clock)
     }
@@ -49,7 +49,7 @@ impl<'a> Start<'a> {
     }
 
     /// The lattice that is laid out for any method, and where it starts.
-    pub fn with_lattice(
+    pub(crate) fn with_lattice(
         ground: &'a Ground,
         clock: &mut Clock<'_>,
     ) -> Result<(Self, Field), PipelineError> {
@@ -81,7 +81,11 @@ impl<'a> Start<'a> {
     }
 
     /// Whether the given facets tell the sign of the curvature where it is negative.
-    pub fn resolved(&self, ground: &Ground, method: &'static str) -> Result<(), DomainError> {
+    pub(crate) fn resolved(
+        &self,
+        ground: &Ground,
+        method: &'static str,
+    ) -> Result<(), DomainError> {
         match self.sign() {
             CurvatureSign::Hyperbolic => resolved(&ground.given().levels[0], method),
             _ => Ok(()),

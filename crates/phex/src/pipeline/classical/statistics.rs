@@ -2,7 +2,7 @@
 
 use crate::layout::Layout;
 use crate::layout::domain::{CurvatureSign, DomainError};
-use crate::layout::duality::{Flipped, Plane, without_broken_rim};
+use crate::layout::duality::{Flipped, OrientedPlane, without_broken_rim};
 use crate::layout::forecast::forecast;
 use crate::layout::projective_dual::DualDefects;
 use crate::pipeline::Method;
@@ -60,7 +60,11 @@ impl ClassicalStatistics {
 
     /// The mesh without panels at the boundary for which there is no room; outside a method's
     /// domain it stays as it is.
-    pub(super) fn with_sound_rim(&mut self, mesh: HexMesh, planes: &PerFace<Plane>) -> HexMesh {
+    pub(super) fn with_sound_rim(
+        &mut self,
+        mesh: HexMesh,
+        planes: &PerFace<OrientedPlane>,
+    ) -> HexMesh {
         if self.curvature == CurvatureSign::Mixed {
             return mesh;
         }

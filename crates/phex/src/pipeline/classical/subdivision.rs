@@ -5,13 +5,13 @@
 //! at the rim of their dual go on as inside, so every level covers the surface.
 
 use super::{
-    ClassicalStatistics, Made, Start, boundary_length, cells, fitted_planes, joined, panel_length,
-    refusal,
+    ClassicalMesh, ClassicalStatistics, CurvedGround, boundary_length, cells, fitted_planes,
+    joined, panel_length, refusal,
 };
-use crate::layout::domain::{CurvatureSign, DomainError, Place};
+use crate::layout::domain::{CurvatureSign, DomainError, LocatedVertex};
 use crate::layout::dual_subdivision::dual_subdivision;
 use crate::layout::duality::{
-    DualityError, Plane, Quadric, clear_centre, envelope, hull_about, uncrossing_flips,
+    DualityError, OrientedPlane, Quadric, clear_centre, envelope, hull_about, uncrossing_flips,
 };
 use crate::layout::projective_dual::{self, SurfaceDual};
 use crate::layout::tangent_planes::tangent_planes;
@@ -48,10 +48,10 @@ fn coarse_panels(surface: &TriangleSurface, panels: usize, levels: usize) -> usi
     (coarse.round() as usize).max(LEAST)
 }
 
-pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<Made, PipelineError> {
+pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, PipelineError> {
     // The strip beyond the boundary is not the user's: curvature of the other sign there is no
     // reason to refuse.
-    let start = Start::on(coarse.given(), coarse, clock)?;
+    let start = CurvedGround::on(coarse.given(), coarse, clock)?;
     let mut classical = start.statistics(Method::DualSubdivision);
     let dual = SurfaceDual::of(start.surface, &start.curvature.normal);
     let checked = start.resolved(coarse, METHOD);
@@ -59,11 +59,11 @@ pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<Made, Pipel
         projective_dual::check(start.surface, &start.curvature, &dual, true, METHOD)
     });
     classical.outside = refusal(checked, coarse)?;
-    let (_, field) = Start::with_lattice(coarse, clock)?;
+    let (_, field) = CurvedGround::with_lattice(coarse, clock)?;
     let (fine, Drawn { placed, layout }) = cells(coarse, &field, clock)?;
     let refined = clock.stage("subdivision", || refined(coarse, layout, &classical))?;
     let (mesh, classical) = refined?;
-    Ok(Made::of(
+    Ok(ClassicalMesh::of(
         coarse,
         mesh,
         fine,
@@ -129,7 +129,7 @@ fn finest(
 /// Whether the planes of a coarse mesh, strip and all, keep off the centre.
 fn clear(
     layout: &Layout,
-    planes: &PerFace<Plane>,
+    planes: &PerFace<OrientedPlane>,
     centre: Vec3,
     clearness: f64,
 ) -> Result<(), DomainError> {
@@ -139,7 +139,7 @@ fn clear(
     let distance = |f: &FaceId| planes[*f].height(centre).abs();
     let faces = layout.mesh.topology().faces();
     let nearest = faces.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    let place = Place {
+    let place = LocatedVertex {
         vertex: VertexId::new(0),
         position: nearest.map_or(centre, |f| layout.face_point[f]),
     };
@@ -168,7 +168,7 @@ fn follows_surface(layout: &Layout) -> Result<(), DomainError> {
         None => Ok(()),
         Some((f, degrees)) => Err(DomainError::Coarse {
             method: METHOD,
-            place: Place {
+            place: LocatedVertex {
                 vertex: VertexId::new(0),
                 position: layout.face_point[f],
             },

@@ -1,14 +1,12 @@
 //! Metric and direction field: identities that hold for every surface, and the answers on simple
 //! ones.
 
-mod common;
-
-use common::{Stages, genus_two, punched_plane, shape, shape_with};
-use phex::curvature::tangent_frame;
-use phex::directions::DirectionOptions;
-use phex::directions::cones::prescribed_faces;
-use phex::directions::guides::{Cone, Guides};
-use phex::directions::intrinsic::IntrinsicMesh;
+use crate::common::{Stages, genus_two, punched_plane, shape, shape_with};
+use crate::curvature::tangent_frame;
+use crate::directions::DirectionOptions;
+use crate::directions::cones::prescribed_faces;
+use crate::directions::guides::{Cone, Guides};
+use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use std::f64::consts::{FRAC_PI_3, PI};
 
@@ -78,7 +76,7 @@ fn anisotropy_is_limited() {
         let stages = Stages::with(&shape("cylinder", 1000), 80, &options);
         let mut largest: f64 = 0.0;
         for v in stages.topology().vertices() {
-            let p = phex::curvature::principal(
+            let p = crate::curvature::principal(
                 stages.curvature.normal[v],
                 &stages.directions.metric[v],
             );
@@ -122,7 +120,7 @@ fn intrinsic_triangles_are_euclidean() {
         assert!((mesh.mass.iter().sum::<f64>() - areas).abs() < 1e-9 * areas);
         assert!(mesh.weight.iter().all(|w| *w > 0.0));
         // As many lattice cells as panels were asked for, up to the conformal factor.
-        let panels = areas / phex::layout::lattice::CELL;
+        let panels = areas / crate::layout::lattice::CELL;
         assert!((panels / 60.0 - 1.0).abs() < 0.1, "{name}: {panels}");
     }
 }
@@ -288,7 +286,7 @@ fn matchings_are_smallest() {
 #[test]
 fn metric_and_cones_follow_a_rotation() {
     let surface = shape("torus", 1000);
-    let turned = common::mapped(&surface, |p| common::rotation() * p);
+    let turned = crate::common::mapped(&surface, |p| crate::common::rotation() * p);
     let (a, b) = (Stages::new(&surface, 80), Stages::new(&turned, 80));
     // The model is normalised by its box, which a rotation changes, so lengths differ by a factor
     // that cancels here.

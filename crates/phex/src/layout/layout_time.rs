@@ -1,43 +1,37 @@
 //! Time of the layout against curvature and one factorisation of the Laplacian, on one thread and a
 //! wave of 100,000 triangles.
 //!
-//! `layout_time [TRIANGLES] [PANELS]`. Steps are those of `phex mesh`, with its densities; the
+//! `RAYON_NUM_THREADS=1 cargo test --release -p phex layout_time -- --ignored --nocapture` prints
+//! the table of `docs/layout.md`. Steps are those of `phex mesh`, with its densities; the
 //! smallest of three times counts. Laplacians are the cotangent one of the surface on which the
 //! lattice is computed, that of the refined surface on which cells are drawn, and the lattice's
 //! own: two unknowns for each vertex, turned against each other by the charts.
 
+use super::seamless;
+use super::{CELL, CellSurface, calmed, lattice::Charts, panelling, place_seeds};
+use crate::curvature::curvature;
+use crate::directions::IntrinsicMesh;
+use crate::directions::directions;
+use crate::smooth_surface::{Similarity, smooth_target};
 use nalgebra::Matrix3;
-use phex::MeshOptions;
-use phex::curvature::curvature;
-use phex::directions::directions;
-use phex::directions::intrinsic::IntrinsicMesh;
-use phex::layout::lattice::{CELL, Charts};
-use phex::layout::seamless;
-use phex::layout::{CellSurface, calmed, panelling, place_seeds};
-use phex::smooth_surface::{Similarity, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{PerVertex, TriangleSurface};
 use phex_numeric::{Cholesky, SymmetricMatrix};
 use std::error::Error;
 use std::time::Instant;
 
+/// Vertices per panel of the surfaces on which lattice and cells are computed.
+const FIELD_DENSITY: f64 = 8.0;
+const CELL_DENSITY: f64 = 25.0;
 /// Times are taken that often.
 const REPEATS: usize = 3;
 /// Share of the mass that makes the Laplacian definite.
 const SHIFT: f64 = 1e-6;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let mut number = |default: usize| arguments.next().map_or(Ok(default), |a| a.parse());
-    let (triangles, panels) = (number(100_000)?, number(5_000)?);
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build_global()?;
-    split(triangles, panels)
-}
-
-fn split(triangles: usize, panels: usize) -> Result<(), Box<dyn Error>> {
-    let options = MeshOptions::default();
+#[test]
+#[ignore = "it takes time and prints a table"]
+fn layout_time() -> Result<(), Box<dyn Error>> {
+    let (triangles, panels) = (100_000, 5_000);
     let surface = normalised(&triangulate(
         &Shape::from_name("wave", &[])?,
         &TriangulationOptions {
@@ -46,17 +40,17 @@ fn split(triangles: usize, panels: usize) -> Result<(), Box<dyn Error>> {
         },
     )?);
     let (_, target) = timed(|| {
-        let vertices = (options.cell_density * panels as f64) as usize;
-        Ok(smooth_target(&surface, vertices, &options.target))
+        let vertices = (CELL_DENSITY * panels as f64) as usize;
+        Ok(smooth_target(&surface, vertices, &Default::default()))
     })?;
-    let level = target.level_with(options.field_density * panels as f64);
+    let level = target.level_with(FIELD_DENSITY * panels as f64);
     let coarse = &target.levels[level];
     let length = (coarse.area() / (CELL * panels as f64)).sqrt();
-    let (t_curvature, bent) = timed(|| Ok(curvature(coarse, length, &options.curvature)))?;
+    let (t_curvature, bent) = timed(|| Ok(curvature(coarse, length, &Default::default())))?;
     let (t_factor, _) = timed(|| factorised(coarse))?;
     let (t_factor_fine, _) = timed(|| factorised(target.finest()))?;
     let (t_directions, field) =
-        timed(|| Ok(directions(coarse, &bent, length, &options.directions)?))?;
+        timed(|| Ok(directions(coarse, &bent, length, &Default::default())?))?;
     let charts = Charts::new(coarse.topology(), &field);
     let free = PerVertex::filled(coarse.positions().len(), None);
     let (t_factor_lattice, _) = timed(|| {
@@ -69,7 +63,7 @@ fn split(triangles: usize, panels: usize) -> Result<(), Box<dyn Error>> {
         )?)
     })?;
     let (t_lattice, placed) =
-        timed(|| Ok(place_seeds(coarse.topology(), &field, &options.layout)?))?;
+        timed(|| Ok(place_seeds(coarse.topology(), &field, &Default::default())?))?;
     let (t_refined, (fine, metric, mesh)) = timed(|| {
         let (mut bent, mut metric) = (bent.clone(), field.metric.clone());
         for step in &target.refinements[level..] {

@@ -19,7 +19,7 @@
 //! let go of the barrier: first order in the mean, too. A brick wall on the wave teeth where the
 //! curvature across its rows vanishes, and those panels are not inscribed, however small they are.
 
-use phex::curvature::dupin::indicatrix_distances;
+use phex::curvature::indicatrix_distances;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::pipeline::Method;
 use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
