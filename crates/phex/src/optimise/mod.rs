@@ -37,10 +37,10 @@
 //! that tight panels can have, or as many as it takes to the minimum, where steps fall to rounding
 //! ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
-//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At its end
-//! panels that stand off by more than [`OptimiseOptions::max_deviation`] and tight ones are tried
-//! again, each with what is around it (`local/retry.rs`); so are tight panels of a mesh that has
-//! been trimmed and brought to the boundary (`local/room.rs`).
+//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At the end of
+//! [`planarize`] panels that stand off by more than [`OptimiseOptions::max_deviation`], fold or are
+//! tight are tried again, each with what is around it (`local/retry.rs`) and with more weight on
+//! what is lacking (`local/emphasis.rs`); in a mesh that is laid out the search does that.
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3,
 //! with the plane eliminated; the feasible path and its barrier after Li et al., "Incremental
@@ -57,8 +57,7 @@
 //! *Fails*: where the layout gives no simple start, where it folds (thin sheets, sharp creases:
 //! fans and folds are not prevented while the penalty rises), and in wrong local basins (a panel
 //! squeezed between its neighbours; a stronger barrier and higher penalties are then tried).
-//! Nothing is then claimed: [`Optimised::offenders`] names the panels, and the repair loop may drop
-//! their seeds.
+//! Nothing is then claimed: [`Optimised::offenders`] names the panels.
 
 mod angle;
 mod angle_term;

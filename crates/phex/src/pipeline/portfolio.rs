@@ -4,9 +4,10 @@
 //! No single layout is best on every surface. A strongly anisotropic lattice follows the curvature
 //! closely, a less anisotropic one has calmer panels, a seamless one changes its size smoothly
 //! instead of by dislocations, and a brick wall has straight rows where the surface has a network
-//! for them. By default one other lattice is laid out, and only where the first is outside its
-//! limits (then panels are smaller where the surface bends) or less regular than it could be; with
-//! [`Method::Best`] all of them are, side by side.
+//! for them. By default one other lattice is laid out, and only where the first is far outside its
+//! limits, or its search leaves something outside (then panels are smaller where the surface
+//! bends), or where it is less regular than it could be; with [`Method::Best`] all of them are,
+//! side by side.
 
 use super::domain::Ground;
 use super::field::LatticeFreedom;

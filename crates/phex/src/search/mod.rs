@@ -1,7 +1,8 @@
 //! Search: local changes of a finished mesh, each kept if the judge says that it is better.
 //!
 //! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the
-//! same panels anew, two of them merged, an edge turned, a panel split, or all of them. Each
+//! same panels with more weight on what they lack; where that is not enough two of them merged, an
+//! edge turned, a panel split, or all of them. Each
 //! candidate is made regular again by turns of edges (`draft`), made planar by the optimiser with
 //! everything around it at rest, and judged ([`crate::quality::Judge`]) with the same figures as
 //! the whole mesh; the best is kept if it is better than what there was, else nothing has changed.
