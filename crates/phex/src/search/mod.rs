@@ -247,7 +247,7 @@ impl DefectPatch {
         let goal = before.amount(&now.counts) - CURED * self.defect.amount;
         let before = before.merit;
         let is_cured = |next: &Settled, judgement: &Judgement| {
-            judgement.amount(&next.built.counts) <= goal && next.merit.is_better(&before)
+            judgement.amount(&next.built.counts) <= goal && next.merit.is_less(&before)
         };
         let improved = |mut next: Settled| {
             for round in 0..EMPHASES {
@@ -272,7 +272,7 @@ impl DefectPatch {
         });
         let is_enough = judged(&same.built, &same.built.mesh).amount(&same.built.counts) <= goal;
         if self.defect.is_slight || is_enough {
-            let better = same.merit.is_better(&before);
+            let better = same.merit.is_less(&before);
             return (better.then(|| same.change(patch)), 1);
         }
         let mut settled = vec![same];
