@@ -280,7 +280,8 @@ fn broken(m: &mut Maker<'_>) -> Result<(), String> {
 
 /// The three pictures of the paper's method.
 fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Result<(), String> {
-    let unoptimised = "[stages.optimise]\nfast = false\npenalties = []\nprojection_iterations = 0\n";
+    let unoptimised =
+        "[stages.optimise]\nfast = false\npenalties = []\nprojection_iterations = 0\n";
     m.job("unoptimised.toml", unoptimised)?;
     m.surface(surface)?;
     m.measured(

@@ -1,0 +1,64 @@
+//! Why nothing was made.
+
+use super::classical;
+use crate::directions::cones::ConeError;
+use crate::layout::LayoutError;
+use crate::offset::fit::FitError;
+use crate::optimise::OptimiseError;
+use crate::ranges::BadOption;
+use crate::smooth_surface::Normalised;
+use crate::trim::TrimError;
+use phex_mesh::Vec3;
+use phex_numeric::NumericError;
+use thiserror::Error;
+
+/// Why nothing was made.
+#[derive(Clone, Debug, Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// The size of the panels makes no sense for the surface.
+    #[error("{0}")]
+    Size(String),
+    /// An option is outside its range.
+    #[error(transparent)]
+    Option(#[from] BadOption),
+    /// The surface has several components; the flow takes one at a time.
+    #[error("the surface has {0} components, one at a time can be meshed")]
+    Components(usize),
+    /// A linear system could not be solved.
+    #[error("the equations of the direction field could not be solved: {0}")]
+    Numeric(#[from] NumericError),
+    /// The prescribed cones can't be.
+    #[error(transparent)]
+    Cones(#[from] ConeError),
+    /// No panelling exists.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// The optimiser refused its input.
+    #[error(transparent)]
+    Optimise(#[from] OptimiseError),
+    /// No parallel mesh fits.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// Nothing is left within the boundary.
+    #[error(transparent)]
+    Trim(#[from] TrimError),
+    /// The caller cancelled before there was a mesh.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl PipelineError {
+    /// The same error with its places in model coordinates.
+    pub(super) fn in_model(self, model: &Normalised) -> Self {
+        let restore = |p: Vec3| model.similarity.restore(p);
+        match self {
+            Self::Layout(LayoutError::Domain(e)) => {
+                LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()
+            }
+            Self::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(restore)).into(),
+            Self::Layout(LayoutError::Network(e)) => LayoutError::from(e.mapped(restore)).into(),
+            other => other,
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What a run has made.
+
+use super::clock::StageSeconds;
+use super::portfolio::AttemptSummary;
+use super::{Beyond, ClassicalStatistics};
+use crate::directions::guides::Cone;
+use crate::layout::LayoutStatistics;
+use crate::layout::brick_wall::BrickWallStatistics;
+use crate::optimise::RunSummary;
+use crate::search::SearchSummary;
+use crate::smooth_surface::{Similarity, SmoothTarget};
+use phex_mesh::validate::ValidateOptions;
+use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Vec3, Violation};
+use phex_numeric::Outcome;
+use serde::Serialize;
+
+/// What the stages did, for the report.
+#[derive(Clone, Debug, Serialize)]
+pub struct Statistics {
+    /// Panels asked for.
+    pub panels_asked: usize,
+    /// Vertices of each level of the smooth target.
+    pub target_vertices: Vec<usize>,
+    /// Distance of the input's vertices to the target, over the diagonal.
+    pub interpolation_error: f64,
+    /// The lattice.
+    pub layout: LayoutStatistics,
+    /// The cones of the lattice's direction field, model units.
+    pub cones: Vec<Cone>,
+    /// The brick wall, if that was the method.
+    pub brick_wall: Option<BrickWallStatistics>,
+    /// The method by planes and poles, if that was one.
+    pub classical: Option<ClassicalStatistics>,
+    /// The optimiser's runs.
+    pub runs: Vec<RunSummary>,
+    /// Factorisations of these.
+    pub factorisations: usize,
+    /// The search for local changes, if there was one.
+    pub search: Option<SearchSummary>,
+    /// The ways of the portfolio that were tried, the first first; the best was kept.
+    pub tried: Vec<AttemptSummary>,
+}
+
+impl Statistics {
+    /// Those of a target alone.
+    pub(super) fn of(smooth: &SmoothTarget, panels: usize) -> Self {
+        Self {
+            panels_asked: panels,
+            target_vertices: smooth.levels.iter().map(|l| l.positions().len()).collect(),
+            interpolation_error: smooth.interpolation_error,
+            layout: LayoutStatistics::default(),
+            cones: Vec::new(),
+            brick_wall: None,
+            classical: None,
+            runs: Vec::new(),
+            factorisations: 0,
+            search: None,
+            tried: Vec::new(),
+        }
+    }
+}
+
+/// What [`mesh_surface`](super::mesh_surface) made.
+#[derive(Clone)]
+pub struct MeshRun {
+    /// The panelling in model coordinates.
+    pub mesh: HexMesh,
+    /// The panels as they were laid out, before the optimiser, in model coordinates; those that
+    /// trimming removed are left out.
+    pub start: Option<PolygonSoup>,
+    /// The surface that the panels were kept close to, in model coordinates.
+    pub target: TriangleSurface,
+    /// That surface continued beyond its boundary, in model coordinates, if panels were kept whole
+    /// and may stick out.
+    pub beyond: Option<Beyond>,
+    /// How the optimiser ended.
+    pub outcome: Outcome,
+    /// Everything that is wrong with the mesh; empty if it is sound.
+    pub violations: Vec<Violation>,
+    /// What the stages did.
+    pub statistics: Statistics,
+    /// Where the time went.
+    pub stages: Vec<StageSeconds>,
+}
+
+impl MeshRun {
+    /// The same in model coordinates.
+    pub(super) fn restored(mut self, similarity: &Similarity) -> Self {
+        let restore = |p: Vec3| similarity.restore(p);
+        let positions = self.mesh.positions.map(|p| restore(*p));
+        self.mesh = self.mesh.with_positions(positions);
+        for p in self.start.iter_mut().flat_map(|s| &mut s.positions) {
+            *p = restore(*p);
+        }
+        self.target = moved(&self.target, restore);
+        self.beyond = self.beyond.map(|b| b.moved(restore));
+        for cone in &mut self.statistics.cones {
+            cone.position = restore(cone.position.into()).into();
+        }
+        if let Some(centre) = (self.statistics.classical.as_mut()).and_then(|c| c.centre.as_mut()) {
+            *centre = restore((*centre).into()).into();
+        }
+        self
+    }
+
+    /// Whether every panel is planar and simple, and no two of them meet where they should not.
+    pub fn is_sound(&self) -> bool {
+        self.violations.is_empty()
+    }
+}
+
+pub(crate) fn moved(surface: &TriangleSurface, f: impl Fn(Vec3) -> Vec3) -> TriangleSurface {
+    let positions = surface.positions().map(|p| f(*p)).into_vec();
+    let triangles: Vec<[u32; 3]> = surface
+        .topology()
+        .face_lists()
+        .into_iter()
+        .map(|f| [f[0], f[1], f[2]])
+        .collect();
+    TriangleSurface::new(positions, &triangles)
+        .expect("a similarity keeps a manifold a manifold")
+        .with_normals(surface.normals().clone())
+}
+
+/// What is wrong with a mesh in itself, and with the sides that its panels show.
+pub(super) fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
+    phex_mesh::violations(mesh, Some(surface), &ValidateOptions::default())
+}
