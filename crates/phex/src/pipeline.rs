@@ -1,9 +1,11 @@
 //! The whole flow: surface -> smooth_surface -> curvature -> directions -> layout -> optimise ->
 //! trim -> quality -> search.
 
+mod attempt;
 mod brick_wall;
 mod check;
 mod classical;
+mod classical_statistics;
 mod clock;
 mod domain;
 mod error;
@@ -20,25 +22,26 @@ mod size;
 mod steered;
 mod subdivide;
 
+pub use attempt::AttemptSummary;
 pub use brick_wall::{NetworkCurves, network_curves};
-pub use classical::ClassicalStatistics;
+pub use classical_statistics::ClassicalStatistics;
 pub use clock::StageSeconds;
 pub use domain::{Beyond, continued};
 pub use error::PipelineError;
 pub use options::{Candidate, MeshOptions, Method, PanelSize};
-pub use portfolio::AttemptSummary;
 pub use run::{MeshRun, Statistics};
 pub use size::MAX_PANELS;
 pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
 
+use crate::layout::LayoutError;
 use crate::progress::Progress;
 use crate::smooth_surface::Normalised;
 use clock::Clock;
+pub(crate) use domain::moved;
 use field::panel_length;
-use phex_mesh::TriangleSurface;
+use phex_mesh::{TriangleSurface, Vec3};
 use run::between_panels;
-pub(crate) use run::moved;
 use size::panel_count;
 
 /// Makes a planar hexagonal mesh of a connected surface.
@@ -89,5 +92,20 @@ fn mesh_with_panels(
     match made {
         Ok(run) => Ok(run.restored(&model.similarity)),
         Err(error) => Err(error.in_model(&model)),
+    }
+}
+
+impl PipelineError {
+    /// The same error with its places in model coordinates.
+    fn in_model(self, model: &Normalised) -> Self {
+        let restore = |p: Vec3| model.similarity.restore(p);
+        match self {
+            Self::Layout(LayoutError::Domain(e)) => {
+                LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()
+            }
+            Self::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(restore)).into(),
+            Self::Layout(LayoutError::Network(e)) => LayoutError::from(e.mapped(restore)).into(),
+            other => other,
+        }
     }
 }

@@ -120,7 +120,8 @@ fn intrinsic_triangles_are_euclidean() {
         assert!((mesh.mass.iter().sum::<f64>() - areas).abs() < 1e-9 * areas);
         assert!(mesh.weight.iter().all(|w| *w > 0.0));
         // As many lattice cells as panels were asked for, up to the conformal factor.
-        let panels = areas / crate::layout::lattice::CELL;
+        let cell = 0.75_f64.sqrt();
+        let panels = areas / cell;
         assert!((panels / 60.0 - 1.0).abs() < 0.1, "{name}: {panels}");
     }
 }

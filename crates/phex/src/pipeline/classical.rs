@@ -8,15 +8,16 @@ mod model;
 mod parallel;
 mod power_diagram;
 mod start;
-mod statistics;
 mod subdivision;
 
 pub(super) use model::{place_in, quadric};
-pub use statistics::ClassicalStatistics;
 
 use super::domain::Ground;
 use super::field::{Field, FineSurface, boundary_length, panel_length};
-use super::{Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, between_panels};
+use super::{
+    ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics,
+    between_panels,
+};
 use crate::directions::guides::{Cone, Guides};
 use crate::layout::domain::DomainError;
 use crate::layout::{LayoutError, LayoutStatistics};

@@ -1,6 +1,6 @@
 //! Where the time goes.
 
-use super::PipelineError;
+use super::error::PipelineError;
 use crate::progress::{Event, Progress};
 use serde::Serialize;
 use std::time::Instant;

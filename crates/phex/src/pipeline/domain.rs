@@ -1,7 +1,7 @@
 //! What panels are laid out on, and how they come back to the boundary.
 
+use super::options::MeshOptions;
 use crate::layout::lattice::CELL;
-use crate::pipeline::{MeshOptions, moved};
 use crate::smooth_surface::extend::{self, Extension};
 use crate::smooth_surface::{self, SmoothTarget, TargetKind};
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
@@ -196,6 +196,20 @@ impl Ground {
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }
+}
+
+/// A surface with its points mapped by a similarity.
+pub(crate) fn moved(surface: &TriangleSurface, f: impl Fn(Vec3) -> Vec3) -> TriangleSurface {
+    let positions = surface.positions().map(|p| f(*p)).into_vec();
+    let triangles: Vec<[u32; 3]> = surface
+        .topology()
+        .face_lists()
+        .into_iter()
+        .map(|f| [f[0], f[1], f[2]])
+        .collect();
+    TriangleSurface::new(positions, &triangles)
+        .expect("a similarity keeps a manifold a manifold")
+        .with_normals(surface.normals().clone())
 }
 
 /// Options for the extended surface: sizes go on from the boundary.

@@ -1,14 +1,11 @@
 //! Why nothing was made.
 
-use super::classical;
 use crate::directions::cones::ConeError;
 use crate::layout::LayoutError;
 use crate::offset::fit::FitError;
 use crate::optimise::OptimiseError;
 use crate::ranges::BadOption;
-use crate::smooth_surface::Normalised;
 use crate::trim::TrimError;
-use phex_mesh::Vec3;
 use phex_numeric::NumericError;
 use thiserror::Error;
 
@@ -46,19 +43,4 @@ pub enum PipelineError {
     /// The caller cancelled before there was a mesh.
     #[error("cancelled")]
     Cancelled,
-}
-
-impl PipelineError {
-    /// The same error with its places in model coordinates.
-    pub(super) fn in_model(self, model: &Normalised) -> Self {
-        let restore = |p: Vec3| model.similarity.restore(p);
-        match self {
-            Self::Layout(LayoutError::Domain(e)) => {
-                LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()
-            }
-            Self::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(restore)).into(),
-            Self::Layout(LayoutError::Network(e)) => LayoutError::from(e.mapped(restore)).into(),
-            other => other,
-        }
-    }
 }

@@ -9,6 +9,7 @@
 //! bends), or where it is less regular than it could be; with [`Method::Best`] all of them are,
 //! side by side.
 
+use super::attempt::{AttemptSummary, is_tight};
 use super::domain::Ground;
 use super::field::LatticeFreedom;
 use super::lattice::{Pass, pass};
@@ -16,109 +17,10 @@ use super::{
     Candidate, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall,
 };
 use crate::progress::{Event, Progress};
-use crate::quality::{Merit, USUAL_DEVIATION};
-use phex_mesh::{HexMesh, TriangleSurface};
+use crate::quality::Merit;
+use phex_mesh::TriangleSurface;
 use rayon::prelude::*;
-use serde::Serialize;
 use std::sync::Mutex;
-
-/// Excess over limits, in limits and summed over panels, that is left to the search.
-const CURABLE: f64 = 2.0;
-
-/// One member of the portfolio, for the report.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AttemptSummary {
-    /// How its panels were laid out.
-    #[serde(flatten)]
-    pub candidate: Candidate,
-    /// Panels.
-    pub panels: usize,
-    /// What it is compared by.
-    pub merit: Merit,
-    /// Share of hexagons among the panels inside.
-    pub hex: f64,
-    /// Panels inside that are no hexagons, beyond those that the topology of a closed surface asks
-    /// for.
-    pub irregular: usize,
-    /// Dislocations that the lattice kept.
-    pub dislocations: usize,
-    /// Whether a lattice could do without any irregular panel but those that topology asks for: on
-    /// closed surfaces of Euler characteristic 0, and where the Gauss curvature is positive
-    /// everywhere.
-    pub regular_possible: bool,
-    /// Least clearance, mean edges.
-    pub clearance: f64,
-    /// Least angle at a corner, degrees.
-    pub least_angle: f64,
-    /// Whether it is the one that was kept.
-    pub kept: bool,
-}
-
-impl AttemptSummary {
-    fn new(candidate: Candidate, mesh: &HexMesh, merit: Merit, regular_possible: bool) -> Self {
-        let measures = phex_mesh::measure(mesh);
-        let panels = mesh.topology().n_faces();
-        let merit = match regular_possible {
-            true => merit.regular_possible(measures.irregular as f64 / panels as f64),
-            false => merit,
-        };
-        Self {
-            candidate,
-            panels,
-            merit,
-            hex: measures.hex.unwrap_or(1.0),
-            irregular: measures.irregular,
-            dislocations: 0,
-            regular_possible,
-            clearance: measures.clearance.min,
-            least_angle: measures.angle.min,
-            kept: false,
-        }
-    }
-
-    /// What else is worth a try: a lattice without dislocations where one can be, or with sizes
-    /// that resolve the surface where the options leave sizes free. `None` if this one is within
-    /// limits and as regular as can be.
-    fn alternative(&self, options: &MeshOptions) -> Option<Candidate> {
-        let within = self.merit.is_within();
-        let seamless = self.regular_possible && self.irregular > 0;
-        let usual_deviation = !within && is_tight(options);
-        let much = self.merit.invalid > 0.0 || self.merit.outside > CURABLE;
-        let resolving = self.resolving(options).is_some() && much && !usual_deviation;
-        (seamless || resolving || usual_deviation).then_some(Candidate {
-            seamless: seamless && within,
-            resolving,
-            usual_deviation,
-            ..self.candidate
-        })
-    }
-}
-
-impl AttemptSummary {
-    /// The same with sizes that resolve the surface, where the options leave sizes free.
-    fn resolving(&self, options: &MeshOptions) -> Option<Candidate> {
-        let free = options.sizes.adaptive.is_none() && options.size_field.is_none();
-        free.then_some(Candidate {
-            resolving: true,
-            ..self.candidate
-        })
-    }
-
-    /// What the usual limit would have tried after this one, if it was laid out for that.
-    fn after_usual(&self, options: &MeshOptions) -> Option<Candidate> {
-        let limit = options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
-        let misses = self.merit.off * limit > USUAL_DEVIATION || self.merit.invalid > 0.0;
-        let is_usual = self.candidate.usual_deviation && !self.candidate.resolving;
-        self.resolving(options).filter(|_| is_usual && misses)
-    }
-}
-
-/// Whether a largest deviation is asked for that is tighter than usual; in single precision the
-/// usual one itself is a little less.
-fn is_tight(options: &MeshOptions) -> bool {
-    let limit = options.optimise.max_deviation;
-    limit.is_some_and(|limit| limit < (1.0 - 1e-6) * USUAL_DEVIATION)
-}
 
 /// The kind of lattice that a candidate asks for.
 fn way_of(candidate: Candidate) -> LatticeFreedom {

@@ -1,8 +1,9 @@
 //! What a run has made.
 
+use super::attempt::AttemptSummary;
+use super::classical_statistics::ClassicalStatistics;
 use super::clock::StageSeconds;
-use super::portfolio::AttemptSummary;
-use super::{Beyond, ClassicalStatistics};
+use super::domain::{Beyond, moved};
 use crate::directions::guides::Cone;
 use crate::layout::LayoutStatistics;
 use crate::layout::brick_wall::BrickWallStatistics;
@@ -107,19 +108,6 @@ impl MeshRun {
     pub fn is_sound(&self) -> bool {
         self.violations.is_empty()
     }
-}
-
-pub(crate) fn moved(surface: &TriangleSurface, f: impl Fn(Vec3) -> Vec3) -> TriangleSurface {
-    let positions = surface.positions().map(|p| f(*p)).into_vec();
-    let triangles: Vec<[u32; 3]> = surface
-        .topology()
-        .face_lists()
-        .into_iter()
-        .map(|f| [f[0], f[1], f[2]])
-        .collect();
-    TriangleSurface::new(positions, &triangles)
-        .expect("a similarity keeps a manifold a manifold")
-        .with_normals(surface.normals().clone())
 }
 
 /// What is wrong with a mesh in itself, and with the sides that its panels show.

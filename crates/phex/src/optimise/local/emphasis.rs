@@ -22,14 +22,14 @@ use crate::optimise::solvers::Solvers;
 
 /// Factor of barriers or closeness from one round for a group of panels to the next.
 const STRONGER: f64 = 4.0;
-/// Reach of the barriers of tight panels, over the reach that is usual, and least reach of all, over
-/// the clearance that is wanted: what lies beside gives way without becoming tight.
+/// Reach of the barriers of tight panels, over the reach that is usual, and least reach of all,
+/// over the clearance that is wanted: what lies beside gives way without becoming tight.
 const FARTHER: f64 = 1.4;
 const BEYOND: f64 = 1.25;
 /// Area that small faces pay for, over what is wanted: a penalty leaves a rest.
 const AMPLE: f64 = 1.1;
-/// Weight of a fold, a re-entrant corner or a small face in the first round, over that of closeness,
-/// and the factor from each round to the next.
+/// Weight of a fold, a re-entrant corner or a small face in the first round, over that of
+/// closeness, and the factor from each round to the next.
 const FIRST_WEIGHT: f64 = 1.0;
 const HEAVIER: f64 = 10.0;
 /// Last phases that are gone through again, by rounds: Newton's method on the constraints, which

@@ -1,5 +1,6 @@
-//! Retries at the end of a run on a mesh that no search follows: emphasis on what panels lack, group
-//! by group, kept if less is wrong, or the same with more room, and nothing stands off farther.
+//! Retries at the end of a run on a mesh that no search follows: emphasis on what panels lack,
+//! group by group, kept if less is wrong, or the same with more room, and nothing stands off
+//! farther.
 
 use super::emphasis::{EMPHASES, Lack, Wanted};
 use crate::optimise::error::OptimiseError;
