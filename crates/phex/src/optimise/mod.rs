@@ -253,18 +253,16 @@ pub fn optimise(
 ///
 /// ```
 /// # use phex_mesh::Vec3;
-/// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
-/// # let faces = [
-/// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
-/// # ];
+/// # let corner = |k: u32| Vec3::new((k % 3) as f64, (k / 3) as f64, 0.0);
+/// # let faces = [[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]];
 /// use phex::Silent;
 /// use phex::optimise::{OptimiseOptions, planarize};
 /// use phex_mesh::{HexMesh, VertexId, measure};
 ///
-/// // A cube with one corner off.
-/// let mut cube = HexMesh::new((0..8).map(corner).collect(), &faces)?;
-/// cube.positions[VertexId::new(7)] *= 1.1;
-/// let made = planarize(&cube, None, &OptimiseOptions::default(), &Silent)?;
+/// // Four quads in a plane, with one corner off it.
+/// let mut quads = HexMesh::new((0..9).map(corner).collect(), &faces)?;
+/// quads.positions[VertexId::new(8)].z = 0.1;
+/// let made = planarize(&quads, None, &OptimiseOptions::default(), &Silent)?;
 /// assert!(made.is_sound() && measure(&made.mesh).planarity.max < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

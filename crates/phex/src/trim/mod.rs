@@ -103,12 +103,12 @@ impl Domain<'_> {
 /// # let plane = triangulate(&Shape::from_name("plane", &[])?, &TriangulationOptions::default())?;
 /// use phex::smooth_surface::extend;
 /// use phex::trim::{Boundary, Domain, trim};
-/// use phex_mesh::{FaceId, FlatFace, HexMesh, Vec3};
+/// use phex_mesh::{HexMesh, Vec3, measure};
 ///
-/// // One panel that sticks out of a square of side 2.
-/// let corners = [(-1.2, -1.2), (1.2, -1.2), (1.2, 1.2), (-1.2, 1.2)];
-/// let corners = corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
-/// let panel = HexMesh::new(corners, &[[0, 1, 2, 3]])?;
+/// // Four panels that stick out of a square of side 2.
+/// let corner = |k: u32| Vec3::new((k % 3) as f64 - 1.0, (k / 3) as f64 - 1.0, 0.0) * 1.4;
+/// let faces = [[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]];
+/// let panels = HexMesh::new((0..9).map(corner).collect(), &faces)?;
 /// let extension = extend(&plane, 0.5, 0.0).ok_or("the plane has a boundary")?;
 /// let domain = Domain {
 ///     extended: &extension.surface,
@@ -117,8 +117,8 @@ impl Domain<'_> {
 ///     original: &plane,
 ///     corner_angle: 0.5,
 /// };
-/// let clipped = trim(&panel, &domain, Boundary::Clip)?.mesh;
-/// assert!((FlatFace::of(&clipped, FaceId::new(0)).area() - 4.0).abs() < 1e-9);
+/// let clipped = trim(&panels, &domain, Boundary::Clip)?.mesh;
+/// assert!((measure(&clipped).area - 4.0).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
