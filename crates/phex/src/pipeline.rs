@@ -38,7 +38,7 @@ use crate::layout::LayoutError;
 use crate::progress::Progress;
 use crate::smooth_surface::Normalised;
 use clock::Clock;
-pub(crate) use domain::moved;
+
 use field::panel_length;
 use phex_mesh::{TriangleSurface, Vec3};
 use run::between_panels;
@@ -67,8 +67,7 @@ pub fn mesh_surface(
 ) -> Result<MeshRun, PipelineError> {
     options.check()?;
     let panels = size::wished_panels(surface, options, progress)?;
-    let run = mesh_with_panels(surface, panels, options, progress)?;
-    steered::steered(run, options, progress)
+    mesh_with_panels(surface, panels, options, progress)
 }
 
 /// Goes to normalised coordinates, which all methods work in, and back.
@@ -79,7 +78,8 @@ fn mesh_with_panels(
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
     let model = Normalised::of(surface);
-    let options = normalise::normalised(options, &model)?;
+    let given = options;
+    let options = normalise::normalised(given, &model)?;
     let made = match options.method {
         Method::Lattice | Method::Best => {
             portfolio::mesh_with_panels(&model.surface, panels, &options, progress)
@@ -89,8 +89,9 @@ fn mesh_with_panels(
         }
         _ => classical::mesh_with_panels(&model, panels, &options, progress),
     };
-    match made {
-        Ok(run) => Ok(run.restored(&model.similarity)),
+    let held = made.and_then(|run| steered::steered(run, &options, progress));
+    match held {
+        Ok(run) => Ok(run.restored(&model.similarity, &given.steering)),
         Err(error) => Err(error.in_model(&model)),
     }
 }

@@ -44,7 +44,7 @@ pub struct Beyond {
 /// A surface continued beyond its boundary as far as whole panels may stick out, where there are so
 /// many; `None` if it is closed.
 pub fn continued(surface: &TriangleSurface, panels: usize) -> Option<TriangleSurface> {
-    let length = (surface.area() / (CELL * panels.max(1) as f64)).sqrt();
+    let length = mean_length(surface, panels.max(1));
     let extension = extend::extend(surface, WHOLE_STRIP * length, SMALL_HOLE * length);
     extension.map(|e| e.surface)
 }
@@ -69,7 +69,7 @@ struct Trimming {
 
 impl Ground {
     pub fn new(facets: &TriangleSurface, panels: usize, options: &MeshOptions) -> Self {
-        let length = (facets.area() / (CELL * panels as f64)).sqrt();
+        let length = mean_length(facets, panels);
         let width = match options.boundary {
             Boundary::Snap => 0.0,
             Boundary::Whole => WHOLE_STRIP * length,
@@ -93,7 +93,7 @@ impl Ground {
                 &options.target,
             )
         };
-        let length = (facets.area() / (CELL * panels as f64)).sqrt();
+        let length = mean_length(facets, panels);
         let extension = extend::extend(facets, width, SMALL_HOLE * length);
         let Some(extension) = extension else {
             return Self {
@@ -196,6 +196,11 @@ impl Ground {
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }
+}
+
+/// Distance of the centres of regular panels that share a surface's area.
+fn mean_length(surface: &TriangleSurface, panels: usize) -> f64 {
+    (surface.area() / (CELL * panels as f64)).sqrt()
 }
 
 /// A surface with its points mapped by a similarity.

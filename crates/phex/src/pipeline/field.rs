@@ -312,7 +312,7 @@ fn refined_sizes(smooth: &SmoothTarget, level: usize, values: &[f64]) -> PerVert
         .map(|l| l.exp())
 }
 
-/// Distance of neighbouring panel centres for a number of panels.
+/// Distance of neighbouring panel centres for a number of panels, of which the boundary cuts some.
 pub(super) fn panel_length(surface: &TriangleSurface, panels: usize) -> f64 {
     let rim = boundary_length(surface);
     // area / (CELL L^2) + RIM_PANELS rim / L = panels

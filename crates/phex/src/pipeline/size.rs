@@ -3,6 +3,7 @@
 use super::options::{MeshOptions, PanelSize};
 use super::{PipelineError, mesh_with_panels};
 use crate::layout::lattice::CELL;
+use crate::optimise::Steering;
 use crate::progress::Progress;
 use phex_mesh::TriangleSurface;
 
@@ -36,6 +37,7 @@ fn corrected_count(
 ) -> Result<usize, PipelineError> {
     let options = &MeshOptions {
         search: false,
+        steering: Steering::default(),
         ..options.clone()
     };
     let mut best: Option<(f64, usize)> = None;
