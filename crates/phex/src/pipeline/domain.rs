@@ -1,11 +1,13 @@
 //! What panels are laid out on, and how they come back to the boundary.
 
 use super::options::MeshOptions;
+use super::sized::{KnownCurvature, mean_length};
 use crate::layout::lattice::CELL;
 use crate::smooth_surface::extend::{self, Extension};
 use crate::smooth_surface::{self, SmoothTarget, TargetKind};
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
 use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
+use std::sync::Arc;
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
 /// where rows run along the strip's edge they run along the boundary, too.
@@ -22,12 +24,14 @@ const SMALL_HOLE: f64 = 7.0;
 #[derive(Clone)]
 pub(crate) struct Ground {
     /// Its smooth levels.
-    pub smooth: SmoothTarget,
+    pub smooth: Arc<SmoothTarget>,
     /// The surface as it was given, normalised and perhaps extended.
-    facets: TriangleSurface,
-    trimming: Option<Trimming>,
+    facets: Arc<TriangleSurface>,
+    trimming: Option<Arc<Trimming>>,
     /// Panels on all of it.
     pub panels: usize,
+    /// Curvature and panel lengths that have been computed on it.
+    pub(super) known: KnownCurvature,
     /// Options as they apply to it.
     pub options: MeshOptions,
 }
@@ -60,7 +64,6 @@ impl Beyond {
 }
 
 /// What panels are trimmed to.
-#[derive(Clone)]
 struct Trimming {
     extension: Extension,
     smooth: SmoothTarget,
@@ -97,25 +100,27 @@ impl Ground {
         let extension = extend::extend(facets, width, SMALL_HOLE * length);
         let Some(extension) = extension else {
             return Self {
-                smooth: smooth(facets, panels),
-                facets: facets.clone(),
+                smooth: Arc::new(smooth(facets, panels)),
+                facets: Arc::new(facets.clone()),
                 trimming: None,
                 panels,
+                known: KnownCurvature::default(),
                 options: options.clone(),
             };
         };
         let share = extension.surface.area() / facets.area();
         let panels_in_all = (share * panels as f64).round() as usize;
         Self {
-            smooth: smooth(&extension.surface, panels_in_all),
-            facets: extension.surface.clone(),
+            smooth: Arc::new(smooth(&extension.surface, panels_in_all)),
+            facets: Arc::new(extension.surface.clone()),
             panels: panels_in_all,
+            known: KnownCurvature::default(),
             options: extended_options(options, &extension),
-            trimming: Some(Trimming {
+            trimming: Some(Arc::new(Trimming {
                 smooth: smooth(facets, panels),
                 facets: facets.clone(),
                 extension,
-            }),
+            })),
         }
     }
 
@@ -128,11 +133,19 @@ impl Ground {
     /// The same with other levels of its surface.
     pub(crate) fn with_smooth(&self, smooth: SmoothTarget) -> Self {
         Self {
-            smooth,
-            facets: self.facets.clone(),
-            trimming: self.trimming.clone(),
-            panels: self.panels,
-            options: self.options.clone(),
+            smooth: Arc::new(smooth),
+            known: KnownCurvature::default(),
+            ..self.clone()
+        }
+    }
+
+    /// The same with other options, of which none changes the ground.
+    pub(super) fn with_options(&self, options: &MeshOptions) -> Self {
+        let trimming = self.trimming.as_ref();
+        let extended = trimming.map(|t| extended_options(options, &t.extension));
+        Self {
+            options: extended.unwrap_or_else(|| options.clone()),
+            ..self.clone()
         }
     }
 
@@ -175,7 +188,7 @@ impl Ground {
         let whole = self.options.boundary == Boundary::Whole;
         (whole && self.trimming.is_some()).then(|| Beyond {
             smooth: self.close_to(fine).clone(),
-            facets: self.facets.clone(),
+            facets: (*self.facets).clone(),
         })
     }
 
@@ -196,11 +209,6 @@ impl Ground {
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }
-}
-
-/// Distance of the centres of regular panels that share a surface's area.
-fn mean_length(surface: &TriangleSurface, panels: usize) -> f64 {
-    (surface.area() / (CELL * panels as f64)).sqrt()
 }
 
 /// A surface with its points mapped by a similarity.
