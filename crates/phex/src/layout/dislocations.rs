@@ -6,14 +6,11 @@
 //! it: `1 - w` is a unit of `Z[w]`, so a cone of one sixth absorbs *any* translation, and no
 //! integer programming is needed.
 
-use super::fronts::Fronts;
+use super::fronts::{Fronts, LatticeDefect, Slip};
 use super::lattice::{Charts, Eisenstein};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, Topology};
 use serde::Serialize;
-
-/// The way of a Burgers vector: triangles, and the edge by which it leaves each.
-pub(crate) type Slip = Vec<(FaceId, EdgeId)>;
 
 /// What the seamless step did.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
@@ -24,14 +21,6 @@ pub struct Annihilation {
     pub moved: usize,
     /// Dislocations that stay, because moving them would have gone too far.
     pub kept: usize,
-}
-
-/// What is wrong with the lattice at a triangle.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum LatticeDefect {
-    None,
-    Dislocation,
-    Cone,
 }
 
 /// Turn and translation round a triangle, and for each of its edges the unit by which its jump

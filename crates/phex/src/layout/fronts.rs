@@ -3,11 +3,21 @@
 //! What fronts reached stays from one round to the next: where a defect has vanished its triangles
 //! are reached again from those of its neighbours.
 
-use super::dislocations::{LatticeDefect, Slip};
 use crate::directions::intrinsic::{Distance, IntrinsicMesh};
 use phex_mesh::{EdgeId, FaceId, PerFace, Topology};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+
+/// The way of a Burgers vector: triangles, and the edge by which it leaves each.
+pub(crate) type Slip = Vec<(FaceId, EdgeId)>;
+
+/// What is wrong with the lattice at a triangle.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum LatticeDefect {
+    None,
+    Dislocation,
+    Cone,
+}
 
 const NOBODY: u32 = u32::MAX;
 

@@ -1,6 +1,6 @@
 //! What panels are laid out on, and how they come back to the boundary.
 
-use super::options::MeshOptions;
+use super::options::{MeshOptions, Method};
 use super::sized::{KnownCurvature, mean_length};
 use crate::layout::lattice::CELL;
 use crate::smooth_surface::extend::{self, Extension};
@@ -269,7 +269,9 @@ fn with_fewer_vertices(
     needed: f64,
     options: &MeshOptions,
 ) -> Option<Coarsened> {
-    let is_fine = input.positions().len() as f64 > FINE * needed;
+    // Methods by planes name vertices of the input that they can't do with.
+    let is_lattice = options.method == Method::Lattice;
+    let is_fine = is_lattice && input.positions().len() as f64 > FINE * needed;
     is_fine.then(|| {
         let corners = boundary_corners(input, options.target.corner_angle.to_radians());
         smooth_surface::coarsened(input, &corners, (ENOUGH * needed) as usize)

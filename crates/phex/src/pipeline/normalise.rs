@@ -1,7 +1,9 @@
 //! The options for the normalised surface.
 
 use super::{MeshOptions, PipelineError, classical};
+use crate::layout::LayoutError;
 use crate::smooth_surface::Normalised;
+use phex_mesh::Vec3;
 
 /// The options for the normalised surface.
 pub(super) fn normalised(
@@ -50,5 +52,20 @@ fn without_unit(ratio: f64) -> f64 {
     match ratio > f64::from(f32::MIN_POSITIVE) {
         true => f64::from(ratio as f32),
         false => ratio,
+    }
+}
+
+impl PipelineError {
+    /// The same error with its places in model coordinates.
+    pub(super) fn in_model(self, model: &Normalised) -> Self {
+        let restore = |p: Vec3| model.similarity.restore(p);
+        match self {
+            Self::Layout(LayoutError::Domain(e)) => {
+                LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()
+            }
+            Self::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(restore)).into(),
+            Self::Layout(LayoutError::Network(e)) => LayoutError::from(e.mapped(restore)).into(),
+            other => other,
+        }
     }
 }

@@ -5,11 +5,10 @@ use super::options::{MeshOptions, Method};
 use super::preview::{LatticePreview, lay_out};
 use super::{Clock, MeshRun, PipelineError};
 use super::{brick_wall, classical, normalise, portfolio, size, steered};
-use crate::layout::LayoutError;
 use crate::progress::Progress;
 use crate::smooth_surface::{Normalised, TargetOptions};
 use crate::trim::Boundary;
-use phex_mesh::{TriangleSurface, Vec3};
+use phex_mesh::TriangleSurface;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// A connected surface with what earlier runs on it have computed: its smooth target, the strip
@@ -84,8 +83,9 @@ impl Session {
         progress: &dyn Progress,
     ) -> Result<MeshRun, PipelineError> {
         options.check()?;
-        let panels = size::wished_panels(self, options, progress)?;
-        self.run_with_panels(panels, options, progress)
+        let run = |panels: usize, options: &MeshOptions| self.made(panels, options, progress);
+        let panels = size::wished_panels(&self.surface, options, run, progress)?;
+        self.made(panels, options, progress)
     }
 
     /// The panels of a run before any of them is planar: the first lattice, laid out. It is a
@@ -115,7 +115,7 @@ impl Session {
     }
 
     /// Goes to normalised coordinates, which all methods work in, and back.
-    pub(super) fn run_with_panels(
+    fn made(
         &self,
         panels: usize,
         given: &MeshOptions,
@@ -155,20 +155,5 @@ impl Session {
         let ground = Ground::new(&self.model().surface, panels, options);
         *kept = Some((key, ground.clone()));
         ground
-    }
-}
-
-impl PipelineError {
-    /// The same error with its places in model coordinates.
-    pub(super) fn in_model(self, model: &Normalised) -> Self {
-        let restore = |p: Vec3| model.similarity.restore(p);
-        match self {
-            Self::Layout(LayoutError::Domain(e)) => {
-                LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()
-            }
-            Self::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(restore)).into(),
-            Self::Layout(LayoutError::Network(e)) => LayoutError::from(e.mapped(restore)).into(),
-            other => other,
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! How many panels a size means.
 
 use super::options::{Effort, MeshOptions, PanelSize};
-use super::{PipelineError, Session};
+use super::{MeshRun, PipelineError};
 use crate::layout::lattice::CELL;
 use crate::optimise::Steering;
 use crate::progress::Progress;
@@ -11,18 +11,17 @@ use phex_mesh::TriangleSurface;
 /// and memory ends.
 pub const MAX_PANELS: usize = 200_000;
 
-/// The number of panels that the options ask for.
+/// The number of panels that the options ask for; `run` makes a mesh with as many.
 pub(super) fn wished_panels(
-    session: &Session,
+    surface: &TriangleSurface,
     options: &MeshOptions,
+    run: impl Fn(usize, &MeshOptions) -> Result<MeshRun, PipelineError>,
     progress: &dyn Progress,
 ) -> Result<usize, PipelineError> {
-    let panels = panel_count(session.surface(), options.size)?;
+    let panels = panel_count(surface, options.size)?;
     match options.size {
         PanelSize::Panels(_) => Ok(panels),
-        PanelSize::EdgeLength(wanted) => {
-            corrected_count(session, (panels, wanted), options, progress)
-        }
+        PanelSize::EdgeLength(wanted) => corrected_count((panels, wanted), options, run, progress),
     }
 }
 
@@ -30,9 +29,9 @@ pub(super) fn wished_panels(
 /// that are long or re-entrant have longer edges than regular ones of their area: how much is known
 /// when they are there. What is searched afterwards hardly changes it.
 fn corrected_count(
-    session: &Session,
     (mut panels, wanted): (usize, f64),
     options: &MeshOptions,
+    run: impl Fn(usize, &MeshOptions) -> Result<MeshRun, PipelineError>,
     progress: &dyn Progress,
 ) -> Result<usize, PipelineError> {
     let options = &MeshOptions {
@@ -42,8 +41,7 @@ fn corrected_count(
     };
     let mut best: Option<(f64, usize)> = None;
     for _ in 0..=EDGE_CORRECTIONS {
-        let run = session.run_with_panels(panels, options, progress);
-        let run = match (run, best) {
+        let run = match (run(panels, options), best) {
             (Err(error), None) => return Err(error),
             (Err(_), Some(_)) => break,
             (Ok(run), _) => run,
