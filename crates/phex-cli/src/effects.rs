@@ -2,7 +2,7 @@
 //! silence.
 
 use crate::exit::Failure;
-use crate::settings::{CloseTo, LayoutMethod, MeshSettings};
+use crate::settings::{AtBoundary, CloseTo, LayoutMethod, MeshSettings};
 use crate::steering::TypedSolver;
 use clap::ValueEnum;
 
@@ -16,7 +16,11 @@ const ON_LATTICE: [LayoutMethod; 5] = [
 ];
 /// Methods whose lattice is regular in a metric of their own: it has directions and cones, but
 /// neither sizes nor lines to follow.
-const OWN_METRIC: [LayoutMethod; 2] = [LayoutMethod::ProjectiveDual, LayoutMethod::SupportFunction];
+const OWN_METRIC: [LayoutMethod; 3] = [
+    LayoutMethod::ProjectiveDual,
+    LayoutMethod::SupportFunction,
+    LayoutMethod::Koebe,
+];
 /// Methods that end with the optimiser, which keeps panels to the target.
 const OPTIMISED: [LayoutMethod; 3] = [
     LayoutMethod::Lattice,
@@ -70,14 +74,21 @@ impl MeshSettings {
             Some(CloseTo::Facets) => fitted.clone(),
             _ => bounded.clone().collect(),
         };
-        let mut one_sign = OWN_METRIC.to_vec();
-        one_sign.extend([LayoutMethod::DualSubdivision, LayoutMethod::Parallel]);
+        let one_sign = vec![
+            LayoutMethod::ProjectiveDual,
+            LayoutMethod::SupportFunction,
+            LayoutMethod::DualSubdivision,
+            LayoutMethod::Parallel,
+        ];
         let dials = if self.steering.holds() {
             every()
         } else {
             fitted
         };
         let s = &self.steering;
+        // Vertices that are moved afterwards turn the edges that have offsets.
+        let movable: Vec<LayoutMethod> =
+            every().into_iter().filter(|m| *m != LayoutMethod::Koebe).collect();
         let all = [
             ("rotate", self.rotate.is_some(), directed.clone()),
             ("cones", self.guides.cones.is_some(), directed),
@@ -98,6 +109,9 @@ impl MeshSettings {
                 self.regularise.is_some(),
                 vec![LayoutMethod::TangentPlanes],
             ),
+            ("minimal", self.minimal, vec![LayoutMethod::Koebe]),
+            ("boundary = snap", self.boundary == Some(AtBoundary::Snap), movable.clone()),
+            ("held vertices", s.holds(), movable),
             ("fairness", s.fairness.is_some(), dials.clone()),
             ("closeness", s.closeness.is_some(), dials.clone()),
             ("clearance", s.clearance.is_some(), dials.clone()),
@@ -128,6 +142,7 @@ impl MeshSettings {
             ("any-domain", self.any_domain),
             ("quadric", self.quadric.is_some()),
             ("regularise", self.regularise.is_some()),
+            ("minimal", self.minimal),
             ("rotate", self.rotate.is_some()),
             ("adaptive", self.adaptive.is_some()),
             ("size-field", self.size_field.is_some()),

@@ -41,6 +41,14 @@ pub struct ParallelCommand {
     /// every face still closes (1000 panels take about a second)
     #[arg(long, value_name = "BASIS.CSV", help_heading = "Files")]
     pub basis: Option<PathBuf>,
+    /// Edges that run against those of the given mesh, as they do where the surface is
+    /// saddle-shaped: `rule` (the sign rule of the surface's normal curvatures), or a file with
+    /// lines of `from to`, the numbers of two vertices, counted from 0 [default: none]
+    #[arg(long, value_name = "rule|EDGES.TXT", requires = "surface")]
+    pub signs: Option<PathBuf>,
+    /// Give all panels the mean curvature 0, with the given mesh as Gauss image
+    #[arg(long, requires = "surface")]
+    pub minimal: bool,
     /// Where the fit begins
     #[arg(long, value_enum, default_value_t, requires = "surface")]
     pub start: ParallelStart,

@@ -3,6 +3,7 @@
 //! repaired: the comparison is with the methods as they are.
 
 mod joined;
+mod koebe;
 mod lattices;
 mod model;
 mod parallel;
@@ -39,6 +40,7 @@ pub(super) fn mesh_with_panels(
     let mut clock = Clock::new(progress);
     let ground = clock.stage("target", || match options.method {
         Method::DualSubdivision => subdivision::ground(&model.surface, panels, options),
+        Method::Koebe => koebe::ground(&model.surface, panels, options),
         _ => Ground::new(&model.surface, panels, options),
     })?;
     let made = make(&ground, &mut clock)?;
@@ -125,6 +127,7 @@ fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, Pipelin
         Method::PowerDiagram => power_diagram::make(ground, clock),
         Method::DualSubdivision => subdivision::make(ground, clock),
         Method::Parallel => parallel::make(ground, clock),
+        Method::Koebe => koebe::make(ground, clock),
         _ => lattices::tangent_planes(ground, clock),
     }
 }

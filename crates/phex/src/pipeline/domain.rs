@@ -9,7 +9,7 @@ use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
 /// where rows run along the strip's edge they run along the boundary, too.
-const WHOLE_STRIP: f64 = 2.0 * CELL;
+pub(crate) const WHOLE_STRIP: f64 = 2.0 * CELL;
 /// The same for clipped panels: as much as is cut off a row that runs along the boundary.
 const CLIP_STRIP: f64 = 0.2;
 
@@ -162,6 +162,16 @@ impl Ground {
             (Some(trimming), TargetKind::Facets) => &trimming.facets,
             (Some(trimming), _) => trimming.smooth.finest(),
         }
+    }
+
+    /// Whether a point of the finest surface belongs to what was given, and not to the strip.
+    pub fn holds(&self, fine: &TriangleSurface, p: Vec3) -> bool {
+        let Some(trimming) = &self.trimming else {
+            return true;
+        };
+        let foot = fine.closest_point(p);
+        let levels = self.smooth.refinements.len();
+        trimming.extension.is_original(foot.triangle, levels)
     }
 
     /// The facets that were given, without the strip.

@@ -46,6 +46,9 @@ pub enum Method {
     TangentPlanes,
     /// A mesh parallel to one that tangent planes give, fitted to the surface.
     Parallel,
+    /// A mesh parallel to a Koebe mesh, fitted to the surface: it has offsets at constant edge
+    /// distance.
+    Koebe,
 }
 
 /// Options of [`mesh_surface`](super::mesh_surface): one struct per stage, and what concerns the

@@ -51,11 +51,23 @@ pub(crate) fn check(
 ) -> Result<CurvatureSign, DomainError> {
     let places = SignedPlaces::find(surface, curvature);
     let sign = places.one_sign(METHOD, "the Gauss map folds over")?;
+    one_to_one(surface, curvature, METHOD).map(|()| sign)
+}
+
+/// That no two places far from each other have the same normal.
+///
+/// # Errors
+/// Two vertices that share one.
+pub(crate) fn one_to_one(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    method: &'static str,
+) -> Result<(), DomainError> {
     let pairs = shared_normals(surface, &curvature.normal);
     match pairs.first() {
-        None => Ok(sign),
+        None => Ok(()),
         Some(&[first, second]) => Err(DomainError::ManyToOne {
-            method: METHOD,
+            method,
             first,
             second,
             pairs: pairs.len(),

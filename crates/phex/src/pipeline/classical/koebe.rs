@@ -1,0 +1,124 @@
+//! `koebe`: panels with offsets at constant edge distance. A lattice that is regular on the Gauss
+//! sphere, where circles pack, is pulled back by the Gauss map; the Koebe mesh of its graph is the
+//! Gauss image of the panels, and the mesh parallel to it that is closest to the surface has them,
+//! with one of three families of edges reversed where `K < 0` ([`crate::offset::EdgeSigns`]).
+//!
+//! Edges between panels whose normals differ by `dn` are perpendicular to `dn` on the surface and on
+//! the sphere: that is why a lattice from the sphere has the directions of a Koebe mesh on any
+//! surface with `K != 0`. Where `K < 0` the Gauss map turns the orientation round, and so the Koebe
+//! mesh is that of the panels seen from below.
+
+use super::{ClassicalMesh, CurvedGround, cells, fitted_planes};
+use crate::koebe::{BoundaryCondition, KoebeOptions, koebe};
+use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, no_flat_point, not_flat};
+use crate::layout::duality::part;
+use crate::layout::{Layout, LayoutError, support_function};
+use crate::offset::fit::{FitOptions, fit_parallel};
+use crate::offset::signs::EdgeSigns;
+use crate::pipeline::domain::{Ground, WHOLE_STRIP};
+use crate::pipeline::restarts::Drawn;
+use crate::pipeline::{Clock, MeshOptions, Method, PipelineError, panel_length};
+use crate::trim::Boundary;
+use phex_mesh::{FaceId, HexMesh, PerVertex, TriangleSurface};
+use phex_numeric::Outcome;
+
+/// Name in messages.
+const METHOD: &str = "koebe";
+
+/// The surface and a strip beyond its boundary that is wide enough for whole panels: where they are
+/// cut, too, nothing may turn at the rim.
+pub(super) fn ground(surface: &TriangleSurface, panels: usize, options: &MeshOptions) -> Ground {
+    Ground::with_strip(surface, panels, options, WHOLE_STRIP * panel_length(surface, panels))
+}
+
+pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, PipelineError> {
+    let start = CurvedGround::new(ground, clock)?;
+    let has_boundary = !ground.given_facets().boundary_loops().is_empty();
+    if has_boundary && ground.options.boundary == Boundary::Snap {
+        return Err(PipelineError::Snap { method: METHOD });
+    }
+    let given = CurvedGround::on(ground.given(), ground, clock)?;
+    let mut classical = given.statistics(Method::Koebe);
+    check(&given, ground).map_err(LayoutError::from)?;
+    let metric = support_function::metric(&start.curvature);
+    let field = start.field(ground, metric, clock)?;
+    let (fine, Drawn { placed, layout }) = cells(ground, &field, clock)?;
+    let graph = gauss_graph(&layout, ground, &fine.surface, classical.curvature)?;
+    let options = KoebeOptions {
+        boundary: BoundaryCondition::GaussImage,
+        ..KoebeOptions::default()
+    };
+    let progress = clock.progress;
+    let image = clock.timed("koebe", || koebe(&graph, &options, progress))?;
+    let fit = FitOptions {
+        signs: EdgeSigns::SignRule,
+        minimal: ground.options.dual.minimal,
+        ..FitOptions::default()
+    };
+    let fitted = clock.timed("parallel", || {
+        fit_parallel(&image.mesh, &fine.surface, &fit, progress)
+    })?;
+    classical.edges_at_bound = Some(fitted.edges_at_bound);
+    classical.reversed_edges = Some(fitted.reversed_edges.len());
+    let (mean, spread) = (fitted.mean_curvature, fitted.mean_curvature_spread);
+    classical.mean_curvature_rel = Some([mean, mean.abs() * spread.hypot(1.0)]);
+    let outcome = Outcome::empty(fitted.status);
+    let mesh = oriented(fitted.mesh, classical.curvature);
+    let mesh = classical.with_sound_rim(mesh, &fitted_planes(&image.mesh));
+    Ok(ClassicalMesh {
+        reported: ground.reported(&fine.surface).clone(),
+        mesh,
+        fine: Some(fine),
+        layout: placed.statistics,
+        cones: field.cones(&ground.smooth),
+        outcome,
+        optimised: None,
+        classical,
+    })
+}
+
+/// Whether the surface has a Gauss map that is one to one, and `K` of one sign.
+fn check(given: &CurvedGround<'_>, ground: &Ground) -> Result<(), DomainError> {
+    let (surface, curvature) = (given.surface, &given.curvature);
+    let consequence = "edges of the Gauss image vanish and turn round";
+    given.resolved(ground, METHOD)?;
+    not_flat(surface, curvature, METHOD, consequence)?;
+    let sign = SignedPlaces::find(surface, curvature).one_sign(METHOD, consequence)?;
+    no_flat_point(sign, surface, curvature, METHOD, consequence)?;
+    support_function::one_to_one(surface, curvature, METHOD)
+}
+
+/// The panels inside and those next to them, with the normals of the surface for places and faces
+/// that look outwards there. Cells that the end of the surface cuts are left out.
+fn gauss_graph(
+    layout: &Layout,
+    ground: &Ground,
+    surface: &TriangleSurface,
+    curvature: CurvatureSign,
+) -> Result<HexMesh, PipelineError> {
+    let mesh = &layout.mesh;
+    let topology = mesh.topology();
+    let inside = layout.face_point.map(|p| ground.holds(surface, *p));
+    let near = |f: FaceId| {
+        let vertices = topology.face_vertices(f).iter();
+        let mut around = vertices.flat_map(|v| topology.outgoing(*v));
+        around.any(|h| inside[topology.face(h)])
+    };
+    let whole = |f: &FaceId| !topology.is_boundary_face(*f) && near(*f);
+    let faces: Vec<FaceId> = topology.faces().filter(whole).collect();
+    let feet = surface.closest_points(mesh.positions.as_slice());
+    let normals = PerVertex::from_vec(feet.iter().map(|f| f.normal).collect());
+    let graph = part(&mesh.with_positions(normals), &faces);
+    let graph = graph.filter(|g| g.topology().n_faces() > 0);
+    let reason = "no panels lie inside that hang together".to_owned();
+    let graph = graph.ok_or(LayoutError::Topology { reason })?;
+    Ok(oriented(graph, curvature))
+}
+
+/// The Gauss map turns the orientation round where `K < 0`.
+fn oriented(mesh: HexMesh, curvature: CurvatureSign) -> HexMesh {
+    match curvature {
+        CurvatureSign::Hyperbolic => mesh.turned_over(),
+        _ => mesh,
+    }
+}
