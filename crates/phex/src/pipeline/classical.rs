@@ -48,7 +48,7 @@ pub(super) fn mesh_with_panels(
     let mut classical = made.classical;
     let mesh = match &made.fine {
         Some(fine) => {
-            let trimmed = clock.timed("trim", || ground.trimmed(&made.mesh, &fine.surface))?;
+            let trimmed = clock.timed("trim", || ground.trimmed(&made.mesh, fine))?;
             classical.follow(trimmed.parent.as_slice());
             trimmed.mesh
         }
@@ -56,7 +56,7 @@ pub(super) fn mesh_with_panels(
     };
     classical.compare(&mesh);
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
-    let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(&fine.surface));
+    let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(fine));
     let outside = classical.outside.take();
     classical.outside_domain = outside.map(|e| e.mapped(|p| place_in(model, p)).to_string());
     let runs = made.optimised.map_or_else(Vec::new, |o| o.runs);
@@ -86,7 +86,7 @@ struct ClassicalMesh {
     /// The surface that the panels are compared with.
     reported: TriangleSurface,
     /// The surface on which cells were drawn, where there are cells.
-    fine: Option<FineSurface>,
+    fine: Option<TriangleSurface>,
     outcome: Outcome,
     layout: LayoutStatistics,
     /// The cones of the lattice, where there is one.
@@ -108,7 +108,7 @@ impl ClassicalMesh {
         Self {
             mesh,
             reported: ground.reported(&fine.surface).clone(),
-            fine: Some(fine),
+            fine: Some(fine.surface),
             outcome: optimised
                 .as_ref()
                 .map_or_else(planar, |o| o.outcome.clone()),

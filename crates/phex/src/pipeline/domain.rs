@@ -164,16 +164,6 @@ impl Ground {
         }
     }
 
-    /// Whether a point of the finest surface belongs to what was given, and not to the strip.
-    pub fn holds(&self, fine: &TriangleSurface, p: Vec3) -> bool {
-        let Some(trimming) = &self.trimming else {
-            return true;
-        };
-        let foot = fine.closest_point(p);
-        let levels = self.smooth.refinements.len();
-        trimming.extension.is_original(foot.triangle, levels)
-    }
-
     /// The facets that were given, without the strip.
     pub(crate) fn given_facets(&self) -> &TriangleSurface {
         let trimming = self.trimming.as_ref();

@@ -46,7 +46,7 @@ pub use options::{DualOptions, SubdivisionRule};
 pub(crate) use panels::Flipped;
 pub(crate) use plane::{OrientedPlane, meet};
 pub use quadric::Quadric;
-pub(crate) use rim::{part, without_broken_rim};
+pub(crate) use rim::without_broken_rim;
 
 use phex_mesh::{FaceId, TopologyError, Vec3, VertexId};
 use thiserror::Error;

@@ -77,7 +77,7 @@ fn worst(
 }
 
 /// Some panels of a mesh; `None` where they are joined in single vertices.
-pub(crate) fn part(mesh: &HexMesh, faces: &[FaceId]) -> Option<HexMesh> {
+fn part(mesh: &HexMesh, faces: &[FaceId]) -> Option<HexMesh> {
     let mut number = PerVertex::filled(mesh.positions.len(), None);
     let mut positions: Vec<Vec3> = Vec::new();
     let mut corner = |v: VertexId| {

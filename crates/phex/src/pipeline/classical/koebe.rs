@@ -9,17 +9,18 @@
 //! mesh is that of the panels seen from below.
 
 use super::{ClassicalMesh, CurvedGround, cells, fitted_planes};
-use crate::koebe::{BoundaryCondition, KoebeOptions, koebe};
+use crate::directions::guides::Cone;
+use crate::koebe::{BoundaryCondition, KoebeError, KoebeOptions, koebe};
 use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, no_flat_point, not_flat};
-use crate::layout::duality::part;
-use crate::layout::{Layout, LayoutError, support_function};
+use crate::layout::support_function::gauss_lattice;
+use crate::layout::{LayoutError, LayoutStatistics, support_function};
 use crate::offset::fit::{FitOptions, fit_parallel};
 use crate::offset::signs::EdgeSigns;
 use crate::pipeline::domain::{Ground, WHOLE_STRIP};
 use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError, panel_length};
 use crate::trim::Boundary;
-use phex_mesh::{FaceId, HexMesh, PerVertex, TriangleSurface};
+use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
 use phex_numeric::Outcome;
 
 /// Name in messages.
@@ -32,31 +33,30 @@ pub(super) fn ground(surface: &TriangleSurface, panels: usize, options: &MeshOpt
 }
 
 pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, PipelineError> {
-    let start = CurvedGround::new(ground, clock)?;
-    let has_boundary = !ground.given_facets().boundary_loops().is_empty();
-    if has_boundary && ground.options.boundary == Boundary::Snap {
+    let closed = ground.given_facets().boundary_loops().is_empty();
+    if !closed && ground.options.boundary == Boundary::Snap {
         return Err(PipelineError::Snap { method: METHOD });
     }
     let given = CurvedGround::on(ground.given(), ground, clock)?;
     let mut classical = given.statistics(Method::Koebe);
     check(&given, ground).map_err(LayoutError::from)?;
-    let metric = support_function::metric(&start.curvature);
-    let field = start.field(ground, metric, clock)?;
-    let (fine, Drawn { placed, layout }) = cells(ground, &field, clock)?;
-    let graph = gauss_graph(&layout, ground, &fine.surface, classical.curvature)?;
+    let made = match closed {
+        true => closed_graph(ground, clock)?,
+        false => patch_graph(ground, &given, clock)?,
+    };
     let options = KoebeOptions {
         boundary: BoundaryCondition::GaussImage,
         ..KoebeOptions::default()
     };
     let progress = clock.progress;
-    let image = clock.timed("koebe", || koebe(&graph, &options, progress))?;
+    let image = clock.timed("koebe", || koebe(&made.graph, &options, progress))?;
     let fit = FitOptions {
         signs: EdgeSigns::SignRule,
         minimal: ground.options.dual.minimal,
         ..FitOptions::default()
     };
     let fitted = clock.timed("parallel", || {
-        fit_parallel(&image.mesh, &fine.surface, &fit, progress)
+        fit_parallel(&image.mesh, &made.surface, &fit, progress)
     })?;
     classical.edges_at_bound = Some(fitted.edges_at_bound);
     classical.reversed_edges = Some(fitted.reversed_edges.len());
@@ -66,14 +66,65 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     let mesh = oriented(fitted.mesh, classical.curvature);
     let mesh = classical.with_sound_rim(mesh, &fitted_planes(&image.mesh));
     Ok(ClassicalMesh {
-        reported: ground.reported(&fine.surface).clone(),
+        reported: ground.reported(&made.surface).clone(),
         mesh,
-        fine: Some(fine),
-        layout: placed.statistics,
-        cones: field.cones(&ground.smooth),
+        fine: Some(made.surface),
+        layout: made.layout,
+        cones: made.cones,
         outcome,
         optimised: None,
         classical,
+    })
+}
+
+/// Panels about the Gauss sphere: the normals of the surface for places, faces outwards.
+struct GaussGraph {
+    graph: HexMesh,
+    /// The finest surface, with the strip beyond its boundary.
+    surface: TriangleSurface,
+    layout: LayoutStatistics,
+    cones: Vec<Cone>,
+}
+
+/// On a closed surface: the cells of a lattice with 12 pentagons that is regular in the third
+/// fundamental form.
+fn closed_graph(ground: &Ground, clock: &mut Clock<'_>) -> Result<GaussGraph, PipelineError> {
+    let start = CurvedGround::new(ground, clock)?;
+    let metric = support_function::metric(&start.curvature);
+    let field = start.field(ground, metric, clock)?;
+    let (fine, Drawn { placed, layout }) = cells(ground, &field, clock)?;
+    let feet = fine.surface.closest_points(layout.mesh.positions.as_slice());
+    let normals = PerVertex::from_vec(feet.iter().map(|f| f.normal).collect());
+    Ok(GaussGraph {
+        graph: layout.mesh.with_positions(normals),
+        surface: fine.surface,
+        layout: placed.statistics,
+        cones: field.cones(&ground.smooth),
+    })
+}
+
+/// On a patch: the conformal image of a regular lattice, hexagons only.
+fn patch_graph(
+    ground: &Ground,
+    given: &CurvedGround<'_>,
+    clock: &mut Clock<'_>,
+) -> Result<GaussGraph, PipelineError> {
+    let loops = given.surface.boundary_loops().len();
+    if loops > 1 {
+        return Err(KoebeError::BoundaryLoops { boundary_loops: loops }.into());
+    }
+    let all = ground.smooth.finest();
+    let share = ground.given().finest().area() / all.area();
+    let panels = (ground.panels as f64 * share).round() as usize;
+    let rotate = ground.options.directions.rotate;
+    let graph = clock.stage("layout", || {
+        gauss_lattice(given.surface, &given.curvature, panels.max(1), rotate)
+    })??;
+    Ok(GaussGraph {
+        graph,
+        surface: all.clone(),
+        layout: LayoutStatistics::default(),
+        cones: Vec::new(),
     })
 }
 
@@ -86,33 +137,6 @@ fn check(given: &CurvedGround<'_>, ground: &Ground) -> Result<(), DomainError> {
     let sign = SignedPlaces::find(surface, curvature).one_sign(METHOD, consequence)?;
     no_flat_point(sign, surface, curvature, METHOD, consequence)?;
     support_function::one_to_one(surface, curvature, METHOD)
-}
-
-/// The panels inside and those next to them, with the normals of the surface for places and faces
-/// that look outwards there. Cells that the end of the surface cuts are left out.
-fn gauss_graph(
-    layout: &Layout,
-    ground: &Ground,
-    surface: &TriangleSurface,
-    curvature: CurvatureSign,
-) -> Result<HexMesh, PipelineError> {
-    let mesh = &layout.mesh;
-    let topology = mesh.topology();
-    let inside = layout.face_point.map(|p| ground.holds(surface, *p));
-    let near = |f: FaceId| {
-        let vertices = topology.face_vertices(f).iter();
-        let mut around = vertices.flat_map(|v| topology.outgoing(*v));
-        around.any(|h| inside[topology.face(h)])
-    };
-    let whole = |f: &FaceId| !topology.is_boundary_face(*f) && near(*f);
-    let faces: Vec<FaceId> = topology.faces().filter(whole).collect();
-    let feet = surface.closest_points(mesh.positions.as_slice());
-    let normals = PerVertex::from_vec(feet.iter().map(|f| f.normal).collect());
-    let graph = part(&mesh.with_positions(normals), &faces);
-    let graph = graph.filter(|g| g.topology().n_faces() > 0);
-    let reason = "no panels lie inside that hang together".to_owned();
-    let graph = graph.ok_or(LayoutError::Topology { reason })?;
-    Ok(oriented(graph, curvature))
 }
 
 /// The Gauss map turns the orientation round where `K < 0`.
