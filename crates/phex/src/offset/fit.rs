@@ -184,11 +184,23 @@ pub fn fit_parallel(
     options: &FitOptions,
     progress: &dyn Progress,
 ) -> Result<Fitted, FitError> {
+    fit_beyond(mesh, surface, surface, options, progress)
+}
+
+/// The same where the surface goes on beyond the part that is `given` and whose normals and
+/// curvatures alone are known.
+pub(crate) fn fit_beyond(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    given: &TriangleSurface,
+    options: &FitOptions,
+    progress: &dyn Progress,
+) -> Result<Fitted, FitError> {
     check(options)?;
     let space = ParallelSpace::new(mesh)?;
-    let signed = SignedLengths::new(&space, surface, &options.signs)?;
+    let signed = SignedLengths::new(&space, given, &options.signs)?;
     let feet = match options.start {
-        FitStart::Normals => feet_by_normals(mesh, surface),
+        FitStart::Normals => feet_by_normals(mesh, given),
         FitStart::Positions => feet_by_positions(mesh, surface),
     };
     let program = Program::new(&space, &feet, signed, options).ok_or_else(|| FitError::OneFootPoint {

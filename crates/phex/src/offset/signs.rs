@@ -40,6 +40,7 @@
 
 use super::space::ParallelSpace;
 use crate::curvature::{CurvatureOptions, curvature, tangent_frame};
+use nalgebra::Matrix3;
 use phex_mesh::polygon::is_simple;
 use phex_mesh::{
     EdgeId, FaceId, FlatFace, HexMesh, PerEdge, TriangleSurface, Vec3, VertexId,
@@ -157,12 +158,7 @@ fn ruled_lengths(
     let length = |edge: EdgeId| {
         let (along, normal) = (space.direction(edge), normals[edge]);
         let vertex = closest_normal(surface, &normal);
-        let [x, y] = tangent_frame(curved.normal[vertex]);
-        let second = curved.tensor[vertex];
-        let form = |a: &Vec3, b: &Vec3| a.dot(&(second * b));
-        let gauss = form(&x, &x) * form(&y, &y) - form(&x, &y).powi(2);
-        let across = normal.cross(&along);
-        let ratio = (3.0 * form(&across, &across) - form(&along, &along)) / (2.0 * gauss);
+        let ratio = length_ratio(&curved.tensor[vertex], &normal, &along);
         let length = image.edge_length(edge) * ratio;
         let flat = !length.is_finite() || length.abs() > FAR * surface.diagonal();
         let vertices = topology.edge_vertices(edge);
@@ -171,6 +167,16 @@ fn ruled_lengths(
     };
     let lengths = topology.edges().map(length).collect::<Result<_, _>>()?;
     Ok(PerEdge::from_vec(lengths))
+}
+
+/// The sign rule: length of an edge in a direction over that of its image, for a second fundamental
+/// form; infinite or not a number where `K = 0`.
+pub(super) fn length_ratio(second: &Matrix3<f64>, normal: &Vec3, along: &Vec3) -> f64 {
+    let [x, y] = tangent_frame(*normal);
+    let form = |a: &Vec3, b: &Vec3| a.dot(&(second * b));
+    let gauss = form(&x, &x) * form(&y, &y) - form(&x, &y).powi(2);
+    let across = normal.cross(along);
+    (3.0 * form(&across, &across) - form(along, along)) / (2.0 * gauss)
 }
 
 /// Edges that would be longer than so many diagonals of the surface are those of a flat one.
@@ -210,7 +216,7 @@ pub(super) struct Waist {
 /// The four conditions that keep the waist of a panel open; none for a convex panel.
 ///
 /// Panels with one re-entrant corner, or more than two, are left to the check of the result.
-fn waists_of(
+pub(super) fn waists_of(
     space: &ParallelSpace,
     face: FaceId,
     lengths: &PerEdge<f64>,

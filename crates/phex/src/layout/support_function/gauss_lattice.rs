@@ -80,7 +80,9 @@ impl GaussPlane {
     fn new(surface: &TriangleSurface, curvature: &Curvature) -> Result<Self, LayoutError> {
         let normals = &curvature.normal;
         let mean: Vec3 = normals.iter().sum();
-        let turn = UnitQuaternion::rotation_between(&mean, &Vec3::z()).unwrap_or_default();
+        let turn = UnitQuaternion::rotation_between(&mean, &Vec3::z());
+        // Half a turn where they are opposite.
+        let turn = turn.unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vec3::x_axis(), PI));
         let turn = turn.to_rotation_matrix();
         let point = normals.map(|n| projected(turn * n));
         let flat = point.iter().map(|w| Vec3::new(w.re, w.im, 0.0)).collect();
