@@ -119,6 +119,10 @@ pub struct MeshCommand {
     /// weights, surface or what is held
     #[arg(long, value_name = "MESH")]
     pub start: Option<PathBuf>,
+    /// End after a stage: `layout` writes the panels as they are laid out, neither planar nor
+    /// checked, to look at
+    #[arg(long, value_enum, value_name = "STAGE", conflicts_with_all = ["start", "write_target", "keep_invalid", "keep_best"])]
+    pub until: Option<LastStage>,
     /// Write the smooth surface through the input's vertices that the panels were fitted to
     #[arg(long, value_name = "SURFACE", help_heading = "Files")]
     pub write_target: Option<PathBuf>,
@@ -139,6 +143,13 @@ pub struct MeshCommand {
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,
+}
+
+/// Where `phex mesh` may end before there is a planar mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum LastStage {
+    /// The panels of the first lattice
+    Layout,
 }
 
 /// Arguments of `phex network`.

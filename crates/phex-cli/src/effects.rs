@@ -7,9 +7,8 @@ use crate::steering::TypedSolver;
 use clap::ValueEnum;
 
 /// Methods that lay the lattice of `lattice` out, and then take planes of it.
-const ON_LATTICE: [LayoutMethod; 5] = [
+const ON_LATTICE: [LayoutMethod; 4] = [
     LayoutMethod::Lattice,
-    LayoutMethod::Best,
     LayoutMethod::TangentPlanes,
     LayoutMethod::DualSubdivision,
     LayoutMethod::Parallel,
@@ -22,11 +21,7 @@ const OWN_METRIC: [LayoutMethod; 3] = [
     LayoutMethod::Koebe,
 ];
 /// Methods that end with the optimiser, which keeps panels to the target.
-const OPTIMISED: [LayoutMethod; 3] = [
-    LayoutMethod::Lattice,
-    LayoutMethod::Best,
-    LayoutMethod::BrickWall,
-];
+const OPTIMISED: [LayoutMethod; 2] = [LayoutMethod::Lattice, LayoutMethod::BrickWall];
 
 /// An option that is set, and the methods that heed it.
 struct Heeded {
@@ -54,7 +49,10 @@ impl MeshSettings {
                 by.join(", ")
             )
         });
-        let told: Vec<String> = told.chain(self.steering.without_effect()).collect();
+        let twice = self.method == Some(LayoutMethod::Best) && self.effort.is_some();
+        let twice = twice.then(|| "`effort` has no effect with `best`".to_owned());
+        let told = told.chain(twice).chain(self.steering.without_effect());
+        let told: Vec<String> = told.collect();
         match told.is_empty() {
             true => Ok(()),
             false => Err(Failure::input(format!("{}: leave it out", told.join("; ")))),
@@ -90,6 +88,7 @@ impl MeshSettings {
         let movable: Vec<LayoutMethod> =
             every().into_iter().filter(|m| *m != LayoutMethod::Koebe).collect();
         let all = [
+            ("effort", self.effort.is_some(), vec![LayoutMethod::Lattice]),
             ("rotate", self.rotate.is_some(), directed.clone()),
             ("cones", self.guides.cones.is_some(), directed),
             ("guide", self.guides.guide.is_some(), lattice()),
@@ -139,6 +138,7 @@ impl MeshSettings {
             ("panels", self.panels.is_some()),
             ("edge-length", self.edge_length.is_some()),
             ("method", self.method.is_some()),
+            ("effort", self.effort.is_some()),
             ("any-domain", self.any_domain),
             ("quadric", self.quadric.is_some()),
             ("regularise", self.regularise.is_some()),

@@ -2,7 +2,7 @@
 
 use super::deliver::Delivery;
 use super::use_threads;
-use crate::args::MeshCommand;
+use crate::args::{LastStage, MeshCommand};
 use crate::engine::{self, Computed};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
@@ -77,6 +77,7 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         settings: &settings,
         reporter: &reporter,
         keeps_best: command.keep_best,
+        until: command.until,
     };
     if command.keep_best {
         keep_best();
@@ -146,15 +147,26 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
         write_mesh(path, &to_soup(smooth))?;
         report.outputs.push(written("smooth_target", path));
     }
+    let (panels, before) = match command.until {
+        Some(LastStage::Layout) => {
+            report.notes.push(LAYOUT_ALONE.to_owned());
+            let count = mesh.topology().n_faces();
+            (
+                false,
+                format!("layout     {count} panels, {LAYOUT_ALONE}\n"),
+            )
+        }
+        None => (true, methods),
+    };
     Delivery {
         shown,
         output: Some(&command.output),
         keep_invalid: command.keep_invalid,
-        panels: true,
+        panels,
         extras: &command.extras,
         talk: &command.talk,
         limits,
-        before: methods,
+        before,
         after: wished + &features,
         report,
     }
@@ -268,6 +280,8 @@ struct MeshJob<'a> {
     reporter: &'a Reporter,
     /// Whether an interruption ends the computation alone.
     keeps_best: bool,
+    /// Where it ends.
+    until: Option<LastStage>,
 }
 
 impl MeshJob<'_> {
@@ -299,7 +313,11 @@ impl MeshJob<'_> {
             if let Some(field) = self.field {
                 options.size_field = Some(field.of(k).to_vec());
             }
-            self.unless_interrupted(engine::mesh(&part.surface, &options, self.reporter)?)
+            let made = match self.until {
+                Some(LastStage::Layout) => engine::lay_out(&part.surface, &options, self.reporter),
+                None => engine::mesh(&part.surface, &options, self.reporter),
+            };
+            self.unless_interrupted(made?)
         };
         let parts = self.components.iter().zip(&counts).enumerate();
         parts.map(mesh).collect()
@@ -320,6 +338,9 @@ impl MeshJob<'_> {
         limits.demand(&mut options.optimise, edge, extent, whole);
     }
 }
+
+/// What a run that ends after the layout has made.
+const LAYOUT_ALONE: &str = "as they are laid out: neither planar nor checked";
 
 /// Relative error of the mean edge length that is told.
 const TOLD_EDGE_ERROR: f64 = 0.03;

@@ -14,7 +14,8 @@ mod subdivision;
 pub(super) use model::{place_in, quadric};
 
 use super::domain::Ground;
-use super::field::{Field, FineSurface, boundary_length, panel_length};
+use super::field::{Field, FineSurface};
+use super::sized::{boundary_length, panel_length};
 use super::{
     ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics,
     between_panels,
@@ -23,7 +24,6 @@ use crate::directions::guides::{Cone, Guides};
 use crate::layout::domain::DomainError;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::Optimised;
-use crate::progress::Progress;
 use crate::smooth_surface::Normalised;
 use joined::{cells, fitted_planes, joined, met};
 use phex_mesh::{HexMesh, TriangleSurface};
@@ -35,9 +35,8 @@ pub(super) fn mesh_with_panels(
     model: &Normalised,
     panels: usize,
     options: &MeshOptions,
-    progress: &dyn Progress,
+    mut clock: Clock<'_>,
 ) -> Result<MeshRun, PipelineError> {
-    let mut clock = Clock::new(progress);
     let ground = clock.stage("target", || match options.method {
         Method::DualSubdivision => subdivision::ground(&model.surface, panels, options),
         Method::Koebe => koebe::ground(&model.surface, panels, options),
