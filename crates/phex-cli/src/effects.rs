@@ -15,11 +15,7 @@ const ON_LATTICE: [LayoutMethod; 4] = [
 ];
 /// Methods whose lattice is regular in a metric of their own: it has directions and cones, but
 /// neither sizes nor lines to follow.
-const OWN_METRIC: [LayoutMethod; 3] = [
-    LayoutMethod::ProjectiveDual,
-    LayoutMethod::SupportFunction,
-    LayoutMethod::Koebe,
-];
+const OWN_METRIC: [LayoutMethod; 2] = [LayoutMethod::ProjectiveDual, LayoutMethod::SupportFunction];
 /// Methods that end with the optimiser, which keeps panels to the target.
 const OPTIMISED: [LayoutMethod; 2] = [LayoutMethod::Lattice, LayoutMethod::BrickWall];
 
@@ -64,6 +60,7 @@ impl MeshSettings {
         let every = || LayoutMethod::value_variants().to_vec();
         let lattice = || ON_LATTICE.to_vec();
         let directed = [ON_LATTICE.as_slice(), &OWN_METRIC].concat();
+        let turned = [directed.as_slice(), &[LayoutMethod::Koebe]].concat();
         let fitted = self.fitted();
         let bounded = every()
             .into_iter()
@@ -72,12 +69,8 @@ impl MeshSettings {
             Some(CloseTo::Facets) => fitted.clone(),
             _ => bounded.clone().collect(),
         };
-        let one_sign = vec![
-            LayoutMethod::ProjectiveDual,
-            LayoutMethod::SupportFunction,
-            LayoutMethod::DualSubdivision,
-            LayoutMethod::Parallel,
-        ];
+        let mut one_sign = OWN_METRIC.to_vec();
+        one_sign.extend([LayoutMethod::DualSubdivision, LayoutMethod::Parallel]);
         let dials = if self.steering.holds() {
             every()
         } else {
@@ -85,11 +78,13 @@ impl MeshSettings {
         };
         let s = &self.steering;
         // Vertices that are moved afterwards turn the edges that have offsets.
-        let movable: Vec<LayoutMethod> =
-            every().into_iter().filter(|m| *m != LayoutMethod::Koebe).collect();
+        let movable: Vec<LayoutMethod> = every()
+            .into_iter()
+            .filter(|m| *m != LayoutMethod::Koebe)
+            .collect();
         let all = [
             ("effort", self.effort.is_some(), vec![LayoutMethod::Lattice]),
-            ("rotate", self.rotate.is_some(), directed.clone()),
+            ("rotate", self.rotate.is_some(), turned),
             ("cones", self.guides.cones.is_some(), directed),
             ("guide", self.guides.guide.is_some(), lattice()),
             ("crease", self.guides.crease.is_some(), lattice()),
@@ -109,7 +104,11 @@ impl MeshSettings {
                 vec![LayoutMethod::TangentPlanes],
             ),
             ("minimal", self.minimal, vec![LayoutMethod::Koebe]),
-            ("boundary = snap", self.boundary == Some(AtBoundary::Snap), movable.clone()),
+            (
+                "boundary = snap",
+                self.boundary == Some(AtBoundary::Snap),
+                movable.clone(),
+            ),
             ("held vertices", s.holds(), movable),
             ("fairness", s.fairness.is_some(), dials.clone()),
             ("closeness", s.closeness.is_some(), dials.clone()),
@@ -223,6 +222,7 @@ mod tests {
             ("brick-wall", "rrrrrrhhhh"),
             ("power-diagram", "rrrrrrrrrr"),
             ("projective-dual", "hrrrrhrrrh"),
+            ("koebe", "hrrrrrrrrh"),
             ("support-function", "hrrrrhrrrh"),
             ("dual-subdivision", "hhhhhhrrrh"),
             ("tangent-planes", "hhhhhhrrrh"),

@@ -14,7 +14,7 @@ use crate::summary::SummaryTable;
 use crate::verdict::{TypedLimits, written};
 use anyhow::Context;
 use phex::offset::face_curvatures;
-use phex::offset::{EdgeSigns, FitOptions, FitStart, Fitted, fit_parallel};
+use phex::offset::{EdgeSigns, FitOptions, FitStart, Fitted, SIGNED_FAIRNESS, fit_parallel};
 use phex::report::InputFile;
 use phex_mesh::{FlatFace, HexMesh, TriangleSurface};
 use serde_json::{Value, json};
@@ -144,7 +144,9 @@ fn is_rule(signs: &Path) -> bool {
 fn facing(mesh: HexMesh, gauss_image: &HexMesh) -> HexMesh {
     let normal = |mesh: &HexMesh, f| FlatFace::of(mesh, f).normal();
     let faces = mesh.topology().faces();
-    let same: f64 = faces.map(|f| normal(&mesh, f).dot(&normal(gauss_image, f))).sum();
+    let same: f64 = faces
+        .map(|f| normal(&mesh, f).dot(&normal(gauss_image, f)))
+        .sum();
     if same < 0.0 { mesh.turned_over() } else { mesh }
 }
 
@@ -161,7 +163,11 @@ fn options(command: &ParallelCommand, mesh: &HexMesh) -> Result<FitOptions, Fail
             ParallelStart::Positions => FitStart::Positions,
         },
         least_edge: command.least_edge,
-        fairness: command.fairness,
+        fairness: command.fairness.unwrap_or(if command.signs.is_some() {
+            SIGNED_FAIRNESS
+        } else {
+            FitOptions::default().fairness
+        }),
         constant_mean_curvature: command.constant_mean_curvature,
         ..FitOptions::default()
     })
@@ -174,7 +180,10 @@ fn table(fitted: &Fitted, gauss_image: &HexMesh) -> SummaryTable {
         format!("{:?} after {} rounds", fitted.status, fitted.rounds),
     );
     if !fitted.reversed_edges.is_empty() {
-        let (reversed, all) = (fitted.reversed_edges.len(), fitted.mesh.topology().n_edges());
+        let (reversed, all) = (
+            fitted.reversed_edges.len(),
+            fitted.mesh.topology().n_edges(),
+        );
         table.row(
             "signs",
             format!("{reversed} of {all} edges run against those of the given mesh"),

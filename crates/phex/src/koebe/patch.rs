@@ -5,7 +5,7 @@ use super::layout::{PlaneCircle, PlaneLayout};
 use super::radii::Radii;
 use super::sphere::SphereCircles;
 use super::{BoundaryCondition, KoebeError, KoebeOptions};
-use nalgebra::UnitQuaternion;
+use crate::curvature::turn_to_pole;
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::{EdgeId, FacePlane, HexMesh, PerVertex, Topology, Vec2, Vec3, VertexId};
 use std::f64::consts::{PI, TAU};
@@ -66,12 +66,6 @@ fn centred(t: &Topology, layout: &PlaneLayout, opening: f64) -> (Vec2, Vec2) {
     let origin = points.iter().sum::<Vec2>() / count;
     let distance = points.iter().map(|p| (p - origin).norm()).sum::<f64>() / count;
     (origin, Vec2::new((0.5 * opening).tan() / distance, 0.0))
-}
-
-/// The rotation that brings a direction to the north pole: half a turn from the south pole.
-pub(crate) fn turn_to_pole(direction: &Vec3) -> UnitQuaternion<f64> {
-    let half_turn = || UnitQuaternion::from_axis_angle(&Vec3::x_axis(), PI);
-    UnitQuaternion::rotation_between(direction, &Vec3::z()).unwrap_or_else(half_turn)
 }
 
 /// Normals of the vertices in the plane: projected from the pole opposite to their mean.

@@ -328,10 +328,14 @@ pub(crate) fn not_flat(
             false => 0.0,
         }
     };
-    let inner = topology.vertices().filter(|v| !topology.is_boundary_vertex(*v));
+    let inner = topology
+        .vertices()
+        .filter(|v| !topology.is_boundary_vertex(*v));
     let flat: Vec<VertexId> = inner.filter(|v| ratio(v) < DEVELOPABLE_RATIO).collect();
     let area: f64 = flat.iter().map(|v| area_at(surface, *v)).sum();
-    let clearest = flat.into_iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    let clearest = flat
+        .into_iter()
+        .min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
     match clearest.filter(|_| area > DEVELOPABLE_SHARE * surface.area()) {
         None => Ok(()),
         Some(vertex) => Err(DomainError::Developable {

@@ -152,7 +152,9 @@ fn starts(mesh: &HexMesh, root: VertexId, normal: Vec3) -> impl Iterator<Item = 
         [a, b] => {
             let outward = a.along.cross(&normal.normalize());
             let point = (normal.normalize() + outward).normalize();
-            [b.along, -b.along].map(|ahead| corner(point, &a.along, &ahead)).to_vec()
+            [b.along, -b.along]
+                .map(|ahead| corner(point, &a.along, &ahead))
+                .to_vec()
         }
         _ => Vec::new(),
     };
@@ -266,7 +268,9 @@ struct PlacedRow {
 fn corner_rows(mesh: &HexMesh, root: VertexId) -> Vec<CornerRow> {
     let t = mesh.topology();
     let ends = |v: VertexId| v == root || t.face_degree(v) > 1;
-    let along = t.half_edges().filter(|h| t.twin(*h).is_none() && ends(t.origin(*h)));
+    let along = t
+        .half_edges()
+        .filter(|h| t.twin(*h).is_none() && ends(t.origin(*h)));
     let row = |start: HalfEdgeId| {
         let (mut h, mut corners) = (start, Vec::new());
         while !ends(t.target(h)) {
@@ -274,9 +278,17 @@ fn corner_rows(mesh: &HexMesh, root: VertexId) -> Vec<CornerRow> {
             h = t.next(h);
         }
         let (from, to, last) = (t.origin(start), t.target(h), t.edge(h));
-        CornerRow { from, corners, to, last }
+        CornerRow {
+            from,
+            corners,
+            to,
+            last,
+        }
     };
-    along.map(row).filter(|row| !row.corners.is_empty()).collect()
+    along
+        .map(row)
+        .filter(|row| !row.corners.is_empty())
+        .collect()
 }
 
 /// Corners in a row up to which all choices of sides are tried.
@@ -288,7 +300,11 @@ impl CornerRow {
     /// At a corner both edges touch to the same side or, where one of them runs against its image,
     /// to opposite sides: what meets the end of the row is taken.
     fn placed(&self, mesh: &HexMesh, positions: &PerVertex<Option<Vec3>>) -> PlacedRow {
-        let choices = if self.corners.len() > MOST_CORNERS { 1 } else { 1 << self.corners.len() };
+        let choices = if self.corners.len() > MOST_CORNERS {
+            1
+        } else {
+            1 << self.corners.len()
+        };
         let mut best = self.choice(mesh, positions, 0);
         let mut least = self.miss(mesh, positions, best.point);
         for sides in 1..choices {
@@ -310,7 +326,11 @@ impl CornerRow {
         let mut point = touching(start, &along(0));
         let mut corners = Vec::with_capacity(self.corners.len());
         for k in 1..=self.corners.len() {
-            let ahead = if sides >> (k - 1) & 1 == 0 { along(k) } else { -along(k) };
+            let ahead = if sides >> (k - 1) & 1 == 0 {
+                along(k)
+            } else {
+                -along(k)
+            };
             let x = corner(point, &-along(k - 1), &ahead);
             point = touching(x, &along(k));
             corners.push(x);

@@ -40,7 +40,9 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
 };
-use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{
+    EdgeId, FaceId, HexMesh, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId,
+};
 use phex_numeric::Status;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -145,7 +147,11 @@ pub enum FitError {
 }
 
 fn minimal_too(minimal: &bool) -> &'static str {
-    if *minimal { " and panels of mean curvature 0" } else { "" }
+    if *minimal {
+        " and panels of mean curvature 0"
+    } else {
+        ""
+    }
 }
 
 /// A mesh parallel to the input, close to the surface.
@@ -203,11 +209,12 @@ pub(crate) fn fit_beyond(
         FitStart::Normals => feet_by_normals(mesh, given),
         FitStart::Positions => feet_by_positions(mesh, surface),
     };
-    let program = Program::new(&space, &feet, signed, options).ok_or_else(|| FitError::OneFootPoint {
-        vertex: surface
-            .topology()
-            .face_vertices(surface.closest_point(feet.position[0]).triangle)[0],
-    })?;
+    let program =
+        Program::new(&space, &feet, signed, options).ok_or_else(|| FitError::OneFootPoint {
+            vertex: surface
+                .topology()
+                .face_vertices(surface.closest_point(feet.position[0]).triangle)[0],
+        })?;
     let fitted = rounds(&space, surface, &program, feet, options, progress);
     // The input itself is a parallel mesh, but not one with these signs.
     let none = fitted.rounds == 0 && fitted.status == Status::NumericalBreakdown;
@@ -341,7 +348,11 @@ fn assess(
             .enumerate()
             .filter(|&(e, l)| l.abs() < 1.01 * program.unit * program.least[e].abs())
             .count(),
-        reversed_edges: lengths.enumerate().filter(|(_, l)| **l < 0.0).map(|(e, _)| e).collect(),
+        reversed_edges: lengths
+            .enumerate()
+            .filter(|(_, l)| **l < 0.0)
+            .map(|(e, _)| e)
+            .collect(),
         crossed_faces: crossed(&mesh),
         mesh,
     }
@@ -568,7 +579,10 @@ fn length_rows(
 ) {
     let t = space.mesh().topology();
     for (e, l) in least.enumerate() {
-        rows.push(length_row(t.edge_vertices(e), -space.direction(e) * l.signum()));
+        rows.push(length_row(
+            t.edge_vertices(e),
+            -space.direction(e) * l.signum(),
+        ));
         bounds.push(-l.abs());
     }
 }
@@ -583,7 +597,9 @@ fn waist_rows(
 ) {
     for waist in waists {
         rows.push(length_row([waist.from, waist.to], -waist.inward));
-        let edges = t.face_half_edges(waist.face).map(|h| least[t.edge(h)].abs());
+        let edges = t
+            .face_half_edges(waist.face)
+            .map(|h| least[t.edge(h)].abs());
         bounds.push(-edges.sum::<f64>() / t.valence(waist.face) as f64);
     }
 }

@@ -88,7 +88,7 @@ pub use inheritance::Inheritance;
 pub use layers::{SafeDistance, SafeDistances, layer, safe_distances};
 pub use null_space::Rank;
 pub use options::OffsetOptions;
-pub use signs::{EdgeSigns, SignError};
+pub use signs::{EdgeSigns, SIGNED_FAIRNESS, SignError};
 pub use solids::{PanelSolid, joined, panel_solids, volume};
 pub use space::ParallelSpace;
 pub use vertex_normal::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};

@@ -16,9 +16,9 @@
 //! *Guaranteed*: hexagons only. *Fails* where the Gauss image winds round a hole, or no panel lies
 //! in it.
 
-use crate::curvature::Curvature;
+use crate::curvature::{Curvature, turn_to_pole};
 use crate::layout::LayoutError;
-use nalgebra::{Complex, DMatrix, DVector, Rotation3, UnitQuaternion};
+use nalgebra::{Complex, DMatrix, DVector, Rotation3};
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap, VecDeque};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
@@ -80,10 +80,7 @@ impl GaussPlane {
     fn new(surface: &TriangleSurface, curvature: &Curvature) -> Result<Self, LayoutError> {
         let normals = &curvature.normal;
         let mean: Vec3 = normals.iter().sum();
-        let turn = UnitQuaternion::rotation_between(&mean, &Vec3::z());
-        // Half a turn where they are opposite.
-        let turn = turn.unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vec3::x_axis(), PI));
-        let turn = turn.to_rotation_matrix();
+        let turn = turn_to_pole(&mean).to_rotation_matrix();
         let point = normals.map(|n| projected(turn * n));
         let flat = point.iter().map(|w| Vec3::new(w.re, w.im, 0.0)).collect();
         let faces = surface.topology().face_lists();
@@ -111,7 +108,14 @@ impl GaussPlane {
             ((ahead - back).arg(), 1.0 - ratio)
         });
         let angle = unwrapped(surface, &raw, &area);
-        Ok(Self { turn, point, region, area, size, angle })
+        Ok(Self {
+            turn,
+            point,
+            region,
+            area,
+            size,
+            angle,
+        })
     }
 
     /// The normal of a point of the plane.
@@ -130,7 +134,9 @@ impl GaussPlane {
         let t = self.region.topology();
         let area = |f| {
             let corners = t.face_vertices(f).iter();
-            let scale: f64 = corners.map(|v| map.derivative(self.point[*v]).norm_sqr()).sum();
+            let scale: f64 = corners
+                .map(|v| map.derivative(self.point[*v]).norm_sqr())
+                .sum();
             self.region.area_vector(f).norm() / 2.0 * scale / 3.0
         };
         t.faces().map(area).sum()
@@ -166,7 +172,10 @@ fn unwrapped(
     let mut angle: PerVertex<Option<f64>> = PerVertex::filled(raw.len(), None);
     let mut heap = BinaryHeap::new();
     let order = |v: VertexId| ((raw[v].1 * 1e9) as i64, std::cmp::Reverse(v));
-    let first = t.vertices().max_by_key(|v| order(*v)).unwrap_or(VertexId::new(0));
+    let first = t
+        .vertices()
+        .max_by_key(|v| order(*v))
+        .unwrap_or(VertexId::new(0));
     heap.push((order(first), first, first));
     let mut swapped = 0.0;
     while let Some((_, v, from)) = heap.pop() {
@@ -187,8 +196,14 @@ fn unwrapped(
     }
     // On minimal surfaces neither family is better, and rounding must not choose.
     let all: f64 = area.iter().sum();
-    let turn = if swapped < -1e-6 * all { FRAC_PI_2 } else { 0.0 };
-    PerVertex::from_fn(raw.len(), |v| (angle[v].unwrap_or(raw[v].0) + turn, raw[v].1.powi(2)))
+    let turn = if swapped < -1e-6 * all {
+        FRAC_PI_2
+    } else {
+        0.0
+    };
+    PerVertex::from_fn(raw.len(), |v| {
+        (angle[v].unwrap_or(raw[v].0) + turn, raw[v].1.powi(2))
+    })
 }
 
 /// `dz = exp(g(w)) dw`.
@@ -202,7 +217,11 @@ struct ConformalMap {
 impl ConformalMap {
     fn fit(image: &GaussPlane, rotate: f64) -> Self {
         let origin = image.middle();
-        let far = image.point.iter().map(|w| (w - origin).norm()).fold(0.0, f64::max);
+        let far = image
+            .point
+            .iter()
+            .map(|w| (w - origin).norm())
+            .fold(0.0, f64::max);
         let unit = far.max(f64::MIN_POSITIVE);
         let n = 2 * (DEGREE + 1);
         let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -216,11 +235,31 @@ impl ConformalMap {
             let powers = powers(u);
             let share = image.area[v] / total;
             // g = sum (a_k + i b_k) u^k.
-            let real = |k: usize| if k % 2 == 0 { powers[k / 2].re } else { -powers[k / 2].im };
-            let imaginary = |k: usize| if k % 2 == 0 { powers[k / 2].im } else { powers[k / 2].re };
-            add(DVector::from_fn(n, |k, _| real(k)), image.size[v], SIZES * share);
+            let real = |k: usize| {
+                if k % 2 == 0 {
+                    powers[k / 2].re
+                } else {
+                    -powers[k / 2].im
+                }
+            };
+            let imaginary = |k: usize| {
+                if k % 2 == 0 {
+                    powers[k / 2].im
+                } else {
+                    powers[k / 2].re
+                }
+            };
+            add(
+                DVector::from_fn(n, |k, _| real(k)),
+                image.size[v],
+                SIZES * share,
+            );
             let (angle, weight) = image.angle[v];
-            add(DVector::from_fn(n, |k, _| imaginary(k)), rotate - angle, weight * share);
+            add(
+                DVector::from_fn(n, |k, _| imaginary(k)),
+                rotate - angle,
+                weight * share,
+            );
         }
         (0..n).for_each(|k| matrix[(k, k)] += RIDGE);
         let solved = matrix.cholesky().map(|c| c.solve(&right));
@@ -329,7 +368,11 @@ impl Grown {
             }
         }
         let inside = centre.values().filter(|c| c.1).count();
-        Self { centre, corner, inside }
+        Self {
+            centre,
+            corner,
+            inside,
+        }
     }
 
     /// The hexagons as a mesh on the unit sphere.

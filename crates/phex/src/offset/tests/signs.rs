@@ -13,8 +13,13 @@ use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_3;
 
 fn koebe_patch(rings: i64, opening: f64) -> HexMesh {
-    let options = KoebeOptions { opening, ..KoebeOptions::default() };
-    koebe(&hexagon_patch(rings), &options, &Silent).unwrap().mesh
+    let options = KoebeOptions {
+        opening,
+        ..KoebeOptions::default()
+    };
+    koebe(&hexagon_patch(rings), &options, &Silent)
+        .unwrap()
+        .mesh
 }
 
 /// The edges that are parallel to the y axis in the plane.
@@ -41,7 +46,10 @@ fn saddle(rings: i64) -> (HexMesh, HexMesh) {
 
 fn saddle_surface() -> TriangleSurface {
     let shape = Shape::from_name("hyperbolic-paraboloid", &[]).unwrap();
-    let options = TriangulationOptions { triangles: 8000, ..Default::default() };
+    let options = TriangulationOptions {
+        triangles: 8000,
+        ..Default::default()
+    };
     triangulate(&shape, &options).unwrap()
 }
 
@@ -54,7 +62,9 @@ fn worst_of_edges(mesh: &HexMesh, moved: &HexMesh, distance: f64) -> f64 {
         let [u, w] = [mesh, moved].map(|m| (m.position(b) - m.position(a)).normalize());
         let off = moved.position(a) - mesh.position(a);
         let away = (off - u * off.dot(&u)).norm();
-        worst = worst.max((away - distance.abs()).abs()).max(u.cross(&w).norm());
+        worst = worst
+            .max((away - distance.abs()).abs())
+            .max(u.cross(&w).norm());
     }
     worst
 }
@@ -64,7 +74,10 @@ fn a_reversed_family_makes_a_saddle_with_offsets_on_both_sides() {
     let (mesh, image) = saddle(5);
     let measures = measure(&mesh);
     let faces = mesh.topology().n_faces();
-    assert_eq!((measures.faces_not_simple, measures.faces_concave), (0, faces));
+    assert_eq!(
+        (measures.faces_not_simple, measures.faces_concave),
+        (0, faces)
+    );
     assert!(measures.clearance.min > 0.3, "{}", measures.clearance.min);
     for distance in [0.05, 0.02, -0.02, -0.05] {
         let moved = edge_offset(&mesh, &image, distance);
@@ -79,7 +92,10 @@ fn the_koebe_mesh_of_a_saddle_is_recognised() {
         // Faces look to the other side than those of the image.
         for mesh in [mesh.turned_over(), mesh] {
             let found = edge_gauss_image(&mesh, &OffsetOptions::default()).unwrap();
-            assert!(found.defect < 1e-10 && found.facing > 0.9, "{rings}: {found:?}");
+            assert!(
+                found.defect < 1e-10 && found.facing > 0.9,
+                "{rings}: {found:?}"
+            );
             for distance in [0.03, -0.03] {
                 let moved = found.image.offset(&mesh, distance);
                 assert!(worst_of_edges(&mesh, &moved, distance) < 1e-11, "{rings}");
@@ -87,7 +103,9 @@ fn the_koebe_mesh_of_a_saddle_is_recognised() {
             if rings > 0 {
                 let same = |sign: f64| {
                     let pairs = found.image.positions.iter().zip(&image.positions);
-                    pairs.map(|(a, b)| (a - b * sign).norm()).fold(0.0, f64::max)
+                    pairs
+                        .map(|(a, b)| (a - b * sign).norm())
+                        .fold(0.0, f64::max)
                 };
                 assert!(same(1.0).min(same(-1.0)) < 1e-9, "{rings}");
             }
@@ -101,11 +119,13 @@ fn layers_solids_and_beams_of_a_saddle() {
     let mesh = saddle(4).0.turned_over();
     let found = edge_gauss_image(&mesh, &options).unwrap();
     let thickness = 0.2 * mesh.mean_edge();
-    let [lower, upper] = [-0.5, 0.5].map(|s| {
-        layer(&mesh, &found.image, s * thickness, &options).unwrap()
-    });
+    let [lower, upper] =
+        [-0.5, 0.5].map(|s| layer(&mesh, &found.image, s * thickness, &options).unwrap());
     let beams = beam_axes(&lower, &upper).unwrap();
-    assert!(beams.iter().all(|b| b.torsion < 1e-10), "beams without torsion");
+    assert!(
+        beams.iter().all(|b| b.torsion < 1e-10),
+        "beams without torsion"
+    );
     let solids = panel_solids(&lower, &upper, 0.0).unwrap();
     assert_eq!(solids.len(), mesh.topology().n_faces());
     // Face and vertex offsets do not ask for signs.
@@ -128,19 +148,32 @@ fn the_space_of_a_saddle_is_that_of_its_koebe_mesh() {
             closure[(3 * t.face(h).index() + k, t.edge(h).index())] = along[k];
         }
     }
-    let rank = closure.singular_values().iter().filter(|s| **s > 1e-9).count();
+    let rank = closure
+        .singular_values()
+        .iter()
+        .filter(|s| **s > 1e-9)
+        .count();
     let dimension = t.n_edges() - rank;
     assert_eq!(directions.dimension(), dimension);
     let space = ParallelSpace::new(&mesh).unwrap();
-    assert_eq!((space.dimension(), space.basis().len()), (dimension, dimension));
+    assert_eq!(
+        (space.dimension(), space.basis().len()),
+        (dimension, dimension)
+    );
 }
 
 #[test]
 fn a_signed_fit_comes_close_to_a_saddle() {
     let image = saddle_image();
     let surface = saddle_surface();
-    for signs in [EdgeSigns::SignRule, EdgeSigns::Reversed(ruled_edges(&image, &surface))] {
-        let options = FitOptions { signs, ..FitOptions::default() };
+    for signs in [
+        EdgeSigns::SignRule,
+        EdgeSigns::Reversed(ruled_edges(&image, &surface)),
+    ] {
+        let options = FitOptions {
+            signs,
+            ..FitOptions::default()
+        };
         let fitted = fit_parallel(&image, &surface, &options, &Silent).unwrap();
         assert!(fitted.crossed_faces.is_empty() && !fitted.reversed_edges.is_empty());
         let rms = fitted.rms_distance / surface.diagonal();
@@ -174,18 +207,36 @@ fn signs_without_simple_panels_are_refused_by_face() {
     let (image, surface) = (saddle_image(), saddle_surface());
     let refused = |edges: Vec<EdgeId>| {
         let signs = EdgeSigns::Reversed(edges);
-        let options = FitOptions { signs, ..FitOptions::default() };
+        let options = FitOptions {
+            signs,
+            ..FitOptions::default()
+        };
         fit_parallel(&image, &surface, &options, &Silent).unwrap_err()
     };
     let error = refused(vec![EdgeId::new(3)]);
-    assert!(matches!(error, FitError::Signs(SignError::Turning { reversed: 1, .. })), "{error}");
+    assert!(
+        matches!(
+            error,
+            FitError::Signs(SignError::Turning { reversed: 1, .. })
+        ),
+        "{error}"
+    );
     let error = refused(vec![EdgeId::new(99_999)]);
-    assert!(matches!(error, FitError::Signs(SignError::NoSuchEdge { .. })), "{error}");
+    assert!(
+        matches!(error, FitError::Signs(SignError::NoSuchEdge { .. })),
+        "{error}"
+    );
     let flat = Shape::from_name("plane", &[]).unwrap();
     let flat = triangulate(&flat, &TriangulationOptions::default()).unwrap();
-    let options = FitOptions { signs: EdgeSigns::SignRule, ..FitOptions::default() };
+    let options = FitOptions {
+        signs: EdgeSigns::SignRule,
+        ..FitOptions::default()
+    };
     let error = fit_parallel(&image, &flat, &options, &Silent).unwrap_err();
-    assert!(matches!(error, FitError::Signs(SignError::Flat { .. })), "{error}");
+    assert!(
+        matches!(error, FitError::Signs(SignError::Flat { .. })),
+        "{error}"
+    );
 }
 
 /// A Koebe patch that faces upwards, a family of edges along the saddle's axis.
@@ -194,8 +245,13 @@ fn saddle_image() -> HexMesh {
 }
 
 fn ruled_edges(image: &HexMesh, surface: &TriangleSurface) -> Vec<EdgeId> {
-    let options = FitOptions { signs: EdgeSigns::SignRule, ..FitOptions::default() };
-    fit_parallel(image, surface, &options, &Silent).unwrap().reversed_edges
+    let options = FitOptions {
+        signs: EdgeSigns::SignRule,
+        ..FitOptions::default()
+    };
+    fit_parallel(image, surface, &options, &Silent)
+        .unwrap()
+        .reversed_edges
 }
 
 /// A hexagon with edges of 0, 60 and 120 degrees of some signed lengths.
@@ -220,7 +276,9 @@ fn waist(lengths: [f64; 3]) -> f64 {
     let mesh = as_mesh(&hexagon(lengths));
     let signed = space.lengths(&mesh);
     let waists = waists_of(&space, FaceId::new(0), &signed).unwrap();
-    let open = waists.iter().map(|w| w.inward.dot(&(mesh.position(w.to) - mesh.position(w.from))));
+    let open = waists
+        .iter()
+        .map(|w| w.inward.dot(&(mesh.position(w.to) - mesh.position(w.from))));
     open.fold(f64::INFINITY, f64::min)
 }
 
@@ -287,7 +345,11 @@ proptest! {
 fn lengths_tell_which_edges_run_against_their_image() {
     let (mesh, image) = saddle(3);
     let lengths: PerEdge<f64> = ParallelSpace::new(&image).unwrap().lengths(&mesh);
-    let reversed: Vec<EdgeId> = image.topology().edges().filter(|e| lengths[*e] < 0.0).collect();
+    let reversed: Vec<EdgeId> = image
+        .topology()
+        .edges()
+        .filter(|e| lengths[*e] < 0.0)
+        .collect();
     assert_eq!(reversed, family(3));
     let flat = FlatFace::all(&mesh);
     assert!(flat.iter().all(|f| is_simple(&f.polygon)));

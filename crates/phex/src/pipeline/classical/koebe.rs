@@ -15,7 +15,7 @@ use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, no_flat_po
 use crate::layout::support_function::gauss_lattice;
 use crate::layout::{LayoutError, LayoutStatistics, support_function};
 use crate::offset::fit::{FitOptions, fit_beyond};
-use crate::offset::signs::EdgeSigns;
+use crate::offset::signs::{EdgeSigns, SIGNED_FAIRNESS};
 use crate::pipeline::domain::{Ground, WHOLE_STRIP};
 use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError, panel_length};
@@ -23,17 +23,18 @@ use crate::trim::Boundary;
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
 use phex_numeric::Outcome;
 
-/// Weight of the lengths by the sign rule: from 0.01 to 0.3 panels are as close to a hyperbolic
-/// paraboloid, and have more clearance (0.42, not 0.34), than with less.
-const FAIRNESS: f64 = 0.03;
-
 /// Name in messages.
 const METHOD: &str = "koebe";
 
 /// The surface and a strip beyond its boundary that is wide enough for whole panels: where they are
 /// cut, too, nothing may turn at the rim.
 pub(super) fn ground(surface: &TriangleSurface, panels: usize, options: &MeshOptions) -> Ground {
-    Ground::with_strip(surface, panels, options, WHOLE_STRIP * panel_length(surface, panels))
+    Ground::with_strip(
+        surface,
+        panels,
+        options,
+        WHOLE_STRIP * panel_length(surface, panels),
+    )
 }
 
 pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, PipelineError> {
@@ -56,7 +57,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     let image = clock.timed("koebe", || koebe(&made.graph, &options, progress))?;
     let fit = FitOptions {
         signs: EdgeSigns::SignRule,
-        fairness: FAIRNESS,
+        fairness: SIGNED_FAIRNESS,
         minimal: ground.options.dual.minimal,
         ..FitOptions::default()
     };
@@ -99,7 +100,9 @@ fn closed_graph(ground: &Ground, clock: &mut Clock<'_>) -> Result<GaussGraph, Pi
     let metric = support_function::metric(&start.curvature);
     let field = start.field(ground, metric, clock)?;
     let (fine, Drawn { placed, layout }) = cells(ground, &field, clock)?;
-    let feet = fine.surface.closest_points(layout.mesh.positions.as_slice());
+    let feet = fine
+        .surface
+        .closest_points(layout.mesh.positions.as_slice());
     let normals = PerVertex::from_vec(feet.iter().map(|f| f.normal).collect());
     Ok(GaussGraph {
         graph: layout.mesh.with_positions(normals),
@@ -117,7 +120,10 @@ fn patch_graph(
 ) -> Result<GaussGraph, PipelineError> {
     let loops = given.surface.boundary_loops().len();
     if loops > 1 {
-        return Err(KoebeError::BoundaryLoops { boundary_loops: loops }.into());
+        return Err(KoebeError::BoundaryLoops {
+            boundary_loops: loops,
+        }
+        .into());
     }
     let all = ground.smooth.finest();
     let share = ground.given().finest().area() / all.area();
