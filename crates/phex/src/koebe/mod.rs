@@ -142,7 +142,8 @@ pub enum BoundaryCondition {
     /// As large as in the Gauss image of the input, which must be curved: the best start for a
     /// parallel mesh like the input.
     GaussImage,
-    /// As large as in the input, whose vertices lie on the unit sphere: the pattern is laid over it.
+    /// As large as in the input, whose vertices lie on the unit sphere: the pattern is laid over
+    /// it.
     Sphere,
     /// At the angles of the input: straight boundaries stay straight, before they are projected to
     /// the sphere.

@@ -15,16 +15,16 @@
 //!
 //! with `q_i = R(m_e, m_e)` across the edge and `q_j, q_k` those across the other two families, at
 //! 60 degrees to it: the *sign rule*. On a sphere it is the radius for all edges. Where `K < 0` and
-//! an edge is along a principal direction, `l = -(3 rho + 1) / 2, 1, 1` over the radius of curvature
-//! across that edge, `rho` being the ratio of the radii: one family runs against its image. On a
-//! minimal surface it is twice as long as the others.
+//! an edge is along a principal direction, `l = -(3 rho + 1) / 2, 1, 1` over the radius of
+//! curvature across that edge, `rho` being the ratio of the radii: one family runs against its
+//! image. On a minimal surface it is twice as long as the others.
 //!
-//! A hexagon with edges `-b, a, c, -b, a, c` turns by 120 degrees four times and by 60 degrees twice
-//! the other way: two opposite corners are re-entrant. The *waist* is what is left between them. The
-//! hexagon is simple if each of these two corners lies inside the lines of both edges at the other:
-//! the diagonal between them parts it into two polygons without re-entrant corners, on its two
-//! sides. For `-b, a, c` that is `b > a` and `b > c`, for principal directions `rho > 1/3`. Where
-//! `K -> 0` lengths pass through zero, and there is no such mesh.
+//! A hexagon with edges `-b, a, c, -b, a, c` turns by 120 degrees four times and by 60 degrees
+//! twice the other way: two opposite corners are re-entrant. The *waist* is what is left between
+//! them. The hexagon is simple if each of these two corners lies inside the lines of both edges at
+//! the other: the diagonal between them parts it into two polygons without re-entrant corners, on
+//! its two sides. For `-b, a, c` that is `b > a` and `b > c`, for principal directions `rho > 1/3`.
+//! Where `K -> 0` lengths pass through zero, and there is no such mesh.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -48,8 +48,8 @@ use std::f64::consts::{PI, TAU};
 use thiserror::Error;
 
 /// A good [`FitOptions::fairness`](super::FitOptions::fairness) with lengths by the sign rule: from
-/// 0.01 to 0.3 panels are as close to a hyperbolic paraboloid as with 0.001, and have more clearance
-/// (0.42, not 0.34).
+/// 0.01 to 0.3 panels are as close to a hyperbolic paraboloid as with 0.001, and have more
+/// clearance (0.42, not 0.34).
 pub const SIGNED_FAIRNESS: f64 = 0.03;
 
 /// Which edges of a parallel mesh point against those of the given mesh.

@@ -2,8 +2,8 @@
 //! in the plane.
 //!
 //! In the plane `w` of a stereographic projection, which is conformal, `dz = exp(g(w)) dw` with a
-//! polynomial `g` maps the Gauss image to the plane `z` of a regular lattice. `Re g` is the size and
-//! `Im g` the rotation; both are harmonic and belong together. `g` is the least-squares fit of
+//! polynomial `g` maps the Gauss image to the plane `z` of a regular lattice. `Re g` is the size
+//! and `Im g` the rotation; both are harmonic and belong together. `g` is the least-squares fit of
 //!
 //! ```text
 //! Re g = log(lambda / sqrt |K|)     panels of one area on the surface, lambda = 2 / (1 + |w|^2)
@@ -30,7 +30,7 @@ const SIZES: f64 = 0.1;
 /// Weight of each coefficient of `g`, so that few vertices are no trouble.
 const RIDGE: f64 = 1e-6;
 
-type Plane = Complex<f64>;
+type PlanePoint = Complex<f64>;
 
 /// Panels of a lattice about a patch: hexagons on the unit sphere, counter-clockwise from outside.
 ///
@@ -65,7 +65,7 @@ const COUNT_TRIES: usize = 2;
 struct GaussPlane {
     turn: Rotation3<f64>,
     /// The image of each vertex.
-    point: PerVertex<Plane>,
+    point: PerVertex<PlanePoint>,
     /// The image as a surface in the plane `z = 0`.
     region: TriangleSurface,
     /// Area of each vertex on the surface.
@@ -119,12 +119,12 @@ impl GaussPlane {
     }
 
     /// The normal of a point of the plane.
-    fn normal(&self, w: Plane) -> Vec3 {
+    fn normal(&self, w: PlanePoint) -> Vec3 {
         let s = 1.0 + w.norm_sqr();
         self.turn.inverse() * Vec3::new(2.0 * w.re / s, 2.0 * w.im / s, 2.0 / s - 1.0)
     }
 
-    fn holds(&self, w: Plane) -> bool {
+    fn holds(&self, w: PlanePoint) -> bool {
         let p = Vec3::new(w.re, w.im, 0.0);
         (self.region.closest_point(p).position - p).norm() < 1e-9
     }
@@ -143,11 +143,13 @@ impl GaussPlane {
     }
 
     /// The vertex that is nearest to the middle of all.
-    fn middle(&self) -> Plane {
+    fn middle(&self) -> PlanePoint {
         let sum: f64 = self.area.iter().sum();
         let pairs = self.point.iter().zip(&self.area);
-        let mean: Plane = pairs.map(|(w, a)| w * *a).sum::<Plane>() / Plane::from(sum);
-        let near = |a: &&Plane, b: &&Plane| (*a - mean).norm().total_cmp(&(*b - mean).norm());
+        let mean: PlanePoint =
+            pairs.map(|(w, a)| w * *a).sum::<PlanePoint>() / PlanePoint::from(sum);
+        let near =
+            |a: &&PlanePoint, b: &&PlanePoint| (*a - mean).norm().total_cmp(&(*b - mean).norm());
         self.point.iter().min_by(near).copied().unwrap_or(mean)
     }
 }
@@ -156,8 +158,8 @@ impl GaussPlane {
 const STEP: f64 = 1e-4;
 
 /// Stereographic projection from the pole at `-z`.
-fn projected(n: Vec3) -> Plane {
-    Plane::new(n.x, n.y) / (1.0 + n.z).max(1e-9)
+fn projected(n: Vec3) -> PlanePoint {
+    PlanePoint::new(n.x, n.y) / (1.0 + n.z).max(1e-9)
 }
 
 /// Angles of one family of principal directions all over the surface, without jumps, with their
@@ -208,10 +210,10 @@ fn unwrapped(
 
 /// `dz = exp(g(w)) dw`.
 struct ConformalMap {
-    origin: Plane,
+    origin: PlanePoint,
     /// Unit of the polynomial's variable.
     unit: f64,
-    coefficients: [Plane; DEGREE + 1],
+    coefficients: [PlanePoint; DEGREE + 1],
 }
 
 impl ConformalMap {
@@ -231,7 +233,7 @@ impl ConformalMap {
             right.axpy(weight * wish, &row, 1.0);
         };
         for (v, w) in image.point.enumerate() {
-            let u = (w - origin) / Plane::from(unit);
+            let u = (w - origin) / PlanePoint::from(unit);
             let powers = powers(u);
             let share = image.area[v] / total;
             // g = sum (a_k + i b_k) u^k.
@@ -267,19 +269,21 @@ impl ConformalMap {
         Self {
             origin,
             unit,
-            coefficients: std::array::from_fn(|k| Plane::new(solved[2 * k], solved[2 * k + 1])),
+            coefficients: std::array::from_fn(|k| {
+                PlanePoint::new(solved[2 * k], solved[2 * k + 1])
+            }),
         }
     }
 
     /// `dz / dw`.
-    fn derivative(&self, w: Plane) -> Plane {
-        let powers = powers((w - self.origin) / Plane::from(self.unit));
+    fn derivative(&self, w: PlanePoint) -> PlanePoint {
+        let powers = powers((w - self.origin) / PlanePoint::from(self.unit));
         let terms = self.coefficients.iter().zip(powers);
-        terms.map(|(c, u)| c * u).sum::<Plane>().exp()
+        terms.map(|(c, u)| c * u).sum::<PlanePoint>().exp()
     }
 
     /// The point of `w` that lies `step` away from `from` in the plane of the lattice.
-    fn moved(&self, from: Plane, step: Plane) -> Option<Plane> {
+    fn moved(&self, from: PlanePoint, step: PlanePoint) -> Option<PlanePoint> {
         let mut to = from + step / self.derivative(from);
         for _ in 0..NEWTON {
             let miss = step - self.way(from, to);
@@ -293,15 +297,18 @@ impl ConformalMap {
     }
 
     /// The integral of `dz` on a straight way, by the rule of Gauss with five points on each half.
-    fn way(&self, from: Plane, to: Plane) -> Plane {
-        let half = |a: Plane, b: Plane| {
-            let (middle, reach) = ((a + b) / Plane::from(2.0), (b - a) / Plane::from(2.0));
+    fn way(&self, from: PlanePoint, to: PlanePoint) -> PlanePoint {
+        let half = |a: PlanePoint, b: PlanePoint| {
+            let (middle, reach) = (
+                (a + b) / PlanePoint::from(2.0),
+                (b - a) / PlanePoint::from(2.0),
+            );
             let term = |&(x, weight): &(f64, f64)| {
-                self.derivative(middle + reach * Plane::from(x)) * Plane::from(weight)
+                self.derivative(middle + reach * PlanePoint::from(x)) * PlanePoint::from(weight)
             };
-            GAUSS.iter().map(term).sum::<Plane>() * reach
+            GAUSS.iter().map(term).sum::<PlanePoint>() * reach
         };
-        let middle = (from + to) / Plane::from(2.0);
+        let middle = (from + to) / PlanePoint::from(2.0);
         half(from, middle) + half(middle, to)
     }
 }
@@ -317,8 +324,8 @@ const GAUSS: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
 
-fn powers(u: Plane) -> [Plane; DEGREE + 1] {
-    let mut power = Plane::from(1.0);
+fn powers(u: PlanePoint) -> [PlanePoint; DEGREE + 1] {
+    let mut power = PlanePoint::from(1.0);
     std::array::from_fn(|k| {
         if k > 0 {
             power *= u;
@@ -330,9 +337,9 @@ fn powers(u: Plane) -> [Plane; DEGREE + 1] {
 /// Hexagons of the lattice, grown from the middle.
 struct Grown {
     /// Centres in the plane `w`, and whether they lie inside.
-    centre: BTreeMap<(i32, i32), (Plane, bool)>,
+    centre: BTreeMap<(i32, i32), (PlanePoint, bool)>,
     /// Corners, by their places in the lattice in thirds of its basis.
-    corner: BTreeMap<(i32, i32), Plane>,
+    corner: BTreeMap<(i32, i32), PlanePoint>,
     inside: usize,
 }
 
@@ -348,7 +355,8 @@ impl Grown {
             // Those next to the inside end the lattice.
             for (k, (q, r)) in NEIGHBOURS.iter().enumerate().filter(|_| inside) {
                 let next = (at.0 + q, at.1 + r);
-                let step = Plane::from_polar(3f64.sqrt() * edge, PI / 6.0 + FRAC_PI_3 * k as f64);
+                let step =
+                    PlanePoint::from_polar(3f64.sqrt() * edge, PI / 6.0 + FRAC_PI_3 * k as f64);
                 if centre.contains_key(&next) || centre.len() > MOST {
                     continue;
                 }
@@ -361,7 +369,7 @@ impl Grown {
         let mut corner = BTreeMap::new();
         for (at, (w, _)) in &centre {
             for (k, place) in corners(*at).into_iter().enumerate() {
-                let step = Plane::from_polar(edge, FRAC_PI_3 * k as f64);
+                let step = PlanePoint::from_polar(edge, FRAC_PI_3 * k as f64);
                 if let Some(there) = map.moved(*w, step) {
                     corner.entry(place).or_insert(there);
                 }
@@ -409,16 +417,17 @@ mod tests {
     #[test]
     fn a_polynomial_way_is_found_back() {
         let map = ConformalMap {
-            origin: Plane::new(0.1, -0.2),
+            origin: PlanePoint::new(0.1, -0.2),
             unit: 0.7,
-            coefficients: std::array::from_fn(|k| Plane::new(0.3, -0.2) / (k + 1) as f64),
+            coefficients: std::array::from_fn(|k| PlanePoint::new(0.3, -0.2) / (k + 1) as f64),
         };
-        let from = Plane::new(0.3, 0.1);
-        let step = Plane::new(-0.05, 0.08);
+        let from = PlanePoint::new(0.3, 0.1);
+        let step = PlanePoint::new(-0.05, 0.08);
         let there = map.moved(from, step).unwrap();
         let back = map.moved(there, -step).unwrap();
         assert!((back - from).norm() < 1e-12, "{back}");
-        let slope = (map.way(from, from + Plane::from(1e-5)) / 1e-5 - map.derivative(from)).norm();
+        let slope =
+            (map.way(from, from + PlanePoint::from(1e-5)) / 1e-5 - map.derivative(from)).norm();
         assert!(slope < 1e-4, "{slope}");
     }
 

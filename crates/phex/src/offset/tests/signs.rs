@@ -307,8 +307,8 @@ proptest! {
         prop_assert_eq!(is_simple(&hexagon(lengths)), b > a.min(c));
     }
 
-    /// Planes that touch a quadric in a small lattice, regular on the Gauss sphere, meet as the sign
-    /// rule says.
+    /// Planes that touch a quadric in a small lattice, regular on the Gauss sphere, meet as the
+    /// sign rule says.
     #[test]
     fn signs_are_those_of_tangent_planes(
         k1 in 0.2f64..2.0, k2 in 0.2f64..2.0, saddle in any::<bool>(), turn in 0.0f64..6.3

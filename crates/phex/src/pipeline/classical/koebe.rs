@@ -3,8 +3,8 @@
 //! Gauss image of the panels, and the mesh parallel to it that is closest to the surface has them,
 //! with one of three families of edges reversed where `K < 0` ([`crate::offset::EdgeSigns`]).
 //!
-//! Edges between panels whose normals differ by `dn` are perpendicular to `dn` on the surface and on
-//! the sphere: that is why a lattice from the sphere has the directions of a Koebe mesh on any
+//! Edges between panels whose normals differ by `dn` are perpendicular to `dn` on the surface and
+//! on the sphere: that is why a lattice from the sphere has the directions of a Koebe mesh on any
 //! surface with `K != 0`. Where `K < 0` the Gauss map turns the orientation round, and so the Koebe
 //! mesh is that of the panels seen from below.
 
