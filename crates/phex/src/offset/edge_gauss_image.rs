@@ -293,24 +293,37 @@ fn corner_rows(mesh: &HexMesh, root: VertexId) -> Vec<CornerRow> {
 
 /// Corners in a row up to which all choices of sides are tried.
 const MOST_CORNERS: usize = 10;
-/// How much better a choice must close than an earlier one.
-const CLEARLY_BETTER: f64 = 1e-9;
+/// Choices close as well as each other up to this, on the unit sphere.
+const SAME_MISS: f64 = 1e-9;
+
+impl PlacedRow {
+    /// How far its corners are from the sphere.
+    fn size(&self) -> f64 {
+        self.corners.iter().map(Vec3::norm_squared).sum()
+    }
+}
 
 impl CornerRow {
     /// At a corner both edges touch to the same side or, where one of them runs against its image,
-    /// to opposite sides: what meets the end of the row is taken.
+    /// to opposite sides. Of the choices that meet the end of the row the nearest to the sphere is
+    /// taken: an edge between two corners may touch the circle of its face in two points, of which
+    /// one makes the face cross itself.
     fn placed(&self, mesh: &HexMesh, positions: &PerVertex<Option<Vec3>>) -> PlacedRow {
         let choices = if self.corners.len() > MOST_CORNERS {
             1
         } else {
             1 << self.corners.len()
         };
-        let mut best = self.choice(mesh, positions, 0);
-        let mut least = self.miss(mesh, positions, best.point);
-        for sides in 1..choices {
+        let choice = |sides| {
             let placed = self.choice(mesh, positions, sides);
             let miss = self.miss(mesh, positions, placed.point);
-            if miss < least - CLEARLY_BETTER {
+            (placed, miss)
+        };
+        let (mut best, mut least) = choice(0);
+        for sides in 1..choices {
+            let (placed, miss) = choice(sides);
+            let closes_as_well = miss < least + SAME_MISS && placed.size() < best.size();
+            if miss < least - SAME_MISS || closes_as_well {
                 (best, least) = (placed, miss);
             }
         }
