@@ -216,6 +216,7 @@ fn surfaces_without_edge_offsets_are_refused_by_vertex() {
         ("plane", "bends in one direction at most"),
         ("cylinder", "bends in one direction at most"),
         ("torus", "positive at vertex"),
+        ("catenoid", "without holes"),
         ("wave", "positive at vertex"),
     ] {
         shop.succeed(&format!("shape {shape} -o {shape}.obj --triangles 2000"));

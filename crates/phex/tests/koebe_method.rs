@@ -218,6 +218,11 @@ fn other_surfaces_are_refused_with_a_vertex() {
         matches!(torus, DomainError::MixedCurvature { .. }),
         "{torus}"
     );
+    let catenoid = refused(&common::shape("catenoid", 3000));
+    assert!(
+        matches!(catenoid, DomainError::Holes { loops: 2, .. }),
+        "{catenoid}"
+    );
     // More than a turn of a helicoid: normals come back.
     let turns = patch(1.0, |u, v| {
         [u * (5.0 * v).cos(), u * (5.0 * v).sin(), 2.0 * v]

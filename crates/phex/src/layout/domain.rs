@@ -147,6 +147,18 @@ pub enum DomainError {
         /// The angle between their planes, degrees.
         degrees: f64,
     },
+    /// The surface has holes.
+    #[error(
+        "{method} needs a surface without holes, but there are {loops} boundary curves, one through {place}: cut the surface open"
+    )]
+    Holes {
+        /// The method.
+        method: &'static str,
+        /// Number of boundary curves.
+        loops: usize,
+        /// A vertex on the shortest of them.
+        place: LocatedVertex,
+    },
     /// A part of the surface is flat, or bends in one direction only.
     #[error(
         "{method} needs Gauss curvature other than zero, but the surface bends in one direction at most at {place}: {consequence}"
@@ -198,6 +210,7 @@ impl DomainError {
             | Self::Unresolved { place, .. }
             | Self::Coarse { place, .. }
             | Self::Developable { place, .. }
+            | Self::Holes { place, .. }
             | Self::FlatPoint { place, .. } => move_to(place),
         }
         self
@@ -299,6 +312,29 @@ fn extreme(
         vertex: best.0,
         position: surface.positions()[best.0],
     })
+}
+
+/// That there is one boundary curve at the most.
+///
+/// # Errors
+/// If there are more: a vertex on the shortest.
+pub(crate) fn without_holes(
+    surface: &TriangleSurface,
+    method: &'static str,
+) -> Result<(), DomainError> {
+    let loops = surface.boundary_loops();
+    let shortest = loops.iter().min_by_key(|l| l.len()).and_then(|l| l.first());
+    match shortest.filter(|_| loops.len() > 1) {
+        None => Ok(()),
+        Some(&vertex) => Err(DomainError::Holes {
+            method,
+            loops: loops.len(),
+            place: LocatedVertex {
+                vertex,
+                position: surface.positions()[vertex],
+            },
+        }),
+    }
 }
 
 /// Curvatures whose ratio is below this are those of a surface that bends in one direction only.

@@ -177,14 +177,23 @@ fn ruled_lengths(
 }
 
 /// The sign rule: length of an edge in a direction over that of its image, for a second fundamental
-/// form; infinite or not a number where `K = 0`.
+/// form; infinite or not a number where `K = 0`. Where `K > 0` no edge runs against the others: one
+/// that would, because the lattice is turned off the direction of the larger radius, is short.
 pub(super) fn length_ratio(second: &Matrix3<f64>, normal: &Vec3, along: &Vec3) -> f64 {
     let [x, y] = tangent_frame(*normal);
     let form = |a: &Vec3, b: &Vec3| a.dot(&(second * b));
     let gauss = form(&x, &x) * form(&y, &y) - form(&x, &y).powi(2);
     let across = normal.cross(along);
-    (3.0 * form(&across, &across) - form(along, along)) / (2.0 * gauss)
+    let ratio = (3.0 * form(&across, &across) - form(along, along)) / (2.0 * gauss);
+    if gauss > 0.0 {
+        let outwards = form(&x, &x).signum();
+        return outwards * (outwards * ratio).max(SHORT / gauss.sqrt());
+    }
+    ratio
 }
+
+/// Length of such an edge over that of its image and the mean radius of curvature.
+const SHORT: f64 = 0.1;
 
 /// Edges that would be longer than so many diagonals of the surface are those of a flat one.
 const FAR: f64 = 10.0;

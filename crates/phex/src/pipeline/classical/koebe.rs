@@ -10,8 +10,10 @@
 
 use super::{ClassicalMesh, CurvedGround, cells, fitted_planes};
 use crate::directions::guides::Cone;
-use crate::koebe::{BoundaryCondition, KoebeError, KoebeOptions, koebe};
-use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, no_flat_point, not_flat};
+use crate::koebe::{BoundaryCondition, KoebeOptions, koebe};
+use crate::layout::domain::{
+    CurvatureSign, DomainError, SignedPlaces, no_flat_point, not_flat, without_holes,
+};
 use crate::layout::support_function::gauss_lattice;
 use crate::layout::{LayoutError, LayoutStatistics, support_function};
 use crate::offset::fit::{FitOptions, fit_beyond};
@@ -118,13 +120,6 @@ fn patch_graph(
     given: &CurvedGround<'_>,
     clock: &mut Clock<'_>,
 ) -> Result<GaussGraph, PipelineError> {
-    let loops = given.surface.boundary_loops().len();
-    if loops > 1 {
-        return Err(KoebeError::BoundaryLoops {
-            boundary_loops: loops,
-        }
-        .into());
-    }
     let all = ground.smooth.finest();
     let share = ground.given().finest().area() / all.area();
     let panels = (ground.panels as f64 * share).round() as usize;
@@ -145,8 +140,9 @@ fn check(given: &CurvedGround<'_>, ground: &Ground) -> Result<(), DomainError> {
     let (surface, curvature) = (given.surface, &given.curvature);
     let consequence = "edges of the Gauss image vanish and turn round";
     given.resolved(ground, METHOD)?;
-    not_flat(surface, curvature, METHOD, consequence)?;
     let sign = SignedPlaces::find(surface, curvature).one_sign(METHOD, consequence)?;
+    not_flat(surface, curvature, METHOD, consequence)?;
+    without_holes(surface, METHOD)?;
     no_flat_point(sign, surface, curvature, METHOD, consequence)?;
     support_function::one_to_one(surface, curvature, METHOD)
 }
