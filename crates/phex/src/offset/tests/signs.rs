@@ -22,15 +22,15 @@ fn koebe_patch(rings: i64, opening: f64) -> HexMesh {
         .mesh
 }
 
-/// The edges that are parallel to the y axis in the plane.
+/// The edges that are parallel to the x axis in the plane.
 fn family(rings: i64) -> Vec<EdgeId> {
     let flat = hexagon_patch(rings);
     let t = flat.topology();
-    let upright = |e: &EdgeId| {
+    let level = |e: &EdgeId| {
         let [a, b] = t.edge_vertices(*e);
         (flat.position(b) - flat.position(a)).y.abs() < 1e-9
     };
-    t.edges().filter(upright).collect()
+    t.edges().filter(level).collect()
 }
 
 /// The mesh whose edges are nearest to 1 and (those of a family) -2 times those of a Koebe mesh.
