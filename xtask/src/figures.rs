@@ -34,8 +34,9 @@ pub struct Maker<'a> {
 }
 
 /// Rows of the program's table that are shown under a picture.
-const ROWS: [&str; 11] = [
+const ROWS: [&str; 12] = [
     "fit",
+    "signs",
     "curvature",
     "dual",
     "conjugate",

@@ -2,7 +2,7 @@
 //! silence.
 
 use crate::exit::Failure;
-use crate::settings::{CloseTo, LayoutMethod, MeshSettings};
+use crate::settings::{AtBoundary, CloseTo, LayoutMethod, MeshSettings};
 use crate::steering::TypedSolver;
 use clap::ValueEnum;
 
@@ -60,6 +60,7 @@ impl MeshSettings {
         let every = || LayoutMethod::value_variants().to_vec();
         let lattice = || ON_LATTICE.to_vec();
         let directed = [ON_LATTICE.as_slice(), &OWN_METRIC].concat();
+        let turned = [directed.as_slice(), &[LayoutMethod::Koebe]].concat();
         let fitted = self.fitted();
         let bounded = every()
             .into_iter()
@@ -76,9 +77,14 @@ impl MeshSettings {
             fitted
         };
         let s = &self.steering;
+        // Vertices that are moved afterwards turn the edges that have offsets.
+        let movable: Vec<LayoutMethod> = every()
+            .into_iter()
+            .filter(|m| *m != LayoutMethod::Koebe)
+            .collect();
         let all = [
             ("effort", self.effort.is_some(), vec![LayoutMethod::Lattice]),
-            ("rotate", self.rotate.is_some(), directed.clone()),
+            ("rotate", self.rotate.is_some(), turned),
             ("cones", self.guides.cones.is_some(), directed),
             ("guide", self.guides.guide.is_some(), lattice()),
             ("crease", self.guides.crease.is_some(), lattice()),
@@ -97,6 +103,13 @@ impl MeshSettings {
                 self.regularise.is_some(),
                 vec![LayoutMethod::TangentPlanes],
             ),
+            ("minimal", self.minimal, vec![LayoutMethod::Koebe]),
+            (
+                "boundary = snap",
+                self.boundary == Some(AtBoundary::Snap),
+                movable.clone(),
+            ),
+            ("held vertices", s.holds(), movable),
             ("fairness", s.fairness.is_some(), dials.clone()),
             ("closeness", s.closeness.is_some(), dials.clone()),
             ("clearance", s.clearance.is_some(), dials.clone()),
@@ -128,6 +141,7 @@ impl MeshSettings {
             ("any-domain", self.any_domain),
             ("quadric", self.quadric.is_some()),
             ("regularise", self.regularise.is_some()),
+            ("minimal", self.minimal),
             ("rotate", self.rotate.is_some()),
             ("adaptive", self.adaptive.is_some()),
             ("size-field", self.size_field.is_some()),
@@ -208,6 +222,7 @@ mod tests {
             ("brick-wall", "rrrrrrhhhh"),
             ("power-diagram", "rrrrrrrrrr"),
             ("projective-dual", "hrrrrhrrrh"),
+            ("koebe", "hrrrrrrrrh"),
             ("support-function", "hrrrrhrrrh"),
             ("dual-subdivision", "hhhhhhrrrh"),
             ("tangent-planes", "hhhhhhrrrh"),

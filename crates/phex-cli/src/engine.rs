@@ -206,6 +206,8 @@ fn pipeline_failure(error: PipelineError) -> Failure {
         | PipelineError::Option(_)
         | PipelineError::Components(_)
         | PipelineError::NoPreview
+        | PipelineError::Snap { .. }
+        | PipelineError::Koebe(_)
         | PipelineError::Cones(_) => Exit::InputUnusable,
         PipelineError::Optimise(OptimiseError::Steering(_) | OptimiseError::BadOption(_)) => {
             Exit::InputUnusable

@@ -80,6 +80,17 @@ pub fn of_method(classical: Option<&ClassicalStatistics>) -> String {
         let doubt = told.in_doubt.unwrap_or(0);
         table.row("forecast", forecast(panels, doubt, told));
     }
+    if let Some(edges) = told.reversed_edges {
+        let image = match edges {
+            0 => "edges run as those of the Koebe mesh do".to_owned(),
+            n => format!("{n} edges run against those of the Koebe mesh"),
+        };
+        table.row("signs", image);
+    }
+    if let Some([mean, rms]) = told.mean_curvature_rel {
+        let told = format!("mean {mean:.4}, rms {rms:.1e}, times the diagonal (a sphere: 3.46)");
+        table.row("curvature", told);
+    }
     if let Some(edges) = told.edges_at_bound.filter(|n| *n > 0) {
         table.row("bound", format!("{edges} edges as short as is allowed"));
     }

@@ -41,15 +41,24 @@ pub struct ParallelCommand {
     /// every face still closes (1000 panels take about a second)
     #[arg(long, value_name = "BASIS.CSV", help_heading = "Files")]
     pub basis: Option<PathBuf>,
+    /// Edges that run against those of the given mesh, as they do where the surface is
+    /// saddle-shaped: `rule` (the sign rule of the surface's normal curvatures), or a file with
+    /// lines of `from to`, the numbers of two vertices, counted from 0 [default: none]
+    #[arg(long, value_name = "rule|EDGES.TXT", requires = "surface")]
+    pub signs: Option<PathBuf>,
+    /// Give all panels the mean curvature 0, with the given mesh as Gauss image
+    #[arg(long, requires = "surface")]
+    pub minimal: bool,
     /// Where the fit begins
     #[arg(long, value_enum, default_value_t, requires = "surface")]
     pub start: ParallelStart,
     /// Shortest edge allowed, over the mean edge (0 to 1)
     #[arg(long, value_name = "X", default_value_t = 0.05, requires = "surface")]
     pub least_edge: f64,
-    /// Weight of edge lengths in proportion to the input's, over that of closeness
-    #[arg(long, value_name = "X", default_value_t = 1e-3, requires = "surface")]
-    pub fairness: f64,
+    /// Weight of edge lengths in proportion to the input's, or with --signs those of the sign rule,
+    /// over that of closeness [default: 0.001, with --signs 0.03]
+    #[arg(long, value_name = "X", requires = "surface")]
+    pub fairness: Option<f64>,
     /// Weight of one mean curvature for all faces, over that of closeness
     #[arg(long, value_name = "X", default_value_t = 0.0, requires = "surface")]
     pub constant_mean_curvature: f64,

@@ -46,6 +46,9 @@ pub struct MeshSettings {
     /// optimiser; for `tangent-planes`
     #[arg(long, value_name = "X", value_parser = positive)]
     pub regularise: Option<f64>,
+    /// Give all panels the mean curvature 0, for minimal surfaces; for `koebe`
+    #[arg(long)]
+    pub minimal: bool,
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub rotate: Option<f64>,
@@ -57,7 +60,7 @@ pub struct MeshSettings {
     /// input, in its order; with --panels or --edge-length only their ratios count
     #[arg(long, value_name = "SIZES.TXT")]
     pub size_field: Option<PathBuf>,
-    /// What happens at the boundary [default: snap]
+    /// What happens at the boundary [default: snap; with `koebe`: whole]
     #[arg(long, value_enum, value_name = "HOW")]
     pub boundary: Option<AtBoundary>,
     /// Surface that the panels are kept close to [default: smooth]
@@ -121,6 +124,10 @@ pub enum LayoutMethod {
     TangentPlanes,
     /// A mesh parallel to one that tangent planes give, fitted; for Gauss curvature of one sign
     Parallel,
+    /// Panels with offsets at constant edge distance: a lattice on the Gauss sphere, its Koebe
+    /// mesh, and the mesh parallel to it, fitted; for Gauss curvature of one sign and a Gauss map
+    /// that is one to one
+    Koebe,
 }
 
 impl From<LayoutMethod> for Method {
@@ -134,6 +141,7 @@ impl From<LayoutMethod> for Method {
             LayoutMethod::PowerDiagram => Self::PowerDiagram,
             LayoutMethod::DualSubdivision => Self::DualSubdivision,
             LayoutMethod::Parallel => Self::Parallel,
+            LayoutMethod::Koebe => Self::Koebe,
         }
     }
 }
@@ -149,6 +157,7 @@ impl From<Method> for LayoutMethod {
             Method::PowerDiagram => Self::PowerDiagram,
             Method::DualSubdivision => Self::DualSubdivision,
             Method::Parallel => Self::Parallel,
+            Method::Koebe => Self::Koebe,
         }
     }
 }
@@ -319,6 +328,7 @@ impl MeshSettings {
             any_domain: self.any_domain || file.any_domain,
             quadric: self.quadric.or(file.quadric),
             regularise: self.regularise.or(file.regularise),
+            minimal: self.minimal || file.minimal,
             rotate: self.rotate.or(file.rotate),
             adaptive: self.adaptive.or(file.adaptive),
             size_field: self.size_field.or(file.size_field),
@@ -374,14 +384,20 @@ impl MeshSettings {
         if let Some(x) = self.regularise {
             options.dual.regularisation = x;
         }
+        options.dual.minimal |= self.minimal;
         if let Some(degrees) = self.rotate {
             options.directions.rotate = degrees.to_radians();
         }
         if self.adaptive.is_some() {
             options.sizes.adaptive = self.adaptive;
         }
-        if let Some(how) = self.boundary {
-            options.boundary = how.into();
+        match self.boundary {
+            Some(how) => options.boundary = how.into(),
+            // Where a job file names nothing else, either.
+            None if options.method == Method::Koebe && options.boundary == Boundary::default() => {
+                options.boundary = Boundary::Whole;
+            }
+            None => {}
         }
         if let Some(kind) = self.target {
             options.target.kind = kind.into();

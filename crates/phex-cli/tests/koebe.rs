@@ -165,3 +165,68 @@ fn an_invalid_parallel_mesh_is_not_written_and_a_space_has_no_verdict() {
         run.stdout
     );
 }
+
+#[test]
+fn a_saddle_gets_edge_offsets_in_one_command() {
+    let shop = Workshop::new();
+    shop.succeed("shape hyperbolic-paraboloid --set side=1.6 -o saddle.obj --triangles 3000");
+    let mesh = "mesh saddle.obj --method koebe -n 80 -o panels.obj --report run.json";
+    let run = shop.succeed(mesh);
+    assert!(run.stdout.contains("run against"), "{}", run.stdout);
+    let report = shop.json("run.json");
+    let told = &report["statistics"][0]["classical"];
+    assert!(
+        told["reversed_edges"].as_u64().is_some_and(|n| n > 0),
+        "{told}"
+    );
+    assert_eq!(report["settings"]["stages"]["boundary"], "whole");
+    let offset = "offset panels.obj --kind edge --distance 0.02,-0.02 -o layers --solids --beams --gauss-image --report offset.json";
+    let run = shop.succeed(offset);
+    assert!(run.stdout.contains("edges keep their distance"));
+    for layer in shop.json("offset.json")["layers"].as_array().unwrap() {
+        assert!(layer["distance_error"].as_f64().unwrap() < 1e-12);
+    }
+
+    // The Gauss image is a Koebe mesh: the way back, with the signs that are found.
+    let fit = "parallel layers/gauss_image.obj --surface saddle.obj --signs rule -o fitted.obj --report fit.json";
+    let run = shop.phex(fit);
+    assert!(
+        run.stdout.contains("run against those of the given mesh"),
+        "{}",
+        run.stderr
+    );
+    let statistics = &shop.json("fit.json")["statistics"];
+    assert!(statistics["reversed_edges"].as_u64().is_some_and(|n| n > 0));
+    assert_eq!(
+        statistics["crossed_faces"].as_array().map(Vec::len),
+        Some(0)
+    );
+
+    shop.write("signs.txt", "0 99999\n");
+    let run = shop
+        .phex("parallel layers/gauss_image.obj --surface saddle.obj --signs signs.txt -o no.obj");
+    assert_eq!(run.code, Some(4), "{}", run.stderr);
+    assert!(run.stderr.contains("signs.txt:1"), "{}", run.stderr);
+}
+
+#[test]
+fn surfaces_without_edge_offsets_are_refused_by_vertex() {
+    let shop = Workshop::new();
+    for (shape, reason) in [
+        ("plane", "bends in one direction at most"),
+        ("cylinder", "bends in one direction at most"),
+        ("torus", "positive at vertex"),
+        ("catenoid", "without holes"),
+        ("wave", "positive at vertex"),
+    ] {
+        shop.succeed(&format!("shape {shape} -o {shape}.obj --triangles 2000"));
+        let run = shop.phex(&format!("mesh {shape}.obj --method koebe -n 60 -o out.obj"));
+        assert_eq!(run.code, Some(4), "{shape}: {}", run.stderr);
+        assert!(run.stderr.contains(reason), "{shape}: {}", run.stderr);
+        assert!(run.stderr.contains("vertex"), "{shape}: {}", run.stderr);
+    }
+    let run = shop.phex("mesh plane.obj --method koebe --boundary snap -n 60 -o out.obj");
+    assert_eq!(run.code, Some(4), "{}", run.stderr);
+    assert!(run.stderr.contains("boundary"), "{}", run.stderr);
+    assert!(!shop.files().contains(&"out.obj".to_owned()));
+}

@@ -62,6 +62,27 @@ impl HexMesh {
         }
     }
 
+    /// The mesh with all faces turned over: the same vertices and faces, each the other way round.
+    ///
+    /// ```
+    /// use phex_mesh::{FaceId, HexMesh, Vec3};
+    ///
+    /// let corners = vec![Vec3::zeros(), Vec3::x(), Vec3::y()];
+    /// let triangle = HexMesh::new(corners, &[[0, 1, 2]])?;
+    /// let numbers = triangle.turned_over().topology().face_lists();
+    /// assert_eq!(numbers, [[2, 1, 0]]);
+    /// # Ok::<(), phex_mesh::TopologyError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// Never: the other side of an oriented manifold is one, too.
+    pub fn turned_over(&self) -> Self {
+        let mut faces = self.topology.face_lists();
+        faces.iter_mut().for_each(|f| f.reverse());
+        let turned = Self::new(self.positions.as_slice().to_vec(), &faces);
+        turned.expect("the other side of a manifold is one, too")
+    }
+
     /// Corner positions of a face, counter-clockwise.
     pub fn corners(&self, f: FaceId) -> impl ExactSizeIterator<Item = Vec3> + '_ {
         self.topology

@@ -5,7 +5,7 @@ use super::run::WORK;
 use super::steps::hexagon;
 use super::{GalleryFigure, Maker};
 
-pub const FIGURES: [GalleryFigure; 12] = [
+pub const FIGURES: [GalleryFigure; 13] = [
     GalleryFigure {
         number: 1,
         sentence: "A geodesic dome as a power diagram on a sphere, and a dome of constant mean curvature: a mesh parallel to one whose edges touch the unit sphere (a Koebe mesh), which is a Gauss image of it.",
@@ -66,7 +66,36 @@ pub const FIGURES: [GalleryFigure; 12] = [
         sentence: "A mesh that meets the angle condition with its offset at constant vertex distance, and its Gauss image, whose vertices lie on the unit sphere.",
         make: vertex_offset,
     },
+    GalleryFigure {
+        number: 13,
+        sentence: "What the paper leaves open: a saddle with its offsets at constant edge distance on both sides, and its Gauss image, whose edges touch the unit sphere. One of three families of edges runs against that of the Gauss image.",
+        make: edge_offset,
+    },
 ];
+
+fn edge_offset(m: &mut Maker<'_>) -> Result<(), String> {
+    m.run(&format!(
+        "shape hyperbolic-paraboloid --set side=1.6 -o {WORK}/saddle.obj -q"
+    ))?;
+    let mesh = format!("mesh {WORK}/saddle.obj -o {WORK}/saddle-phex.obj --method koebe -n 150");
+    m.measured("Saddle", &mesh)?;
+    let options = "--distance -0.05,0.05 --beams";
+    offset(m, "saddle-phex.obj", "edge", options)?;
+    let (below, above) = ("edge-offset/layer_-0.05.obj", "edge-offset/layer_+0.05.obj");
+    half_covered(m, below, above, "edge-layers")?;
+    m.draw(
+        "edge-layers.obj",
+        "figure-13-layers",
+        "one layer and half of the other",
+        "--no-legend",
+    )?;
+    m.draw(
+        "edge-offset/gauss_image.obj",
+        "figure-13-gauss-image",
+        "Gauss image",
+        "--no-legend",
+    )
+}
 
 fn domes(m: &mut Maker<'_>) -> Result<(), String> {
     m.surface("dome")?;

@@ -14,9 +14,9 @@ use crate::summary::SummaryTable;
 use crate::verdict::{TypedLimits, written};
 use anyhow::Context;
 use phex::offset::face_curvatures;
-use phex::offset::{FitOptions, FitStart, Fitted, fit_parallel};
+use phex::offset::{EdgeSigns, FitOptions, FitStart, Fitted, SIGNED_FAIRNESS, fit_parallel};
 use phex::report::InputFile;
-use phex_mesh::{HexMesh, TriangleSurface};
+use phex_mesh::{FlatFace, HexMesh, TriangleSurface};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -81,7 +81,8 @@ pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
 }
 
 fn inputs(command: &ParallelCommand) -> Vec<&Path> {
-    let more = [&command.surface, &command.lengths];
+    let signs = command.signs.as_ref().filter(|signs| !is_rule(signs));
+    let more = [command.surface.as_ref(), command.lengths.as_ref(), signs];
     let more = more.into_iter().flatten().map(AsRef::as_ref);
     std::iter::once(command.input.as_path())
         .chain(more)
@@ -106,7 +107,7 @@ fn fitted(
     let reporter = Reporter::new(&command.talk);
     let file = MeshFile::read(surface)?;
     let surface = file.surface()?;
-    let options = options(command);
+    let options = options(command, mesh)?;
     let fitted = fit_parallel(mesh, &surface, &options, &reporter)
         .with_context(|| command.input.display().to_string())
         .or_exit(Exit::InputUnusable)?;
@@ -117,6 +118,8 @@ fn fitted(
             "status": fitted.status,
             "rounds": fitted.rounds,
             "edges_at_bound": fitted.edges_at_bound,
+            "reversed_edges": fitted.reversed_edges.len(),
+            "crossed_faces": fitted.crossed_faces,
             "mean_curvature": fitted.mean_curvature,
             "mean_curvature_spread": fitted.mean_curvature_spread,
         }),
@@ -126,23 +129,48 @@ fn fitted(
             .is_some()
             .then(|| space::of(mesh).map(|space| space::basis(&space)))
             .transpose()?,
-        mesh: fitted.mesh,
+        mesh: facing(fitted.mesh, mesh),
         surface: Some(surface),
         input: Some(file.record),
     })
 }
 
-fn options(command: &ParallelCommand) -> FitOptions {
-    FitOptions {
+/// Whether the sign rule is asked for.
+fn is_rule(signs: &Path) -> bool {
+    signs.as_os_str() == "rule"
+}
+
+/// The mesh with its faces to the side of the surface to which the Gauss image looks.
+fn facing(mesh: HexMesh, gauss_image: &HexMesh) -> HexMesh {
+    let normal = |mesh: &HexMesh, f| FlatFace::of(mesh, f).normal();
+    let faces = mesh.topology().faces();
+    let same: f64 = faces
+        .map(|f| normal(&mesh, f).dot(&normal(gauss_image, f)))
+        .sum();
+    if same < 0.0 { mesh.turned_over() } else { mesh }
+}
+
+fn options(command: &ParallelCommand, mesh: &HexMesh) -> Result<FitOptions, Failure> {
+    Ok(FitOptions {
+        signs: match &command.signs {
+            None => EdgeSigns::Positive,
+            Some(rule) if is_rule(rule) => EdgeSigns::SignRule,
+            Some(file) => EdgeSigns::Reversed(space::edges(file, mesh)?),
+        },
+        minimal: command.minimal,
         start: match command.start {
             ParallelStart::Normals => FitStart::Normals,
             ParallelStart::Positions => FitStart::Positions,
         },
         least_edge: command.least_edge,
-        fairness: command.fairness,
+        fairness: command.fairness.unwrap_or(if command.signs.is_some() {
+            SIGNED_FAIRNESS
+        } else {
+            FitOptions::default().fairness
+        }),
         constant_mean_curvature: command.constant_mean_curvature,
         ..FitOptions::default()
-    }
+    })
 }
 
 fn table(fitted: &Fitted, gauss_image: &HexMesh) -> SummaryTable {
@@ -151,6 +179,16 @@ fn table(fitted: &Fitted, gauss_image: &HexMesh) -> SummaryTable {
         "fit",
         format!("{:?} after {} rounds", fitted.status, fitted.rounds),
     );
+    if !fitted.reversed_edges.is_empty() {
+        let (reversed, all) = (
+            fitted.reversed_edges.len(),
+            fitted.mesh.topology().n_edges(),
+        );
+        table.row(
+            "signs",
+            format!("{reversed} of {all} edges run against those of the given mesh"),
+        );
+    }
     if fitted.edges_at_bound > 0 {
         table.row(
             "short edges",

@@ -24,7 +24,7 @@ mod tensor;
 
 pub use dupin::{Indicatrix, free_panels, indicatrix_distances, inscribing_curves};
 pub use tensor::{Principal, principal, tangent_frame};
-pub(crate) use tensor::{large_curvature, smoothed};
+pub(crate) use tensor::{large_curvature, smoothed, turn_to_pole};
 
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};

@@ -1,7 +1,8 @@
 //! Tangential tensors: frames, smoothing, principal values.
 
-use nalgebra::{Matrix2, Matrix3, SymmetricEigen};
+use nalgebra::{Matrix2, Matrix3, SymmetricEigen, UnitQuaternion};
 use phex_mesh::{PerVertex, Topology, Vec3};
+use std::f64::consts::PI;
 
 /// Two unit tangents that make a right-handed frame with the unit normal `n`.
 pub fn tangent_frame(n: Vec3) -> [Vec3; 2] {
@@ -12,6 +13,12 @@ pub fn tangent_frame(n: Vec3) -> [Vec3; 2] {
     };
     let e1 = (axis - n * axis.dot(&n)).normalize();
     [e1, n.cross(&e1)]
+}
+
+/// The rotation that brings a direction to the north pole: half a turn from the south pole.
+pub(crate) fn turn_to_pole(direction: &Vec3) -> UnitQuaternion<f64> {
+    let half_turn = || UnitQuaternion::from_axis_angle(&Vec3::x_axis(), PI);
+    UnitQuaternion::rotation_between(direction, &Vec3::z()).unwrap_or_else(half_turn)
 }
 
 /// Averages tensors over one-rings (half own value, half the neighbours') and projects them to the

@@ -142,6 +142,9 @@ pub enum BoundaryCondition {
     /// As large as in the Gauss image of the input, which must be curved: the best start for a
     /// parallel mesh like the input.
     GaussImage,
+    /// As large as in the input, whose vertices lie on the unit sphere: the pattern is laid over
+    /// it.
+    Sphere,
     /// At the angles of the input: straight boundaries stay straight, before they are projected to
     /// the sphere.
     Angles,
@@ -323,7 +326,8 @@ pub fn koebe(
     if closed {
         sphere::balance(&mut poles, mesh);
     }
-    Ok(finished(mesh, poles, outcome))
+    let aims = aims(mesh, options.boundary);
+    Ok(finished(mesh, &aims, poles, outcome))
 }
 
 fn check(options: &KoebeOptions) -> Result<(), KoebeError> {
@@ -415,8 +419,8 @@ fn poles(circles: &Circles, sphere: &SphereCircles) -> Poles {
     }
 }
 
-fn finished(input: &HexMesh, poles: Poles, outcome: Outcome) -> Koebe {
-    let rotation = rotation_towards(input, &poles.vertices);
+fn finished(input: &HexMesh, aims: &PerVertex<Vec3>, poles: Poles, outcome: Outcome) -> Koebe {
+    let rotation = rotation_towards(aims, &poles.vertices);
     let mesh = input.with_positions(poles.vertices.map(|x| rotation * x));
     let face_poles = poles.faces.map(|y| rotation * y);
     Koebe {
@@ -427,22 +431,30 @@ fn finished(input: &HexMesh, poles: Poles, outcome: Outcome) -> Koebe {
     }
 }
 
-/// The rotation that brings vertices closest to the normals (and, for flat meshes, the places) of
-/// the input's; the identity if the input has none.
-fn rotation_towards(input: &HexMesh, vertices: &PerVertex<Vec3>) -> Matrix3<f64> {
-    let n = vertices.len() as f64;
-    let centre = input.positions.iter().sum::<Vec3>() / n;
+/// Where vertices are to be: at their normals and (for flat meshes) their places.
+fn aims(input: &HexMesh, boundary: BoundaryCondition) -> PerVertex<Vec3> {
+    if boundary == BoundaryCondition::Sphere {
+        return input.positions.clone();
+    }
+    let n = input.positions.len();
+    let centre = input.positions.iter().sum::<Vec3>() / n as f64;
     let radius = input
         .positions
         .iter()
         .map(|p| (p - centre).norm())
         .fold(0.0, f64::max);
     let scale = if radius > 0.0 { 1.0 / radius } else { 0.0 };
-    let mut correlation = Matrix3::zeros();
-    for (v, x) in vertices.enumerate() {
-        let aim = input.mean_normal(v) + (input.position(v) - centre) * scale;
-        correlation += aim * x.normalize().transpose() / n;
-    }
+    PerVertex::from_fn(n, |v| {
+        input.mean_normal(v) + (input.position(v) - centre) * scale
+    })
+}
+
+/// The rotation that brings vertices closest to where they are to be; the identity if that does not
+/// say.
+fn rotation_towards(aims: &PerVertex<Vec3>, vertices: &PerVertex<Vec3>) -> Matrix3<f64> {
+    let pairs = aims.iter().zip(vertices);
+    let terms = pairs.map(|(aim, x)| aim * x.normalize().transpose());
+    let correlation = terms.sum::<Matrix3<f64>>() / vertices.len() as f64;
     nearest_rotation(&correlation).unwrap_or_else(Matrix3::identity)
 }
 

@@ -5,7 +5,7 @@ use super::layout::{PlaneCircle, PlaneLayout};
 use super::radii::Radii;
 use super::sphere::SphereCircles;
 use super::{BoundaryCondition, KoebeError, KoebeOptions};
-use nalgebra::UnitQuaternion;
+use crate::curvature::turn_to_pole;
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::{EdgeId, FacePlane, HexMesh, PerVertex, Topology, Vec2, Vec3, VertexId};
 use std::f64::consts::{PI, TAU};
@@ -25,8 +25,8 @@ pub(super) fn radii(
         BoundaryCondition::EqualRadii => {
             Ok(Radii::new(circles, |node| on_boundary(node).map(|_| 0.0)))
         }
-        BoundaryCondition::GaussImage => {
-            let given = boundary_radii(mesh)?;
+        BoundaryCondition::GaussImage | BoundaryCondition::Sphere => {
+            let given = boundary_radii(mesh, options.boundary)?;
             Ok(Radii::new(circles, |node| {
                 on_boundary(node).map(|v| given[v].ln())
             }))
@@ -50,7 +50,9 @@ pub(super) fn project(
     options: &KoebeOptions,
 ) -> SphereCircles {
     let (origin, factor) = match options.boundary {
-        BoundaryCondition::GaussImage => similarity_to_gauss_image(circles, layout, mesh),
+        BoundaryCondition::GaussImage | BoundaryCondition::Sphere => {
+            similarity_to_gauss_image(circles, layout, &gauss_image(mesh, options.boundary))
+        }
         _ => centred(circles.topology, layout, options.opening.to_radians()),
     };
     SphereCircles::project(layout, origin, factor)
@@ -67,14 +69,14 @@ fn centred(t: &Topology, layout: &PlaneLayout, opening: f64) -> (Vec2, Vec2) {
 }
 
 /// Normals of the vertices in the plane: projected from the pole opposite to their mean.
-fn gauss_image(mesh: &HexMesh) -> PerVertex<Vec2> {
-    let normals: Vec<Vec3> = mesh
-        .topology()
-        .vertices()
-        .map(|v| mesh.mean_normal(v))
-        .collect();
+fn gauss_image(mesh: &HexMesh, boundary: BoundaryCondition) -> PerVertex<Vec2> {
+    let normal = |v| match boundary {
+        BoundaryCondition::Sphere => mesh.position(v),
+        _ => mesh.mean_normal(v),
+    };
+    let normals: Vec<Vec3> = mesh.topology().vertices().map(normal).collect();
     let mean: Vec3 = normals.iter().sum();
-    let turn = UnitQuaternion::rotation_between(&mean, &Vec3::z()).unwrap_or_default();
+    let turn = turn_to_pole(&mean);
     let project = |n: &Vec3| {
         let n = turn * n;
         Vec2::new(n.x, n.y) / (1.0 + n.z).max(f64::EPSILON)
@@ -83,8 +85,11 @@ fn gauss_image(mesh: &HexMesh) -> PerVertex<Vec2> {
 }
 
 /// Half the mean length of the boundary edges at each boundary vertex of the Gauss image.
-fn boundary_radii(mesh: &HexMesh) -> Result<PerVertex<f64>, KoebeError> {
-    let image = gauss_image(mesh);
+fn boundary_radii(
+    mesh: &HexMesh,
+    boundary: BoundaryCondition,
+) -> Result<PerVertex<f64>, KoebeError> {
+    let image = gauss_image(mesh, boundary);
     let mut radii = PerVertex::filled(image.len(), 1.0);
     for boundary in mesh.topology().boundary_loops() {
         let n = boundary.len();
@@ -108,9 +113,8 @@ fn boundary_radii(mesh: &HexMesh) -> Result<PerVertex<f64>, KoebeError> {
 fn similarity_to_gauss_image(
     circles: &Circles,
     layout: &PlaneLayout,
-    mesh: &HexMesh,
+    image: &PerVertex<Vec2>,
 ) -> (Vec2, Vec2) {
-    let image = gauss_image(mesh);
     let pairs: Vec<(Vec2, Vec2)> = image
         .enumerate()
         .filter_map(|(v, &aim)| match layout.circles[circles.of_vertex(v)] {

@@ -410,3 +410,30 @@ fn defects_are_those_of_the_mesh() {
         4
     );
 }
+
+/// The Koebe mesh is laid over a lattice on the sphere, wherever that lies, and keeps its size at
+/// the rim: the south pole, from where nothing can be projected, too.
+#[test]
+fn a_lattice_on_the_sphere_is_covered() {
+    let edge = 0.05;
+    let lattice = hexagon_patch(4);
+    let north = lattice.positions.map(|p| {
+        let w = p * edge;
+        Vec3::new(2.0 * w.x, 2.0 * w.y, 1.0 - w.norm_squared()) / (1.0 + w.norm_squared())
+    });
+    let half_turn = |p: &Vec3| Vec3::new(p.x, -p.y, -p.z);
+    let tilted = |p: &Vec3| nalgebra::Rotation3::from_euler_angles(0.7, -1.1, 0.3) * p;
+    for positions in [north.clone(), north.map(half_turn), north.map(tilted)] {
+        let given = lattice.with_positions(positions);
+        let options = KoebeOptions {
+            boundary: BoundaryCondition::Sphere,
+            ..KoebeOptions::default()
+        };
+        let made = koebe(&given, &options, &Silent).unwrap();
+        assert_sound(&made);
+        for (x, p) in made.mesh.positions.iter().zip(&given.positions) {
+            let off = (x.normalize() - p).norm() / edge;
+            assert!(off < 0.1, "{off} edges off");
+        }
+    }
+}

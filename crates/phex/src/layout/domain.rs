@@ -147,6 +147,30 @@ pub enum DomainError {
         /// The angle between their planes, degrees.
         degrees: f64,
     },
+    /// The surface has holes.
+    #[error(
+        "{method} needs a surface without holes, but there are {loops} boundary curves, one through {place}: cut the surface open"
+    )]
+    Holes {
+        /// The method.
+        method: &'static str,
+        /// Number of boundary curves.
+        loops: usize,
+        /// A vertex on the shortest of them.
+        place: LocatedVertex,
+    },
+    /// A part of the surface is flat, or bends in one direction only.
+    #[error(
+        "{method} needs Gauss curvature other than zero, but the surface bends in one direction at most at {place}: {consequence}"
+    )]
+    Developable {
+        /// The method.
+        method: &'static str,
+        /// Where that is clearest.
+        place: LocatedVertex,
+        /// What fails there.
+        consequence: &'static str,
+    },
     /// A flat point of a surface with `K < 0` else.
     #[error(
         "{method} needs Gauss curvature of one sign everywhere, but the surface is flat at {place}, where its principal directions have no limit: {consequence}"
@@ -185,6 +209,8 @@ impl DomainError {
             | Self::OtherQuadric { place, .. }
             | Self::Unresolved { place, .. }
             | Self::Coarse { place, .. }
+            | Self::Developable { place, .. }
+            | Self::Holes { place, .. }
             | Self::FlatPoint { place, .. } => move_to(place),
         }
         self
@@ -278,11 +304,7 @@ fn extreme(
     };
     let all = topology.vertices().map(|v| (v, least(v)));
     let sure: Vec<(VertexId, f64)> = all.filter(|v| v.1 > SIGN_RATIO).collect();
-    let area = |v: VertexId| -> f64 {
-        let around = topology.outgoing(v).map(|h| topology.face(h));
-        around.map(|f| surface.area_vector(f).norm() / 3.0).sum()
-    };
-    let share = sure.iter().map(|v| area(v.0)).sum::<f64>() / surface.area();
+    let share = sure.iter().map(|v| area_at(surface, v.0)).sum::<f64>() / surface.area();
     let best = sure
         .into_iter()
         .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
@@ -290,6 +312,84 @@ fn extreme(
         vertex: best.0,
         position: surface.positions()[best.0],
     })
+}
+
+/// That there is one boundary curve at the most.
+///
+/// # Errors
+/// If there are more: a vertex on the shortest.
+pub(crate) fn without_holes(
+    surface: &TriangleSurface,
+    method: &'static str,
+) -> Result<(), DomainError> {
+    let loops = surface.boundary_loops();
+    let shortest = loops.iter().min_by_key(|l| l.len()).and_then(|l| l.first());
+    match shortest.filter(|_| loops.len() > 1) {
+        None => Ok(()),
+        Some(&vertex) => Err(DomainError::Holes {
+            method,
+            loops: loops.len(),
+            place: LocatedVertex {
+                vertex,
+                position: surface.positions()[vertex],
+            },
+        }),
+    }
+}
+
+/// Curvatures whose ratio is below this are those of a surface that bends in one direction only.
+const DEVELOPABLE_RATIO: f64 = 0.01;
+/// Share of the surface's area on which it may.
+const DEVELOPABLE_SHARE: f64 = 0.05;
+/// Largest curvature, over the inverse of the surface's diagonal, of a plane.
+const PLANE: f64 = 1e-3;
+
+/// That the surface bends in two directions but for small parts of it.
+///
+/// # Errors
+/// Where it bends in one direction at most: the vertex where that is clearest.
+pub(crate) fn not_flat(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    method: &'static str,
+    consequence: &'static str,
+) -> Result<(), DomainError> {
+    let topology = surface.topology();
+    let floor = PLANE / surface.diagonal();
+    let principal = curvature.principal();
+    let ratio = |v: &VertexId| {
+        let p = &principal[*v];
+        match p.large.abs() > floor {
+            true => (p.small / p.large).abs(),
+            false => 0.0,
+        }
+    };
+    let inner = topology
+        .vertices()
+        .filter(|v| !topology.is_boundary_vertex(*v));
+    let flat: Vec<VertexId> = inner.filter(|v| ratio(v) < DEVELOPABLE_RATIO).collect();
+    let area: f64 = flat.iter().map(|v| area_at(surface, *v)).sum();
+    let clearest = flat
+        .into_iter()
+        .min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    match clearest.filter(|_| area > DEVELOPABLE_SHARE * surface.area()) {
+        None => Ok(()),
+        Some(vertex) => Err(DomainError::Developable {
+            method,
+            place: LocatedVertex {
+                vertex,
+                position: surface.positions()[vertex],
+            },
+            consequence,
+        }),
+    }
+}
+
+/// Two thirds of the area of the triangles at a vertex.
+fn area_at(surface: &TriangleSurface, v: VertexId) -> f64 {
+    let topology = surface.topology();
+    let around = topology.outgoing(v).map(|h| topology.face(h));
+    around.map(|f| surface.area_vector(f).norm() / 3.0).sum()
 }
 
 /// Curvature below this share of that [`FLAT_RINGS`] edges away is that of a flat point.

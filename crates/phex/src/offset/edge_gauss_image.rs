@@ -11,7 +11,9 @@
 //! choice but for the signs, which say to which side of the vertex each line touches. One start
 //! decides them: the touching point of an edge is the same from both of its ends. The start that
 //! closes is taken; among several, the one that faces the normals best. At a corner of a single
-//! face both edges touch to the same side.
+//! face both edges touch to the same side, or to opposite sides where one of them runs against that
+//! of the image, as on saddles ([`EdgeSigns`](super::EdgeSigns)): what closes at the next vertex
+//! with two faces is taken.
 //!
 //! So a mesh has an edge-distance offset if and only if it closes, and the image is found from its
 //! directions alone. Source: Pottmann, Liu, Wallner, Bobenko, Wang, "Geometry of multi-layer
@@ -26,7 +28,7 @@ use super::face_offset::check_planar_mesh;
 use super::gauss_image::{GaussImage, OffsetKind};
 use super::vertex_offset::{check_connected, edges_at, vertex_directions};
 use super::{OffsetError, OffsetOptions};
-use phex_mesh::{EdgeId, HexMesh, PerVertex, Vec3, VertexId};
+use phex_mesh::{EdgeId, HalfEdgeId, HexMesh, PerVertex, Vec3, VertexId};
 use std::collections::VecDeque;
 
 /// Touching points up to this far apart are the same.
@@ -150,7 +152,9 @@ fn starts(mesh: &HexMesh, root: VertexId, normal: Vec3) -> impl Iterator<Item = 
         [a, b] => {
             let outward = a.along.cross(&normal.normalize());
             let point = (normal.normalize() + outward).normalize();
-            vec![corner(point, &a.along, &b.along)]
+            [b.along, -b.along]
+                .map(|ahead| corner(point, &a.along, &ahead))
+                .to_vec()
         }
         _ => Vec::new(),
     };
@@ -193,26 +197,36 @@ fn spread(
     start: Vec3,
     normals: &PerVertex<Vec3>,
 ) -> EdgeGaussImage {
-    let mut positions: PerVertex<Option<Vec3>> =
-        PerVertex::filled(mesh.topology().n_vertices(), None);
+    let topology = mesh.topology();
+    let mut positions: PerVertex<Option<Vec3>> = PerVertex::filled(topology.n_vertices(), None);
     positions[root] = Some(start);
-    let (mut inner, mut corners) = (VecDeque::from([root]), VecDeque::new());
-    while let Some(v) = inner.pop_front().or_else(|| corners.pop_front()) {
-        let x = positions[v].unwrap_or(start);
-        for spoke in star(mesh, v) {
-            if positions[spoke.to].is_none() {
-                let point = touching(x, &spoke.along);
-                positions[spoke.to] = Some(reached(
-                    mesh,
-                    spoke.to,
-                    spoke.edge,
-                    point,
-                    &normals[spoke.to],
-                ));
-                let is_corner = mesh.topology().face_degree(spoke.to) == 1;
-                let queue = if is_corner { &mut corners } else { &mut inner };
-                queue.push_back(spoke.to);
+    let rows = corner_rows(mesh, root);
+    let mut queue = VecDeque::from([root]);
+    loop {
+        while let Some(v) = queue.pop_front() {
+            let x = positions[v].unwrap_or(start);
+            for s in star(mesh, v) {
+                if positions[s.to].is_none() && topology.face_degree(s.to) > 1 {
+                    let (point, normal) = (touching(x, &s.along), &normals[s.to]);
+                    positions[s.to] = Some(reached(mesh, s.to, s.edge, point, normal));
+                    queue.push_back(s.to);
+                }
             }
+        }
+        let next = rows.iter().find(|r| {
+            positions[r.from].is_some() && r.corners.iter().any(|v| positions[*v].is_none())
+        });
+        let Some(row) = next else {
+            break;
+        };
+        let placed = row.placed(mesh, &positions);
+        for (&v, x) in row.corners.iter().zip(&placed.corners) {
+            positions[v] = Some(*x);
+        }
+        if positions[row.to].is_none() {
+            let normal = &normals[row.to];
+            positions[row.to] = Some(reached(mesh, row.to, row.last, placed.point, normal));
+            queue.push_back(row.to);
         }
     }
     let positions = positions.map(|x| x.unwrap_or(start));
@@ -231,6 +245,127 @@ fn spread(
         defect,
         edge,
         facing,
+    }
+}
+
+/// Corners of one face in a row along the boundary, between two vertices that are none (or, for a
+/// face alone, all but one).
+struct CornerRow {
+    from: VertexId,
+    corners: Vec<VertexId>,
+    to: VertexId,
+    /// The edge between the last of them and `to`.
+    last: EdgeId,
+}
+
+/// The images of a row of corners, and where the edge after them touches.
+struct PlacedRow {
+    corners: Vec<Vec3>,
+    point: Vec3,
+}
+
+/// The rows of corners along all boundaries.
+fn corner_rows(mesh: &HexMesh, root: VertexId) -> Vec<CornerRow> {
+    let t = mesh.topology();
+    let ends = |v: VertexId| v == root || t.face_degree(v) > 1;
+    let along = t
+        .half_edges()
+        .filter(|h| t.twin(*h).is_none() && ends(t.origin(*h)));
+    let row = |start: HalfEdgeId| {
+        let (mut h, mut corners) = (start, Vec::new());
+        while !ends(t.target(h)) {
+            corners.push(t.target(h));
+            h = t.next(h);
+        }
+        let (from, to, last) = (t.origin(start), t.target(h), t.edge(h));
+        CornerRow {
+            from,
+            corners,
+            to,
+            last,
+        }
+    };
+    along
+        .map(row)
+        .filter(|row| !row.corners.is_empty())
+        .collect()
+}
+
+/// Corners in a row up to which all choices of sides are tried.
+const MOST_CORNERS: usize = 10;
+/// Choices close as well as each other up to this, on the unit sphere.
+const SAME_MISS: f64 = 1e-9;
+
+impl PlacedRow {
+    /// How far its corners are from the sphere.
+    fn size(&self) -> f64 {
+        self.corners.iter().map(Vec3::norm_squared).sum()
+    }
+}
+
+impl CornerRow {
+    /// At a corner both edges touch to the same side or, where one of them runs against its image,
+    /// to opposite sides. Of the choices that meet the end of the row the nearest to the sphere is
+    /// taken: an edge between two corners may touch the circle of its face in two points, of which
+    /// one makes the face cross itself.
+    fn placed(&self, mesh: &HexMesh, positions: &PerVertex<Option<Vec3>>) -> PlacedRow {
+        let choices = if self.corners.len() > MOST_CORNERS {
+            1
+        } else {
+            1 << self.corners.len()
+        };
+        let choice = |sides| {
+            let placed = self.choice(mesh, positions, sides);
+            let miss = self.miss(mesh, positions, placed.point);
+            (placed, miss)
+        };
+        let (mut best, mut least) = choice(0);
+        for sides in 1..choices {
+            let (placed, miss) = choice(sides);
+            let closes_as_well = miss < least + SAME_MISS && placed.size() < best.size();
+            if miss < least - SAME_MISS || closes_as_well {
+                (best, least) = (placed, miss);
+            }
+        }
+        best
+    }
+
+    /// The row with one bit for each corner: whether its edges touch to opposite sides.
+    fn choice(&self, mesh: &HexMesh, positions: &PerVertex<Option<Vec3>>, sides: u32) -> PlacedRow {
+        let ends = [self.from].into_iter().chain(self.corners.iter().copied());
+        let path: Vec<VertexId> = ends.chain([self.to]).collect();
+        let along = |k: usize| (mesh.position(path[k + 1]) - mesh.position(path[k])).normalize();
+        let start = positions[self.from].unwrap_or_default();
+        let mut point = touching(start, &along(0));
+        let mut corners = Vec::with_capacity(self.corners.len());
+        for k in 1..=self.corners.len() {
+            let ahead = if sides >> (k - 1) & 1 == 0 {
+                along(k)
+            } else {
+                -along(k)
+            };
+            let x = corner(point, &-along(k - 1), &ahead);
+            point = touching(x, &along(k));
+            corners.push(x);
+        }
+        PlacedRow { corners, point }
+    }
+
+    /// How far the last edge's touching point is from that of the end of the row.
+    fn miss(&self, mesh: &HexMesh, positions: &PerVertex<Option<Vec3>>, point: Vec3) -> f64 {
+        let spokes = star(mesh, self.to);
+        let Some(last) = spokes.iter().find(|s| s.edge == self.last) else {
+            return f64::INFINITY;
+        };
+        let off = |x: Vec3| (touching(x, &last.along) - point).norm();
+        match (positions[self.to], &spokes[..]) {
+            (Some(x), _) => off(x),
+            (None, [a, b, c, ..]) => {
+                let all = apexes([a.along, b.along, c.along]);
+                all.map(off).fold(f64::INFINITY, f64::min)
+            }
+            _ => 0.0,
+        }
     }
 }
 

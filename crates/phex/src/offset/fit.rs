@@ -4,7 +4,8 @@
 //!
 //! ```text
 //! minimise    sum_v (n_v . (x_v - p_v))^2 + w_t |x_v - p_v|^2  +  w_f sum_e (l_e - s l0_e)^2  +  w_h sum_f (A(x, K) + H A(x))^2
-//! subject to  x_b - x_a parallel to d_e,   l_e = d_e . (x_b - x_a) >= l_min
+//! subject to  x_b - x_a parallel to d_e,   s_e l_e = s_e d_e . (x_b - x_a) >= l_min
+//!             open waists where edges are reversed, A(x, K) = 0 for minimal meshes
 //! ```
 //!
 //! is solved by interior points; then new foot points are found, until the mesh rests. The mesh
@@ -32,13 +33,16 @@
 
 use super::edge_offset::{face_areas, mean_curvature, mixed_area_gradient};
 use super::null_space::Rows;
+use super::signs::{EdgeSigns, SignError, SignedLengths, Waist, closest_normal, crossed};
 use super::space::{ParallelError, ParallelSpace};
 use crate::progress::{Event, Progress};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
 };
-use phex_mesh::{HexMesh, PerEdge, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{
+    EdgeId, FaceId, HexMesh, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId,
+};
 use phex_numeric::Status;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -65,6 +69,11 @@ const TANGENTIAL: f64 = 1e-2;
 pub struct FitOptions {
     /// Where the first foot points come from.
     pub start: FitStart,
+    /// Which edges run against those of the input.
+    pub signs: EdgeSigns,
+    /// Whether every face is to have the mean curvature 0, with the input as Gauss image: a linear
+    /// condition.
+    pub minimal: bool,
     /// `w_f`: weight of edge lengths in proportion to the input's, >= 0. It decides where the
     /// surface does not, as at the rim.
     pub fairness: f64,
@@ -84,6 +93,8 @@ impl Default for FitOptions {
     fn default() -> Self {
         Self {
             start: FitStart::Normals,
+            signs: EdgeSigns::Positive,
+            minimal: false,
             fairness: 1e-3,
             constant_mean_curvature: 0.0,
             least_edge: 0.05,
@@ -110,6 +121,23 @@ pub enum FitError {
     /// The mesh has no parallel meshes.
     #[error(transparent)]
     Parallel(#[from] ParallelError),
+    /// There are no signs for the edges, or no simple panels with them.
+    #[error(transparent)]
+    Signs(#[from] SignError),
+    /// No parallel mesh has the signs and least lengths that are asked for.
+    #[error(
+        "no parallel mesh has edges with these signs, each at least {least_edge} of its wished length{}: the least of them, over that of its image, is that of edge {edge} (vertices {} and {})", minimal_too(.minimal), vertices[0], vertices[1]
+    )]
+    NoneWithSigns {
+        /// [`FitOptions::least_edge`].
+        least_edge: f64,
+        /// Whether mean curvature 0 was asked for.
+        minimal: bool,
+        /// The edge.
+        edge: EdgeId,
+        /// Its ends.
+        vertices: [VertexId; 2],
+    },
     /// The foot points coincide: the surface is nowhere like the mesh.
     #[error("all vertices have the same foot point on the surface (near vertex {vertex} of it)")]
     OneFootPoint {
@@ -118,11 +146,24 @@ pub enum FitError {
     },
 }
 
+fn minimal_too(minimal: &bool) -> &'static str {
+    if *minimal {
+        " and panels of mean curvature 0"
+    } else {
+        ""
+    }
+}
+
 /// A mesh parallel to the input, close to the surface.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// The mesh.
+    /// The mesh, with the connectivity of the input. Where `K < 0` its faces look to the other side
+    /// of the surface than those of the input.
     pub mesh: HexMesh,
+    /// Edges that run against those of the input.
+    pub reversed_edges: Vec<EdgeId>,
+    /// Faces that cross themselves, by exact predicates.
+    pub crossed_faces: Vec<FaceId>,
     /// How the rounds ended.
     pub status: Status,
     /// Number of rounds, each one quadratic program.
@@ -149,18 +190,43 @@ pub fn fit_parallel(
     options: &FitOptions,
     progress: &dyn Progress,
 ) -> Result<Fitted, FitError> {
+    fit_beyond(mesh, surface, surface, options, progress)
+}
+
+/// The same where the surface goes on beyond the part that is `given` and whose normals and
+/// curvatures alone are known.
+pub(crate) fn fit_beyond(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    given: &TriangleSurface,
+    options: &FitOptions,
+    progress: &dyn Progress,
+) -> Result<Fitted, FitError> {
     check(options)?;
     let space = ParallelSpace::new(mesh)?;
+    let signed = SignedLengths::new(&space, given, &options.signs)?;
     let feet = match options.start {
-        FitStart::Normals => feet_by_normals(mesh, surface),
+        FitStart::Normals => feet_by_normals(mesh, given),
         FitStart::Positions => feet_by_positions(mesh, surface),
     };
-    let program = Program::new(&space, &feet, options).ok_or_else(|| FitError::OneFootPoint {
-        vertex: surface
-            .topology()
-            .face_vertices(surface.closest_point(feet.position[0]).triangle)[0],
-    })?;
-    Ok(rounds(&space, surface, &program, feet, options, progress))
+    let program =
+        Program::new(&space, &feet, signed, options).ok_or_else(|| FitError::OneFootPoint {
+            vertex: surface
+                .topology()
+                .face_vertices(surface.closest_point(feet.position[0]).triangle)[0],
+        })?;
+    let fitted = rounds(&space, surface, &program, feet, options, progress);
+    // The input itself is a parallel mesh, but not one with these signs.
+    let none = fitted.rounds == 0 && fitted.status == Status::NumericalBreakdown;
+    match program.least_wished() {
+        Some(edge) if none => Err(FitError::NoneWithSigns {
+            least_edge: options.least_edge,
+            minimal: options.minimal,
+            edge,
+            vertices: mesh.topology().edge_vertices(edge),
+        }),
+        _ => Ok(fitted),
+    }
 }
 
 fn check(options: &FitOptions) -> Result<(), FitError> {
@@ -199,13 +265,7 @@ fn feet_by_positions(mesh: &HexMesh, surface: &TriangleSurface) -> SurfaceFeet {
 }
 
 fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> SurfaceFeet {
-    let foot = |v| {
-        let normal = mesh.mean_normal(v);
-        let closeness = |w: &VertexId| surface.normals()[*w].dot(&normal);
-        let vertices = surface.topology().vertices();
-        let closest = vertices.max_by(|a, b| closeness(a).total_cmp(&closeness(b)).then(b.cmp(a)));
-        closest.unwrap_or_else(|| VertexId::new(0))
-    };
+    let foot = |v| closest_normal(surface, &mesh.mean_normal(v));
     let feet: Vec<VertexId> = mesh.topology().vertices().map(foot).collect();
     SurfaceFeet {
         position: feet.iter().map(|&w| surface.positions()[w]).collect(),
@@ -285,9 +345,15 @@ fn assess(
         max_distance: distances.iter().copied().fold(0.0, f64::max),
         rms_distance: mean_square.sqrt(),
         edges_at_bound: lengths
-            .iter()
-            .filter(|&&l| l < 1.01 * program.least)
+            .enumerate()
+            .filter(|&(e, l)| l.abs() < 1.01 * program.unit * program.least[e].abs())
             .count(),
+        reversed_edges: lengths
+            .enumerate()
+            .filter(|(_, l)| **l < 0.0)
+            .map(|(e, _)| e)
+            .collect(),
+        crossed_faces: crossed(&mesh),
         mesh,
     }
 }
@@ -299,11 +365,12 @@ struct Program<'a> {
     options: &'a FitOptions,
     /// Mean distance of neighbouring foot points.
     unit: f64,
-    /// Lower bound of the edge lengths, model units.
-    least: f64,
+    /// Least lengths of the edges, with the signs that they are to have.
+    least: PerEdge<f64>,
     centre: Vec3,
-    /// Lengths of the input's edges with mean 1.
+    /// Lengths that edges are wished to have; by default those of the input's, with mean 1.
     natural: PerEdge<f64>,
+    signed: bool,
     constraints: CscMatrix<f64>,
     bounds: Vec<f64>,
     n_equalities: usize,
@@ -311,30 +378,65 @@ struct Program<'a> {
 
 impl<'a> Program<'a> {
     /// `None` if all foot points coincide.
-    fn new(space: &'a ParallelSpace, feet: &SurfaceFeet, options: &'a FitOptions) -> Option<Self> {
+    fn new(
+        space: &'a ParallelSpace,
+        feet: &SurfaceFeet,
+        signed: Option<SignedLengths>,
+        options: &'a FitOptions,
+    ) -> Option<Self> {
         let t = space.mesh().topology();
         let span = |e| {
             let [a, b] = t.edge_vertices(e);
             (feet.position[a.index()] - feet.position[b.index()]).norm()
         };
         let unit = t.edges().map(span).sum::<f64>() / t.n_edges() as f64;
+        if unit.is_nan() || unit <= 0.0 {
+            return None;
+        }
         let mean_edge = space.mesh().mean_edge();
-        let inequalities = length_rows(space);
-        let equalities = space.parallelism_rows();
+        let (natural, waists) = match &signed {
+            Some(signed) => (signed.wished.map(|l| l / unit), &signed.waists[..]),
+            None => (space.lengths(space.mesh()).map(|l| l / mean_edge), &[][..]),
+        };
+        // Where sizes follow the curvature, short edges are meant to be.
+        let scale = |l: &f64| match signed {
+            Some(_) => l.signum() * l.abs().min(1.0),
+            None => 1.0,
+        };
+        let least = natural.map(|l| options.least_edge * scale(l));
+        let mut equalities = Rows::new(3 * t.n_vertices());
+        let parallel = space.parallelism_rows();
+        (0..parallel.n_rows()).for_each(|i| equalities.push(entries_of(parallel, i)));
+        if options.minimal {
+            minimal_rows(space, &mut equalities);
+        }
         let n_equalities = equalities.n_rows();
         let mut bounds = vec![0.0; n_equalities];
-        bounds.resize(n_equalities + inequalities.n_rows(), -options.least_edge);
-        (unit > 0.0).then(|| Self {
+        let mut inequalities = Rows::new(3 * t.n_vertices());
+        length_rows(space, &least, &mut inequalities, &mut bounds);
+        waist_rows(t, waists, &least, &mut inequalities, &mut bounds);
+        Some(Self {
             space,
             options,
             unit,
-            least: unit * options.least_edge,
+            least,
             centre: feet.position.iter().sum::<Vec3>() / feet.position.len() as f64,
-            natural: space.lengths(space.mesh()).map(|l| l / mean_edge),
-            constraints: stacked(equalities, &inequalities),
+            natural,
+            signed: signed.is_some(),
+            constraints: stacked(&equalities, &inequalities),
             bounds,
             n_equalities,
         })
+    }
+
+    /// The edge whose wished length is the least over that of its image; `None` if all are to be
+    /// positive.
+    fn least_wished(&self) -> Option<EdgeId> {
+        let own = self.space.lengths(self.space.mesh());
+        let ratio = |e: &EdgeId| (self.natural[*e] / own[*e]).abs();
+        let edges = self.space.mesh().topology().edges();
+        let least = edges.min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+        least.filter(|_| self.signed || self.options.minimal)
     }
 
     /// The input itself, scaled and moved to the foot points.
@@ -468,14 +570,54 @@ fn length_row([a, b]: [VertexId; 2], d: Vec3) -> [(usize, f64); 6] {
     })
 }
 
-/// `-l_e` for every edge.
-fn length_rows(space: &ParallelSpace) -> Rows {
+/// `-s_e l_e <= -l_min` for every edge.
+fn length_rows(
+    space: &ParallelSpace,
+    least: &PerEdge<f64>,
+    rows: &mut Rows,
+    bounds: &mut Vec<f64>,
+) {
     let t = space.mesh().topology();
-    let mut rows = Rows::new(3 * t.n_vertices());
-    for e in t.edges() {
-        rows.push(length_row(t.edge_vertices(e), -space.direction(e)));
+    for (e, l) in least.enumerate() {
+        rows.push(length_row(
+            t.edge_vertices(e),
+            -space.direction(e) * l.signum(),
+        ));
+        bounds.push(-l.abs());
     }
-    rows
+}
+
+/// `-inward . (x_to - x_from)`, at most minus the mean least length of the face's edges.
+fn waist_rows(
+    t: &Topology,
+    waists: &[Waist],
+    least: &PerEdge<f64>,
+    rows: &mut Rows,
+    bounds: &mut Vec<f64>,
+) {
+    for waist in waists {
+        rows.push(length_row([waist.from, waist.to], -waist.inward));
+        let edges = t
+            .face_half_edges(waist.face)
+            .map(|h| least[t.edge(h)].abs());
+        bounds.push(-edges.sum::<f64>() / t.valence(waist.face) as f64);
+    }
+}
+
+/// `A(x, K) = 0` for every face.
+fn minimal_rows(space: &ParallelSpace, rows: &mut Rows) {
+    let image = space.mesh();
+    let mean_edge = image.mean_edge();
+    for f in image.topology().faces() {
+        let corners: Vec<Vec3> = image.corners(f).map(|k| k / mean_edge).collect();
+        let vertices = image.topology().face_vertices(f).iter();
+        let by_corner = vertices.zip(mixed_area_gradient(&corners, space.normal(f)));
+        rows.push(by_corner.flat_map(|(v, g)| (0..3).map(move |k| (3 * v.index() + k, g[k]))));
+    }
+}
+
+fn entries_of(rows: &Rows, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    rows.row(i).iter().map(|&(j, a)| (j as usize, a))
 }
 
 fn stacked(first: &Rows, second: &Rows) -> CscMatrix<f64> {

@@ -22,6 +22,7 @@
 //! | `contact` | when a face first meets itself on its way |
 //! | `edge_gauss_image` | the Koebe mesh that a given mesh is parallel to, if there is one |
 //! | [`edge_offset`] | offsets at constant edge distance, of meshes parallel to a Koebe mesh |
+//! | `signs` | which edges of a parallel mesh run against those of its Gauss image, where `K < 0` |
 //! | `space`, `basis`, `fit` | the linear space of parallel meshes, a sparse basis, and those in it close to a surface |
 //! | `inheritance` | what an offset takes over from its mesh, and what is new and therefore wrong |
 //! | `layers` | offsets that have been checked, and how far one may go |
@@ -64,6 +65,7 @@ pub(crate) mod inheritance;
 pub(crate) mod layers;
 mod null_space;
 pub(crate) mod options;
+pub(crate) mod signs;
 pub(crate) mod solids;
 pub(crate) mod space;
 pub(crate) mod vertex_normal;
@@ -86,6 +88,7 @@ pub use inheritance::Inheritance;
 pub use layers::{SafeDistance, SafeDistances, layer, safe_distances};
 pub use null_space::Rank;
 pub use options::OffsetOptions;
+pub use signs::{EdgeSigns, SIGNED_FAIRNESS, SignError};
 pub use solids::{PanelSolid, joined, panel_solids, volume};
 pub use space::ParallelSpace;
 pub use vertex_normal::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};

@@ -3,6 +3,7 @@
 //! repaired: the comparison is with the methods as they are.
 
 mod joined;
+mod koebe;
 mod lattices;
 mod model;
 mod parallel;
@@ -38,6 +39,7 @@ pub(super) fn mesh_with_panels(
 ) -> Result<MeshRun, PipelineError> {
     let ground = clock.stage("target", || match options.method {
         Method::DualSubdivision => subdivision::ground(&model.surface, panels, options),
+        Method::Koebe => koebe::ground(&model.surface, panels, options),
         _ => Ground::new(&model.surface, panels, options),
     })?;
     let made = make(&ground, &mut clock)?;
@@ -45,7 +47,7 @@ pub(super) fn mesh_with_panels(
     let mut classical = made.classical;
     let mesh = match &made.fine {
         Some(fine) => {
-            let trimmed = clock.timed("trim", || ground.trimmed(&made.mesh, &fine.surface))?;
+            let trimmed = clock.timed("trim", || ground.trimmed(&made.mesh, fine))?;
             classical.follow(trimmed.parent.as_slice());
             trimmed.mesh
         }
@@ -53,7 +55,7 @@ pub(super) fn mesh_with_panels(
     };
     classical.compare(&mesh);
     let violations = clock.timed("validate", || between_panels(&mesh, reported));
-    let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(&fine.surface));
+    let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(fine));
     let outside = classical.outside.take();
     classical.outside_domain = outside.map(|e| e.mapped(|p| place_in(model, p)).to_string());
     let runs = made.optimised.map_or_else(Vec::new, |o| o.runs);
@@ -83,7 +85,7 @@ struct ClassicalMesh {
     /// The surface that the panels are compared with.
     reported: TriangleSurface,
     /// The surface on which cells were drawn, where there are cells.
-    fine: Option<FineSurface>,
+    fine: Option<TriangleSurface>,
     outcome: Outcome,
     layout: LayoutStatistics,
     /// The cones of the lattice, where there is one.
@@ -105,7 +107,7 @@ impl ClassicalMesh {
         Self {
             mesh,
             reported: ground.reported(&fine.surface).clone(),
-            fine: Some(fine),
+            fine: Some(fine.surface),
             outcome: optimised
                 .as_ref()
                 .map_or_else(planar, |o| o.outcome.clone()),
@@ -124,6 +126,7 @@ fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, Pipelin
         Method::PowerDiagram => power_diagram::make(ground, clock),
         Method::DualSubdivision => subdivision::make(ground, clock),
         Method::Parallel => parallel::make(ground, clock),
+        Method::Koebe => koebe::make(ground, clock),
         _ => lattices::tangent_planes(ground, clock),
     }
 }

@@ -36,6 +36,12 @@ pub struct ClassicalStatistics {
     pub goldberg: Option<(u32, u32)>,
     /// Edges of a parallel mesh that are as short as is allowed.
     pub edges_at_bound: Option<usize>,
+    /// Edges of a parallel mesh that run against those of its Gauss image.
+    pub reversed_edges: Option<usize>,
+    /// Mean curvature of a mesh with a Koebe mesh as Gauss image, by Steiner's formula, times the
+    /// diagonal of the surface: that of the whole, and the root mean square of the panels'. (A
+    /// sphere has 3.46.)
+    pub mean_curvature_rel: Option<[f64; 2]>,
     /// Panels that the sign rule says will cross themselves; nothing where there is no layout to
     /// ask, or panels are those of a convex hull.
     pub forecast: Option<usize>,

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
 /// where rows run along the strip's edge they run along the boundary, too.
-const WHOLE_STRIP: f64 = 2.0 * CELL;
+pub(crate) const WHOLE_STRIP: f64 = 2.0 * CELL;
 /// The same for clipped panels: as much as is cut off a row that runs along the boundary.
 const CLIP_STRIP: f64 = 0.2;
 

@@ -1,6 +1,7 @@
 //! Why nothing was made.
 
 use crate::directions::cones::ConeError;
+use crate::koebe::KoebeError;
 use crate::layout::LayoutError;
 use crate::offset::fit::FitError;
 use crate::optimise::OptimiseError;
@@ -34,6 +35,17 @@ pub enum PipelineError {
     /// The optimiser refused its input.
     #[error(transparent)]
     Optimise(#[from] OptimiseError),
+    /// Vertices can't be moved to the boundary.
+    #[error(
+        "{method} can't move vertices to the boundary, which would turn edges: the boundary can be `whole` or `clip`"
+    )]
+    Snap {
+        /// The method.
+        method: &'static str,
+    },
+    /// The panels' graph has no Koebe mesh.
+    #[error(transparent)]
+    Koebe(#[from] KoebeError),
     /// No parallel mesh fits.
     #[error(transparent)]
     Fit(#[from] FitError),

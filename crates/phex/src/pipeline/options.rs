@@ -44,6 +44,9 @@ pub enum Method {
     TangentPlanes,
     /// A mesh parallel to one that tangent planes give, fitted to the surface.
     Parallel,
+    /// A mesh parallel to a Koebe mesh, fitted to the surface: it has offsets at constant edge
+    /// distance.
+    Koebe,
 }
 
 /// How much a run tries. Whatever it is, the mesh is judged, and what is wrong with it named.

@@ -3,7 +3,7 @@
 
 use super::ParallelMesh;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::input::read_numbers;
+use crate::input::{NumberLine, read_numbers};
 use crate::parallel_arguments::ParallelCommand;
 use crate::summary::SummaryTable;
 use phex::offset::ParallelSpace;
@@ -73,14 +73,31 @@ fn wished(path: &Path, space: &ParallelSpace) -> Result<PerEdge<f64>, Failure> {
         let [from, to, length] = line.numbers[..] else {
             return Err(line.wrong("`from to length`"));
         };
-        let ends = (from.min(to), from.max(to));
-        let whole = |x: f64| (x >= 0.0 && x.fract() == 0.0).then_some(x as usize);
-        let ends = whole(ends.0).zip(whole(ends.1));
-        let edge = ends.and_then(|ends| edges.get(&ends));
-        lengths[*edge.ok_or_else(|| line.wrong("an edge between two vertices of the mesh"))?] =
-            length;
+        let edge = between(&edges, [from, to]);
+        let edge = edge.ok_or_else(|| line.wrong("an edge between two vertices of the mesh"))?;
+        lengths[edge] = length;
     }
     Ok(lengths)
+}
+
+/// Edges of a file, by their vertices.
+pub(super) fn edges(path: &Path, mesh: &HexMesh) -> Result<Vec<EdgeId>, Failure> {
+    let by_vertices = edges_by_vertices(mesh.topology());
+    let edge = |line: NumberLine| {
+        let [from, to] = line.numbers[..] else {
+            return Err(line.wrong("`from to`"));
+        };
+        between(&by_vertices, [from, to])
+            .ok_or_else(|| line.wrong("an edge between two vertices of the mesh"))
+    };
+    read_numbers(path)?.into_iter().map(edge).collect()
+}
+
+/// The edge between two vertices whose numbers are given.
+fn between(edges: &HashMap<(usize, usize), EdgeId>, [from, to]: [f64; 2]) -> Option<EdgeId> {
+    let whole = |x: f64| (x >= 0.0 && x.fract() == 0.0).then_some(x as usize);
+    let ends = (whole(from.min(to))?, whole(from.max(to))?);
+    edges.get(&ends).copied()
 }
 
 fn edges_by_vertices(topology: &Topology) -> HashMap<(usize, usize), EdgeId> {

@@ -22,6 +22,9 @@ pub struct DualOptions {
     pub regularisation: f64,
     /// Rule of `dual-subdivision`.
     pub rule: SubdivisionRule,
+    /// Whether all panels of `koebe` are to have the mean curvature 0, as those of a minimal
+    /// surface.
+    pub minimal: bool,
     /// Levels of `dual-subdivision`, from 1 to 5: the coarse mesh has a quarter of the panels for
     /// each.
     pub levels: usize,
@@ -36,6 +39,7 @@ impl Default for DualOptions {
             regularisation: 0.0,
             // Loop's rule pulls the dual in, and so the panels off the surface.
             rule: SubdivisionRule::Butterfly,
+            minimal: false,
             levels: 1,
         }
     }

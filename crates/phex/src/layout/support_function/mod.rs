@@ -21,8 +21,10 @@
 //! Guaranteed: planar panels; for `K > 0` convex ones inside. Refused: where `K` changes its sign
 //! or the Gauss map is many-to-one, with two vertices that share a normal.
 
+mod gauss_lattice;
 mod gauss_map;
 
+pub(crate) use gauss_lattice::gauss_lattice;
 pub(crate) use gauss_map::shared_normals;
 
 use super::domain::{CurvatureSign, DomainError, SignedPlaces};
@@ -51,11 +53,23 @@ pub(crate) fn check(
 ) -> Result<CurvatureSign, DomainError> {
     let places = SignedPlaces::find(surface, curvature);
     let sign = places.one_sign(METHOD, "the Gauss map folds over")?;
+    one_to_one(surface, curvature, METHOD).map(|()| sign)
+}
+
+/// That no two places far from each other have the same normal.
+///
+/// # Errors
+/// Two vertices that share one.
+pub(crate) fn one_to_one(
+    surface: &TriangleSurface,
+    curvature: &Curvature,
+    method: &'static str,
+) -> Result<(), DomainError> {
     let pairs = shared_normals(surface, &curvature.normal);
     match pairs.first() {
-        None => Ok(sign),
+        None => Ok(()),
         Some(&[first, second]) => Err(DomainError::ManyToOne {
-            method: METHOD,
+            method,
             first,
             second,
             pairs: pairs.len(),

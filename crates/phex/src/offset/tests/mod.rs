@@ -4,5 +4,6 @@ mod edge;
 mod face;
 mod fixtures;
 mod inheritance;
+mod signs;
 mod solid;
 mod vertex;

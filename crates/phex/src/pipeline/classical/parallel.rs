@@ -56,7 +56,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     Ok(ClassicalMesh {
         reported: ground.reported(&fine.surface).clone(),
         mesh,
-        fine: Some(fine),
+        fine: Some(fine.surface),
         layout: placed.statistics,
         cones: field.cones(&ground.smooth),
         outcome,

@@ -104,6 +104,8 @@ impl<'a> CurvedGround<'a> {
             taken_out: 0,
             goldberg: None,
             edges_at_bound: None,
+            reversed_edges: None,
+            mean_curvature_rel: None,
             forecast: None,
             forecast_taken_out: None,
             forecast_came_true: None,
