@@ -238,14 +238,14 @@ impl ConformalMap {
             let share = image.area[v] / total;
             // g = sum (a_k + i b_k) u^k.
             let real = |k: usize| {
-                if k % 2 == 0 {
+                if k.is_multiple_of(2) {
                     powers[k / 2].re
                 } else {
                     -powers[k / 2].im
                 }
             };
             let imaginary = |k: usize| {
-                if k % 2 == 0 {
+                if k.is_multiple_of(2) {
                     powers[k / 2].im
                 } else {
                     powers[k / 2].re
