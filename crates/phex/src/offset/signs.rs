@@ -148,6 +148,31 @@ fn reversed(lengths: &PerEdge<f64>, edges: &[EdgeId]) -> Result<PerEdge<f64>, Si
     Ok(wished)
 }
 
+/// Signs, 1 or -1.
+struct SideSigns {
+    /// By which normals of the image's faces look away from the origin, whichever way they go
+    /// round: where `K < 0` the Gauss map turns them over.
+    image: f64,
+    /// By which the surface's normals then look to the same side.
+    surface: f64,
+}
+
+fn side_of(space: &ParallelSpace, surface: &TriangleSurface) -> SideSigns {
+    let image = space.mesh();
+    let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+    let faces = || image.topology().faces();
+    let outwards: f64 = faces().map(|f| space.normal(f).dot(&image.centre(f))).sum();
+    let to: Vec3 = faces().map(|f| image.centre(f)).sum();
+    let all = surface.topology().faces();
+    let looks: Vec3 = all.map(|f| surface.area_vector(f)).sum();
+    // A closed surface looks to all sides alike, and its normals point outwards.
+    let open = !surface.boundary_loops().is_empty();
+    SideSigns {
+        image: sign(outwards),
+        surface: if open { sign(to.dot(&looks)) } else { 1.0 },
+    }
+}
+
 /// The lengths by the sign rule.
 fn ruled_lengths(
     space: &ParallelSpace,
@@ -158,10 +183,12 @@ fn ruled_lengths(
     let size = (surface.area() / topology.n_faces() as f64).sqrt();
     let curved = curvature(surface, size, &CurvatureOptions::default());
     let normals = edge_normals(space);
+    let side = side_of(space, surface);
     let length = |edge: EdgeId| {
-        let (along, normal) = (space.direction(edge), normals[edge]);
-        let vertex = closest_normal(surface, &normal);
-        let ratio = length_ratio(&curved.tensor[vertex], &normal, &along);
+        let (along, normal) = (space.direction(edge), normals[edge] * side.image);
+        let vertex = closest_normal(surface, &(normal * side.surface));
+        let second = curved.tensor[vertex] * side.surface;
+        let ratio = length_ratio(&second, &normal, &along);
         let length = image.edge_length(edge) * ratio;
         let flat = !length.is_finite() || length.abs() > FAR * surface.diagonal();
         let vertices = topology.edge_vertices(edge);
