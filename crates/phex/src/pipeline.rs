@@ -15,6 +15,7 @@ mod lattice;
 mod normalise;
 mod options;
 mod portfolio;
+mod preview;
 mod restarts;
 mod rim;
 mod run;
@@ -41,6 +42,7 @@ use clock::Clock;
 pub(crate) use domain::moved;
 use field::panel_length;
 use phex_mesh::{TriangleSurface, Vec3};
+use preview::InModel;
 use run::between_panels;
 use size::panel_count;
 
@@ -80,6 +82,10 @@ fn mesh_with_panels(
 ) -> Result<MeshRun, PipelineError> {
     let model = Normalised::of(surface);
     let options = normalise::normalised(options, &model)?;
+    let progress = &InModel {
+        progress,
+        similarity: &model.similarity,
+    };
     let made = match options.method {
         Method::Lattice | Method::Best => {
             portfolio::mesh_with_panels(&model.surface, panels, &options, progress)

@@ -102,16 +102,19 @@ pub(super) fn pass(
     let fine = FineSurface::new(ground, &field);
     let Drawn { placed, layout } =
         most_regular(ground, &field, |seeds| fine.calm_panels(seeds), clock)?;
+    progress.preview("layout", &|| layout.mesh.to_soup());
     let optimised = {
         let target = SurfaceTarget::new(ground.close_to(&fine.surface));
         let made = || optimise::optimise(&layout, &target, &options.optimise, progress);
         clock.timed("optimise", made)?
     };
+    progress.preview("optimise", &|| optimised.mesh.to_soup());
     let trimmed = clock.timed("trim", || ground.trimmed(&optimised.mesh, &fine.surface))?;
     let start = laid_out(&layout, &trimmed);
     let surfaces = Surfaces::new(ground, fine);
     let made = surfaces.with_site(options, |site| finished(trimmed.mesh, site, ground, clock));
     let (mesh, mut judgement) = made?;
+    progress.preview("trim", &|| mesh.to_soup());
     if way.usual_deviation {
         judgement = surfaces.with_site(&ground.options, |site| site.judged(&mesh));
     }

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::progress::{Event, Progress};
 use crate::quality::Merit;
-use phex_mesh::TriangleSurface;
+use phex_mesh::{PolygonSoup, TriangleSurface};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -214,6 +214,7 @@ impl Task<'_> {
         if self.options.search && !clock.progress.is_cancelled() {
             let searched = pass.searched(&self.ground, clock);
             pass.mesh = searched.mesh;
+            clock.progress.preview("search", &|| pass.mesh.to_soup());
             pass.judgement = searched.judgement;
             found = Some(searched.summary);
         }
@@ -275,5 +276,9 @@ impl Progress for OneAtATime<'_> {
 
     fn is_cancelled(&self) -> bool {
         self.alone(|p| p.is_cancelled())
+    }
+
+    fn preview(&self, stage: &'static str, mesh: &dyn Fn() -> PolygonSoup) {
+        self.alone(|p| p.preview(stage, mesh));
     }
 }

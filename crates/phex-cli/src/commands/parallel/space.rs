@@ -3,10 +3,10 @@
 
 use super::ParallelMesh;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::input::read_numbers;
 use crate::parallel_arguments::ParallelCommand;
 use crate::summary::SummaryTable;
 use phex::offset::ParallelSpace;
+use phex_job::read_numbers;
 use phex_mesh::{EdgeId, HexMesh, PerEdge, Topology};
 use serde_json::json;
 use std::collections::HashMap;
@@ -71,7 +71,7 @@ fn wished(path: &Path, space: &ParallelSpace) -> Result<PerEdge<f64>, Failure> {
     let edges = edges_by_vertices(space.mesh().topology());
     for line in read_numbers(path)? {
         let [from, to, length] = line.numbers[..] else {
-            return Err(line.wrong("`from to length`"));
+            return Err(line.wrong("`from to length`").into());
         };
         let ends = (from.min(to), from.max(to));
         let whole = |x: f64| (x >= 0.0 && x.fract() == 0.0).then_some(x as usize);

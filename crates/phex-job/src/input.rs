@@ -1,7 +1,6 @@
 //! Files that are read.
 
-use crate::exit::{Exit, Failure, OrExit};
-use anyhow::Context;
+use crate::error::JobError;
 use phex::report::InputFile;
 use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup, shown};
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, SurfaceParts, TriangleSurface, Vec3};
@@ -23,10 +22,8 @@ impl MeshFile {
     ///
     /// # Errors
     /// If the extension is unknown, the file can't be read or holds no mesh.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
-        let (soup, sha256) = parse(path)
-            .map_err(|e| e.in_file(path))
-            .or_exit(Exit::InputUnusable)?;
+    pub fn read(path: &Path) -> Result<Self, JobError> {
+        let (soup, sha256) = parse(path).map_err(|e| JobError::unusable(&e.in_file(path)))?;
         let record = InputFile {
             path: path.display().to_string(),
             sha256,
@@ -40,21 +37,41 @@ impl MeshFile {
         })
     }
 
+    /// Elements that were never a file; the report tells their name and the checksum of their
+    /// bytes, numbers little-endian.
+    pub fn in_memory(name: &str, soup: PolygonSoup) -> Self {
+        let mut digest = Sha256::new();
+        for p in &soup.positions {
+            p.iter().for_each(|x| digest.update(x.to_le_bytes()));
+        }
+        for face in &soup.faces {
+            digest.update((face.len() as u64).to_le_bytes());
+            face.iter().for_each(|v| digest.update(v.to_le_bytes()));
+        }
+        let record = InputFile {
+            path: name.to_owned(),
+            sha256: hexadecimal(&digest.finalize()),
+            vertices: soup.positions.len(),
+            faces: soup.faces.len(),
+        };
+        let path = PathBuf::from(name);
+        Self { path, soup, record }
+    }
+
     /// The connected surfaces in the file.
     ///
     /// # Errors
     /// If the faces are no surface; the message names element and cause.
-    pub fn surfaces(&self) -> Result<SurfaceParts, Failure> {
-        TriangleSurface::from_soup(&self.soup)
-            .with_context(|| self.path.display().to_string())
-            .or_exit(Exit::InputUnusable)
+    pub fn surfaces(&self) -> Result<SurfaceParts, JobError> {
+        let surfaces = TriangleSurface::from_soup(&self.soup);
+        surfaces.map_err(|e| JobError::in_file(&self.path, &e))
     }
 
     /// All connected surfaces in the file as one.
     ///
     /// # Errors
     /// As [`surfaces`](Self::surfaces).
-    pub fn surface(&self) -> Result<TriangleSurface, Failure> {
+    pub fn surface(&self) -> Result<TriangleSurface, JobError> {
         Ok(self.surfaces()?.whole())
     }
 
@@ -63,12 +80,10 @@ impl MeshFile {
     ///
     /// # Errors
     /// If the faces are no oriented manifold; the message names element and cause.
-    pub fn polygon_mesh(&self) -> Result<(HexMesh, usize), Failure> {
+    pub fn polygon_mesh(&self) -> Result<(HexMesh, usize), JobError> {
         let used = without_unused_vertices(&self.soup);
         let dropped = self.soup.positions.len() - used.positions.len();
-        let mesh = HexMesh::from_soup(&used)
-            .with_context(|| self.path.display().to_string())
-            .or_exit(Exit::InputUnusable)?;
+        let mesh = HexMesh::from_soup(&used).map_err(|e| JobError::in_file(&self.path, &e))?;
         Ok((mesh, dropped))
     }
 }
@@ -76,9 +91,12 @@ impl MeshFile {
 fn parse(path: &Path) -> Result<(PolygonSoup, String), ReadError> {
     let format = Format::from_path(path).map_err(ReadCause::from)?;
     let bytes = std::fs::read(path).map_err(ReadCause::from)?;
-    let digest = Sha256::digest(&bytes);
-    let sha256 = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = hexadecimal(&Sha256::digest(&bytes));
     Ok((parse_soup(&bytes, format)?, sha256))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// A number as it is typed or stands in a file.
@@ -101,10 +119,8 @@ pub fn number(word: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// If it can't be read, or is no text.
-pub fn read_text(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path)
-        .with_context(|| path.display().to_string())
-        .or_exit(Exit::InputUnusable)
+pub fn read_text(path: &Path) -> Result<String, JobError> {
+    std::fs::read_to_string(path).map_err(|e| JobError::in_file(path, &e))
 }
 
 /// A line of numbers, and where it stands.
@@ -116,8 +132,8 @@ pub struct NumberLine {
 
 impl NumberLine {
     /// The line does not hold what is wanted.
-    pub fn wrong(&self, wanted: &str) -> Failure {
-        Failure::input(format!("{}: {wanted} is wanted on each line", self.place))
+    pub fn wrong(&self, wanted: &str) -> JobError {
+        JobError::input(format!("{}: {wanted} is wanted on each line", self.place))
     }
 }
 
@@ -125,7 +141,7 @@ impl NumberLine {
 ///
 /// # Errors
 /// If the file can't be read, or a word is no [`number`].
-pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, Failure> {
+pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, JobError> {
     let mut lines = Vec::new();
     for (index, line) in read_text(path)?.lines().enumerate() {
         let place = format!("{}:{}", path.display(), index + 1);
@@ -133,7 +149,7 @@ pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, Failure> {
         let words = data.split(|c: char| c.is_whitespace() || c == ',');
         let numbers: Result<Vec<f64>, String> =
             words.filter(|w| !w.is_empty()).map(number).collect();
-        let wrong = |e| Failure::input(format!("{place}: {e} in `{}`", shown(line.trim())));
+        let wrong = |e| JobError::input(format!("{place}: {e} in `{}`", shown(line.trim())));
         let numbers = numbers.map_err(wrong)?;
         if !numbers.is_empty() {
             lines.push(NumberLine { numbers, place });
@@ -146,10 +162,10 @@ pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, Failure> {
 ///
 /// # Errors
 /// If the file can't be read, or a line of it is wrong.
-pub fn read_polylines(path: &Path) -> Result<Vec<Vec<Vec3>>, Failure> {
+pub fn read_polylines(path: &Path) -> Result<Vec<Vec<Vec3>>, JobError> {
     let (mut points, mut curves) = (Vec::new(), Vec::new());
     for (index, line) in read_text(path)?.lines().enumerate() {
-        let bad = |e| Failure::input(format!("{}:{}: {e}", path.display(), index + 1));
+        let bad = |e| JobError::input(format!("{}:{}: {e}", path.display(), index + 1));
         let mut words = line
             .split('#')
             .next()

@@ -1,10 +1,23 @@
-//! Panel sizes from a file: a number for each vertex of the input.
+//! Panel sizes: a number for each vertex of the input.
 
-use crate::exit::Failure;
-use crate::input::{MeshFile, read_numbers};
+use crate::error::JobError;
+use crate::input::read_numbers;
 use crate::panel_size::hexagon_area;
+use phex::report::InputFile;
 use phex_mesh::{SurfaceComponent, TriangleSurface};
 use std::path::Path;
+
+/// Reads a positive number on each line, in the order of the input's vertices.
+///
+/// # Errors
+/// If the file can't be read, or a line is no positive number.
+pub fn read_sizes(path: &Path) -> Result<Vec<f64>, JobError> {
+    let size = |line: crate::input::NumberLine| match line.numbers[..] {
+        [size] if size > 0.0 => Ok(size),
+        _ => Err(line.wrong("one positive number")),
+    };
+    read_numbers(path)?.into_iter().map(size).collect()
+}
 
 /// Length of the panels' edges at each vertex of each component, model units.
 pub struct SizeField {
@@ -12,33 +25,31 @@ pub struct SizeField {
 }
 
 impl SizeField {
-    /// Reads a file with a positive number on each line, in the order of the input's vertices.
+    /// The sizes at the vertices of each component of an input with `vertices` vertices; `source`
+    /// and `input` name both in a refusal.
     ///
     /// # Errors
-    /// If it can't be read, a line is no positive number, or there are not as many as vertices.
-    pub fn read(
-        path: &Path,
-        input: &MeshFile,
+    /// If there are not as many sizes as vertices, or one is no positive number.
+    pub fn new(
+        sizes: &[f64],
+        source: &str,
+        input: &InputFile,
         components: &[SurfaceComponent],
-    ) -> Result<Self, Failure> {
-        let mut values = Vec::new();
-        for line in read_numbers(path)? {
-            match line.numbers[..] {
-                [size] if size > 0.0 => values.push(size),
-                _ => return Err(line.wrong("one positive number")),
-            }
-        }
-        let (found, expected) = (values.len(), input.soup.positions.len());
+    ) -> Result<Self, JobError> {
+        let (found, expected) = (sizes.len(), input.vertices);
         if found != expected {
-            return Err(Failure::input(format!(
-                "{}: {found} sizes for the {expected} vertices of {}",
-                path.display(),
-                input.path.display()
+            return Err(JobError::input(format!(
+                "{source}: {found} sizes for the {expected} vertices of {}",
+                input.path
             )));
+        }
+        if let Some(k) = sizes.iter().position(|s| !(*s > 0.0 && s.is_finite())) {
+            let message = format!("{source}: the size of vertex {k} is no positive number");
+            return Err(JobError::Input(message));
         }
         let of = |component: &SurfaceComponent| {
             let vertices = component.original_vertices.iter();
-            vertices.map(|&v| values[v as usize]).collect()
+            vertices.map(|&v| sizes[v as usize]).collect()
         };
         Ok(Self {
             components: components.iter().map(of).collect(),

@@ -1,7 +1,7 @@
 //! What came of what was asked of rows, cones and sizes: told with figures, since a field of
 //! directions can't follow everything.
 
-use crate::exit::Failure;
+use crate::error::JobError;
 use phex::MeshOptions;
 use phex::curvature::curvature;
 use phex::directions::thickness;
@@ -31,7 +31,7 @@ const THICK: f64 = 4.0;
 ///
 /// # Errors
 /// The first of them, by the option and the number of what it belongs to, from 0.
-pub fn check_near(options: &MeshOptions, surface: &TriangleSurface) -> Result<(), Failure> {
+pub fn check_near(options: &MeshOptions, surface: &TriangleSurface) -> Result<(), JobError> {
     let (guides, steering) = (&options.directions.guides, &options.steering);
     let lines = |lines: &[Vec<[f64; 3]>]| -> Vec<(usize, [f64; 3])> {
         let numbered = lines.iter().enumerate();
@@ -69,7 +69,7 @@ pub fn check_near(options: &MeshOptions, surface: &TriangleSurface) -> Result<()
             (p - p.sup(&low).inf(&high)).norm() / diagonal
         };
         if let Some((index, p)) = points.iter().find(|(_, p)| away(p) > FARTHEST) {
-            return Err(Failure::input(format!(
+            return Err(JobError::input(format!(
                 "{what} {index} (counted from 0) has a point {:.3e} diagonals of the surface away from it, at most {FARTHEST} \
                  make sense: is it in another unit?",
                 away(p)

@@ -1,6 +1,6 @@
 //! Whether panels of the size that is asked for make sense on a surface.
 
-use crate::exit::Failure;
+use crate::error::JobError;
 use crate::settings::TypedPanelSize;
 use crate::units::Unit;
 use phex::pipeline::MAX_PANELS;
@@ -15,18 +15,22 @@ const LEAST_EDGE_ULPS: f64 = 1e4;
 /// # Errors
 /// If it is none, more than [`MAX_PANELS`], or so many that double precision can't hold their
 /// shapes.
-pub fn panels(size: TypedPanelSize, surface: &TriangleSurface, unit: Unit) -> Result<u64, Failure> {
+pub fn panels(
+    size: TypedPanelSize,
+    surface: &TriangleSurface,
+    unit: Unit,
+) -> Result<u64, JobError> {
     let area = surface.area();
     let panels = match size {
         TypedPanelSize::Panels(0) => {
-            return Err(Failure::input("--panels 0: at least one panel is needed"));
+            return Err(JobError::input("--panels 0: at least one panel is needed"));
         }
         TypedPanelSize::Panels(panels) => panels,
         TypedPanelSize::EdgeLength(length) => {
             let edge = length.length(unit, surface.diagonal());
             let panels = (area / hexagon_area(edge)).round();
             if panels < 1.0 {
-                return Err(Failure::input(format!(
+                return Err(JobError::input(format!(
                     "--edge-length {length}: less than one panel fits on the surface"
                 )));
             }
@@ -41,22 +45,22 @@ pub fn panels(size: TypedPanelSize, surface: &TriangleSurface, unit: Unit) -> Re
 ///
 /// # Errors
 /// As [`panels`].
-pub fn checked(panels: u64, surface: &TriangleSurface) -> Result<u64, Failure> {
+pub fn checked(panels: u64, surface: &TriangleSurface) -> Result<u64, JobError> {
     check_count(panels)?;
     check_precision(panels, surface.area(), surface)?;
     Ok(panels)
 }
 
-fn check_count(panels: u64) -> Result<(), Failure> {
+fn check_count(panels: u64) -> Result<(), JobError> {
     if panels <= MAX_PANELS as u64 {
         return Ok(());
     }
-    Err(Failure::input(format!(
+    Err(JobError::input(format!(
         "{panels} panels are asked for, at most {MAX_PANELS} make sense"
     )))
 }
 
-fn check_precision(panels: u64, area: f64, surface: &TriangleSurface) -> Result<(), Failure> {
+fn check_precision(panels: u64, area: f64, surface: &TriangleSurface) -> Result<(), JobError> {
     let largest = surface
         .positions()
         .iter()
@@ -67,7 +71,7 @@ fn check_precision(panels: u64, area: f64, surface: &TriangleSurface) -> Result<
     if edge >= least {
         return Ok(());
     }
-    Err(Failure::input(format!(
+    Err(JobError::input(format!(
         "{panels} panels would have edges of {edge:.1e}, but coordinates as large as {largest:.1e} hold shapes only \
          down to {least:.1e}: ask for fewer panels, or move the model to the origin"
     )))

@@ -1,8 +1,7 @@
-//! The library's computations as the commands use them: their errors get exit codes, their results
-//! one form.
+//! The library's computations as jobs use them: their errors say whose fault they are, their results
+//! have one form.
 
-use crate::exit::{Exit, Failure, OrExit};
-use anyhow::Context;
+use crate::error::{JobError, chain};
 use phex::directions::Cone;
 use phex::directions::NetworkError;
 use phex::layout::DualityError;
@@ -50,7 +49,7 @@ pub fn mesh(
     surface: &TriangleSurface,
     options: &MeshOptions,
     progress: &dyn Progress,
-) -> Result<Computed, Failure> {
+) -> Result<Computed, JobError> {
     reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
 }
 
@@ -64,12 +63,12 @@ pub fn refit(
     surface: &TriangleSurface,
     options: &MeshOptions,
     progress: &dyn Progress,
-) -> Result<Computed, Failure> {
+) -> Result<Computed, JobError> {
     let run = pipeline::refit_surface(earlier, surface, options, progress);
     reached(run.map_err(pipeline_failure)?)
 }
 
-fn reached(run: MeshRun) -> Result<Computed, Failure> {
+fn reached(run: MeshRun) -> Result<Computed, JobError> {
     Ok(Computed {
         outcome: value(&run.outcome)?,
         stages: run.stages.iter().map(StageTime::from).collect(),
@@ -92,7 +91,7 @@ pub fn network(
     surface: &TriangleSurface,
     options: &MeshOptions,
     progress: &dyn Progress,
-) -> Result<NetworkCurves, Failure> {
+) -> Result<NetworkCurves, JobError> {
     network_curves(surface, options, progress).map_err(pipeline_failure)
 }
 
@@ -115,7 +114,7 @@ pub fn planarize(
     surface: Option<&TriangleSurface>,
     how: &Planarization,
     progress: &dyn Progress,
-) -> Result<Computed, Failure> {
+) -> Result<Computed, JobError> {
     let start = Instant::now();
     let target = surface.map(SurfaceTarget::new);
     let target = target.as_ref().map(|t| t as &dyn Target);
@@ -125,7 +124,7 @@ pub fn planarize(
         optimise::steer
     };
     let run = steer(mesh, target, &how.steering, &how.options, progress);
-    let run = run.or_exit(Exit::InputUnusable)?;
+    let run = run.map_err(|e| JobError::unusable(&e))?;
     let seconds = start.elapsed().as_secs_f64();
     Ok(Computed {
         outcome: ended(&run.outcome)?,
@@ -153,52 +152,47 @@ pub fn subdivide(
     surface: &TriangleSurface,
     levels: usize,
     progress: &dyn Progress,
-) -> Result<Vec<HexMesh>, Failure> {
+) -> Result<Vec<HexMesh>, JobError> {
     let made = pipeline::subdivide(mesh, surface, levels, &OptimiseOptions::default(), progress);
     let levels = made.map_err(pipeline_failure)?;
     Ok(levels.into_iter().map(|level| level.mesh).collect())
 }
 
 /// The outcome for the report.
-fn ended(outcome: &Outcome) -> Result<Value, Failure> {
+fn ended(outcome: &Outcome) -> Result<Value, JobError> {
     if outcome.status == Status::Cancelled {
-        Err(Failure::interrupted())
+        Err(JobError::Cancelled)
     } else {
         value(outcome)
     }
 }
 
-fn value(of: &impl Serialize) -> Result<Value, Failure> {
-    serde_json::to_value(of)
-        .context("the run report")
-        .map_err(Failure::from)
+fn value(of: &impl Serialize) -> Result<Value, JobError> {
+    serde_json::to_value(of).map_err(|e| JobError::internal("the run report", &e))
 }
 
-fn pipeline_failure(error: PipelineError) -> Failure {
-    let exit = match error {
-        PipelineError::Cancelled => return Failure::interrupted(),
+fn pipeline_failure(error: PipelineError) -> JobError {
+    let told = chain(&error);
+    match error {
+        PipelineError::Cancelled => JobError::Cancelled,
         PipelineError::Size(_)
         | PipelineError::Option(_)
         | PipelineError::Components(_)
-        | PipelineError::Cones(_) => Exit::InputUnusable,
+        | PipelineError::Cones(_) => JobError::Input(told),
         PipelineError::Optimise(OptimiseError::Steering(_) | OptimiseError::BadOption(_)) => {
-            Exit::InputUnusable
+            JobError::Input(told)
         }
-        PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => Exit::InputUnusable,
+        PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => JobError::Input(told),
         PipelineError::Layout(
             LayoutError::Domain(_) | LayoutError::Duality(DualityError::SingularQuadric),
-        ) => Exit::InputUnusable,
+        ) => JobError::Input(told),
         PipelineError::Layout(LayoutError::Duality(_) | LayoutError::Power(_))
         | PipelineError::Fit(_)
-        | PipelineError::Trim(_) => Exit::NoValidResult,
+        | PipelineError::Trim(_) => JobError::NoResult(told),
         PipelineError::Layout(LayoutError::Topology { .. } | LayoutError::Network(_)) => {
-            Exit::NoValidResult
+            JobError::NoResult(told)
         }
-        _ => Exit::Internal,
-    };
-    Failure {
-        exit,
-        cause: error.into(),
+        _ => JobError::Internal(told),
     }
 }
 
@@ -208,20 +202,24 @@ mod tests {
 
     #[test]
     fn errors_of_the_pipeline_keep_apart_whose_fault_it_is() {
-        let exit = |error| pipeline_failure(error).exit;
-        assert_eq!(exit(PipelineError::Components(2)), Exit::InputUnusable);
+        let unusable = pipeline_failure(PipelineError::Components(2));
+        assert!(matches!(unusable, JobError::Input(_)), "{unusable:?}");
         let layout = LayoutError::Topology {
             reason: String::new(),
         };
-        assert_eq!(exit(layout.into()), Exit::NoValidResult);
-        assert_eq!(exit(PipelineError::Cancelled), Exit::Interrupted);
+        let none = pipeline_failure(layout.into());
+        assert!(matches!(none, JobError::NoResult(_)), "{none:?}");
+        assert_eq!(
+            pipeline_failure(PipelineError::Cancelled),
+            JobError::Cancelled
+        );
     }
 
     #[test]
     fn a_cancelled_run_is_no_result() {
         assert_eq!(
-            ended(&Outcome::empty(Status::Cancelled)).unwrap_err().exit,
-            Exit::Interrupted
+            ended(&Outcome::empty(Status::Cancelled)),
+            Err(JobError::Cancelled)
         );
         assert!(ended(&Outcome::empty(Status::Stalled)).is_ok());
     }

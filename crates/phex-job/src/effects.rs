@@ -1,10 +1,10 @@
 //! Options that would do nothing: what is typed is carried out or refused, never passed over in
 //! silence.
 
-use crate::exit::Failure;
+use crate::error::JobError;
+use crate::given::Given;
 use crate::settings::{CloseTo, LayoutMethod, MeshSettings};
 use crate::steering::TypedSolver;
-use clap::ValueEnum;
 
 /// Methods that lay the lattice of `lattice` out, and then take planes of it.
 const ON_LATTICE: [LayoutMethod; 5] = [
@@ -35,10 +35,10 @@ impl MeshSettings {
     ///
     /// # Errors
     /// All of them that are set, with the methods that heed them.
-    pub fn check_effects(&self) -> Result<(), Failure> {
+    pub fn check_effects(&self, given: &Given) -> Result<(), JobError> {
         let method = LayoutMethod::from(self.options(1).method);
         let idle = self
-            .heeded()
+            .heeded(given)
             .into_iter()
             .filter(|h| !h.by.contains(&method));
         let told = idle.map(|h| {
@@ -53,13 +53,16 @@ impl MeshSettings {
         let told: Vec<String> = told.chain(self.steering.without_effect()).collect();
         match told.is_empty() {
             true => Ok(()),
-            false => Err(Failure::input(format!("{}: leave it out", told.join("; ")))),
+            false => Err(JobError::input(format!(
+                "{}: leave it out",
+                told.join("; ")
+            ))),
         }
     }
 
     /// The options that are set and that not every method heeds.
-    fn heeded(&self) -> Vec<Heeded> {
-        let every = || LayoutMethod::value_variants().to_vec();
+    fn heeded(&self, given: &Given) -> Vec<Heeded> {
+        let every = || LayoutMethod::ALL.to_vec();
         let lattice = || ON_LATTICE.to_vec();
         let directed = [ON_LATTICE.as_slice(), &OWN_METRIC].concat();
         let fitted = self.fitted();
@@ -72,7 +75,7 @@ impl MeshSettings {
         };
         let mut one_sign = OWN_METRIC.to_vec();
         one_sign.extend([LayoutMethod::DualSubdivision, LayoutMethod::Parallel]);
-        let dials = if self.steering.holds() {
+        let dials = if self.steering.holds() || !given.steering.is_empty() {
             every()
         } else {
             fitted
@@ -80,11 +83,23 @@ impl MeshSettings {
         let s = &self.steering;
         let all = [
             ("rotate", self.rotate.is_some(), directed.clone()),
-            ("cones", self.guides.cones.is_some(), directed),
-            ("guide", self.guides.guide.is_some(), lattice()),
+            (
+                "cones",
+                self.guides.cones.is_some() || !given.guides.cones.is_empty(),
+                directed,
+            ),
+            (
+                "guide",
+                self.guides.guide.is_some() || !given.guides.lines.is_empty(),
+                lattice(),
+            ),
             ("crease", self.guides.crease.is_some(), lattice()),
             ("adaptive", self.adaptive.is_some(), lattice()),
-            ("size-field", self.size_field.is_some(), lattice()),
+            (
+                "size-field",
+                self.size_field.is_some() || given.size_field.is_some(),
+                lattice(),
+            ),
             ("boundary", self.boundary.is_some(), bounded.collect()),
             ("target", self.target.is_some(), near),
             ("any-domain", self.any_domain, one_sign),
@@ -171,8 +186,8 @@ impl crate::steering::SteeringSettings {
 
 /// A method as it is typed.
 fn name(method: LayoutMethod) -> String {
-    let value = method.to_possible_value();
-    value.map_or_else(String::new, |v| v.get_name().to_owned())
+    let value = serde_json::to_value(method).unwrap_or_default();
+    value.as_str().unwrap_or_default().to_owned()
 }
 
 #[cfg(test)]
@@ -183,7 +198,7 @@ mod tests {
         let text = format!("method = '{method}'\n{settings}");
         let settings: MeshSettings = toml::from_str(&text).unwrap();
         settings
-            .check_effects()
+            .check_effects(&Given::default())
             .map_or_else(|e| e.to_string(), |()| String::new())
     }
 

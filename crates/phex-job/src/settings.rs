@@ -1,11 +1,10 @@
 //! What is wanted of a mesh: one list of settings for the command line and the job file.
 
-use crate::exit::Failure;
+use crate::error::JobError;
 use crate::guides::GuideSettings;
 use crate::input::read_text;
 use crate::steering::{SteeringSettings, positive};
 use crate::units::{Quantity, Unit};
-use clap::Args;
 use phex::Boundary;
 use phex::MeshOptions;
 use phex::pipeline::Method;
@@ -20,80 +19,94 @@ const DEFAULT_PANELS: u64 = 500;
 pub const DEFAULT_DEVIATION: Quantity = Quantity::percent(0.5);
 
 /// Settings of `phex mesh`; the names in a job file are those of the options.
-#[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
 pub struct MeshSettings {
     /// Number of panels, about [default: 500]
-    #[arg(short = 'n', long, value_name = "N", conflicts_with = "edge_length")]
+    #[cfg_attr(
+        feature = "clap",
+        arg(short = 'n', long, value_name = "N", conflicts_with = "edge_length")
+    )]
     pub panels: Option<u64>,
     /// Length of the panels' edges, about: `1.2`, `1.2m`, or `2%` of the bounding-box diagonal
-    #[arg(long, value_name = "LENGTH")]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "LENGTH"))]
     pub edge_length: Option<Quantity>,
     /// How panels are laid out [default: lattice]
-    #[arg(long, value_enum)]
+    #[cfg_attr(feature = "clap", arg(long, value_enum))]
     pub method: Option<LayoutMethod>,
     /// Use the method where it is not made for the surface, to see what becomes of it
-    #[arg(long)]
+    #[cfg_attr(feature = "clap", arg(long))]
     pub any_domain: bool,
     /// Quadric of `projective-dual`: the ten numbers of the upper triangle of its symmetric matrix
     /// Q, row by row [default: the unit sphere about a centre away from all tangent planes]
-    #[arg(long, value_name = "Q", value_parser = crate::number_lists::ten, allow_hyphen_values = true)]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "Q", value_parser = crate::number_lists::ten, allow_hyphen_values = true))]
     pub quadric: Option<[f64; 10]>,
     /// Hold back vertices where tangent planes meet badly (0.05 to 0.5), and leave planarity to the
     /// optimiser; for `tangent-planes`
-    #[arg(long, value_name = "X", value_parser = positive)]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = positive))]
     pub regularise: Option<f64>,
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "DEG", allow_negative_numbers = true)
+    )]
     pub rotate: Option<f64>,
     /// Smaller panels where the surface is strongly curved (panel length times curvature stays
     /// below this, 0.4 without a number) or has two sheets near each other
-    #[arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive)]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive))]
     pub adaptive: Option<f64>,
     /// Lengths of the panels' edges from a text file: a number on each line for each vertex of the
     /// input, in its order; with --panels or --edge-length only their ratios count
-    #[arg(long, value_name = "SIZES.TXT")]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "SIZES.TXT"))]
     pub size_field: Option<PathBuf>,
     /// What happens at the boundary [default: snap]
-    #[arg(long, value_enum, value_name = "HOW")]
+    #[cfg_attr(feature = "clap", arg(long, value_enum, value_name = "HOW"))]
     pub boundary: Option<AtBoundary>,
     /// Surface that the panels are kept close to [default: smooth]
-    #[arg(long, value_enum, value_name = "KIND")]
+    #[cfg_attr(feature = "clap", arg(long, value_enum, value_name = "KIND"))]
     pub target: Option<CloseTo>,
     /// Largest distance to the surface: `20mm`, or `0.5%` of the bounding-box diagonal [default:
     /// 0.5%]
-    #[arg(long, value_name = "LENGTH", help_heading = "Tolerances")]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "LENGTH", help_heading = "Tolerances")
+    )]
     pub max_deviation: Option<Quantity>,
     /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length
     /// [default: 1e-12, or rounding]
-    #[arg(long, value_name = "X", help_heading = "Tolerances")]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "X", help_heading = "Tolerances")
+    )]
     pub planarity: Option<Quantity>,
     /// Unit of the model's coordinates [default: m]
-    #[arg(long, value_enum)]
+    #[cfg_attr(feature = "clap", arg(long, value_enum))]
     pub unit: Option<Unit>,
     /// Mesh every connected part of a surface that has several
-    #[arg(long)]
+    #[cfg_attr(feature = "clap", arg(long))]
     pub all_components: bool,
     /// Seed of every random choice [default: 0]
-    #[arg(long)]
+    #[cfg_attr(feature = "clap", arg(long))]
     pub seed: Option<u64>,
     /// Number of threads; the result does not depend on it [default: all cores]
-    #[arg(short, long, value_parser = clap::value_parser!(u16).range(1..))]
+    #[cfg_attr(feature = "clap", arg(short, long, value_parser = clap::value_parser!(u16).range(1..)))]
     pub threads: Option<u16>,
     /// What is held, and the dials; in a job file the table `[steering]`.
-    #[command(flatten)]
+    #[cfg_attr(feature = "clap", command(flatten))]
     pub steering: SteeringSettings,
     /// Lines that rows run along, and cones; in a job file the table `[guides]`.
-    #[command(flatten)]
+    #[cfg_attr(feature = "clap", command(flatten))]
     pub guides: GuideSettings,
     /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of
     /// them.
-    #[arg(skip)]
+    #[cfg_attr(feature = "clap", arg(skip))]
     pub stages: MeshOptions,
 }
 
 /// How panels are laid out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum LayoutMethod {
     /// A hexagonal lattice, on any surface
@@ -117,6 +130,21 @@ pub enum LayoutMethod {
     TangentPlanes,
     /// A mesh parallel to one that tangent planes give, fitted; for Gauss curvature of one sign
     Parallel,
+}
+
+impl LayoutMethod {
+    /// All methods.
+    pub const ALL: [Self; 9] = [
+        Self::Lattice,
+        Self::Best,
+        Self::BrickWall,
+        Self::PowerDiagram,
+        Self::ProjectiveDual,
+        Self::DualSubdivision,
+        Self::SupportFunction,
+        Self::TangentPlanes,
+        Self::Parallel,
+    ];
 }
 
 impl From<LayoutMethod> for Method {
@@ -152,7 +180,8 @@ impl From<Method> for LayoutMethod {
 }
 
 /// What happens at the boundary.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum AtBoundary {
     /// Whole panels of a lattice that goes on beyond the boundary
@@ -174,7 +203,8 @@ impl From<AtBoundary> for Boundary {
 }
 
 /// Which surface the panels are kept close to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum CloseTo {
     /// The smooth surface through the input's vertices
@@ -229,32 +259,49 @@ impl MeshSettings {
     ///
     /// # Errors
     /// If the file can't be read, is no TOML, or sets something unknown.
-    pub fn from_file(path: &Path) -> Result<Self, Failure> {
-        let unusable =
-            |e: &dyn std::fmt::Display| Failure::input(format!("{}: {e}", path.display()));
-        let text = read_text(path)?;
-        let settings: Self = toml::from_str(&text).map_err(|e| unusable(&located(&e, &text)))?;
-        if settings.panels.is_some() && settings.edge_length.is_some() {
-            return Err(unusable(&"`panels` and `edge-length` exclude each other"));
-        }
-        if settings.stages.size != MeshOptions::default().size {
-            return Err(unusable(
-                &"`size` has no effect in `[stages]`: write `panels` or `edge-length` before all tables",
+    pub fn from_file(path: &Path) -> Result<Self, JobError> {
+        let settings = Self::from_toml(&read_text(path)?);
+        settings.map_err(|e| JobError::input(format!("{}: {e}", path.display())))
+    }
+
+    /// Settings of the text of a job file.
+    ///
+    /// # Errors
+    /// If it is no TOML, or sets something unknown.
+    pub fn from_toml(text: &str) -> Result<Self, JobError> {
+        let settings: Self =
+            toml::from_str(text).map_err(|e| JobError::Input(located(&e, text)))?;
+        settings.check_job().map(|()| settings)
+    }
+
+    /// Refuses what a job file can't say.
+    ///
+    /// # Errors
+    /// If two settings exclude each other, or one stands where it has no effect.
+    pub fn check_job(&self) -> Result<(), JobError> {
+        if self.panels.is_some() && self.edge_length.is_some() {
+            return Err(JobError::input(
+                "`panels` and `edge-length` exclude each other",
             ));
         }
-        if settings.stages.optimise.max_deviation.is_some() {
-            return Err(unusable(
-                &"`max_deviation` has no effect in `[stages.optimise]`: write `max-deviation` before all tables",
+        if self.stages.size != MeshOptions::default().size {
+            return Err(JobError::input(
+                "`size` has no effect in `[stages]`: write `panels` or `edge-length` before all tables",
             ));
         }
-        Ok(settings)
+        if self.stages.optimise.max_deviation.is_some() {
+            return Err(JobError::input(
+                "`max_deviation` has no effect in `[stages.optimise]`: write `max-deviation` before all tables",
+            ));
+        }
+        Ok(())
     }
 
     /// Refuses numbers that are not finite or out of their ranges, wherever they were set.
     ///
     /// # Errors
     /// The first of them, by its name.
-    pub fn check(&self) -> Result<(), Failure> {
+    pub fn check(&self) -> Result<(), JobError> {
         let own = || -> Result<(), BadOption> {
             ranges::within(-360.0..=360.0, &[("rotate", self.rotate.unwrap_or(0.0))])?;
             ranges::positive(&[
@@ -265,7 +312,7 @@ impl MeshSettings {
             self.steering.check()?;
             self.options(1).check().map_err(|e| e.in_table("stages"))
         };
-        own().map_err(Failure::input)
+        own().map_err(JobError::input)
     }
 
     /// These settings, and those of `file` where these say nothing.

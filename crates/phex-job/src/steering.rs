@@ -1,8 +1,7 @@
 //! Steering as it is typed: which vertices are held, and the dials of the optimiser.
 
-use crate::exit::Failure;
+use crate::error::JobError;
 use crate::input::{number, read_numbers, read_polylines};
-use clap::{Args, ValueEnum};
 use phex::optimise::{Anchor, Dials, GroundPlane, OptimiseOptions, Solver, Steering};
 use phex::ranges::{self, BadOption};
 use phex_mesh::LARGEST_COORDINATE;
@@ -12,56 +11,70 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// What is held, and the dials; in a job file, the table `[steering]`.
-#[derive(Clone, Debug, Default, PartialEq, Args, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
 pub struct SteeringSettings {
     /// Fix vertices: a text file with `x y z` on a line (the nearest vertex is moved there) or a
     /// vertex number, from 0 (it stays)
-    #[arg(long, value_name = "POINTS.TXT", help_heading = "Steering")]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "POINTS.TXT", help_heading = "Steering")
+    )]
     pub fix: Option<PathBuf>,
     /// Let vertices of the boundary slide on the polylines of an OBJ file that are within half an
     /// edge
-    #[arg(long, value_name = "CURVE.OBJ", help_heading = "Steering")]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "CURVE.OBJ", help_heading = "Steering")
+    )]
     pub curve: Option<PathBuf>,
     /// Keep vertices of the boundary in a plane: level at the lowest one, level at `Z`, or through
     /// `X,Y,Z` with normal `NX,NY,NZ`
-    #[arg(
+    #[cfg_attr(feature = "clap", arg(
         long,
         value_name = "Z|X,Y,Z,NX,NY,NZ",
         num_args = 0..=1,
         default_missing_value = "lowest",
         allow_negative_numbers = true,
         help_heading = "Steering"
-    )]
+    ))]
     pub ground: Option<TypedPlane>,
     /// How far from the ground plane vertices of the boundary may lie to be put in it, mean edges
     /// [default: 0.5]
-    #[arg(long, value_name = "X", value_parser = not_negative, help_heading = "Steering")]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = not_negative, help_heading = "Steering"))]
     pub ground_reach: Option<f64>,
     /// Pull the nearest vertices towards points: a text file with `x y z`, or `x y z weight`, on a
     /// line (weight 1 is that of the surface)
-    #[arg(long, value_name = "POINTS.TXT", help_heading = "Steering")]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "POINTS.TXT", help_heading = "Steering")
+    )]
     pub anchors: Option<PathBuf>,
     /// More than 1: more even panels, less than 1: freer ones
-    #[arg(long, value_name = "X", value_parser = positive, help_heading = "Steering")]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = positive, help_heading = "Steering"))]
     pub fairness: Option<f64>,
     /// More than 1: nearer to surface and boundary
-    #[arg(long, value_name = "X", value_parser = positive, help_heading = "Steering")]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = positive, help_heading = "Steering"))]
     pub closeness: Option<f64>,
     /// More than 1: more room between the corners and edges of a panel
-    #[arg(long, value_name = "X", value_parser = positive, help_heading = "Steering")]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = positive, help_heading = "Steering"))]
     pub clearance: Option<f64>,
     /// Less than 1: corners nearer to the surface, centres of panels farther; 0: the corners lie on
     /// it
-    #[arg(long, value_name = "X", value_parser = not_negative, help_heading = "Steering")]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = not_negative, help_heading = "Steering"))]
     pub centres: Option<f64>,
     /// How panels are made planar [default: barrier]
-    #[arg(long, value_enum, value_name = "METHOD", help_heading = "Steering")]
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_enum, value_name = "METHOD", help_heading = "Steering")
+    )]
     pub solver: Option<TypedSolver>,
 }
 
 /// How panels are made planar.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum TypedSolver {
     /// Distances to the panels' planes, with a barrier that keeps panels simple
@@ -128,11 +141,40 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-fn not_negative(text: &str) -> Result<f64, String> {
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
         _ => Err(format!("`{text}` is negative or no number")),
     }
+}
+
+/// Holds a vertex, by its number, or the one nearest to a point.
+///
+/// # Errors
+/// What is wanted instead.
+pub(crate) fn add_fixed(steering: &mut Steering, numbers: &[f64]) -> Result<(), &'static str> {
+    match *numbers {
+        [x, y, z] => steering.fixed_points.push([x, y, z]),
+        [v] if v >= 0.0 && v.fract() == 0.0 && v <= f64::from(u32::MAX) => {
+            steering.fixed_vertices.push(v as u32);
+        }
+        _ => return Err("a vertex number or x y z"),
+    }
+    Ok(())
+}
+
+/// Pulls the nearest vertex to a point.
+///
+/// # Errors
+/// What is wanted instead.
+pub(crate) fn add_anchor(steering: &mut Steering, numbers: &[f64]) -> Result<(), &'static str> {
+    let (point, weight) = match *numbers {
+        [x, y, z] => ([x, y, z], 1.0),
+        [x, y, z, weight] => ([x, y, z], weight),
+        _ => return Err("x y z, or x y z weight"),
+    };
+    steering.anchors.push(Anchor { point, weight });
+    Ok(())
 }
 
 impl SteeringSettings {
@@ -158,23 +200,20 @@ impl SteeringSettings {
         files.into_iter().flatten().map(PathBuf::as_path)
     }
 
-    /// Adds what is held and turns the dials; once for each set of options.
-    ///
-    /// # Errors
-    /// If a file can't be read or a line of it is wrong.
-    pub fn apply(
-        &self,
-        steering: &mut Steering,
-        options: &mut OptimiseOptions,
-    ) -> Result<(), Failure> {
-        self.add_to(steering)?;
+    /// Adds what is held, `given` among it, and turns the dials; once for each set of options.
+    pub fn apply(&self, given: Steering, steering: &mut Steering, options: &mut OptimiseOptions) {
+        steering.fixed_points.extend(given.fixed_points);
+        steering.fixed_vertices.extend(given.fixed_vertices);
+        steering.curves.extend(given.curves);
+        steering.anchors.extend(given.anchors);
+        steering.grounds.extend(given.grounds);
+        steering.grounds.extend(self.ground.map(|g| self.plane(g)));
         self.dials().turn(options);
         match self.solver {
             Some(TypedSolver::Barrier) => options.solver = Solver::Barrier,
             Some(TypedSolver::Tetrahedra) => options.solver = Solver::Tetrahedra,
             None => {}
         }
-        Ok(())
     }
 
     /// Whether a dial stands at a number.
@@ -201,23 +240,22 @@ impl SteeringSettings {
         }
     }
 
-    fn add_to(&self, steering: &mut Steering) -> Result<(), Failure> {
+    /// What the files hold.
+    ///
+    /// # Errors
+    /// If one can't be read or a line of it is wrong.
+    pub fn read(&self) -> Result<Steering, JobError> {
+        let mut steering = Steering::default();
         if let Some(path) = &self.fix {
             for line in read_numbers(path)? {
-                match line.numbers[..] {
-                    [x, y, z] => steering.fixed_points.push([x, y, z]),
-                    [v] if v >= 0.0 && v.fract() == 0.0 && v <= f64::from(u32::MAX) => {
-                        steering.fixed_vertices.push(v as u32);
-                    }
-                    _ => return Err(line.wrong("a vertex number or x y z")),
-                }
+                add_fixed(&mut steering, &line.numbers).map_err(|wanted| line.wrong(wanted))?;
             }
         }
         if let Some(path) = &self.curve {
             let curves = read_polylines(path)?;
             if curves.is_empty() {
                 let name = path.display();
-                return Err(Failure::input(format!(
+                return Err(JobError::input(format!(
                     "{name}: it holds no polyline (a line `l 1 2 3`)"
                 )));
             }
@@ -226,16 +264,10 @@ impl SteeringSettings {
         }
         if let Some(path) = &self.anchors {
             for line in read_numbers(path)? {
-                let (point, weight) = match line.numbers[..] {
-                    [x, y, z] => ([x, y, z], 1.0),
-                    [x, y, z, weight] => ([x, y, z], weight),
-                    _ => return Err(line.wrong("x y z, or x y z weight")),
-                };
-                steering.anchors.push(Anchor { point, weight });
+                add_anchor(&mut steering, &line.numbers).map_err(|wanted| line.wrong(wanted))?;
             }
         }
-        steering.grounds.extend(self.ground.map(|g| self.plane(g)));
-        Ok(())
+        Ok(steering)
     }
 
     fn plane(&self, typed: TypedPlane) -> GroundPlane {
