@@ -32,7 +32,14 @@ pub fn check(root: &Path) -> Result<(), Stop> {
 
 /// Builds everything that is no test, with the features that tests have.
 pub fn built(root: &Path) -> Result<(), String> {
-    let what = ["build", "--workspace", "--lib", "--bins", "--examples", "--quiet"];
+    let what = [
+        "build",
+        "--workspace",
+        "--lib",
+        "--bins",
+        "--examples",
+        "--quiet",
+    ];
     cargo(root, &what)
 }
 
@@ -83,9 +90,16 @@ fn copied(from: &Path, to: &Path) -> Result<(), String> {
 pub fn wheel(root: &Path) -> Result<(), Stop> {
     let python = foreign::environment(root, &[foreign::REQUIREMENTS, TESTED_WITH])?;
     let mut install = Command::new(&python);
-    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
-    succeed(install.args(WHEEL_TOOLS))
-        .map_err(|cause| Stop::skipped(format!("what builds wheels can't be installed: {cause}")))?;
+    install.args([
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+    ]);
+    succeed(install.args(WHEEL_TOOLS)).map_err(|cause| {
+        Stop::skipped(format!("what builds wheels can't be installed: {cause}"))
+    })?;
     let out = target_folder(root).join("wheels");
     let mut build = Command::new(&python);
     build

@@ -14,7 +14,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use phex_job::SteeringSettings;
 use phex_job::number;
 use phex_job::three;
-use phex_job::{AtBoundary, MeshSettings};
+use phex_job::{AtBoundary, LastStage, MeshSettings};
 use phex_mesh::shapes::Shape;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -119,6 +119,10 @@ pub struct MeshCommand {
     /// weights, surface or what is held
     #[arg(long, value_name = "MESH")]
     pub start: Option<PathBuf>,
+    /// End after a stage: `layout` writes the panels as they are laid out, neither planar nor
+    /// checked, to look at
+    #[arg(long, value_enum, value_name = "STAGE", conflicts_with_all = ["start", "write_target", "keep_invalid", "keep_best"])]
+    pub until: Option<LastStage>,
     /// Write the smooth surface through the input's vertices that the panels were fitted to
     #[arg(long, value_name = "SURFACE", help_heading = "Files")]
     pub write_target: Option<PathBuf>,

@@ -180,7 +180,7 @@ fn invalid_mesh_is_reported_and_written_only_on_request() {
     );
     assert!(!shop.files().contains(&"out.obj".to_owned()));
     let report = shop.json("run.json");
-    assert_eq!(report["verdict"], "invalid");
+    assert_ne!(report["verdict"], "pass");
     assert!(!report["violations"].as_array().unwrap().is_empty());
     assert_eq!(
         shop.phex("mesh torus.obj -o out.obj -n 4 --keep-invalid")
@@ -341,4 +341,46 @@ fn check_judges_by_what_the_run_promised() {
     shop.write("dome.obj", honeycomb(2, 2, |_, p| p));
     shop.phex("check near.obj --report-of near.json")
         .refuses(4, &["dome.obj", "changed", "--surface"]);
+}
+
+/// A draft is judged as any mesh is, and the report says how much was tried.
+#[test]
+fn effort_says_how_much_is_tried() {
+    let shop = Workshop::new();
+    shop.succeed("shape wave -o wave.obj --triangles 2000");
+    shop.succeed("mesh wave.obj -o a.obj -n 60 --effort draft --report draft.json");
+    let draft = shop.json("draft.json");
+    assert_eq!(draft["settings"]["effort"], "draft");
+    assert!(draft["statistics"][0]["search"].is_null());
+    assert_eq!(draft["verdict"], "pass");
+    shop.succeed("mesh wave.obj -o b.obj -n 60 --effort best --report best.json");
+    shop.succeed("mesh wave.obj -o c.obj -n 60 --method best");
+    assert_eq!(shop.read("b.obj"), shop.read("c.obj"));
+    let tried = &shop.json("best.json")["statistics"][0]["tried"];
+    assert!(tried.as_array().unwrap().len() > 3);
+    shop.phex("mesh wave.obj -o d.obj --effort draft --method brick-wall")
+        .refuses(4, &["`effort` has no effect with `brick-wall`"]);
+    shop.phex("mesh wave.obj -o d.obj --effort draft --method best")
+        .refuses(4, &["`effort` has no effect with `best`"]);
+}
+
+/// The layout alone is written, and called neither planar nor valid.
+#[test]
+fn a_run_may_end_after_the_layout() {
+    let shop = Workshop::new();
+    shop.succeed("shape wave -o wave.obj --triangles 2000");
+    let told = shop.succeed("mesh wave.obj -o flat.obj -n 60 --until layout --report run.json");
+    assert!(
+        told.stdout.contains("neither planar nor checked"),
+        "{}",
+        told.stdout
+    );
+    assert!(!told.stdout.contains("PASS"), "{}", told.stdout);
+    let report = shop.json("run.json");
+    assert_ne!(report["verdict"], "pass");
+    shop.phex("check flat.obj").refuses(3, &[]);
+    shop.phex("mesh wave.obj -o no.obj --until layout --method brick-wall")
+        .refuses(4, &["only `lattice` has a layout"]);
+    shop.phex("mesh wave.obj -o no.obj --until layout --keep-invalid")
+        .refuses(2, &["--keep-invalid"]);
 }

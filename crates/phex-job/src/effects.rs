@@ -7,9 +7,8 @@ use crate::settings::{CloseTo, LayoutMethod, MeshSettings};
 use crate::steering::TypedSolver;
 
 /// Methods that lay the lattice of `lattice` out, and then take planes of it.
-const ON_LATTICE: [LayoutMethod; 5] = [
+const ON_LATTICE: [LayoutMethod; 4] = [
     LayoutMethod::Lattice,
-    LayoutMethod::Best,
     LayoutMethod::TangentPlanes,
     LayoutMethod::DualSubdivision,
     LayoutMethod::Parallel,
@@ -18,11 +17,7 @@ const ON_LATTICE: [LayoutMethod; 5] = [
 /// neither sizes nor lines to follow.
 const OWN_METRIC: [LayoutMethod; 2] = [LayoutMethod::ProjectiveDual, LayoutMethod::SupportFunction];
 /// Methods that end with the optimiser, which keeps panels to the target.
-const OPTIMISED: [LayoutMethod; 3] = [
-    LayoutMethod::Lattice,
-    LayoutMethod::Best,
-    LayoutMethod::BrickWall,
-];
+const OPTIMISED: [LayoutMethod; 2] = [LayoutMethod::Lattice, LayoutMethod::BrickWall];
 
 /// An option that is set, and the methods that heed it.
 struct Heeded {
@@ -50,7 +45,10 @@ impl MeshSettings {
                 by.join(", ")
             )
         });
-        let told: Vec<String> = told.chain(self.steering.without_effect()).collect();
+        let twice = self.method == Some(LayoutMethod::Best) && self.effort.is_some();
+        let twice = twice.then(|| "`effort` has no effect with `best`".to_owned());
+        let told = told.chain(twice).chain(self.steering.without_effect());
+        let told: Vec<String> = told.collect();
         match told.is_empty() {
             true => Ok(()),
             false => Err(JobError::input(format!(
@@ -82,6 +80,7 @@ impl MeshSettings {
         };
         let s = &self.steering;
         let all = [
+            ("effort", self.effort.is_some(), vec![LayoutMethod::Lattice]),
             ("rotate", self.rotate.is_some(), directed.clone()),
             (
                 "cones",
@@ -140,6 +139,7 @@ impl MeshSettings {
             ("panels", self.panels.is_some()),
             ("edge-length", self.edge_length.is_some()),
             ("method", self.method.is_some()),
+            ("effort", self.effort.is_some()),
             ("any-domain", self.any_domain),
             ("quadric", self.quadric.is_some()),
             ("regularise", self.regularise.is_some()),

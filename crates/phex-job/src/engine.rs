@@ -9,7 +9,7 @@ use phex::layout::LayoutError;
 use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
 use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
-use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, mesh_surface};
+use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, Session, mesh_surface};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
@@ -51,6 +51,31 @@ pub fn mesh(
     progress: &dyn Progress,
 ) -> Result<Computed, JobError> {
     reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
+}
+
+/// The panels of a connected surface as they are laid out, neither planar nor checked.
+///
+/// # Errors
+/// If the surface can't be used, no panelling exists, or the run is cancelled.
+pub fn lay_out(
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Computed, JobError> {
+    let preview = Session::new(surface.clone()).lay_out(options, progress);
+    let preview = preview.map_err(pipeline_failure)?;
+    Ok(Computed {
+        outcome: Value::Null,
+        stages: preview.stages.iter().map(StageTime::from).collect(),
+        statistics: value(&preview.statistics)?,
+        cones: preview.cones,
+        classical: None,
+        tried: Vec::new(),
+        mesh: preview.mesh,
+        start: None,
+        smooth: None,
+        beyond: None,
+    })
 }
 
 /// Brings an earlier mesh to a connected surface again. A run that is cancelled gives the mesh that
@@ -178,6 +203,7 @@ fn pipeline_failure(error: PipelineError) -> JobError {
         PipelineError::Size(_)
         | PipelineError::Option(_)
         | PipelineError::Components(_)
+        | PipelineError::NoPreview
         | PipelineError::Cones(_) => JobError::Input(told),
         PipelineError::Optimise(OptimiseError::Steering(_) | OptimiseError::BadOption(_)) => {
             JobError::Input(told)

@@ -46,7 +46,7 @@ pub use limits::TypedLimits;
 pub use number_lists::{finite, ten, three};
 pub use panel_size::panels;
 pub use portfolio::members;
-pub use run::{JobResult, MeshJob, add_features, run};
+pub use run::{JobResult, LAYOUT_ALONE, LastStage, MeshJob, add_features, run};
 pub use settings::{
     AtBoundary, CloseTo, DEFAULT_DEVIATION, LayoutMethod, MeshSettings, TypedPanelSize,
 };

@@ -18,7 +18,20 @@ use phex::quality::References;
 use phex::report::{FeatureSizes, InputFile, RunReport, StageTime};
 use phex::{Event, MeshOptions, Progress};
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+/// Where a job may end before there is a planar mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum LastStage {
+    /// The panels of the first lattice
+    Layout,
+}
+
+/// What a job that ends after the layout has made.
+pub const LAYOUT_ALONE: &str = "as they are laid out: neither planar nor checked";
 
 /// What is to be covered with panels, and how.
 #[derive(Clone)]
@@ -37,10 +50,12 @@ pub struct MeshJob {
     pub keep_best: bool,
     /// When it ends with the best mesh so far.
     pub time_limit: Option<TimeLimit>,
+    /// Where it ends.
+    pub until: Option<LastStage>,
 }
 
 impl MeshJob {
-    /// A job without an earlier mesh, values in memory or limit of time.
+    /// A job without an earlier mesh, values in memory or limit of time, to the end.
     pub fn new(parts: SurfaceParts, input: InputFile, settings: MeshSettings) -> Self {
         Self {
             parts,
@@ -50,6 +65,7 @@ impl MeshJob {
             start: None,
             keep_best: false,
             time_limit: None,
+            until: None,
         }
     }
 }
@@ -217,7 +233,11 @@ impl<'a> MeshTask<'a> {
             if let Some(field) = &self.field {
                 options.size_field = Some(field.of(k).to_vec());
             }
-            self.unless_interrupted(engine::mesh(&part.surface, &options, self.progress)?)
+            let made = match self.job.until {
+                Some(LastStage::Layout) => engine::lay_out(&part.surface, &options, self.progress),
+                None => engine::mesh(&part.surface, &options, self.progress),
+            };
+            self.unless_interrupted(made?)
         };
         let parts = components.iter().zip(&counts).enumerate();
         parts.map(mesh).collect()
@@ -278,6 +298,9 @@ impl<'a> MeshTask<'a> {
         };
         let told = wishes.iter().map(|(what, s)| format!("{what}: {s}"));
         report.notes.extend(told);
+        if self.job.until.is_some() {
+            report.notes.push(LAYOUT_ALONE.to_owned());
+        }
         let warning = add_features(&mut report, &mesh, smooth.as_ref().or(Some(&self.facets)));
         Ok(JobResult {
             mesh,

@@ -7,7 +7,7 @@ use crate::steering::{SteeringSettings, positive};
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
 use phex::MeshOptions;
-use phex::pipeline::Method;
+use phex::pipeline::{Effort, Method};
 use phex::ranges::{self, BadOption};
 use phex::smooth_surface::TargetKind;
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,9 @@ pub struct MeshSettings {
     /// How panels are laid out [default: lattice]
     #[cfg_attr(feature = "clap", arg(long, value_enum))]
     pub method: Option<LayoutMethod>,
+    /// How much is tried [default: normal]
+    #[cfg_attr(feature = "clap", arg(long, value_enum, value_name = "LEVEL"))]
+    pub effort: Option<TypedEffort>,
     /// Use the method where it is not made for the surface, to see what becomes of it
     #[cfg_attr(feature = "clap", arg(long))]
     pub any_domain: bool,
@@ -111,7 +114,8 @@ pub struct MeshSettings {
 pub enum LayoutMethod {
     /// A hexagonal lattice, on any surface
     Lattice,
-    /// All ways of the portfolio side by side, lattices and a brick wall; the best is kept
+    /// As `lattice` with `--effort best`
+    #[value(hide = true)]
     Best,
     /// A brick wall on the lines of curvature, where the surface has a network of them without
     /// singular points
@@ -150,8 +154,7 @@ impl LayoutMethod {
 impl From<LayoutMethod> for Method {
     fn from(layout: LayoutMethod) -> Self {
         match layout {
-            LayoutMethod::Lattice => Self::Lattice,
-            LayoutMethod::Best => Self::Best,
+            LayoutMethod::Lattice | LayoutMethod::Best => Self::Lattice,
             LayoutMethod::BrickWall => Self::BrickWall,
             LayoutMethod::ProjectiveDual => Self::ProjectiveDual,
             LayoutMethod::SupportFunction => Self::SupportFunction,
@@ -167,7 +170,6 @@ impl From<Method> for LayoutMethod {
     fn from(method: Method) -> Self {
         match method {
             Method::Lattice => Self::Lattice,
-            Method::Best => Self::Best,
             Method::BrickWall => Self::BrickWall,
             Method::ProjectiveDual => Self::ProjectiveDual,
             Method::SupportFunction => Self::SupportFunction,
@@ -175,6 +177,41 @@ impl From<Method> for LayoutMethod {
             Method::PowerDiagram => Self::PowerDiagram,
             Method::DualSubdivision => Self::DualSubdivision,
             Method::Parallel => Self::Parallel,
+        }
+    }
+}
+
+/// How much is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+#[serde(rename_all = "kebab-case")]
+pub enum TypedEffort {
+    /// One lattice and one pass, judged and not searched: a first picture
+    Draft,
+    /// The most regular of a few lattices, another where it may be better, and a search where
+    /// something is wrong
+    Normal,
+    /// All ways of the portfolio side by side, lattices and a brick wall; the best is kept and
+    /// searched
+    Best,
+}
+
+impl From<TypedEffort> for Effort {
+    fn from(effort: TypedEffort) -> Self {
+        match effort {
+            TypedEffort::Draft => Self::Draft,
+            TypedEffort::Normal => Self::Normal,
+            TypedEffort::Best => Self::Best,
+        }
+    }
+}
+
+impl From<Effort> for TypedEffort {
+    fn from(effort: Effort) -> Self {
+        match effort {
+            Effort::Draft => Self::Draft,
+            Effort::Normal => Self::Normal,
+            Effort::Best => Self::Best,
         }
     }
 }
@@ -326,6 +363,7 @@ impl MeshSettings {
                 file.edge_length
             },
             method: self.method.or(file.method),
+            effort: self.effort.or(file.effort),
             any_domain: self.any_domain || file.any_domain,
             quadric: self.quadric.or(file.quadric),
             regularise: self.regularise.or(file.regularise),
@@ -371,6 +409,12 @@ impl MeshSettings {
         if let Some(method) = self.method {
             options.method = method.into();
         }
+        if self.method == Some(LayoutMethod::Best) {
+            options.effort = Effort::Best;
+        }
+        if let Some(effort) = self.effort {
+            options.effort = effort.into();
+        }
         options.dual.any_domain |= self.any_domain;
         if self.quadric.is_some() {
             options.dual.quadric = self.quadric;
@@ -403,6 +447,7 @@ impl MeshSettings {
         Self {
             panels: Some(panels),
             method: Some(stages.method.into()),
+            effort: Some(stages.effort.into()),
             rotate: Some(stages.directions.rotate.to_degrees()),
             max_deviation: Some(self.max_deviation()),
             unit: Some(self.unit.unwrap_or_default()),

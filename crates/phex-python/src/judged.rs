@@ -9,8 +9,9 @@ use phex::offset::{FitOptions, FitStart, fit_parallel};
 use phex::quality::References;
 use phex::report::RunReport;
 use phex_job::{
-    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, MeshFile, MeshJob, MeshSettings,
-    Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, chain, time_limit,
+    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, LastStage, MeshFile, MeshJob,
+    MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, chain,
+    time_limit,
 };
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, TriangleSurface};
 use serde::Deserialize;
@@ -74,6 +75,7 @@ pub struct MeshRequest {
     given: GivenValues,
     keep_best: bool,
     time_limit: Option<String>,
+    until: Option<LastStage>,
 }
 
 /// A surface covered with panels; a second mesh is an earlier one to go on from.
@@ -101,6 +103,7 @@ pub fn mesh(
         given,
         start: start.map(|(mesh, _)| mesh),
         keep_best: request.keep_best,
+        until: request.until,
         time_limit: length.and_then(TimeLimit::from_now),
         ..MeshJob::new(file.surfaces()?, file.record.clone(), settings)
     };

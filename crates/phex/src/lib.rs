@@ -57,7 +57,8 @@ pub mod trim;
 pub use mesher::{Mesher, Panelling};
 pub use phex_mesh::TriangleSurface as Surface;
 pub use pipeline::{
-    Beyond, MeshOptions, MeshRun, Method, PanelSize, PipelineError, continued, mesh_surface,
+    Beyond, Effort, LatticePreview, MeshOptions, MeshRun, Method, PanelSize, PipelineError,
+    Session, continued, mesh_surface,
 };
 pub use progress::{Event, Progress, Silent};
 pub use ranges::BadOption;

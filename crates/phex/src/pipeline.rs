@@ -19,9 +19,12 @@ mod preview;
 mod restarts;
 mod rim;
 mod run;
+mod session;
 mod size;
+mod sized;
 mod steered;
 mod subdivide;
+mod watched;
 
 pub use attempt::AttemptSummary;
 pub use brick_wall::{NetworkCurves, network_curves};
@@ -29,22 +32,21 @@ pub use classical_statistics::ClassicalStatistics;
 pub use clock::StageSeconds;
 pub use domain::{Beyond, continued};
 pub use error::PipelineError;
-pub use options::{Candidate, MeshOptions, Method, PanelSize};
+pub use options::{Candidate, Effort, MeshOptions, Method, PanelSize};
+pub use preview::LatticePreview;
 pub use run::{MeshRun, Statistics};
+pub use session::Session;
 pub use size::MAX_PANELS;
 pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
 
-use crate::layout::LayoutError;
 use crate::progress::Progress;
-use crate::smooth_surface::Normalised;
 use clock::Clock;
-pub(crate) use domain::moved;
-use field::panel_length;
-use phex_mesh::{TriangleSurface, Vec3};
-use preview::InModel;
+
+use phex_mesh::TriangleSurface;
 use run::between_panels;
 use size::panel_count;
+use sized::panel_length;
 
 /// Makes a planar hexagonal mesh of a connected surface.
 ///
@@ -67,51 +69,5 @@ pub fn mesh_surface(
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<MeshRun, PipelineError> {
-    options.check()?;
-    let panels = size::wished_panels(surface, options, progress)?;
-    let run = mesh_with_panels(surface, panels, options, progress)?;
-    steered::steered(run, options, progress)
-}
-
-/// Goes to normalised coordinates, which all methods work in, and back.
-fn mesh_with_panels(
-    surface: &TriangleSurface,
-    panels: usize,
-    options: &MeshOptions,
-    progress: &dyn Progress,
-) -> Result<MeshRun, PipelineError> {
-    let model = Normalised::of(surface);
-    let options = normalise::normalised(options, &model)?;
-    let progress = &InModel {
-        progress,
-        similarity: &model.similarity,
-    };
-    let made = match options.method {
-        Method::Lattice | Method::Best => {
-            portfolio::mesh_with_panels(&model.surface, panels, &options, progress)
-        }
-        Method::BrickWall => {
-            brick_wall::mesh_with_panels(&model.surface, panels, &options, progress)
-        }
-        _ => classical::mesh_with_panels(&model, panels, &options, progress),
-    };
-    match made {
-        Ok(run) => Ok(run.restored(&model.similarity)),
-        Err(error) => Err(error.in_model(&model)),
-    }
-}
-
-impl PipelineError {
-    /// The same error with its places in model coordinates.
-    fn in_model(self, model: &Normalised) -> Self {
-        let restore = |p: Vec3| model.similarity.restore(p);
-        match self {
-            Self::Layout(LayoutError::Domain(e)) => {
-                LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()
-            }
-            Self::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(restore)).into(),
-            Self::Layout(LayoutError::Network(e)) => LayoutError::from(e.mapped(restore)).into(),
-            other => other,
-        }
-    }
+    Session::new(surface.clone()).run(options, progress)
 }

@@ -7,7 +7,7 @@ use phex::curvature::indicatrix_distances;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::optimise::OptimiseOptions;
 use phex::pipeline::Method;
-use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
+use phex::{Effort, MeshOptions, PanelSize, Silent, mesh_surface};
 use phex_mesh::TriangleSurface;
 
 /// Mean edge, and median and mean of the distances of the corners from the indicatrix.
@@ -21,7 +21,7 @@ fn measured(
         size: PanelSize::Panels(panels),
         method,
         // Nothing but the size differs.
-        search: false,
+        effort: Effort::Draft,
         optimise,
         ..Default::default()
     };

@@ -4,7 +4,9 @@ mod common;
 
 use common::{figures, mapped, rotation, shape, two_components};
 use phex::pipeline::Method;
-use phex::{Event, MeshOptions, MeshRun, PanelSize, PipelineError, Progress, Silent, mesh_surface};
+use phex::{
+    Effort, Event, MeshOptions, MeshRun, PanelSize, PipelineError, Progress, Silent, mesh_surface,
+};
 use phex_mesh::{HexMesh, MeshMeasures, TriangleSurface, Vec3, deviation, measure};
 use phex_numeric::Status;
 use std::sync::Mutex;
@@ -144,7 +146,7 @@ fn ellipsoids_have_twelve_pentagons() {
 fn the_best_of_the_portfolio_is_kept() {
     let torus = shape("torus", 2000);
     let options = MeshOptions {
-        method: Method::Best,
+        effort: Effort::Best,
         ..panels(120)
     };
     let run = mesh_surface(&torus, &options, &Silent).unwrap();
@@ -207,7 +209,7 @@ fn wild_patch() -> TriangleSurface {
 /// Few panels, laid out once.
 fn hasty(count: usize) -> MeshOptions {
     MeshOptions {
-        search: false,
+        effort: Effort::Draft,
         ..panels(count)
     }
 }

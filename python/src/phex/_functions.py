@@ -23,6 +23,7 @@ def mesh(
     panels: Optional[int] = None,
     edge_length: Any = None,
     method: Optional[str] = None,
+    effort: Optional[str] = None,
     any_domain: bool = False,
     quadric: Any = None,
     regularise: Optional[float] = None,
@@ -37,6 +38,7 @@ def mesh(
     threads: Optional[int] = None,
     config: Any = None,
     start: Any = None,
+    until: Optional[str] = None,
     max_deviation: Any = None,
     planarity: Any = None,
     fix: Any = None,
@@ -110,7 +112,7 @@ class _MeshJob:
     """The options of a panelling, checked."""
 
     def __init__(self, surface: Any, options: Dict[str, Any]) -> None:
-        defaults = {name: o.kind == "flag" and False or None for name, o in _options.MESH.items()}
+        defaults = {name: False if o.kind == "flag" else None for name, o in _options.MESH.items()}
         options = {**defaults, **options}
         self.surface = as_polygons(surface, Surface, "surface")
         typed, given, self.sizes = _options.settings(options)
@@ -127,6 +129,9 @@ class _MeshJob:
             time_limit = str(text_or_number("time_limit", time_limit))
         config = options["config"]
         earlier = options["start"]
+        until = options["until"]
+        if until is not None:
+            until = checked("until", until, _options.MESH["until"])
         self.meshes = [self.surface]
         if earlier is not None:
             self.meshes.append(as_polygons(earlier, Mesh, "start"))
@@ -136,7 +141,10 @@ class _MeshJob:
             "given": given,
             "keep_best": self.keep_best,
             "time_limit": time_limit,
+            "until": until,
         }
+        # What is laid out alone is a picture of what will be, and no invalid result.
+        self.keep_invalid = self.keep_invalid or until is not None
 
     def begin(self, preview: bool = False) -> Any:
         return begin(

@@ -12,6 +12,8 @@ import numpy as np
 from ._arrays import checked_numbers, checked_vertices, is_path, path_text, shown
 from ._errors import InputError
 
+EFFORTS = ("draft", "normal", "best")
+STAGES = ("layout",)
 METHODS = (
     "lattice",
     "best",
@@ -47,6 +49,7 @@ MESH: Dict[str, Option] = {
     "panels": Option("count", "500"),
     "edge_length": Option("length"),
     "method": Option("choice", "lattice", METHODS),
+    "effort": Option("choice", "normal", EFFORTS),
     "any_domain": Option("flag"),
     "quadric": Option("numbers"),
     "regularise": Option("positive"),
@@ -61,6 +64,7 @@ MESH: Dict[str, Option] = {
     "threads": Option("count", "all cores"),
     "config": Option("path"),
     "start": Option("mesh"),
+    "until": Option("choice", choices=STAGES),
     "max_deviation": Option("length", "0.5%"),
     "planarity": Option("length", "1e-12, or rounding"),
     "fix": Option("rows", table="steering"),
@@ -90,7 +94,7 @@ MESH: Dict[str, Option] = {
 
 #: Options that are no settings of a job.
 NO_SETTINGS = frozenset(
-    "output config start write_target keep_invalid report png html keep_best time_limit progress"
+    "output config start until write_target keep_invalid report png html keep_best time_limit progress"
     " quiet verbose".split()
 )
 STEERING = tuple(name for name, option in MESH.items() if option.table == "steering")

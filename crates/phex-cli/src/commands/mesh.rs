@@ -10,7 +10,9 @@ use crate::output::{Content, check_writable, write_mesh};
 use crate::progress::{Reporter, is_interrupted, keep_best, take_interruption};
 use crate::summary;
 use crate::verdict::written;
-use phex_job::{Given, JobResult, MeshFile, MeshJob, MeshSettings, TimeLimit};
+use phex_job::{
+    Given, JobResult, LAYOUT_ALONE, LastStage, MeshFile, MeshJob, MeshSettings, TimeLimit,
+};
 use phex_mesh::{PolygonSoup, TriangleSurface};
 use std::path::Path;
 
@@ -54,6 +56,7 @@ fn job(
         start: start.map(|(mesh, _)| mesh),
         keep_best: command.keep_best,
         time_limit,
+        until: command.until,
         ..MeshJob::new(parts, file.record, settings)
     })
 }
@@ -67,6 +70,13 @@ fn deliver(command: &MeshCommand, made: JobResult) -> Result<Exit, Failure> {
         write_mesh(path, &to_soup(smooth))?;
         report.outputs.push(written("smooth_target", path));
     }
+    let before = match command.until {
+        Some(LastStage::Layout) => {
+            let count = made.mesh.topology().n_faces();
+            format!("layout     {count} panels, {LAYOUT_ALONE}\n")
+        }
+        None => methods.collect(),
+    };
     let shown = Shown {
         surface: made.smooth.as_ref().or(Some(&made.facets)),
         start: made.start.as_ref(),
@@ -77,11 +87,11 @@ fn deliver(command: &MeshCommand, made: JobResult) -> Result<Exit, Failure> {
         shown,
         output: Some(&command.output),
         keep_invalid: command.keep_invalid,
-        panels: true,
+        panels: command.until.is_none(),
         extras: &command.extras,
         talk: &command.talk,
         limits: made.limits,
-        before: methods.collect(),
+        before,
         after: summary::of_wishes(&made.wishes) + &summary::of_warning(made.warning),
         report,
     }

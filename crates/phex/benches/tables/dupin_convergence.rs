@@ -22,7 +22,7 @@
 use phex::curvature::indicatrix_distances;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::pipeline::Method;
-use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
+use phex::{Effort, MeshOptions, PanelSize, Silent, mesh_surface};
 use phex_mesh::TriangleSurface;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 
@@ -102,7 +102,7 @@ fn measure(
         method,
         // One lattice and few repairs, so that nothing but the size differs.
         portfolio: Vec::new(),
-        search: false,
+        effort: Effort::Draft,
         ..Default::default()
     };
     if refined {

@@ -12,10 +12,8 @@
 //! in principal directions, as edge lengths `l^2 = e . M e`; from then on everything is intrinsic
 //! and isotropic. A 6-RoSy field `u = exp(6 i theta)` minimises `|grad u|^2 + c |u - u0|^2`, with
 //! `u0` along the direction of smaller curvature and `c` large only where theory asks for alignment
-//! (`|k1| rho^2 / |k2| < 0.8`, near parabolic curves). On saddles elsewhere `u0` may be along
-//! either principal direction, whichever is nearer to the field
-//! ([`DirectionOptions::double_well`]). A screened conformal factor `(Laplacian + alpha) s =
-//! K_cones - K` trades change of size against dislocations.
+//! (`|k1| rho^2 / |k2| < 0.8`, near parabolic curves). A screened conformal factor `(Laplacian +
+//! alpha) s = K_cones - K` trades change of size against dislocations.
 //!
 //! | symbol | variable |
 //! |---|---|
@@ -82,9 +80,6 @@ pub struct DirectionOptions {
     /// Weight of the alignment that keeps the edges of a lattice off the asymptotic directions, for
     /// surfaces with `K < 0` (0: none); see `saddle`.
     pub saddle_alignment: f64,
-    /// Whether rows on saddles may run along either principal direction, whichever is nearer (a
-    /// double well): larger least angles, but on some surfaces more irregular panels.
-    pub double_well: bool,
     /// Lines that rows run along, and prescribed cones.
     pub guides: Guides,
 }
@@ -99,7 +94,6 @@ impl Default for DirectionOptions {
             rotate: 0.0,
             boundary_alignment: 0.5,
             cancel_reach: 4.0,
-            double_well: false,
             saddle_alignment: 0.0,
             guides: Guides::default(),
         }

@@ -2,7 +2,6 @@
 //! diffusion-projection polish).
 
 use super::intrinsic::{IntrinsicMesh, row};
-use super::metric::COMPULSORY;
 use super::{DirectionOptions, boundary};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
@@ -58,16 +57,16 @@ pub(crate) fn field(
     };
     // Weights and wishes are integrated: over the area of a vertex, over its length of the
     // boundary.
-    let curved = PerVertex::from_fn(topology.n_vertices(), |v| {
+    let curved = |v: VertexId| {
         let p = &principal[v];
         wish(v, p.small_direction, p.large_direction) * weight[v] * mesh.mass[v]
-    });
-    let fixed = PerVertex::from_fn(topology.n_vertices(), |v| {
+    };
+    let fixed = |v: VertexId| {
         let [along, across] = global_frame(surface.normals()[v]);
         let rim = rim[v].map_or(Complex::default(), |r| r.alignment * r.length);
         wish(v, along, across) * TIE_BREAK * mesh.mass[v] + rim * options.boundary_alignment
-    });
-    let mut source: Vec<Complex<f64>> = topology.vertices().map(|v| curved[v] + fixed[v]).collect();
+    };
+    let source: Vec<Complex<f64>> = topology.vertices().map(|v| curved(v) + fixed(v)).collect();
     let total = |v: VertexId| mesh.mass[v] * (weight[v] + TIE_BREAK) + rim_weight(v);
     let stiffness = |t: f64, inertia: f64| {
         let diagonal = |v: VertexId| mesh.mass[v] * inertia + t * total(v);
@@ -78,11 +77,6 @@ pub(crate) fn field(
     let polish = Cholesky::again(Some(smooth), &stiffness(POLISH_TIME, 1.0)?, 2)?;
     for _ in 0..POLISH_STEPS {
         let unit: Vec<Complex<f64>> = u.iter().map(|z| z / (z.norm() + 1e-12)).collect();
-        for v in topology.vertices() {
-            if may_turn(&principal[v], options) {
-                source[v.index()] = nearer_well(curved[v], unit[v.index()]) + fixed[v];
-            }
-        }
         u = rough_solution(
             &polish,
             |i| unit[i] * mesh.mass.as_slice()[i] + source[i] * POLISH_TIME,
@@ -109,21 +103,6 @@ fn is_flat(mesh: &IntrinsicMesh, weight: &PerVertex<f64>) -> bool {
         .map(|(m, w)| m * w)
         .sum();
     wishing < FLAT * area
-}
-
-/// Whether rows may run along either principal direction: on curved places with negative Gauss
-/// curvature, off the band round parabolic curves where only one of them gives simple panels.
-fn may_turn(p: &Principal, options: &DirectionOptions) -> bool {
-    let ratio = -p.small / p.large * options.anisotropy.powi(2);
-    options.double_well && ratio > COMPULSORY
-}
-
-/// The wish for one principal direction or for the other, a right angle away and so half a period
-/// of six: that which is nearer to the field. Both give panels without short edges, what lies
-/// between them doesn't.
-fn nearer_well(wish: Complex<f64>, field: Complex<f64>) -> Complex<f64> {
-    let agrees = (wish.conj() * field).re >= 0.0;
-    if agrees { wish } else { -wish }
 }
 
 /// The angle of a direction, one of six: the cut between them lies where no symmetry puts a field
@@ -234,51 +213,4 @@ fn polar_of(
         mean += Complex::from_polar(1.0, mesh.polar(topology, h) - angle);
     }
     mean.arg()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::f64::consts::FRAC_PI_6;
-
-    fn principal(small: f64, large: f64) -> Principal {
-        Principal {
-            small,
-            large,
-            small_direction: Vec3::x(),
-            large_direction: Vec3::y(),
-        }
-    }
-
-    /// Either well is at most a twelfth of a turn away, and the one that is chosen is the nearer.
-    #[test]
-    fn a_field_is_drawn_to_the_nearer_principal_direction() {
-        let field_at = |angle: f64| Complex::from_polar(1.0, N * angle);
-        for k in 0..60 {
-            let angle = 0.1 + 0.05 * f64::from(k);
-            let chosen = nearer_well(field_at(0.1), field_at(angle));
-            let off = (chosen.conj() * field_at(angle)).arg() / N;
-            assert!(off.abs() <= 0.5 * FRAC_PI_6 + 1e-12, "{off}");
-        }
-        let across = nearer_well(field_at(0.0), field_at(std::f64::consts::FRAC_PI_2));
-        assert!((across - field_at(FRAC_PI_6)).norm() < 1e-12);
-    }
-
-    /// Rows may turn on saddles only, and not where one of the curvatures is small.
-    #[test]
-    fn rows_may_turn_on_saddles() {
-        let options = DirectionOptions {
-            double_well: true,
-            ..Default::default()
-        };
-        assert!(may_turn(&principal(-0.5, 1.0), &options));
-        assert!(may_turn(&principal(0.5, -1.0), &options));
-        assert!(!may_turn(&principal(-0.1, 1.0), &options));
-        assert!(!may_turn(&principal(0.5, 1.0), &options));
-        assert!(!may_turn(&principal(0.0, 0.0), &options));
-        assert!(!may_turn(
-            &principal(-0.5, 1.0),
-            &DirectionOptions::default()
-        ));
-    }
 }

@@ -17,7 +17,7 @@
 use super::closeness::{ClosenessWeights, Feet};
 use super::guarded::GuardedSteps;
 use super::jacobian::Jacobian;
-use super::options::OptimiseOptions;
+use super::options::{KEPT_CLEARANCE, OptimiseOptions};
 use super::panels::{FaceShapes, point};
 use super::setting::Setting;
 use nalgebra::Matrix3;
@@ -54,7 +54,7 @@ impl<'a> NearlyPlanar<'a> {
             centre: options.centre_closeness,
             rim: options.boundary_closeness,
         };
-        let least = options.clearance_margin * setting.mean_edge;
+        let least = KEPT_CLEARANCE * setting.mean_edge;
         Self {
             shift: shifts(setting, &feet, &weights),
             jacobian: Jacobian::new(panels, assembly),

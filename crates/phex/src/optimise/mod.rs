@@ -22,7 +22,7 @@
 //! | `h_i`, `n` | `panels::Corner::height`, `FacePlane::normal` | height over, normal of the best plane of a face |
 //! | `P`, `Q` | `planarity::projector`, `planarity::ConstraintBases` | projector onto the complement of `[1 xi eta]`, its basis |
 //! | `z = d / d_hat`, `w_b`, `tau` | `barrier`, [`OptimiseOptions::barrier`], [`OptimiseOptions::barrier_reach`] | distance over reach, weight, reach over the root of the area |
-//! | `w_p` | [`OptimiseOptions::penalties`] | weight of planarity |
+//! | `w_p` | `options::PENALTIES` | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
 //! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
@@ -369,7 +369,7 @@ fn from_mesh(
     check_mesh(mesh)?;
     let mut options = options.clone();
     if target.is_none() {
-        options.anchor = options.anchor.max(options.start_closeness);
+        options.anchor = options.anchor.max(options::START_CLOSENESS);
     }
     let options = &options;
     let x = unknowns(mesh);

@@ -73,18 +73,12 @@ pub struct OptimiseOptions {
     pub evenness: f64,
     /// `w_t`: hold on the start, > 0; it decides where nothing else does, as along the surface.
     pub anchor: f64,
-    /// The same where there is no surface and the mesh stands for itself, >= 0: at 1e-4 vertices
-    /// slide by an edge and more, at 0.1 by half an edge at the most; from 1 on panels keep off
-    /// their old planes.
-    pub start_closeness: f64,
     /// `w_b`: barrier, over the square of the edge of a regular hexagon of the panel's area; 3e-2
     /// to 1e-1. Below 1e-3 panels may come to touch themselves.
     pub barrier: f64,
     /// `tau`: distance at which the barrier begins, over the square root of the panel's area, in
     /// (0, 0.5).
     pub barrier_reach: f64,
-    /// `w_p`: weights of planarity, rising; each is a phase.
-    pub penalties: Vec<f64>,
     /// Iterations of a phase at the most.
     pub max_iterations: usize,
     /// Relative decrease of the energy that ends a phase.
@@ -96,8 +90,6 @@ pub struct OptimiseOptions {
     /// takes 50 to 100. By default 6 for a mesh that is kept close to itself, and none with a
     /// surface or part by part, where they were not seen to help.
     pub newton_iterations: Option<usize>,
-    /// Iterations of the final projection at the most.
-    pub projection_iterations: usize,
     /// Largest distance of a corner to its face's plane, in mean edges, that counts as planar. The
     /// projection goes to the floor of rounding where it can, whatever this is; where it can't,
     /// nothing else is tried once this is met.
@@ -106,9 +98,6 @@ pub struct OptimiseOptions {
     /// not to exceed, > 0: panels that do are optimised again with stronger closeness. `None`: no
     /// bound.
     pub max_deviation: Option<f64>,
-    /// Clearance, in mean edges, that the final projection keeps (or half of what a panel has, if
-    /// that is less); a result below it is tried again with a stronger barrier.
-    pub clearance_margin: f64,
     /// Clearance, in mean edges, below which a panel is an offender.
     pub least_clearance: f64,
     /// Cosine between the normals of a panel and of the surface at its cell below which it counts
@@ -130,18 +119,14 @@ impl Default for OptimiseOptions {
             fairness: 1e-3,
             evenness: 2e-2,
             anchor: 1e-4,
-            start_closeness: 0.1,
             barrier: 5e-2,
             barrier_reach: 0.3,
-            penalties: vec![1.0, 30.0, 1e3, 1e4],
             max_iterations: 15,
             energy_tolerance: 3e-2,
             step_tolerance: 1e-3,
             newton_iterations: None,
-            projection_iterations: 12,
             planarity_tolerance: 1e-12,
             max_deviation: None,
-            clearance_margin: 0.1,
             least_clearance: 0.05,
             least_side: 0.1,
             smoothing: [3, 40],
@@ -210,6 +195,17 @@ impl Dials {
     }
 }
 
+/// `w_p`: weights of planarity, rising; each is a phase.
+pub(super) const PENALTIES: [f64; 4] = [1.0, 30.0, 1e3, 1e4];
+/// Clearance, in mean edges, that the final projection keeps (or half of what a panel has, if that
+/// is less); a result below it is tried again with a stronger barrier.
+pub(super) const KEPT_CLEARANCE: f64 = 0.1;
+/// Iterations of the final projection at the most.
+pub(super) const PROJECTION_ITERATIONS: usize = 12;
+/// Weight of the anchor, at least, where there is no surface and the mesh stands for itself: at
+/// 1e-4 vertices slide by an edge and more, at 0.1 by half an edge at the most; from 1 on panels
+/// keep off their old planes.
+pub(super) const START_CLOSENESS: f64 = 0.1;
 /// Iterations of Newton's method on the constraints for a mesh that is kept close to itself and
 /// minimised as a whole, and for tight panels of a finished mesh.
 pub(super) const NEWTON_ITERATIONS: usize = 6;
@@ -243,10 +239,7 @@ impl OptimiseOptions {
 
     /// Refuses values that have no meaning.
     pub(crate) fn check(&self) -> Result<(), BadOption> {
-        let penalties = self.penalties.iter().map(|&w| ("penalties", w));
-        let bounds = self.max_deviation.map(|d| ("max_deviation", d));
-        let several: Vec<_> = penalties.chain(bounds).collect();
-        ranges::positive(&several)?;
+        ranges::positive(&[("max_deviation", self.max_deviation.unwrap_or(1.0))])?;
         ranges::positive(&[
             ("vertex_closeness", self.vertex_closeness),
             ("anchor", self.anchor),
@@ -260,17 +253,14 @@ impl OptimiseOptions {
             ("corner_closeness", self.corner_closeness),
             ("fairness", self.fairness),
             ("evenness", self.evenness),
-            ("start_closeness", self.start_closeness),
             ("energy_tolerance", self.energy_tolerance),
             ("step_tolerance", self.step_tolerance),
-            ("clearance_margin", self.clearance_margin),
             ("least_clearance", self.least_clearance),
         ])?;
         ranges::within(-1.0..=1.0, &[("least_side", self.least_side)])?;
         ranges::counts(&[
             ("max_iterations", self.max_iterations),
             ("newton_iterations", self.newton_iterations.unwrap_or(0)),
-            ("projection_iterations", self.projection_iterations),
             ("smoothing", self.smoothing[0]),
             ("smoothing", self.smoothing[1]),
         ])

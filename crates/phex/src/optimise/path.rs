@@ -10,7 +10,9 @@ use super::energy::weights;
 use super::energy::{PanelEnergy, Weights};
 use super::error::OptimiseError;
 use super::folds::FoldTerm;
-use super::options::{NEWTON_ITERATIONS, OptimiseOptions};
+use super::options::{
+    KEPT_CLEARANCE, NEWTON_ITERATIONS, OptimiseOptions, PENALTIES, PROJECTION_ITERATIONS,
+};
 use super::panels::FaceShapes;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
 use super::reached::{Reached, better};
@@ -82,8 +84,7 @@ impl<'a> Path<'a> {
         options: &'a OptimiseOptions,
         progress: &'a dyn Progress,
     ) -> Result<Self, OptimiseError> {
-        let limit =
-            options.penalties.len() * options.max_iterations + options.projection_iterations;
+        let limit = PENALTIES.len() * options.max_iterations + PROJECTION_ITERATIONS;
         let (weights, barriers) = (weights(options), barriers(setting.panels, start, options));
         let descent = if setting.panels.n_faces() > LARGE {
             Descent::Parts
@@ -156,15 +157,14 @@ impl<'a> Path<'a> {
     /// All phases from the start and the projection, once more with a weak hold on the start if a
     /// strong one keeps panels from becoming planar.
     fn arrive(&mut self) -> Result<Reached, OptimiseError> {
-        let margin = self.options.clearance_margin;
         let gives_way = self.descend_all()?;
-        let held = gives_way.then(|| self.project(margin));
+        let held = gives_way.then(|| self.project(KEPT_CLEARANCE));
         let is_done = |held: &Reached| held.is_planar(self.options);
         if self.is_over() || held.as_ref().is_some_and(is_done) || !self.loosen() {
-            return Ok(held.unwrap_or_else(|| self.project(margin)));
+            return Ok(held.unwrap_or_else(|| self.project(KEPT_CLEARANCE)));
         }
         self.descend_all()?;
-        let free = self.project(margin);
+        let free = self.project(KEPT_CLEARANCE);
         Ok(match held {
             Some(held) => better(held, free),
             None => free,
@@ -178,7 +178,7 @@ impl<'a> Path<'a> {
         let is_strong = self.weights.anchor > WEAK_HOLD;
         let rests = self.starts_at_rest();
         let from = if rests { self.first_penalty() } else { 0.0 };
-        for &penalty in self.options.penalties.iter().filter(|w| **w >= from) {
+        for &penalty in PENALTIES.iter().filter(|w| **w >= from) {
             self.descend(penalty)?;
             let counts = rests && is_strong && penalty >= FIRST_PENALTY && !self.is_over();
             if counts && self.bending() > STUBBORN * bent {
@@ -212,8 +212,7 @@ impl<'a> Path<'a> {
 
     /// From rest, phases before it have nothing to do.
     fn first_penalty(&self) -> f64 {
-        let penalties = self.options.penalties.iter().copied();
-        penalties.fold(0.0, f64::max).min(FIRST_PENALTY)
+        PENALTIES.into_iter().fold(0.0, f64::max).min(FIRST_PENALTY)
     }
 
     /// Largest distance of a corner to its face's plane.
@@ -283,13 +282,12 @@ impl<'a> Path<'a> {
     pub fn again(&mut self, x: &[f64], count: usize) -> Result<Vec<f64>, OptimiseError> {
         self.x.copy_from_slice(x);
         self.descend_last(count)?;
-        let projected = self.project(self.options.clearance_margin);
+        let projected = self.project(KEPT_CLEARANCE);
         Ok(self.finish(projected)?.x)
     }
 
     fn descend_last(&mut self, count: usize) -> Result<(), OptimiseError> {
-        let penalties = &self.options.penalties;
-        let last = &penalties[penalties.len().saturating_sub(count)..];
+        let last = &PENALTIES[PENALTIES.len().saturating_sub(count)..];
         last.iter().try_for_each(|&w| self.descend(w))?;
         self.stiffen()
     }
@@ -364,7 +362,7 @@ impl<'a> Path<'a> {
             }
         };
         self.outcome.append(outcome);
-        let now = self.project(self.options.clearance_margin);
+        let now = self.project(KEPT_CLEARANCE);
         let farthest = |x: &[f64]| deviation(self.setting, x).0;
         let limit = farthest(&reached.x).max(STILL_NEAR * self.setting.mean_edge);
         let better = !self.is_over() && now.is_planar(self.options) && farthest(&now.x) <= limit;
@@ -373,11 +371,11 @@ impl<'a> Path<'a> {
 
     /// Goes on with higher penalties where the projection has not arrived.
     fn insist(&mut self) -> Result<Reached, OptimiseError> {
-        if let Some(last) = self.options.penalties.iter().copied().reduce(f64::max) {
+        if let Some(last) = PENALTIES.iter().copied().reduce(f64::max) {
             self.descend(10.0 * last)?;
             self.descend(100.0 * last)?;
         }
-        Ok(self.project(self.options.clearance_margin))
+        Ok(self.project(KEPT_CLEARANCE))
     }
 
     /// Repeats the last two phases with stronger barriers of the panels that have come out tight.
@@ -385,14 +383,14 @@ impl<'a> Path<'a> {
         const TIGHT: f64 = 1.5;
         let panels = self.setting.panels;
         let shape = FaceShapes::at(panels, &self.x);
-        let limit = TIGHT * self.options.clearance_margin * panels.mean_edge(&self.x);
+        let limit = TIGHT * KEPT_CLEARANCE * panels.mean_edge(&self.x);
         for (f, barrier) in self.barriers.iter_mut().enumerate() {
             if clearance(shape.face(panels, f)) < limit {
                 barrier.weight *= STRONGER;
             }
         }
         self.descend_last(2)?;
-        Ok(self.project(self.options.clearance_margin))
+        Ok(self.project(KEPT_CLEARANCE))
     }
 }
 

@@ -4,7 +4,7 @@ use super::Stage;
 use super::areas::unevenness;
 use super::constraints::PlanarityConstraints;
 use super::fast::NearlyPlanar;
-use super::options::{OptimiseOptions, PathKind, StartKind};
+use super::options::{KEPT_CLEARANCE, OptimiseOptions, PROJECTION_ITERATIONS, PathKind, StartKind};
 use super::reached::{Reached, ResultOrigin, Run};
 use super::setting::Setting;
 use super::solvers::{Dual, Solvers, StepReporter};
@@ -56,7 +56,7 @@ impl Projection<'_> {
         let least = self.margin * self.setting.panels.mean_edge(x);
         let mut constraints = PlanarityConstraints::new(self.setting, self.assembly, x, least);
         let options = ProjectionOptions {
-            max_iterations: self.options.projection_iterations,
+            max_iterations: PROJECTION_ITERATIONS,
             goal: GOAL.min(self.options.planarity_tolerance),
             tolerance: self.options.planarity_tolerance,
             phase: f64::INFINITY,
@@ -83,10 +83,10 @@ impl Stage<'_> {
             setting: &setting,
             assembly: &solvers.constraint_assembly,
             options,
-            margin: options.clearance_margin,
+            margin: KEPT_CLEARANCE,
         };
         let mut x = start.x.clone();
-        let mut reporter = StepReporter::new(progress, options.projection_iterations);
+        let mut reporter = StepReporter::new(progress, PROJECTION_ITERATIONS);
         let outcome = projection.project(&mut solvers.constraints, &mut x, &mut reporter);
         let way = ResultOrigin {
             kind: StartKind::AsGiven,

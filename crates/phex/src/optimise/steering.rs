@@ -9,7 +9,7 @@ use super::holds::{Anchored, Hold, Holds};
 use super::inspect::{Fault, Offender};
 use super::panels::{FaceShapes, Panels, flatten, points, unknowns};
 use super::simple::is_simple;
-use phex_mesh::{BoundaryCurve, FaceId, FacePlane, HexMesh, Vec3, VertexId};
+use phex_mesh::{BoundaryCurve, FaceId, FacePlane, HexMesh, PerVertex, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -80,8 +80,34 @@ impl Steering {
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
+
+    /// The same with all points mapped by a similarity.
+    pub(crate) fn moved(&self, map: impl Fn(Vec3) -> Vec3) -> Self {
+        let move_to = |p: &mut [f64; 3]| *p = map(Vec3::from(*p)).into();
+        let mut moved = self.clone();
+        moved.fixed_points.iter_mut().for_each(move_to);
+        moved.curves.iter_mut().flatten().for_each(move_to);
+        let anchors = moved.anchors.iter_mut().map(|a| &mut a.point);
+        anchors.for_each(move_to);
+        let grounds = moved.grounds.iter_mut();
+        grounds.filter_map(|g| g.point.as_mut()).for_each(move_to);
+        moved
+    }
+
+    /// Puts vertices that were held at points exactly there, where a similarity there and back has
+    /// left a rounding error; `size` is a length of the model.
+    pub(crate) fn put_exactly(&self, positions: &mut PerVertex<Vec3>, size: f64) {
+        for p in self.fixed_points.iter().map(|p| Vec3::from(*p)) {
+            let held = |q: &&mut Vec3| (**q - p).norm() <= SAME_PLACE * size;
+            if let Some(q) = positions.iter_mut().find(held) {
+                *q = p;
+            }
+        }
+    }
 }
 
+/// Lengths of a model within which two places differ by rounding alone.
+const SAME_PLACE: f64 = 1e-13;
 /// Mean edges within which vertices of the boundary slide on a curve.
 const CURVE_REACH: f64 = 0.5;
 /// Mean edges from the end of a curve within which a vertex beyond it is put on it.

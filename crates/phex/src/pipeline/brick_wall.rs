@@ -95,9 +95,9 @@ pub(super) fn mesh_with_panels(
     normalised: &TriangleSurface,
     panels: usize,
     options: &MeshOptions,
-    progress: &dyn Progress,
+    mut clock: Clock<'_>,
 ) -> Result<MeshRun, PipelineError> {
-    let mut clock = Clock::new(progress);
+    let progress = clock.progress;
     let site = BrickSite::new(normalised, panels, options, &mut clock)?;
     let ground = &site.ground;
     let (layout, wall) = clock.stage("layout", || {

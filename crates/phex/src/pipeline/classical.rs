@@ -13,7 +13,8 @@ mod subdivision;
 pub(super) use model::{place_in, quadric};
 
 use super::domain::Ground;
-use super::field::{Field, FineSurface, boundary_length, panel_length};
+use super::field::{Field, FineSurface};
+use super::sized::{boundary_length, panel_length};
 use super::{
     ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics,
     between_panels,
@@ -22,7 +23,6 @@ use crate::directions::guides::{Cone, Guides};
 use crate::layout::domain::DomainError;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::Optimised;
-use crate::progress::Progress;
 use crate::smooth_surface::Normalised;
 use joined::{cells, fitted_planes, joined, met};
 use phex_mesh::{HexMesh, TriangleSurface};
@@ -34,9 +34,8 @@ pub(super) fn mesh_with_panels(
     model: &Normalised,
     panels: usize,
     options: &MeshOptions,
-    progress: &dyn Progress,
+    mut clock: Clock<'_>,
 ) -> Result<MeshRun, PipelineError> {
-    let mut clock = Clock::new(progress);
     let ground = clock.stage("target", || match options.method {
         Method::DualSubdivision => subdivision::ground(&model.surface, panels, options),
         _ => Ground::new(&model.surface, panels, options),

@@ -1,11 +1,13 @@
 //! What panels are laid out on, and how they come back to the boundary.
 
 use super::options::MeshOptions;
+use super::sized::{KnownCurvature, mean_length};
 use crate::layout::lattice::CELL;
 use crate::smooth_surface::extend::{self, Extension};
-use crate::smooth_surface::{self, SmoothTarget, TargetKind};
+use crate::smooth_surface::{self, Coarsened, SmoothTarget, TargetKind, boundary_corners};
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
-use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
+use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
+use std::sync::Arc;
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
 /// where rows run along the strip's edge they run along the boundary, too.
@@ -17,17 +19,27 @@ const CLIP_STRIP: f64 = 0.2;
 /// out of them afterwards: rows can't go round a hole of a panel or two without slivers.
 const SMALL_HOLE: f64 = 7.0;
 
+/// Vertices of an input over those that panels need from which on panels are laid out on fewer of
+/// them.
+const FINE: f64 = 1.3;
+/// Vertices that are left then, over the same.
+const ENOUGH: f64 = 1.1;
+
 /// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a
-/// strip beyond it.
+/// strip beyond it; with fewer vertices where the input is finer than panels need.
 #[derive(Clone)]
 pub(crate) struct Ground {
     /// Its smooth levels.
-    pub smooth: SmoothTarget,
+    pub smooth: Arc<SmoothTarget>,
     /// The surface as it was given, normalised and perhaps extended.
-    facets: TriangleSurface,
-    trimming: Option<Trimming>,
+    facets: Arc<TriangleSurface>,
+    /// The same without the strip, where panels are laid out on fewer vertices.
+    finer: Option<Arc<Finer>>,
+    trimming: Option<Arc<Trimming>>,
     /// Panels on all of it.
     pub panels: usize,
+    /// Curvature and panel lengths that have been computed on it.
+    pub(super) known: KnownCurvature,
     /// Options as they apply to it.
     pub options: MeshOptions,
 }
@@ -44,7 +56,7 @@ pub struct Beyond {
 /// A surface continued beyond its boundary as far as whole panels may stick out, where there are so
 /// many; `None` if it is closed.
 pub fn continued(surface: &TriangleSurface, panels: usize) -> Option<TriangleSurface> {
-    let length = (surface.area() / (CELL * panels.max(1) as f64)).sqrt();
+    let length = mean_length(surface, panels.max(1));
     let extension = extend::extend(surface, WHOLE_STRIP * length, SMALL_HOLE * length);
     extension.map(|e| e.surface)
 }
@@ -59,8 +71,14 @@ impl Beyond {
     }
 }
 
+/// An input that is finer than panels need.
+struct Finer {
+    given: TriangleSurface,
+    /// The vertex of the input that each vertex of the level of the fewest vertices is.
+    source: PerVertex<VertexId>,
+}
+
 /// What panels are trimmed to.
-#[derive(Clone)]
 struct Trimming {
     extension: Extension,
     smooth: SmoothTarget,
@@ -69,7 +87,7 @@ struct Trimming {
 
 impl Ground {
     pub fn new(facets: &TriangleSurface, panels: usize, options: &MeshOptions) -> Self {
-        let length = (facets.area() / (CELL * panels as f64)).sqrt();
+        let length = mean_length(facets, panels);
         let width = match options.boundary {
             Boundary::Snap => 0.0,
             Boundary::Whole => WHOLE_STRIP * length,
@@ -93,30 +111,49 @@ impl Ground {
                 &options.target,
             )
         };
-        let length = (facets.area() / (CELL * panels as f64)).sqrt();
-        let extension = extend::extend(facets, width, SMALL_HOLE * length);
-        let Some(extension) = extension else {
+        let given = facets;
+        let coarse = with_fewer_vertices(given, density * panels as f64, options);
+        let facets = coarse.as_ref().map_or(given, |c| &c.surface);
+        let length = mean_length(given, panels);
+        let extended = |surface| extend::extend(surface, width, SMALL_HOLE * length);
+        // Without a strip, or with one that is as fine as the input.
+        let near = |extension: &TriangleSurface| match &coarse {
+            Some(_) => extended(given).map_or_else(|| given.clone(), |e| e.surface),
+            None => extension.clone(),
+        };
+        let finer = coarse.as_ref().map(|coarse| Finer {
+            given: given.clone(),
+            source: coarse.source.clone(),
+        });
+        let finer = finer.map(Arc::new);
+        let Some(extension) = extended(facets) else {
             return Self {
-                smooth: smooth(facets, panels),
-                facets: facets.clone(),
+                smooth: Arc::new(smooth(facets, panels)),
+                facets: Arc::new(near(facets)),
+                finer,
                 trimming: None,
                 panels,
+                known: KnownCurvature::default(),
                 options: options.clone(),
-            };
+            }
+            .with_options(options);
         };
         let share = extension.surface.area() / facets.area();
         let panels_in_all = (share * panels as f64).round() as usize;
         Self {
-            smooth: smooth(&extension.surface, panels_in_all),
-            facets: extension.surface.clone(),
+            smooth: Arc::new(smooth(&extension.surface, panels_in_all)),
+            facets: Arc::new(near(&extension.surface)),
+            finer,
             panels: panels_in_all,
-            options: extended_options(options, &extension),
-            trimming: Some(Trimming {
+            known: KnownCurvature::default(),
+            options: options.clone(),
+            trimming: Some(Arc::new(Trimming {
                 smooth: smooth(facets, panels),
                 facets: facets.clone(),
                 extension,
-            }),
+            })),
         }
+        .with_options(options)
     }
 
     /// Whether panels are laid out on more than the surface; triangles of its levels are then known
@@ -128,11 +165,27 @@ impl Ground {
     /// The same with other levels of its surface.
     pub(crate) fn with_smooth(&self, smooth: SmoothTarget) -> Self {
         Self {
-            smooth,
-            facets: self.facets.clone(),
-            trimming: self.trimming.clone(),
-            panels: self.panels,
-            options: self.options.clone(),
+            smooth: Arc::new(smooth),
+            known: KnownCurvature::default(),
+            ..self.clone()
+        }
+    }
+
+    /// The same with other options, of which none changes the ground.
+    pub(super) fn with_options(&self, options: &MeshOptions) -> Self {
+        let mut options = options.clone();
+        if let (Some(values), Some(finer)) = (&mut options.size_field, &self.finer) {
+            *values = finer.source.iter().map(|v| values[v.index()]).collect();
+        }
+        if let (Some(values), Some(trimming)) = (&mut options.size_field, &self.trimming) {
+            let origin = trimming.extension.origin.iter().skip(values.len());
+            let beyond: Vec<f64> =
+                (origin.filter_map(|v| values.get(v.index()).copied())).collect();
+            values.extend(beyond);
+        }
+        Self {
+            options,
+            ..self.clone()
         }
     }
 
@@ -149,14 +202,17 @@ impl Ground {
 
     /// The surface that panels are kept close to.
     pub fn close_to<'a>(&'a self, fine: &'a TriangleSurface) -> &'a TriangleSurface {
-        match self.options.target.kind {
-            TargetKind::Facets => &self.facets,
+        match (self.options.target.kind, &self.finer) {
+            (TargetKind::Facets, _) | (_, Some(_)) => &self.facets,
             _ => fine,
         }
     }
 
     /// The same without the strip.
     pub fn reported<'a>(&'a self, fine: &'a TriangleSurface) -> &'a TriangleSurface {
+        if let Some(finer) = &self.finer {
+            return &finer.given;
+        }
         match (&self.trimming, self.options.target.kind) {
             (None, _) => self.close_to(fine),
             (Some(trimming), TargetKind::Facets) => &trimming.facets,
@@ -166,8 +222,11 @@ impl Ground {
 
     /// The facets that were given, without the strip.
     pub(crate) fn given_facets(&self) -> &TriangleSurface {
-        let trimming = self.trimming.as_ref();
-        trimming.map_or(&self.facets, |trimming| &trimming.facets)
+        match (&self.finer, &self.trimming) {
+            (Some(finer), _) => &finer.given,
+            (None, Some(trimming)) => &trimming.facets,
+            (None, None) => &self.facets,
+        }
     }
 
     /// The surface beyond the boundary, where panels that stay whole may stick out.
@@ -175,7 +234,7 @@ impl Ground {
         let whole = self.options.boundary == Boundary::Whole;
         (whole && self.trimming.is_some()).then(|| Beyond {
             smooth: self.close_to(fine).clone(),
-            facets: self.facets.clone(),
+            facets: (*self.facets).clone(),
         })
     }
 
@@ -212,15 +271,15 @@ pub(crate) fn moved(surface: &TriangleSurface, f: impl Fn(Vec3) -> Vec3) -> Tria
         .with_normals(surface.normals().clone())
 }
 
-/// Options for the extended surface: sizes go on from the boundary.
-fn extended_options(options: &MeshOptions, extension: &Extension) -> MeshOptions {
-    let mut options = options.clone();
-    if let Some(values) = &mut options.size_field {
-        let beyond = extension.origin.iter().skip(values.len());
-        let beyond: Vec<f64> = beyond
-            .filter_map(|v| values.get(v.index()).copied())
-            .collect();
-        values.extend(beyond);
-    }
-    options
+/// The input with fewer vertices, where it has many more than are `needed`.
+fn with_fewer_vertices(
+    input: &TriangleSurface,
+    needed: f64,
+    options: &MeshOptions,
+) -> Option<Coarsened> {
+    let is_fine = input.positions().len() as f64 > FINE * needed;
+    is_fine.then(|| {
+        let corners = boundary_corners(input, options.target.corner_angle.to_radians());
+        smooth_surface::coarsened(input, &corners, (ENOUGH * needed) as usize)
+    })
 }

@@ -40,6 +40,9 @@ pub enum PipelineError {
     /// Nothing is left within the boundary.
     #[error(transparent)]
     Trim(#[from] TrimError),
+    /// Only lattices are laid out before they become planar.
+    #[error("only `lattice` has a layout that can be shown without making it planar")]
+    NoPreview,
     /// The caller cancelled before there was a mesh.
     #[error("cancelled")]
     Cancelled,

@@ -2,14 +2,13 @@
 //! fine surface for its cells.
 
 use super::domain::Ground;
-use super::{Clock, MeshOptions, PipelineError};
+use super::sized::{panel_length, panel_lengths};
+use super::{Candidate, Clock, MeshOptions, PipelineError};
 use crate::curvature::{self, Curvature, Principal};
+use crate::directions::cones;
 use crate::directions::guides::Cone;
 use crate::directions::intrinsic::IntrinsicMesh;
-use crate::directions::size::Demands;
-use crate::directions::thickness::thickness;
 use crate::directions::{self, DirectionOptions, Directions};
-use crate::directions::{cones, size};
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed, WishedArea};
@@ -36,9 +35,6 @@ pub(super) struct Field {
 const COUNT_TOLERANCE: f64 = 0.06;
 /// Lattices tried for that at the most.
 const COUNT_TRIES: usize = 3;
-/// Panels that a boundary adds, per panel length of it: cells that it cuts are kept when half is
-/// left, more or less.
-const RIM_PANELS: f64 = 0.12;
 
 impl Field {
     pub(super) fn new(
@@ -50,11 +46,11 @@ impl Field {
     ) -> Result<Self, PipelineError> {
         let (smooth, panels) = (&ground.smooth, ground.panels);
         let surface = &smooth.levels[level];
-        let length = panel_length(surface, panels);
         cones::prescribed_faces(surface, &settings.guides.cones)?;
-        let (curvature, mut length) = clock.stage("curvature", || {
-            sized_curvature(smooth, level, length, panels, options)
+        let sized = clock.stage("curvature", || {
+            ground.known.at(smooth, level, panels, options)
         })??;
+        let (curvature, mut length) = (sized.curvature, sized.length);
         let (directions, placed) = counted_lattice(panels, |ratio| {
             length.iter_mut().for_each(|l| *l *= ratio.sqrt());
             let directions = clock.stage("directions", || {
@@ -186,6 +182,17 @@ pub(super) struct LatticeFreedom {
     pub usual_deviation: bool,
 }
 
+impl From<Candidate> for LatticeFreedom {
+    fn from(candidate: Candidate) -> Self {
+        Self {
+            anisotropy: candidate.anisotropy,
+            seamless: candidate.seamless,
+            resolving: candidate.resolving,
+            usual_deviation: candidate.usual_deviation,
+        }
+    }
+}
+
 /// Largest panel length over the least radius of curvature with which panels resolve a surface: all
 /// those with at most half of it pass at once, and most of those with more than 1.2 do not.
 const RESOLVED: f64 = 0.8;
@@ -231,102 +238,6 @@ pub(super) fn direction_options(options: &MeshOptions, anisotropy: f64) -> Direc
         settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
     }
     settings
-}
-
-/// Rounds in which curvature is looked at from nearer where panels are smaller.
-const NEARER: usize = 2;
-
-/// Curvature at the scale of the panels, and their length at each vertex of a level. Where
-/// curvature makes panels smaller, it is estimated again at their scale: at that of large panels
-/// the tip of a horn is smoothed away.
-fn sized_curvature(
-    smooth: &SmoothTarget,
-    level: usize,
-    uniform: f64,
-    panels: usize,
-    options: &MeshOptions,
-) -> Result<(Curvature, PerVertex<f64>), PipelineError> {
-    let surface = &smooth.levels[level];
-    let mut curvature = curvature::curvature(surface, uniform, &options.curvature);
-    let mut length = panel_lengths(smooth, level, &curvature, uniform, panels, options)?;
-    let rounds = if options.sizes.adaptive.is_some() {
-        NEARER
-    } else {
-        0
-    };
-    for _ in 0..rounds {
-        curvature = curvature::curvature_sized(surface, &length, &options.curvature);
-        length = panel_lengths(smooth, level, &curvature, uniform, panels, options)?;
-    }
-    Ok((curvature, length))
-}
-
-/// Distance of sheets from each other, in lengths of uniform panels, from which on it does not
-/// matter: no panel becomes that long.
-const THICK: f64 = 4.0;
-
-/// Panel length at each vertex of a level.
-fn panel_lengths(
-    smooth: &SmoothTarget,
-    level: usize,
-    curvature: &Curvature,
-    uniform: f64,
-    panels: usize,
-    options: &MeshOptions,
-) -> Result<PerVertex<f64>, PipelineError> {
-    let surface = &smooth.levels[level];
-    let field = options.size_field.as_deref();
-    let field = field.map(|values| refined_sizes(smooth, level, values));
-    let principal = curvature.principal();
-    let adapts = options.sizes.adaptive.is_some();
-    let thickness = adapts.then(|| thickness(surface, THICK * uniform));
-    let demands = Demands {
-        principal: &principal,
-        thickness: thickness.as_ref(),
-        field: field.as_ref(),
-    };
-    let mut base = uniform;
-    // The largest length depends on how much of the surface is finer, and that on the largest
-    // length.
-    for _ in 0..8 {
-        let sizes = size::relative_sizes(surface, &demands, base, &options.sizes);
-        let Some(relative) = sizes else { break };
-        let next = size::base_length(surface, &relative, CELL, panels);
-        if (next / base).ln().abs() < 1e-3 {
-            return Ok(relative.map(|r| r * next));
-        }
-        base = next;
-    }
-    let sizes = size::relative_sizes(surface, &demands, base, &options.sizes);
-    Ok(sizes.map_or_else(
-        || PerVertex::filled(surface.positions().len(), uniform),
-        |r| r.map(|r| r * base),
-    ))
-}
-
-fn refined_sizes(smooth: &SmoothTarget, level: usize, values: &[f64]) -> PerVertex<f64> {
-    let start = PerVertex::from_vec(values.iter().map(|v| v.ln()).collect());
-    let steps = smooth.refinements[..level].iter();
-    steps
-        .fold(start, |field, step| step.apply(&field))
-        .map(|l| l.exp())
-}
-
-/// Distance of neighbouring panel centres for a number of panels.
-pub(super) fn panel_length(surface: &TriangleSurface, panels: usize) -> f64 {
-    let rim = boundary_length(surface);
-    // area / (CELL L^2) + RIM_PANELS rim / L = panels
-    let (a, b, n) = (surface.area() / CELL, RIM_PANELS * rim, panels as f64);
-    (b + (b * b + 4.0 * n * a).sqrt()) / (2.0 * n)
-}
-
-/// Length of a surface's boundary.
-pub(super) fn boundary_length(surface: &TriangleSurface) -> f64 {
-    let topology = surface.topology();
-    let edges = topology.edges().filter(|&e| topology.is_boundary_edge(e));
-    let ends = edges.map(|e| topology.edge_vertices(e));
-    ends.map(|[a, b]| (surface.positions()[a] - surface.positions()[b]).norm())
-        .sum()
 }
 
 /// The finest level with everything that cells need.

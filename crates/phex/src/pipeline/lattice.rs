@@ -2,18 +2,19 @@
 //! has been repaired.
 
 use super::domain::{Beyond, Ground};
-use super::field::{Field, FineSurface, LatticeFreedom, direction_options, finer_ground};
+use super::field::{FineSurface, LatticeFreedom};
 use super::finish::finished;
-use super::restarts::{Drawn, most_regular};
+use super::preview::LaidOut;
+use super::restarts::Drawn;
 use super::rim::Rim;
 use super::{Clock, MeshOptions, PipelineError, between_panels};
 use crate::directions::guides::Cone;
-use crate::layout::{Layout, LayoutStatistics};
+use crate::layout::{Layout, LayoutStatistics, WishedArea};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::quality::{Judge, Judgement, References};
 use crate::search::{AreaField, Searched, Site, search};
 use crate::trim::{Trimmed, folds};
-use phex_mesh::{FaceId, HexMesh, PerFace, PolygonSoup, TriangleSurface, Violation};
+use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, PolygonSoup, TriangleSurface, Violation};
 use std::collections::BTreeSet;
 
 /// A panelling made in one way.
@@ -33,19 +34,22 @@ pub(super) struct Pass {
 
 /// The surfaces of a pass.
 pub(super) struct Surfaces {
-    fine: FineSurface,
+    /// The surface on which cells were drawn, and the areas that panels are to have there.
+    fine: TriangleSurface,
+    wish: PerVertex<WishedArea>,
     pub reported: TriangleSurface,
     facets: TriangleSurface,
     pub beyond: Option<Beyond>,
 }
 
 impl Surfaces {
-    fn new(ground: &Ground, fine: FineSurface) -> Self {
+    fn new(ground: &Ground, fine: &FineSurface) -> Self {
         Self {
             reported: ground.reported(&fine.surface).clone(),
             facets: ground.given_facets().clone(),
             beyond: ground.beyond(&fine.surface),
-            fine,
+            fine: fine.surface.clone(),
+            wish: fine.wish.clone(),
         }
     }
 
@@ -76,8 +80,8 @@ impl Surfaces {
             close_to: beyond.map_or(&self.reported, |b| b[0]),
             hold: rim.as_ref().map(Rim::hold),
             areas: Some(AreaField {
-                surface: &self.fine.surface,
-                wish: &self.fine.wish,
+                surface: &self.fine,
+                wish: &self.wish,
             }),
             options: &options.optimise,
         })
@@ -91,26 +95,18 @@ pub(super) fn pass(
     clock: &mut Clock<'_>,
 ) -> Result<Pass, PipelineError> {
     let (options, progress) = (&way.options(&ground.options), clock.progress);
-    let settings = direction_options(options, way.anisotropy);
-    let finer = match way.seamless {
-        true => finer_ground(ground, options, &settings, clock)?,
-        false => None,
-    };
-    let plain = || (ground, ground.field_level(options));
-    let (ground, level) = finer.as_ref().map_or_else(plain, |(g, l)| (g, *l));
-    let field = Field::new(ground, level, options, &settings, clock)?;
-    let fine = FineSurface::new(ground, &field);
-    let Drawn { placed, layout } =
-        most_regular(ground, &field, |seeds| fine.calm_panels(seeds), clock)?;
+    let laid = LaidOut::new(ground, way, options, clock)?;
+    let (ground, field, fine) = (laid.ground(ground), &laid.field, &laid.fine);
+    let Drawn { placed, layout } = &laid.drawn;
     progress.preview("layout", &|| layout.mesh.to_soup());
     let optimised = {
         let target = SurfaceTarget::new(ground.close_to(&fine.surface));
-        let made = || optimise::optimise(&layout, &target, &options.optimise, progress);
+        let made = || optimise::optimise(layout, &target, &options.optimise, progress);
         clock.timed("optimise", made)?
     };
     progress.preview("optimise", &|| optimised.mesh.to_soup());
     let trimmed = clock.timed("trim", || ground.trimmed(&optimised.mesh, &fine.surface))?;
-    let start = laid_out(&layout, &trimmed);
+    let start = kept_panels(layout, &trimmed);
     let surfaces = Surfaces::new(ground, fine);
     let made = surfaces.with_site(options, |site| finished(trimmed.mesh, site, ground, clock));
     let (mesh, mut judgement) = made?;
@@ -164,7 +160,7 @@ fn unfolded(mut searched: Searched, site: &Site<'_>) -> Searched {
 }
 
 /// The panels of a layout of which something is left.
-fn laid_out(layout: &Layout, trimmed: &Trimmed) -> PolygonSoup {
+fn kept_panels(layout: &Layout, trimmed: &Trimmed) -> PolygonSoup {
     let kept: BTreeSet<FaceId> = trimmed.parent.iter().copied().collect();
     let mut soup = layout.mesh.to_soup();
     let mut numbers = layout.mesh.topology().faces();

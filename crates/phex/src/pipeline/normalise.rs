@@ -12,6 +12,7 @@ pub(super) fn normalised(
     let guides = given.directions.guides.moved(|p| model.place(p));
     options.directions.guides = guides.with_creases(&model.surface);
     options.dual.quadric = classical::quadric(&given.dual, &model.similarity)?;
+    options.steering = (given.steering).moved(|p| model.similarity.normalise(p));
     options.optimise.max_deviation = given.optimise.max_deviation.map(without_unit);
     if let Some(values) = &given.size_field {
         check_size_field(values, model.surface.positions().len())?;

@@ -30,8 +30,6 @@ pub enum Method {
     /// one where that is outside limits.
     #[default]
     Lattice,
-    /// All of the portfolio, side by side; the best is kept.
-    Best,
     /// A brick wall on a conjugate curve network, where the surface has one.
     BrickWall,
     /// A Goldberg polyhedron on the ellipsoid that the surface is.
@@ -46,6 +44,20 @@ pub enum Method {
     TangentPlanes,
     /// A mesh parallel to one that tangent planes give, fitted to the surface.
     Parallel,
+}
+
+/// How much a run tries. Whatever it is, the mesh is judged, and what is wrong with it named.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effort {
+    /// One lattice and one pass, without search: a first picture.
+    Draft,
+    /// The most regular of a few lattices, another one where that may be better, and a search where
+    /// something is wrong.
+    #[default]
+    Normal,
+    /// All of the portfolio, side by side; the best is kept and searched.
+    Best,
 }
 
 /// Options of [`mesh_surface`](super::mesh_surface): one struct per stage, and what concerns the
@@ -69,7 +81,7 @@ pub struct MeshOptions {
     pub directions: DirectionOptions,
     /// How panels are laid out.
     pub method: Method,
-    /// What [`Method::Best`] tries beside the lattice of these options.
+    /// What [`Effort::Best`] tries beside the lattice of these options.
     pub portfolio: Vec<Candidate>,
     /// Layout by a lattice.
     pub layout: LayoutOptions,
@@ -86,8 +98,8 @@ pub struct MeshOptions {
     /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are
     /// kept close.
     pub cell_density: f64,
-    /// Whether places where something is wrong are searched for local changes.
-    pub search: bool,
+    /// How much is tried.
+    pub effort: Effort,
 }
 
 impl Default for MeshOptions {
@@ -109,7 +121,7 @@ impl Default for MeshOptions {
             steering: Steering::default(),
             field_density: 8.0,
             cell_density: 25.0,
-            search: true,
+            effort: Effort::default(),
         }
     }
 }

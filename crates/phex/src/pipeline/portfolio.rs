@@ -6,31 +6,20 @@
 //! instead of by dislocations, and a brick wall has straight rows where the surface has a network
 //! for them. By default one other lattice is laid out, and only where the first is far outside its
 //! limits, or its search leaves something outside (then panels are smaller where the surface
-//! bends), or where it is less regular than it could be; with [`Method::Best`] all of them are,
+//! bends), or where it is less regular than it could be; with [`Effort::Best`] all of them are,
 //! side by side.
 
 use super::attempt::{AttemptSummary, is_tight};
 use super::domain::Ground;
-use super::field::LatticeFreedom;
 use super::lattice::{Pass, pass};
 use super::{
-    Candidate, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall,
+    Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall,
 };
 use crate::progress::{Event, Progress};
 use crate::quality::Merit;
 use phex_mesh::{PolygonSoup, TriangleSurface};
 use rayon::prelude::*;
 use std::sync::Mutex;
-
-/// The kind of lattice that a candidate asks for.
-fn way_of(candidate: Candidate) -> LatticeFreedom {
-    LatticeFreedom {
-        anisotropy: candidate.anisotropy,
-        seamless: candidate.seamless,
-        resolving: candidate.resolving,
-        usual_deviation: candidate.usual_deviation,
-    }
-}
 
 /// A member of the portfolio after its single pass.
 struct Member {
@@ -49,7 +38,7 @@ struct Task<'a> {
     surface: &'a TriangleSurface,
     panels: usize,
     options: &'a MeshOptions,
-    ground: Ground,
+    ground: &'a Ground,
 }
 
 /// The best mesh of the portfolio, searched.
@@ -57,21 +46,20 @@ struct Task<'a> {
 /// # Errors
 /// If no member gives a mesh: what the first says.
 pub(super) fn mesh_with_panels(
-    surface: &TriangleSurface,
-    panels: usize,
+    (surface, panels): (&TriangleSurface, usize),
+    ground: &Ground,
     options: &MeshOptions,
-    progress: &dyn Progress,
+    mut clock: Clock<'_>,
 ) -> Result<MeshRun, PipelineError> {
-    let mut clock = Clock::new(progress);
-    let ground = clock.stage("target", || Ground::new(surface, panels, options))?;
+    let progress = clock.progress;
     let task = Task {
         surface,
         panels,
         options,
         ground,
     };
-    let mut members = match options.method {
-        Method::Best => task.all(progress),
+    let mut members = match options.effort {
+        Effort::Best => task.all(progress),
         _ => task.one_or_two(progress),
     }?;
     let best = (0..members.len()).reduce(|a, b| {
@@ -104,14 +92,16 @@ pub(super) fn mesh_with_panels(
 }
 
 impl Task<'_> {
+    fn searches(&self) -> bool {
+        self.options.effort != Effort::Draft
+    }
+
     /// The lattice of the options, and another where that may be better.
     fn one_or_two(&self, progress: &dyn Progress) -> Result<Vec<Member>, PipelineError> {
         let first = self.member(Candidate::first(&self.ground.options), progress)?;
         let mut members = vec![first];
         let mut other = members[0].summary.alternative(self.options);
-        while let Some(candidate) =
-            other.filter(|_| self.options.search && !progress.is_cancelled())
-        {
+        while let Some(candidate) = other.filter(|_| self.searches() && !progress.is_cancelled()) {
             let member = self.member(candidate, progress);
             other = member
                 .as_ref()
@@ -165,7 +155,7 @@ impl Task<'_> {
         progress: &dyn Progress,
     ) -> Result<Member, PipelineError> {
         let mut clock = Clock::new(progress);
-        let made = pass(&self.ground, way_of(candidate), &mut clock)?;
+        let made = pass(self.ground, candidate.into(), &mut clock)?;
         let merit = made.judgement.merit;
         let summary = AttemptSummary {
             dislocations: made.layout.annihilation.kept,
@@ -190,7 +180,7 @@ impl Task<'_> {
             return first;
         };
         let again = only.resolving(self.options);
-        let again = again.filter(|_| self.options.search && !first.1.is_within());
+        let again = again.filter(|_| self.searches() && !first.1.is_within());
         let Some(candidate) = again.filter(|_| !clock.progress.is_cancelled()) else {
             return first;
         };
@@ -211,8 +201,8 @@ impl Task<'_> {
     /// The pass searched, as a run, and what it is compared by.
     fn searched(&self, mut pass: Pass, clock: &mut Clock<'_>) -> (MeshRun, Merit) {
         let mut found = None;
-        if self.options.search && !clock.progress.is_cancelled() {
-            let searched = pass.searched(&self.ground, clock);
+        if self.searches() && !clock.progress.is_cancelled() {
+            let searched = pass.searched(self.ground, clock);
             pass.mesh = searched.mesh;
             clock.progress.preview("search", &|| pass.mesh.to_soup());
             pass.judgement = searched.judgement;
@@ -245,8 +235,9 @@ impl Task<'_> {
     }
 
     fn wall(&self, candidate: Candidate, progress: &dyn Progress) -> Result<Member, PipelineError> {
-        let run = brick_wall::mesh_with_panels(self.surface, self.panels, self.options, progress)?;
-        let merit = brick_wall::merit(&run, &self.ground);
+        let clock = Clock::new(progress);
+        let run = brick_wall::mesh_with_panels(self.surface, self.panels, self.options, clock)?;
+        let merit = brick_wall::merit(&run, self.ground);
         Ok(Member {
             summary: AttemptSummary::new(candidate, &run.mesh, merit, false),
             clock: run.stages.clone(),

@@ -1,32 +1,93 @@
-//! Previews in model coordinates, of stages that work in normalised ones.
+//! Panels before any of them is planar.
 
-use crate::progress::{Event, Progress};
+use super::domain::Ground;
+use super::field::{Field, FineSurface, LatticeFreedom, direction_options, finer_ground};
+use super::options::{Candidate, MeshOptions};
+use super::restarts::{Drawn, most_regular};
+use super::{Clock, PipelineError, StageSeconds};
+use crate::directions::guides::Cone;
+use crate::layout::LayoutStatistics;
 use crate::smooth_surface::Similarity;
-use phex_mesh::PolygonSoup;
+use phex_mesh::HexMesh;
 
-/// The caller's progress, for stages in normalised coordinates.
-pub(super) struct InModel<'a> {
-    pub progress: &'a dyn Progress,
-    pub similarity: &'a Similarity,
+/// The panels of a lattice as they are laid out, on the surface and not planar.
+#[derive(Clone)]
+pub struct LatticePreview {
+    /// The panels, in model coordinates; where they will be cut at the boundary they are whole.
+    pub mesh: HexMesh,
+    /// The lattice.
+    pub statistics: LayoutStatistics,
+    /// The cones of its direction field, in model coordinates.
+    pub cones: Vec<Cone>,
+    /// Where the time went.
+    pub stages: Vec<StageSeconds>,
 }
 
-impl Progress for InModel<'_> {
-    fn report(&self, event: &Event) {
-        self.progress.report(event);
+impl LatticePreview {
+    pub(super) fn restored(mut self, similarity: &Similarity) -> Self {
+        let positions = self.mesh.positions.map(|p| similarity.restore(*p));
+        self.mesh = self.mesh.with_positions(positions);
+        for cone in &mut self.cones {
+            cone.position = similarity.restore(cone.position.into()).into();
+        }
+        self
     }
+}
 
-    fn is_cancelled(&self) -> bool {
-        self.progress.is_cancelled()
-    }
+/// A lattice that is laid out, and what it lies on.
+pub(super) struct LaidOut {
+    /// The ground where it was refined for this lattice.
+    finer: Option<Ground>,
+    pub field: Field,
+    pub fine: FineSurface,
+    pub drawn: Drawn,
+}
 
-    fn preview(&self, stage: &'static str, mesh: &dyn Fn() -> PolygonSoup) {
-        let restored = || {
-            let mut soup = mesh();
-            for p in &mut soup.positions {
-                *p = self.similarity.restore(*p);
-            }
-            soup
+impl LaidOut {
+    /// Lays out a lattice of one kind, whose `options` these are.
+    pub fn new(
+        ground: &Ground,
+        way: LatticeFreedom,
+        options: &MeshOptions,
+        clock: &mut Clock<'_>,
+    ) -> Result<Self, PipelineError> {
+        let settings = direction_options(options, way.anisotropy);
+        let finer = match way.seamless {
+            true => finer_ground(ground, options, &settings, clock)?,
+            false => None,
         };
-        self.progress.preview(stage, &restored);
+        let (finer, level) = finer.map_or((None, ground.field_level(options)), |(finer, level)| {
+            (Some(finer), level)
+        });
+        let ground = finer.as_ref().unwrap_or(ground);
+        let field = Field::new(ground, level, options, &settings, clock)?;
+        let fine = FineSurface::new(ground, &field);
+        let drawn = most_regular(ground, &field, |seeds| fine.calm_panels(seeds), clock)?;
+        Ok(Self {
+            finer,
+            field,
+            fine,
+            drawn,
+        })
     }
+
+    /// What it lies on, given that it was laid out on `given`.
+    pub fn ground<'a>(&'a self, given: &'a Ground) -> &'a Ground {
+        self.finer.as_ref().unwrap_or(given)
+    }
+}
+
+/// Lays out the lattice of the ground's options, normalised.
+pub(super) fn lay_out(
+    ground: &Ground,
+    clock: &mut Clock<'_>,
+) -> Result<LatticePreview, PipelineError> {
+    let way = LatticeFreedom::from(Candidate::first(&ground.options));
+    let laid = LaidOut::new(ground, way, &way.options(&ground.options), clock)?;
+    Ok(LatticePreview {
+        cones: laid.field.cones(&laid.ground(ground).smooth),
+        mesh: laid.drawn.layout.mesh,
+        statistics: laid.drawn.placed.statistics,
+        stages: std::mem::take(&mut clock.stages),
+    })
 }

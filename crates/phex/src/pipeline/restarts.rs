@@ -3,7 +3,7 @@
 
 use super::domain::Ground;
 use super::field::Field;
-use super::{Clock, PipelineError};
+use super::{Clock, Effort, PipelineError};
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, Placed};
 use rayon::prelude::*;
@@ -64,7 +64,7 @@ pub(super) fn most_regular(
     };
     let best = clock.stage("layout", || {
         let first = drawn(field.placed.clone())?;
-        if first.is_regular() {
+        if first.is_regular() || ground.options.effort == Effort::Draft {
             return Ok(first);
         }
         let most = first.miscount(ground.panels).max(MISCOUNT);

@@ -7,7 +7,7 @@ use super::domain::{Beyond, moved};
 use crate::directions::guides::Cone;
 use crate::layout::LayoutStatistics;
 use crate::layout::brick_wall::BrickWallStatistics;
-use crate::optimise::RunSummary;
+use crate::optimise::{RunSummary, Steering};
 use crate::search::SearchSummary;
 use crate::smooth_surface::{Similarity, SmoothTarget};
 use phex_mesh::validate::ValidateOptions;
@@ -85,10 +85,11 @@ pub struct MeshRun {
 }
 
 impl MeshRun {
-    /// The same in model coordinates.
-    pub(super) fn restored(mut self, similarity: &Similarity) -> Self {
+    /// The same in model coordinates, with vertices where they are held there.
+    pub(super) fn restored(mut self, similarity: &Similarity, held: &Steering) -> Self {
         let restore = |p: Vec3| similarity.restore(p);
-        let positions = self.mesh.positions.map(|p| restore(*p));
+        let mut positions = self.mesh.positions.map(|p| restore(*p));
+        held.put_exactly(&mut positions, similarity.scale);
         self.mesh = self.mesh.with_positions(positions);
         for p in self.start.iter_mut().flat_map(|s| &mut s.positions) {
             *p = restore(*p);

@@ -1,8 +1,9 @@
 //! How many panels a size means.
 
-use super::options::{MeshOptions, PanelSize};
-use super::{PipelineError, mesh_with_panels};
+use super::options::{Effort, MeshOptions, PanelSize};
+use super::{PipelineError, Session};
 use crate::layout::lattice::CELL;
+use crate::optimise::Steering;
 use crate::progress::Progress;
 use phex_mesh::TriangleSurface;
 
@@ -12,15 +13,15 @@ pub const MAX_PANELS: usize = 200_000;
 
 /// The number of panels that the options ask for.
 pub(super) fn wished_panels(
-    surface: &TriangleSurface,
+    session: &Session,
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<usize, PipelineError> {
-    let panels = panel_count(surface, options.size)?;
+    let panels = panel_count(session.surface(), options.size)?;
     match options.size {
         PanelSize::Panels(_) => Ok(panels),
         PanelSize::EdgeLength(wanted) => {
-            corrected_count(surface, (panels, wanted), options, progress)
+            corrected_count(session, (panels, wanted), options, progress)
         }
     }
 }
@@ -29,18 +30,19 @@ pub(super) fn wished_panels(
 /// that are long or re-entrant have longer edges than regular ones of their area: how much is known
 /// when they are there. What is searched afterwards hardly changes it.
 fn corrected_count(
-    surface: &TriangleSurface,
+    session: &Session,
     (mut panels, wanted): (usize, f64),
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<usize, PipelineError> {
     let options = &MeshOptions {
-        search: false,
+        effort: Effort::Draft,
+        steering: Steering::default(),
         ..options.clone()
     };
     let mut best: Option<(f64, usize)> = None;
     for _ in 0..=EDGE_CORRECTIONS {
-        let run = mesh_with_panels(surface, panels, options, progress);
+        let run = session.run_with_panels(panels, options, progress);
         let run = match (run, best) {
             (Err(error), None) => return Err(error),
             (Err(_), Some(_)) => break,

@@ -2,14 +2,15 @@
 //! again, with vertices held.
 //!
 //! Held vertices refer to the mesh as it is delivered, so they come last, after the boundary is
-//! trimmed, in model coordinates. Vertices that are on the boundary then stay on it, where neither
+//! trimmed. Vertices that are on the boundary then stay on it, where neither
 //! the user nor planarity wants them elsewhere.
 
-use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, moved, rim};
+use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics};
+use super::{between_panels, normalise, rim};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::smooth_surface::{self, Normalised, TargetKind};
-use phex_mesh::{HexMesh, TriangleSurface};
+use phex_mesh::{HexMesh, TriangleSurface, VertexId};
 
 /// Holds the vertices that the options say, in a finished run.
 pub(super) fn steered(
@@ -51,31 +52,33 @@ pub fn refit_surface(
         smooth_surface::smooth_target(&model.surface, vertices, &options.target)
     })?;
     let close_to = match options.target.kind {
-        TargetKind::Facets => surface.clone(),
-        _ => moved(smooth.finest(), |p| model.similarity.restore(p)),
+        TargetKind::Facets => &model.surface,
+        _ => smooth.finest(),
     };
-    let target = SurfaceTarget::new(&close_to);
+    let start = earlier.with_positions(earlier.positions.map(|p| model.similarity.normalise(*p)));
+    let normalised = normalise::normalised(options, &model)?;
+    let target = SurfaceTarget::new(close_to);
     let refitted = clock.stage("optimise", || {
         let close = Some(&target as &dyn optimise::Target);
-        optimise::refit(
-            earlier,
-            close,
-            &options.steering,
-            &options.optimise,
-            progress,
-        )
+        let (steering, settings) = (&normalised.steering, &normalised.optimise);
+        optimise::refit(&start, close, steering, settings, progress)
     })??;
     let run = MeshRun {
-        mesh: earlier.clone(),
-        start: Some(earlier.to_soup()),
-        target: close_to,
+        start: Some(start.to_soup()),
+        mesh: start,
+        target: close_to.clone(),
         beyond: None,
         outcome: refitted.outcome.clone(),
         violations: Vec::new(),
         statistics: Statistics::of(&smooth, panels),
         stages: Vec::new(),
     };
-    Ok(with_result(run, refitted, clock))
+    let mut run = with_result(run, refitted, clock).restored(&model.similarity, &options.steering);
+    for &v in &options.steering.fixed_vertices {
+        let v = VertexId::new(v);
+        run.mesh.positions[v] = earlier.positions[v];
+    }
+    Ok(run)
 }
 
 fn with_result(mut run: MeshRun, result: Optimised, mut clock: Clock<'_>) -> MeshRun {

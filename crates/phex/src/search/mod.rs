@@ -98,9 +98,9 @@ struct Failed {
 /// use phex::optimise::OptimiseOptions;
 /// use phex::quality::{Judge, Limits, References};
 /// use phex::search::{Site, search};
-/// use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
+/// use phex::{Effort, MeshOptions, PanelSize, Silent, mesh_surface};
 ///
-/// let options = MeshOptions { size: PanelSize::Panels(60), search: false, ..Default::default() };
+/// let options = MeshOptions { size: PanelSize::Panels(60), effort: Effort::Draft, ..Default::default() };
 /// let run = mesh_surface(&torus, &options, &Silent)?;
 /// let references = References { smooth: Some(&run.target), ..Default::default() };
 /// let judge = Judge::new(&run.target, references, Limits::new(Some(0.02), None));

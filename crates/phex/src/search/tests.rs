@@ -6,7 +6,7 @@ use crate::optimise::{BoundaryHold, OptimiseOptions};
 use crate::progress::Silent;
 use crate::quality::{Judge, Limits, References};
 use crate::trim::Boundary;
-use crate::{MeshOptions, PanelSize, mesh_surface};
+use crate::{Effort, MeshOptions, PanelSize, mesh_surface};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{BoundaryCurve, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::sync::OnceLock;
@@ -23,7 +23,7 @@ fn wave() -> &'static (TriangleSurface, HexMesh) {
         let surface = triangulate(&shape, &triangulation).unwrap();
         let options = MeshOptions {
             size: PanelSize::Panels(150),
-            search: false,
+            effort: Effort::Draft,
             ..Default::default()
         };
         let run = mesh_surface(&surface, &options, &Silent).unwrap();

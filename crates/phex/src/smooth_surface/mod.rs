@@ -17,11 +17,13 @@
 //! corrections do not converge (very irregular triangles) the control points that came closest to
 //! the input are used.
 
+mod coarsen;
 pub(crate) mod extend;
 mod local;
 mod normalise;
 pub(crate) mod subdivide;
 
+pub use coarsen::{Coarsened, coarsened};
 pub use extend::{Extension, extend};
 pub use normalise::Normalised;
 pub use subdivide::Refinement;

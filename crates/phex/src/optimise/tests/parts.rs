@@ -32,7 +32,7 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
         whole.energy(x)
     };
     let (barriers, mut x) = (barriers(setting.panels, &start, &options), start.clone());
-    for (phase, &penalty) in options.penalties.iter().enumerate() {
+    for (phase, &penalty) in crate::optimise::options::PENALTIES.iter().enumerate() {
         let mut weights = weights(&options);
         weights.planarity = penalty;
         let limits = DampedOptions {

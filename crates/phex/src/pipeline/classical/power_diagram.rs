@@ -37,7 +37,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     classical.goldberg = Some(class);
     Ok(ClassicalMesh {
         mesh,
-        reported: ground.smooth.finest().clone(),
+        reported: ground.reported(ground.smooth.finest()).clone(),
         fine: None,
         layout: LayoutStatistics::default(),
         cones: Vec::new(),

@@ -8,9 +8,8 @@ use crate::directions::{self, cones, saddle};
 use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, resolved};
 use crate::layout::lattice::CELL;
 use crate::pipeline::domain::Ground;
-use crate::pipeline::field::{
-    Field, allow_sizes, counted_lattice, direction_options, panel_length, with_seeds,
-};
+use crate::pipeline::field::{Field, allow_sizes, counted_lattice, direction_options, with_seeds};
+use crate::pipeline::sized::panel_length;
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError};
 use crate::smooth_surface::SmoothTarget;
 use nalgebra::Matrix3;

@@ -1,0 +1,179 @@
+//! A surface kept between runs: what a change of options does not touch is not computed again.
+
+use super::domain::Ground;
+use super::options::{MeshOptions, Method};
+use super::preview::{LatticePreview, lay_out};
+use super::watched::InModel;
+use super::{Clock, MeshRun, PipelineError};
+use super::{brick_wall, classical, normalise, portfolio, size, steered};
+use crate::layout::LayoutError;
+use crate::progress::Progress;
+use crate::smooth_surface::{Normalised, TargetOptions};
+use crate::trim::Boundary;
+use phex_mesh::{TriangleSurface, Vec3};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// A connected surface with what earlier runs on it have computed: its smooth target, the strip
+/// beyond its boundary, and curvature. Runs give the same bytes as [`mesh_surface`] on a surface
+/// that is new.
+///
+/// [`mesh_surface`]: super::mesh_surface
+///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let torus = triangulate(&Shape::from_name("torus", &[])?, &TriangulationOptions::default())?;
+/// use phex::{MeshOptions, PanelSize, Session, Silent};
+///
+/// let session = Session::new(torus);
+/// let mut options = MeshOptions { size: PanelSize::Panels(60), ..Default::default() };
+/// for degrees in [0.0_f64, 10.0] {
+///     options.directions.rotate = degrees.to_radians();
+///     let preview = session.lay_out(&options, &Silent)?;
+///     assert!(preview.mesh.topology().n_faces() > 50);
+/// }
+/// assert!(session.run(&options, &Silent)?.is_sound());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Session {
+    surface: TriangleSurface,
+    model: OnceLock<Normalised>,
+    kept: Mutex<Option<(GroundKey, Ground)>>,
+}
+
+/// What a ground depends on.
+#[derive(Clone, PartialEq)]
+struct GroundKey {
+    panels: usize,
+    boundary: Boundary,
+    target: TargetOptions,
+    densities: [f64; 2],
+}
+
+impl GroundKey {
+    fn of(panels: usize, options: &MeshOptions) -> Self {
+        Self {
+            panels,
+            boundary: options.boundary,
+            target: options.target.clone(),
+            densities: [options.field_density, options.cell_density],
+        }
+    }
+}
+
+impl Session {
+    /// A session with a surface; nothing is computed yet.
+    pub fn new(surface: TriangleSurface) -> Self {
+        Self {
+            surface,
+            model: OnceLock::new(),
+            kept: Mutex::new(None),
+        }
+    }
+
+    /// The surface.
+    pub fn surface(&self) -> &TriangleSurface {
+        &self.surface
+    }
+
+    /// Makes a planar hexagonal mesh of the surface.
+    ///
+    /// # Errors
+    /// As [`mesh_surface`](super::mesh_surface).
+    pub fn run(
+        &self,
+        options: &MeshOptions,
+        progress: &dyn Progress,
+    ) -> Result<MeshRun, PipelineError> {
+        options.check()?;
+        let panels = size::wished_panels(self, options, progress)?;
+        self.run_with_panels(panels, options, progress)
+    }
+
+    /// The panels of a run before any of them is planar: the first lattice, laid out. It is a
+    /// picture of where panels will be, and no result; nothing is judged.
+    ///
+    /// # Errors
+    /// As [`mesh_surface`](super::mesh_surface), and for methods other than [`Method::Lattice`].
+    pub fn lay_out(
+        &self,
+        options: &MeshOptions,
+        progress: &dyn Progress,
+    ) -> Result<LatticePreview, PipelineError> {
+        options.check()?;
+        if options.method != Method::Lattice {
+            return Err(PipelineError::NoPreview);
+        }
+        let panels = size::panel_count(&self.surface, options.size)?;
+        let model = self.model();
+        let options = normalise::normalised(options, model)?;
+        let mut clock = Clock::new(progress);
+        let ground = clock.stage("target", || self.ground(panels, &options))?;
+        let made = lay_out(&ground, &mut clock);
+        match made {
+            Ok(preview) => Ok(preview.restored(&model.similarity)),
+            Err(error) => Err(error.in_model(model)),
+        }
+    }
+
+    /// Goes to normalised coordinates, which all methods work in, and back.
+    pub(super) fn run_with_panels(
+        &self,
+        panels: usize,
+        given: &MeshOptions,
+        progress: &dyn Progress,
+    ) -> Result<MeshRun, PipelineError> {
+        let model = self.model();
+        let options = normalise::normalised(given, model)?;
+        let progress = &InModel {
+            progress,
+            similarity: &model.similarity,
+        };
+        let surface = &model.surface;
+        let mut clock = Clock::new(progress);
+        let made = match options.method {
+            Method::Lattice => {
+                let ground = clock.stage("target", || self.ground(panels, &options))?;
+                portfolio::mesh_with_panels((surface, panels), &ground, &options, clock)
+            }
+            Method::BrickWall => brick_wall::mesh_with_panels(surface, panels, &options, clock),
+            _ => classical::mesh_with_panels(model, panels, &options, clock),
+        };
+        let held = made.and_then(|run| steered::steered(run, &options, progress));
+        match held {
+            Ok(run) => Ok(run.restored(&model.similarity, &given.steering)),
+            Err(error) => Err(error.in_model(model)),
+        }
+    }
+
+    fn model(&self) -> &Normalised {
+        self.model.get_or_init(|| Normalised::of(&self.surface))
+    }
+
+    /// What panels are laid out on: that of the last run where it is the same.
+    fn ground(&self, panels: usize, options: &MeshOptions) -> Ground {
+        let key = GroundKey::of(panels, options);
+        // A run that panicked has put nothing half-done here.
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, ground)) = kept.as_ref().filter(|(last, _)| *last == key) {
+            return ground.with_options(options);
+        }
+        let ground = Ground::new(&self.model().surface, panels, options);
+        *kept = Some((key, ground.clone()));
+        ground
+    }
+}
+
+impl PipelineError {
+    /// The same error with its places in model coordinates.
+    pub(super) fn in_model(self, model: &Normalised) -> Self {
+        let restore = |p: Vec3| model.similarity.restore(p);
+        match self {
+            Self::Layout(LayoutError::Domain(e)) => {
+                LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()
+            }
+            Self::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(restore)).into(),
+            Self::Layout(LayoutError::Network(e)) => LayoutError::from(e.mapped(restore)).into(),
+            other => other,
+        }
+    }
+}

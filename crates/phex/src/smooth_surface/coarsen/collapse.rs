@@ -1,0 +1,121 @@
+//! Edges collapse, the shortest first, until as many vertices are left as are wanted.
+
+use super::corner_table::{next, prev};
+use super::{ChangingMesh, flips};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// What an edge on the boundary or on a crease is longer by where the shortest is sought: these
+/// lines are sampled more finely.
+const LINE: f64 = 1.5;
+
+/// Cosine of the angle by which a triangle may turn.
+const TURN: f64 = 0.8;
+/// Cosine of the angle between the normals at the ends of an edge up to which it may collapse:
+/// panels that resolve a surface are no longer than 0.8 of its least radius of curvature, and five
+/// vertices apart on each of them make 0.16.
+const BEND: f64 = 0.98;
+/// Least quality of a triangle, or what it had.
+const QUALITY: f64 = 0.3;
+/// Longest edge, in units of the spacing.
+const LONGEST: f64 = 1.8;
+/// Farthest that the boundary or a crease may move, in units of the spacing.
+const OFF: f64 = 0.02;
+/// Share of the vertices that must go in a round for another to be made.
+const WORTHWHILE: f64 = 0.002;
+
+/// Collapses edges until `wanted` vertices are left, or none can.
+pub(super) fn collapse_short(mesh: &mut ChangingMesh, wanted: usize) {
+    while mesh.table.n_vertices() > wanted {
+        let before = mesh.table.n_vertices();
+        collapse_to(mesh, wanted.max(before / 2));
+        flips::turn_edges(mesh);
+        let gone = before - mesh.table.n_vertices();
+        if (gone as f64) < WORTHWHILE * before as f64 {
+            break;
+        }
+    }
+}
+
+type Queue = BinaryHeap<Reverse<(u64, u32)>>;
+
+fn collapse_to(mesh: &mut ChangingMesh, wanted: usize) {
+    let edges = mesh.table.edges();
+    let mut queue: Queue = edges.map(|h| Reverse((key(mesh, h), h))).collect();
+    while mesh.table.n_vertices() > wanted {
+        let Some(Reverse((bits, h))) = queue.pop() else {
+            return;
+        };
+        let stale = !mesh.table.is_there(h) || mesh.table.edge(h) != h || key(mesh, h) != bits;
+        if stale || !mesh.table.can_collapse(h) {
+            continue;
+        }
+        let [u, v] = mesh.table.ends(h);
+        let ways = [(u, v), (v, u)].map(|(removed, kept)| worth(mesh, h, removed, kept));
+        let (removed, kept) = match ways {
+            [None, None] => continue,
+            [a, b] if a >= b => (u, v),
+            _ => (v, u),
+        };
+        mesh.table.collapse(h, removed, kept);
+        mesh.gone[removed as usize] = true;
+        for edge in mesh.table.edges_at(kept) {
+            queue.push(Reverse((key(mesh, edge), edge)));
+        }
+    }
+}
+
+/// Length by which edges are ordered, as bits.
+fn key(mesh: &ChangingMesh, h: u32) -> u64 {
+    let line = mesh.table.twin(h).is_none() || mesh.table.is_crease(h);
+    (mesh.length(h) * if line { LINE } else { 1.0 }).to_bits()
+}
+
+/// Quality of the worst triangle if `removed` moves to `kept`; `None` if that must not be.
+fn worth(mesh: &ChangingMesh, h: u32, removed: u32, kept: u32) -> Option<f64> {
+    let [m, n] = [removed, kept].map(|v| mesh.normal[v as usize]);
+    if mesh.corner[removed as usize] || m.dot(&n) < BEND || !stays_on_lines(mesh, h, removed, kept)
+    {
+        return None;
+    }
+    let mut worst = f64::INFINITY;
+    for g in mesh.table.outgoing(removed) {
+        let [b, c] = [next(g), prev(g)].map(|k| mesh.table.origin(k));
+        if b == kept || c == kept {
+            continue;
+        }
+        let (old, new) = ([removed, b, c], [kept, b, c]);
+        let [before, after] = [old, new].map(|t| mesh.area_vector(t));
+        if after.dot(&before) < TURN * after.norm() * before.norm() {
+            return None;
+        }
+        let quality = mesh.quality(new);
+        if quality < QUALITY.min(mesh.quality(old)) || too_long(mesh, kept, b) {
+            return None;
+        }
+        worst = worst.min(quality);
+    }
+    Some(worst)
+}
+
+fn too_long(mesh: &ChangingMesh, u: u32, v: u32) -> bool {
+    (mesh.place(u) - mesh.place(v)).norm() > LONGEST * mesh.spacing
+}
+
+/// Whether a vertex of the boundary or of a crease stays on it, and the line where it is.
+fn stays_on_lines(mesh: &ChangingMesh, h: u32, removed: u32, kept: u32) -> bool {
+    let table = &mesh.table;
+    let is_line = |g: u32| table.twin(g).is_none() || table.is_crease(g);
+    let lines: Vec<u32> = table.edges_at(removed).filter(|g| is_line(*g)).collect();
+    let other = match lines.as_slice() {
+        [] => return true,
+        [g, k] if table.edge(*g) == table.edge(h) => *k,
+        [g, k] if table.edge(*k) == table.edge(h) => *g,
+        _ => return false,
+    };
+    let [a, b] = table.ends(other);
+    let far = mesh.place(if a == removed { b } else { a });
+    let (along, to) = (mesh.place(kept) - far, mesh.place(removed) - far);
+    let t = (to.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    (to - along * t).norm() <= OFF * mesh.spacing
+}
