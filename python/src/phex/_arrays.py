@@ -15,12 +15,16 @@ Arrays = Tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.int64]]
 MOST = 1 << 30
 
 
+def _array(values: Any, name: str) -> Any:
+    try:
+        return np.asarray(values)
+    except Exception as cause:  # whatever a foreign object does
+        raise InputError(f"{name}: {type(cause).__name__}: {cause}") from None
+
+
 def checked_vertices(vertices: Any, name: str = "vertices") -> NDArray[np.float64]:
     """An own copy of points as float64 (n, 3); every number is finite."""
-    try:
-        given = np.asarray(vertices)
-    except (TypeError, ValueError) as cause:
-        raise InputError(f"{name}: {cause}") from None
+    given = _array(vertices, name)
     if given.ndim != 2 or given.shape[1] != 3:
         raise InputError(f"{name} have shape {given.shape}, not (n, 3)")
     if given.dtype.kind not in "fiu":
@@ -51,7 +55,7 @@ def _ragged(faces: Any) -> Tuple[Any, NDArray[np.int64]]:
     try:
         lists = [f if isinstance(f, (list, tuple, np.ndarray)) else list(f) for f in faces]
         lengths = [len(f) for f in lists]
-    except TypeError:
+    except Exception:  # whatever a foreign object does
         raise InputError("faces are no list of lists of vertex numbers") from None
     flat = []
     for k, face in enumerate(lists):
@@ -70,7 +74,7 @@ def checked_corners(
     corners: Any, offsets: Any, vertices: int
 ) -> Tuple[NDArray[np.uint32], NDArray[np.int64]]:
     """The same from flat arrays."""
-    flat, ends = np.asarray(corners), np.asarray(offsets)
+    flat, ends = _array(corners, "corners"), _array(offsets, "offsets")
     if flat.ndim != 1 or ends.ndim != 1:
         raise InputError(f"corners and offsets have shapes {flat.shape} and {ends.shape}")
     for name, numbers in (("faces", flat), ("offsets", ends)):
@@ -95,13 +99,13 @@ def checked_corners(
 
 def checked_numbers(values: Any, name: str) -> NDArray[np.float64]:
     """A flat list of finite numbers."""
-    try:
-        numbers = np.asarray(values)
-    except (TypeError, ValueError) as cause:
-        raise InputError(f"{name}: {cause}") from None
+    numbers = _array(values, name)
     if numbers.ndim != 1 or numbers.dtype.kind not in "fiu" or numbers.size > MOST:
         raise InputError(f"{name}: {_shown(values)} is no list of numbers")
-    return np.array(numbers, dtype=np.float64, order="C")
+    made = np.array(numbers, dtype=np.float64, order="C")
+    if not np.isfinite(made).all():
+        raise InputError(f"{name}: {_shown(values)} is not finite")
+    return made
 
 
 def is_path(value: Any) -> bool:

@@ -31,8 +31,8 @@ def begin(
     try:
         text = json.dumps(request, allow_nan=False)
         text.encode("utf-8")
-    except ValueError:
-        raise InputError("an option is not finite, or no text") from None
+    except (TypeError, ValueError) as cause:
+        raise InputError(f"an option is not finite, or no text: {cause}") from None
     given = [m._given() for m in meshes]
     return _phex.start(what, text, given, sizes, kept, threads, preview)
 
@@ -71,8 +71,8 @@ class Future:
 
     >>> import phex
     >>> future = phex.start(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
-    >>> len(future.result(timeout=60).faces)
-    32
+    >>> future.result(timeout=60).verdict
+    'pass'
     """
 
     def __init__(

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _options
-from ._arrays import path_text, shown
+from ._arrays import checked_numbers, path_text, shown
 from ._compute import Future, begin, close, finish, floats, listener, no_valid, run
 from ._errors import InputError
 from ._mesh import Mesh, Panelling, Surface, as_polygons, write_whole
-from ._options import UNITS, Option, checked, real, text_or_number, whole
+from ._options import UNITS, Option, checked, real, measured, whole
 
 
 def mesh(
@@ -76,8 +76,9 @@ def mesh(
 
     >>> import phex
     >>> sphere = phex.shape("sphere", triangles=2000)
-    >>> phex.mesh(sphere, panels=32, max_deviation="5%", progress=lambda event: True)
-    <phex.Panelling 32 panels, PASS>
+    >>> made = phex.mesh(sphere, panels=32, max_deviation="5%", progress=lambda event: True)
+    >>> made.verdict
+    'pass'
 
     Raises :class:`phex.InputError` if something given can't be used, :class:`phex.NoValidResult` if
     no valid mesh was reached (unless ``keep_invalid``), :class:`phex.Cancelled` if it was stopped.
@@ -126,7 +127,7 @@ class _MeshJob:
         }
         time_limit = options["time_limit"]
         if time_limit is not None:
-            time_limit = str(text_or_number("time_limit", time_limit))
+            time_limit = str(checked("time_limit", time_limit, _options.MESH["time_limit"]))
         config = options["config"]
         earlier = options["start"]
         until = options["until"]
@@ -277,7 +278,7 @@ def check(
 
     >>> import phex
     >>> phex.check(([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0]], [[0, 1, 2, 3]])).verdict
-    'invalid'
+    'outside_tolerance'
     """
     request = _limits(
         boundary=boundary, max_deviation=max_deviation, planarity=planarity, unit=unit
@@ -323,7 +324,9 @@ def offset(
     panels = as_polygons(mesh, Mesh, "mesh")
     unit = checked("unit", unit, Option("choice", choices=UNITS))
     wanted = [] if distance is None else distance
-    if isinstance(wanted, str) or np.ndim(wanted) == 0:
+    if isinstance(wanted, np.ndarray):
+        wanted = checked_numbers(wanted.reshape(-1), "distance").tolist()
+    if not isinstance(wanted, (list, tuple)):
         wanted = [wanted]
     distances = [_length(panels, d, unit) for d in wanted]
     request = {
@@ -331,7 +334,7 @@ def offset(
         "distances": distances,
         "max_distance": _flag("max_distance", max_distance),
         "gauss_image": _flag("gauss_image", gauss_image),
-        "planarity": None if planarity is None else text_or_number("planarity", planarity),
+        "planarity": None if planarity is None else measured("planarity", planarity),
         "unit": unit,
     }
     made = run("offset", request, panels, threads=_options.threads(threads))
@@ -351,7 +354,8 @@ def _length(panels: Mesh, value: Any, unit: str) -> float:
         return real("distance", value)
     bare = value.strip()
     sign = -1.0 if bare.startswith("-") else 1.0
-    request = {"lengths": [bare[1:] if sign < 0 else bare], "unit": unit}
+    length = measured("distance", bare[1:] if sign < 0 else bare)
+    request = {"lengths": [length], "unit": unit}
     return sign * floats(run("lengths", request, panels)["lengths"])[0]
 
 
@@ -367,8 +371,8 @@ def koebe(
 
     >>> import numpy as np, phex
     >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
-    >>> len(phex.koebe(made))
-    32
+    >>> len(phex.koebe(made)) == len(made)
+    True
     """
     kinds = ("equal-radii", "gauss-image", "angles")
     request = {
@@ -450,27 +454,28 @@ def fabricate(
     >>> import phex
     >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
     >>> workshop = phex.fabricate(made, thickness="20mm", sheet=(1250, 2500), nest_effort=0)
-    >>> workshop.summary["panels"], "panels.csv" in workshop.files
-    (32, True)
+    >>> workshop.summary["panels"] == len(made), "panels.csv" in workshop.files
+    (True, True)
     """
     panels = as_polygons(mesh, Mesh, "mesh")
-    sides = sheet.lower().split("x") if isinstance(sheet, str) else list(sheet)
-    if len(sides) != 2:
+    sides = sheet.lower().split("x") if isinstance(sheet, str) else sheet
+    if not isinstance(sides, (list, tuple)) or len(sides) != 2:
         raise InputError(f"sheet: {shown(sheet)} is not WIDTHxLENGTH")
     free = isinstance(rotations, str) and rotations == "free"
+    angles = None if free else checked_numbers(rotations, "rotations").tolist()
     request = {
-        "thickness": text_or_number("thickness", thickness),
-        "gap": None if gap is None else text_or_number("gap", gap),
+        "thickness": measured("thickness", thickness),
+        "gap": None if gap is None else measured("gap", gap),
         "side": checked("side", side, Option("choice", choices=("inside", "outside", "centre"))),
         "unit": checked("unit", unit, Option("choice", choices=UNITS)),
-        "sheet": [text_or_number("sheet", s) for s in sides],
-        "spacing": text_or_number("spacing", spacing),
-        "rotations": None if free else [real("rotations", angle) for angle in rotations],
+        "sheet": [measured("sheet", s) for s in sides],
+        "spacing": measured("spacing", spacing),
+        "rotations": angles,
         "nest_effort": whole("nest_effort", nest_effort, (1 << 32) - 1),
-        "text": text_or_number("text", text),
-        "tolerance": text_or_number("tolerance", tolerance),
+        "text": measured("text", text),
+        "tolerance": measured("tolerance", tolerance),
         "angle_tolerance": real("angle_tolerance", angle_tolerance),
-        "planarity": None if planarity is None else text_or_number("planarity", planarity),
+        "planarity": None if planarity is None else measured("planarity", planarity),
     }
     hear = listener(progress, False, False)
     count = _options.threads(threads)
@@ -486,6 +491,10 @@ def fabricate(
 
 #: The list of a folder's files with their checksums, which the program keeps, too.
 LIST = "phex.sha256"
+#: Its first line, by which the program knows it.
+HEAD = (
+    "# Files of `phex fab`: it writes over them and removes them as long as they are as listed.\n"
+)
 
 
 def save_folder(folder: str, files: Dict[str, bytes]) -> None:
@@ -515,7 +524,7 @@ def save_folder(folder: str, files: Dict[str, bytes]) -> None:
             raise InputError(f"{folder}: {cause}") from None
         write_whole(path, content)
     sums = (f"{hashlib.sha256(c).hexdigest()}  {n}\n" for n, c in sorted(files.items()))
-    write_whole(os.path.join(folder, LIST), "".join(sums).encode())
+    write_whole(os.path.join(folder, LIST), (HEAD + "".join(sums)).encode())
     for name in there:
         if name != LIST and name not in files:
             os.unlink(os.path.join(folder, *name.split("/")))
@@ -554,7 +563,11 @@ def network(
     (True, True)
     """
     there = as_polygons(surface, Surface, "surface")
-    axis = None if columns_along is None else [real("columns_along", x) for x in columns_along]
+    axis = None
+    if columns_along is not None:
+        axis = checked_numbers(columns_along, "columns_along").tolist()
+        if len(axis) != 3:
+            raise InputError(f"columns_along: {shown(columns_along)} is no direction x, y, z")
     request = {"panels": whole("panels", panels), "columns_along": axis}
     made = run("network", request, there, threads=_options.threads(threads))
     return Network(made["rows"], made["columns"], floats(made["conjugacy"]))

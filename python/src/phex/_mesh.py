@@ -176,7 +176,9 @@ class Mesh(Polygons):
     ) -> bytes:
         """A picture as PNG or SVG, without a display; ``options`` are those of ``phex render``:
         ``width``, ``height``, ``azimuth``, ``elevation``, ``edges``, ``legend``, ``ground``."""
-        request = {"color": color, "svg": svg, "options": options}
+        if not isinstance(color, str):
+            raise InputError(f"color: {shown(color)} is no text")
+        request = {"color": color, "svg": _truth("svg", svg), "options": options}
         surface = self._reference()
         meshes = [self] if surface is None else [self, surface]
         return run("picture", request, *meshes)["picture"]  # type: ignore[no-any-return]
@@ -305,6 +307,12 @@ class Panelling(Mesh):
             yield f"FAILED {name}", f"{len(ids)} elements, first {ids[:5]}"
 
 
+def _truth(name: str, value: Any) -> bool:
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise InputError(f"{name}: {shown(value)} is not True or False")
+
+
 def write_whole(path: str, content: bytes) -> None:
     """Writes a file whole or not at all."""
     folder = os.path.dirname(os.path.abspath(path))
@@ -334,7 +342,7 @@ def as_polygons(given: Any, kind: Any, what: str) -> Any:
     if isinstance(given, (tuple, list)) and len(given) == 2:
         return kind(given[0], given[1])
     module = type(given).__module__.split(".")[0]
-    if hasattr(given, "to_vertices_and_faces"):
+    if hasattr(type(given), "to_vertices_and_faces"):
         vertices, faces = given.to_vertices_and_faces()
         return kind(vertices, faces)
     if module == "pyvista":

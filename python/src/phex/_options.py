@@ -5,6 +5,7 @@ A test holds this table against ``phex mesh --help``: names, values and defaults
 
 import math
 import numbers
+import re
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -51,7 +52,7 @@ MESH: Dict[str, Option] = {
     "method": Option("choice", "lattice", METHODS),
     "effort": Option("choice", "normal", EFFORTS),
     "any_domain": Option("flag"),
-    "quadric": Option("numbers"),
+    "quadric": Option("numbers", "the unit sphere about a centre away from all tangent planes"),
     "regularise": Option("positive"),
     "rotate": Option("number"),
     "adaptive": Option("positive", alone=0.4),
@@ -121,7 +122,7 @@ def checked(name: str, value: Any, option: Option) -> Any:
             raise _wrong(name, value, "a positive number")
         return number
     if option.kind in ("length", "time"):
-        return text_or_number(name, value)
+        return measured(name, value, TIME if option.kind == "time" else LENGTH)
     if option.kind == "choice":
         if isinstance(value, str) and value in option.choices:
             return str(value)
@@ -129,7 +130,10 @@ def checked(name: str, value: Any, option: Option) -> Any:
     if option.kind == "path":
         return path_text(value, name)
     if option.kind == "numbers":
-        return checked_numbers(value, name).tolist()
+        ten = checked_numbers(value, name).tolist()
+        if len(ten) == 10:
+            return ten
+        raise _wrong(name, value, "a list of ten numbers")
     if option.kind == "plane":
         return _plane(name, value)
     raise AssertionError(option.kind)
@@ -155,17 +159,47 @@ def real(name: str, value: Any) -> float:
     raise _wrong(name, value, "a finite number")
 
 
-def text_or_number(name: str, value: Any) -> Any:
-    """A length as text or number."""
-    return str(value) if isinstance(value, str) else real(name, value)
+NUMBER = r"[+]?(\d+[.]?\d*|[.]\d+)(e[+-]?\d+)?"
+LENGTH = re.compile(rf"\s*{NUMBER}\s*(mm|cm|m|in|ft|%)?\s*", re.IGNORECASE | re.ASCII)
+TIME = re.compile(rf"\s*{NUMBER}\s*(s|min|h)?\s*", re.IGNORECASE | re.ASCII)
+
+
+def measured(name: str, value: Any, form: Any = LENGTH) -> Any:
+    """A length (or time) as text with or without a unit, or as number; it is not negative."""
+    wanted = "a length such as 0.5, '20mm' or '1%'" if form is LENGTH else "a time such as '90s'"
+    if isinstance(value, str):
+        if form.fullmatch(value):
+            return str(value)
+        raise _wrong(name, value, wanted)
+    number = real(name, value)
+    if number < 0.0:
+        raise _wrong(name, value, wanted)
+    return number
 
 
 def _plane(name: str, value: Any) -> str:
     if isinstance(value, str):
+        parts = value.split(",")
+        try:
+            is_plane = value == "lowest" or (len(parts) in (1, 6) and all(map(_finite, parts)))
+        except ValueError:
+            is_plane = False
+        if not is_plane:
+            raise _wrong(name, value, PLANE)
         return str(value)
     if isinstance(value, numbers.Real):
         return repr(real(name, value))
-    return ",".join(repr(x) for x in checked_numbers(value, name).tolist())
+    plane = checked_numbers(value, name).tolist()
+    if len(plane) != 6:
+        raise _wrong(name, value, PLANE)
+    return ",".join(map(repr, plane))
+
+
+PLANE = "'lowest', a height, or a point and a normal (six numbers)"
+
+
+def _finite(text: str) -> bool:
+    return math.isfinite(float(text))
 
 
 def _wrong(name: str, value: Any, wanted: str) -> InputError:
@@ -200,7 +234,7 @@ def rows(name: str, value: Any) -> Any:
     """Lists of numbers: points, points with a weight or an index, or vertex numbers."""
     try:
         entries = list(value)
-    except TypeError:
+    except Exception:  # whatever a foreign object does
         raise _wrong(name, value, "a path or a list of points") from None
     return [
         [real(name, e)] if isinstance(e, numbers.Real) else checked_numbers(e, name).tolist()
@@ -214,7 +248,7 @@ def polylines(name: str, value: Any) -> Any:
         value = [value]
     try:
         lines = list(value)
-    except TypeError:
+    except Exception:  # whatever a foreign object does
         raise _wrong(name, value, "a path, a polyline or a list of polylines") from None
     return [checked_vertices(line, name).tolist() for line in lines]
 

@@ -12,8 +12,8 @@ def to_pyvista(mesh: Polygons) -> Any:
 
     >>> import phex
     >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
-    >>> made.to_pyvista().n_cells
-    32
+    >>> made.to_pyvista().n_cells == len(made)
+    True
     """
     import pyvista
 
