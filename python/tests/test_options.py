@@ -68,7 +68,7 @@ def test_kinds_are_those_of_the_options(program):
         if value is not None:
             assert option.kind in KINDS[value.upper()], (name, value)
         assert (option.alone is not None) == may_be_alone, name
-        choices = re.findall(r"^ +- ([a-z-]+):", text, re.MULTILINE)
+        choices = re.findall(r"^ +- ([a-z-]+)(?:$|:)", text, re.MULTILINE)
         listed = re.search(r"\[possible values: ([^\]]+)\]", text)
         choices = choices or (listed.group(1).split(", ") if listed else [])
         assert sorted(option.choices) == sorted(choices), name

@@ -160,10 +160,10 @@ class Mesh(Polygons):
         ``deviation`` (% of the diagonal; needs a surface), ``curvature``, ``feature-size``,
         ``valence``, ``validity``, ``corners``.
         """
-        if name == "corners":
-            return np.diff(self._offsets).astype(np.float64)
         if not isinstance(name, str):
             raise InputError(f"name: {shown(name)} is no text")
+        if name == "corners":
+            return np.diff(self._offsets).astype(np.float64)
         surface = self._reference()
         meshes = [self] if surface is None else [self, surface]
         values = run("values", {"name": name}, *meshes)["values"]

@@ -17,7 +17,6 @@ EFFORTS = ("draft", "normal", "best")
 STAGES = ("layout",)
 METHODS = (
     "lattice",
-    "best",
     "brick-wall",
     "power-diagram",
     "projective-dual",
