@@ -10,14 +10,17 @@ use crate::topology::{Topology, TopologyError};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use rayon::prelude::*;
+use std::sync::{Arc, OnceLock};
 
-/// An oriented manifold triangle mesh with closest-point queries.
+/// An oriented manifold triangle mesh with closest-point queries. It never changes: clones share
+/// what they hold.
 #[derive(Clone)]
 pub struct TriangleSurface {
-    positions: PerVertex<Vec3>,
-    normals: PerVertex<Vec3>,
-    topology: Topology,
-    hierarchy: TriMesh,
+    positions: Arc<PerVertex<Vec3>>,
+    normals: Arc<PerVertex<Vec3>>,
+    topology: Arc<Topology>,
+    /// Made by the first query.
+    hierarchy: Arc<OnceLock<TriMesh>>,
 }
 
 /// A point on a [`TriangleSurface`].
@@ -41,20 +44,35 @@ impl TriangleSurface {
     /// If the triangles are not an oriented manifold.
     pub fn new(positions: Vec<Vec3>, triangles: &[[u32; 3]]) -> Result<Self, TopologyError> {
         let topology = Topology::from_faces(positions.len(), triangles)?;
-        let points = positions
-            .iter()
-            .map(|p| parry3d_f64::math::Vector::new(p.x, p.y, p.z))
-            .collect();
-        let hierarchy =
-            TriMesh::new(points, triangles.to_vec()).map_err(|_| TopologyError::Empty)?;
-        let positions = PerVertex::from_vec(positions);
-        let normals = max_normals(&positions, &topology);
-        Ok(Self {
-            positions,
-            normals,
+        Ok(Self::of(PerVertex::from_vec(positions), Arc::new(topology)))
+    }
+
+    /// The surface with known triangles.
+    ///
+    /// # Panics
+    /// If a face is no triangle, or the number of vertices differs.
+    pub fn from_topology(positions: PerVertex<Vec3>, topology: Topology) -> Self {
+        assert_eq!(topology.n_half_edges(), 3 * topology.n_faces(), "triangles");
+        assert_eq!(
+            topology.n_vertices(),
+            positions.len(),
+            "one place per vertex"
+        );
+        Self::of(positions, Arc::new(topology))
+    }
+
+    fn of(positions: PerVertex<Vec3>, topology: Arc<Topology>) -> Self {
+        Self {
+            normals: Arc::new(max_normals(&positions, &topology)),
+            positions: Arc::new(positions),
             topology,
-            hierarchy,
-        })
+            hierarchy: Arc::default(),
+        }
+    }
+
+    /// The same triangles between other places.
+    pub fn mapped(&self, place: impl Fn(&Vec3) -> Vec3) -> Self {
+        Self::of(self.positions.map(place), Arc::clone(&self.topology))
     }
 
     /// The same surface with other unit vertex normals (those of a fitted jet, say).
@@ -63,7 +81,7 @@ impl TriangleSurface {
     /// If the number of normals differs.
     pub fn with_normals(mut self, normals: PerVertex<Vec3>) -> Self {
         assert_eq!(normals.len(), self.positions.len(), "one normal per vertex");
-        self.normals = normals;
+        self.normals = Arc::new(normals);
         self
     }
 
@@ -141,10 +159,21 @@ impl TriangleSurface {
             .unwrap_or_else(|| self.closest_point(p))
     }
 
+    fn hierarchy(&self) -> &TriMesh {
+        self.hierarchy.get_or_init(|| {
+            let vector = |p: &Vec3| parry3d_f64::math::Vector::new(p.x, p.y, p.z);
+            let points = self.positions.iter().map(vector).collect();
+            let corners = |f| self.topology.face_vertices(f);
+            let faces = self.topology.faces();
+            let triangles = faces.map(|f| std::array::from_fn(|k| corners(f)[k].index() as u32));
+            TriMesh::new(points, triangles.collect()).expect("a surface has a triangle")
+        })
+    }
+
     fn closest_within(&self, p: Vec3, bound: f64) -> Option<SurfacePoint> {
         let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
         let (_, (triangle, location)) = self
-            .hierarchy
+            .hierarchy()
             .project_local_point_and_get_location_with_max_dist(query, false, bound)?;
         Some(self.at(FaceId::new(triangle), barycentric(location)))
     }

@@ -4,7 +4,6 @@
 //! half-edge on the boundary has no twin. Faces of any valence, open or closed surfaces, any genus,
 //! any number of boundary loops and components.
 
-use crate::id_map::IdMap;
 use crate::ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
 use crate::per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 use thiserror::Error;
@@ -89,6 +88,52 @@ pub enum TopologyError {
     },
 }
 
+/// Half-edges by the vertices that they leave, and among these by the vertices that they go to.
+struct Leaving {
+    start: Vec<u32>,
+    half_edges: Vec<HalfEdgeId>,
+}
+
+impl Leaving {
+    fn of(topology: &Topology) -> Self {
+        let all: Vec<HalfEdgeId> = topology.half_edges().collect();
+        let n = topology.n_vertices();
+        let (by_target, _) = counting_sorted(&all, n, |h| topology.target(h));
+        let (half_edges, start) = counting_sorted(&by_target, n, |h| topology.origin(h));
+        Self { start, half_edges }
+    }
+
+    /// The first of those between two vertices.
+    fn first(&self, topology: &Topology, from: VertexId, to: VertexId) -> Option<HalfEdgeId> {
+        let range = self.start[from.index()] as usize..self.start[from.index() + 1] as usize;
+        let leaving = &self.half_edges[range];
+        let at = leaving.partition_point(|h| topology.target(*h) < to);
+        let found = leaving.get(at).copied();
+        found.filter(|h| topology.target(*h) == to)
+    }
+}
+
+/// Half-edges in the order of their vertices, else in the order given, and where those of each of
+/// `n` vertices begin.
+fn counting_sorted(
+    given: &[HalfEdgeId],
+    n: usize,
+    vertex: impl Fn(HalfEdgeId) -> VertexId,
+) -> (Vec<HalfEdgeId>, Vec<u32>) {
+    let mut start = vec![0u32; n + 2];
+    given
+        .iter()
+        .for_each(|h| start[vertex(*h).index() + 2] += 1);
+    (1..n + 2).for_each(|v| start[v] += start[v - 1]);
+    let mut sorted = given.to_vec();
+    for h in given {
+        let place = &mut start[vertex(*h).index() + 1];
+        sorted[*place as usize] = *h;
+        *place += 1;
+    }
+    (sorted, start)
+}
+
 /// Connectivity of an oriented manifold polygon mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topology {
@@ -151,17 +196,15 @@ impl Topology {
     }
 
     fn pair_half_edges(&mut self) -> Result<(), TopologyError> {
-        let mut seen: IdMap<(VertexId, VertexId), HalfEdgeId> =
-            IdMap::with_capacity_and_hasher(self.n_half_edges(), Default::default());
+        let leaving = Leaving::of(self);
         let mut edge_half_edge = Vec::with_capacity(self.n_half_edges() / 2 + 1);
         for h in self.half_edges() {
             let (from, to) = (self.origin(h), self.target(h));
-            if let Some(&other) = seen.get(&(from, to)) {
+            if let Some(other) = leaving.first(self, from, to).filter(|other| *other != h) {
                 return Err(self.edge_error(from, to, other, h));
             }
-            seen.insert((from, to), h);
-            match seen.get(&(to, from)) {
-                Some(&t) => {
+            match leaving.first(self, to, from).filter(|t| *t < h) {
+                Some(t) => {
                     self.twin[h] = t.index() as u32;
                     self.twin[t] = h.index() as u32;
                     self.edge[h] = self.edge[t];

@@ -27,7 +27,7 @@ pub use tensor::{Principal, principal, tangent_frame};
 pub(crate) use tensor::{large_curvature, smoothed};
 
 use nalgebra::Matrix3;
-use phex_mesh::{PerVertex, TriangleSurface, Vec3};
+use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -96,7 +96,7 @@ pub fn curvature_sized(
         .map_init(
             || jet::Neighbourhood::new(surface),
             |hood, i| {
-                let v = phex_mesh::VertexId::new(i as u32);
+                let v = VertexId::new(i as u32);
                 let radius = options.radius_rel * panel_length[v];
                 let members = hood.collect(v, radius);
                 let fit = jet::fit(surface, v, members, f64::INFINITY);
@@ -115,6 +115,24 @@ pub fn curvature_sized(
         tensor,
         confidence,
     }
+}
+
+/// The second fundamental form at some vertices, which is not smoothed.
+pub(crate) fn tensors_at(
+    surface: &TriangleSurface,
+    vertices: &[VertexId],
+    panel_length: f64,
+    options: &CurvatureOptions,
+) -> Vec<Matrix3<f64>> {
+    let radius = options.radius_rel * panel_length;
+    let fit = |hood: &mut jet::Neighbourhood<'_>, v: &VertexId| {
+        let members = hood.collect(*v, radius);
+        jet::fit(surface, *v, members, f64::INFINITY).tensor
+    };
+    let vertices = vertices.par_iter();
+    vertices
+        .map_init(|| jet::Neighbourhood::new(surface), fit)
+        .collect()
 }
 
 fn agreement(outer: &Matrix3<f64>, inner: &Matrix3<f64>) -> f64 {

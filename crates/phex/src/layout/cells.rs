@@ -8,7 +8,7 @@
 //! two cells touch twice.
 
 use super::seeds::Seed;
-use super::voronoi::{self, UNREACHED};
+use super::voronoi::{PartCells, UNREACHED};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{EdgeId, FaceId, HalfEdgeId, IdMap, IdSet, PerVertex, Topology, VertexId};
 use std::collections::{HashMap, HashSet};
@@ -149,29 +149,41 @@ fn mend(
     faults: &[(u32, CellFault)],
 ) {
     let mut touched = HashSet::new();
-    for &(cell, fault) in faults {
+    let mut parts = PartCells::new(topology, mesh);
+    // A cell that is not touched has the members with which the round began.
+    let members = members_of(complex, faults);
+    for (&(cell, fault), members) in faults.iter().zip(members) {
         if !touched.insert(cell) {
             continue;
         }
-        let members: Vec<VertexId> = complex
-            .label
-            .enumerate()
-            .filter(|(_, l)| **l == cell)
-            .map(|(v, _)| v)
-            .collect();
         let neighbours = neighbours(topology, &complex.label, &members, cell);
         let Some(&(largest, _)) = neighbours.first() else {
             continue;
         };
         if fault == CellFault::NotADisc && release_islands(topology, complex, &members, cell) {
             touched.extend(neighbours.iter().map(|n| n.0));
-        } else if fault == CellFault::NotADisc && split(topology, mesh, complex, &members, cell) {
+        } else if fault == CellFault::NotADisc && split(&mut parts, complex, &members, cell) {
             touched.extend(neighbours.iter().map(|n| n.0));
         } else if touched.insert(largest) || fault == CellFault::TooSmall {
             members.iter().for_each(|&v| complex.label[v] = largest);
             touched.extend(neighbours.iter().map(|n| n.0));
         }
     }
+}
+
+/// Vertices of the cells that have faults.
+fn members_of(complex: &CellComplex, faults: &[(u32, CellFault)]) -> Vec<Vec<VertexId>> {
+    let mut place = vec![None; complex.seed.len()];
+    for (i, (cell, _)) in faults.iter().enumerate() {
+        place[*cell as usize] = Some(i);
+    }
+    let mut members = vec![Vec::new(); faults.len()];
+    for (v, l) in complex.label.enumerate() {
+        if let Some(i) = place[*l as usize] {
+            members[i].push(v);
+        }
+    }
+    members
 }
 
 /// Gives all but the largest connected part of a cell to neighbours; false if the cell is
@@ -244,21 +256,16 @@ fn neighbours(
 
 /// Splits a cell between its two vertices farthest from each other; false if it has only one.
 fn split(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
+    parts: &mut PartCells<'_>,
     complex: &mut CellComplex,
     members: &[VertexId],
     cell: u32,
 ) -> bool {
-    let label = &complex.label;
-    let farthest = |from: VertexId| {
-        let cells = voronoi::grow(topology, mesh, &[Seed::at(from)], |v| label[v] == cell);
-        let reached = members.iter().filter(|v| cells.distance[**v].is_finite());
-        reached.copied().max_by(|a, b| {
-            cells.distance[*a]
-                .total_cmp(&cells.distance[*b])
-                .then(b.cmp(a))
-        })
+    let mut farthest = |from: VertexId| {
+        let grown = parts.grow(&[Seed::at(from)], members);
+        let reached = members.iter().zip(grown).filter(|(_, g)| g.1.is_finite());
+        let farthest = reached.max_by(|(v, a), (w, b)| a.1.total_cmp(&b.1).then(w.cmp(v)));
+        farthest.map(|(v, _)| *v)
     };
     let Some(first) = farthest(members[0]) else {
         return false;
@@ -266,15 +273,13 @@ fn split(
     let Some(second) = farthest(first).filter(|s| *s != first) else {
         return false;
     };
-    let halves = voronoi::grow(topology, mesh, &[first, second].map(Seed::at), |v| {
-        label[v] == cell
-    });
+    let halves = parts.grow(&[first, second].map(Seed::at), members);
     let new = complex.seed.len() as u32;
     complex.seed[cell as usize] = first;
     complex.seed.push(second);
-    for &v in members {
+    for (&v, (half, _)) in members.iter().zip(halves) {
         // A part that neither half reaches is a piece of its own and goes with the second.
-        if halves.label[v] == 1 || halves.label[v] == UNREACHED {
+        if half == 1 || half == UNREACHED {
             complex.label[v] = new;
         }
     }

@@ -3,9 +3,10 @@
 use super::lattice::{CELL, Charts};
 use super::seamless::Offsets;
 use super::seeds::{CORE, Seed};
-use super::voronoi;
+use super::voronoi::PartCells;
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerEdge, PerVertex, Topology, VertexId};
+use std::collections::BTreeMap;
 
 /// Clusters smaller than this share of a lattice cell get no seed.
 const MIN_AREA: f64 = 0.35;
@@ -50,12 +51,20 @@ pub(crate) fn seeds(
         }
     }
     fill_cores(topology, offsets, &label, &mut seeds);
-    let large: Vec<usize> = (0..count)
-        .filter(|&c| area[c] > SPLIT_AREA * CELL)
-        .collect();
-    for c in large {
-        let extra = (area[c] / CELL).round() as usize - 1;
-        split(topology, mesh, &label, c as u32, extra, &mut seeds);
+    let is_large = |c: usize| area[c] > SPLIT_AREA * CELL;
+    let mut large: BTreeMap<u32, LargeCluster> = BTreeMap::new();
+    for (v, &c) in label.enumerate().filter(|(_, c)| is_large(**c as usize)) {
+        large.entry(c).or_default().members.push(v);
+    }
+    for seed in &seeds {
+        if let Some(cluster) = large.get_mut(&label[seed.vertex]) {
+            cluster.seeds.push(seed.clone());
+        }
+    }
+    let mut cells = PartCells::new(topology, mesh);
+    for (c, cluster) in large {
+        let extra = (area[c as usize] / CELL).round() as usize - 1;
+        seeds.extend(cluster.split(extra, &mut cells));
     }
     seeds.sort_by_key(|s| s.vertex);
     seeds.dedup_by_key(|s| s.vertex);
@@ -115,34 +124,30 @@ fn clusters(topology: &Topology, same: &PerEdge<bool>) -> PerVertex<u32> {
     label
 }
 
-/// Adds `extra` seeds to a cluster, each the vertex farthest from the seeds that it has.
-fn split(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    label: &PerVertex<u32>,
-    cluster: u32,
-    extra: usize,
-    seeds: &mut Vec<Seed>,
-) {
-    for _ in 0..extra {
-        let own: Vec<Seed> = seeds
-            .iter()
-            .filter(|s| label[s.vertex] == cluster)
-            .cloned()
-            .collect();
-        if own.is_empty() {
-            return;
+/// A cluster that is larger than a cell.
+#[derive(Default)]
+struct LargeCluster {
+    members: Vec<VertexId>,
+    seeds: Vec<Seed>,
+}
+
+impl LargeCluster {
+    /// At most `extra` seeds more, each the vertex farthest from those that there are.
+    fn split(mut self, extra: usize, cells: &mut PartCells<'_>) -> Vec<Seed> {
+        let given = self.seeds.len();
+        for _ in 0..if given == 0 { 0 } else { extra } {
+            let grown = cells.grow(&self.seeds, &self.members);
+            let reached = self
+                .members
+                .iter()
+                .zip(grown)
+                .filter(|(_, g)| g.1.is_finite());
+            let farthest = reached.max_by(|(v, a), (w, b)| a.1.total_cmp(&b.1).then(w.cmp(v)));
+            match farthest {
+                Some((v, (_, d))) if d > 0.0 => self.seeds.push(Seed::at(*v)),
+                _ => break,
+            }
         }
-        let cells = voronoi::grow(topology, mesh, &own, |v| label[v] == cluster);
-        let farthest = label
-            .enumerate()
-            .filter(|(_, l)| **l == cluster)
-            .map(|(v, _)| (v, cells.distance[v]))
-            .filter(|(_, d)| d.is_finite())
-            .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
-        match farthest {
-            Some((v, d)) if d > 0.0 => seeds.push(Seed::at(v)),
-            _ => return,
-        }
+        self.seeds.split_off(given)
     }
 }

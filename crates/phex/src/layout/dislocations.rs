@@ -6,12 +6,11 @@
 //! it: `1 - w` is a unit of `Z[w]`, so a cone of one sixth absorbs *any* translation, and no
 //! integer programming is needed.
 
+use super::fronts::Fronts;
 use super::lattice::{Charts, Eisenstein};
-use crate::directions::intrinsic::{Distance, IntrinsicMesh};
+use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, Topology};
 use serde::Serialize;
-use std::cmp::Reverse;
-use std::collections::{BTreeSet, BinaryHeap};
 
 /// The way of a Burgers vector: triangles, and the edge by which it leaves each.
 pub(crate) type Slip = Vec<(FaceId, EdgeId)>;
@@ -27,8 +26,9 @@ pub struct Annihilation {
     pub kept: usize,
 }
 
+/// What is wrong with the lattice at a triangle.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum LatticeDefect {
+pub(super) enum LatticeDefect {
     None,
     Dislocation,
     Cone,
@@ -97,9 +97,12 @@ fn defect(c: &Circuit) -> LatticeDefect {
     }
 }
 
-/// Moves every Burgers vector into the nearest opposite, cone or boundary, the closest pairs first,
-/// and returns the ways that they took. Paths longer than `max_length` lattice spacings are not
-/// taken.
+/// Moves every Burgers vector into the nearest opposite, cone or boundary, and returns the ways that
+/// they took. Paths longer than `max_length` lattice spacings are not taken.
+///
+/// In a round all those move that are each other's nearest: their ways run through triangles that
+/// are nearest to them, so that the closest pair of all would be the next anyway, one after the
+/// other.
 pub(crate) fn annihilate(
     topology: &Topology,
     mesh: &IntrinsicMesh,
@@ -111,182 +114,41 @@ pub(crate) fn annihilate(
     let mut state = PerFace::from_fn(topology.n_faces(), |f| {
         defect(&circuit(topology, charts, jump, f))
     });
-    let all = state
-        .enumerate()
-        .filter(|(_, d)| **d != LatticeDefect::None);
-    let mut defects: BTreeSet<FaceId> = all.map(|(f, _)| f).collect();
-    let count = |state: &PerFace<LatticeDefect>, defects: &BTreeSet<FaceId>| {
-        let moving = defects
-            .iter()
-            .filter(|f| state[**f] == LatticeDefect::Dislocation);
-        moving.count()
+    let count = |state: &PerFace<LatticeDefect>| {
+        let moving = |d: &&LatticeDefect| **d == LatticeDefect::Dislocation;
+        state.iter().filter(moving).count()
     };
-    let dislocations = count(&state, &defects);
-    let mut fronts = Fronts::new(topology.n_faces());
-    let mut moved = 0;
-    // Each move ends at least one dislocation or merges two, so this is only a guard.
-    for _ in 0..4 * dislocations + 4 {
-        let Some(path) = fronts.shortest_path(topology, mesh, &state, &defects, max_length) else {
+    let dislocations = count(&state);
+    let mut fronts = Fronts::new(topology, mesh);
+    // Each round ends at least one dislocation or merges two, so this is only a guard.
+    for _ in 0..2 * dislocations + 2 {
+        fronts.grow(&state);
+        let meetings = fronts.nearest(&state, max_length);
+        if meetings.is_empty() {
             break;
-        };
-        for &(f, e) in &path {
+        }
+        let ways: Vec<Slip> = meetings.iter().map(|m| fronts.path(&state, m)).collect();
+        for &(f, e) in ways.iter().flatten() {
             push_across(topology, charts, jump, f, e);
         }
-        for &(f, e) in &path {
-            let h = topology.edge_half_edge(e);
-            let sides = [
-                Some(topology.face(h)),
-                topology.twin(h).map(|t| topology.face(t)),
-                Some(f),
-            ];
-            for g in sides.into_iter().flatten() {
-                state[g] = defect(&circuit(topology, charts, jump, g));
-                match state[g] {
-                    LatticeDefect::None => defects.remove(&g),
-                    _ => defects.insert(g),
-                };
-            }
+        for g in ways.iter().flatten().flat_map(|way| beside(topology, *way)) {
+            state[g] = defect(&circuit(topology, charts, jump, g));
         }
-        moved += 1;
-        slips.push(path);
+        slips.extend(ways);
     }
     let done = Annihilation {
         dislocations,
-        moved,
-        kept: count(&state, &defects),
+        moved: slips.len(),
+        kept: count(&state),
     };
     (done, slips)
 }
 
-const NOBODY: u32 = u32::MAX;
-
-/// Fronts that grow over the triangles from all defects at once; what they reached is kept, so that
-/// the next search clears only that.
-struct Fronts {
-    source: PerFace<u32>,
-    distance: PerFace<f64>,
-    from: PerFace<Option<(FaceId, EdgeId)>>,
-    settled: PerFace<bool>,
-    reached: Vec<FaceId>,
-    heap: BinaryHeap<Reverse<(Distance, FaceId)>>,
-}
-
-impl Fronts {
-    fn new(faces: usize) -> Self {
-        Self {
-            source: PerFace::filled(faces, NOBODY),
-            distance: PerFace::filled(faces, f64::INFINITY),
-            from: PerFace::filled(faces, None),
-            settled: PerFace::filled(faces, false),
-            reached: Vec::new(),
-            heap: BinaryHeap::new(),
-        }
-    }
-
-    fn clear(&mut self) {
-        for f in self.reached.drain(..) {
-            self.source[f] = NOBODY;
-            self.distance[f] = f64::INFINITY;
-            self.from[f] = None;
-            self.settled[f] = false;
-        }
-        self.heap.clear();
-    }
-
-    fn reach(&mut self, f: FaceId, source: u32, distance: f64, from: Option<(FaceId, EdgeId)>) {
-        if self.source[f] == NOBODY {
-            self.reached.push(f);
-        }
-        self.source[f] = source;
-        self.distance[f] = distance;
-        self.from[f] = from;
-        self.heap.push(Reverse((Distance(distance), f)));
-    }
-
-    /// The shortest dual path from a dislocation to another one, a cone, or out of the boundary:
-    /// fronts grow until two meet. Pairs (face, edge to leave it by), in the order of the move.
-    fn shortest_path(
-        &mut self,
-        topology: &Topology,
-        mesh: &IntrinsicMesh,
-        state: &PerFace<LatticeDefect>,
-        defects: &BTreeSet<FaceId>,
-        max_length: f64,
-    ) -> Option<Slip> {
-        let size = |f: FaceId| mesh.half_crossing(f);
-        self.clear();
-        for &f in defects {
-            self.reach(f, f.index() as u32, 0.0, None);
-        }
-        let moves = |s: u32| state.as_slice()[s as usize] == LatticeDefect::Dislocation;
-        let mut best: (f64, Option<(FaceId, EdgeId, Option<FaceId>)>) = (max_length, None);
-        while let Some(Reverse((Distance(d), f))) = self.heap.pop() {
-            if self.settled[f] {
-                continue;
-            }
-            self.settled[f] = true;
-            if 2.0 * d > best.0 {
-                break;
-            }
-            let source = self.source[f];
-            for h in topology.face_half_edges(f) {
-                let e = topology.edge(h);
-                let Some(t) = topology.twin(h) else {
-                    let total = d + 4.0 * size(f);
-                    if moves(source) && total < best.0 {
-                        best = (total, Some((f, e, None)));
-                    }
-                    continue;
-                };
-                let g = topology.face(t);
-                let step = d + size(f) + size(g);
-                if self.settled[g] && self.source[g] != source {
-                    let total = step + self.distance[g];
-                    if (moves(source) || moves(self.source[g])) && total < best.0 {
-                        best = (total, Some((f, e, Some(g))));
-                    }
-                }
-                if !self.settled[g] && step < self.distance[g] {
-                    self.reach(g, source, step, Some((f, e)));
-                }
-            }
-        }
-        let (f, e, g) = best.1?;
-        let backwards = g.is_some_and(|g| !moves(self.source[f]) && moves(self.source[g]));
-        Some(joined_path(&self.from, f, e, g, backwards))
-    }
-}
-
-fn joined_path(
-    from: &PerFace<Option<(FaceId, EdgeId)>>,
-    f: FaceId,
-    e: EdgeId,
-    g: Option<FaceId>,
-    backwards: bool,
-) -> Slip {
-    let (start, end) = if backwards {
-        (g.expect("a far side"), Some(f))
-    } else {
-        (f, g)
-    };
-    // From the moving dislocation to the meeting edge ...
-    let mut path = Vec::new();
-    let mut at = start;
-    while let Some((before, edge)) = from[at] {
-        path.push((before, edge));
-        at = before;
-    }
-    path.reverse();
-    path.push((start, e));
-    // ... and on to the other defect, against the direction in which its front grew.
-    let mut at = end;
-    while let Some(face) = at {
-        at = from[face].map(|(before, edge)| {
-            path.push((face, edge));
-            before
-        });
-    }
-    path
+/// A triangle, and the one across the edge by which a way leaves it.
+fn beside(topology: &Topology, (f, e): (FaceId, EdgeId)) -> impl Iterator<Item = FaceId> {
+    let h = topology.edge_half_edge(e);
+    let sides = [Some(h), topology.twin(h)].into_iter().flatten();
+    sides.map(|h| topology.face(h)).chain([f])
 }
 
 /// Moves the Burgers vectors that lie at the beginnings of ways along those that are `taken`, one

@@ -45,23 +45,18 @@ pub(crate) fn turn_edges(mut layout: Layout) -> Layout {
 /// The layout after sequences of turns; `None` if there are none.
 fn glided(layout: &Layout) -> Option<Layout> {
     let sequences = glide::sequences(layout.mesh.topology());
-    let longest = sequences.iter().map(Vec::len).max()?;
-    let mut layout = layout.clone();
-    for step in 0..longest {
+    (!sequences.is_empty()).then(|| turned_between(layout.clone(), &sequences))?
+}
+
+/// The layout after sequences of turns of the edges between panels, side by side: no two of them
+/// may change the same panel. `None` if a turn can't be.
+pub(super) fn turned_between(layout: Layout, sequences: &[Vec<glide::Sides>]) -> Option<Layout> {
+    let longest = sequences.iter().map(Vec::len).max().unwrap_or(0);
+    (0..longest).try_fold(layout, |layout, step| {
         let topology = layout.mesh.topology();
         let sides = sequences.iter().filter_map(|s| s.get(step));
         let turns: Option<Vec<EdgeTurn>> = sides.map(|s| turn_between(topology, *s)).collect();
-        layout = turned(&layout, &turns?)?;
-    }
-    Some(layout)
-}
-
-/// The layout after turns of the edges between these panels, one after the other; `None` if one
-/// can't be.
-pub(super) fn turned_between(layout: Layout, sides: &[glide::Sides]) -> Option<Layout> {
-    sides.iter().try_fold(layout, |layout, s| {
-        let turn = turn_between(layout.mesh.topology(), *s)?;
-        turned(&layout, &[turn])
+        turned(&layout, &turns?)
     })
 }
 

@@ -22,13 +22,31 @@ const STEPS_AFTER_JOIN: usize = 3;
 pub(crate) type Sides = [FaceId; 2];
 
 /// Turns after which the panels inside are more regular than before, if first the second of `sides`
-/// becomes part of the first; `None` if there are none.
-pub(crate) fn turns_after_join(topology: &Topology, sides: Sides) -> Option<Vec<Sides>> {
-    let mut patch = DualPatch::around(topology, sides[0], &BTreeSet::new());
+/// becomes part of the first, with the panels that all that changes; `None` if there are none
+/// beside the panels in `taken`.
+pub(crate) fn turns_after_join(
+    topology: &Topology,
+    sides: Sides,
+    taken: &BTreeSet<FaceId>,
+) -> Option<(Vec<Sides>, BTreeSet<FaceId>)> {
+    let mut patch = DualPatch::around(topology, sides[0], taken);
     let gain = patch.join(sides)?;
     let mut path = Vec::new();
     let mut found = |steps| patch.search(steps, gain, gain.min(0), &mut path);
-    (0..=STEPS_AFTER_JOIN).any(&mut found).then_some(path)
+    if !(0..=STEPS_AFTER_JOIN).any(&mut found) {
+        return None;
+    }
+    let mut changed = patch.changed(topology, &path);
+    for f in sides {
+        changed.insert(f);
+        changed.extend(neighbours(topology, f));
+    }
+    Some((path, changed))
+}
+
+fn neighbours(topology: &Topology, f: FaceId) -> impl Iterator<Item = FaceId> {
+    let around = topology.face_half_edges(f);
+    around.filter_map(|h| topology.twin(h).map(|t| topology.face(t)))
 }
 
 /// Sequences of turns, each of which makes the panels inside more regular; no two of them change
@@ -75,10 +93,7 @@ impl DualPatch {
                 if !free || ring.contains_key(&f) {
                     continue;
                 }
-                let around: Vec<FaceId> = topology
-                    .face_half_edges(f)
-                    .filter_map(|h| topology.twin(h).map(|t| topology.face(t)))
-                    .collect();
+                let around: Vec<FaceId> = neighbours(topology, f).collect();
                 next.extend(&around);
                 ring.insert(f, around);
             }
@@ -215,14 +230,10 @@ impl DualPatch {
 
     /// Panels whose corners or neighbours a sequence changes.
     fn changed(&self, topology: &Topology, path: &[Sides]) -> BTreeSet<FaceId> {
-        let before = |f: FaceId| {
-            let around = topology.face_half_edges(f);
-            around.filter_map(|h| topology.twin(h).map(|t| topology.face(t)))
-        };
         let sides = path.iter().flatten().copied();
         sides
             .flat_map(|f| {
-                before(f)
+                neighbours(topology, f)
                     .chain([f])
                     .chain(self.ring[&f].clone())
                     .collect::<Vec<_>>()

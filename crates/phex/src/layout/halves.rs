@@ -6,6 +6,7 @@
 //! be become one where that, with a few edges turned afterwards, makes the panels more regular: a
 //! dislocation climbs by one panel.
 
+use super::glide::Sides;
 use super::lattice::CELL;
 use super::{Layout, VertexKind, flips, glide};
 use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, VertexId};
@@ -16,26 +17,47 @@ use std::collections::BTreeSet;
 const HALF: f64 = 1.2;
 const BOTH: f64 = 1.8;
 
-/// Joins pairs, one after the other in the order of their edges.
+/// Joins pairs while that makes the layout more regular.
 pub(crate) fn join_halves(mut layout: Layout) -> Layout {
-    while let Some(next) = joined_once(&layout) {
-        layout = next;
+    loop {
+        let joins = joins(&layout);
+        if joins.is_empty() {
+            return layout;
+        }
+        let one = || {
+            joins
+                .iter()
+                .find_map(|j| joined(&layout, std::slice::from_ref(j)))
+        };
+        // Side by side they rarely are no mesh, though each of them alone is one.
+        match joined(&layout, &joins).or_else(one) {
+            Some(next) => layout = next,
+            None => return layout,
+        }
     }
-    layout
 }
 
-/// The layout with the first pair joined that makes it more regular.
-fn joined_once(layout: &Layout) -> Option<Layout> {
+/// A pair to be joined, and the turns after that.
+struct Join {
+    pair: PanelPair,
+    turns: Vec<Sides>,
+}
+
+/// Pairs that make the layout more regular where they are joined, no two of which change the same
+/// panel.
+fn joins(layout: &Layout) -> Vec<Join> {
     let topology = layout.mesh.topology();
+    let mut taken = BTreeSet::new();
     let pairs = topology.edges().filter_map(|e| pair(topology, e));
-    let mut small = pairs.filter(|p| has_pentagon(topology, p) && are_halves(layout, p));
-    small.find_map(|p| {
-        let turns = glide::turns_after_join(topology, p.halves)?;
-        let second = p.halves[1];
-        let renumbered = |f: FaceId| FaceId::new((f.index() - usize::from(f > second)) as u32);
-        let turns: Vec<_> = turns.iter().map(|s| s.map(renumbered)).collect();
-        flips::turned_between(joined(layout, &p)?, &turns)
-    })
+    let small = pairs.filter(|p| has_pentagon(topology, p) && are_halves(layout, p));
+    let mut found = Vec::new();
+    for pair in small {
+        if let Some((turns, changed)) = glide::turns_after_join(topology, pair.halves, &taken) {
+            taken.extend(changed);
+            found.push(Join { pair, turns });
+        }
+    }
+    found
 }
 
 /// Two panels, the panels at the ends of their common edge, and that edge's ends.
@@ -74,12 +96,49 @@ fn area(layout: &Layout, f: FaceId) -> f64 {
     FlatFace::of(&layout.mesh, f).area() / (CELL * layout.face_length[f].powi(2))
 }
 
-/// The layout with the second half given to the first, whose seed stays.
-fn joined(layout: &Layout, pair: &PanelPair) -> Option<Layout> {
+/// The layout with the second halves given to the first, whose seeds stay, and with edges turned
+/// afterwards; `None` if that is no mesh.
+fn joined(layout: &Layout, joins: &[Join]) -> Option<Layout> {
     let topology = layout.mesh.topology();
+    let mut faces = topology.face_lists();
+    let mut face_point = layout.face_point.clone();
+    let mut gone = PerVertex::filled(topology.n_vertices(), false);
+    let mut given = PerFace::filled(topology.n_faces(), false);
+    for Join { pair, .. } in joins {
+        let [first, second] = pair.halves;
+        join_outlines(topology, &mut faces, pair);
+        face_point[first] = (face_point[first] + face_point[second]) * 0.5;
+        given[second] = true;
+        pair.ends.iter().for_each(|v| gone[*v] = true);
+    }
+    let vertices: Vec<VertexId> = topology.vertices().filter(|v| !gone[*v]).collect();
+    let kept: Vec<FaceId> = topology.faces().filter(|f| !given[*f]).collect();
+    let mut number = PerVertex::filled(topology.n_vertices(), 0);
+    (vertices.iter().zip(0u32..)).for_each(|(v, i)| number[*v] = i);
+    let lists = kept.iter().map(|f| {
+        let list = faces[f.index()].iter();
+        list.map(|w| number[VertexId::new(*w)]).collect()
+    });
+    let lists: Vec<Vec<u32>> = lists.collect();
+    let positions = vertices.iter().map(|v| layout.mesh.position(*v)).collect();
+    let kinds: Vec<VertexKind> = vertices.iter().map(|v| layout.vertex_kind[*v]).collect();
+    let joined = Layout {
+        mesh: HexMesh::new(positions, &lists).ok()?,
+        vertex_kind: PerVertex::from_vec(kinds),
+        face_point: of_faces(&face_point, &kept),
+        face_normal: of_faces(&layout.face_normal, &kept),
+        face_length: of_faces(&layout.face_length, &kept),
+        face_wish: of_faces(&layout.face_wish, &kept),
+        face_seed: of_faces(&layout.face_seed, &kept),
+    };
+    flips::turned_between(joined, &renumbered(joins, &kept, topology.n_faces()))
+}
+
+/// The outline of the first half goes round the second, too, and the panels at the ends of their
+/// common edge lose a corner.
+fn join_outlines(topology: &Topology, faces: &mut [Vec<u32>], pair: &PanelPair) {
     let [first, second] = pair.halves;
     let [u, v] = pair.ends;
-    let mut faces = topology.face_lists();
     let mut outline = after_edge(topology.face_vertices(first), u, v);
     outline.extend(after_edge(topology.face_vertices(second), v, u));
     faces[first.index()] = outline.iter().map(|w| w.index() as u32).collect();
@@ -87,26 +146,16 @@ fn joined(layout: &Layout, pair: &PanelPair) -> Option<Layout> {
     for f in pair.at_ends {
         faces[f.index()].retain(|w| !gone.contains(w));
     }
-    faces.remove(second.index());
-    let left = |v: &VertexId| !pair.ends.contains(v);
-    let vertices: Vec<VertexId> = topology.vertices().filter(left).collect();
-    for w in faces.iter_mut().flatten() {
-        *w -= gone.iter().filter(|g| **g < *w).count() as u32;
-    }
-    let kept: Vec<FaceId> = topology.faces().filter(|f| *f != second).collect();
-    let positions = vertices.iter().map(|v| layout.mesh.position(*v)).collect();
-    let kinds: Vec<VertexKind> = vertices.iter().map(|v| layout.vertex_kind[*v]).collect();
-    let mut face_point = layout.face_point.clone();
-    face_point[first] = (face_point[first] + face_point[second]) * 0.5;
-    Some(Layout {
-        mesh: HexMesh::new(positions, &faces).ok()?,
-        vertex_kind: PerVertex::from_vec(kinds),
-        face_point: of_faces(&face_point, &kept),
-        face_normal: of_faces(&layout.face_normal, &kept),
-        face_length: of_faces(&layout.face_length, &kept),
-        face_wish: of_faces(&layout.face_wish, &kept),
-        face_seed: of_faces(&layout.face_seed, &kept),
-    })
+}
+
+/// The turns after joins, by the numbers of the panels that are kept.
+fn renumbered(joins: &[Join], kept: &[FaceId], n_faces: usize) -> Vec<Vec<Sides>> {
+    let mut number = PerFace::filled(n_faces, FaceId::new(0));
+    (kept.iter().zip(0..)).for_each(|(f, i)| number[*f] = FaceId::new(i));
+    let turns = joins.iter().map(|j| j.turns.iter());
+    turns
+        .map(|t| t.map(|s| s.map(|f| number[f])).collect())
+        .collect()
 }
 
 fn of_faces<T: Copy>(values: &PerFace<T>, faces: &[FaceId]) -> PerFace<T> {

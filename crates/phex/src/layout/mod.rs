@@ -27,6 +27,7 @@ pub(crate) mod dual_subdivision;
 pub(crate) mod duality;
 pub(crate) mod flips;
 pub(crate) mod forecast;
+mod fronts;
 pub(crate) mod glide;
 pub(crate) mod halves;
 pub(crate) mod lattice;

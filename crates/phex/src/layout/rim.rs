@@ -25,7 +25,7 @@ const ROUNDS: usize = 4;
 pub(crate) fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
     let mut seeds = seeds.to_vec();
     let topology = fine.surface.topology();
-    let mut grown = voronoi::grow(topology, fine.mesh, &seeds, |_| true);
+    let mut grown = voronoi::grow(topology, fine.mesh, &seeds);
     if topology.vertices().all(|v| !topology.is_boundary_vertex(v)) {
         return (seeds, grown);
     }

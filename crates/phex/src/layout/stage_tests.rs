@@ -7,7 +7,7 @@ use crate::layout::dislocations::annihilate;
 use crate::layout::lattice::{Charts, Eisenstein, Plane};
 use crate::layout::seamless::{Offsets, factorised, solve_offsets};
 use crate::layout::seeds::Seed;
-use crate::layout::voronoi::{UNREACHED, grow};
+use crate::layout::voronoi::{PartCells, UNREACHED, grow};
 use crate::layout::{Layout, LayoutOptions, VertexKind, place_seeds, polish, waves};
 use phex_mesh::{FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use rand::{Rng, SeedableRng};
@@ -320,7 +320,7 @@ fn voronoi_distances_are_straight_on_a_plane() {
         .vertices()
         .min_by(|a, b| flat.at(*a).norm().total_cmp(&flat.at(*b).norm()))
         .unwrap();
-    let cells = grow(topology, mesh, &[Seed::at(centre)], |_| true);
+    let cells = grow(topology, mesh, &[Seed::at(centre)]);
     for v in topology.vertices() {
         let straight = (flat.at(v) - flat.at(centre)).norm();
         let error = cells.distance[v] - straight;
@@ -339,7 +339,7 @@ fn voronoi_labels_name_the_nearest_seed() {
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let mut vertex = || VertexId::new(random.random_range(0..topology.n_vertices() as u32));
     let sources: Vec<Seed> = (0..40).map(|_| Seed::at(vertex())).collect();
-    let cells = grow(topology, mesh, &sources, |_| true);
+    let cells = grow(topology, mesh, &sources);
     for v in topology.vertices() {
         let to = |s: &Seed| (flat.at(v) - flat.at(s.vertex)).norm();
         let nearest = sources.iter().map(to).fold(f64::INFINITY, f64::min);
@@ -347,21 +347,30 @@ fn voronoi_labels_name_the_nearest_seed() {
         // Half an edge: a front may have to walk round another one.
         assert!(named < nearest + 0.1, "{v}: {named} {nearest}");
     }
-    let again = grow(topology, mesh, &sources, |_| true);
+    let again = grow(topology, mesh, &sources);
     assert_eq!(cells.label, again.label);
     assert_eq!(cells.distance, again.distance);
 }
 
 #[test]
-fn voronoi_cells_keep_to_what_is_allowed() {
+fn cells_of_a_part_are_those_of_all_that_it_holds() {
     let flat = flat();
     let (topology, mesh) = (flat.topology(), &flat.stages.directions.intrinsic);
-    let right = |v: VertexId| flat.at(v).re > 0.0;
-    let start = topology.vertices().find(|&v| right(v)).unwrap();
-    let cells = grow(topology, mesh, &[Seed::at(start)], right);
-    for v in topology.vertices() {
-        assert_eq!(cells.label[v] != UNREACHED, right(v));
+    let all: Vec<VertexId> = topology.vertices().collect();
+    let right = |v: &VertexId| flat.at(*v).re > 0.0;
+    let part: Vec<VertexId> = all.iter().copied().filter(right).collect();
+    let seeds = [part[0], part[part.len() / 2]].map(Seed::at);
+    let mut cells = PartCells::new(topology, mesh);
+    let grown = cells.grow(&seeds, &part);
+    assert_eq!(grown[0], (0, 0.0));
+    assert!(grown.iter().all(|(label, _)| *label != UNREACHED));
+    // What was grown before leaves nothing behind.
+    let whole = grow(topology, mesh, &seeds);
+    let again = cells.grow(&seeds, &all);
+    for (v, (label, distance)) in all.iter().zip(again) {
+        assert_eq!((label, distance), (whole.label[*v], whole.distance[*v]));
     }
+    assert_eq!(cells.grow(&seeds, &part), grown);
 }
 
 /// Interior vertices of degree 3, boundary vertices of at most two panels, every vertex of the

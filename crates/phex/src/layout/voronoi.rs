@@ -43,22 +43,70 @@ impl Front {
     }
 }
 
-/// Grows cells over the vertices that `allowed` admits.
-pub(crate) fn grow(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    seeds: &[Seed],
-    allowed: impl Fn(VertexId) -> bool,
-) -> Cells {
+/// Grows cells over all vertices.
+pub(crate) fn grow(topology: &Topology, mesh: &IntrinsicMesh, seeds: &[Seed]) -> Cells {
+    let (mut cells, mut settled) = nothing_grown(topology);
+    spread(
+        topology,
+        mesh,
+        seeds.iter().enumerate(),
+        &mut cells,
+        &mut settled,
+    );
+    cells
+}
+
+fn nothing_grown(topology: &Topology) -> (Cells, PerVertex<bool>) {
     let n = topology.n_vertices();
-    let mut cells = Cells {
+    let cells = Cells {
         label: PerVertex::filled(n, UNREACHED),
         distance: PerVertex::filled(n, f64::INFINITY),
     };
-    let mut settled = PerVertex::filled(n, false);
-    let all = seeds.iter().enumerate();
-    spread(topology, mesh, all, allowed, &mut cells, &mut settled);
-    cells
+    (cells, PerVertex::filled(n, false))
+}
+
+/// Cells in small parts of a surface, one part after the other: each costs what its size is.
+pub(super) struct PartCells<'a> {
+    topology: &'a Topology,
+    mesh: &'a IntrinsicMesh,
+    cells: Cells,
+    /// What lies outside the part is settled, and nobody's.
+    settled: PerVertex<bool>,
+}
+
+impl<'a> PartCells<'a> {
+    pub fn new(topology: &'a Topology, mesh: &'a IntrinsicMesh) -> Self {
+        let (cells, settled) = nothing_grown(topology);
+        Self {
+            topology,
+            mesh,
+            cells,
+            settled: settled.map(|_| true),
+        }
+    }
+
+    /// Number of the nearest of some seeds and the distance to it, of the vertices of a part.
+    pub fn grow(&mut self, seeds: &[Seed], part: &[VertexId]) -> Vec<(u32, f64)> {
+        part.iter().for_each(|v| self.settled[*v] = false);
+        let all = seeds.iter().enumerate();
+        spread(
+            self.topology,
+            self.mesh,
+            all,
+            &mut self.cells,
+            &mut self.settled,
+        );
+        let (cells, settled) = (&mut self.cells, &mut self.settled);
+        let found = part.iter().map(|v| {
+            settled[*v] = true;
+            let label = std::mem::replace(&mut cells.label[*v], UNREACHED);
+            (
+                label,
+                std::mem::replace(&mut cells.distance[*v], f64::INFINITY),
+            )
+        });
+        found.collect()
+    }
 }
 
 /// Grows the cells of `labels` again, and those round them up to the second neighbours: what is
@@ -92,7 +140,7 @@ pub(crate) fn regrow(
     let opened = number.iter().zip(&open).filter(|(_, o)| **o);
     let opened = opened.filter_map(|(n, _)| *n);
     let opened = opened.map(|n| (n as usize, &seeds[n as usize]));
-    spread(topology, mesh, opened, |_| true, &mut cells, &mut settled);
+    spread(topology, mesh, opened, &mut cells, &mut settled);
     cells
 }
 
@@ -114,7 +162,6 @@ fn spread<'a>(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     seeds: impl Iterator<Item = (usize, &'a Seed)>,
-    allowed: impl Fn(VertexId) -> bool,
     cells: &mut Cells,
     settled: &mut PerVertex<bool>,
 ) {
@@ -139,7 +186,7 @@ fn spread<'a>(
             // of the third corner.
             let (a, b) = (topology.target(h), topology.origin(topology.prev(h)));
             for (to, third) in [(a, b), (b, a)] {
-                if settled[to] || !allowed(to) {
+                if settled[to] {
                     continue;
                 }
                 let distance = reach(topology, mesh, cells, settled, h, v, to, third);

@@ -259,16 +259,8 @@ impl Ground {
 
 /// A surface with its points mapped by a similarity.
 pub(crate) fn moved(surface: &TriangleSurface, f: impl Fn(Vec3) -> Vec3) -> TriangleSurface {
-    let positions = surface.positions().map(|p| f(*p)).into_vec();
-    let triangles: Vec<[u32; 3]> = surface
-        .topology()
-        .face_lists()
-        .into_iter()
-        .map(|f| [f[0], f[1], f[2]])
-        .collect();
-    TriangleSurface::new(positions, &triangles)
-        .expect("a similarity keeps a manifold a manifold")
-        .with_normals(surface.normals().clone())
+    let normals = surface.normals().clone();
+    surface.mapped(|p| f(*p)).with_normals(normals)
 }
 
 /// The input with fewer vertices, where it has many more than are `needed`.

@@ -4,7 +4,7 @@
 use crate::curvature::{self, CurvatureOptions};
 use crate::quality::Check;
 use nalgebra::Matrix3;
-use phex_mesh::{FaceId, HexMesh, SurfacePoint, TriangleSurface, Vec3};
+use phex_mesh::{FaceId, HexMesh, IdMap, SurfacePoint, TriangleSurface, Vec3, VertexId};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -37,15 +37,20 @@ impl FeatureSizes {
     pub fn new(mesh: &HexMesh, surface: &TriangleSurface) -> Self {
         let topology = mesh.topology();
         let side = (surface.area() / topology.n_faces() as f64).sqrt();
-        let curvature = curvature::curvature(surface, SCALE * side, &CurvatureOptions::default());
         let mut points = mesh.positions.as_slice().to_vec();
         points.extend(topology.faces().map(|f| mesh.centre(f)));
+        let feet = surface.closest_points(&points);
+        let corners = |p: &SurfacePoint| surface.topology().face_vertices(p.triangle);
+        let near: BTreeSet<VertexId> = feet.iter().flat_map(corners).copied().collect();
+        let near: Vec<VertexId> = near.into_iter().collect();
+        let options = CurvatureOptions::default();
+        let tensors = curvature::tensors_at(surface, &near, SCALE * side, &options);
+        let tensors: IdMap<VertexId, Matrix3<f64>> = near.into_iter().zip(tensors).collect();
         let tensor = |p: &SurfacePoint| -> (Vec3, Matrix3<f64>) {
-            let corners = surface.topology().face_vertices(p.triangle).iter();
-            let parts = corners.zip(p.barycentric);
-            (p.normal, parts.map(|(&v, b)| curvature.tensor[v] * b).sum())
+            let parts = corners(p).iter().zip(p.barycentric);
+            (p.normal, parts.map(|(v, b)| tensors[v] * b).sum())
         };
-        let bend: Vec<_> = surface.closest_points(&points).iter().map(tensor).collect();
+        let bend: Vec<_> = feet.iter().map(tensor).collect();
         let turn = |f: FaceId| {
             let corners = topology.face_vertices(f).iter().map(|v| v.index());
             let there = corners.chain([topology.n_vertices() + f.index()]);

@@ -5,7 +5,7 @@
 //! grid. How the file numbers its vertices still matters: sums run in their order, and where two
 //! layouts are equally good it decides between them.
 
-use super::{Similarity, triangles};
+use super::Similarity;
 use phex_mesh::{TriangleSurface, Vec3};
 
 /// Steps of the grid in a diagonal. Rounding errors of coordinates are 1e-16 of the diagonal, a
@@ -26,11 +26,8 @@ impl Normalised {
     /// Brings a surface to diagonal 1, its box centre to the origin, and its vertices to the grid.
     pub fn of(surface: &TriangleSurface) -> Self {
         let similarity = Similarity::normalising(surface);
-        let place = |p: &Vec3| on_grid(similarity.normalise(*p));
-        let positions = surface.positions().iter().map(place).collect();
         Self {
-            surface: TriangleSurface::new(positions, &triangles(surface))
-                .expect("a similarity keeps a manifold a manifold"),
+            surface: surface.mapped(|p| on_grid(similarity.normalise(*p))),
             similarity,
         }
     }
