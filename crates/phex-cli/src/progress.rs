@@ -80,7 +80,7 @@ impl Reporter {
             talk.progress == ProgressMode::Auto && !talk.quiet && std::io::stderr().is_terminal();
         Self {
             bar: wants_bar.then(bar),
-            whole: Mutex::new(WholeRun::new()),
+            whole: Mutex::new(WholeRun::default()),
             until: None,
             json,
             verbose: talk.verbose,

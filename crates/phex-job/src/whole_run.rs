@@ -59,9 +59,9 @@ pub struct WholeRun {
     told_at: Instant,
 }
 
-impl WholeRun {
+impl Default for WholeRun {
     /// A run that begins now.
-    pub fn new() -> Self {
+    fn default() -> Self {
         let start = Instant::now();
         Self {
             start,
@@ -72,7 +72,9 @@ impl WholeRun {
             told_at: start,
         }
     }
+}
 
+impl WholeRun {
     /// Takes an event; tells how far the run is if that is news. `most` is the time that is left at
     /// the most.
     pub fn take(&mut self, event: &Event, most: Option<Duration>) -> Option<WholeProgress> {
@@ -123,7 +125,7 @@ mod tests {
     /// Rounds over rounds, with iterations that repeat one number.
     #[test]
     fn a_run_s_progress_never_goes_back_and_ends_at_one() {
-        let mut run = WholeRun::new();
+        let mut run = WholeRun::default();
         let mut last = 0.0;
         let mut hear = |event: &Event| {
             if let Some(told) = run.take(event, Some(Duration::from_secs(7))) {

@@ -55,7 +55,7 @@ impl Shared {
 impl Progress for Shared {
     fn report(&self, event: &Event) {
         let mut news = self.news();
-        let whole = news.whole.get_or_insert_with(WholeRun::new);
+        let whole = news.whole.get_or_insert_with(WholeRun::default);
         let told = whole.take(event, None);
         let told = told.and_then(|w| serde_json::to_string(&w).ok());
         let event = serde_json::to_string(event).ok();
@@ -130,7 +130,6 @@ impl Computation {
 /// Begins a computation.
 #[pyfunction]
 #[pyo3(signature = (what, request, meshes, sizes=None, kept=None, threads=None, preview=false))]
-#[expect(clippy::too_many_arguments)]
 pub fn start(
     what: &str,
     request: &str,
