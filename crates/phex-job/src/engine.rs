@@ -1,5 +1,5 @@
-//! The library's computations as jobs use them: their errors say whose fault they are, their results
-//! have one form.
+//! The library's computations as jobs use them: their errors say whose fault they are, their
+//! results have one form.
 
 use crate::error::{JobError, chain};
 use phex::directions::Cone;

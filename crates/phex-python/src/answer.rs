@@ -11,7 +11,7 @@ use pyo3::types::{PyBytes, PyDict, PyList};
 use serde::Serialize;
 
 /// A part of an answer.
-pub enum Content {
+pub enum AnswerPart {
     /// Arrays `(vertices, corners, offsets)`, or nothing.
     Mesh(Option<PolygonSoup>),
     /// Several of these.
@@ -31,15 +31,15 @@ pub enum Content {
 }
 
 /// A named list of parts.
-pub type Answer = Vec<(&'static str, Content)>;
+pub type Answer = Vec<(&'static str, AnswerPart)>;
 
 /// A value as JSON.
 ///
 /// # Errors
 /// If it has none, which is a bug.
-pub fn json(value: &impl Serialize) -> Result<Content, JobError> {
+pub fn json(value: &impl Serialize) -> Result<AnswerPart, JobError> {
     let text = serde_json::to_string(value).map_err(|e| JobError::Internal(e.to_string()))?;
-    Ok(Content::Text(text))
+    Ok(AnswerPart::Text(text))
 }
 
 /// The parts as a dictionary.
@@ -54,25 +54,25 @@ pub fn into_dict(py: Python<'_>, answer: Answer) -> PyResult<Py<PyDict>> {
     Ok(dict.unbind())
 }
 
-fn object(py: Python<'_>, content: Content) -> PyResult<Py<PyAny>> {
+fn object(py: Python<'_>, content: AnswerPart) -> PyResult<Py<PyAny>> {
     match content {
-        Content::Mesh(None) => Ok(py.None()),
-        Content::Mesh(Some(soup)) => arrays::arrays(py, &soup)?.into_py_any(py),
-        Content::Meshes(soups) => {
+        AnswerPart::Mesh(None) => Ok(py.None()),
+        AnswerPart::Mesh(Some(soup)) => arrays::arrays(py, &soup)?.into_py_any(py),
+        AnswerPart::Meshes(soups) => {
             let all: PyResult<Vec<_>> = soups.iter().map(|s| arrays::arrays(py, s)).collect();
             all?.into_py_any(py)
         }
-        Content::Text(text) => text.into_py_any(py),
-        Content::Numbers(numbers) => PyArray1::from_vec(py, numbers).into_py_any(py),
-        Content::Bytes(bytes) => PyBytes::new(py, &bytes).into_py_any(py),
-        Content::Files(files) => {
+        AnswerPart::Text(text) => text.into_py_any(py),
+        AnswerPart::Numbers(numbers) => PyArray1::from_vec(py, numbers).into_py_any(py),
+        AnswerPart::Bytes(bytes) => PyBytes::new(py, &bytes).into_py_any(py),
+        AnswerPart::Files(files) => {
             let files = files.iter().map(|(name, b)| (name, PyBytes::new(py, b)));
             PyList::new(py, files.collect::<Vec<_>>())?.into_py_any(py)
         }
-        Content::Curves(curves) => {
+        AnswerPart::Curves(curves) => {
             let all: PyResult<Vec<_>> = curves.iter().map(|c| arrays::points(py, c)).collect();
             all?.into_py_any(py)
         }
-        Content::Kept(kept) => (*kept).into_py_any(py),
+        AnswerPart::Kept(kept) => (*kept).into_py_any(py),
     }
 }

@@ -12,7 +12,7 @@ const MOST_CORNERS: usize = 1 << 30;
 
 /// A mesh from Python: its name, the checksum of its file or nothing, vertices (n, 3), the numbers
 /// of all faces' corners, and where each face begins in them, with the end.
-pub type Given<'py> = (
+pub type GivenArrays<'py> = (
     String,
     String,
     PyReadonlyArray2<'py, f64>,
@@ -30,7 +30,7 @@ pub type Arrays<'py> = (
 ///
 /// # Errors
 /// If the arrays do not fit one another.
-pub fn mesh_file(given: &Given<'_>) -> Result<MeshFile, JobError> {
+pub fn mesh_file(given: &GivenArrays<'_>) -> Result<MeshFile, JobError> {
     let (name, sha256, vertices, corners, offsets) = given;
     let soup = soup(vertices, corners, offsets)
         .map_err(|cause| JobError::Input(format!("{name}: {cause}")))?;

@@ -5,8 +5,9 @@
 //! not have to.
 
 use crate::answer::{Answer, into_dict};
-use crate::arrays::{self, Arrays, Given};
-use crate::requests::{Inputs, Work, work};
+use crate::arrays::{self, Arrays, GivenArrays};
+use crate::inputs::Inputs;
+use crate::requests::{Work, work};
 use numpy::PyReadonlyArray1;
 use phex::{Event, Progress};
 use phex_job::{JobError, WholeRun, thread_count};
@@ -133,7 +134,7 @@ impl Computation {
 pub fn start(
     what: &str,
     request: &str,
-    meshes: Vec<Given<'_>>,
+    meshes: Vec<GivenArrays<'_>>,
     sizes: Option<PyReadonlyArray1<'_, f64>>,
     kept: Option<Py<crate::kept::Kept>>,
     threads: Option<u16>,

@@ -1,8 +1,8 @@
 //! Requests whose answer is a mesh that is judged.
 
-use crate::answer::{Answer, Content, json};
+use crate::answer::{Answer, AnswerPart, json};
+use crate::inputs::Inputs;
 use crate::kept::{Kept, KeptResult};
-use crate::requests::Inputs;
 use phex::Progress;
 use phex::koebe::{BoundaryCondition, KoebeOptions, koebe};
 use phex::offset::{FitOptions, FitStart, fit_parallel};
@@ -132,11 +132,11 @@ fn answer(result: KeptResult) -> Result<Answer, JobError> {
     let verdict = json(&result.report.verdict)?;
     let smooth = result.smooth.as_ref().map(soup_of);
     Ok(vec![
-        ("mesh", Content::Mesh(Some(result.mesh.to_soup()))),
-        ("target", Content::Mesh(smooth)),
-        ("report", Content::Text(report)),
+        ("mesh", AnswerPart::Mesh(Some(result.mesh.to_soup()))),
+        ("target", AnswerPart::Mesh(smooth)),
+        ("report", AnswerPart::Text(report)),
         ("verdict", verdict),
-        ("kept", Content::Kept(Box::new(Kept::new(result)))),
+        ("kept", AnswerPart::Kept(Box::new(Kept::new(result)))),
     ])
 }
 

@@ -11,6 +11,7 @@
 mod answer;
 mod arrays;
 mod computation;
+mod inputs;
 mod judged;
 mod kept;
 mod offsets;

@@ -1,8 +1,8 @@
 //! Requests for layers and for curve networks.
 
-use crate::answer::{Answer, Content};
+use crate::answer::{Answer, AnswerPart};
+use crate::inputs::Inputs;
 use crate::judged::stopped;
-use crate::requests::Inputs;
 use phex::directions::{Curve, NetworkFamily};
 use phex::offset::{
     GaussImage, OffsetKind, OffsetOptions, SafeDistances, edge_gauss_image, face_gauss_image,
@@ -57,15 +57,15 @@ pub fn offset(
         })?;
         layers.push(moved.to_soup());
     }
-    let mut answer = vec![("layers", Content::Meshes(layers))];
+    let mut answer = vec![("layers", AnswerPart::Meshes(layers))];
     if request.max_distance {
         let safe = safe_distances(&mesh, &image, &options);
         let ends = vec![-safe.inward.distance, safe.outward.distance];
-        answer.push(("max_distance", Content::Numbers(ends)));
+        answer.push(("max_distance", AnswerPart::Numbers(ends)));
     }
     if request.gauss_image {
         let touching = mesh.with_positions(image.positions.clone()).to_soup();
-        answer.push(("gauss_image", Content::Mesh(Some(touching))));
+        answer.push(("gauss_image", AnswerPart::Mesh(Some(touching))));
     }
     Ok(answer)
 }
@@ -128,7 +128,7 @@ pub fn lengths(
 ) -> Result<Answer, JobError> {
     let size = diagonal(&inputs.panels()?);
     let lengths = request.lengths.iter().map(|q| q.length(request.unit, size));
-    Ok(vec![("lengths", Content::Numbers(lengths.collect()))])
+    Ok(vec![("lengths", AnswerPart::Numbers(lengths.collect()))])
 }
 
 /// Options of `phex.network`.
@@ -163,11 +163,14 @@ pub fn network(
         let first = curve.points.first().filter(|_| curve.closed);
         curve.points.iter().chain(first).copied().collect()
     };
-    let family = |curves: &[Curve]| Content::Curves(curves.iter().map(points).collect());
+    let family = |curves: &[Curve]| AnswerPart::Curves(curves.iter().map(points).collect());
     let figures = found.conjugacy.map(|c| vec![c.median, c.p95, c.worst]);
     Ok(vec![
         ("rows", family(&found.rows)),
         ("columns", family(&found.columns)),
-        ("conjugacy", Content::Numbers(figures.unwrap_or_default())),
+        (
+            "conjugacy",
+            AnswerPart::Numbers(figures.unwrap_or_default()),
+        ),
     ])
 }

@@ -1,7 +1,7 @@
 //! Requests for what shows a mesh: values by panel, pictures, pages, triangles.
 
-use crate::answer::{Answer, Content};
-use crate::requests::Inputs;
+use crate::answer::{Answer, AnswerPart};
+use crate::inputs::Inputs;
 use phex::Progress;
 use phex::quality::References;
 use phex_fab::PanelIds;
@@ -39,7 +39,7 @@ pub fn values(
         }
         name => colours(named(name)?, &mesh, facets.as_ref())?.values,
     };
-    Ok(vec![("values", Content::Numbers(values))])
+    Ok(vec![("values", AnswerPart::Numbers(values))])
 }
 
 fn named(name: &str) -> Result<Map, JobError> {
@@ -100,7 +100,7 @@ pub fn picture(
         true => draw_svg(&mesh, &map, &request.options).into_bytes(),
         false => draw_map(&mesh, &map, &request.options).to_png(),
     };
-    Ok(vec![("picture", Content::Bytes(bytes))])
+    Ok(vec![("picture", AnswerPart::Bytes(bytes))])
 }
 
 /// What a page says of itself.
@@ -146,7 +146,7 @@ pub fn html(
     };
     let html = page(&report, Viewer::embedded());
     let html = html.map_err(|e| JobError::Internal(e.to_string()))?;
-    Ok(vec![("page", Content::Text(html))])
+    Ok(vec![("page", AnswerPart::Text(html))])
 }
 
 /// No options.
@@ -177,7 +177,7 @@ pub fn ears(_: EarsRequest, inputs: Inputs, _: &dyn Progress) -> Result<Answer, 
         faces: triangles,
     };
     Ok(vec![
-        ("mesh", Content::Mesh(Some(soup))),
-        ("face", Content::Numbers(face_of)),
+        ("mesh", AnswerPart::Mesh(Some(soup))),
+        ("face", AnswerPart::Numbers(face_of)),
     ])
 }

@@ -1,54 +1,16 @@
 //! What can be asked for: each kind has a struct of options, read from JSON, and a function.
 
-use crate::answer::{Answer, Content, json};
-use crate::kept::Kept;
+use crate::answer::{Answer, AnswerPart, json};
+use crate::inputs::Inputs;
 use crate::{judged, offsets, pictures, workshop};
 use phex::Progress;
 use phex_job::{JobError, MeshFile, chain};
 use phex_mesh::io::write_soup;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate_with_parameters};
-use phex_mesh::{HexMesh, TriangleSurface};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-
-/// What a request comes with.
-pub struct Inputs {
-    /// Meshes, in the order that the request knows.
-    pub files: Vec<MeshFile>,
-    /// A number for each vertex or face.
-    pub sizes: Option<Vec<f64>>,
-    /// An earlier result.
-    pub kept: Option<Kept>,
-}
-
-impl Inputs {
-    /// The first mesh.
-    ///
-    /// # Errors
-    /// If there is none.
-    pub fn first(&self) -> Result<&MeshFile, JobError> {
-        let none = || JobError::Input("a mesh is needed".to_owned());
-        self.files.first().ok_or_else(none)
-    }
-
-    /// The first mesh as panels.
-    ///
-    /// # Errors
-    /// If it is none, or no manifold.
-    pub fn panels(&self) -> Result<HexMesh, JobError> {
-        Ok(self.first()?.polygon_mesh()?.0)
-    }
-
-    /// The second mesh as a surface, where there is one.
-    ///
-    /// # Errors
-    /// If it is no surface.
-    pub fn surface(&self) -> Result<Option<TriangleSurface>, JobError> {
-        self.files.get(1).map(MeshFile::surface).transpose()
-    }
-}
 
 /// A computation that is ready to run.
 pub type Work = Box<dyn FnOnce(&dyn Progress) -> Result<Answer, JobError> + Send>;
@@ -110,8 +72,8 @@ struct Place {
 fn read(place: Place, _: Inputs, _: &dyn Progress) -> Result<Answer, JobError> {
     let file = MeshFile::read(&place.path)?;
     Ok(vec![
-        ("sha256", Content::Text(file.record.sha256)),
-        ("mesh", Content::Mesh(Some(file.soup))),
+        ("sha256", AnswerPart::Text(file.record.sha256)),
+        ("mesh", AnswerPart::Mesh(Some(file.soup))),
     ])
 }
 
@@ -146,5 +108,5 @@ fn shape(request: ShapeRequest, _: Inputs, _: &dyn Progress) -> Result<Answer, J
     let parameters: Vec<(&str, f64)> = parameters.map(|(name, x)| (name.as_str(), *x)).collect();
     let shape = Shape::from_name(&request.name, &parameters).map_err(unusable)?;
     let made = triangulate_with_parameters(&shape, &request.options).map_err(unusable)?;
-    Ok(vec![("mesh", Content::Mesh(Some(made.to_soup())))])
+    Ok(vec![("mesh", AnswerPart::Mesh(Some(made.to_soup())))])
 }

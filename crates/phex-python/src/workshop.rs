@@ -1,7 +1,7 @@
 //! The request for the workshop's files.
 
-use crate::answer::{Answer, Content};
-use crate::requests::Inputs;
+use crate::answer::{Answer, AnswerPart};
+use crate::inputs::Inputs;
 use phex::Progress;
 use phex_fab::folder::{files, summary};
 use phex_fab::{FabError, FabOptions, PanelIds, Rotations, Side, fabricate, valid_mesh};
@@ -72,8 +72,8 @@ pub fn fabricated(
     let valid = valid_mesh(mesh, &ids, &options.validity).map_err(failure)?;
     let made = fabricate(valid, ids, options, progress).map_err(failure)?;
     Ok(vec![
-        ("summary", Content::Text(summary(&made).to_string())),
-        ("files", Content::Files(files(&made).map_err(failure)?)),
+        ("summary", AnswerPart::Text(summary(&made).to_string())),
+        ("files", AnswerPart::Files(files(&made).map_err(failure)?)),
     ])
 }
 
