@@ -30,6 +30,8 @@ KINDS = {
     "SURFACE": {"path"},
     "MESH": {"path", "mesh"},
     "HOW": {"choice"},
+    "LEVEL": {"choice"},
+    "STAGE": {"choice"},
     "KIND": {"choice"},
     "METHOD": {"choice"},
     "MODE": {"choice"},

@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import numpy as np
 
 from . import _phex
+from ._arrays import shown
 from ._errors import Cancelled, InputError, NoValidResult
 
 Event = Dict[str, Any]
@@ -181,13 +182,15 @@ def listener(progress: Any, quiet: bool, verbose: bool) -> Optional[Listener]:
     """What hears the events: a callback, a bar, lines of JSON, or nothing."""
     if callable(progress):
         return progress  # type: ignore[no-any-return]
-    if progress is False or progress == "none" or (progress == "auto" and quiet):
-        return None
-    if progress == "json":
+    mode = {True: "bar", False: "none"}[progress] if isinstance(progress, bool) else progress
+    if not isinstance(mode, str) or mode not in ("auto", "none", "json", "bar"):
+        told = "'auto', 'none', 'json', a bool or a function"
+        raise InputError(f"progress: {shown(progress)} is not {told}")
+    if mode == "json":
         return lambda event: print(json.dumps(event), file=sys.stderr, flush=True)
-    if progress is True or progress == "auto":
-        return Bar(verbose) if progress is True or _is_watched() else None
-    raise InputError(f"progress: {progress!r} is not 'auto', 'none', 'json', a bool or a function")
+    if mode == "bar" or (mode == "auto" and not quiet and _is_watched()):
+        return Bar(verbose)
+    return None
 
 
 def _is_watched() -> bool:

@@ -5,6 +5,8 @@ from typing import Any, Optional, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["Computation", "start", "Kept", "__version__"]
+
 __version__: str
 
 _Arrays = tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.int64]]
