@@ -88,7 +88,7 @@ fn copied(from: &Path, to: &Path) -> Result<(), String> {
 
 /// Makes a wheel in `target/wheels`; on Linux only the last link step is zig's, for old systems.
 pub fn wheel(root: &Path) -> Result<(), Stop> {
-    let python = foreign::environment(root, &[foreign::REQUIREMENTS, TESTED_WITH])?;
+    let python = foreign::environment(root, &[])?;
     let mut install = Command::new(&python);
     install.args([
         "-m",
