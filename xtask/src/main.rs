@@ -6,7 +6,9 @@ mod comments;
 mod figures;
 mod foreign;
 mod ledger;
+mod measured;
 mod paths;
+mod performance;
 mod python;
 mod stages;
 mod types;
@@ -16,8 +18,8 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | foreign | python | wheel | viewer | browse
-                        | figures [NUMBER...] | obj STEP...
+const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] | foreign | python | wheel
+                        | viewer | browse | figures [NUMBER...] | obj STEP...
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
@@ -29,6 +31,7 @@ browse  opens HTML reports in headless Chromium and clicks through them (needs n
 ledger  makes the rows of docs/ledger.md (surfaces at set sizes) and says what is better and worse than the committed ones;
         with --compare the file stays; with rows' names the others stay; --quick: the rows of check; --program PATH: another phex;
         --models FOLDER: models that are not in the repository (default ../shared/models)
+performance measures what runs cost, and writes docs/performance.md
 figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces; with numbers only those
 obj     cuts and joins OBJ files, as the gallery's commands need it";
 
@@ -145,6 +148,9 @@ fn main() -> ExitCode {
         ["ledger-reference"] => {
             println!("{}", ledger::reference());
             ExitCode::SUCCESS
+        }
+        ["performance", ref words @ ..] => {
+            exit(performance::performance(&root(), words).map_err(Stop::from))
         }
         ["obj", ref step @ ..] => exit(figures::steps::run(&root(), step).map_err(Stop::from)),
         ["figures", ref only @ ..] => exit(figures::figures(&root(), only).map_err(Stop::from)),
