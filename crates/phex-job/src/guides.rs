@@ -31,6 +31,7 @@ pub struct GuideSettings {
     pub cones: Option<PathBuf>,
 }
 
+#[cfg(feature = "clap")]
 fn angle(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x > 0.0 && x < 180.0 => Ok(x),

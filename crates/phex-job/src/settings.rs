@@ -3,7 +3,7 @@
 use crate::error::JobError;
 use crate::guides::GuideSettings;
 use crate::input::read_text;
-use crate::steering::{SteeringSettings, positive};
+use crate::steering::SteeringSettings;
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
 use phex::MeshOptions;
@@ -47,7 +47,7 @@ pub struct MeshSettings {
     pub quadric: Option<[f64; 10]>,
     /// Hold back vertices where tangent planes meet badly (0.05 to 0.5), and leave planarity to the
     /// optimiser; for `tangent-planes`
-    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = positive))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = crate::steering::positive))]
     pub regularise: Option<f64>,
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
     #[cfg_attr(
@@ -57,7 +57,7 @@ pub struct MeshSettings {
     pub rotate: Option<f64>,
     /// Smaller panels where the surface is strongly curved (panel length times curvature stays
     /// below this, 0.4 without a number) or has two sheets near each other
-    #[cfg_attr(feature = "clap", arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = positive))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "C", num_args = 0..=1, default_missing_value = "0.4", value_parser = crate::steering::positive))]
     pub adaptive: Option<f64>,
     /// Lengths of the panels' edges from a text file: a number on each line for each vertex of the
     /// input, in its order; with --panels or --edge-length only their ratios count
@@ -115,7 +115,7 @@ pub enum LayoutMethod {
     /// A hexagonal lattice, on any surface
     Lattice,
     /// As `lattice` with `--effort best`
-    #[value(hide = true)]
+    #[cfg_attr(feature = "clap", value(hide = true))]
     Best,
     /// A brick wall on the lines of curvature, where the surface has a network of them without
     /// singular points

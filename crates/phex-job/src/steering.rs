@@ -141,6 +141,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+#[cfg(feature = "clap")]
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
