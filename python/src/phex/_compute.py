@@ -180,6 +180,9 @@ class Future:
 
 def listener(progress: Any, quiet: bool, verbose: bool) -> Optional[Listener]:
     """What hears the events: a callback, a bar, lines of JSON, or nothing."""
+    for name, value in (("quiet", quiet), ("verbose", verbose)):
+        if not isinstance(value, (bool, np.bool_)):
+            raise InputError(f"{name}: {shown(value)} is not True or False")
     if callable(progress):
         return progress  # type: ignore[no-any-return]
     mode = {True: "bar", False: "none"}[progress] if isinstance(progress, bool) else progress
