@@ -3,19 +3,32 @@
 use std::path::Path;
 
 /// Each crate with the crates of the workspace that it may depend on.
-const ARROWS: [(&str, &[&str]); 7] = [
+const ARROWS: [(&str, &[&str]); 9] = [
     ("phex-mesh", &[]),
     ("phex-numeric", &[]),
     ("phex", &["phex-mesh", "phex-numeric"]),
     ("phex-picture", &["phex-mesh", "phex"]),
     ("phex-html", &["phex-mesh", "phex", "phex-picture"]),
     ("phex-fab", &["phex-mesh", "phex", "phex-picture"]),
+    ("phex-job", &["phex-mesh", "phex-numeric", "phex"]),
+    (
+        "phex-python",
+        &[
+            "phex-mesh",
+            "phex",
+            "phex-job",
+            "phex-picture",
+            "phex-html",
+            "phex-fab",
+        ],
+    ),
     (
         "phex-cli",
         &[
             "phex-mesh",
             "phex-numeric",
             "phex",
+            "phex-job",
             "phex-picture",
             "phex-html",
             "phex-fab",

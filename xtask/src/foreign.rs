@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TEST: &str = "crates/phex-fab/tests/foreign";
+/// The packages that open the program's files.
+pub const REQUIREMENTS: &str = "crates/phex-fab/tests/foreign/requirements.txt";
 
 /// Makes the environment where it is missing or out of date, makes a mesh, and runs the test.
 pub fn check(root: &Path) -> Result<(), Stop> {
-    let python = environment(root)?;
+    let python = environment(root, &[REQUIREMENTS])?;
     let phex = program_as_tested(root)?;
     let folder = root.join("target/foreign");
     if folder.exists() {
@@ -34,17 +36,17 @@ pub fn check(root: &Path) -> Result<(), Stop> {
     )?)
 }
 
-/// The Python of an environment with the packages, which is made where it is missing or out of
-/// date.
-fn environment(root: &Path) -> Result<PathBuf, Stop> {
+/// The Python of an environment with the packages that some lists name, which is made where it is
+/// missing or out of date. Packages are added for a list that was not asked for before.
+pub fn environment(root: &Path, lists: &[&str]) -> Result<PathBuf, Stop> {
     let system = viewer::program("python3")
         .ok_or_else(|| Stop::skipped("Python is not installed, whose packages open the files"))?;
     let venv = root.join("target/foreign-venv");
     let python = venv.join("bin/python");
-    let requirements = root.join(TEST).join("requirements.txt");
-    let wanted = crate::read(&requirements)?;
     let stamp = venv.join("requirements.txt");
-    if std::fs::read_to_string(&stamp).ok().as_ref() == Some(&wanted) {
+    let wanted: Result<String, String> = lists.iter().map(|l| crate::read(&root.join(l))).collect();
+    let wanted = wanted?;
+    if std::fs::read_to_string(&stamp).is_ok_and(|there| there.starts_with(&wanted)) {
         return Ok(python);
     }
     // Without the module venv, or without a network, these are not to be had here.
@@ -55,7 +57,10 @@ fn environment(root: &Path) -> Result<PathBuf, Stop> {
     let mut install = Command::new(&python);
     let quietly = ["--quiet", "--disable-pip-version-check"];
     install.args(["-m", "pip", "install"]).args(quietly);
-    crate::succeed(install.arg("-r").arg(&requirements)).map_err(skipped)?;
+    for list in lists {
+        install.arg("-r").arg(root.join(list));
+    }
+    crate::succeed(&mut install).map_err(skipped)?;
     std::fs::write(&stamp, &wanted).map_err(|e| format!("{}: {e}", stamp.display()))?;
     Ok(python)
 }

@@ -9,6 +9,7 @@ mod ledger;
 mod measured;
 mod paths;
 mod performance;
+mod python;
 mod stages;
 mod types;
 mod viewer;
@@ -17,12 +18,14 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] | foreign | viewer | browse | figures [NUMBER...]
-                        | obj STEP...
+const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] | foreign | python | wheel
+                        | viewer | browse | figures [NUMBER...] | obj STEP...
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
 foreign opens the files of the program with other programs (needs Python and pip)
+python  builds the Python package and tests it (needs Python and pip)
+wheel   packs it for other machines, in target/wheels (needs Python and pip)
 viewer  builds the interactive part of the HTML report (needs npm)
 browse  opens HTML reports in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)
 ledger  makes the rows of docs/ledger.md (surfaces at set sizes) and says what is better and worse than the committed ones;
@@ -59,7 +62,7 @@ impl From<String> for Stop {
     }
 }
 
-const CHECK: [Step; 15] = [
+const CHECK: [Step; 16] = [
     Step {
         name: "formatting",
         run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
@@ -123,12 +126,12 @@ const CHECK: [Step; 15] = [
         run: viewer::browse,
     },
     Step {
-        name: "examples build",
-        // As for the tests: packages that are built with other features are compiled again.
-        run: |root| {
-            let what = ["test", "--workspace", "--examples", "--no-run"];
-            Ok(cargo(root, &what)?)
-        },
+        name: "everything builds",
+        run: |root| Ok(python::built(root)?),
+    },
+    Step {
+        name: "the Python package",
+        run: python::check,
     },
 ];
 
@@ -137,6 +140,8 @@ fn main() -> ExitCode {
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["check"] => check(&root()),
         ["foreign"] => exit(foreign::check(&root())),
+        ["python"] => exit(python::check(&root())),
+        ["wheel"] => exit(python::wheel(&root())),
         ["viewer"] => exit(viewer::build(&root())),
         ["browse"] => exit(viewer::browse(&root())),
         ["ledger", ref words @ ..] => exit(ledger::ledger(&root(), words).map_err(Stop::from)),
@@ -205,10 +210,14 @@ fn passed(skipped: &[&str]) -> String {
 /// features, and half the tree would be compiled again.
 fn program_as_tested(root: &Path) -> Result<PathBuf, String> {
     cargo(root, &["test", "--workspace", "--no-run", "--quiet"])?;
-    let target = std::env::var_os("CARGO_TARGET_DIR");
-    let target = target.map_or_else(|| root.join("target"), PathBuf::from);
     let name = format!("phex{}", std::env::consts::EXE_SUFFIX);
-    Ok(target.join("debug").join(name))
+    Ok(target_folder(root).join("debug").join(name))
+}
+
+/// Where cargo builds.
+fn target_folder(root: &Path) -> PathBuf {
+    let target = std::env::var_os("CARGO_TARGET_DIR");
+    target.map_or_else(|| root.join("target"), PathBuf::from)
 }
 
 fn cargo(root: &Path, arguments: &[&str]) -> Result<(), String> {

@@ -4,17 +4,17 @@ use crate::dual_arguments::{DualCommand, DupinCommand, PowerCommand, SubdivideCo
 use crate::exit::EXIT_CODES;
 use crate::fab_arguments::FabCommand;
 use crate::html;
-use crate::input::number;
-use crate::number_lists::three;
 use crate::offset_arguments::OffsetCommand;
 use crate::parallel_arguments::ParallelCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
-use crate::settings::{AtBoundary, MeshSettings};
 use crate::shared_arguments::{Extras, Talk, ToleranceArguments};
-use crate::steering::SteeringSettings;
 use crate::terms::TERMS;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use phex_job::SteeringSettings;
+use phex_job::number;
+use phex_job::three;
+use phex_job::{AtBoundary, LastStage, MeshSettings};
 use phex_mesh::shapes::Shape;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -135,7 +135,7 @@ pub struct MeshCommand {
     pub keep_best: bool,
     /// End after a time, `90s`, `5min` or `1h`, with the best mesh so far: it is judged and written
     /// as ever
-    #[arg(long, value_name = "TIME", value_parser = crate::progress::time_limit, help_heading = "Time")]
+    #[arg(long, value_name = "TIME", value_parser = phex_job::time_limit, help_heading = "Time")]
     pub time_limit: Option<Duration>,
     /// Report and picture.
     #[command(flatten)]
@@ -143,13 +143,6 @@ pub struct MeshCommand {
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,
-}
-
-/// Where `phex mesh` may end before there is a planar mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum LastStage {
-    /// The panels of the first lattice
-    Layout,
 }
 
 /// Arguments of `phex network`.

@@ -1,10 +1,10 @@
 //! The command line of the tools by planes, poles and indicatrices.
 
 use crate::exit::EXIT_CODES;
-use crate::number_lists::{finite, ten, three};
 use crate::shared_arguments::{Extras, Talk, ToleranceArguments};
-use crate::steering::positive;
 use clap::{Args, ValueEnum};
+use phex_job::positive;
+use phex_job::{finite, ten, three};
 use std::path::PathBuf;
 
 /// Arguments of `phex dual`.

@@ -1,5 +1,6 @@
 //! Exit codes, and failures that carry one.
 
+use phex_job::JobError;
 use std::fmt;
 use std::process::ExitCode;
 
@@ -81,6 +82,21 @@ impl From<anyhow::Error> for Failure {
         Self {
             exit: Exit::Internal,
             cause,
+        }
+    }
+}
+
+impl From<JobError> for Failure {
+    fn from(error: JobError) -> Self {
+        let exit = match error {
+            JobError::Input(_) => Exit::InputUnusable,
+            JobError::NoResult(_) => Exit::NoValidResult,
+            JobError::Cancelled => Exit::Interrupted,
+            JobError::Internal(_) => Exit::Internal,
+        };
+        Self {
+            exit,
+            cause: error.into(),
         }
     }
 }

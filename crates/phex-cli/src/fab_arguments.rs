@@ -2,9 +2,9 @@
 
 use crate::exit::EXIT_CODES;
 use crate::shared_arguments::Talk;
-use crate::units::{Quantity, Unit};
 use clap::{Args, ValueEnum};
 use phex_fab::{FabOptions, Rotations, Side};
+use phex_job::{Quantity, Unit};
 use std::path::PathBuf;
 use std::str::FromStr;
 

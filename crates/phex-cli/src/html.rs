@@ -1,22 +1,16 @@
 //! The HTML report of a run.
 
-use crate::engine;
 use crate::exit::Failure;
 use crate::output::write_text;
 use crate::progress::is_interrupted;
 use anyhow::Context;
-use phex::directions::Curve;
 use phex::report::RunReport;
-use phex::{Event, MeshOptions, PanelSize, Progress};
+use phex::{Event, Progress};
 use phex_fab::PanelIds;
-use phex_html::{CurveFamily, Report, Viewer, page};
+use phex_html::{Report, Viewer, conjugate_curves, page};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use std::path::Path;
 use std::sync::LazyLock;
-
-/// Number of panels that a brick wall on the drawn conjugate curves would have: more curves are
-/// hard to tell apart.
-const CURVES: usize = 300;
 
 /// What is shown of a run; all in model coordinates.
 #[derive(Clone, Copy)]
@@ -48,7 +42,11 @@ impl<'a> Shown<'a> {
 /// # Errors
 /// If the user interrupts, or writing fails.
 pub fn write(path: &Path, shown: &Shown<'_>, report: &RunReport) -> Result<(), Failure> {
-    let (curves, no_curves) = match curves(shown) {
+    let curves = match shown.given.or(shown.surface) {
+        Some(surface) => conjugate_curves(surface, &Silently),
+        None => Err("no surface was given".to_owned()),
+    };
+    let (curves, no_curves) = match curves {
         Ok(curves) => (curves, None),
         Err(reason) => (Vec::new(), Some(reason)),
     };
@@ -100,30 +98,6 @@ fn names(mesh: &HexMesh) -> Vec<String> {
     let ids = PanelIds::new(mesh);
     let faces = mesh.topology().faces();
     faces.map(|face| ids.panel(face).to_owned()).collect()
-}
-
-/// The conjugate curves of the surface, or why there are none.
-fn curves(shown: &Shown<'_>) -> Result<Vec<CurveFamily>, String> {
-    let surface = shown.given.or(shown.surface);
-    let surface = surface.ok_or("no surface was given")?;
-    let options = MeshOptions {
-        size: PanelSize::Panels(CURVES),
-        ..Default::default()
-    };
-    let network = engine::network(surface, &options, &Silently).map_err(|e| e.to_string())?;
-    let family = |name: &str, curves: &[Curve]| CurveFamily {
-        name: name.to_owned(),
-        curves: curves.iter().map(closed_polyline).collect(),
-    };
-    Ok(vec![
-        family("Conjugate curves: rows", &network.rows),
-        family("columns", &network.columns),
-    ])
-}
-
-fn closed_polyline(curve: &Curve) -> Vec<phex_mesh::Vec3> {
-    let first = curve.points.first().filter(|_| curve.closed);
-    curve.points.iter().chain(first).copied().collect()
 }
 
 /// Says nothing, and ends when the user interrupts.

@@ -4,7 +4,8 @@
 use crate::summary::SummaryTable;
 use phex::layout::CurvatureSign;
 use phex::layout::DualDefects;
-use phex::pipeline::{AttemptSummary, ClassicalStatistics, Method};
+use phex::pipeline::{AttemptSummary, ClassicalStatistics};
+use phex_job::members;
 
 /// The lines of a portfolio.
 pub fn of_portfolio(tried: &[AttemptSummary]) -> String {
@@ -15,36 +16,6 @@ pub fn of_portfolio(tried: &[AttemptSummary]) -> String {
         table.row("", "(`phex help terms` says what the words mean)");
     }
     table.into_text()
-}
-
-/// A sentence on each member of a portfolio of which more than one was tried.
-pub fn members(tried: &[AttemptSummary]) -> Vec<String> {
-    let several = tried.iter().filter(|_| tried.len() > 1);
-    several
-        .map(|summary| format!("tried: {}", member(summary)))
-        .collect()
-}
-
-fn member(summary: &AttemptSummary) -> String {
-    let candidate = &summary.candidate;
-    let way = match (candidate.method, candidate.seamless) {
-        (Method::BrickWall, _) => "brick wall".to_owned(),
-        (_, true) => format!("seamless lattice, anisotropy {}", candidate.anisotropy),
-        (_, false) => format!("lattice, anisotropy {}", candidate.anisotropy),
-    };
-    let state = match &summary.merit {
-        merit if merit.invalid > 0.0 => "not valid",
-        merit if merit.outside > 0.0 => "outside limits",
-        _ => "valid",
-    };
-    format!(
-        "{way}: {state}, {} of {} panels irregular without need, clearance {:.3}, angle {:.1}{}",
-        summary.irregular,
-        summary.panels,
-        summary.clearance,
-        summary.least_angle,
-        if summary.kept { " (kept)" } else { "" }
-    )
 }
 
 /// The lines of a run; none for other methods.

@@ -1,11 +1,11 @@
 //! What can be typed after `phex offset`.
 
 use crate::exit::EXIT_CODES;
-use crate::settings::DEFAULT_DEVIATION;
 use crate::shared_arguments::Talk;
-use crate::units::{NoQuantity, Quantity, Unit};
 use clap::{Args, ValueEnum};
 use phex::offset::OffsetKind;
+use phex_job::DEFAULT_DEVIATION;
+use phex_job::{NoQuantity, Quantity, Unit};
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;

@@ -2,9 +2,9 @@
 
 use crate::printable::printable;
 use crate::shared_arguments::{ProgressMode, Talk};
-use crate::whole_run::{WholeProgress, WholeRun};
 use indicatif::{ProgressBar, ProgressStyle};
 use phex::{Event, Progress};
+use phex_job::{TimeLimit, WholeProgress, WholeRun};
 use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,23 +36,6 @@ pub fn take_interruption() -> bool {
     INTERRUPTED.swap(false, Ordering::Relaxed)
 }
 
-/// Reads a time: `90s`, `5min`, `1h`; a plain number is seconds.
-///
-/// # Errors
-/// If it is none, or no time at all.
-pub fn time_limit(text: &str) -> Result<Duration, String> {
-    const UNITS: [(&str, f64); 4] = [("min", 60.0), ("h", 3600.0), ("s", 1.0), ("", 1.0)];
-    let text = text.trim();
-    let number = UNITS
-        .iter()
-        .find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, seconds)));
-    let seconds = number.and_then(|(n, unit)| Some(n.trim().parse::<f64>().ok()? * unit));
-    let duration = seconds.filter(|s| *s > 0.0);
-    duration
-        .and_then(|s| Duration::try_from_secs_f64(s).ok())
-        .ok_or_else(|| format!("`{text}` is no time: give a number above 0 with s, min or h"))
-}
-
 /// Runs `write` such that an interruption waits for its end.
 pub fn while_writing<T>(write: impl FnOnce() -> T) -> T {
     let _guard = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
@@ -82,8 +65,6 @@ pub struct Reporter {
     bar: Option<ProgressBar>,
     whole: Mutex<WholeRun>,
     until: Option<Instant>,
-    /// Whether the computation was told that the time is over.
-    late: AtomicBool,
     json: bool,
     verbose: bool,
     quiet: bool,
@@ -99,9 +80,8 @@ impl Reporter {
             talk.progress == ProgressMode::Auto && !talk.quiet && std::io::stderr().is_terminal();
         Self {
             bar: wants_bar.then(bar),
-            whole: Mutex::new(WholeRun::new()),
+            whole: Mutex::new(WholeRun::default()),
             until: None,
-            late: AtomicBool::new(false),
             json,
             verbose: talk.verbose,
             quiet: talk.quiet,
@@ -109,20 +89,10 @@ impl Reporter {
         }
     }
 
-    /// The same, and the computation is cancelled when a time is over.
-    pub fn within(self, limit: Option<Duration>) -> Self {
-        let until = limit.and_then(|l| Instant::now().checked_add(l));
+    /// The same for a computation that ends when a time is over.
+    pub fn within(self, limit: Option<TimeLimit>) -> Self {
+        let until = limit.map(|l| l.until);
         Self { until, ..self }
-    }
-
-    /// Whether the computation was cancelled because its time was over.
-    pub fn was_late(&self) -> bool {
-        self.late.load(Ordering::Relaxed)
-    }
-
-    fn is_late(&self) -> bool {
-        let late = self.until.is_some_and(|until| Instant::now() >= until);
-        self.late.fetch_or(late, Ordering::Relaxed) || late
     }
 
     /// Says something that the user should know.
@@ -206,7 +176,7 @@ impl Progress for Reporter {
     }
 
     fn is_cancelled(&self) -> bool {
-        is_interrupted() || self.is_late()
+        is_interrupted()
     }
 }
 
@@ -240,18 +210,6 @@ mod tests {
     #[test]
     fn the_bar_s_template_is_valid() {
         assert!(ProgressStyle::with_template("{spinner} {elapsed:>4} {prefix} {msg}").is_ok());
-    }
-
-    #[test]
-    fn times_are_read_with_their_unit() {
-        let seconds = |text| time_limit(text).map(|d| d.as_secs_f64());
-        assert_eq!(seconds("90s"), Ok(90.0));
-        assert_eq!(seconds("1.5 min"), Ok(90.0));
-        assert_eq!(seconds("2h"), Ok(7200.0));
-        assert_eq!(seconds("0.25"), Ok(0.25));
-        for wrong in ["", "s", "0s", "-3s", "nan", "1e300h", "5 days"] {
-            assert!(seconds(wrong).is_err(), "{wrong}");
-        }
     }
 
     #[test]

@@ -2,9 +2,9 @@
 //! be judged again in the same way.
 
 use crate::exit::{Exit, Failure, OrExit};
-use crate::input::MeshFile;
-use crate::verdict::TypedLimits;
 use anyhow::Context;
+use phex_job::MeshFile;
+use phex_job::TypedLimits;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -94,7 +94,7 @@ impl Promise {
     pub fn smooth(&self) -> Result<Option<MeshFile>, Failure> {
         let smooth = self.outputs.iter().find(|o| o.content == "smooth_target");
         let path = smooth.and_then(|o| self.found(&o.path));
-        path.as_deref().map(MeshFile::read).transpose()
+        Ok(path.as_deref().map(MeshFile::read).transpose()?)
     }
 
     /// Whether the run judged its mesh by a smooth surface.

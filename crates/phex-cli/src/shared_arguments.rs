@@ -1,8 +1,8 @@
 //! What can be typed after several commands.
 
 use crate::exit::Failure;
-use crate::units::{Quantity, Unit};
 use clap::{Args, ValueEnum};
+use phex_job::{Quantity, Unit};
 use std::path::PathBuf;
 
 /// How progress is shown, on standard error.

@@ -1,10 +1,11 @@
 //! The short table on standard output.
 
 use crate::html;
-use crate::units::Unit;
-use crate::verdict::TypedLimits;
 use phex::quality::{Assessment, Check, ElementKind, Reason, Scale, Verdict};
-use phex::report::{FeatureSizes, RunReport};
+use phex::report::RunReport;
+use phex_job::TypedLimits;
+use phex_job::Unit;
+use phex_job::add_features;
 use phex_mesh::ElementId;
 use phex_mesh::measure::{BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures};
 use phex_mesh::{HexMesh, TriangleSurface};
@@ -112,23 +113,20 @@ pub fn of_features(
     mesh: &HexMesh,
     surface: Option<&TriangleSurface>,
 ) -> String {
-    let sizes = surface.map(|surface| FeatureSizes::new(mesh, surface));
+    of_warning(add_features(report, mesh, surface))
+}
+
+/// The warning that panels are too large, if there is one.
+pub fn of_warning(warning: Option<String>) -> String {
     let mut table = SummaryTable::default();
-    if let Some(warning) = sizes.as_ref().and_then(|s| s.warning(&report.checks)) {
-        table.row("WARNING", &warning);
-        report.notes.push(warning);
-    }
-    report.feature_sizes = sizes;
+    warning.iter().for_each(|w| table.row("WARNING", w));
     table.into_text()
 }
 
-/// What came of wishes, by what each is about; kept in the report too.
-pub fn of_wishes(report: &mut RunReport, told: Vec<(&'static str, String)>) -> String {
+/// What came of wishes, by what each is about.
+pub fn of_wishes(told: &[(&'static str, String)]) -> String {
     let mut table = SummaryTable::default();
-    for (what, sentence) in told {
-        table.row(what, &sentence);
-        report.notes.push(format!("{what}: {sentence}"));
-    }
+    told.iter().for_each(|(what, s)| table.row(what, s));
     table.into_text()
 }
 

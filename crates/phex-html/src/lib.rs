@@ -10,6 +10,7 @@
 //! forbids it); texts from the user are escaped; the same input gives the same bytes.
 
 mod bundle;
+mod curves;
 mod escape;
 mod layers;
 mod mesh_data;
@@ -20,6 +21,7 @@ mod thin;
 mod viewer_data;
 
 pub use bundle::Viewer;
+pub use curves::conjugate_curves;
 pub use escape::escaped;
 pub use page::page;
 

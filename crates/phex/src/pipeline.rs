@@ -24,6 +24,7 @@ mod size;
 mod sized;
 mod steered;
 mod subdivide;
+mod watched;
 
 pub use attempt::AttemptSummary;
 pub use brick_wall::{NetworkCurves, network_curves};

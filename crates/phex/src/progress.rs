@@ -1,5 +1,6 @@
 //! Progress and cancelling: the one trait that long stages talk to.
 
+use phex_mesh::PolygonSoup;
 use serde::Serialize;
 
 /// What a stage says while it runs.
@@ -52,6 +53,9 @@ pub trait Progress: Sync {
     fn is_cancelled(&self) -> bool {
         false
     }
+    /// Offers what the mesh looks like after a stage, in model coordinates; `mesh` makes a copy of
+    /// the panels, so it costs nothing unless it is called. It may not be valid.
+    fn preview(&self, _stage: &'static str, _mesh: &dyn Fn() -> PolygonSoup) {}
 }
 
 /// Hears nothing, never cancels.

@@ -4,12 +4,11 @@ use super::tell;
 use crate::args::CheckCommand;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
-use crate::input::MeshFile;
 use crate::output::{self, check_writable};
 use crate::progress::Reporter;
 use crate::promise::Promise;
 use crate::summary::{self, SummaryTable};
-use crate::verdict::TypedLimits;
+use crate::verdict::or_promised;
 use anyhow::Context;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::curvature::{free_panels, indicatrix_distances};
@@ -17,6 +16,8 @@ use phex::layout::CELL;
 use phex::quality::{Assessment, Omitted, Reason, References, Verdict};
 use phex::report::{InputFile, RunReport};
 use phex::{Boundary, continued};
+use phex_job::MeshFile;
+use phex_job::TypedLimits;
 use phex_mesh::measure::Metric;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface};
 use serde::Serialize;
@@ -43,7 +44,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         .transpose()?;
     let promised = promise.as_ref().map(Promise::limits).transpose()?;
     let boundary = command.boundary.map(Into::into);
-    let limits = TypedLimits::or_promised(&command.limits, boundary, promised);
+    let limits = or_promised(&command.limits, boundary, promised);
     let file = MeshFile::read(&command.input)?;
     let (mesh, dropped) = file.polygon_mesh()?;
     let surfaces = CheckSurfaces::read(command, promise.as_ref())?;
@@ -112,7 +113,7 @@ impl CheckSurfaces {
         };
         let surface = |file: &Option<MeshFile>| -> Result<Option<TriangleSurface>, Failure> {
             let file = file.as_ref();
-            file.map(|f| f.surface()).transpose()
+            Ok(file.map(|f| f.surface()).transpose()?)
         };
         Ok(Self {
             facets: surface(&facets)?,

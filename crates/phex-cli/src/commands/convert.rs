@@ -3,8 +3,8 @@
 use super::tell;
 use crate::args::ConvertCommand;
 use crate::exit::{Exit, Failure};
-use crate::input::MeshFile;
 use crate::output::{Content, check_writable, write_mesh};
+use phex_job::MeshFile;
 
 /// Runs the command.
 ///

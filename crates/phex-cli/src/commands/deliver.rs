@@ -7,9 +7,10 @@ use crate::html::Shown;
 use crate::output::{Content, write_mesh};
 use crate::shared_arguments::{Extras, Talk};
 use crate::summary;
-use crate::verdict::{TypedLimits, exit_of, written};
+use crate::verdict::{exit_of, written};
 use phex::quality::{References, Verdict};
 use phex::report::RunReport;
+use phex_job::TypedLimits;
 use std::path::Path;
 
 /// A mesh on its way to the user.

@@ -4,14 +4,14 @@ use super::deliver::{Delivery, judged, outputs};
 use crate::dual_arguments::DualCommand;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
-use crate::input::MeshFile;
 use crate::output::check_writable;
 use crate::shared_arguments::ToleranceArguments;
 use crate::summary::SummaryTable;
-use crate::verdict::TypedLimits;
 use anyhow::Context;
 use phex::layout::clear_centre_of;
 use phex::layout::{Quadric, dual_mesh};
+use phex_job::MeshFile;
+use phex_job::TypedLimits;
 use phex_mesh::{HexMesh, Vec3, measure};
 use serde_json::json;
 

@@ -3,14 +3,14 @@
 use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
 use crate::fab_arguments::{FabCommand, millimetres};
-use crate::input::MeshFile;
 use crate::output_folder::{Extent, OutputFolder};
 use crate::progress::Reporter;
 use crate::summary::SummaryTable;
-use crate::units::Unit;
 use phex_fab::folder::{files, summary};
 use phex_fab::schedule::panel_centres;
 use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mesh};
+use phex_job::MeshFile;
+use phex_job::Unit;
 use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, ValidateOptions};
 use std::path::Path;

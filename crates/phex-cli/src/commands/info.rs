@@ -3,10 +3,10 @@
 use super::tell;
 use crate::args::InfoCommand;
 use crate::exit::{Exit, Failure};
-use crate::input::MeshFile;
 use crate::output;
 use crate::summary::SummaryTable;
 use anyhow::Context;
+use phex_job::MeshFile;
 use phex_mesh::{PolygonSoup, SurfaceParts, TriangleSurface, Vec3};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashSet};

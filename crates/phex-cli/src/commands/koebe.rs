@@ -4,14 +4,14 @@ use super::deliver::{Delivery, judged, outputs};
 use crate::args::{KoebeBoundary, KoebeCommand};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
-use crate::input::MeshFile;
 use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
 use crate::shared_arguments::ToleranceArguments;
 use crate::summary::SummaryTable;
-use crate::verdict::TypedLimits;
 use anyhow::Context;
 use phex::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
+use phex_job::MeshFile;
+use phex_job::TypedLimits;
 use phex_mesh::HexMesh;
 use serde_json::json;
 

@@ -23,6 +23,7 @@ mod terms;
 use crate::args::Command;
 use crate::exit::{Exit, Failure};
 use crate::output;
+use phex_job::thread_count;
 
 /// Runs a command.
 ///
@@ -56,17 +57,9 @@ fn tell(quiet: bool, text: &str) -> Result<(), Failure> {
     if quiet { Ok(()) } else { output::print(text) }
 }
 
-/// The most threads that are started: each takes memory, and more than cores help nobody.
-const MOST_THREADS: u16 = 1024;
-
 /// Sets the number of threads; called once, before anything is computed.
 fn use_threads(threads: Option<u16>) -> Result<usize, Failure> {
-    if let Some(threads) = threads.filter(|n| !(1..=MOST_THREADS).contains(n)) {
-        return Err(Failure::input(format!(
-            "{threads} threads are asked for, from 1 to {MOST_THREADS} make sense"
-        )));
-    }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(thread_count(threads)?);
     pool.build_global()
         .map_err(|e| Failure::new(Exit::Internal, e))?;
     Ok(rayon::current_num_threads())

@@ -2,18 +2,16 @@
 
 use super::{tell, use_threads};
 use crate::args::NetworkCommand;
-use crate::engine;
 use crate::exit::{Exit, Failure};
-use crate::input::MeshFile;
 use crate::output::{Content, check_writable, write_text};
-use crate::panel_size;
 use crate::progress::Reporter;
-use crate::settings::TypedPanelSize;
 use crate::summary::SummaryTable;
-use crate::units::Unit;
 use phex::MeshOptions;
 use phex::directions::{Conjugacy, Curve, NetworkFamily};
 use phex::pipeline::NetworkCurves;
+use phex_job::MeshFile;
+use phex_job::TypedPanelSize;
+use phex_job::Unit;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -35,8 +33,8 @@ pub fn run(command: &NetworkCommand) -> Result<Exit, Failure> {
         reporter.note(note);
     }
     let size = TypedPanelSize::Panels(command.panels);
-    let panels = panel_size::panels(size, &surface, Unit::default())?;
-    let curves = engine::network(&surface, &options(command, panels), &reporter)?;
+    let panels = phex_job::panels(size, &surface, Unit::default())?;
+    let curves = phex_job::network(&surface, &options(command, panels), &reporter)?;
     reporter.finish();
     write_text(&command.output, &obj(&curves))?;
     tell(command.talk.quiet, &told(&curves, &command.output))?;

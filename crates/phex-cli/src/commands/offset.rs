@@ -11,13 +11,13 @@ mod told;
 
 use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
-use crate::input::{MeshFile, number, read_text};
 use crate::offset_arguments::{Kind, OffsetCommand};
 use crate::output::{check_writable, write_text};
 use crate::progress::is_interrupted;
 use base::{Base, OffsetLayer};
 use files::Files;
 use phex::offset::OffsetOptions;
+use phex_job::{MeshFile, number, read_text};
 use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, PerFace, ValidateOptions};
 use std::path::Path;

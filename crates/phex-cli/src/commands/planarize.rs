@@ -3,16 +3,16 @@
 use super::deliver::{Delivery, outputs};
 use super::use_threads;
 use crate::args::PlanarizeCommand;
-use crate::engine::{self, Computed, Planarization};
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
-use crate::input::MeshFile;
 use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
-use crate::settings::MeshSettings;
-use crate::verdict::TypedLimits;
 use phex::quality::{Assessment, References};
 use phex::report::{InputFile, RunReport};
+use phex_job::MeshFile;
+use phex_job::MeshSettings;
+use phex_job::TypedLimits;
+use phex_job::{Computed, Planarization};
 use phex_mesh::TriangleSurface;
 use serde_json::json;
 use std::path::Path;
@@ -38,7 +38,7 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         .as_ref()
         .map_or_else(|| start.diagonal(), TriangleSurface::diagonal);
     limits.demand(&mut how.options, start.mean_edge(), start.diagonal(), whole);
-    let reached = engine::planarize(&start, surface.as_ref(), &how, &reporter)?;
+    let reached = phex_job::planarize(&start, surface.as_ref(), &how, &reporter)?;
     reporter.finish();
     if is_interrupted() {
         return Err(Failure::interrupted());
@@ -101,7 +101,7 @@ fn planarization(
 ) -> Result<Planarization, Failure> {
     let typed = settings.steering;
     let (mut options, mut steering) = (settings.stages.optimise, settings.stages.steering);
-    typed.apply(&mut steering, &mut options)?;
+    typed.apply(typed.read()?, &mut steering, &mut options);
     Ok(Planarization {
         options,
         steering,
@@ -125,7 +125,7 @@ impl PlanarizeInput {
     /// The surface to stay close to, where one is given.
     fn surface(&self) -> Result<Option<TriangleSurface>, Failure> {
         let surface = self.surface.as_ref().map(|file| file.surface());
-        surface.transpose()
+        Ok(surface.transpose()?)
     }
 
     /// The faces as they are, to measure how far they move; nothing if they are too bad to be a

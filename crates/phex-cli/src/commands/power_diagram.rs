@@ -4,14 +4,14 @@ use super::deliver::{Delivery, judged, outputs};
 use crate::dual_arguments::PowerCommand;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
-use crate::input::{NumberLine, read_numbers};
 use crate::output::check_writable;
 use crate::shared_arguments::ToleranceArguments;
 use crate::summary::SummaryTable;
-use crate::verdict::TypedLimits;
 use anyhow::Context;
 use nalgebra::Matrix3x4;
 use phex::layout::{PowerDiagram, PowerSite, goldberg, power_diagram};
+use phex_job::TypedLimits;
+use phex_job::{NumberLine, read_numbers};
 use phex_mesh::{HexMesh, Vec2};
 use serde_json::json;
 use std::path::Path;
@@ -111,7 +111,7 @@ fn read_sites(path: &Path) -> Result<Vec<PowerSite>, Failure> {
     let site = |line: &NumberLine| match line.numbers[..] {
         [x, y] => Ok((x, y, 0.0)),
         [x, y, weight] => Ok((x, y, weight)),
-        _ => Err(line.wrong("a site `x y` or `x y weight`")),
+        _ => Err(Failure::from(line.wrong("a site `x y` or `x y weight`"))),
     };
     let sites = read_numbers(path)?;
     let placed = sites.iter().map(site).map(|s| {

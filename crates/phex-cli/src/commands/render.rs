@@ -2,11 +2,11 @@
 
 use super::tell;
 use crate::exit::{Exit, Failure};
-use crate::input::{MeshFile, read_numbers, read_polylines};
 use crate::output::{Content, check_writable, write_picture, write_text};
 use crate::picture_arguments::RenderCommand;
-use crate::verdict::TypedLimits;
 use phex::quality::References;
+use phex_job::TypedLimits;
+use phex_job::{MeshFile, read_numbers, read_polylines};
 use phex_mesh::HexMesh;
 use phex_picture::maps::{Class, ColourMap, ColourScale, Coloured, Map, Range, Rgb, Subject};
 use phex_picture::{draw_svg, draw_with_curves};
@@ -109,7 +109,7 @@ fn marked(path: &Path, mesh: &HexMesh) -> Result<ColourMap, Failure> {
     for line in read_numbers(path)? {
         let wrong = || line.wrong("`panel colour`, a panel of the mesh and a colour from 1 to 6,");
         let [panel, colour] = line.numbers[..] else {
-            return Err(wrong());
+            return Err(wrong().into());
         };
         let whole = [panel, colour]
             .iter()

@@ -4,12 +4,13 @@ use super::check::report_of;
 use super::tell;
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
-use crate::input::MeshFile;
 use crate::output::{Content, check_writable};
 use crate::picture_arguments::ReportCommand;
 use crate::summary;
-use crate::verdict::{TypedLimits, written};
+use crate::verdict::written;
 use phex::quality::{References, Verdict};
+use phex_job::MeshFile;
+use phex_job::TypedLimits;
 
 /// Runs the command.
 ///

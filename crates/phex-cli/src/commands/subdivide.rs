@@ -2,17 +2,16 @@
 
 use super::deliver::{Delivery, judged, outputs};
 use crate::dual_arguments::{SubdivideCommand, SubdivideRule};
-use crate::engine;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
-use crate::input::MeshFile;
 use crate::output::check_writable;
 use crate::progress::{Reporter, is_interrupted};
 use crate::summary::SummaryTable;
-use crate::verdict::TypedLimits;
 use anyhow::Context;
 use phex::layout::SubdivisionRule;
 use phex::layout::{clear_quadric, dual_subdivision, one_sign};
+use phex_job::MeshFile;
+use phex_job::TypedLimits;
 use phex_mesh::{HexMesh, TriangleSurface, measure};
 use serde_json::json;
 
@@ -114,7 +113,7 @@ fn made(
     let levels = usize::from(command.levels);
     let rule = match (command.rule, surface) {
         (SubdivideRule::Robust, Some(surface)) => {
-            return engine::subdivide(mesh, surface, levels, reporter);
+            return Ok(phex_job::subdivide(mesh, surface, levels, reporter)?);
         }
         (SubdivideRule::Butterfly, _) => SubdivisionRule::Butterfly,
         _ => SubdivisionRule::Loop,

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::progress::{Event, Progress};
 use crate::quality::Merit;
-use phex_mesh::TriangleSurface;
+use phex_mesh::{PolygonSoup, TriangleSurface};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -204,6 +204,7 @@ impl Task<'_> {
         if self.searches() && !clock.progress.is_cancelled() {
             let searched = pass.searched(self.ground, clock);
             pass.mesh = searched.mesh;
+            clock.progress.preview("search", &|| pass.mesh.to_soup());
             pass.judgement = searched.judgement;
             found = Some(searched.summary);
         }
@@ -266,5 +267,9 @@ impl Progress for OneAtATime<'_> {
 
     fn is_cancelled(&self) -> bool {
         self.alone(|p| p.is_cancelled())
+    }
+
+    fn preview(&self, stage: &'static str, mesh: &dyn Fn() -> PolygonSoup) {
+        self.alone(|p| p.preview(stage, mesh));
     }
 }

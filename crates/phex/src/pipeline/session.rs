@@ -3,6 +3,7 @@
 use super::domain::Ground;
 use super::options::{MeshOptions, Method};
 use super::preview::{LatticePreview, lay_out};
+use super::watched::InModel;
 use super::{Clock, MeshRun, PipelineError};
 use super::{brick_wall, classical, normalise, portfolio, size, steered};
 use crate::progress::Progress;
@@ -123,6 +124,10 @@ impl Session {
     ) -> Result<MeshRun, PipelineError> {
         let model = self.model();
         let options = normalise::normalised(given, model)?;
+        let progress = &InModel {
+            progress,
+            similarity: &model.similarity,
+        };
         let surface = &model.surface;
         let mut clock = Clock::new(progress);
         let made = match options.method {

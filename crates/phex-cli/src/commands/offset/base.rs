@@ -2,7 +2,6 @@
 
 use super::OffsetJob;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::input::MeshFile;
 use crate::offset_arguments::Kind;
 use crate::progress::{Reporter, is_interrupted};
 use phex::offset::{
@@ -13,6 +12,7 @@ use phex::offset::{
 use phex::optimise::{
     AngleOptimised, AngleOptions, Fault, Offender, SurfaceTarget, Target, satisfy_angle_condition,
 };
+use phex_job::MeshFile;
 use phex_mesh::measure::{deviation, diagonal};
 use phex_mesh::{EdgeId, FlatFace, HexMesh, PerFace, Vec3, VertexId};
 use serde::Serialize;

@@ -3,10 +3,10 @@
 
 use super::ParallelMesh;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::input::{NumberLine, read_numbers};
 use crate::parallel_arguments::ParallelCommand;
 use crate::summary::SummaryTable;
 use phex::offset::ParallelSpace;
+use phex_job::{JobError, NumberLine, read_numbers};
 use phex_mesh::{EdgeId, HexMesh, PerEdge, Topology};
 use serde_json::json;
 use std::collections::HashMap;
@@ -71,7 +71,7 @@ fn wished(path: &Path, space: &ParallelSpace) -> Result<PerEdge<f64>, Failure> {
     let edges = edges_by_vertices(space.mesh().topology());
     for line in read_numbers(path)? {
         let [from, to, length] = line.numbers[..] else {
-            return Err(line.wrong("`from to length`"));
+            return Err(line.wrong("`from to length`").into());
         };
         let edge = between(&edges, [from, to]);
         let edge = edge.ok_or_else(|| line.wrong("an edge between two vertices of the mesh"))?;
@@ -90,7 +90,8 @@ pub(super) fn edges(path: &Path, mesh: &HexMesh) -> Result<Vec<EdgeId>, Failure>
         between(&by_vertices, [from, to])
             .ok_or_else(|| line.wrong("an edge between two vertices of the mesh"))
     };
-    read_numbers(path)?.into_iter().map(edge).collect()
+    let edges: Result<_, JobError> = read_numbers(path)?.into_iter().map(edge).collect();
+    Ok(edges?)
 }
 
 /// The edge between two vertices whose numbers are given.

@@ -1,0 +1,273 @@
+//! Options that would do nothing: what is typed is carried out or refused, never passed over in
+//! silence.
+
+use crate::error::JobError;
+use crate::given::Given;
+use crate::settings::{AtBoundary, CloseTo, LayoutMethod, MeshSettings};
+use crate::steering::TypedSolver;
+
+/// Methods that lay the lattice of `lattice` out, and then take planes of it.
+const ON_LATTICE: [LayoutMethod; 4] = [
+    LayoutMethod::Lattice,
+    LayoutMethod::TangentPlanes,
+    LayoutMethod::DualSubdivision,
+    LayoutMethod::Parallel,
+];
+/// Methods whose lattice is regular in a metric of their own: it has directions and cones, but
+/// neither sizes nor lines to follow.
+const OWN_METRIC: [LayoutMethod; 2] = [LayoutMethod::ProjectiveDual, LayoutMethod::SupportFunction];
+/// Methods that end with the optimiser, which keeps panels to the target.
+const OPTIMISED: [LayoutMethod; 2] = [LayoutMethod::Lattice, LayoutMethod::BrickWall];
+
+/// An option that is set, and the methods that heed it.
+struct Heeded {
+    option: &'static str,
+    by: Vec<LayoutMethod>,
+}
+
+impl MeshSettings {
+    /// Refuses options that have no effect with the method, or without another option.
+    ///
+    /// # Errors
+    /// All of them that are set, with the methods that heed them.
+    pub fn check_effects(&self, given: &Given) -> Result<(), JobError> {
+        let method = LayoutMethod::from(self.options(1).method);
+        let idle = self
+            .heeded(given)
+            .into_iter()
+            .filter(|h| !h.by.contains(&method));
+        let told = idle.map(|h| {
+            let by: Vec<String> = h.by.iter().map(|m| name(*m)).collect();
+            format!(
+                "`{}` has no effect with `{}` (it has with {})",
+                h.option,
+                name(method),
+                by.join(", ")
+            )
+        });
+        let twice = self.method == Some(LayoutMethod::Best) && self.effort.is_some();
+        let twice = twice.then(|| "`effort` has no effect with `best`".to_owned());
+        let told = told.chain(twice).chain(self.steering.without_effect());
+        let told: Vec<String> = told.collect();
+        match told.is_empty() {
+            true => Ok(()),
+            false => Err(JobError::input(format!(
+                "{}: leave it out",
+                told.join("; ")
+            ))),
+        }
+    }
+
+    /// The options that are set and that not every method heeds.
+    fn heeded(&self, given: &Given) -> Vec<Heeded> {
+        let every = || LayoutMethod::ALL.to_vec();
+        let lattice = || ON_LATTICE.to_vec();
+        let directed = [ON_LATTICE.as_slice(), &OWN_METRIC].concat();
+        let turned = [directed.as_slice(), &[LayoutMethod::Koebe]].concat();
+        let fitted = self.fitted();
+        let bounded = every()
+            .into_iter()
+            .filter(|m| *m != LayoutMethod::PowerDiagram);
+        let near = match self.target {
+            Some(CloseTo::Facets) => fitted.clone(),
+            _ => bounded.clone().collect(),
+        };
+        let mut one_sign = OWN_METRIC.to_vec();
+        one_sign.extend([LayoutMethod::DualSubdivision, LayoutMethod::Parallel]);
+        let dials = if self.steering.holds() || !given.steering.is_empty() {
+            every()
+        } else {
+            fitted
+        };
+        let s = &self.steering;
+        // Vertices that are moved afterwards turn the edges that have offsets.
+        let movable: Vec<LayoutMethod> = every()
+            .into_iter()
+            .filter(|m| *m != LayoutMethod::Koebe)
+            .collect();
+        let all = [
+            ("effort", self.effort.is_some(), vec![LayoutMethod::Lattice]),
+            ("rotate", self.rotate.is_some(), turned),
+            (
+                "cones",
+                self.guides.cones.is_some() || !given.guides.cones.is_empty(),
+                directed,
+            ),
+            (
+                "guide",
+                self.guides.guide.is_some() || !given.guides.lines.is_empty(),
+                lattice(),
+            ),
+            ("crease", self.guides.crease.is_some(), lattice()),
+            ("adaptive", self.adaptive.is_some(), lattice()),
+            (
+                "size-field",
+                self.size_field.is_some() || given.size_field.is_some(),
+                lattice(),
+            ),
+            ("boundary", self.boundary.is_some(), bounded.collect()),
+            ("target", self.target.is_some(), near),
+            ("any-domain", self.any_domain, one_sign),
+            (
+                "quadric",
+                self.quadric.is_some(),
+                vec![LayoutMethod::ProjectiveDual],
+            ),
+            (
+                "regularise",
+                self.regularise.is_some(),
+                vec![LayoutMethod::TangentPlanes],
+            ),
+            ("minimal", self.minimal, vec![LayoutMethod::Koebe]),
+            (
+                "boundary = snap",
+                self.boundary == Some(AtBoundary::Snap),
+                movable.clone(),
+            ),
+            ("held vertices", s.holds(), movable),
+            ("fairness", s.fairness.is_some(), dials.clone()),
+            ("closeness", s.closeness.is_some(), dials.clone()),
+            ("clearance", s.clearance.is_some(), dials.clone()),
+            ("centres", s.centres.is_some(), dials.clone()),
+            ("solver", s.solver.is_some(), dials),
+        ];
+        let set = all.into_iter().filter(|(_, set, _)| *set);
+        set.map(|(option, _, by)| Heeded { option, by }).collect()
+    }
+
+    /// The methods that end with the optimiser; that of tangent planes does where vertices are held
+    /// back.
+    fn fitted(&self) -> Vec<LayoutMethod> {
+        let mut fitted = OPTIMISED.to_vec();
+        if self.options(1).dual.regularisation > 0.0 {
+            fitted.push(LayoutMethod::TangentPlanes);
+        }
+        fitted
+    }
+
+    /// The options that are set and mean nothing where an earlier mesh is taken up: nothing is laid
+    /// out.
+    pub fn idle_on_start(&self) -> Vec<&'static str> {
+        let laid_out = [
+            ("panels", self.panels.is_some()),
+            ("edge-length", self.edge_length.is_some()),
+            ("method", self.method.is_some()),
+            ("effort", self.effort.is_some()),
+            ("any-domain", self.any_domain),
+            ("quadric", self.quadric.is_some()),
+            ("regularise", self.regularise.is_some()),
+            ("minimal", self.minimal),
+            ("rotate", self.rotate.is_some()),
+            ("adaptive", self.adaptive.is_some()),
+            ("size-field", self.size_field.is_some()),
+            ("boundary", self.boundary.is_some()),
+            ("guide", self.guides.guide.is_some()),
+            ("crease", self.guides.crease.is_some()),
+            ("cones", self.guides.cones.is_some()),
+            ("seed", self.seed.is_some()),
+        ];
+        let set = laid_out.into_iter().filter(|(_, set)| *set);
+        set.map(|(option, _)| option).collect()
+    }
+}
+
+impl crate::steering::SteeringSettings {
+    /// Sentences on the options that are set and do nothing without another, or with the solver.
+    pub fn without_effect(&self) -> Vec<String> {
+        let mut told = Vec::new();
+        if self.ground_reach.is_some() && self.ground.is_none() {
+            told.push("`ground-reach` has no effect without `ground`".to_owned());
+        }
+        let unheeded = [
+            ("fairness", self.fairness),
+            ("clearance", self.clearance),
+            ("centres", self.centres),
+        ];
+        if self.solver == Some(TypedSolver::Tetrahedra) {
+            let set = unheeded.into_iter().filter(|(_, dial)| dial.is_some());
+            told.extend(
+                set.map(|(name, _)| format!("`{name}` has no effect with the solver `tetrahedra`")),
+            );
+        }
+        told
+    }
+
+    /// Whether something is held: then the optimiser comes last, whatever the method.
+    fn holds(&self) -> bool {
+        self.inputs().next().is_some() || self.ground.is_some()
+    }
+}
+
+/// A method as it is typed.
+fn name(method: LayoutMethod) -> String {
+    let value = serde_json::to_value(method).unwrap_or_default();
+    value.as_str().unwrap_or_default().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(method: &str, settings: &str) -> String {
+        let text = format!("method = '{method}'\n{settings}");
+        let settings: MeshSettings = toml::from_str(&text).unwrap();
+        settings
+            .check_effects(&Given::default())
+            .map_or_else(|e| e.to_string(), |()| String::new())
+    }
+
+    #[test]
+    fn each_method_refuses_what_it_does_not_heed() {
+        let options = [
+            ("rotate", "rotate = 10"),
+            ("adaptive", "adaptive = 0.4"),
+            ("size-field", "size-field = 's.txt'"),
+            ("guide", "[guides]\nguide = 'g.obj'"),
+            ("crease", "[guides]\ncrease = 20"),
+            ("cones", "[guides]\ncones = 'c.txt'"),
+            ("fairness", "[steering]\nfairness = 2"),
+            ("solver", "[steering]\nsolver = 'tetrahedra'"),
+            ("target", "target = 'facets'"),
+            ("boundary", "boundary = 'clip'"),
+        ];
+        // One letter for each of the options above: heeded or refused.
+        for (method, heeded) in [
+            ("lattice", "hhhhhhhhhh"),
+            ("best", "hhhhhhhhhh"),
+            ("brick-wall", "rrrrrrhhhh"),
+            ("power-diagram", "rrrrrrrrrr"),
+            ("projective-dual", "hrrrrhrrrh"),
+            ("koebe", "hrrrrrrrrh"),
+            ("support-function", "hrrrrhrrrh"),
+            ("dual-subdivision", "hhhhhhrrrh"),
+            ("tangent-planes", "hhhhhhrrrh"),
+            ("parallel", "hhhhhhrrrh"),
+        ] {
+            for ((name, line), expected) in options.iter().zip(heeded.chars()) {
+                let told = told(method, line);
+                assert_eq!(told.is_empty(), expected == 'h', "{method} {name}: {told}");
+                let named = told.contains(&format!("`{name}` has no effect with `{method}`"));
+                assert_eq!(named, expected == 'r', "{method} {name}: {told}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_makes_an_option_work_lets_it_pass() {
+        let held = "[steering]\nfairness = 2\nfix = 'p.txt'";
+        assert_eq!(told("parallel", held), "", "the optimiser comes last");
+        assert_eq!(
+            told(
+                "tangent-planes",
+                "regularise = 0.1\n[steering]\nfairness = 2"
+            ),
+            ""
+        );
+        assert_eq!(told("parallel", "target = 'half-way'"), "");
+        assert!(told("lattice", "regularise = 0.1").contains("tangent-planes"));
+        assert!(told("lattice", "any-domain = true").contains("projective-dual"));
+        assert!(told("lattice", "[steering]\nground-reach = 1").contains("without `ground`"));
+        let paper = "[steering]\nsolver = 'tetrahedra'\ncentres = 2";
+        assert!(told("lattice", paper).contains("`centres` has no effect with the solver"));
+    }
+}

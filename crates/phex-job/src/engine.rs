@@ -1,0 +1,254 @@
+//! The library's computations as jobs use them: their errors say whose fault they are, their
+//! results have one form.
+
+use crate::error::{JobError, chain};
+use phex::directions::Cone;
+use phex::directions::NetworkError;
+use phex::layout::DualityError;
+use phex::layout::LayoutError;
+use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
+use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
+use phex::report::StageTime;
+use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, Session, mesh_surface};
+use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
+use phex_numeric::{Outcome, Status};
+use serde::Serialize;
+use serde_json::Value;
+use std::time::Instant;
+
+/// What a computation reached.
+pub struct Computed {
+    /// The mesh, in model coordinates; valid or not.
+    pub mesh: HexMesh,
+    /// The panels before the optimiser, where there were any, in model coordinates.
+    pub start: Option<PolygonSoup>,
+    /// The smooth surface that it was fitted to, in model coordinates.
+    pub smooth: Option<TriangleSurface>,
+    /// The surface continued beyond its boundary, in model coordinates, if panels were kept whole.
+    pub beyond: Option<Beyond>,
+    /// How the computation ended.
+    pub outcome: Value,
+    /// Time of each stage.
+    pub stages: Vec<StageTime>,
+    /// What the stages counted.
+    pub statistics: Value,
+    /// The cones of the lattice's field, in model coordinates.
+    pub cones: Vec<Cone>,
+    /// What a method by planes and poles met with.
+    pub classical: Option<ClassicalStatistics>,
+    /// The ways of the portfolio that were tried.
+    pub tried: Vec<AttemptSummary>,
+}
+
+/// Covers a connected surface with panels. A run that is cancelled gives the best mesh so far.
+///
+/// # Errors
+/// If the surface can't be used, no panelling exists, or the run is cancelled before there is a
+/// mesh.
+pub fn mesh(
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Computed, JobError> {
+    reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
+}
+
+/// The panels of a connected surface as they are laid out, neither planar nor checked.
+///
+/// # Errors
+/// If the surface can't be used, no panelling exists, or the run is cancelled.
+pub fn lay_out(
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Computed, JobError> {
+    let preview = Session::new(surface.clone()).lay_out(options, progress);
+    let preview = preview.map_err(pipeline_failure)?;
+    Ok(Computed {
+        outcome: Value::Null,
+        stages: preview.stages.iter().map(StageTime::from).collect(),
+        statistics: value(&preview.statistics)?,
+        cones: preview.cones,
+        classical: None,
+        tried: Vec::new(),
+        mesh: preview.mesh,
+        start: None,
+        smooth: None,
+        beyond: None,
+    })
+}
+
+/// Brings an earlier mesh to a connected surface again. A run that is cancelled gives the mesh that
+/// it has come to.
+///
+/// # Errors
+/// If the mesh can't be used or held.
+pub fn refit(
+    earlier: &HexMesh,
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Computed, JobError> {
+    let run = pipeline::refit_surface(earlier, surface, options, progress);
+    reached(run.map_err(pipeline_failure)?)
+}
+
+fn reached(run: MeshRun) -> Result<Computed, JobError> {
+    Ok(Computed {
+        outcome: value(&run.outcome)?,
+        stages: run.stages.iter().map(StageTime::from).collect(),
+        statistics: value(&run.statistics)?,
+        cones: run.statistics.cones,
+        classical: run.statistics.classical,
+        tried: run.statistics.tried,
+        mesh: run.mesh,
+        start: run.start,
+        smooth: Some(run.target),
+        beyond: run.beyond,
+    })
+}
+
+/// A conjugate curve network of a connected surface.
+///
+/// # Errors
+/// If the surface can't be used or has no network, or the user interrupts.
+pub fn network(
+    surface: &TriangleSurface,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<NetworkCurves, JobError> {
+    network_curves(surface, options, progress).map_err(pipeline_failure)
+}
+
+/// How a mesh is made planar.
+pub struct Planarization {
+    /// Weights and limits.
+    pub options: OptimiseOptions,
+    /// What is held.
+    pub steering: Steering,
+    /// Whether a mesh that is planar is optimised too.
+    pub refit: bool,
+}
+
+/// Makes the faces of a mesh planar, close to a surface or to where they are.
+///
+/// # Errors
+/// If the mesh can't be used, or the user interrupts.
+pub fn planarize(
+    mesh: &HexMesh,
+    surface: Option<&TriangleSurface>,
+    how: &Planarization,
+    progress: &dyn Progress,
+) -> Result<Computed, JobError> {
+    let start = Instant::now();
+    let target = surface.map(SurfaceTarget::new);
+    let target = target.as_ref().map(|t| t as &dyn Target);
+    let steer = if how.refit {
+        optimise::refit
+    } else {
+        optimise::steer
+    };
+    let run = steer(mesh, target, &how.steering, &how.options, progress);
+    let run = run.map_err(|e| JobError::unusable(&e))?;
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(Computed {
+        outcome: ended(&run.outcome)?,
+        stages: vec![StageTime {
+            stage: "optimise".to_owned(),
+            seconds,
+        }],
+        statistics: value(&run.runs)?,
+        cones: Vec::new(),
+        classical: None,
+        tried: Vec::new(),
+        start: Some(mesh.to_soup()),
+        mesh: run.mesh,
+        smooth: None,
+        beyond: None,
+    })
+}
+
+/// Refines a mesh in space and brings it to a surface, level by level.
+///
+/// # Errors
+/// If the mesh can't be used, or the user interrupts.
+pub fn subdivide(
+    mesh: &HexMesh,
+    surface: &TriangleSurface,
+    levels: usize,
+    progress: &dyn Progress,
+) -> Result<Vec<HexMesh>, JobError> {
+    let made = pipeline::subdivide(mesh, surface, levels, &OptimiseOptions::default(), progress);
+    let levels = made.map_err(pipeline_failure)?;
+    Ok(levels.into_iter().map(|level| level.mesh).collect())
+}
+
+/// The outcome for the report.
+fn ended(outcome: &Outcome) -> Result<Value, JobError> {
+    if outcome.status == Status::Cancelled {
+        Err(JobError::Cancelled)
+    } else {
+        value(outcome)
+    }
+}
+
+fn value(of: &impl Serialize) -> Result<Value, JobError> {
+    serde_json::to_value(of).map_err(|e| JobError::internal("the run report", &e))
+}
+
+fn pipeline_failure(error: PipelineError) -> JobError {
+    let told = chain(&error);
+    match error {
+        PipelineError::Cancelled => JobError::Cancelled,
+        PipelineError::Size(_)
+        | PipelineError::Option(_)
+        | PipelineError::Components(_)
+        | PipelineError::NoPreview
+        | PipelineError::Snap { .. }
+        | PipelineError::Koebe(_)
+        | PipelineError::Cones(_) => JobError::Input(told),
+        PipelineError::Optimise(OptimiseError::Steering(_) | OptimiseError::BadOption(_)) => {
+            JobError::Input(told)
+        }
+        PipelineError::Layout(LayoutError::Network(NetworkError::BadAxis)) => JobError::Input(told),
+        PipelineError::Layout(
+            LayoutError::Domain(_) | LayoutError::Duality(DualityError::SingularQuadric),
+        ) => JobError::Input(told),
+        PipelineError::Layout(LayoutError::Duality(_) | LayoutError::Power(_))
+        | PipelineError::Fit(_)
+        | PipelineError::Trim(_) => JobError::NoResult(told),
+        PipelineError::Layout(LayoutError::Topology { .. } | LayoutError::Network(_)) => {
+            JobError::NoResult(told)
+        }
+        _ => JobError::Internal(told),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_the_pipeline_keep_apart_whose_fault_it_is() {
+        let unusable = pipeline_failure(PipelineError::Components(2));
+        assert!(matches!(unusable, JobError::Input(_)), "{unusable:?}");
+        let layout = LayoutError::Topology {
+            reason: String::new(),
+        };
+        let none = pipeline_failure(layout.into());
+        assert!(matches!(none, JobError::NoResult(_)), "{none:?}");
+        assert_eq!(
+            pipeline_failure(PipelineError::Cancelled),
+            JobError::Cancelled
+        );
+    }
+
+    #[test]
+    fn a_cancelled_run_is_no_result() {
+        assert_eq!(
+            ended(&Outcome::empty(Status::Cancelled)),
+            Err(JobError::Cancelled)
+        );
+        assert!(ended(&Outcome::empty(Status::Stalled)).is_ok());
+    }
+}

@@ -1,0 +1,266 @@
+//! Files that are read.
+
+use crate::error::JobError;
+use phex::report::InputFile;
+use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup, shown};
+use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, SurfaceParts, TriangleSurface, Vec3};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// A mesh file: its elements, and what the report says about it.
+pub struct MeshFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Vertices and faces as they stand in it.
+    pub soup: PolygonSoup,
+    /// Path, hash and counts.
+    pub record: InputFile,
+}
+
+impl MeshFile {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If the extension is unknown, the file can't be read or holds no mesh.
+    pub fn read(path: &Path) -> Result<Self, JobError> {
+        let (soup, sha256) = parse(path).map_err(|e| JobError::unusable(&e.in_file(path)))?;
+        let record = InputFile {
+            path: path.display().to_string(),
+            sha256,
+            vertices: soup.positions.len(),
+            faces: soup.faces.len(),
+        };
+        Ok(Self {
+            path: path.to_path_buf(),
+            soup,
+            record,
+        })
+    }
+
+    /// Elements that were never a file; the report tells their name and the checksum of their
+    /// bytes, numbers little-endian.
+    pub fn in_memory(name: &str, soup: PolygonSoup) -> Self {
+        let mut digest = Sha256::new();
+        for p in &soup.positions {
+            p.iter().for_each(|x| digest.update(x.to_le_bytes()));
+        }
+        for face in &soup.faces {
+            digest.update((face.len() as u64).to_le_bytes());
+            face.iter().for_each(|v| digest.update(v.to_le_bytes()));
+        }
+        let record = InputFile {
+            path: name.to_owned(),
+            sha256: hexadecimal(&digest.finalize()),
+            vertices: soup.positions.len(),
+            faces: soup.faces.len(),
+        };
+        let path = PathBuf::from(name);
+        Self { path, soup, record }
+    }
+
+    /// The connected surfaces in the file.
+    ///
+    /// # Errors
+    /// If the faces are no surface; the message names element and cause.
+    pub fn surfaces(&self) -> Result<SurfaceParts, JobError> {
+        let surfaces = TriangleSurface::from_soup(&self.soup);
+        surfaces.map_err(|e| JobError::in_file(&self.path, &e))
+    }
+
+    /// All connected surfaces in the file as one.
+    ///
+    /// # Errors
+    /// As [`surfaces`](Self::surfaces).
+    pub fn surface(&self) -> Result<TriangleSurface, JobError> {
+        Ok(self.surfaces()?.whole())
+    }
+
+    /// The file's faces as a polygon mesh, and the number of vertices that no face uses and that
+    /// were left out.
+    ///
+    /// # Errors
+    /// If the faces are no oriented manifold; the message names element and cause.
+    pub fn polygon_mesh(&self) -> Result<(HexMesh, usize), JobError> {
+        let used = without_unused_vertices(&self.soup);
+        let dropped = self.soup.positions.len() - used.positions.len();
+        let mesh = HexMesh::from_soup(&used).map_err(|e| JobError::in_file(&self.path, &e))?;
+        Ok((mesh, dropped))
+    }
+}
+
+fn parse(path: &Path) -> Result<(PolygonSoup, String), ReadError> {
+    let format = Format::from_path(path).map_err(ReadCause::from)?;
+    let bytes = std::fs::read(path).map_err(ReadCause::from)?;
+    let sha256 = hexadecimal(&Sha256::digest(&bytes));
+    Ok((parse_soup(&bytes, format)?, sha256))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// A number as it is typed or stands in a file.
+///
+/// # Errors
+/// If it is none, is not finite, or is larger than any coordinate that is computed with.
+pub fn number(word: &str) -> Result<f64, String> {
+    match word.parse::<f64>() {
+        Ok(x) if x.abs() <= LARGEST_COORDINATE => Ok(x),
+        Ok(x) if x.is_finite() => Err(format!(
+            "`{}` is beyond {LARGEST_COORDINATE:e}, the largest number that is computed with",
+            shown(word)
+        )),
+        Ok(_) => Err(format!("`{}` is not finite", shown(word))),
+        Err(_) => Err(format!("`{}` is not a number", shown(word))),
+    }
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// If it can't be read, or is no text.
+pub fn read_text(path: &Path) -> Result<String, JobError> {
+    std::fs::read_to_string(path).map_err(|e| JobError::in_file(path, &e))
+}
+
+/// A line of numbers, and where it stands.
+pub struct NumberLine {
+    /// The numbers.
+    pub numbers: Vec<f64>,
+    place: String,
+}
+
+impl NumberLine {
+    /// The line does not hold what is wanted.
+    pub fn wrong(&self, wanted: &str) -> JobError {
+        JobError::input(format!("{}: {wanted} is wanted on each line", self.place))
+    }
+}
+
+/// The lines of a text file with numbers, separated by blanks or commas; `#` begins a comment.
+///
+/// # Errors
+/// If the file can't be read, or a word is no [`number`].
+pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, JobError> {
+    let mut lines = Vec::new();
+    for (index, line) in read_text(path)?.lines().enumerate() {
+        let place = format!("{}:{}", path.display(), index + 1);
+        let data = line.split('#').next().unwrap_or_default();
+        let words = data.split(|c: char| c.is_whitespace() || c == ',');
+        let numbers: Result<Vec<f64>, String> =
+            words.filter(|w| !w.is_empty()).map(number).collect();
+        let wrong = |e| JobError::input(format!("{place}: {e} in `{}`", shown(line.trim())));
+        let numbers = numbers.map_err(wrong)?;
+        if !numbers.is_empty() {
+            lines.push(NumberLine { numbers, place });
+        }
+    }
+    Ok(lines)
+}
+
+/// The polylines of an OBJ file.
+///
+/// # Errors
+/// If the file can't be read, or a line of it is wrong.
+pub fn read_polylines(path: &Path) -> Result<Vec<Vec<Vec3>>, JobError> {
+    let (mut points, mut curves) = (Vec::new(), Vec::new());
+    for (index, line) in read_text(path)?.lines().enumerate() {
+        let bad = |e| JobError::input(format!("{}:{}: {e}", path.display(), index + 1));
+        let mut words = line
+            .split('#')
+            .next()
+            .unwrap_or_default()
+            .split_whitespace();
+        match words.next() {
+            Some("v") => points.push(point(words).map_err(bad)?),
+            Some("l") => curves.push(polyline(words, &points).map_err(bad)?),
+            _ => {}
+        }
+    }
+    Ok(curves)
+}
+
+fn point<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec3, String> {
+    let numbers: Vec<f64> = words.map(number).collect::<Result<_, _>>()?;
+    match numbers[..] {
+        [x, y, z, ..] => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!(
+            "a point has {} coordinates, 3 are needed",
+            numbers.len()
+        )),
+    }
+}
+
+/// The points of a line `l`; as in faces, a texture may follow a point's number, and negative
+/// numbers count backwards.
+fn polyline<'a>(
+    words: impl Iterator<Item = &'a str>,
+    points: &[Vec3],
+) -> Result<Vec<Vec3>, String> {
+    let index = |w: &str| {
+        let number = w
+            .split('/')
+            .next()
+            .unwrap_or_default()
+            .parse::<i64>()
+            .ok()?;
+        let from_start = if number < 0 {
+            number + points.len() as i64
+        } else {
+            number - 1
+        };
+        points.get(usize::try_from(from_start).ok()?).copied()
+    };
+    let none = |w: &str| {
+        let count = points.len();
+        format!("`{}` is none of the {count} points so far", shown(w))
+    };
+    words.map(|w| index(w).ok_or_else(|| none(w))).collect()
+}
+
+/// The same faces without vertices that none of them names; indices that do not exist are left for
+/// others to find.
+fn without_unused_vertices(soup: &PolygonSoup) -> PolygonSoup {
+    let mut is_used = vec![false; soup.positions.len()];
+    for &v in soup.faces.iter().flatten() {
+        match is_used.get_mut(v as usize) {
+            Some(used) => *used = true,
+            None => return soup.clone(),
+        }
+    }
+    let count = |kept: &mut u32, &used: &bool| {
+        let number = *kept;
+        *kept += u32::from(used);
+        Some(number)
+    };
+    let number: Vec<u32> = is_used.iter().scan(0, count).collect();
+    let positions = soup
+        .positions
+        .iter()
+        .zip(&is_used)
+        .filter(|(_, used)| **used)
+        .map(|(p, _)| *p)
+        .collect();
+    let renumber = |face: &Vec<u32>| face.iter().map(|&v| number[v as usize]).collect();
+    PolygonSoup {
+        positions,
+        faces: soup.faces.iter().map(renumber).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unused_vertices_are_left_out_and_faces_renumbered() {
+        let positions: Vec<Vec3> = (0..5).map(|i| Vec3::repeat(f64::from(i))).collect();
+        let soup = PolygonSoup {
+            positions,
+            faces: vec![vec![4, 1, 3]],
+        };
+        let used = without_unused_vertices(&soup);
+        assert_eq!(used.faces, [[2, 0, 1]]);
+        assert_eq!(used.positions, [1.0, 3.0, 4.0].map(Vec3::repeat));
+    }
+}

@@ -1,0 +1,56 @@
+//! A job of phex: what is wanted of a mesh, in words that people type, and one function that does
+//! it. The program, the Python package and whatever else takes jobs call [`run`], so that a job
+//! file means the same in all of them.
+//!
+//! | module | what it knows |
+//! |---|---|
+//! | `settings`, `steering`, `guides` | what is wanted, by the names of options and job files |
+//! | `units`, `number_lists` | lengths and lists of numbers as they are typed |
+//! | `input`, `given` | what files hold, or a caller's memory |
+//! | `effects`, `panel_size`, `size_field` | whether that makes sense |
+//! | `run`, `join`, `engine`, `deadline` | the computation |
+//! | `limits`, `wishes`, `portfolio` | what was reached, measured by what was wanted |
+//! | `whole_run` | how much is done |
+//!
+//! Nothing here writes a file, prints, or ends a program; a computation uses the threads of the
+//! pool that it is called in.
+
+mod deadline;
+mod effects;
+mod engine;
+mod error;
+mod given;
+mod guides;
+mod input;
+mod join;
+mod limits;
+mod number_lists;
+mod panel_size;
+mod portfolio;
+mod run;
+mod settings;
+mod size_field;
+mod steering;
+mod threads;
+mod units;
+mod whole_run;
+mod wishes;
+
+pub use deadline::{TimeLimit, time_limit};
+pub use engine::{Computed, Planarization, network, planarize, subdivide};
+pub use error::{JobError, chain};
+pub use given::Given;
+pub use guides::GuideSettings;
+pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read_text};
+pub use limits::TypedLimits;
+pub use number_lists::{finite, ten, three};
+pub use panel_size::panels;
+pub use portfolio::members;
+pub use run::{JobResult, LAYOUT_ALONE, LastStage, MeshJob, add_features, run};
+pub use settings::{
+    AtBoundary, CloseTo, DEFAULT_DEVIATION, LayoutMethod, MeshSettings, TypedPanelSize,
+};
+pub use steering::{SteeringSettings, TypedPlane, TypedSolver, positive};
+pub use threads::thread_count;
+pub use units::{NoQuantity, Quantity, Unit};
+pub use whole_run::{WholeProgress, WholeRun};

@@ -1,0 +1,151 @@
+//! Whether panels of the size that is asked for make sense on a surface.
+
+use crate::error::JobError;
+use crate::settings::TypedPanelSize;
+use crate::units::Unit;
+use phex::pipeline::MAX_PANELS;
+use phex_mesh::TriangleSurface;
+
+/// Smallest edge, in units of the rounding of the largest coordinate: below, a panel's shape is
+/// noise.
+const LEAST_EDGE_ULPS: f64 = 1e4;
+
+/// The number of panels that a size means on a surface.
+///
+/// # Errors
+/// If it is none, more than [`MAX_PANELS`], or so many that double precision can't hold their
+/// shapes.
+pub fn panels(
+    size: TypedPanelSize,
+    surface: &TriangleSurface,
+    unit: Unit,
+) -> Result<u64, JobError> {
+    let area = surface.area();
+    let panels = match size {
+        TypedPanelSize::Panels(0) => {
+            return Err(JobError::input("--panels 0: at least one panel is needed"));
+        }
+        TypedPanelSize::Panels(panels) => panels,
+        TypedPanelSize::EdgeLength(length) => {
+            let edge = length.length(unit, surface.diagonal());
+            let panels = (area / hexagon_area(edge)).round();
+            if panels < 1.0 {
+                return Err(JobError::input(format!(
+                    "--edge-length {length}: less than one panel fits on the surface"
+                )));
+            }
+            // Saturates, so that a length of zero is too many panels.
+            panels as u64
+        }
+    };
+    checked(panels, surface)
+}
+
+/// A number of panels, if it makes sense on a surface.
+///
+/// # Errors
+/// As [`panels`].
+pub fn checked(panels: u64, surface: &TriangleSurface) -> Result<u64, JobError> {
+    check_count(panels)?;
+    check_precision(panels, surface.area(), surface)?;
+    Ok(panels)
+}
+
+fn check_count(panels: u64) -> Result<(), JobError> {
+    if panels <= MAX_PANELS as u64 {
+        return Ok(());
+    }
+    Err(JobError::input(format!(
+        "{panels} panels are asked for, at most {MAX_PANELS} make sense"
+    )))
+}
+
+fn check_precision(panels: u64, area: f64, surface: &TriangleSurface) -> Result<(), JobError> {
+    let largest = surface
+        .positions()
+        .iter()
+        .map(|p| p.amax())
+        .fold(0.0, f64::max);
+    let least = LEAST_EDGE_ULPS * f64::EPSILON * largest;
+    let edge = edge_length(area / panels as f64);
+    if edge >= least {
+        return Ok(());
+    }
+    Err(JobError::input(format!(
+        "{panels} panels would have edges of {edge:.1e}, but coordinates as large as {largest:.1e} hold shapes only \
+         down to {least:.1e}: ask for fewer panels, or move the model to the origin"
+    )))
+}
+
+/// Area of a regular hexagon.
+pub fn hexagon_area(edge: f64) -> f64 {
+    1.5 * 3.0_f64.sqrt() * edge * edge
+}
+
+/// Edge of a regular hexagon of an area.
+pub fn edge_length(area: f64) -> f64 {
+    (area / hexagon_area(1.0)).sqrt()
+}
+
+/// Shares of `panels` in proportion to areas, each at least one.
+pub fn shares(panels: u64, areas: &[f64]) -> Vec<u64> {
+    let total: f64 = areas.iter().sum();
+    areas
+        .iter()
+        .map(|area| ((panels as f64 * area / total).round() as u64).max(1))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phex_mesh::Vec3;
+
+    /// A square of side 10 whose corner lies at a distance from the origin.
+    fn square(offset: f64) -> TriangleSurface {
+        let corners = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)];
+        let positions = corners
+            .iter()
+            .map(|&(x, y)| Vec3::new(x + offset, y, 0.0))
+            .collect();
+        TriangleSurface::new(positions, &[[0, 1, 2], [0, 2, 3]]).unwrap()
+    }
+
+    fn message(size: TypedPanelSize, offset: f64) -> String {
+        panels(size, &square(offset), Unit::M)
+            .unwrap_err()
+            .to_string()
+    }
+
+    #[test]
+    fn edge_length_becomes_a_number_of_panels() {
+        let count = |text: &str| {
+            panels(
+                TypedPanelSize::EdgeLength(text.parse().unwrap()),
+                &square(0.0),
+                Unit::M,
+            )
+            .unwrap()
+        };
+        assert_eq!(count("1m"), 38);
+        assert_eq!(count("100cm"), 38);
+        assert_eq!(count("7.0710678118654755%"), 38);
+    }
+
+    #[test]
+    fn senseless_sizes_are_refused() {
+        assert!(message(TypedPanelSize::Panels(0), 0.0).contains("--panels 0"));
+        assert!(message(TypedPanelSize::Panels(MAX_PANELS as u64 + 1), 0.0).contains("at most"));
+        assert!(message(TypedPanelSize::EdgeLength("0".parse().unwrap()), 0.0).contains("at most"));
+        assert!(
+            message(TypedPanelSize::EdgeLength("30m".parse().unwrap()), 0.0)
+                .contains("less than one")
+        );
+        assert!(message(TypedPanelSize::Panels(1000), 1e12).contains("move the model"));
+    }
+
+    #[test]
+    fn shares_follow_the_areas() {
+        assert_eq!(shares(100, &[1.0, 3.0, 0.001]), [25, 75, 1]);
+    }
+}

@@ -1,0 +1,492 @@
+//! One job: from a surface and what is wanted of it to a mesh and its report.
+
+use crate::deadline::{TimeLimit, Timed};
+use crate::engine::{self, Computed};
+use crate::error::JobError;
+use crate::given::Given;
+use crate::join::{joined_beyond, joined_mesh, joined_start, joined_target};
+use crate::limits::TypedLimits;
+use crate::panel_size::{self, edge_length, shares};
+use crate::portfolio::members;
+use crate::settings::{MeshSettings, TypedPanelSize};
+use crate::size_field::SizeField;
+use crate::wishes::{Wishes, check_near};
+use phex::directions::Cone;
+use phex::optimise::led_elsewhere;
+use phex::pipeline::{AttemptSummary, ClassicalStatistics};
+use phex::quality::References;
+use phex::report::{FeatureSizes, InputFile, RunReport, StageTime};
+use phex::{Event, MeshOptions, Progress};
+use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Where a job may end before there is a planar mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum LastStage {
+    /// The panels of the first lattice
+    Layout,
+}
+
+/// What a job that ends after the layout has made.
+pub const LAYOUT_ALONE: &str = "as they are laid out: neither planar nor checked";
+
+/// What is to be covered with panels, and how.
+#[derive(Clone)]
+pub struct MeshJob {
+    /// The surface.
+    pub parts: SurfaceParts,
+    /// What is told of the surface's origin; `vertices` counts those that a field of sizes has.
+    pub input: InputFile,
+    /// What is wanted; the files that it names are not read.
+    pub settings: MeshSettings,
+    /// What those files hold, see [`Given::read`].
+    pub given: Given,
+    /// An earlier mesh to go on from.
+    pub start: Option<HexMesh>,
+    /// Whether a job that is cancelled ends with the best mesh so far.
+    pub keep_best: bool,
+    /// When it ends with the best mesh so far.
+    pub time_limit: Option<TimeLimit>,
+    /// Where it ends.
+    pub until: Option<LastStage>,
+}
+
+impl MeshJob {
+    /// A job without an earlier mesh, values in memory or limit of time, to the end.
+    pub fn new(parts: SurfaceParts, input: InputFile, settings: MeshSettings) -> Self {
+        Self {
+            parts,
+            input,
+            settings,
+            given: Given::default(),
+            start: None,
+            keep_best: false,
+            time_limit: None,
+            until: None,
+        }
+    }
+}
+
+/// What came of a job; lengths are in model units.
+#[derive(Clone)]
+pub struct JobResult {
+    /// The panels, valid or not; the report says which.
+    pub mesh: HexMesh,
+    /// The panels before the optimiser, where there were any.
+    pub start: Option<PolygonSoup>,
+    /// The smooth surface that they were fitted to.
+    pub smooth: Option<TriangleSurface>,
+    /// The surface as it was given.
+    pub facets: TriangleSurface,
+    /// Figures, checks, settings and times.
+    pub report: RunReport,
+    /// What the mesh was judged by.
+    pub limits: TypedLimits,
+    /// What came of guides, cones and sizes, by what each sentence is about.
+    pub wishes: Vec<(&'static str, String)>,
+    /// Panels that are too large for the surface's features, if there are any.
+    pub warning: Option<String>,
+    /// The ways of the portfolio, for each part of the surface.
+    pub tried: Vec<Vec<AttemptSummary>>,
+    /// What methods by planes and poles met with, for each part of the surface.
+    pub classical: Vec<Option<ClassicalStatistics>>,
+}
+
+/// Does a job, on the threads of the pool that it is called in.
+///
+/// # Errors
+/// If something given can't be used, there is no panelling, or the caller stops it.
+///
+/// ```
+/// use phex_job::{MeshFile, MeshJob, MeshSettings, run};
+/// use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+///
+/// let sphere = triangulate(&Shape::from_name("sphere", &[])?, &TriangulationOptions::default())?;
+/// let soup = phex_mesh::PolygonSoup {
+///     positions: sphere.positions().as_slice().to_vec(),
+///     faces: sphere.topology().face_lists(),
+/// };
+/// let file = MeshFile::in_memory("sphere", soup);
+/// let settings = MeshSettings::from_toml("panels = 32\nmax-deviation = '5%'")?;
+/// let made = run(&MeshJob::new(file.surfaces()?, file.record, settings), &phex::Silent)?;
+/// assert_eq!(made.mesh.topology().n_faces(), 32);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn run(job: &MeshJob, progress: &dyn Progress) -> Result<JobResult, JobError> {
+    let timed = Timed::new(progress, job.time_limit);
+    let mut notes = Notes::new(progress);
+    let task = MeshTask::new(job, &timed, &mut notes)?;
+    let runs = match &job.start {
+        Some(earlier) => task.refit(earlier).map(|run| vec![run]),
+        None => task.mesh_each(),
+    };
+    let runs = runs.map_err(|error| timed.too_late(error))?;
+    let is_free = task.settings.stages.steering.is_empty();
+    timed
+        .stopped(is_free)
+        .into_iter()
+        .for_each(|n| notes.say(n));
+    let mesh = joined_mesh(&runs)?;
+    let missed = missed_edge(&task.settings, &mesh, task.facets.diagonal());
+    missed.into_iter().for_each(|note| notes.say(note));
+    task.judged(mesh, runs, notes.said)
+}
+
+/// Notes on their way to the caller and into the report.
+struct Notes<'a> {
+    progress: &'a dyn Progress,
+    said: Vec<String>,
+}
+
+impl<'a> Notes<'a> {
+    fn new(progress: &'a dyn Progress) -> Self {
+        let said = Vec::new();
+        Self { progress, said }
+    }
+
+    fn say(&mut self, message: String) {
+        self.said.push(message.clone());
+        self.progress.report(&Event::Note { message });
+    }
+}
+
+/// A job with every default filled in.
+struct MeshTask<'a> {
+    job: &'a MeshJob,
+    progress: &'a Timed<'a>,
+    /// All components.
+    facets: TriangleSurface,
+    panels: u64,
+    field: Option<SizeField>,
+    settings: MeshSettings,
+    limits: TypedLimits,
+}
+
+impl<'a> MeshTask<'a> {
+    fn new(
+        job: &'a MeshJob,
+        progress: &'a Timed<'a>,
+        notes: &mut Notes<'_>,
+    ) -> Result<Self, JobError> {
+        job.settings.check()?;
+        if job.start.is_none() {
+            job.settings.check_effects(&job.given)?;
+        }
+        check_components(&job.parts.components, &job.settings)?;
+        let facets = job.parts.whole();
+        let mut sentences = job.parts.notes.sentences();
+        sentences.extend(without_effect(job, &facets));
+        sentences.into_iter().for_each(|note| notes.say(note));
+        let field = size_field(job)?;
+        let panels = panels(job, field.as_ref(), &facets)?;
+        let mut settings = job.settings.complete(panels);
+        let (stages, given) = (&mut settings.stages, job.given.clone());
+        (settings.steering).apply(given.steering, &mut stages.steering, &mut stages.optimise);
+        (settings.guides).apply(given.guides, &mut stages.directions.guides);
+        check_steering(job, &settings)?;
+        check_near(&settings.stages, &facets)?;
+        let mut limits = TypedLimits::from(&settings);
+        if job.start.is_some() {
+            limits.boundary = None;
+        }
+        let edge = edge_length(facets.area() / panels as f64);
+        let extent = facets.diagonal();
+        limits.demand(&mut settings.stages.optimise, edge, extent, extent);
+        Ok(Self {
+            job,
+            progress,
+            facets,
+            panels,
+            field,
+            settings,
+            limits,
+        })
+    }
+
+    /// An earlier mesh, brought to the surface again.
+    fn refit(&self, earlier: &HexMesh) -> Result<Computed, JobError> {
+        let mut options = self.settings.stages.clone();
+        self.demand(&mut options, &self.facets, earlier.mean_edge());
+        let reached = engine::refit(earlier, &self.facets, &options, self.progress)?;
+        self.unless_interrupted(reached)
+    }
+
+    fn mesh_each(&self) -> Result<Vec<Computed>, JobError> {
+        let components = &self.job.parts.components;
+        let areas: Vec<f64> = components.iter().map(|c| c.surface.area()).collect();
+        let edge = edge_length(areas.iter().sum::<f64>() / self.panels as f64);
+        let surfaces: Vec<TriangleSurface> = components.iter().map(|c| c.surface.clone()).collect();
+        let steering = self.settings.stages.steering.shared(&surfaces, edge);
+        let counts = shares(self.panels, &areas);
+        let mesh = |(k, (part, &count)): (usize, (&SurfaceComponent, &u64))| {
+            let mut options = self.settings.options(count);
+            if let TypedPanelSize::EdgeLength(length) = self.settings.size() {
+                let unit = self.settings.unit.unwrap_or_default();
+                let length = length.length(unit, self.facets.diagonal());
+                options.size = phex::PanelSize::EdgeLength(length);
+            }
+            options.steering = steering[k].clone();
+            self.demand(&mut options, &part.surface, edge);
+            if let Some(field) = &self.field {
+                options.size_field = Some(field.of(k).to_vec());
+            }
+            let made = match self.job.until {
+                Some(LastStage::Layout) => engine::lay_out(&part.surface, &options, self.progress),
+                None => engine::mesh(&part.surface, &options, self.progress),
+            };
+            self.unless_interrupted(made?)
+        };
+        let parts = components.iter().zip(&counts).enumerate();
+        parts.map(mesh).collect()
+    }
+
+    /// What a run has reached, unless the caller wants nothing any more.
+    fn unless_interrupted(&self, reached: Computed) -> Result<Computed, JobError> {
+        match self.progress.was_stopped() && !self.job.keep_best {
+            true => Err(JobError::Cancelled),
+            false => Ok(reached),
+        }
+    }
+
+    /// Tells the optimiser of the limits, on a surface with panels of edge length `edge`.
+    fn demand(&self, options: &mut MeshOptions, surface: &TriangleSurface, edge: f64) {
+        let limits = TypedLimits::from(&self.settings);
+        let (extent, whole) = (surface.diagonal(), self.facets.diagonal());
+        limits.demand(&mut options.optimise, edge, extent, whole);
+    }
+
+    /// The result, with a report on what was reached.
+    fn judged(
+        self,
+        mesh: HexMesh,
+        runs: Vec<Computed>,
+        notes: Vec<String>,
+    ) -> Result<JobResult, JobError> {
+        let smooth = joined_target(&runs)?;
+        let beyond = joined_beyond(&runs, &self.job.parts.components)?;
+        let elsewhere = led_elsewhere(&self.settings.stages.steering, &mesh);
+        let references = References {
+            smooth: smooth.as_ref(),
+            facets: Some(&self.facets),
+            beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
+            elsewhere: &elsewhere,
+        };
+        let assessment = self.limits.judge(&mesh, references);
+        let mut limits = self.limits;
+        if !elsewhere.is_empty() {
+            // A later judge does not know where the boundary was to go.
+            limits.boundary = None;
+        }
+        let mut report = limits.report("mesh", assessment);
+        report.inputs = vec![self.job.input.clone()];
+        report.threads = rayon::current_num_threads();
+        let attempts = runs.iter().flat_map(|run| members(&run.tried));
+        report.notes = notes.into_iter().chain(attempts).collect();
+        let start = joined_start(&runs);
+        let cones: Vec<Cone> = runs.iter().flat_map(|run| run.cones.clone()).collect();
+        let (tried, classical) = runs
+            .iter()
+            .map(|run| (run.tried.clone(), run.classical.clone()))
+            .unzip();
+        describe(&mut report, &self.settings, runs)?;
+        let wishes = match self.job.start {
+            None => self.wishes(&mesh, smooth.as_ref(), &cones).told(),
+            Some(_) => Vec::new(),
+        };
+        let told = wishes.iter().map(|(what, s)| format!("{what}: {s}"));
+        report.notes.extend(told);
+        if self.job.until.is_some() {
+            report.notes.push(LAYOUT_ALONE.to_owned());
+        }
+        let warning = add_features(&mut report, &mesh, smooth.as_ref().or(Some(&self.facets)));
+        Ok(JobResult {
+            mesh,
+            start,
+            smooth,
+            facets: self.facets,
+            report,
+            limits,
+            wishes,
+            warning,
+            tried,
+            classical,
+        })
+    }
+
+    fn wishes<'b>(
+        &'b self,
+        mesh: &'b HexMesh,
+        smooth: Option<&'b TriangleSurface>,
+        cones: &'b [Cone],
+    ) -> Wishes<'b> {
+        Wishes {
+            options: &self.settings.stages,
+            panels: self.panels,
+            facets: &self.facets,
+            smooth: smooth.unwrap_or(&self.facets),
+            mesh,
+            cones,
+        }
+    }
+}
+
+/// Adds the sizes that the surface's features allow to a report; a sentence if panels are larger.
+pub fn add_features(
+    report: &mut RunReport,
+    mesh: &HexMesh,
+    surface: Option<&TriangleSurface>,
+) -> Option<String> {
+    let sizes = surface.map(|surface| FeatureSizes::new(mesh, surface));
+    let warning = sizes.as_ref().and_then(|s| s.warning(&report.checks));
+    report.notes.extend(warning.clone());
+    report.feature_sizes = sizes;
+    warning
+}
+
+fn size_field(job: &MeshJob) -> Result<Option<SizeField>, JobError> {
+    let path = job.settings.size_field.as_deref();
+    let source = path.map_or_else(|| "size-field".to_owned(), |p| p.display().to_string());
+    let field = job.given.size_field.as_ref();
+    let of = |sizes: &Vec<f64>| SizeField::new(sizes, &source, &job.input, &job.parts.components);
+    field.map(of).transpose()
+}
+
+fn panels(
+    job: &MeshJob,
+    field: Option<&SizeField>,
+    facets: &TriangleSurface,
+) -> Result<u64, JobError> {
+    match field {
+        Some(field) if !job.settings.is_sized() => {
+            let panels = field.panels(&job.parts.components).round().max(1.0);
+            panel_size::checked(panels as u64, facets)
+        }
+        _ => {
+            let unit = job.settings.unit.unwrap_or_default();
+            panel_size::panels(job.settings.size(), facets, unit)
+        }
+    }
+}
+
+/// What is set and a warm start does not heed, and what asks for a boundary that there is not.
+fn without_effect(job: &MeshJob, facets: &TriangleSurface) -> Vec<String> {
+    let mut told = Vec::new();
+    let idle = job.settings.idle_on_start();
+    if job.start.is_some() && !idle.is_empty() {
+        told.push(format!(
+            "`{}` of the job file has no effect with --start, which lays nothing out",
+            idle.join("`, `")
+        ));
+    }
+    if job.settings.boundary.is_some() && facets.boundary_loops().is_empty() {
+        told.push("--boundary has no effect: the surface has no boundary".to_owned());
+    }
+    told
+}
+
+fn check_components(
+    components: &[SurfaceComponent],
+    settings: &MeshSettings,
+) -> Result<(), JobError> {
+    if components.len() == 1 || settings.all_components {
+        return Ok(());
+    }
+    let sizes: Vec<String> = components
+        .iter()
+        .take(10)
+        .map(|c| c.surface.topology().n_faces().to_string())
+        .collect();
+    let more = if components.len() > sizes.len() {
+        ", ..."
+    } else {
+        ""
+    };
+    Err(JobError::input(format!(
+        "the surface has {} connected parts ({}{more} triangles): mesh every one with --all-components, or remove \
+         those that are not wanted",
+        components.len(),
+        sizes.join(", ")
+    )))
+}
+
+/// Numbers of vertices refer to a mesh that is known.
+fn check_steering(job: &MeshJob, settings: &MeshSettings) -> Result<(), JobError> {
+    if job.start.is_none() && !settings.stages.steering.fixed_vertices.is_empty() {
+        return Err(JobError::input(
+            "--fix: vertices have no numbers before there is a mesh; give points x y z, or an earlier mesh with --start",
+        ));
+    }
+    Ok(())
+}
+
+/// Relative error of the mean edge length that is told.
+const TOLD_EDGE_ERROR: f64 = 0.03;
+
+/// What is said where panels do not have the edges that were asked for.
+fn missed_edge(settings: &MeshSettings, mesh: &HexMesh, extent: f64) -> Option<String> {
+    let TypedPanelSize::EdgeLength(asked) = settings.size() else {
+        return None;
+    };
+    let unit = settings.unit.unwrap_or_default();
+    let ratio = mesh.mean_edge() / asked.length(unit, extent);
+    let missed = (ratio - 1.0).abs() > TOLD_EDGE_ERROR;
+    missed.then(|| {
+        format!("--edge-length {asked}: the panels' edges are {ratio:.3} times as long on average")
+    })
+}
+
+/// Fills in how the mesh came about.
+fn describe(
+    report: &mut RunReport,
+    settings: &MeshSettings,
+    runs: Vec<Computed>,
+) -> Result<(), JobError> {
+    let value = serde_json::to_value(settings);
+    report.settings = value.map_err(|e| JobError::internal("the settings", &e))?;
+    report.seed = settings.stages.layout.seed;
+    report.stages = summed(runs.iter().flat_map(|run| &run.stages));
+    let (outcomes, statistics): (Vec<Value>, Vec<Value>) = runs
+        .into_iter()
+        .map(|run| (run.outcome, run.statistics))
+        .unzip();
+    report.outcome = outcomes.into();
+    report.statistics = statistics.into();
+    Ok(())
+}
+
+/// Times by stage, in the order of their first calls.
+fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
+    let mut sums: Vec<StageTime> = Vec::new();
+    for time in times {
+        match sums.iter_mut().find(|sum| sum.stage == time.stage) {
+            Some(sum) => sum.seconds += time.seconds,
+            None => sums.push(time.clone()),
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_summed_by_stage() {
+        let time = |stage: &str, seconds| StageTime {
+            stage: stage.to_owned(),
+            seconds,
+        };
+        let times = [
+            time("layout", 1.0),
+            time("optimise", 2.0),
+            time("layout", 0.5),
+        ];
+        assert_eq!(
+            summed(times.iter()),
+            [time("layout", 1.5), time("optimise", 2.0)]
+        );
+    }
+}

@@ -1,0 +1,408 @@
+//! Requests whose answer is a mesh that is judged.
+
+use crate::answer::{Answer, AnswerPart, json};
+use crate::inputs::Inputs;
+use crate::kept::{Kept, KeptResult};
+use phex::Progress;
+use phex::koebe::{BoundaryCondition, KoebeOptions, koebe};
+use phex::offset::{FitOptions, FitStart, fit_parallel};
+use phex::quality::References;
+use phex::report::RunReport;
+use phex_job::{
+    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, LastStage, MeshFile, MeshJob,
+    MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, chain,
+    time_limit,
+};
+use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, TriangleSurface};
+use serde::Deserialize;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Points, lines and cones in memory, each a list of numbers as on a line of a file.
+#[derive(Deserialize, Default)]
+#[serde(default, deny_unknown_fields)]
+pub struct GivenValues {
+    fix: Vec<Vec<f64>>,
+    anchors: Vec<Vec<f64>>,
+    cones: Vec<Vec<f64>>,
+    curve: Vec<Vec<[f64; 3]>>,
+    guide: Vec<Vec<[f64; 3]>>,
+}
+
+impl GivenValues {
+    /// Adds the values to what files hold.
+    fn add_to(self, given: &mut Given) -> Result<(), JobError> {
+        let lists = [
+            ("fix", &self.fix),
+            ("anchors", &self.anchors),
+            ("cones", &self.cones),
+        ];
+        for (name, lines) in lists {
+            for (k, numbers) in lines.iter().enumerate() {
+                let told = |cause: &str| JobError::Input(format!("{name}: entry {k}: {cause}"));
+                if !numbers.iter().all(|x| x.abs() <= LARGEST_COORDINATE) {
+                    return Err(told("a number is not finite, or too large"));
+                }
+                given
+                    .add(name, numbers)
+                    .map_err(|wanted| told(&format!("{wanted} is wanted")))?;
+            }
+        }
+        for (name, lines) in [("curve", &self.curve), ("guide", &self.guide)] {
+            let far = |line: &Vec<[f64; 3]>| {
+                let mut numbers = line.iter().flatten();
+                line.len() < 2 || !numbers.all(|x| x.abs() <= LARGEST_COORDINATE)
+            };
+            if let Some(k) = lines.iter().position(far) {
+                let told =
+                    "it has less than two points, or a number that is not finite or too large";
+                return Err(JobError::Input(format!("{name}: line {k}: {told}")));
+            }
+        }
+        given.steering.curves.extend(self.curve);
+        given.guides.lines.extend(self.guide);
+        Ok(())
+    }
+}
+
+/// Options of `phex.mesh`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeshRequest {
+    settings: MeshSettings,
+    config: Option<PathBuf>,
+    #[serde(default)]
+    given: GivenValues,
+    keep_best: bool,
+    time_limit: Option<String>,
+    until: Option<LastStage>,
+}
+
+/// A surface covered with panels; a second mesh is an earlier one to go on from.
+///
+/// # Errors
+/// As [`phex_job::run`].
+pub fn mesh(
+    request: MeshRequest,
+    inputs: Inputs,
+    progress: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let file = inputs.first()?;
+    let settings = with_job_file(request.settings, request.config)?;
+    let mut given = Given::read(&settings)?;
+    request.given.add_to(&mut given)?;
+    given.size_field = inputs.sizes.clone().or(given.size_field);
+    let start = inputs
+        .files
+        .get(1)
+        .map(MeshFile::polygon_mesh)
+        .transpose()?;
+    let length = request.time_limit.as_deref().map(time_limit).transpose();
+    let length = length.map_err(|e| JobError::Input(format!("time_limit: {e}")))?;
+    let job = MeshJob {
+        given,
+        start: start.map(|(mesh, _)| mesh),
+        keep_best: request.keep_best,
+        until: request.until,
+        time_limit: length.and_then(TimeLimit::from_now),
+        ..MeshJob::new(file.surfaces()?, file.record.clone(), settings)
+    };
+    let made = phex_job::run(&job, progress)?;
+    answer(KeptResult {
+        mesh: made.mesh,
+        report: made.report,
+        smooth: made.smooth,
+        facets: Some(made.facets),
+        start: made.start,
+    })
+}
+
+/// Settings over those of a job file.
+fn with_job_file(settings: MeshSettings, file: Option<PathBuf>) -> Result<MeshSettings, JobError> {
+    settings.check_job()?;
+    let file = file.as_deref().map(MeshSettings::from_file).transpose()?;
+    let settings = settings.over(file.unwrap_or_default());
+    settings.check().map(|()| settings)
+}
+
+/// A mesh with its report, and what is kept for later.
+fn answer(result: KeptResult) -> Result<Answer, JobError> {
+    let report = result.report.to_json();
+    let report = report.map_err(|e| JobError::Internal(e.to_string()))?;
+    let verdict = json(&result.report.verdict)?;
+    let smooth = result.smooth.as_ref().map(soup_of);
+    Ok(vec![
+        ("mesh", AnswerPart::Mesh(Some(result.mesh.to_soup()))),
+        ("target", AnswerPart::Mesh(smooth)),
+        ("report", AnswerPart::Text(report)),
+        ("verdict", verdict),
+        ("kept", AnswerPart::Kept(Box::new(Kept::new(result)))),
+    ])
+}
+
+fn soup_of(surface: &TriangleSurface) -> PolygonSoup {
+    PolygonSoup {
+        positions: surface.positions().as_slice().to_vec(),
+        faces: surface.topology().face_lists(),
+    }
+}
+
+/// Tolerances, and the unit that they refer to.
+#[derive(Deserialize, Clone, Copy, Default)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct LimitsRequest {
+    planarity: Option<Quantity>,
+    max_deviation: Option<Quantity>,
+    unit: Option<Unit>,
+    boundary: Option<AtBoundary>,
+}
+
+impl LimitsRequest {
+    /// The limits, where there is a surface or not.
+    fn limits(self, has_surface: bool) -> Result<TypedLimits, JobError> {
+        if let Some(limit) = self.max_deviation.filter(|_| !has_surface) {
+            let told = format!("max_deviation {limit} has no effect without a surface");
+            return Err(JobError::Input(told));
+        }
+        Ok(TypedLimits {
+            planarity: self.planarity,
+            max_deviation: self.max_deviation.unwrap_or(DEFAULT_DEVIATION),
+            unit: self.unit.unwrap_or_default(),
+            boundary: self.boundary.map(Into::into),
+        })
+    }
+}
+
+/// Options of `phex.planarize`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanarizeRequest {
+    steering: SteeringSettings,
+    config: Option<PathBuf>,
+    #[serde(default)]
+    given: GivenValues,
+    limits: LimitsRequest,
+    refit: bool,
+}
+
+/// A mesh with planar faces, close to a surface, which is the second mesh, or to where it is.
+///
+/// # Errors
+/// If an input can't be used.
+pub fn planarized(
+    request: PlanarizeRequest,
+    inputs: Inputs,
+    progress: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let (start, surface) = (inputs.panels()?, inputs.surface()?);
+    let limits = request.limits.limits(surface.is_some())?;
+    let typed = MeshSettings {
+        steering: request.steering,
+        ..MeshSettings::default()
+    };
+    let settings = with_job_file(typed, request.config)?;
+    let idle = settings.steering.without_effect();
+    if !idle.is_empty() {
+        return Err(JobError::Input(format!(
+            "{}: leave it out",
+            idle.join("; ")
+        )));
+    }
+    let mut given = Given {
+        steering: settings.steering.read()?,
+        ..Given::default()
+    };
+    request.given.add_to(&mut given)?;
+    let typed = settings.steering;
+    let (mut options, mut steering) = (settings.stages.optimise, settings.stages.steering);
+    typed.apply(given.steering, &mut steering, &mut options);
+    let whole = surface
+        .as_ref()
+        .map_or_else(|| start.diagonal(), TriangleSurface::diagonal);
+    limits.demand(&mut options, start.mean_edge(), start.diagonal(), whole);
+    let how = Planarization {
+        options,
+        steering,
+        refit: request.refit || typed.has_dials(),
+    };
+    let reached = phex_job::planarize(&start, surface.as_ref(), &how, progress)?;
+    let own = || Some(inputs.first().ok()?.surfaces().ok()?.whole());
+    let facets = surface.or_else(own);
+    let mut report = judged(
+        "planarize",
+        &reached.mesh,
+        facets.as_ref(),
+        &limits,
+        &inputs,
+    );
+    report.settings =
+        json!({ "optimise": how.options, "steering": how.steering, "refit": how.refit });
+    described(&mut report, &reached);
+    answer(KeptResult {
+        mesh: reached.mesh,
+        report,
+        smooth: None,
+        facets,
+        start: reached.start,
+    })
+}
+
+fn described(report: &mut RunReport, reached: &Computed) {
+    report.outcome = reached.outcome.clone();
+    report.statistics = reached.statistics.clone();
+    report.stages = reached.stages.clone();
+}
+
+/// The report of a mesh judged by limits against a surface.
+fn judged(
+    command: &'static str,
+    mesh: &HexMesh,
+    facets: Option<&TriangleSurface>,
+    limits: &TypedLimits,
+    inputs: &Inputs,
+) -> RunReport {
+    let references = References {
+        facets,
+        ..References::default()
+    };
+    let mut report = limits.report(command, limits.judge(mesh, references));
+    report.inputs = inputs.files.iter().map(|f| f.record.clone()).collect();
+    report.threads = rayon::current_num_threads();
+    report
+}
+
+/// A mesh judged; the second mesh is the surface that it stands for.
+///
+/// # Errors
+/// If an input can't be used.
+pub fn checked(
+    request: LimitsRequest,
+    inputs: Inputs,
+    _: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let (mesh, facets) = (inputs.panels()?, inputs.surface()?);
+    let limits = request.limits(facets.is_some())?;
+    let mut report = judged("check", &mesh, facets.as_ref(), &limits, &inputs);
+    phex_job::add_features(&mut report, &mesh, facets.as_ref());
+    answer(KeptResult {
+        mesh,
+        report,
+        smooth: None,
+        facets,
+        start: None,
+    })
+}
+
+/// Options of `phex.koebe`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KoebeRequest {
+    boundary: Option<BoundaryCondition>,
+    opening: Option<f64>,
+}
+
+/// The mesh of a graph whose edges touch the unit sphere.
+///
+/// # Errors
+/// If there is none, or it is not found.
+pub fn koebe_mesh(
+    request: KoebeRequest,
+    inputs: Inputs,
+    progress: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let graph = inputs.panels()?;
+    let closed = graph.topology().boundary_loops().is_empty();
+    let is_given = request.boundary.is_some() || request.opening.is_some();
+    if closed && is_given {
+        let told = "boundary and opening have no effect: the mesh has no boundary";
+        return Err(JobError::Input(told.to_owned()));
+    }
+    if request.opening.is_some() && request.boundary == Some(BoundaryCondition::GaussImage) {
+        let told =
+            "opening has no effect with boundary gauss-image, which says how far the mesh opens";
+        return Err(JobError::Input(told.to_owned()));
+    }
+    let mut options = KoebeOptions::default();
+    options.boundary = request.boundary.unwrap_or(options.boundary);
+    options.opening = request.opening.unwrap_or(options.opening);
+    let made = koebe(&graph, &options, progress).map_err(|e| JobError::Input(chain(&e)))?;
+    stopped(progress)?;
+    if !made.is_converged() {
+        let told = format!("the circles were not found: {:?}", made.outcome.status);
+        return Err(JobError::NoResult(told));
+    }
+    let limits = LimitsRequest::default().limits(false)?;
+    let mut report = judged("koebe", &made.mesh, None, &limits, &inputs);
+    report.settings = json!({ "koebe": options, "unit": "sphere of radius 1" });
+    report.outcome = json!(made.outcome);
+    report.statistics = json!({ "defects": made.defects });
+    answer(KeptResult {
+        mesh: made.mesh,
+        report,
+        smooth: None,
+        facets: None,
+        start: None,
+    })
+}
+
+/// Ends a computation that was stopped and has no result.
+///
+/// # Errors
+/// If it was.
+pub fn stopped(progress: &dyn Progress) -> Result<(), JobError> {
+    match progress.is_cancelled() {
+        true => Err(JobError::Cancelled),
+        false => Ok(()),
+    }
+}
+
+/// Options of `phex.parallel`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParallelRequest {
+    start: FitStart,
+    least_edge: f64,
+    fairness: f64,
+    constant_mean_curvature: f64,
+    limits: LimitsRequest,
+}
+
+/// The mesh parallel to one that is closest to a surface, the second mesh.
+///
+/// # Errors
+/// If an input or option can't be used.
+pub fn parallel(
+    request: ParallelRequest,
+    inputs: Inputs,
+    progress: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let (mesh, surface) = (inputs.panels()?, inputs.surface()?);
+    let surface = surface.ok_or_else(|| JobError::Input("a surface is needed".to_owned()))?;
+    let limits = request.limits.limits(true)?;
+    let options = FitOptions {
+        start: request.start,
+        least_edge: request.least_edge,
+        fairness: request.fairness,
+        constant_mean_curvature: request.constant_mean_curvature,
+        ..FitOptions::default()
+    };
+    let fitted = fit_parallel(&mesh, &surface, &options, progress);
+    let fitted = fitted.map_err(|e| JobError::Input(chain(&e)))?;
+    stopped(progress)?;
+    let mut report = judged("parallel", &fitted.mesh, Some(&surface), &limits, &inputs);
+    report.settings = json!({ "parallel": options });
+    report.statistics = json!({
+        "status": fitted.status,
+        "rounds": fitted.rounds,
+        "edges_at_bound": fitted.edges_at_bound,
+        "mean_curvature": fitted.mean_curvature,
+        "mean_curvature_spread": fitted.mean_curvature_spread,
+    });
+    answer(KeptResult {
+        mesh: fitted.mesh,
+        report,
+        smooth: None,
+        facets: Some(surface),
+        start: Some(mesh.to_soup()),
+    })
+}

@@ -1,0 +1,176 @@
+//! Requests for layers and for curve networks.
+
+use crate::answer::{Answer, AnswerPart};
+use crate::inputs::Inputs;
+use crate::judged::stopped;
+use phex::directions::{Curve, NetworkFamily};
+use phex::offset::{
+    GaussImage, OffsetKind, OffsetOptions, SafeDistances, edge_gauss_image, face_gauss_image,
+    layer, safe_distances, vertex_gauss_image,
+};
+use phex::{MeshOptions, PanelSize, Progress};
+use phex_job::{JobError, Quantity, TypedPanelSize, Unit, chain};
+use phex_mesh::measure::diagonal;
+use phex_mesh::{HexMesh, LARGEST_COORDINATE, ValidateOptions};
+use serde::Deserialize;
+
+/// Options of `phex.offset`; distances are model units.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OffsetRequest {
+    kind: OffsetKind,
+    distances: Vec<f64>,
+    max_distance: bool,
+    gauss_image: bool,
+    planarity: Option<Quantity>,
+    unit: Unit,
+}
+
+/// Layers of a mesh, its largest distances, and its Gauss image.
+///
+/// # Errors
+/// If the mesh has no such offset, or a distance goes too far.
+pub fn offset(
+    request: OffsetRequest,
+    inputs: Inputs,
+    progress: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let mesh = inputs.panels()?;
+    check_distances(&request.distances, &mesh)?;
+    let fraction = |q: Quantity| q.fraction(request.unit, mesh.mean_edge());
+    let options = OffsetOptions {
+        validity: ValidateOptions {
+            planarity: request.planarity.map(fraction),
+            ..ValidateOptions::default()
+        },
+        ..OffsetOptions::default()
+    };
+    let image = image(&mesh, request.kind, &options)?;
+    let mut layers = Vec::new();
+    for &distance in &request.distances {
+        stopped(progress)?;
+        let moved = layer(&mesh, &image, distance, &options);
+        let moved = moved.map_err(|e| {
+            too_far(&chain(&e), distance, || {
+                safe_distances(&mesh, &image, &options)
+            })
+        })?;
+        layers.push(moved.to_soup());
+    }
+    let mut answer = vec![("layers", AnswerPart::Meshes(layers))];
+    if request.max_distance {
+        let safe = safe_distances(&mesh, &image, &options);
+        let ends = vec![-safe.inward.distance, safe.outward.distance];
+        answer.push(("max_distance", AnswerPart::Numbers(ends)));
+    }
+    if request.gauss_image {
+        let touching = mesh.with_positions(image.positions.clone()).to_soup();
+        answer.push(("gauss_image", AnswerPart::Mesh(Some(touching))));
+    }
+    Ok(answer)
+}
+
+fn image(
+    mesh: &HexMesh,
+    kind: OffsetKind,
+    options: &OffsetOptions,
+) -> Result<GaussImage, JobError> {
+    let image = match kind {
+        OffsetKind::Face => face_gauss_image(mesh, options),
+        OffsetKind::Edge => edge_gauss_image(mesh, options).map(|found| found.image),
+        OffsetKind::Vertex => vertex_gauss_image(mesh, options).map(|s| s.image),
+    };
+    image.map_err(|e| JobError::Input(chain(&e)))
+}
+
+fn too_far(cause: &str, distance: f64, safe: impl FnOnce() -> SafeDistances) -> JobError {
+    let safe = safe();
+    let most = match distance < 0.0 {
+        true => -safe.inward.distance,
+        false => safe.outward.distance,
+    };
+    JobError::NoResult(format!(
+        "{cause}; the largest safe distance on that side is {most} (model units)"
+    ))
+}
+
+/// Refuses distances that the coordinates can't hold.
+fn check_distances(distances: &[f64], mesh: &HexMesh) -> Result<(), JobError> {
+    let largest = mesh.positions.iter().map(|p| p.amax()).fold(0.0, f64::max);
+    let range = 4.0 * f64::EPSILON * largest..=LARGEST_COORDINATE;
+    let is_held = |d: &&f64| **d == 0.0 || range.contains(&d.abs());
+    match distances.iter().find(|d| !is_held(d)) {
+        None => Ok(()),
+        Some(d) => Err(JobError::Input(format!(
+            "distance {d:e}: coordinates as large as {largest:.1e} hold distances from {:.1e} to {:e} (model units)",
+            range.start(),
+            range.end()
+        ))),
+    }
+}
+
+/// Lengths in model units, for options that take `20mm` or `1%`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LengthsRequest {
+    lengths: Vec<Quantity>,
+    unit: Unit,
+}
+
+/// Lengths in model units; percentages refer to the diagonal of the mesh.
+///
+/// # Errors
+/// If the mesh can't be used.
+pub fn lengths(
+    request: LengthsRequest,
+    inputs: Inputs,
+    _: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let size = diagonal(&inputs.panels()?);
+    let lengths = request.lengths.iter().map(|q| q.length(request.unit, size));
+    Ok(vec![("lengths", AnswerPart::Numbers(lengths.collect()))])
+}
+
+/// Options of `phex.network`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NetworkRequest {
+    panels: u64,
+    columns_along: Option<[f64; 3]>,
+}
+
+/// A conjugate curve network of a surface.
+///
+/// # Errors
+/// If the surface can't be used or has no network.
+pub fn network(
+    request: NetworkRequest,
+    inputs: Inputs,
+    progress: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let surface = inputs.first()?.surface()?;
+    let size = TypedPanelSize::Panels(request.panels);
+    let panels = phex_job::panels(size, &surface, Unit::default())?;
+    let mut options = MeshOptions {
+        size: PanelSize::Panels(usize::try_from(panels).unwrap_or(usize::MAX)),
+        ..MeshOptions::default()
+    };
+    if let Some(axis) = request.columns_along {
+        options.brick_wall.network.family = NetworkFamily::ConjugateTo(axis);
+    }
+    let found = phex_job::network(&surface, &options, progress)?;
+    let points = |curve: &Curve| {
+        let first = curve.points.first().filter(|_| curve.closed);
+        curve.points.iter().chain(first).copied().collect()
+    };
+    let family = |curves: &[Curve]| AnswerPart::Curves(curves.iter().map(points).collect());
+    let figures = found.conjugacy.map(|c| vec![c.median, c.p95, c.worst]);
+    Ok(vec![
+        ("rows", family(&found.rows)),
+        ("columns", family(&found.columns)),
+        (
+            "conjugacy",
+            AnswerPart::Numbers(figures.unwrap_or_default()),
+        ),
+    ])
+}

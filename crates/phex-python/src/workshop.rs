@@ -1,0 +1,99 @@
+//! The request for the workshop's files.
+
+use crate::answer::{Answer, AnswerPart};
+use crate::inputs::Inputs;
+use phex::Progress;
+use phex_fab::folder::{files, summary};
+use phex_fab::{FabError, FabOptions, PanelIds, Rotations, Side, fabricate, valid_mesh};
+use phex_job::{JobError, Quantity, Unit, chain};
+use phex_mesh::ValidateOptions;
+use phex_mesh::measure::diagonal;
+use serde::Deserialize;
+
+/// Longest side of a sheet, millimetres: a kilometre, which nobody makes.
+const LARGEST_SHEET: f64 = 1e6;
+
+/// Options of `phex.fabricate`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkshopRequest {
+    thickness: Quantity,
+    gap: Option<Quantity>,
+    side: Side,
+    unit: Unit,
+    sheet: [Quantity; 2],
+    spacing: Quantity,
+    rotations: Option<Vec<f64>>,
+    nest_effort: u32,
+    text: Quantity,
+    tolerance: Quantity,
+    angle_tolerance: f64,
+    planarity: Option<Quantity>,
+}
+
+/// Workshop files of a valid mesh.
+///
+/// # Errors
+/// If the mesh is not valid, the thickness goes too far or a panel does not fit on a sheet.
+pub fn fabricated(
+    request: WorkshopRequest,
+    inputs: Inputs,
+    progress: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let mesh = inputs.panels()?;
+    let (unit, size) = (request.unit, diagonal(&mesh));
+    let [a, b] = [
+        millimetres("sheet", request.sheet[0])?,
+        millimetres("sheet", request.sheet[1])?,
+    ];
+    let planarity = request
+        .planarity
+        .map(|q| q.fraction(unit, mesh.mean_edge()));
+    let options = FabOptions {
+        thickness: request.thickness.length(unit, size),
+        gap: request.gap.map_or(0.0, |gap| gap.length(unit, size)),
+        side: request.side,
+        unit_mm: unit.metres() / Unit::Mm.metres(),
+        sheet_mm: [a.max(b), a.min(b)],
+        spacing_mm: millimetres("spacing", request.spacing)?,
+        rotations: request
+            .rotations
+            .map_or(Rotations::Free, Rotations::Degrees),
+        nest_effort: request.nest_effort,
+        tolerance_mm: millimetres("tolerance", request.tolerance)?,
+        angle_tolerance: request.angle_tolerance.to_radians(),
+        text_mm: millimetres("text", request.text)?,
+        validity: ValidateOptions {
+            planarity,
+            ..ValidateOptions::default()
+        },
+    };
+    let ids = PanelIds::new(&mesh);
+    let valid = valid_mesh(mesh, &ids, &options.validity).map_err(failure)?;
+    let made = fabricate(valid, ids, options, progress).map_err(failure)?;
+    Ok(vec![
+        ("summary", AnswerPart::Text(summary(&made).to_string())),
+        ("files", AnswerPart::Files(files(&made).map_err(failure)?)),
+    ])
+}
+
+/// A length of the workshop: a plain number is in millimetres.
+fn millimetres(name: &str, quantity: Quantity) -> Result<f64, JobError> {
+    let length = quantity.length(Unit::Mm, f64::NAN);
+    match length <= LARGEST_SHEET {
+        true => Ok(length),
+        false => Err(JobError::Input(format!(
+            "{name}: `{quantity}` is no length of at most {LARGEST_SHEET} mm"
+        ))),
+    }
+}
+
+fn failure(error: FabError) -> JobError {
+    let told = chain(&error);
+    match error {
+        FabError::Offset { .. } => JobError::NoResult(told),
+        FabError::Cancelled => JobError::Cancelled,
+        FabError::Content { .. } | FabError::Nest { .. } => JobError::Internal(told),
+        _ => JobError::Input(told),
+    }
+}

@@ -1,0 +1,621 @@
+"""What phex computes."""
+
+import hashlib
+import json
+import os
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _options
+from ._arrays import checked_numbers, path_text, shown
+from ._compute import Future, begin, close, finish, floats, listener, no_valid, run
+from ._errors import InputError
+from ._mesh import Mesh, Panelling, Surface, as_polygons, write_whole
+from ._options import UNITS, Option, checked, real, measured, whole
+
+
+def mesh(
+    surface: Any,
+    *,
+    output: Any = None,
+    panels: Optional[int] = None,
+    edge_length: Any = None,
+    method: Optional[str] = None,
+    effort: Optional[str] = None,
+    any_domain: bool = False,
+    quadric: Any = None,
+    regularise: Optional[float] = None,
+    minimal: bool = False,
+    rotate: Optional[float] = None,
+    adaptive: Any = None,
+    size_field: Any = None,
+    boundary: Optional[str] = None,
+    target: Optional[str] = None,
+    unit: Optional[str] = None,
+    all_components: bool = False,
+    seed: Optional[int] = None,
+    threads: Optional[int] = None,
+    config: Any = None,
+    start: Any = None,
+    until: Optional[str] = None,
+    max_deviation: Any = None,
+    planarity: Any = None,
+    fix: Any = None,
+    curve: Any = None,
+    ground: Any = None,
+    ground_reach: Optional[float] = None,
+    anchors: Any = None,
+    fairness: Optional[float] = None,
+    closeness: Optional[float] = None,
+    clearance: Optional[float] = None,
+    centres: Optional[float] = None,
+    solver: Optional[str] = None,
+    guide: Any = None,
+    crease: Any = None,
+    cones: Any = None,
+    write_target: Any = None,
+    keep_invalid: bool = False,
+    report: Any = None,
+    png: Any = None,
+    html: Any = None,
+    keep_best: bool = False,
+    time_limit: Any = None,
+    progress: Any = "auto",
+    quiet: bool = False,
+    verbose: bool = False,
+) -> Panelling:
+    """Covers a surface with planar hexagonal panels.
+
+    The keywords are the options of ``phex mesh``, by the same names and with the same defaults
+    (``None`` is not given). What the program reads from text files may be given as arrays:
+    ``size_field`` (n,), ``fix`` and ``anchors`` lists of points, ``cones`` rows of ``x y z index``,
+    ``curve`` and ``guide`` polylines (n, 3). ``adaptive``, ``crease`` and ``ground`` may be
+    ``True``, as the options without a value. ``progress`` is also a function that is called with
+    each event, a dictionary, in this thread; the computation stops if it returns ``False``.
+
+    >>> import phex
+    >>> sphere = phex.shape("sphere", triangles=2000)
+    >>> made = phex.mesh(sphere, panels=32, max_deviation="5%", progress=lambda event: True)
+    >>> made.verdict
+    'pass'
+
+    Raises :class:`phex.InputError` if something given can't be used, :class:`phex.NoValidResult` if
+    no valid mesh was reached (unless ``keep_invalid``), :class:`phex.Cancelled` if it was stopped.
+    """
+    options = locals()
+    del options["surface"]
+    hear = listener(progress, quiet, verbose)
+    job = _MeshJob(surface, options)
+    try:
+        answer = finish(job.begin(), hear, job.keep_best)
+    finally:
+        close(hear)
+    return job.made(answer)
+
+
+def start(surface: Any, **options: Any) -> Future:
+    """As :func:`mesh`, in the background: gives a :class:`phex.Future` at once.
+
+    >>> import phex
+    >>> future = phex.start(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
+    >>> future.result().verdict, future.progress
+    ('pass', 1.0)
+    """
+    for name in options:
+        if name not in _options.MESH:
+            raise TypeError(f"start() got an unexpected keyword argument {name!r}")
+    job = _MeshJob(surface, options)
+    return Future(job.begin(preview=True), job.made)
+
+
+class _MeshJob:
+    """The options of a panelling, checked."""
+
+    def __init__(self, surface: Any, options: Dict[str, Any]) -> None:
+        defaults = {name: False if o.kind == "flag" else None for name, o in _options.MESH.items()}
+        options = {**defaults, **options}
+        self.surface = as_polygons(surface, Surface, "surface")
+        typed, given, self.sizes = _options.settings(options)
+        flags = {name: _flag(name, options[name]) for name in ("keep_best", "keep_invalid")}
+        self.keep_best, self.keep_invalid = flags["keep_best"], flags["keep_invalid"]
+        self.threads = _options.threads(options["threads"])
+        self.paths = {
+            name: path_text(options[name], name)
+            for name in ("output", "write_target", "png", "html", "report")
+            if options[name] is not None
+        }
+        time_limit = options["time_limit"]
+        if time_limit is not None:
+            time_limit = str(checked("time_limit", time_limit, _options.MESH["time_limit"]))
+        config = options["config"]
+        earlier = options["start"]
+        until = options["until"]
+        if until is not None:
+            until = checked("until", until, _options.MESH["until"])
+        self.meshes = [self.surface]
+        if earlier is not None:
+            self.meshes.append(as_polygons(earlier, Mesh, "start"))
+        self.request = {
+            "settings": typed,
+            "config": None if config is None else path_text(config, "config"),
+            "given": given,
+            "keep_best": self.keep_best,
+            "time_limit": time_limit,
+            "until": until,
+        }
+        # What is laid out alone is a picture of what will be, and no invalid result.
+        self.keep_invalid = self.keep_invalid or until is not None
+
+    def begin(self, preview: bool = False) -> Any:
+        return begin(
+            "mesh", self.request, self.meshes, self.sizes, None, self.threads, preview
+        )
+
+    def made(self, answer: Dict[str, Any]) -> Panelling:
+        return _delivered(answer, self.surface, self.keep_invalid, self.paths)
+
+
+def _delivered(
+    answer: Dict[str, Any], surface: Any, keep_invalid: bool, paths: Dict[str, str]
+) -> Panelling:
+    """A result with its files, or an error that holds it."""
+    made = Panelling._from_answer(answer, surface, keep_invalid)
+    if "png" in paths:
+        write_whole(paths["png"], made.picture())
+    if "html" in paths:
+        made.save(paths["html"])
+    if "report" in paths:
+        made.save_report(paths["report"])
+    if "write_target" in paths and made.target is not None:
+        made.target.save(paths["write_target"])
+    if not (made.sound or keep_invalid):
+        failed = "; ".join(f"{name}: {ids[:10]}" for name, ids in made.offenders.items())
+        raise no_valid(f"no valid mesh was reached ({failed}); keep_invalid=True gives it", made)
+    if "output" in paths:
+        made.save(paths["output"])
+    return made
+
+
+def _flag(name: str, value: Any) -> bool:
+    return bool(checked(name, value, Option("flag")))
+
+
+def _limits(**options: Any) -> Dict[str, Any]:
+    table = _options.MESH
+    return {
+        name.replace("_", "-"): checked(name, value, table[name])
+        for name, value in options.items()
+        if value is not None
+    }
+
+
+def _with_surface(first: Any, surface: Any) -> Tuple[List[Any], Optional[Surface]]:
+    panels = as_polygons(first, Mesh, "mesh")
+    if surface is None:
+        return [panels], None
+    there = as_polygons(surface, Surface, "surface")
+    return [panels, there], there
+
+
+def planarize(
+    mesh: Any,
+    surface: Any = None,
+    *,
+    max_deviation: Any = None,
+    planarity: Any = None,
+    unit: Optional[str] = None,
+    fix: Any = None,
+    curve: Any = None,
+    ground: Any = None,
+    ground_reach: Optional[float] = None,
+    anchors: Any = None,
+    fairness: Optional[float] = None,
+    closeness: Optional[float] = None,
+    clearance: Optional[float] = None,
+    centres: Optional[float] = None,
+    solver: Optional[str] = None,
+    refit: bool = False,
+    config: Any = None,
+    threads: Optional[int] = None,
+    keep_invalid: bool = False,
+    progress: Any = "auto",
+) -> Panelling:
+    """Makes the faces of a mesh planar, close to a surface or to where they are (three faces at
+    each interior vertex); keywords as ``phex planarize`` and :func:`mesh`.
+
+    >>> import numpy as np, phex
+    >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
+    >>> bent = made.vertices + 1e-3 * np.random.default_rng(0).normal(size=made.vertices.shape)
+    >>> flat = phex.planarize((bent, made.faces))
+    >>> bool(flat.per_face("planarity").max() < 1e-12)
+    True
+    """
+    options = locals()
+    typed, given, _ = _options.settings({name: options[name] for name in _options.STEERING})
+    request = {
+        "steering": typed["steering"],
+        "given": given,
+        "config": None if config is None else path_text(config, "config"),
+        "limits": _limits(max_deviation=max_deviation, planarity=planarity, unit=unit),
+        "refit": _flag("refit", refit),
+    }
+    return _judged("planarize", request, mesh, surface, threads, keep_invalid, progress)
+
+
+def _judged(
+    what: str,
+    request: Dict[str, Any],
+    mesh: Any,
+    surface: Any,
+    threads: Optional[int],
+    keep_invalid: bool,
+    progress: Any,
+) -> Panelling:
+    meshes, there = _with_surface(mesh, surface)
+    is_kept = _flag("keep_invalid", keep_invalid)
+    hear = listener(progress, False, False)
+    count = _options.threads(threads)
+    try:
+        answer = finish(begin(what, request, meshes, threads=count), hear)
+    finally:
+        close(hear)
+    return _delivered(answer, there, is_kept, {})
+
+
+def check(
+    mesh: Any,
+    surface: Any = None,
+    *,
+    boundary: Optional[str] = None,
+    max_deviation: Any = None,
+    planarity: Any = None,
+    unit: Optional[str] = None,
+    keep_invalid: bool = True,
+) -> Panelling:
+    """Judges any polygon mesh: planar, simple, sound, close to a surface. The answer is the mesh
+    with a report; an invalid one is no error.
+
+    >>> import phex
+    >>> phex.check(([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0]], [[0, 1, 2, 3]])).verdict
+    'outside_tolerance'
+    """
+    request = _limits(
+        boundary=boundary, max_deviation=max_deviation, planarity=planarity, unit=unit
+    )
+    return _judged("check", request, mesh, surface, None, keep_invalid, False)
+
+
+class Offset(NamedTuple):
+    """Layers of a mesh."""
+
+    #: A mesh for each distance, in their order.
+    layers: List[Mesh]
+    #: Signed distances, model units.
+    distances: List[float]
+    #: The largest distances to both sides, inward (negative) first, if asked for.
+    max_distance: Optional[Tuple[float, float]]
+    #: The parallel mesh that touches the unit sphere, if asked for.
+    gauss_image: Optional[Mesh]
+
+
+def offset(
+    mesh: Any,
+    distance: Any = None,
+    *,
+    kind: str = "face",
+    max_distance: bool = False,
+    gauss_image: bool = False,
+    planarity: Any = None,
+    unit: str = "m",
+    threads: Optional[int] = None,
+) -> Offset:
+    """Layers at constant distance of faces, edges or vertices, each a valid mesh.
+
+    ``distance`` is one or a list of lengths: numbers, ``"-20mm"``, ``"1%"`` of the diagonal;
+    positive is the side of the face normals.
+
+    >>> import phex
+    >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
+    >>> shell = phex.offset(made, [-0.05, "1%"], max_distance=True)
+    >>> len(shell.layers), shell.max_distance[0] < -0.05
+    (2, True)
+    """
+    panels = as_polygons(mesh, Mesh, "mesh")
+    unit = checked("unit", unit, Option("choice", choices=UNITS))
+    wanted = [] if distance is None else distance
+    if isinstance(wanted, np.ndarray):
+        wanted = checked_numbers(wanted.reshape(-1), "distance").tolist()
+    if not isinstance(wanted, (list, tuple)):
+        wanted = [wanted]
+    distances = [_length(panels, d, unit) for d in wanted]
+    request = {
+        "kind": checked("kind", kind, Option("choice", choices=("face", "edge", "vertex"))),
+        "distances": distances,
+        "max_distance": _flag("max_distance", max_distance),
+        "gauss_image": _flag("gauss_image", gauss_image),
+        "planarity": None if planarity is None else measured("planarity", planarity),
+        "unit": unit,
+    }
+    made = run("offset", request, panels, threads=_options.threads(threads))
+    ends = made.get("max_distance")
+    touching = made.get("gauss_image")
+    return Offset(
+        [Mesh._of(arrays) for arrays in made["layers"]],
+        distances,
+        None if ends is None else (float(ends[0]), float(ends[1])),
+        None if touching is None else Mesh._of(touching),
+    )
+
+
+def _length(panels: Mesh, value: Any, unit: str) -> float:
+    """A signed length in model units."""
+    if not isinstance(value, str):
+        return real("distance", value)
+    bare = value.strip()
+    sign = -1.0 if bare.startswith("-") else 1.0
+    length = measured("distance", bare[1:] if sign < 0 else bare)
+    request = {"lengths": [length], "unit": unit}
+    return sign * floats(run("lengths", request, panels)["lengths"])[0]
+
+
+def koebe(
+    mesh: Any,
+    *,
+    boundary: Optional[str] = None,
+    opening: Optional[float] = None,
+    keep_invalid: bool = False,
+    progress: Any = "auto",
+) -> Panelling:
+    """The mesh of a given graph whose edges all touch the unit sphere, as ``phex koebe``.
+
+    >>> import numpy as np, phex
+    >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
+    >>> len(phex.koebe(made)) == len(made)
+    True
+    """
+    kinds = ("equal-radii", "gauss-image", "angles")
+    request = {
+        "boundary": None
+        if boundary is None
+        else checked("boundary", boundary, Option("choice", choices=kinds)).replace("-", "_"),
+        "opening": None if opening is None else real("opening", opening),
+    }
+    return _judged("koebe", request, mesh, None, None, keep_invalid, progress)
+
+
+def parallel(
+    mesh: Any,
+    surface: Any,
+    *,
+    start: str = "normals",
+    least_edge: float = 0.05,
+    fairness: float = 1e-3,
+    constant_mean_curvature: float = 0.0,
+    max_deviation: Any = None,
+    planarity: Any = None,
+    unit: Optional[str] = None,
+    keep_invalid: bool = False,
+    progress: Any = "auto",
+) -> Panelling:
+    """The mesh with the edge directions of ``mesh`` that is closest to a surface, as ``phex
+    parallel``."""
+    request = {
+        "start": checked("start", start, Option("choice", choices=("normals", "positions"))),
+        "least_edge": real("least_edge", least_edge),
+        "fairness": real("fairness", fairness),
+        "constant_mean_curvature": real("constant_mean_curvature", constant_mean_curvature),
+        "limits": _limits(max_deviation=max_deviation, planarity=planarity, unit=unit),
+    }
+    if surface is None:
+        raise InputError("surface: None is no surface")
+    return _judged("parallel", request, mesh, surface, None, keep_invalid, progress)
+
+
+class Fabrication(NamedTuple):
+    """Workshop files."""
+
+    #: Counts and figures, as ``fab.json`` has them.
+    summary: Dict[str, Any]
+    #: The bytes of each file, by its path in the folder.
+    files: Dict[str, bytes]
+
+    def save(self, folder: Any) -> None:
+        """Writes a folder: a new or an empty one, or that of an earlier run, of which files that
+        were changed since are not touched and stop it."""
+        save_folder(path_text(folder, "folder"), self.files)
+
+
+def fabricate(
+    mesh: Any,
+    folder: Any = None,
+    *,
+    thickness: Any,
+    gap: Any = None,
+    side: str = "inside",
+    unit: str = "m",
+    sheet: Any = "1250x2500",
+    spacing: Any = "5mm",
+    rotations: Any = "free",
+    nest_effort: int = 60,
+    text: Any = "25mm",
+    tolerance: Any = "1mm",
+    angle_tolerance: float = 0.1,
+    planarity: Any = None,
+    threads: Optional[int] = None,
+    progress: Any = "auto",
+) -> Fabrication:
+    """Flat labelled panels on sheets (DXF, SVG), schedules (CSV, XLSX), solids (STL, OBJ), as
+    ``phex fab``; writes them into ``folder`` if one is given.
+
+    ``sheet`` is ``"1250x2500"`` or a pair, plain numbers are mm; ``rotations`` ``"free"`` or a list
+    of angles in degrees.
+
+    >>> import phex
+    >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
+    >>> workshop = phex.fabricate(made, thickness="20mm", sheet=(1250, 2500), nest_effort=0)
+    >>> workshop.summary["panels"] == len(made), "panels.csv" in workshop.files
+    (True, True)
+    """
+    panels = as_polygons(mesh, Mesh, "mesh")
+    sides = sheet.lower().split("x") if isinstance(sheet, str) else sheet
+    if not isinstance(sides, (list, tuple)) or len(sides) != 2:
+        raise InputError(f"sheet: {shown(sheet)} is not WIDTHxLENGTH")
+    free = isinstance(rotations, str) and rotations == "free"
+    angles = None if free else checked_numbers(rotations, "rotations").tolist()
+    request = {
+        "thickness": measured("thickness", thickness),
+        "gap": None if gap is None else measured("gap", gap),
+        "side": checked("side", side, Option("choice", choices=("inside", "outside", "centre"))),
+        "unit": checked("unit", unit, Option("choice", choices=UNITS)),
+        "sheet": [measured("sheet", s) for s in sides],
+        "spacing": measured("spacing", spacing),
+        "rotations": angles,
+        "nest_effort": whole("nest_effort", nest_effort, (1 << 32) - 1),
+        "text": measured("text", text),
+        "tolerance": measured("tolerance", tolerance),
+        "angle_tolerance": real("angle_tolerance", angle_tolerance),
+        "planarity": None if planarity is None else measured("planarity", planarity),
+    }
+    hear = listener(progress, False, False)
+    count = _options.threads(threads)
+    try:
+        answer = finish(begin("fabricate", request, [panels], threads=count), hear)
+    finally:
+        close(hear)
+    made = Fabrication(json.loads(answer["summary"]), dict(answer["files"]))
+    if folder is not None:
+        made.save(folder)
+    return made
+
+
+#: The list of a folder's files with their checksums, which the program keeps, too.
+LIST = "phex.sha256"
+#: Its first line, by which the program knows it.
+HEAD = (
+    "# Files of `phex fab`: it writes over them and removes them as long as they are as listed.\n"
+)
+
+
+def save_folder(folder: str, files: Dict[str, bytes]) -> None:
+    """Writes files into a folder in which nothing of others is touched."""
+    listed: Dict[str, str] = {}
+    try:
+        with open(os.path.join(folder, LIST), encoding="utf-8") as old:
+            listed = {line[66:].rstrip("\n"): line[:64] for line in old if line[:1] != "#"}
+    except FileNotFoundError:
+        pass
+    except (OSError, UnicodeDecodeError) as cause:
+        raise InputError(f"{folder}: {cause}") from None
+    there = [
+        os.path.relpath(os.path.join(where, name), folder).replace(os.sep, "/")
+        for where, _, names in os.walk(folder)
+        for name in names
+    ]
+    foreign = sorted(n for n in there if n != LIST and not _is_ours(folder, n, listed))
+    if foreign:
+        named = ", ".join(foreign[:5])
+        raise InputError(f"{folder}: holds files of others, or that were changed: {named}")
+    for name, content in files.items():
+        path = os.path.join(folder, *name.split("/"))
+        try:
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+        except OSError as cause:
+            raise InputError(f"{folder}: {cause}") from None
+        write_whole(path, content)
+    sums = (f"{hashlib.sha256(c).hexdigest()}  {n}\n" for n, c in sorted(files.items()))
+    write_whole(os.path.join(folder, LIST), (HEAD + "".join(sums)).encode())
+    for name in there:
+        if name != LIST and name not in files:
+            os.unlink(os.path.join(folder, *name.split("/")))
+
+
+def _is_ours(folder: str, name: str, listed: Dict[str, str]) -> bool:
+    if name not in listed:
+        return False
+    with open(os.path.join(folder, *name.split("/")), "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest() == listed[name]
+
+
+class Network(NamedTuple):
+    """A conjugate curve network; a closed curve ends with its first point."""
+
+    #: Curves along rows, each (n, 3).
+    rows: List[NDArray[np.float64]]
+    #: Curves across rows, each (n, 3).
+    columns: List[NDArray[np.float64]]
+    #: ``|II(a, b)| / |II|`` of rows and columns: median, 95 %, worst; empty on flat surfaces.
+    conjugacy: List[float]
+
+
+def network(
+    surface: Any,
+    *,
+    panels: int = 500,
+    columns_along: Any = None,
+    threads: Optional[int] = None,
+) -> Network:
+    """A conjugate curve network of a surface, as dense as ``panels`` bricks, as ``phex network``.
+
+    >>> import phex
+    >>> found = phex.network(phex.shape("roof", triangles=2000), panels=100)
+    >>> len(found.rows) > 2, len(found.columns) > 2
+    (True, True)
+    """
+    there = as_polygons(surface, Surface, "surface")
+    axis = None
+    if columns_along is not None:
+        axis = checked_numbers(columns_along, "columns_along").tolist()
+        if len(axis) != 3:
+            raise InputError(f"columns_along: {shown(columns_along)} is no direction x, y, z")
+    request = {"panels": whole("panels", panels), "columns_along": axis}
+    made = run("network", request, there, threads=_options.threads(threads))
+    return Network(made["rows"], made["columns"], floats(made["conjugacy"]))
+
+
+def convert(source: Any, output: Any) -> None:
+    """Reads a file and writes it in the format of the other one's extension, as ``phex
+    convert``."""
+    Mesh.read(path_text(source, "source")).save(path_text(output, "output"))
+
+
+def shapes() -> Dict[str, Dict[str, Any]]:
+    """The built-in surfaces: what each is, and its parameters with defaults and ranges.
+
+    >>> import phex
+    >>> phex.shapes()["torus"]["parameters"]["minor"]["default"] > 0
+    True
+    """
+    listed = json.loads(run("shapes", {})["shapes"])
+    return {
+        s["name"]: {
+            "summary": s["summary"],
+            "parameters": {p.pop("name"): p for p in s["parameters"]},
+        }
+        for s in listed
+    }
+
+
+def shape(
+    name: str, *, triangles: int = 8000, jitter: float = 0.0, seed: int = 0, **parameters: float
+) -> Surface:
+    """A built-in surface, as ``phex shape``.
+
+    >>> import phex
+    >>> phex.shape("torus", triangles=1000, minor=0.3).vertices.shape[1]
+    3
+    """
+    if not isinstance(name, str):
+        raise InputError(f"name: {shown(name)} is no text")
+    request = {
+        "name": name,
+        "parameters": [[key, real(key, value)] for key, value in parameters.items()],
+        "options": {
+            "triangles": whole("triangles", triangles),
+            "jitter": real("jitter", jitter),
+            "seed": whole("seed", seed),
+        },
+    }
+    made: Surface = Surface._of(run("shape", request)["mesh"], name)
+    return made

@@ -1,0 +1,358 @@
+"""Surfaces, meshes of panels, and panellings: meshes with a report."""
+
+import base64
+import html
+import json
+import os
+import tempfile
+from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arrays import checked_corners, checked_faces, checked_vertices, is_path, path_text, shown
+from ._compute import no_valid, run
+from ._errors import InputError
+
+#: Formats that the compiled part writes.
+MESH_FORMATS = (".obj", ".ply", ".off", ".stl", ".json", ".dxf", ".glb", ".3mf")
+
+
+class Polygons:
+    """Vertices and polygons. Arrays are copies and can't be written to.
+
+    ``vertices`` is (n, 3) float64, in model units; ``faces`` an integer array (m, k) or a list of
+    lists of vertex numbers, from 0. float32 and int32 are taken, too.
+
+    >>> import phex
+    >>> square = phex.Surface([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> square.corners, square.offsets
+    (array([0, 1, 2, 3], dtype=uint32), array([0, 4]))
+
+    Raises :class:`phex.InputError` that names the vertex or face which can't be used.
+    """
+
+    def __init__(self, vertices: Any, faces: Any, name: str = "") -> None:
+        points = checked_vertices(vertices)
+        corners, offsets = checked_faces(faces, len(points))
+        self._set(points, corners, offsets, name)
+
+    def _set(self, vertices: Any, corners: Any, offsets: Any, name: str = "") -> None:
+        self._vertices, self._corners, self._offsets = vertices, corners, offsets
+        for array in (vertices, corners, offsets):
+            array.setflags(write=False)
+        self.name = name or type(self).__name__.lower()
+        self._sha256 = ""
+
+    @classmethod
+    def from_corners(cls, vertices: Any, corners: Any, offsets: Any, name: str = "") -> Any:
+        """From flat arrays: face ``k`` has ``corners[offsets[k]:offsets[k + 1]]``."""
+        points = checked_vertices(vertices)
+        flat, ends = checked_corners(corners, offsets, len(points))
+        return cls._of((points, flat, ends), name)
+
+    @classmethod
+    def _of(cls, arrays: Any, name: str = "") -> Any:
+        made = cls.__new__(cls)
+        made._set(*arrays, name)
+        return made
+
+    @classmethod
+    def read(cls, path: Union[str, "os.PathLike[str]"]) -> Any:
+        """From a file: OBJ, PLY, STL or OFF."""
+        name = path_text(path, "path")
+        read = run("read", {"path": name})
+        made = cls._of(read["mesh"], name)
+        made._sha256 = read["sha256"]
+        return made
+
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        """Positions (n, 3), model units."""
+        return self._vertices
+
+    @property
+    def corners(self) -> NDArray[np.uint32]:
+        """Vertex numbers of all faces, one after the other."""
+        return self._corners
+
+    @property
+    def offsets(self) -> NDArray[np.int64]:
+        """Where each face begins in ``corners``, and where the last one ends."""
+        return self._offsets
+
+    @property
+    def faces(self) -> List[NDArray[np.uint32]]:
+        """The vertex numbers of each face."""
+        return np.split(self._corners, self._offsets[1:-1]) if len(self._offsets) > 1 else []
+
+    def __len__(self) -> int:
+        return len(self._offsets) - 1
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __repr__(self) -> str:
+        return f"<phex.{type(self).__name__} {len(self)} faces, {len(self._vertices)} vertices>"
+
+    def _given(self) -> Tuple[Any, ...]:
+        return self.name, self._sha256, self._vertices, self._corners, self._offsets
+
+    def __getstate__(self) -> Dict[str, Any]:
+        state = self.__dict__.copy()
+        state.pop("_kept", None)
+        return state
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for array in (self._vertices, self._corners, self._offsets):
+            array.setflags(write=False)
+
+    def triangles(self) -> Tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The faces cut into triangles (t, 3), right for concave ones, and the face of each."""
+        made = run("ears", {}, self)
+        return made["mesh"][1].reshape(-1, 3).astype(np.int64), made["face"].astype(np.int64)
+
+    def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes a file; the extension decides the format: OBJ, PLY, OFF, STL, COMPAS JSON, DXF,
+        GLB, 3MF, or 3DM (with rhino3dm)."""
+        name = path_text(path, "path")
+        if name.lower().endswith(".3dm"):
+            from .interop.rhino3dm import save_3dm
+
+            save_3dm(self, name)
+        else:
+            run("write", {"path": name}, self)
+
+    def to_compas(self) -> Any:
+        """A ``compas.datastructures.Mesh``; see :mod:`phex.interop.compas`."""
+        from .interop.compas import to_compas
+
+        return to_compas(self)
+
+    def to_trimesh(self) -> Any:
+        """A ``trimesh.Trimesh`` of triangles; see :mod:`phex.interop.trimesh`."""
+        from .interop.trimesh import to_trimesh
+
+        return to_trimesh(self)
+
+    def to_pyvista(self) -> Any:
+        """A ``pyvista.PolyData`` that keeps the polygons; see :mod:`phex.interop.pyvista`."""
+        from .interop.pyvista import to_pyvista
+
+        return to_pyvista(self)
+
+
+class Surface(Polygons):
+    """A surface that is to be covered: triangles, or polygons that are cut into some."""
+
+
+class Mesh(Polygons):
+    """A mesh of panels."""
+
+    def _reference(self) -> Optional[Surface]:
+        return None
+
+    def per_face(self, name: str) -> NDArray[np.float64]:
+        """A number for each face.
+
+        ``area`` (model units), ``clearance`` (mean edges), ``planarity`` (mean edges),
+        ``deviation`` (% of the diagonal; needs a surface), ``curvature``, ``feature-size``,
+        ``valence``, ``validity``, ``corners``.
+        """
+        if not isinstance(name, str):
+            raise InputError(f"name: {shown(name)} is no text")
+        if name == "corners":
+            return np.diff(self._offsets).astype(np.float64)
+        surface = self._reference()
+        meshes = [self] if surface is None else [self, surface]
+        values = run("values", {"name": name}, *meshes)["values"]
+        if len(values) != len(self):
+            raise InputError(f"`{name}` has a value for each edge, not for each face")
+        return values  # type: ignore[no-any-return]
+
+    def picture(
+        self, color: str = "valence", svg: bool = False, **options: Any
+    ) -> bytes:
+        """A picture as PNG or SVG, without a display; ``options`` are those of ``phex render``:
+        ``width``, ``height``, ``azimuth``, ``elevation``, ``edges``, ``legend``, ``ground``."""
+        if not isinstance(color, str):
+            raise InputError(f"color: {shown(color)} is no text")
+        request = {"color": color, "svg": _truth("svg", svg), "options": options}
+        surface = self._reference()
+        meshes = [self] if surface is None else [self, surface]
+        return run("picture", request, *meshes)["picture"]  # type: ignore[no-any-return]
+
+    def save(self, path: Union[str, "os.PathLike[str]"], keep_invalid: bool = False) -> None:
+        """Writes a file; the extension decides what: a mesh as :meth:`Polygons.save`, or a picture
+        (PNG, SVG)."""
+        name = path_text(path, "path")
+        extension = os.path.splitext(name)[1].lower()
+        if extension in (".png", ".svg"):
+            write_whole(name, self.picture(svg=extension == ".svg"))
+        else:
+            super().save(name)
+
+    def _repr_png_(self) -> bytes:
+        return self.picture(width=800, height=600)
+
+    def offset(self, distance: Any = None, **options: Any) -> Any:
+        """Layers of this mesh; see :func:`phex.offset`."""
+        from ._functions import offset
+
+        return offset(self, distance, **options)
+
+
+class Panelling(Mesh):
+    """A mesh with a report: what :func:`phex.mesh` and the others make."""
+
+    _report_text: str
+    _kept: Any
+
+    @classmethod
+    def _from_answer(cls, answer: Dict[str, Any], surface: Any, keep_invalid: bool) -> "Panelling":
+        made: Panelling = cls._of(answer["mesh"])
+        made._report_text = answer["report"]
+        made._kept = answer["kept"]
+        made._verdict = json.loads(answer["verdict"])
+        made._keep_invalid = keep_invalid
+        made.surface = surface
+        target = answer["target"]
+        made.target = None if target is None else Surface._of(target)
+        return made
+
+    _verdict: str
+    _keep_invalid: bool
+    #: The surface that was given, or ``None``.
+    surface: Optional[Surface]
+    #: The smooth surface that the panels were fitted to, or ``None``.
+    target: Optional[Surface]
+
+    def _reference(self) -> Optional[Surface]:
+        return self.target or self.surface
+
+    @property
+    def verdict(self) -> str:
+        """``pass``, ``outside_tolerance`` or ``invalid``."""
+        return self._verdict
+
+    @property
+    def sound(self) -> bool:
+        """Whether the mesh is valid; a figure may be outside a tolerance."""
+        return self._verdict != "invalid"
+
+    @property
+    def report(self) -> Dict[str, Any]:
+        """The run report, as ``phex mesh --report`` writes it."""
+        return json.loads(self._report_text)  # type: ignore[no-any-return]
+
+    @property
+    def offenders(self) -> Dict[str, List[int]]:
+        """The ids of the elements that fail, by the names of the checks that fail."""
+        checks = self.report["checks"]
+        return {c["name"]: c["ids"] for c in checks if not c["pass"]}
+
+    def __repr__(self) -> str:
+        return f"<phex.Panelling {len(self)} panels, {self._verdict.upper()}>"
+
+    def page(self, title: str = "", curves: bool = True) -> str:
+        """The HTML report as a text: pictures, tables and, where it was built in, the interactive
+        view."""
+        kept = self.__dict__.get("_kept")
+        if kept is None:
+            from ._functions import check
+
+            kept = check(self, self.surface, keep_invalid=True)._kept
+        request = {"title": title or self.name, "command": "phex (Python)", "curves": curves}
+        return run("page", request, kept=kept)["page"]  # type: ignore[no-any-return]
+
+    def save(
+        self, path: Union[str, "os.PathLike[str]"], keep_invalid: bool = False
+    ) -> None:
+        """Writes a file; the extension decides what: a mesh as :meth:`Polygons.save`, a picture
+        (PNG, SVG), or the report (HTML). A mesh that is not valid needs ``keep_invalid``."""
+        name = path_text(path, "path")
+        extension = os.path.splitext(name)[1].lower()
+        if extension in (".html", ".htm"):
+            write_whole(name, self.page(os.path.basename(name)).encode())
+        elif extension in (".png", ".svg") or self.sound or keep_invalid or self._keep_invalid:
+            super().save(name)
+        else:
+            raise no_valid(f"{name}: not written, since the mesh is not valid", self)
+
+    def save_report(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes the run report as JSON."""
+        write_whole(path_text(path, "path"), self._report_text.encode())
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td style='text-align:left'>{html.escape(name)}</td>"
+            f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
+            for name, text in self._figures()
+        )
+        png = base64.b64encode(self._repr_png_()).decode()
+        return f"<table>{rows}</table><img width='640' src='data:image/png;base64,{png}'>"
+
+    def _figures(self) -> Iterator[Tuple[str, str]]:
+        report = self.report
+        measures = report["measures"]
+        yield "verdict", self._verdict.upper()
+        yield "panels", str(measures["faces"])
+        yield "planarity", f"max {measures['planarity']['max']:.1e} mean edges"
+        yield "clearance", f"least {measures['clearance']['min']:.3f} mean edges"
+        for name in ("deviation_smooth", "deviation_facets"):
+            if report.get(name):
+                yield name.replace("_", " "), f"max {100 * report[name]['deviation_max']:.3f} %"
+        for name, ids in self.offenders.items():
+            yield f"FAILED {name}", f"{len(ids)} elements, first {ids[:5]}"
+
+
+def _truth(name: str, value: Any) -> bool:
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise InputError(f"{name}: {shown(value)} is not True or False")
+
+
+def write_whole(path: str, content: bytes) -> None:
+    """Writes a file whole or not at all."""
+    folder = os.path.dirname(os.path.abspath(path))
+    try:
+        handle, new = tempfile.mkstemp(dir=folder, prefix=".phex-")
+    except OSError as cause:
+        raise InputError(f"{path}: {cause}") from None
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(new, 0o666 & ~mask)
+        os.replace(new, path)
+    except OSError as cause:
+        os.unlink(new)
+        raise InputError(f"{path}: {cause}") from None
+
+
+def as_polygons(given: Any, kind: Any, what: str) -> Any:
+    """A surface or mesh from whatever holds one: ours, a path, ``(vertices, faces)``, or an object
+    of COMPAS, trimesh, pyvista or Rhino."""
+    if isinstance(given, Polygons):
+        return given
+    if is_path(given):
+        return kind.read(given)
+    if isinstance(given, (tuple, list)) and len(given) == 2:
+        return kind(given[0], given[1])
+    module = type(given).__module__.split(".")[0]
+    if hasattr(type(given), "to_vertices_and_faces"):
+        vertices, faces = given.to_vertices_and_faces()
+        return kind(vertices, faces)
+    if module == "pyvista":
+        from .interop.pyvista import from_pyvista
+
+        return from_pyvista(given, kind)
+    if module == "trimesh":
+        return kind(np.asarray(given.vertices), np.asarray(given.faces))
+    if module in ("rhino3dm", "Rhino"):
+        from .interop.rhino3dm import from_rhino
+
+        return from_rhino(given, kind)
+    raise InputError(f"{what}: {shown(given)} is no surface, mesh, path or (vertices, faces)")

@@ -1,0 +1,259 @@
+"""The options of ``phex mesh`` as keywords: one table, from which values are checked and handed over.
+
+A test holds this table against ``phex mesh --help``: names, values and defaults.
+"""
+
+import math
+import numbers
+import re
+from typing import Any, Dict, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from ._arrays import checked_numbers, checked_vertices, is_path, path_text, shown
+from ._errors import InputError
+
+EFFORTS = ("draft", "normal", "best")
+STAGES = ("layout",)
+METHODS = (
+    "lattice",
+    "brick-wall",
+    "power-diagram",
+    "projective-dual",
+    "dual-subdivision",
+    "support-function",
+    "tangent-planes",
+    "parallel",
+    "koebe",
+)
+BOUNDARIES = ("whole", "clip", "snap")
+TARGETS = ("smooth", "half-way", "facets")
+UNITS = ("mm", "cm", "m", "in", "ft")
+SOLVERS = ("barrier", "tetrahedra")
+PROGRESS = ("auto", "none", "json")
+
+
+class Option(NamedTuple):
+    """A keyword: the kind of its value, its default in words, and the table of a job file."""
+
+    kind: str
+    default: Optional[str] = None
+    choices: Tuple[str, ...] = ()
+    table: Optional[str] = None
+    #: What ``True`` stands for.
+    alone: Any = None
+
+
+#: Every option of ``phex mesh``, in its order; kinds are explained in :func:`checked`.
+MESH: Dict[str, Option] = {
+    "output": Option("path"),
+    "panels": Option("count", "500"),
+    "edge_length": Option("length"),
+    "method": Option("choice", "lattice", METHODS),
+    "effort": Option("choice", "normal", EFFORTS),
+    "any_domain": Option("flag"),
+    "quadric": Option("numbers", "the unit sphere about a centre away from all tangent planes"),
+    "regularise": Option("positive"),
+    "minimal": Option("flag"),
+    "rotate": Option("number"),
+    "adaptive": Option("positive", alone=0.4),
+    "size_field": Option("sizes"),
+    "boundary": Option("choice", "snap; with `koebe`: whole", BOUNDARIES),
+    "target": Option("choice", "smooth", TARGETS),
+    "unit": Option("choice", "m", UNITS),
+    "all_components": Option("flag"),
+    "seed": Option("count", "0"),
+    "threads": Option("count", "all cores"),
+    "config": Option("path"),
+    "start": Option("mesh"),
+    "until": Option("choice", choices=STAGES),
+    "max_deviation": Option("length", "0.5%"),
+    "planarity": Option("length", "1e-12, or rounding"),
+    "fix": Option("rows", table="steering"),
+    "curve": Option("lines", table="steering"),
+    "ground": Option("plane", table="steering", alone="lowest"),
+    "ground_reach": Option("number", "0.5", table="steering"),
+    "anchors": Option("rows", table="steering"),
+    "fairness": Option("positive", table="steering"),
+    "closeness": Option("positive", table="steering"),
+    "clearance": Option("positive", table="steering"),
+    "centres": Option("number", table="steering"),
+    "solver": Option("choice", "barrier", SOLVERS, "steering"),
+    "guide": Option("lines", table="guides"),
+    "crease": Option("positive", table="guides", alone=30.0),
+    "cones": Option("rows", table="guides"),
+    "write_target": Option("path"),
+    "keep_invalid": Option("flag"),
+    "report": Option("path"),
+    "png": Option("path"),
+    "html": Option("path"),
+    "keep_best": Option("flag"),
+    "time_limit": Option("time"),
+    "progress": Option("choice", "auto", PROGRESS),
+    "quiet": Option("flag"),
+    "verbose": Option("flag"),
+}
+
+#: Options that are no settings of a job.
+NO_SETTINGS = frozenset(
+    "output config start until write_target keep_invalid report png html keep_best time_limit progress"
+    " quiet verbose".split()
+)
+STEERING = tuple(name for name, option in MESH.items() if option.table == "steering")
+
+
+def checked(name: str, value: Any, option: Option) -> Any:
+    """A value that JSON can hold, if it is of the option's kind.
+
+    ``count``: a whole number from 0; ``number``, ``positive``; ``length``: a number or a text such
+    as ``"20mm"``, ``"0.5%"``; ``choice``; ``flag``; ``path``; ``numbers``: a list of them; ``plane``:
+    ``"lowest"``, a height, or six numbers.
+    """
+    if value is True and option.alone is not None:
+        return option.alone
+    if option.kind == "flag":
+        if isinstance(value, (bool, np.bool_)):
+            return bool(value)
+        raise _wrong(name, value, "True or False")
+    if option.kind == "count":
+        return whole(name, value)
+    if option.kind in ("number", "positive"):
+        number = real(name, value)
+        if option.kind == "positive" and not number > 0.0:
+            raise _wrong(name, value, "a positive number")
+        return number
+    if option.kind in ("length", "time"):
+        return measured(name, value, TIME if option.kind == "time" else LENGTH)
+    if option.kind == "choice":
+        if isinstance(value, str) and value in option.choices:
+            return str(value)
+        raise _wrong(name, value, "one of " + ", ".join(option.choices))
+    if option.kind == "path":
+        return path_text(value, name)
+    if option.kind == "numbers":
+        ten = checked_numbers(value, name).tolist()
+        if len(ten) == 10:
+            return ten
+        raise _wrong(name, value, "a list of ten numbers")
+    if option.kind == "plane":
+        return _plane(name, value)
+    raise AssertionError(option.kind)
+
+
+def whole(name: str, value: Any, most: int = (1 << 63) - 1) -> int:
+    """A whole number from 0 to ``most``."""
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        if 0 <= value <= most:
+            return int(value)
+    raise _wrong(name, value, "a whole number from 0")
+
+
+def real(name: str, value: Any) -> float:
+    """A finite number."""
+    if isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if math.isfinite(number):
+            return number
+    raise _wrong(name, value, "a finite number")
+
+
+NUMBER = r"[+]?(\d+[.]?\d*|[.]\d+)(e[+-]?\d+)?"
+LENGTH = re.compile(rf"\s*{NUMBER}\s*(mm|cm|m|in|ft|%)?\s*", re.IGNORECASE | re.ASCII)
+TIME = re.compile(rf"\s*{NUMBER}\s*(s|min|h)?\s*", re.IGNORECASE | re.ASCII)
+
+
+def measured(name: str, value: Any, form: Any = LENGTH) -> Any:
+    """A length (or time) as text with or without a unit, or as number; it is not negative."""
+    wanted = "a length such as 0.5, '20mm' or '1%'" if form is LENGTH else "a time such as '90s'"
+    if isinstance(value, str):
+        if form.fullmatch(value):
+            return str(value)
+        raise _wrong(name, value, wanted)
+    number = real(name, value)
+    if number < 0.0:
+        raise _wrong(name, value, wanted)
+    return number
+
+
+def _plane(name: str, value: Any) -> str:
+    if isinstance(value, str):
+        parts = value.split(",")
+        try:
+            is_plane = value == "lowest" or (len(parts) in (1, 6) and all(map(_finite, parts)))
+        except ValueError:
+            is_plane = False
+        if not is_plane:
+            raise _wrong(name, value, PLANE)
+        return str(value)
+    if isinstance(value, numbers.Real):
+        return repr(real(name, value))
+    plane = checked_numbers(value, name).tolist()
+    if len(plane) != 6:
+        raise _wrong(name, value, PLANE)
+    return ",".join(map(repr, plane))
+
+
+PLANE = "'lowest', a height, or a point and a normal (six numbers)"
+
+
+def _finite(text: str) -> bool:
+    return math.isfinite(float(text))
+
+
+def _wrong(name: str, value: Any, wanted: str) -> InputError:
+    return InputError(f"{name}: {shown(value)} is not {wanted}")
+
+
+def settings(options: Dict[str, Any]) -> Tuple[Dict[str, Any], Dict[str, Any], Any]:
+    """Settings as in a job file, values that files would hold, and sizes at the vertices."""
+    typed: Dict[str, Any] = {"steering": {}, "guides": {}}
+    given: Dict[str, Any] = {}
+    sizes = None
+    for name, value in options.items():
+        option = MESH[name]
+        if value is None or name in NO_SETTINGS:
+            continue
+        where = typed[option.table] if option.table else typed
+        key = name.replace("_", "-")
+        if option.kind in ("sizes", "rows", "lines") and is_path(value):
+            where[key] = path_text(value, name)
+        elif option.kind == "sizes":
+            sizes = checked_numbers(value, name)
+        elif option.kind == "rows":
+            given[name] = rows(name, value)
+        elif option.kind == "lines":
+            given[name] = polylines(name, value)
+        else:
+            where[key] = checked(name, value, option)
+    return typed, given, sizes
+
+
+def rows(name: str, value: Any) -> Any:
+    """Lists of numbers: points, points with a weight or an index, or vertex numbers."""
+    try:
+        entries = list(value)
+    except Exception:  # whatever a foreign object does
+        raise _wrong(name, value, "a path or a list of points") from None
+    return [
+        [real(name, e)] if isinstance(e, numbers.Real) else checked_numbers(e, name).tolist()
+        for e in entries
+    ]
+
+
+def polylines(name: str, value: Any) -> Any:
+    """One polyline (n, 3), or a list of them."""
+    if isinstance(value, np.ndarray) and value.ndim == 2:
+        value = [value]
+    try:
+        lines = list(value)
+    except Exception:  # whatever a foreign object does
+        raise _wrong(name, value, "a path, a polyline or a list of polylines") from None
+    return [checked_vertices(line, name).tolist() for line in lines]
+
+
+def threads(value: Any) -> Optional[int]:
+    """A number of threads."""
+    return None if value is None else whole("threads", value, 65535)

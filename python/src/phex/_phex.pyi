@@ -1,0 +1,34 @@
+"""The compiled part of phex."""
+
+from typing import Any, Optional, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Computation", "start", "Kept", "__version__"]
+
+__version__: str
+
+_Arrays = tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.int64]]
+_Given = tuple[str, str, NDArray[np.float64], NDArray[np.uint32], NDArray[np.int64]]
+
+@final
+class Kept: ...
+
+@final
+class Computation:
+    def wait(self, /, seconds: float) -> bool: ...
+    def events(self, /) -> list[str]: ...
+    def preview(self, /) -> Optional[tuple[str, _Arrays]]: ...
+    def cancel(self, /) -> None: ...
+    def take(self, /) -> dict[str, Any]: ...
+
+def start(
+    what: str,
+    request: str,
+    meshes: list[_Given],
+    sizes: Optional[NDArray[np.float64]] = None,
+    kept: Optional[Kept] = None,
+    threads: Optional[int] = None,
+    preview: bool = False,
+) -> Computation: ...

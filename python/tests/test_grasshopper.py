@@ -1,0 +1,130 @@
+"""Components run as Grasshopper runs them: their code with inputs and `ghenv` as names."""
+
+import json
+import struct
+import time
+
+import numpy as np
+import phex
+import pytest
+from conftest import ROOT
+
+rhino3dm = pytest.importorskip("rhino3dm")
+import phex.grasshopper as g  # noqa: E402
+from phex.interop.rhino3dm import rhino_mesh  # noqa: E402
+
+FOLDERS = sorted(p.parent for p in (ROOT / "grasshopper").glob("*/code.py"))
+
+
+class Component:
+    """What a component's script sees of itself."""
+
+    def __init__(self, guid="one"):
+        self.InstanceGuid = guid
+        self.Message = ""
+        self.again = 0
+
+    def OnPingDocument(self):
+        return self
+
+    def ScheduleSolution(self, milliseconds, call):
+        self.again += 1
+
+    def ExpireSolution(self, now):
+        raise AssertionError("called by Grasshopper only")
+
+
+class Ghenv:
+    def __init__(self, guid="one"):
+        self.Component = Component(guid)
+
+
+def solved(folder, ghenv, **inputs):
+    """Runs a component until it does not ask to be solved again; its outputs by name."""
+    code = (folder / "code.py").read_text(encoding="utf-8")
+    told = json.loads((folder / "metadata.json").read_text(encoding="utf-8"))["ghpython"]
+    names = {p["name"]: None for p in told["inputParameters"]}
+    assert set(inputs) <= set(names)
+    for _ in range(4000):
+        asked = ghenv.Component.again
+        scope = {**names, **inputs, "ghenv": ghenv}
+        exec(compile(code, str(folder), "exec"), scope)
+        if ghenv.Component.again == asked:
+            return {p["name"]: scope[p["name"]] for p in told["outputParameters"]}
+        time.sleep(0.01)
+    raise AssertionError("it never ends")
+
+
+@pytest.fixture(scope="module")
+def surface():
+    return rhino_mesh(phex.shape("roof", triangles=2000))
+
+
+@pytest.fixture(scope="module")
+def made(surface):
+    ghenv = Ghenv("made")
+    outputs = solved(ROOT / "grasshopper/Mesh", ghenv, Surface=surface, Panels=40, Run=True)
+    assert ghenv.Component.Message in ("pass", "outside_tolerance") and ghenv.Component.again > 0
+    return outputs
+
+
+def test_components_are_whole():
+    names = [folder.name for folder in FOLDERS]
+    assert names == ["Check", "Fabricate", "Mesh", "Offset", "Planarize", "Report"]
+    for folder in FOLDERS:
+        told = json.loads((folder / "metadata.json").read_text(encoding="utf-8"))
+        assert told["name"] == folder.name and told["category"] == "phex"
+        assert {"name", "nickname", "description"} <= set(told["ghpython"]["outputParameters"][0])
+        icon = (folder / "icon.png").read_bytes()
+        assert icon[:4] == b"\x89PNG" and struct.unpack(">II", icon[16:24]) == (24, 24)
+        code = (folder / "code.py").read_text(encoding="utf-8").splitlines()
+        assert code[:2] == ["#! python3", "# r: phex"] and len(code) <= 5
+
+
+def test_mesh_gives_geometry_of_rhino(made):
+    assert len(made["Outlines"]) == len(made["Panels"]) == len(made["Phex"]) > 30
+    assert all(isinstance(b, rhino3dm.Brep) and b.IsValid for b in made["Panels"])
+    assert all(c.IsClosed for c in made["Outlines"]) and isinstance(made["Mesh"], rhino3dm.Mesh)
+    assert "clearance" in made["Report"]
+
+
+def test_the_other_components_go_on_from_it(made, surface, tmp_path):
+    at = ROOT / "grasshopper"
+    checked = solved(at / "Check", Ghenv(), Mesh=made["Outlines"])
+    assert len(checked["Phex"]) == len(made["Phex"]) and "PASS" in checked["Report"]
+    flat = solved(at / "Planarize", Ghenv(), Mesh=made["Phex"], Surface=surface, Run=True)
+    assert len(flat["Panels"]) == len(made["Panels"])
+    layers = solved(at / "Offset", Ghenv(), Mesh=made["Phex"], Distance=[-0.01, 0.01], Run=True)
+    assert len(layers["Outlines"]) == 2 * len(made["Outlines"])
+    folder = str(tmp_path / "workshop")
+    told = solved(
+        at / "Fabricate", Ghenv(), Mesh=made["Phex"], Folder=folder, Thickness="1mm", Run=True
+    )
+    assert "panels" in told["Report"]
+    page = str(tmp_path / "a.html")
+    assert "verdict" in solved(at / "Report", Ghenv(), Mesh=made["Phex"], Path=page, Run=True)["Report"]
+    with open(page, encoding="utf-8") as file:
+        assert "</html>" in file.read()
+
+
+def test_a_change_of_input_cancels_what_ran(surface):
+    ghenv = Ghenv("changed")
+    g.mesh(ghenv, surface, 3000)
+    first = g._runs["changed"].future
+    g.mesh(ghenv, surface, 3000)
+    assert g._runs["changed"].future is first, "nothing changed"
+    assert "%" in ghenv.Component.Message
+    g.mesh(ghenv, surface, 2999)
+    assert first.cancelled() and g._runs["changed"].future is not first
+    second = g._runs["changed"].future
+    assert g.mesh(ghenv, surface, 2999, run=False) == g.NOTHING
+    assert second.cancelled() and "changed" not in g._runs and ghenv.Component.Message == "off"
+
+
+def test_errors_are_told_and_nothing_is_raised(surface):
+    ghenv = Ghenv("wrong")
+    shown = g.mesh(ghenv, surface, -3)
+    assert ghenv.Component.Message == "failed" and "panels" in shown.report
+    assert g.check(ghenv, 7).report and ghenv.Component.Message == "failed"
+    assert "thickness" in g.fabricate(ghenv, phex.Mesh(np.eye(3), [[0, 1, 2]]), "x", True, thickness="?")
+    assert g.offset(ghenv, phex.Mesh(np.eye(3), [[0, 1, 2]]), [1e99])[0].report

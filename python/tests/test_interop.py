@@ -1,0 +1,135 @@
+import numpy as np
+import phex
+import phex.interop.compas
+import phex.interop.pyvista
+import phex.interop.rhino3dm
+import phex.interop.trimesh
+import pytest
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    """Panels of a saddle: most of them are concave."""
+    saddle = phex.shape("hyperbolic-paraboloid", triangles=3000)
+    made = phex.mesh(saddle, panels=60, max_deviation="5%", keep_invalid=True)
+    assert (made.per_face("corners") == 6).sum() > 20
+    return made
+
+
+def areas(vertices, faces):
+    """Newell's areas, which are right for concave planar polygons."""
+    made = []
+    for face in faces:
+        p = vertices[face]
+        made.append(0.5 * np.linalg.norm(np.cross(p, np.roll(p, -1, axis=0)).sum(axis=0)))
+    return np.array(made)
+
+
+def flatness(vertices, face):
+    p = vertices[face] - vertices[face].mean(axis=0)
+    return np.abs(p @ np.linalg.svd(p)[2][2]).max()
+
+
+def same(a, b):
+    return np.array_equal(a.vertices, b.vertices) and [f.tolist() for f in a.faces] == [
+        f.tolist() for f in b.faces
+    ]
+
+
+def test_ears_have_the_area_of_their_panel(mesh):
+    triangles, face = mesh.triangles()
+    p = mesh.vertices[triangles]
+    parts = 0.5 * np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
+    cut = np.bincount(face, weights=parts, minlength=len(mesh))
+    assert np.allclose(cut, areas(mesh.vertices, mesh.faces), rtol=1e-9)
+    # What the ears are for: fans from the first corner are wrong on many panels.
+    fans = [
+        sum(
+            np.linalg.norm(np.cross(q[k] - q[0], q[k + 1] - q[0])) / 2 for k in range(1, len(q) - 1)
+        )
+        for q in (mesh.vertices[f] for f in mesh.faces)
+    ]
+    assert (np.abs(fans - cut) > 1e-6 * cut).sum() > 10
+
+
+def test_compas_round_trip(mesh):
+    compas_data = pytest.importorskip("compas.data")
+    there = mesh.to_compas()
+    again = compas_data.json_loads(compas_data.json_dumps(there))
+    back = phex.interop.compas.from_compas(again)
+    assert same(back, mesh) and there.number_of_faces() == len(mesh)
+    area = mesh.per_face("area")
+    for k, face in enumerate(again.faces()):
+        assert again.face_attribute(face, "panel") == k
+        assert again.face_attribute(face, "area") == area[k]
+        assert again.face_attribute(face, "sound") is True
+    size = np.linalg.norm(np.ptp(back.vertices, axis=0))
+    assert max(flatness(back.vertices, f) for f in back.faces) <= 1e-14 * size
+    assert same(phex.check(again), mesh), "COMPAS meshes are taken wherever meshes are"
+
+
+def test_trimesh_round_trip(mesh):
+    trimesh = pytest.importorskip("trimesh")
+    there = mesh.to_trimesh()
+    assert there.area == pytest.approx(areas(mesh.vertices, mesh.faces).sum(), rel=1e-9)
+    back = phex.interop.trimesh.from_trimesh(there)
+    assert np.array_equal(back.vertices, mesh.vertices)
+    for ours, theirs in zip(mesh.faces, back.faces):
+        k = theirs.tolist().index(ours[0])
+        assert np.roll(theirs, -k).tolist() == ours.tolist()
+    assert len(phex.check(trimesh.creation.box())) == 12
+
+
+def test_pyvista_round_trip(mesh):
+    pytest.importorskip("pyvista")
+    there = mesh.to_pyvista()
+    assert there.n_cells == len(mesh) and there.cell_data["panel"].tolist() == list(range(len(mesh)))
+    assert np.array_equal(there.cell_data["area"], mesh.per_face("area"))
+    assert same(phex.interop.pyvista.from_pyvista(there), mesh)
+    assert same(phex.check(there), mesh)
+
+
+def test_rhino_files_hold_outlines_breps_and_labels(mesh):
+    rhino3dm = pytest.importorskip("rhino3dm")
+    names = [f"A{k}" for k in range(len(mesh))]
+    kinds = mesh.per_face("valence").astype(int).tolist()
+    phex.interop.rhino3dm.save_3dm(mesh, "a.3dm", "mm", names, {"kind": kinds})
+    file = rhino3dm.File3dm.Read("a.3dm")
+    assert file.Settings.ModelUnitSystem == rhino3dm.UnitSystem.Millimeters
+    layers = {layer.Index: layer.FullPath for layer in file.Layers}
+    assert set(layers.values()) == {"phex", *(f"phex::{n}" for n in phex.interop.rhino3dm.LAYERS)}
+    found = {}
+    for thing in file.Objects:
+        found.setdefault(layers[thing.Attributes.LayerIndex], []).append(thing)
+    assert len(found["phex::outlines"]) == len(found["phex::panels"]) == len(mesh)
+    assert [t.Attributes.Name for t in found["phex::outlines"]] == names
+    assert [t.Geometry.Text for t in found["phex::labels"]] == names
+    expected = areas(mesh.vertices, mesh.faces)
+    for k, thing in enumerate(found["phex::panels"]):
+        brep = thing.Geometry
+        assert brep.IsValid and len(brep.Edges) == len(mesh.faces[k]), names[k]
+        assert brep.Faces[0].IsPlanar(1e-9 * expected[k] ** 0.5)
+        assert thing.Attributes.GetUserString("kind") == str(kinds[k])
+        assert thing.Attributes.GetUserString("corners") == str(len(mesh.faces[k]))
+    curves = [t.Geometry for t in found["phex::outlines"]]
+    for k, curve in enumerate(curves):
+        points = np.array([[p.X, p.Y, p.Z] for p in map(curve.Point, range(curve.PointCount))])
+        assert np.array_equal(points[:-1], mesh.vertices[mesh.faces[k]]), "bit for bit"
+    triangles = found["phex::mesh"][0].Geometry
+    assert triangles.Faces.Count == len(mesh.triangles()[0])
+    back = phex.interop.rhino3dm.read_3dm("a.3dm")
+    assert np.array_equal(areas(back.vertices, back.faces), expected) and len(back) == len(mesh)
+    assert len(back.vertices) == len(mesh.vertices), "corners that are one point are one vertex"
+    mesh.save("b.3dm")
+    with pytest.raises(phex.InputError, match="unit"):
+        phex.interop.rhino3dm.save_3dm(mesh, "c.3dm", "km")
+
+
+def test_rhino_meshes_are_surfaces(roof):
+    rhino3dm = pytest.importorskip("rhino3dm")
+    there = phex.interop.rhino3dm.rhino_mesh(roof)
+    assert isinstance(there, rhino3dm.Mesh)
+    surface = phex.interop.rhino3dm.from_rhino(there, phex.Surface)
+    size = np.linalg.norm(np.ptp(roof.vertices, axis=0))
+    assert np.abs(surface.vertices - roof.vertices).max() < 1e-7 * size, "single precision"
+    assert phex.mesh(there, panels=30, max_deviation="5%", keep_invalid=True).sound

@@ -1,0 +1,200 @@
+import json
+import pickle
+import subprocess
+
+import numpy as np
+import phex
+import pytest
+
+
+def program_mesh(program, surface, *words):
+    surface.save("surface.obj")
+    subprocess.run(
+        [program, "mesh", "surface.obj", "-o", "made.obj", "--report", "run.json", "-q", *words],
+        check=False,
+    )
+    with open("run.json", encoding="utf-8") as file:
+        return phex.Mesh.read("made.obj"), json.load(file)
+
+
+def same(a, b):
+    return all(
+        np.array_equal(x, y)
+        for x, y in ((a.vertices, b.vertices), (a.corners, b.corners), (a.offsets, b.offsets))
+    )
+
+
+def test_same_mesh_as_the_program_bit_for_bit(program, roof):
+    theirs, report = program_mesh(
+        program, roof, "-n", "50", "--rotate", "15.1", "--max-deviation", "3%", "--fairness", "1.37"
+    )
+    there = phex.Surface.read("surface.obj")
+    ours = phex.mesh(there, panels=50, rotate=15.1, max_deviation="3%", fairness=1.37)
+    assert same(ours, theirs)
+    for part in ("settings", "checks", "measures", "verdict", "inputs", "statistics", "limits"):
+        assert ours.report[part] == report[part], part
+
+
+def test_a_job_file_means_the_same(program, roof):
+    text = "panels = 40\nmax-deviation = '4%'\nseed = 3\n[steering]\ncloseness = 1.7\n"
+    with open("job.toml", "w", encoding="utf-8") as file:
+        file.write(text)
+    theirs, _ = program_mesh(program, roof, "--config", "job.toml")
+    assert same(phex.mesh("surface.obj", config="job.toml"), theirs)
+    # Keywords come first, as the command line does.
+    other = phex.mesh("surface.obj", config="job.toml", panels=30, seed=0)
+    assert other.report["settings"]["panels"] == 30 and other.report["settings"]["seed"] == 0
+
+
+def test_arrays_in_memory_mean_the_same_as_files(program, roof):
+    sizes = 2.0 + np.arange(len(roof.vertices)) / len(roof.vertices)
+    points = roof.vertices[[0, 7]] * 1.0000001
+    np.savetxt("sizes.txt", sizes, fmt="%.17g")
+    np.savetxt("points.txt", points, fmt="%.17g")
+    words = ["--size-field", "sizes.txt", "--anchors", "points.txt", "-n", "40", "--keep-invalid"]
+    theirs, _ = program_mesh(program, roof, *words, "--max-deviation", "5%")
+    how = {"panels": 40, "max_deviation": "5%", "keep_invalid": True}
+    ours = phex.mesh("surface.obj", size_field=sizes, anchors=points, **how)
+    files = phex.mesh("surface.obj", size_field="sizes.txt", anchors="points.txt", **how)
+    assert same(ours, theirs) and same(files, theirs)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+@pytest.mark.parametrize("index", [np.int32, np.uint8, np.int64])
+def test_arrays_of_any_kind_are_taken(kind, index):
+    cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=kind)
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    faces = np.array(quads, dtype=index)
+    for given in (faces, np.asfortranarray(faces), faces.tolist(), [tuple(f) for f in quads]):
+        made = phex.Mesh(cube[::1], given)
+        assert made.per_face("area").tolist() == [1.0] * 6
+        assert phex.check(made).verdict == "pass"
+    assert phex.Mesh.from_corners(cube, faces.ravel(), np.arange(0, 25, 4)).offsets[-1] == 24
+
+
+def test_what_a_result_tells(ball, sphere):
+    assert 25 < len(ball) == len(ball.faces) < 40 and ball.sound and ball.verdict == "pass"
+    assert sorted({len(face) for face in ball.faces}) == [5, 6]
+    assert ball.offenders == {} and ball.report["tool"]["name"] == "phex"
+    assert ball.per_face("planarity").max() < 1e-12
+    assert ball.per_face("corners").sum() == len(ball.corners)
+    assert ball.per_face("area").sum() == pytest.approx(4 * np.pi, rel=0.2)
+    with pytest.raises(phex.InputError, match="each edge"):
+        ball.per_face("dihedral")
+    with pytest.raises(phex.InputError, match="`nothing` is none of"):
+        ball.per_face("nothing")
+    with pytest.raises(ValueError, match="read-only"):
+        ball.vertices[0] = 0.0
+
+
+def test_pictures_and_pages(ball):
+    assert ball._repr_png_().startswith(b"\x89PNG") and "<table>" in ball._repr_html_()
+    assert b"<svg" in ball.picture("planarity", svg=True)
+    assert "</html>" in ball.page(curves=False)
+    copy = pickle.loads(pickle.dumps(ball))
+    assert same(copy, ball) and copy.report == ball.report
+    assert "</html>" in copy.page(curves=False)
+    with pytest.raises(ValueError, match="read-only"):
+        copy.vertices[0] = 0.0
+
+
+def test_files(ball):
+    for name in ["a.obj", "a.ply", "a.off", "a.stl", "a.json", "a.dxf", "a.glb", "a.3mf", "a.png"]:
+        ball.save(name)
+    assert same(phex.Mesh.read("a.ply"), ball)
+    with pytest.raises(phex.InputError, match="a.xyz"):
+        ball.save("a.xyz")
+    with pytest.raises(phex.InputError, match="nowhere"):
+        phex.Surface.read("nowhere.obj")
+    phex.convert("a.obj", "b.off")
+    assert same(phex.Mesh.read("b.off"), ball)
+
+
+def test_an_invalid_mesh_is_an_error_with_the_mesh():
+    torus = phex.shape("torus", triangles=1000)
+    with pytest.raises(phex.NoValidResult) as raised:
+        phex.mesh(torus, panels=4, output="no.obj")
+    made = raised.value.result
+    assert made.verdict == "invalid" and made.offenders
+    with pytest.raises(FileNotFoundError):
+        open("no.obj", encoding="utf-8")
+    kept = phex.mesh(torus, panels=4, keep_invalid=True)
+    kept.save("yes.obj")
+    assert not kept.sound
+
+
+def test_offsets(ball):
+    made = phex.offset(ball, [-0.05, "2%"], max_distance=True, gauss_image=True)
+    inner, outer = made.layers
+    assert phex.check(inner).verdict == "pass" and made.max_distance[0] < -0.05
+    assert made.distances[1] == pytest.approx(0.02 * np.linalg.norm(np.ptp(ball.vertices, axis=0)))
+    corners = [ball.vertices[f].mean(axis=0) for f in ball.faces]
+    normals = [n / np.linalg.norm(n) for n in corners]
+    for k, face in enumerate(inner.faces):
+        gap = (ball.vertices[ball.faces[k]] - inner.vertices[face]) @ normals[k]
+        assert gap == pytest.approx(0.05, abs=0.01)
+    with pytest.raises(phex.NoValidResult, match="largest safe distance"):
+        ball.offset(-5.0)
+    with pytest.raises(phex.InputError, match="touching the unit sphere"):
+        phex.offset(ball, 0.1, kind="edge")
+
+
+def test_koebe_meshes_have_edge_offsets(ball):
+    koebe = phex.koebe(ball)
+    for a, b in zip(koebe.faces[0], np.roll(koebe.faces[0], -1)):
+        p, d = koebe.vertices[a], koebe.vertices[b] - koebe.vertices[a]
+        foot = p - d * (p @ d) / (d @ d)
+        assert np.linalg.norm(foot) == pytest.approx(1.0, abs=1e-9)
+    assert len(phex.offset(koebe, 0.05, kind="edge").layers) == 1
+    near = phex.parallel(koebe, phex.shape("sphere", triangles=2000), max_deviation="20%")
+    assert len(near) == len(ball)
+
+
+def test_planarize_and_check(ball):
+    rng = np.random.default_rng(0)
+    bent = phex.Mesh(ball.vertices + 1e-3 * rng.normal(size=ball.vertices.shape), ball.faces)
+    judged = phex.check(bent)
+    assert judged.verdict != "pass" and "planarity" in judged.offenders
+    flat = phex.planarize(bent, fix=[0])
+    assert flat.per_face("planarity").max() < 1e-12 and flat.sound
+    assert np.array_equal(flat.vertices[0], bent.vertices[0])
+
+
+def test_the_workshop(ball):
+    made = phex.fabricate(ball, "workshop", thickness="20mm", nest_effort=0)
+    assert made.summary["panels"] == len(ball) and "sheets/sheet-01.dxf" in made.files
+    made.save("workshop")
+    with open("workshop/panels.csv", "a", encoding="utf-8") as file:
+        file.write("mine\n")
+    with pytest.raises(phex.InputError, match="panels.csv"):
+        made.save("workshop")
+    with pytest.raises(phex.InputError, match="thickness"):
+        phex.fabricate(ball, thickness="thick")
+
+
+def test_the_same_workshop_as_the_program(program, ball):
+    ball.save("ball.obj")
+    words = ["--thickness", "20mm", "--nest-effort", "0", "--sheet", "1500x3000", "-q"]
+    subprocess.run([program, "fab", "ball.obj", "-o", "theirs", *words], check=True)
+    ours = phex.fabricate("ball.obj", thickness="20mm", nest_effort=0, sheet="1500x3000")
+    for name, content in ours.files.items():
+        with open(f"theirs/{name}", "rb") as file:
+            if not name.endswith(".xlsx"):  # which hold the time
+                assert file.read() == content, name
+    # The program takes the folder that Python wrote for one of its own.
+    ours.save("mixed")
+    subprocess.run([program, "fab", "ball.obj", "-o", "mixed", *words], check=True)
+    ours.save("mixed")
+
+
+def test_networks_and_shapes(roof):
+    found = phex.network(roof, panels=80)
+    assert all(curve.shape[1] == 3 for curve in found.rows + found.columns)
+    assert "torus" in phex.shapes()
+    with pytest.raises(phex.InputError, match="minor"):
+        phex.shape("torus", minor=-1.0)
+
+
+def test_a_warm_start_moves_what_it_is_told(ball, sphere):
+    again = phex.mesh(sphere, start=ball, fix=[3], max_deviation="5%")
+    assert len(again) == len(ball)
