@@ -46,7 +46,7 @@ def helped(program):
     text = subprocess.run(
         [program, "mesh", "--help"], check=True, capture_output=True, text=True
     ).stdout
-    pattern = r"^ +(?:-\w, )?--([a-z-]+)(?:[ =](\[?)[<=]*([^>\]\n]+)>?\]?)?$"
+    pattern = r"^ {2,6}(?:-\w, )?--([a-z-]+)(?:[ =](\[?)[<=]*([^>\]\n]+)>?\]?)?$"
     found = list(re.finditer(pattern, text, re.MULTILINE))
     ends = [m.start() for m in found[1:]] + [len(text)]
     return {
