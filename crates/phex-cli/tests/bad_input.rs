@@ -97,6 +97,17 @@ fn face_with_a_repeated_vertex() {
     );
 }
 
+/// The same triangle twice encloses nothing.
+#[test]
+fn triangle_that_is_there_twice() {
+    let twice = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n";
+    refused(
+        "a.obj",
+        twice.to_owned(),
+        &["faces 0 and 1", "same corners"],
+    );
+}
+
 #[test]
 fn triangles_without_area() {
     refused(

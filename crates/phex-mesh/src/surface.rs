@@ -41,9 +41,12 @@ impl TriangleSurface {
     /// Vertex normals are those of Max (weights `1 / (|a|^2 |b|^2)`).
     ///
     /// # Errors
-    /// If the triangles are not an oriented manifold.
+    /// If the triangles are not an oriented manifold, or two of them have the same corners.
     pub fn new(positions: Vec<Vec3>, triangles: &[[u32; 3]]) -> Result<Self, TopologyError> {
         let topology = Topology::from_faces(positions.len(), triangles)?;
+        if let Some([first, second]) = doubled(&topology) {
+            return Err(TopologyError::DoubledTriangle { first, second });
+        }
         Ok(Self::of(PerVertex::from_vec(positions), Arc::new(topology)))
     }
 
@@ -225,6 +228,16 @@ fn max_normals(positions: &PerVertex<Vec3>, topology: &Topology) -> PerVertex<Ve
             }
         }
         normal.try_normalize(0.0).unwrap_or_else(Vec3::z)
+    })
+}
+
+/// Two triangles that share all their edges.
+fn doubled(topology: &Topology) -> Option<[FaceId; 2]> {
+    let across = |h| topology.twin(h).map(|t| topology.face(t));
+    topology.faces().find_map(|f| {
+        let mut others = topology.face_half_edges(f).map(across);
+        let first = others.next()??;
+        others.all(|g| g == Some(first)).then_some([f, first])
     })
 }
 
@@ -433,5 +446,16 @@ mod tests {
     fn one_boundary_loop() {
         let loops = bumps(3, 1.0, 0.0).boundary_loops();
         assert_eq!((loops.len(), loops[0].len()), (1, 12));
+    }
+
+    #[test]
+    fn two_triangles_with_the_same_corners_are_named() {
+        let corners = vec![Vec3::zeros(), Vec3::x(), Vec3::y()];
+        let pillow = TriangleSurface::new(corners, &[[0, 1, 2], [0, 2, 1]]);
+        let error = pillow.err().unwrap().to_string();
+        assert!(
+            error.contains("faces 0 and 1 have the same corners"),
+            "{error}"
+        );
     }
 }

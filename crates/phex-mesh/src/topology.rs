@@ -50,6 +50,14 @@ pub enum TopologyError {
         /// The repeated vertex.
         vertex: VertexId,
     },
+    /// Two triangles have the same corners and nothing else beside them: a surface without inside.
+    #[error("faces {first} and {second} have the same corners: remove one of them")]
+    DoubledTriangle {
+        /// The first.
+        first: FaceId,
+        /// The second.
+        second: FaceId,
+    },
     /// Three or more faces share an edge.
     #[error("the edge between vertices {from} and {to} is used by more than two faces ({faces:?})")]
     NonManifoldEdge {
