@@ -101,11 +101,7 @@ fn face_with_a_repeated_vertex() {
 #[test]
 fn triangle_that_is_there_twice() {
     let twice = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n";
-    refused(
-        "a.obj",
-        twice.to_owned(),
-        &["faces 0 and 1", "same corners"],
-    );
+    refused("a.obj", twice, &["faces 0 and 1", "same corners"]);
 }
 
 #[test]

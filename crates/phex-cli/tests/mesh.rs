@@ -379,8 +379,9 @@ fn a_run_may_end_after_the_layout() {
     let report = shop.json("run.json");
     assert_ne!(report["verdict"], "pass");
     shop.phex("check flat.obj").refuses(3, &[]);
-    shop.phex("mesh wave.obj -o no.obj --until layout --method brick-wall")
-        .refuses(4, &["only `lattice` has a layout"]);
+    shop.succeed("mesh wave.obj -o wall.obj -n 60 --until layout --method brick-wall");
+    shop.phex("mesh wave.obj -o no.obj --until layout --method tangent-planes")
+        .refuses(4, &["only `lattice` and `brick-wall`"]);
     shop.phex("mesh wave.obj -o no.obj --until layout --keep-invalid")
         .refuses(2, &["--keep-invalid"]);
 }

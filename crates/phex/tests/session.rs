@@ -97,11 +97,11 @@ fn a_preview_shows_the_panels_of_the_run() {
     );
     assert!(preview.mesh.topology().n_faces() > 50);
     assert!(seconds(&first.stages, "layout") > 0.0);
-    let wall = MeshOptions {
-        method: Method::BrickWall,
+    let planes = MeshOptions {
+        method: Method::TangentPlanes,
         ..panels(60)
     };
-    let refused = session.lay_out(&wall, &Silent);
+    let refused = session.lay_out(&planes, &Silent);
     assert!(matches!(refused, Err(PipelineError::NoPreview)));
 }
 

@@ -309,9 +309,6 @@ fn broken(m: &mut Maker<'_>) -> Result<(), String> {
 
 /// The three pictures of the paper's method.
 fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Result<(), String> {
-    let unoptimised =
-        "[stages.optimise]\nfast = false\npenalties = []\nprojection_iterations = 0\n";
-    m.job("unoptimised.toml", unoptimised)?;
     m.surface(surface)?;
     m.measured(
         "Network",
@@ -320,12 +317,13 @@ fn brick(m: &mut Maker<'_>, surface: &str, number: usize, panels: usize) -> Resu
     m.run(&format!(
         "shape {surface} --triangles 60000 -o {WORK}/{surface}-smooth.obj -q"
     ))?;
-    let made = format!("mesh {WORK}/{surface}.obj --method brick-wall -n {panels} --keep-invalid");
+    let wall = format!("mesh {WORK}/{surface}.obj --method brick-wall -n {panels}");
     m.measured(
         "Shifted",
-        &format!("{made} -o {WORK}/{surface}-shifted.obj --config {WORK}/unoptimised.toml"),
+        &format!("{wall} -o {WORK}/{surface}-shifted.obj --until layout"),
     )?;
-    m.measured("Final", &format!("{made} -o {WORK}/{surface}-bricks.obj"))?;
+    let bricks = format!("{wall} --keep-invalid -o {WORK}/{surface}-bricks.obj");
+    m.measured("Final", &bricks)?;
     m.draw(
         &format!("{surface}-smooth.obj"),
         &format!("figure-{number:02}-network"),

@@ -3,6 +3,7 @@
 
 use super::domain::Ground;
 use super::field::spaced_corners;
+use super::preview::LatticePreview;
 use super::{
     Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, panel_count,
     panel_length,
@@ -12,8 +13,8 @@ use crate::directions::network::{
     Conjugacy, ConjugateNetwork, Curve, Function, NetworkError, RowField, conjugacy,
     conjugate_network, level_lines, row_field,
 };
-use crate::layout::LayoutError;
 use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
+use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
 use crate::quality::{Judge, Merit, References};
@@ -88,6 +89,25 @@ impl BrickSite {
             corners: &self.corners,
         }
     }
+}
+
+/// Lays out a brick wall on a normalised surface.
+pub(super) fn lay_out(
+    normalised: &TriangleSurface,
+    panels: usize,
+    options: &MeshOptions,
+    clock: &mut Clock<'_>,
+) -> Result<LatticePreview, PipelineError> {
+    let site = BrickSite::new(normalised, panels, options, clock)?;
+    let (layout, _) = clock.stage("layout", || {
+        brick_wall(&site.bricks(), site.ground.panels, &options.brick_wall)
+    })??;
+    Ok(LatticePreview {
+        mesh: layout.mesh,
+        statistics: LayoutStatistics::default(),
+        cones: Vec::new(),
+        stages: std::mem::take(&mut clock.stages),
+    })
 }
 
 /// Makes a brick wall of a normalised surface planar.

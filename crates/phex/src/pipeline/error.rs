@@ -52,8 +52,8 @@ pub enum PipelineError {
     /// Nothing is left within the boundary.
     #[error(transparent)]
     Trim(#[from] TrimError),
-    /// Only lattices are laid out before they become planar.
-    #[error("only `lattice` has a layout that can be shown without making it planar")]
+    /// Only lattices and brick walls are laid out before they become planar.
+    #[error("only `lattice` and `brick-wall` lay panels out before these become planar")]
     NoPreview,
     /// The caller cancelled before there was a mesh.
     #[error("cancelled")]

@@ -93,22 +93,27 @@ impl Session {
     /// picture of where panels will be, and no result; nothing is judged.
     ///
     /// # Errors
-    /// As [`mesh_surface`](super::mesh_surface), and for methods other than [`Method::Lattice`].
+    /// As [`mesh_surface`](super::mesh_surface), and for methods by planes.
     pub fn lay_out(
         &self,
         options: &MeshOptions,
         progress: &dyn Progress,
     ) -> Result<LatticePreview, PipelineError> {
         options.check()?;
-        if options.method != Method::Lattice {
+        if ![Method::Lattice, Method::BrickWall].contains(&options.method) {
             return Err(PipelineError::NoPreview);
         }
         let panels = size::panel_count(&self.surface, options.size)?;
         let model = self.model();
         let options = normalise::normalised(options, model)?;
         let mut clock = Clock::new(progress);
-        let ground = clock.stage("target", || self.ground(panels, &options))?;
-        let made = lay_out(&ground, &mut clock);
+        let made = match options.method {
+            Method::BrickWall => brick_wall::lay_out(&model.surface, panels, &options, &mut clock),
+            _ => {
+                let ground = clock.stage("target", || self.ground(panels, &options))?;
+                lay_out(&ground, &mut clock)
+            }
+        };
         match made {
             Ok(preview) => Ok(preview.restored(&model.similarity)),
             Err(error) => Err(error.in_model(model)),
