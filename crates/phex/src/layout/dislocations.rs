@@ -86,8 +86,8 @@ fn defect(c: &Circuit) -> LatticeDefect {
     }
 }
 
-/// Moves every Burgers vector into the nearest opposite, cone or boundary, and returns the ways that
-/// they took. Paths longer than `max_length` lattice spacings are not taken.
+/// Moves every Burgers vector into the nearest opposite, cone or boundary, and returns the ways
+/// that they took. Paths longer than `max_length` lattice spacings are not taken.
 ///
 /// In a round all those move that are each other's nearest: their ways run through triangles that
 /// are nearest to them, so that the closest pair of all would be the next anyway, one after the

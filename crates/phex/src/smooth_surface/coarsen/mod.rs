@@ -3,8 +3,8 @@
 //! Edges collapse, the shortest first, until as many vertices are left as are wanted; in between
 //! edges turn where that makes triangles Delaunay. Vertices that are left are vertices of the
 //! surface. Those at the two ends of an edge that collapses have normals that hardly differ: where
-//! the surface bends within the spacing it stays as fine as it is. The boundary and creases collapse
-//! along themselves only, and twice as late.
+//! the surface bends within the spacing it stays as fine as it is. The boundary and creases
+//! collapse along themselves only, and twice as late.
 //!
 //! *Guaranteed*: topology and boundary loops are those of the surface, corners stay; the same
 //! result for any number of threads. *Fails* never; on a surface that is rough from vertex to
