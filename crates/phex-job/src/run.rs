@@ -112,7 +112,7 @@ pub struct JobResult {
 /// let file = MeshFile::in_memory("sphere", soup);
 /// let settings = MeshSettings::from_toml("panels = 32\nmax-deviation = '5%'")?;
 /// let made = run(&MeshJob::new(file.surfaces()?, file.record, settings), &phex::Silent)?;
-/// assert_eq!(made.mesh.topology().n_faces(), 32);
+/// assert!((28..36).contains(&made.mesh.topology().n_faces()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn run(job: &MeshJob, progress: &dyn Progress) -> Result<JobResult, JobError> {
