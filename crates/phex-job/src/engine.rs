@@ -53,6 +53,18 @@ pub fn mesh(
     reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
 }
 
+/// As [`mesh`], with what earlier runs on the surface have computed.
+///
+/// # Errors
+/// As [`mesh`].
+pub fn mesh_again(
+    session: &Session,
+    options: &MeshOptions,
+    progress: &dyn Progress,
+) -> Result<Computed, JobError> {
+    reached(session.run(options, progress).map_err(pipeline_failure)?)
+}
+
 /// The panels of a connected surface as they are laid out, neither planar nor checked.
 ///
 /// # Errors

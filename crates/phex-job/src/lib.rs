@@ -8,7 +8,7 @@
 //! | `units`, `number_lists` | lengths and lists of numbers as they are typed |
 //! | `input`, `given` | what files hold, or a caller's memory |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
-//! | `run`, `join`, `engine`, `deadline` | the computation |
+//! | `run`, `join`, `engine`, `deadline`, `surface_session` | the computation |
 //! | `limits`, `wishes`, `portfolio` | what was reached, measured by what was wanted |
 //! | `whole_run` | how much is done |
 //!
@@ -31,6 +31,7 @@ mod run;
 mod settings;
 mod size_field;
 mod steering;
+mod surface_session;
 mod threads;
 mod units;
 mod whole_run;
@@ -51,6 +52,7 @@ pub use settings::{
     AtBoundary, CloseTo, DEFAULT_DEVIATION, LayoutMethod, MeshSettings, TypedPanelSize,
 };
 pub use steering::{SteeringSettings, TypedPlane, TypedSolver, positive};
+pub use surface_session::SurfaceSession;
 pub use threads::thread_count;
 pub use units::{NoQuantity, Quantity, Unit};
 pub use whole_run::{WholeProgress, WholeRun};

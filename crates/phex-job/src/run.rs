@@ -10,6 +10,7 @@ use crate::panel_size::{self, edge_length, shares};
 use crate::portfolio::members;
 use crate::settings::{MeshSettings, TypedPanelSize};
 use crate::size_field::SizeField;
+use crate::surface_session::SurfaceSession;
 use crate::wishes::{Wishes, check_near};
 use phex::directions::Cone;
 use phex::optimise::led_elsewhere;
@@ -20,6 +21,7 @@ use phex::{Event, MeshOptions, Progress};
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::sync::Arc;
 
 /// Where a job may end before there is a planar mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,6 +54,8 @@ pub struct MeshJob {
     pub time_limit: Option<TimeLimit>,
     /// Where it ends.
     pub until: Option<LastStage>,
+    /// What earlier jobs on the same surface have computed.
+    pub session: Option<Arc<SurfaceSession>>,
 }
 
 impl MeshJob {
@@ -66,6 +70,7 @@ impl MeshJob {
             keep_best: false,
             time_limit: None,
             until: None,
+            session: None,
         }
     }
 }
@@ -116,7 +121,7 @@ pub struct JobResult {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn run(job: &MeshJob, progress: &dyn Progress) -> Result<JobResult, JobError> {
-    let timed = Timed::new(progress, job.time_limit);
+    let timed = Timed::new(progress, job.time_limit, job.keep_best);
     let mut notes = Notes::new(progress);
     let task = MeshTask::new(job, &timed, &mut notes)?;
     let runs = match &job.start {
@@ -235,7 +240,13 @@ impl<'a> MeshTask<'a> {
             }
             let made = match self.job.until {
                 Some(LastStage::Layout) => engine::lay_out(&part.surface, &options, self.progress),
-                None => engine::mesh(&part.surface, &options, self.progress),
+                None => {
+                    let kept = self.job.session.as_ref();
+                    match kept.and_then(|kept| kept.of(k, &part.surface)) {
+                        Some(kept) => engine::mesh_again(kept, &options, self.progress),
+                        None => engine::mesh(&part.surface, &options, self.progress),
+                    }
+                }
             };
             self.unless_interrupted(made?)
         };
