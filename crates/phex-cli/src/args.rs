@@ -8,6 +8,7 @@ use crate::offset_arguments::OffsetCommand;
 use crate::parallel_arguments::ParallelCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
 use crate::shared_arguments::{Extras, Talk, ToleranceArguments};
+use crate::sweep_arguments::SweepCommand;
 use crate::terms::TERMS;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -67,6 +68,8 @@ pub enum Command {
     PowerDiagram(PowerCommand),
     /// Write Dupin's indicatrices of a surface, for drawing
     Dupin(DupinCommand),
+    /// Solve every variant of a study, each in its folder; with `collect`, a table and a page of all
+    Sweep(SweepCommand),
     /// Say what the words of the tables mean
     #[command(long_about = TERMS)]
     Terms(TermsCommand),
@@ -93,6 +96,7 @@ impl Command {
             Self::Subdivide(c) => &c.talk,
             Self::PowerDiagram(c) => &c.talk,
             Self::Dupin(c) => &c.talk,
+            Self::Sweep(c) => c.talk(),
             Self::Terms(c) => &c.talk,
         }
     }

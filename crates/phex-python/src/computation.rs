@@ -6,24 +6,20 @@
 
 use crate::answer::{Answer, into_dict};
 use crate::arrays::{self, Arrays, GivenArrays};
+use crate::errors::raised;
 use crate::inputs::Inputs;
+use crate::kept::{Kept, KeptSurface};
 use crate::requests::{Work, work};
 use numpy::PyReadonlyArray1;
 use phex::{Event, Progress};
 use phex_job::{JobError, WholeRun, thread_count};
 use phex_mesh::PolygonSoup;
-use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-
-import_exception!(phex._errors, InputError);
-import_exception!(phex._errors, NoValidResult);
-import_exception!(phex._errors, Cancelled);
-import_exception!(phex._errors, InternalError);
 
 /// Events that wait for the caller at the most; the oldest go first.
 const MOST_EVENTS: usize = 4096;
@@ -130,21 +126,23 @@ impl Computation {
 
 /// Begins a computation.
 #[pyfunction]
-#[pyo3(signature = (what, request, meshes, sizes=None, kept=None, threads=None, preview=false))]
+#[pyo3(signature = (what, request, meshes, sizes=None, kept=None, threads=None, preview=false, session=None))]
 pub fn start(
     what: &str,
     request: &str,
     meshes: Vec<GivenArrays<'_>>,
     sizes: Option<PyReadonlyArray1<'_, f64>>,
-    kept: Option<Py<crate::kept::Kept>>,
+    kept: Option<Py<Kept>>,
     threads: Option<u16>,
     preview: bool,
+    session: Option<Py<KeptSurface>>,
 ) -> PyResult<Computation> {
     let files: Result<_, _> = meshes.iter().map(arrays::mesh_file).collect();
     let inputs = Inputs {
         files: files.map_err(raised)?,
         sizes: sizes.map(|s| s.as_array().to_vec()),
         kept: kept.map(|k| k.get().clone()),
+        session: session.map(|k| k.get().clone()),
     };
     let work = work(what, request, inputs).map_err(raised)?;
     let threads = thread_count(threads).map_err(raised)?;
@@ -174,14 +172,4 @@ fn computed(work: Work, threads: usize, shared: &Shared) -> Result<Answer, JobEr
         let said = said.unwrap_or_default();
         Err(JobError::Internal(format!("a bug of phex: {said}")))
     })
-}
-
-fn raised(error: JobError) -> PyErr {
-    let told = error.to_string();
-    match error {
-        JobError::Input(_) => InputError::new_err(told),
-        JobError::NoResult(_) => NoValidResult::new_err(told),
-        JobError::Cancelled => Cancelled::new_err("the computation was stopped"),
-        JobError::Internal(_) => InternalError::new_err(told),
-    }
 }

@@ -9,9 +9,9 @@ use phex::offset::{FitOptions, FitStart, fit_parallel};
 use phex::quality::References;
 use phex::report::RunReport;
 use phex_job::{
-    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, LastStage, MeshFile, MeshJob,
-    MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, chain,
-    time_limit,
+    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, LastStage, LimitSettings, MeshFile,
+    MeshJob, MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit,
+    chain, time_limit,
 };
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, TriangleSurface};
 use serde::Deserialize;
@@ -99,13 +99,18 @@ pub fn mesh(
         .transpose()?;
     let length = request.time_limit.as_deref().map(time_limit).transpose();
     let length = length.map_err(|e| JobError::Input(format!("time_limit: {e}")))?;
+    let parts = match &inputs.session {
+        Some(kept) => kept.parts.clone(),
+        None => file.surfaces()?,
+    };
     let job = MeshJob {
         given,
         start: start.map(|(mesh, _)| mesh),
         keep_best: request.keep_best,
         until: request.until,
         time_limit: length.and_then(TimeLimit::from_now),
-        ..MeshJob::new(file.surfaces()?, file.record.clone(), settings)
+        session: inputs.session.as_ref().map(|kept| kept.session.clone()),
+        ..MeshJob::new(parts, file.record.clone(), settings)
     };
     let made = phex_job::run(&job, progress)?;
     answer(KeptResult {
@@ -169,6 +174,7 @@ impl LimitsRequest {
             max_deviation: self.max_deviation.unwrap_or(DEFAULT_DEVIATION),
             unit: self.unit.unwrap_or_default(),
             boundary: self.boundary.map(Into::into),
+            panels: LimitSettings::default(),
         })
     }
 }

@@ -1,7 +1,10 @@
 //! What a result keeps for pictures and pages that are made later.
 
+use crate::arrays::{self, GivenArrays};
+use crate::errors::raised;
 use phex::report::RunReport;
-use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
+use phex_job::SurfaceSession;
+use phex_mesh::{HexMesh, PolygonSoup, SurfaceParts, TriangleSurface};
 use pyo3::prelude::*;
 use std::sync::Arc;
 
@@ -32,5 +35,27 @@ impl Kept {
     pub fn new(result: KeptResult) -> Self {
         let result = Arc::new(result);
         Self { result }
+    }
+}
+
+/// A surface with what earlier computations on it have left.
+#[pyclass(frozen, module = "phex._phex")]
+#[derive(Clone)]
+pub struct KeptSurface {
+    /// Its connected parts.
+    pub parts: SurfaceParts,
+    /// What was computed.
+    pub session: Arc<SurfaceSession>,
+}
+
+#[pymethods]
+impl KeptSurface {
+    /// Keeps a surface; nothing is computed yet.
+    #[new]
+    fn new(mesh: GivenArrays<'_>) -> PyResult<Self> {
+        let parts = arrays::mesh_file(&mesh).and_then(|file| file.surfaces());
+        let parts = parts.map_err(raised)?;
+        let session = Arc::new(SurfaceSession::new(&parts));
+        Ok(Self { parts, session })
     }
 }

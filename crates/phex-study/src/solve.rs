@@ -6,6 +6,7 @@ use crate::thumbnail::thumbnail;
 use crate::variant::{Variant, hexadecimal, name};
 use crate::workshop::add_workshop;
 use phex::Progress;
+use phex::quality::Verdict;
 use phex_fab::PanelIds;
 use phex_html::{Report, Viewer};
 use phex_job::{Given, JobError, JobResult, MeshFile, MeshJob, chain};
@@ -171,7 +172,11 @@ impl Place<'_> {
     ) -> Result<(), JobError> {
         let unit = variant.settings.unit.unwrap_or_default();
         add_figures(told, made, unit);
-        if let Some(workshop) = variant.workshop.as_ref().filter(|_| made.report.is_sound()) {
+        if let Some(workshop) = variant
+            .workshop
+            .as_ref()
+            .filter(|_| made.report.verdict != Verdict::Invalid)
+        {
             add_workshop(told, workshop, &made.mesh, unit, watch);
             if watch.is_cancelled() {
                 return Err(JobError::Cancelled);

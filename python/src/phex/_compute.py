@@ -27,6 +27,7 @@ def begin(
     kept: Any = None,
     threads: Optional[int] = None,
     preview: bool = False,
+    session: Optional[_phex.KeptSurface] = None,
 ) -> _phex.Computation:
     """Begins a computation on threads of its own."""
     try:
@@ -35,7 +36,7 @@ def begin(
     except (TypeError, ValueError) as cause:
         raise InputError(f"an option is not finite, or no text: {cause}") from None
     given = [m._given() for m in meshes]
-    return _phex.start(what, text, given, sizes, kept, threads, preview)
+    return _phex.start(what, text, given, sizes, kept, threads, preview, session)
 
 
 def finish(

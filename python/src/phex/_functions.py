@@ -8,7 +8,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _options
+from . import _options, _phex
 from ._arrays import checked_numbers, path_text, shown
 from ._compute import Future, begin, close, finish, floats, listener, no_valid, run
 from ._errors import InputError
@@ -110,6 +110,55 @@ def start(surface: Any, **options: Any) -> Future:
     return Future(job.begin(preview=True), job.made)
 
 
+class Session:
+    """A surface kept between panellings: a change of options computes again what depends on it
+    alone (what panels are laid out on, and curvature, stay where number of panels and boundary
+    do), and the result is that of :func:`mesh`, bit for bit.
+
+    >>> import phex
+    >>> session = phex.Session(phex.shape("torus", triangles=2000), panels=60, max_deviation="5%")
+    >>> turned = [session.mesh(rotate=angle) for angle in (0, 10)]
+    >>> [made.verdict for made in turned]
+    ['pass', 'pass']
+    """
+
+    def __init__(self, surface: Any, **options: Any) -> None:
+        #: The surface.
+        self.surface = as_polygons(surface, Surface, "surface")
+        #: Options of every panelling, unless others are given.
+        self.options = options
+        self._kept = _phex.KeptSurface(self.surface._given())
+
+    def mesh(self, **options: Any) -> Panelling:
+        """As :func:`phex.mesh`."""
+        options = {**self.options, **options}
+        bars = [options.get(n, d) for n, d in (("progress", "auto"), ("quiet", False), ("verbose", False))]
+        job = self._job(options)
+        hear = listener(*bars)
+        try:
+            answer = finish(job.begin(session=self._kept), hear, job.keep_best)
+        finally:
+            close(hear)
+        return job.made(answer)
+
+    def start(self, **options: Any) -> Future:
+        """As :func:`phex.start`."""
+        job = self._job({**self.options, **options})
+        return Future(job.begin(preview=True, session=self._kept), job.made)
+
+    def _job(self, options: Dict[str, Any]) -> "_MeshJob":
+        for name in options:
+            if name not in _options.MESH:
+                raise TypeError(f"mesh() got an unexpected keyword argument {name!r}")
+        return _MeshJob(self.surface, options)
+
+    def __getstate__(self) -> Dict[str, Any]:
+        return {"surface": self.surface, "options": self.options}
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        Session.__init__(self, state["surface"], **state["options"])
+
+
 class _MeshJob:
     """The options of a panelling, checked."""
 
@@ -148,9 +197,9 @@ class _MeshJob:
         # What is laid out alone is a picture of what will be, and no invalid result.
         self.keep_invalid = self.keep_invalid or until is not None
 
-    def begin(self, preview: bool = False) -> Any:
+    def begin(self, preview: bool = False, session: Any = None) -> Any:
         return begin(
-            "mesh", self.request, self.meshes, self.sizes, None, self.threads, preview
+            "mesh", self.request, self.meshes, self.sizes, None, self.threads, preview, session
         )
 
     def made(self, answer: Dict[str, Any]) -> Panelling:

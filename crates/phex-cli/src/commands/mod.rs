@@ -18,6 +18,7 @@ mod render;
 mod report;
 mod shape;
 mod subdivide;
+mod sweep;
 mod terms;
 
 use crate::args::Command;
@@ -48,6 +49,7 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Subdivide(command) => subdivide::run(&command),
         Command::PowerDiagram(command) => power_diagram::run(&command),
         Command::Dupin(command) => dupin::run(&command),
+        Command::Sweep(command) => sweep::run(&command),
         Command::Terms(command) => terms::run(&command),
     }
 }
