@@ -20,7 +20,7 @@ SPACE = {"panels": [40, 46], "rotate": [0.0, 20.0], "boundary": ["snap", "clip"]
 @pytest.fixture(scope="module")
 def dome(tmp_path_factory):
     path = tmp_path_factory.mktemp("surfaces") / "dome.obj"
-    phex.shape("paraboloid", triangles=600).save(path)
+    phex.shape("elliptic-paraboloid", triangles=600).save(path)
     return str(path)
 
 
