@@ -288,7 +288,6 @@ def test_surfaces_in_memory_and_sheets(tmp_path):
     assert row["in:workshop.thickness"] == "20mm"
 
 
-@pytest.mark.slow
 def test_dask_gives_the_same(solved, dome, tmp_path):
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
@@ -297,7 +296,6 @@ def test_dask_gives_the_same(solved, dome, tmp_path):
             same(solved, phex.sweep(space, out=tmp_path / "dask", executor=client.get_executor(retries=3)))
 
 
-@pytest.mark.slow
 def test_submitit_gives_the_same(solved, dome, tmp_path):
     submitit = pytest.importorskip("submitit")
     executor = submitit.AutoExecutor(tmp_path / "logs", cluster="local")

@@ -23,7 +23,7 @@ pub fn build(root: &Path) -> Result<(), Stop> {
     Ok(succeed(build.args(["run", "--silent", "build"]))?)
 }
 
-/// Opens reports in a headless browser.
+/// Opens reports and the page of a study in a headless browser.
 pub fn browse(root: &Path) -> Result<(), Stop> {
     let (Some(npm), Some(node)) = (program("npm"), program("node")) else {
         return Err(Stop::skipped(
@@ -33,9 +33,12 @@ pub fn browse(root: &Path) -> Result<(), Stop> {
     let browser = browser()?;
     install(root, &npm)?;
     let phex = program_as_tested(root)?;
-    let mut test = Command::new(node);
-    test.current_dir(root.join(SOURCE)).arg("test/report.mjs");
-    Ok(succeed(test.arg(phex).arg(browser))?)
+    for script in ["test/report.mjs", "test/study.mjs"] {
+        let mut test = Command::new(&node);
+        test.current_dir(root.join(SOURCE)).arg(script);
+        succeed(test.arg(&phex).arg(&browser))?;
+    }
+    Ok(())
 }
 
 /// Fetches the packages that the lock file names, unless they are there.

@@ -52,7 +52,7 @@
   }
 
   /** @param {string} name */
-  const short = (name) => name.replace(/^(in|out):/, "");
+  const short = (name) => name.replace(/^in:/, "in ").replace(/^out:/, "");
   const all = study.columns.map((name, k) => NO_AXIS.has(name) ? null : axis(k));
   const axes = all.filter((a) => a !== null);
   const numeric = axes.filter((a) => a.numeric);
