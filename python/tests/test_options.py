@@ -15,6 +15,8 @@ KINDS = {
     "THREADS": {"count"},
     "LENGTH": {"length"},
     "TIME": {"time"},
+    "AXB": {"rectangle"},
+    "AREA": {"area"},
     "DEG": {"number", "positive"},
     "C": {"positive"},
     "Q": {"numbers"},
