@@ -101,7 +101,7 @@ fn names(mesh: &HexMesh) -> Vec<String> {
 }
 
 /// Says nothing, and ends when the user interrupts.
-struct Silently;
+pub struct Silently;
 
 impl Progress for Silently {
     fn report(&self, _: &Event) {}

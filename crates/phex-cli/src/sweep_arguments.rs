@@ -34,7 +34,7 @@ pub struct SweepArguments {
     /// Folder of the variants' folders
     #[arg(short, long, value_name = "FOLDER", required = true)]
     pub output: Option<PathBuf>,
-    /// Solve a share of the variants, the I-th of N: those that another share solves are not touched
+    /// Solve a share of the variants, the I-th of N; those of other shares are not touched
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
     /// Number of threads of each variant; results do not depend on it [default: all cores]

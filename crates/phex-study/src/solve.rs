@@ -55,7 +55,7 @@ pub fn solve(
         return Ok(row);
     }
     let watch = Watch::new(progress, options.limits);
-    let place = Place { out, key: &key };
+    let place = VariantFolder { out, key: &key };
     let (mut told, made) = match run(variant, &watch) {
         Ok(made) => {
             let ending = Ending::of_report(&made.report);
@@ -112,14 +112,14 @@ pub(crate) struct RunRecord {
     /// What it might have taken.
     pub limits: VariantLimits,
     /// What it took; other runs take something else.
-    pub cost: Cost,
+    pub cost: VariantCost,
     /// The row of the table.
     pub row: Row,
 }
 
 /// What a variant took.
 #[derive(Serialize, Deserialize)]
-pub(crate) struct Cost {
+pub(crate) struct VariantCost {
     /// Seconds, reading and writing included.
     pub seconds: f64,
     /// Largest memory of the process, megabytes.
@@ -144,12 +144,12 @@ fn run(variant: &Variant, watch: &Watch<'_>) -> Result<JobResult, JobError> {
 }
 
 /// A variant's folder.
-struct Place<'a> {
+struct VariantFolder<'a> {
     out: &'a Path,
     key: &'a str,
 }
 
-impl Place<'_> {
+impl VariantFolder<'_> {
     fn write(&self, file: &str, bytes: &[u8]) -> Result<(), JobError> {
         let path = self.out.join(self.key).join(file);
         let written = atomic_write(&path, |to| to.write_all(bytes));
@@ -225,7 +225,7 @@ impl Place<'_> {
                 "workshop": variant.workshop,
             }),
             limits: options.limits,
-            cost: Cost {
+            cost: VariantCost {
                 seconds: watch.seconds(),
                 megabytes: watch.megabytes(),
                 threads: rayon::current_num_threads(),

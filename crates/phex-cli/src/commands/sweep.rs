@@ -2,10 +2,9 @@
 
 use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
+use crate::html::Silently;
 use crate::output::write_text;
-use crate::progress::is_interrupted;
 use crate::sweep_arguments::{CollectArguments, SweepArguments, SweepCommand, SweepPart};
-use phex::{Event, Progress};
 use phex_study::{Row, StudyFile, Variant, collect, csv, page, solve};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -109,15 +108,4 @@ fn collected(arguments: &CollectArguments) -> Result<Exit, Failure> {
         &format!("study      {} variants\n{told}", rows.len()),
     )?;
     Ok(Exit::Success)
-}
-
-/// Says nothing, and ends when the user interrupts.
-struct Silently;
-
-impl Progress for Silently {
-    fn report(&self, _: &Event) {}
-
-    fn is_cancelled(&self) -> bool {
-        is_interrupted()
-    }
 }
