@@ -68,7 +68,7 @@ pub enum Command {
     PowerDiagram(PowerCommand),
     /// Write Dupin's indicatrices of a surface, for drawing
     Dupin(DupinCommand),
-    /// Solve every variant of a study, each in its folder; with `collect`, a table and a page of all
+    /// Solve every variant of a study, each in its folder; `collect`: a table and a page of all
     Sweep(SweepCommand),
     /// Say what the words of the tables mean
     #[command(long_about = TERMS)]

@@ -54,8 +54,8 @@ pub trait Progress: Sync {
     fn is_cancelled(&self) -> bool {
         false
     }
-    /// Whether what a cancelled run has reached is wanted; if not, it ends without a mesh as soon as
-    /// it can.
+    /// Whether what a cancelled run has reached is wanted; if not, it ends without a mesh as soon
+    /// as it can.
     fn wants_best(&self) -> bool {
         true
     }
