@@ -223,6 +223,22 @@ def test_a_job_that_kills_its_workers_is_a_row(dome):
     assert once.calls.count(46) == 0, "and what was finished is not"
 
 
+def test_a_lost_scheduler_ends_the_wait(dome):
+    from concurrent.futures import Future
+
+    class Lost:
+        """As Dask's executor when its client has given up: futures that never end."""
+
+        class _client:
+            status = "closed"
+
+        def submit(self, function, job):
+            return Future()
+
+    with pytest.raises(phex.PhexError, match="go on with the same call"):
+        phex.sweep([{"surface": dome}], out="study", executor=Lost())
+
+
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no full device")
 def test_a_full_disk_is_a_row_and_tried_again(dome):
     variant = {"surface": dome, "panels": 40, "max_deviation": "5%"}

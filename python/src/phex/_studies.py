@@ -36,6 +36,8 @@ Variants = List[Dict[str, Any]]
 
 #: Variants that an executor has at a time, so that a hundred thousand need no memory of their own.
 MOST_WAITING = 4096
+#: What helps where an executor is gone.
+GO_ON = "what is finished is kept: go on with the same call"
 #: Figures of which more is better; of all others less is.
 MORE_IS_BETTER = frozenset({"clearance", "hexagons", "least-angle", "sheet-use"})
 #: What can be asked for besides the options of ``phex mesh``.
@@ -473,6 +475,9 @@ class _Processes:
             self._pool = ProcessPoolExecutor(self.workers, spawn, _ignore_interrupts)
         return self._pool.submit(solve, job)
 
+    def check(self) -> None:
+        pass
+
     def window(self) -> int:
         return 2 * self.workers
 
@@ -519,6 +524,12 @@ class _Given:
         """All jobs at once, where an executor makes an array of them (submitit)."""
         array = getattr(self._executor, "map_array", None)
         return None if array is None else list(array(solve, jobs))
+
+    def check(self) -> None:
+        """Ends the wait for a client of Dask that has lost its scheduler: its futures never end."""
+        client = getattr(self._executor, "_client", None)
+        if getattr(client, "status", None) in ("closing", "closed"):
+            raise PhexError(f"the executor has lost its scheduler; {GO_ON}")
 
     def window(self) -> int:
         return MOST_WAITING
@@ -608,7 +619,7 @@ def _each(
             future = _submitted(engine, jobs[k])
             running[future] = k
             ended.watch(future)
-        future = ended.next(running)
+        future = ended.next(running, engine)
         k = running.pop(future)
         try:
             row = future.result()
@@ -649,8 +660,7 @@ def _submitted(engine: _Engine, job: Dict[str, Any]) -> Any:
     except BrokenExecutor:
         engine.renew()
     except Exception as cause:
-        told = "the executor takes no more work; what is finished is kept, so go on with the same call"
-        raise PhexError(f"{told}: {cause}") from cause
+        raise PhexError(f"the executor takes no more work ({cause}); {GO_ON}") from cause
     return engine.submit(job)
 
 
@@ -667,12 +677,13 @@ class _Ended:
         else:
             self._asked.append(future)
 
-    def next(self, running: Dict[Any, int]) -> Any:
+    def next(self, running: Dict[Any, int], engine: _Engine) -> Any:
         while True:
             try:
                 # A short wait, so that signals are heard.
                 future = self._ended.get(timeout=0.2 if not self._asked else 0.05)
             except queue.Empty:
+                engine.check()
                 done = [f for f in self._asked if f.done()]
                 for f in done:
                     self._asked.remove(f)
