@@ -87,6 +87,7 @@ pub(super) fn mesh_with_panels(
         }
         AttemptMesh::Wall(wall) => *wall,
     };
+    clock.unless_unwanted()?;
     run.statistics.tried = tried;
     run.stages = clock.stages;
     Ok(run)
