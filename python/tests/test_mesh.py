@@ -210,7 +210,7 @@ def test_a_mesh_is_judged_again_as_its_run_was(roof, program, tmp_path):
     assert again.report["limits"] == limits and again.report["limits"]["max_deviation"] == "3%"
     assert again.report["deviation_facets"] is not None
     tighter = phex.check("panels.obj", report_of="run.json", max_deviation="0.0001%")
-    assert "deviation_facets" in tighter.offenders and again.verdict != tighter.verdict
+    assert "deviation" in tighter.offenders and again.verdict != tighter.verdict
     made = phex.mesh("roof.obj", panels=60, boundary="snap", max_deviation="3%", keep_invalid=True)
     judged = phex.check(made, report_of=made)
     assert judged.verdict == made.verdict

@@ -78,7 +78,8 @@ def explore(
     progress: Any = "auto",
 ) -> Exploration:
     """Looks for the best variants of a space with optuna: it proposes a ``batch``, which is solved
-    as by :func:`phex.sweep` and told to it, until there are ``trials`` of them.
+    as by :func:`phex.sweep` and told to it, until there are ``trials`` of them. Small batches (4, if
+    nothing else is asked for) learn more, large ones keep more workers busy.
 
     ``objectives`` are columns of the table (``"panels"``, ``"deviation"``, ``"distinct-lengths"``,
     ``"area-spread"``, ``"clearance"``, ``"sheet-use"`` with ``workshop``, ...), of which less is
@@ -101,7 +102,7 @@ def explore(
     axes = _axes(space)
     how = _how(threads, workshop, time_limit, memory_limit, html)
     engine = _engine(executor, workers, how["threads"])
-    size = whole("batch", 8 if batch is None else batch, 10**6)
+    size = whole("batch", 4 if batch is None else batch, 10**6)
     if size == 0:
         raise InputError("batch: 0 variants at a time")
     os.makedirs(folder, exist_ok=True)
@@ -148,7 +149,7 @@ def _usual_sampler(optuna: Any, seed: int) -> Any:
             seed=seed,
             multivariate=True,
             constant_liar=True,
-            n_startup_trials=16,
+            n_startup_trials=12,
             constraints_func=lambda trial: trial.user_attrs["constraints"],
         )
 

@@ -114,9 +114,8 @@ def checked(name: str, value: Any, option: Option) -> Any:
     """A value that JSON can hold, if it is of the option's kind.
 
     ``count``: a whole number from 0; ``number``, ``positive``; ``length``: a number or a text such
-    as ``"20mm"``, ``"0.5%"``; ``area``: the same such as ``"2.5m2"``; ``rectangle``: a text such as
-    ``"1.5x3.0m"``, or two numbers; ``choice``; ``flag``; ``path``; ``numbers``: a list of them; ``plane``:
-    ``"lowest"``, a height, or six numbers.
+    as ``"20mm"``, ``"0.5%"``; ``choice``; ``flag``; ``path``; ``numbers``: a list of them; ``plane``:
+    ``"lowest"``, a height, or six numbers; ``rectangle``: two lengths; ``area``.
     """
     if value is True and option.alone is not None:
         return option.alone
@@ -175,11 +174,7 @@ def real(name: str, value: Any) -> float:
 
 NUMBER = r"[+]?(\d+[.]?\d*|[.]\d+)(e[+-]?\d+)?"
 LENGTH = re.compile(rf"\s*{NUMBER}\s*(mm|cm|m|in|ft|%)?\s*", re.IGNORECASE | re.ASCII)
-AREA = re.compile(rf"\s*{NUMBER}\s*((mm|cm|m|in|ft)2)?\s*", re.IGNORECASE | re.ASCII)
-RECTANGLE = re.compile(
-    rf"\s*{NUMBER}\s*(mm|cm|m|in|ft|%)?\s*x\s*{NUMBER}\s*(mm|cm|m|in|ft|%)?\s*",
-    re.IGNORECASE | re.ASCII,
-)
+AREA = re.compile(rf"\s*{NUMBER}\s*((mm|cm|m|in|ft)[2²])?\s*", re.IGNORECASE)
 TIME = re.compile(rf"\s*{NUMBER}\s*(s|min|h)?\s*", re.IGNORECASE | re.ASCII)
 
 
@@ -201,11 +196,17 @@ def measured(name: str, value: Any, form: Any = LENGTH) -> Any:
 
 
 def _rectangle(name: str, value: Any) -> str:
-    if isinstance(value, (tuple, list)) and len(value) == 2:
-        return "x".join(repr(measured(name, real(name, side))) for side in value)
-    if isinstance(value, str) and RECTANGLE.fullmatch(value):
-        return str(value)
-    raise _wrong(name, value, "a sheet such as '1.5x3.0m', or two numbers")
+    """Two sides, as text or as a pair of lengths."""
+    sides = re.split("[xX×]", value) if isinstance(value, str) else value
+    try:
+        first, second = sides
+    except Exception:  # whatever a foreign object does
+        raise _wrong(name, value, RECTANGLE) from None
+    both = (measured(name, side) for side in (first, second))
+    return "x".join(side if isinstance(side, str) else repr(side) for side in both)
+
+
+RECTANGLE = "two sides, such as '1.5x3.0m' or (1.5, 3.0)"
 
 
 def _plane(name: str, value: Any) -> str:
