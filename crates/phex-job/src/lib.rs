@@ -5,8 +5,10 @@
 //! | module | what it knows |
 //! |---|---|
 //! | `settings`, `steering`, `guides` | what is wanted, by the names of options and job files |
+//! | `command_line` | a job as it is typed |
 //! | `units`, `number_lists` | lengths and lists of numbers as they are typed |
 //! | `input`, `given` | what files hold, or a caller's memory |
+//! | `file_info` | what is in a file, and what is wrong with it |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
 //! | `run`, `join`, `engine`, `deadline` | the computation |
 //! | `limits`, `wishes`, `portfolio` | what was reached, measured by what was wanted |
@@ -15,10 +17,12 @@
 //! Nothing here writes a file, prints, or ends a program; a computation uses the threads of the
 //! pool that it is called in.
 
+mod command_line;
 mod deadline;
 mod effects;
 mod engine;
 mod error;
+mod file_info;
 mod given;
 mod guides;
 mod input;
@@ -36,9 +40,11 @@ mod units;
 mod whole_run;
 mod wishes;
 
+pub use command_line::{options_of, quoted};
 pub use deadline::{TimeLimit, time_limit};
 pub use engine::{Computed, Planarization, network, planarize, subdivide};
 pub use error::{JobError, chain};
+pub use file_info::{ComponentInfo, FileInfo, ProblemPlace};
 pub use given::Given;
 pub use guides::GuideSettings;
 pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read_text};
@@ -46,7 +52,7 @@ pub use limits::TypedLimits;
 pub use number_lists::{finite, ten, three};
 pub use panel_size::panels;
 pub use portfolio::members;
-pub use run::{JobResult, LAYOUT_ALONE, LastStage, MeshJob, add_features, run};
+pub use run::{JobResult, LAYOUT_ALONE, LastStage, MeshJob, add_features, lay_out, run};
 pub use settings::{
     AtBoundary, CloseTo, DEFAULT_DEVIATION, LayoutMethod, MeshSettings, TypedPanelSize,
 };

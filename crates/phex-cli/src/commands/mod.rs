@@ -17,6 +17,8 @@ mod power_diagram;
 mod render;
 mod report;
 mod shape;
+#[cfg(feature = "studio")]
+mod studio;
 mod subdivide;
 mod terms;
 
@@ -48,6 +50,8 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Subdivide(command) => subdivide::run(&command),
         Command::PowerDiagram(command) => power_diagram::run(&command),
         Command::Dupin(command) => dupin::run(&command),
+        #[cfg(feature = "studio")]
+        Command::Studio(command) => studio::run(&command),
         Command::Terms(command) => terms::run(&command),
     }
 }

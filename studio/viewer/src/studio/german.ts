@@ -1,0 +1,3 @@
+/** The words of the page in German. */
+
+export const GERMAN: Record<string, string> = {};
