@@ -180,7 +180,7 @@ export class App {
   /** A layer that is made when it is first switched on. */
   private lazy<T>(name: string, label: string, data: T | null, make: (data: T) => Object3D, after?: () => void): void {
     let object: Object3D | null = null;
-    const reason = this.packed.missing[name] ?? (data === null ? "not in this report" : null);
+    const reason = this.packed.missing[name] ?? (data === null ? say("not in this report") : null);
     const act = (on: boolean): void => {
       if (data !== null && object === null) {
         object = make(data);
@@ -211,7 +211,7 @@ export class App {
       this.stage.draw();
     });
     const line = h("label", missing ? { class: "off" } : {}, box, h("span", {}, say(label)));
-    if (reason) line.append(h("small", {}, say(reason)));
+    if (reason) line.append(h("small", {}, reason));
     this.part("layers").append(line);
   }
 

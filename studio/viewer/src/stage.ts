@@ -173,7 +173,8 @@ export class Stage {
     this.scene.add(this.camera, new HemisphereLight(0xffffff, 0xd9dbe2, 1.35), new AmbientLight(0xffffff, 0.75));
   }
 
-  private resize(): void {
+  /** Takes the size that the page gives. */
+  resize(): void {
     const { clientWidth: width, clientHeight: height } = this.host;
     if (width === 0 || height === 0) return;
     this.size.set(width, height);

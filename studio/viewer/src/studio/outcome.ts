@@ -14,14 +14,20 @@ const VERDICTS: Record<Result["verdict"], [string, string]> = {
 /** What the checks are about. */
 const CHECKS: Record<string, string> = {
   planarity: "Panels are planar",
-  simple_faces: "Panels do not cross themselves",
-  orientation: "Normals point one way",
-  edge_length: "No edge has collapsed",
   clearance: "Corners keep clear of edges",
-  dihedral: "No sharp folds",
-  disjoint_faces: "Panels do not cross one another",
+  edge_length: "No edge has collapsed",
+  finite: "All corners are somewhere",
+  faces_not_simple: "No panel crosses itself",
+  folded_corners: "No corner is folded",
+  flipped_faces: "No panel is turned over",
+  wrong_fans: "Panels lie round every corner",
+  wrong_degree: "Three panels meet at a corner",
+  crossings: "Panels do not cross one another",
+  folds: "No sharp folds",
+  same_topology: "Holes and handles are the surface’s",
   deviation: "Close to the surface",
   covered_area: "The surface is covered",
+  coverage_inner: "No gap inside of the surface",
   boundary: "The boundary is kept",
 };
 
@@ -47,10 +53,12 @@ export function figures(result: Result): [string, string][] {
 export const figureList = (rows: [string, string][]): HTMLElement =>
   h("dl", { class: "figures-list" }, ...rows.flatMap(([name, value]) => [h("dt", {}, say(name)), h("dd", {}, value)]));
 
-/** The list of checks; those that fail lead to their panels. */
+/** The list of checks: those that fail, which lead to their panels, and those that hold where they are wanted. */
 export function checkList(result: Result, visit: (face: number) => void): HTMLElement {
-  const sorted = [...result.checks].sort((a, b) => Number(a.pass) - Number(b.pass));
-  return h("ul", { class: "checks-list" }, ...sorted.map((check) => entry(check, result.unit, visit)));
+  const list = (pass: boolean): HTMLElement[] => result.checks.filter((c) => c.pass === pass).map((c) => entry(c, result.unit, visit));
+  const [fail, hold] = [list(false), list(true)];
+  const said = fail.length === 0 ? say("All {} hold", hold.length) : say("{} hold", hold.length);
+  return h("div", { class: "checks-list" }, h("ul", {}, ...fail), h("details", {}, h("summary", {}, said), h("ul", {}, ...hold)));
 }
 
 function entry(check: Check, unit: string, visit: (face: number) => void): HTMLElement {

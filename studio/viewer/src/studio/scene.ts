@@ -74,6 +74,7 @@ export class View {
 
   /** Shows a surface alone. */
   showSurface(frame: SurfaceFrame): void {
+    this.stage.resize();
     this.clearPanels();
     clear(this.ground);
     this.origin.fromArray(frame.origin);
@@ -154,7 +155,7 @@ export class View {
 
   /** Brings everything into the view. */
   look(animated: boolean, direction = new Vector3(...VIEWS.Iso)): void {
-    this.stage.look([this.corners()], direction, animated);
+    this.stage.look([this.solid!.geometry.getAttribute("position").array as Float32Array], direction, animated);
   }
 
   /** The picture as it is, small. */
@@ -236,11 +237,6 @@ export class View {
     return [p[0] - this.origin.x, p[1] - this.origin.y, p[2] - this.origin.z];
   }
 
-  private corners(): Float32Array {
-    const { min, max } = this.box;
-    const corner = (k: number): number[] => [k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z];
-    return new Float32Array(Array.from({ length: 8 }, (_, k) => corner(k)).flat());
-  }
 }
 
 /** Takes everything out of a group, and gives back what the graphics card holds of it. */

@@ -71,8 +71,8 @@ export class Studio {
   private previewing = false;
   private previewWanted = false;
   private theme: Theme = "light";
-  /** Times in milliseconds since the last change began, for tests. */
-  readonly times: Record<string, number> = {};
+  /** Times in milliseconds, for tests: of the last change to a lattice, of its end to planar panels and to a verdict. */
+  times: { released: number; lattice?: number; planar?: number; verdict?: number } = { released: 0 };
   private changedAt = 0;
 
   constructor(private readonly root: HTMLElement) {
@@ -115,7 +115,7 @@ export class Studio {
   private fill(): void {
     this.buildBar();
     this.parts("groups").replaceChildren(...this.settings.build());
-    this.parts("groups").hidden = this.surface === null;
+    this.showEmpty();
     this.buildTools();
     this.buildWelcome();
     this.showFacts();
@@ -166,7 +166,6 @@ export class Studio {
 
   private buildWelcome(): void {
     const welcome = this.parts("welcome");
-    welcome.hidden = this.surface !== null;
     const open = button(say("Choose a file"), say("Open a surface or a job file"), () => this.chooseFile());
     open.className = "primary";
     const list = this.samples.map(([name, summary]) => {
@@ -180,6 +179,13 @@ export class Studio {
       h("h2", {}, say("Or begin with a sample")),
       h("div", { class: "samples" }, ...list),
     );
+  }
+
+  /** Before there is a surface there is nothing but the welcome. */
+  private showEmpty(): void {
+    const empty = this.surface === null;
+    this.parts("main").toggleAttribute("data-empty", empty);
+    this.parts("welcome").hidden = !empty;
   }
 
   private showHint(): void {
@@ -200,7 +206,7 @@ export class Studio {
     ];
     if (info.area !== null) rows.push(["Area", `${figure(info.area)} ${unit}²`]);
     if (info.components.length > 1) rows.push(["Parts", String(info.components.length)]);
-    else if (part) rows.push(["Boundary", part.boundary_loops === 0 ? say("closed") : say("{} loops", part.boundary_loops)], ["Handles", String(part.genus)]);
+    else if (part) rows.push(["Boundary", part.boundary_loops === 0 ? say("closed") : part.boundary_loops === 1 ? say("one loop") : say("{} loops", part.boundary_loops)], ["Handles", String(part.genus)]);
     const problem = info.problem === null ? [] : [h("p", { class: "problem", role: "alert" }, h("b", {}, say("This is no surface")), ` ${info.problem}`)];
     const notes = info.notes.map((note) => h("p", { class: "none" }, note));
     box.replaceChildren(h("h2", {}, say("Surface")), h("p", { class: "name" }, surface.name), figureList(rows), ...problem, ...notes);
@@ -261,8 +267,7 @@ export class Studio {
     this.surface = frame;
     this.result = null;
     this.drawn = [];
-    this.parts("welcome").hidden = true;
-    this.parts("groups").hidden = false;
+    this.showEmpty();
     this.view.showSurface(frame);
     this.state.take(frame.id);
     this.showFacts();
@@ -276,7 +281,7 @@ export class Studio {
 
   /** A slider moves. */
   private moving(): void {
-    if (this.changedAt === 0) this.changedAt = performance.now();
+    this.change();
     this.running?.abort();
     this.running = null;
     this.previewWanted = true;
@@ -305,15 +310,24 @@ export class Studio {
 
   private previewStop: AbortController | null = null;
 
+  /** Something is about to be different. */
+  private change(): void {
+    if (this.changedAt !== 0) return;
+    this.changedAt = performance.now();
+    this.times = { released: this.changedAt };
+  }
+
   /** A change is done. */
   private done(): void {
-    if (this.changedAt === 0) this.changedAt = performance.now();
+    this.change();
     this.state.commit();
     this.begin();
   }
 
   private wish(until: "layout" | null): unknown {
-    return { surface: this.state.wanted.surface, job: this.state.wanted.job, until };
+    const { surface, job } = this.state.wanted;
+    // A lattice to look at is one, and not the best of several.
+    return { surface, job: until ? { ...job, effort: "draft" } : job, until };
   }
 
   /** Begins a run of what is wanted. */
@@ -366,15 +380,12 @@ export class Studio {
 
   private preview(told: Extract<RunFrame, { kind: "mesh" }>): void {
     const now = performance.now();
-    if (told.stage === "layout") this.times.lattice = now - this.changedAt;
-    else if (this.times.planarRun !== told.run) {
-      this.times.planarRun = told.run;
-      this.times.planar = now - this.times.released;
-    }
+    if (told.stage === "layout") this.times.lattice ??= now - this.changedAt;
+    else if (this.running) this.times.planar ??= now - this.times.released;
     this.result = null;
     this.view.showPanels(told.mesh);
     this.showOutcome();
-    if (!this.running) this.say(say("Lattice, not planar yet"), "preview");
+    if (!this.running) this.say(say("not planar yet"), "preview");
   }
 
   private progress(stage: string, whole: { done: number; left_seconds: number }): void {
@@ -446,7 +457,7 @@ export class Studio {
     cancel.dataset.act = "stop";
     const again = button(say("Run again"), say("Run again"), () => this.done());
     again.dataset.act = "again";
-    const more = kind === "running" ? [bar, cancel] : kind === "stopped" || kind === "preview" ? [again] : [];
+    const more = kind === "running" ? [bar, cancel] : kind === "stopped" ? [again] : [];
     const mark = this.view && (kind === "running" || kind === "preview") && this.view.previewed > 0 ? [h("b", { class: "preview-mark" }, say("Preview, not checked"))] : [];
     // The button under the pointer stays the same one while the text beside it changes.
     const stays = kind === "running" ? box.querySelector<HTMLElement>('[data-act="stop"]') : null;
