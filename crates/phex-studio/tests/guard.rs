@@ -438,7 +438,7 @@ fn a_run_is_told_in_frames_and_its_result_becomes_files() {
     assert_eq!(report["verdict"], "pass");
     assert_eq!(file("job.toml"), b"panels = 80\n");
     let archive = zip::ZipArchive::new(std::io::Cursor::new(file(
-        "workshop.zip?thickness=20mm&sheet=9000x9000",
+        "workshop.zip?thickness=20mm&sheet=12000x12000",
     )))
     .unwrap();
     assert!(

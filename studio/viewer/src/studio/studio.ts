@@ -104,7 +104,7 @@ export class Studio {
     const left = h("aside", { class: "wishes", "aria-label": say("Settings") }, part("surface-facts"), part("groups"), part("set-on-surface"), part("hint"));
     const middle = view();
     middle.append(part("tools"), part("status"), part("welcome"), part("measured"));
-    const right = h("aside", { class: "outcome", "aria-label": say("Result") }, part("outcome"), part("view-sections"), part("files"), part("history"));
+    const right = h("aside", { class: "results", "aria-label": say("Result") }, part("outcome"), part("view-sections"), part("files"), part("history"));
     const others = part("others");
     others.hidden = true;
     this.parts("main").replaceChildren(left, h("div", { class: "stage-area" }, middle, others), right);
@@ -338,6 +338,8 @@ export class Studio {
     this.running?.abort();
     const stop = new AbortController();
     this.running = stop;
+    // What is shown is that of other wishes now.
+    this.parts("outcome").toggleAttribute("data-stale", true);
     this.times.released = performance.now();
     this.say(say("Beginning …"), "running");
     void this.attempt(() => this.follow(stop), stop);
@@ -476,6 +478,7 @@ export class Studio {
   private showOutcome(): void {
     const { result } = this;
     const box = this.parts("outcome");
+    box.toggleAttribute("data-stale", false);
     this.parts("view-sections").hidden = result === null;
     this.parts("legend").hidden = result === null;
     this.parts("compare").hidden = result === null;
