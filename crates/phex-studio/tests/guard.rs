@@ -251,7 +251,7 @@ fn a_bad_file_is_refused_in_the_words_of_its_reader() {
         answer.message()
     };
     assert!(
-        refused("a.obj", b"v 0 0 x\n").contains("a.obj:1"),
+        refused("a.obj", b"v 0 0 x\n").contains("a.obj: line 1"),
         "line and file"
     );
     assert!(refused("a.xyz", b"v 0 0 0\n").contains("xyz"));

@@ -306,7 +306,7 @@ async function badFilesAreRefused() {
     await drop(page, name, content);
     await page.waitForFunction((name) => document.querySelector('.status[data-kind="problem"]')?.textContent.includes(name), wanted);
   };
-  await refused("a.obj", "v 0 0 zero\nf 1 2 3\n", "a.obj:1");
+  await refused("a.obj", "v 0 0 zero\nf 1 2 3\n", "a.obj: line 1");
   await refused("a.xyz", "1 2 3\n", "a.xyz");
   await refused("b.stl", Buffer.alloc(100), "b.stl");
   await refused("c.ply", "ply\nformat ascii 1.0\nelement vertex 3\nend_header\n", "c.ply");

@@ -255,6 +255,10 @@ export const GERMAN: Record<string, string> = {
   "Trimming at the boundary": "Am Rand wird zugeschnitten",
   "Searching for better panels": "Bessere Platten werden gesucht",
   Judging: "Es wird geprüft",
+  "Refining panels": "Platten werden verfeinert",
+  "Packing circles": "Kreise werden gepackt",
+  "Fitting a parallel mesh": "Ein paralleles Netz wird angepasst",
+  "Turning panels at corners": "Platten werden an Ecken gedreht",
   // What came of it.
   Pass: "Bestanden",
   "Outside limits": "Außerhalb der Grenzen",

@@ -50,7 +50,11 @@ const STAGES: Record<string, string> = {
   optimise: "Making panels planar",
   trim: "Trimming at the boundary",
   search: "Searching for better panels",
-  quality: "Judging",
+  validate: "Judging",
+  subdivision: "Refining panels",
+  koebe: "Packing circles",
+  parallel: "Fitting a parallel mesh",
+  angles: "Turning panels at corners",
 };
 
 export class Studio {
