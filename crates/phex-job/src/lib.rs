@@ -4,9 +4,9 @@
 //!
 //! | module | what it knows |
 //! |---|---|
-//! | `settings`, `steering`, `guides` | what is wanted, by the names of options and job files |
+//! | `settings`, `steering`, `guides`, `panel_limits` | what is wanted, by the names of options and job files |
 //! | `command_line` | a job as it is typed |
-//! | `units`, `number_lists` | lengths and lists of numbers as they are typed |
+//! | `units`, `number_lists` | lengths, areas and lists of numbers as they are typed |
 //! | `input`, `given` | what files hold, or a caller's memory |
 //! | `file_info` | what is in a file, and what is wrong with it |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
@@ -29,6 +29,7 @@ mod input;
 mod join;
 mod limits;
 mod number_lists;
+mod panel_limits;
 mod panel_size;
 mod portfolio;
 mod run;
@@ -50,6 +51,7 @@ pub use guides::GuideSettings;
 pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read_text};
 pub use limits::TypedLimits;
 pub use number_lists::{finite, ten, three};
+pub use panel_limits::LimitSettings;
 pub use panel_size::panels;
 pub use portfolio::members;
 pub use run::{JobResult, LAYOUT_ALONE, LastStage, MeshJob, add_features, lay_out, run};
@@ -58,5 +60,5 @@ pub use settings::{
 };
 pub use steering::{SteeringSettings, TypedPlane, TypedSolver, positive};
 pub use threads::thread_count;
-pub use units::{NoQuantity, Quantity, Unit};
+pub use units::{Area, NoQuantity, NoSize, Quantity, Rectangle, Unit};
 pub use whole_run::{WholeProgress, WholeRun};

@@ -213,6 +213,7 @@ mod tests {
             corner: &corner,
             holds: &Holds::default(),
             areas: &super::super::areas::any(panels.n_faces()),
+            limits: &phex_mesh::PanelLimits::default(),
             mean_edge: panels.mean_edge(&x),
         };
         test(&setting, &x);

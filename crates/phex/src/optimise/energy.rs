@@ -1,7 +1,7 @@
 //! The energy that is minimised, over the vertices alone.
 //!
-//! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the
-//! guard is broken.
+//! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + limits + w_t |x - x_0|^2 / 2`, infinite
+//! where the guard is broken.
 
 use super::angle_term::AngleTerm;
 use super::areas::AreaWish;
@@ -15,6 +15,7 @@ use super::options::OptimiseOptions;
 use super::panels::{FaceShapes, Panels, add_block};
 use super::planarity;
 use super::setting::{Setting, collision_bound, longest};
+use super::shape_limits::ShapeLimits;
 use super::spatial_barrier;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
@@ -33,6 +34,8 @@ pub(super) struct Weights {
     pub anchor: f64,
     /// Anchor of the corners of the boundary.
     pub corner: f64,
+    /// Limits of panels.
+    pub limits: f64,
 }
 
 /// Weights of the energy, that of planarity 0.
@@ -47,6 +50,7 @@ pub(super) fn weights(options: &OptimiseOptions) -> Weights {
         fairness: options.fairness,
         anchor: options.anchor,
         corner: options.corner_closeness,
+        limits: options.vertex_closeness,
     }
 }
 
@@ -73,6 +77,8 @@ pub(super) struct PanelEnergy<'a> {
     pub concavity: Option<ConcavityTerm>,
     /// Areas that faces are to have.
     pub areas: Vec<AreaWish>,
+    /// Limits of panels, where there are any.
+    pub limits: Option<ShapeLimits>,
     /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a
     /// penalty alone; second derivatives are exact then.
     pub multipliers: Option<Vec<f64>>,
@@ -112,6 +118,7 @@ impl<'a> PanelEnergy<'a> {
             folds: None,
             concavity: None,
             areas: setting.areas.to_vec(),
+            limits: ShapeLimits::new(setting.limits, panels, &shape),
             multipliers: None,
             armed: setting
                 .guard
@@ -146,6 +153,9 @@ impl<'a> PanelEnergy<'a> {
             .guard
             .arm(panels, &shape, x)
             .without_neighbours();
+        if let Some(limits) = &mut self.limits {
+            limits.turn(panels, &shape);
+        }
         self.at.clear();
     }
 
@@ -210,7 +220,8 @@ impl<'a> PanelEnergy<'a> {
     fn panel_energy(&mut self) -> f64 {
         let (panels, shape) = (self.setting.panels, &self.shape);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, concavity, areas) = (&self.angles, &self.concavity, &self.areas);
+        let (angles, concavity) = (&self.angles, &self.concavity);
+        let (areas, limits) = (&self.areas, &self.limits);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -234,6 +245,9 @@ impl<'a> PanelEnergy<'a> {
                 *energy += concavity.energy(f, corners);
             }
             *energy += areas[f].energy(corners);
+            if let Some(limits) = limits {
+                *energy += limits.energy(f, corners, &shape.frames[f], weights.limits);
+            }
         };
         let mut none = vec![(); panels.n_corners()];
         panels.for_each_face(&mut self.face_energy, &mut none, &mut [], &|_| 0, &work);
@@ -266,7 +280,8 @@ impl<'a> PanelEnergy<'a> {
     fn linearise_faces(&mut self) {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, concavity, areas) = (&self.angles, &self.concavity, &self.areas);
+        let (angles, concavity) = (&self.angles, &self.concavity);
+        let (areas, limits) = (&self.areas, &self.limits);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -300,6 +315,9 @@ impl<'a> PanelEnergy<'a> {
                 concavity.add(f, frame, corners, gradient, block);
             }
             areas[f].add(frame, corners, gradient, block);
+            if let Some(limits) = limits {
+                limits.add(f, (corners, frame), weights.limits, gradient, block);
+            }
         };
         let assembly = self.assembly;
         let face_entries = assembly.block(panels.n_faces()).start;

@@ -9,6 +9,7 @@
 //!   + w_s/2 sum |x_a + x_(a+m) - M|^2    fairness: central symmetry of each panel
 //!   + w_a/2 sum (a - A)^2 / a            evenness: areas of inner panels
 //!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
+//!   + sum e(c)                            limits of panels, edges and corners, inequalities with slack
 //!   + w_t/2 sum |x - x_0|^2              anchor, w_k at the corners of the boundary
 //! ```
 //!
@@ -25,6 +26,7 @@
 //! | `w_p` | `options::PENALTIES` | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
+//! | `c` | `shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
 //! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
 //!
 //! Before it the **fast path** (`fast.rs`) is tried where the tangent planes of the panels meet in
@@ -76,6 +78,7 @@ mod folds;
 mod guard;
 mod guarded;
 mod holds;
+mod inequality;
 mod inspect;
 mod jacobian;
 mod local;
@@ -91,6 +94,7 @@ mod reached;
 mod reference;
 mod run;
 mod setting;
+mod shape_limits;
 mod shape_target;
 mod shortcut;
 mod simple;
@@ -110,7 +114,7 @@ use areas::AreaWish;
 use guard::Guard;
 use holds::{Hold, Holds};
 use panels::{FaceShapes, Panels, points, unknowns};
-use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
+use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PanelLimits, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
 use reached::Run;
 use reference::Reference;
@@ -410,6 +414,8 @@ struct Stage<'a> {
     holds: Holds,
     /// Areas that faces are to have; any at first.
     areas: Vec<AreaWish>,
+    /// What a workshop can make.
+    limits: PanelLimits,
     diagonal: f64,
 }
 
@@ -436,6 +442,7 @@ impl<'a> Stage<'a> {
                 .collect(),
             holds: Holds::default(),
             areas: areas::any(mesh.topology().n_faces()),
+            limits: options.panels,
             diagonal: mesh.diagonal(),
         }
     }

@@ -1,6 +1,7 @@
 //! Options of the optimiser.
 
 use crate::ranges::{self, BadOption};
+use phex_mesh::PanelLimits;
 use serde::{Deserialize, Serialize};
 
 /// How panels are made planar.
@@ -98,6 +99,8 @@ pub struct OptimiseOptions {
     /// not to exceed, > 0: panels that do are optimised again with stronger closeness. `None`: no
     /// bound.
     pub max_deviation: Option<f64>,
+    /// What a workshop can make: inequalities, lengths in the unit of the mesh.
+    pub panels: PanelLimits,
     /// Clearance, in mean edges, below which a panel is an offender.
     pub least_clearance: f64,
     /// Cosine between the normals of a panel and of the surface at its cell below which it counts
@@ -127,6 +130,7 @@ impl Default for OptimiseOptions {
             newton_iterations: None,
             planarity_tolerance: 1e-12,
             max_deviation: None,
+            panels: PanelLimits::default(),
             least_clearance: 0.05,
             least_side: 0.1,
             smoothing: [3, 40],
@@ -240,6 +244,7 @@ impl OptimiseOptions {
     /// Refuses values that have no meaning.
     pub(crate) fn check(&self) -> Result<(), BadOption> {
         ranges::positive(&[("max_deviation", self.max_deviation.unwrap_or(1.0))])?;
+        limits_fit(&self.panels).map_err(|e| e.in_table("panels"))?;
         ranges::positive(&[
             ("vertex_closeness", self.vertex_closeness),
             ("anchor", self.anchor),
@@ -264,5 +269,49 @@ impl OptimiseOptions {
             ("smoothing", self.smoothing[0]),
             ("smoothing", self.smoothing[1]),
         ])
+    }
+}
+
+/// Refuses limits that nothing can meet.
+fn limits_fit(limits: &PanelLimits) -> Result<(), BadOption> {
+    let lengths = [
+        ("min_edge", limits.min_edge),
+        ("max_edge", limits.max_edge),
+        ("max_area", limits.max_area),
+    ];
+    let set = lengths.map(|(name, length)| (name, length.unwrap_or(1.0)));
+    ranges::positive(&set)?;
+    let sheet = limits
+        .max_panel
+        .unwrap_or([1.0; 2])
+        .map(|s| ("max_panel", s));
+    ranges::positive(&sheet)?;
+    let aspect = ("max_aspect", limits.max_aspect.unwrap_or(1.0));
+    ranges::within(1.0..=ranges::LARGEST_WEIGHT, &[aspect])?;
+    ranges::below(180.0, &[("min_angle", limits.min_angle.unwrap_or(1.0))])?;
+    let joints = [
+        ("min_dihedral", limits.min_dihedral),
+        ("max_dihedral", limits.max_dihedral),
+    ];
+    let set = joints.map(|(name, angle)| (name, angle.unwrap_or(1.0)));
+    ranges::positive(&set)?;
+    ranges::within(0.0..=180.0, &set)?;
+    let largest = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
+    let least = |limit: Option<f64>| limit.unwrap_or(0.0);
+    let pairs = [
+        ("min_edge", least(limits.min_edge), largest(limits.max_edge)),
+        (
+            "min_dihedral",
+            least(limits.min_dihedral),
+            largest(limits.max_dihedral),
+        ),
+    ];
+    match pairs.into_iter().find(|(_, least, most)| least > most) {
+        None => Ok(()),
+        Some((option, value, most)) => Err(BadOption {
+            option: option.to_owned(),
+            value,
+            range: format!("at most {most}, the largest that is allowed"),
+        }),
     }
 }

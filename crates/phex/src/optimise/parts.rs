@@ -16,7 +16,7 @@ use super::panels::{FaceShapes, Panels, point};
 use super::reference::Reference;
 use super::setting::Setting;
 use super::solvers::{Dual, StepReporter, constraint_assembly, energy_assembly, system};
-use phex_mesh::Vec3;
+use phex_mesh::{PanelLimits, Vec3};
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};
 
 /// Faces from which a mesh is minimised in parts.
@@ -47,6 +47,7 @@ pub(super) struct Part<'a> {
     corner: Vec<bool>,
     holds: Holds,
     areas: Vec<AreaWish>,
+    limits: PanelLimits,
 }
 
 impl<'a> Part<'a> {
@@ -75,6 +76,7 @@ impl<'a> Part<'a> {
             corner: vertices.iter().map(|&v| whole.corner[v as usize]).collect(),
             holds,
             areas: faces.iter().map(|&f| whole.areas[f as usize]).collect(),
+            limits: *whole.limits,
             faces,
             vertices,
         }
@@ -89,6 +91,7 @@ impl<'a> Part<'a> {
             corner: &self.corner,
             holds: &self.holds,
             areas: &self.areas,
+            limits: &self.limits,
             mean_edge,
         }
     }

@@ -5,8 +5,10 @@ use super::areas::unevenness;
 use super::constraints::PlanarityConstraints;
 use super::fast::NearlyPlanar;
 use super::options::{KEPT_CLEARANCE, OptimiseOptions, PROJECTION_ITERATIONS, PathKind, StartKind};
+use super::panels::FaceShapes;
 use super::reached::{Reached, ResultOrigin, Run};
 use super::setting::Setting;
+use super::shape_limits::ShapeLimits;
 use super::solvers::{Dual, Solvers, StepReporter};
 use super::start::{Start, TangentCells, circumcentres, kinked};
 use crate::progress::Progress;
@@ -158,7 +160,11 @@ impl Stage<'_> {
         let clear = run.summary.quality.clearance >= FAST_CLEARANCE;
         let even = unevenness(&self.areas, &self.panels, &run.x) <= FAST_UNEVENNESS;
         let near = run.summary.quality.deviation_max <= FAST_DEVIATION * self.diagonal;
-        let good = clear && even && near && run.offenders.is_empty();
+        let shape = FaceShapes::at(&self.panels, &run.x);
+        let limits = ShapeLimits::new(&self.limits, &self.panels, &shape);
+        let margins = limits.map(|l| l.margins(&self.panels, &shape));
+        let fits = margins.is_none_or(|m| m.iter().all(|c| *c >= 0.0));
+        let good = clear && even && near && fits && run.offenders.is_empty();
         (run.is_cancelled() || good).then_some(run)
     }
 }

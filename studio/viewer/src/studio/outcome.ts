@@ -29,6 +29,14 @@ const CHECKS: Record<string, string> = {
   covered_area: "The surface is covered",
   coverage_inner: "No gap inside of the surface",
   boundary: "The boundary is kept",
+  max_panel: "Panels fit on the sheet",
+  min_edge: "Edges are long enough",
+  max_edge: "Edges are short enough",
+  min_angle: "Corners are blunt enough",
+  max_area: "Panels are small enough",
+  max_aspect: "Panels are wide enough",
+  min_dihedral: "Joints are flat enough",
+  max_dihedral: "Joints are sharp enough",
 };
 
 export const verdictMark = (verdict: Result["verdict"]): HTMLElement => {

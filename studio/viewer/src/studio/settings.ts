@@ -38,6 +38,15 @@ const dial = (path: string, label: string, sentence: string): Setting => ({
   slider: { low: 0.1, high: 10, step: 0.01, logarithmic: true },
 });
 
+const limit = (name: string, label: string, sentence: string, text = false, unit?: string): Setting => ({
+  path: `limits.${name}`,
+  label,
+  sentence,
+  fallback: "none",
+  text,
+  unit,
+});
+
 export const GROUPS: Group[] = [
   {
     title: "Panels",
@@ -141,6 +150,20 @@ export const GROUPS: Group[] = [
         fallback: "to rounding",
         text: true,
       },
+    ],
+  },
+  {
+    title: "Limits of a workshop",
+    closed: true,
+    settings: [
+      limit("max-panel", "Sheet", "Sheet that each panel is cut from, however it lies on it: 1.5x3m.", true),
+      limit("min-edge", "Shortest edge", "No edge is shorter: 20cm.", true),
+      limit("max-edge", "Longest edge", "No edge is longer: 1.2m.", true),
+      limit("max-area", "Largest area", "No panel is larger: 2.5m2.", true),
+      limit("min-angle", "Sharpest corner", "No corner of a panel is sharper.", false, "°"),
+      limit("max-aspect", "Aspect", "No panel is longer than this many times its width."),
+      limit("min-dihedral", "Sharpest joint", "Least angle between neighbouring panels; 180 is flat.", false, "°"),
+      limit("max-dihedral", "Flattest joint", "Largest angle between neighbouring panels.", false, "°"),
     ],
   },
   {

@@ -17,6 +17,7 @@ use crate::optimise::guard::Breach;
 use crate::optimise::panels::{FaceShapes, Panels};
 use crate::optimise::path::Path;
 use crate::optimise::setting::{Setting, distances};
+use crate::optimise::shape_limits::ShapeLimits;
 use crate::optimise::simple::area;
 use crate::optimise::solvers::Solvers;
 
@@ -59,6 +60,8 @@ pub(super) struct Lack {
     /// Faces of which a corner or the centre stands off too far.
     far: Vec<bool>,
     folded: Vec<bool>,
+    /// Faces that no workshop can make as they are.
+    unfit: Vec<bool>,
     /// Re-entrant corners where the surface is convex, and all faces that are to be convex.
     concave: Vec<bool>,
     convex: Vec<bool>,
@@ -90,6 +93,18 @@ impl Lack {
                 faces.iter().for_each(|f| folded[*f] = true);
             }
         }
+        if let Some(angle) = setting.limits.min_dihedral {
+            for &[f, g] in setting.guard.hinges() {
+                let [f, g] = [f, g].map(|f| f as usize);
+                let turn = shape.normal(f).angle(&shape.normal(g)).to_degrees();
+                let sharp = turn > 180.0 - angle;
+                folded[f] |= sharp;
+                folded[g] |= sharp;
+            }
+        }
+        let limits = ShapeLimits::new(setting.limits, panels, &shape);
+        let margins = limits.map(|l| l.margins(panels, &shape));
+        let margins = margins.unwrap_or_else(|| vec![1.0; panels.n_faces()]);
         let convex = to_be_convex(setting, &shape);
         let concave = |f: usize| convex[f] && is_concave(corners(f), setting.mean_edge);
         Self {
@@ -102,6 +117,7 @@ impl Lack {
             far: faces.clone().map(stands_off).collect(),
             concave: faces.map(concave).collect(),
             folded,
+            unfit: margins.into_iter().map(|c| c < 0.0).collect(),
             convex,
             farthest: distances.into_iter().fold(0.0, f64::max),
             breaches: breaches.len(),
@@ -114,7 +130,8 @@ impl Lack {
 
     /// Whether a face lacks something, of the clearance more than a share.
     pub fn of(&self, f: usize, share: f64) -> bool {
-        let lacks = self.far[f] || self.folded[f] || self.concave[f] || self.area[f] > 0.0;
+        let lacks = self.far[f] || self.folded[f] || self.concave[f] || self.unfit[f];
+        let lacks = lacks || self.area[f] > 0.0;
         lacks || self.clearance[f] > share
     }
 
@@ -122,7 +139,7 @@ impl Lack {
     pub fn total(&self) -> (usize, f64) {
         let count = |which: &[bool]| which.iter().filter(|w| **w).count();
         let room = self.clearance.iter().chain(&self.area);
-        let wrong = self.breaches + count(&self.far) + count(&self.concave);
+        let wrong = self.breaches + count(&self.far) + count(&self.concave) + count(&self.unfit);
         (wrong, room.map(|l| l * l).sum())
     }
 
@@ -146,6 +163,9 @@ impl Lack {
             ] {
                 *weight *= STRONGER * strong;
             }
+        }
+        if self.unfit.contains(&true) {
+            path.weights.limits *= HEAVIER.powi(round as i32 + 1);
         }
         if let Some(Some(folds)) = path.folds() {
             folds.weight = heavy;
@@ -181,7 +201,7 @@ impl Lack {
         if !self.has_folds() {
             return Ok((Solvers::new(panels)?, None));
         }
-        let folds = FoldTerm::new(panels, setting.guard, x);
+        let folds = FoldTerm::new(panels, setting.guard, x, setting.limits.min_dihedral);
         Ok((Solvers::with_folds(panels, &folds)?, Some(folds)))
     }
 }

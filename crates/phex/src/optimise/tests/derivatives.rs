@@ -15,7 +15,7 @@ use crate::optimise::panels::{Panels, unknowns};
 use crate::optimise::reference::Reference;
 use crate::optimise::setting::Setting;
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, Vec3};
+use phex_mesh::{HexMesh, PanelLimits, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
 
 pub(super) const NOTHING: Weights = Weights {
@@ -28,6 +28,7 @@ pub(super) const NOTHING: Weights = Weights {
     fairness: 0.0,
     anchor: 0.0,
     corner: 0.0,
+    limits: 0.0,
 };
 
 pub(super) const NO_BARRIER: Barrier = Barrier {
@@ -40,6 +41,22 @@ pub(super) fn with_energy(
     mesh: &HexMesh,
     target: Shape,
     weights: Weights,
+    barrier: Barrier,
+    test: impl FnOnce(&mut PanelEnergy<'_>, &[f64], &mut SymmetricMatrix),
+) {
+    with_limits(
+        mesh,
+        target,
+        (weights, &PanelLimits::default()),
+        barrier,
+        test,
+    );
+}
+
+fn with_limits(
+    mesh: &HexMesh,
+    target: Shape,
+    (weights, limits): (Weights, &PanelLimits),
     barrier: Barrier,
     test: impl FnOnce(&mut PanelEnergy<'_>, &[f64], &mut SymmetricMatrix),
 ) {
@@ -61,6 +78,7 @@ pub(super) fn with_energy(
         corner: &corner,
         holds: &Holds::default(),
         areas: &any(panels.n_faces()),
+        limits,
         mean_edge: panels.mean_edge(&x),
     };
     let dofs = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
@@ -324,6 +342,7 @@ fn normal_matrix_is_the_product_of_the_jacobian() {
         corner: &corner,
         holds: &Holds::default(),
         areas: &any(panels.n_faces()),
+        limits: &PanelLimits::default(),
         mean_edge: panels.mean_edge(&x),
     };
     let count = PlanarityConstraints::count(&panels);
@@ -392,4 +411,68 @@ fn the_jacobian_agrees(panels: &Panels, assembly: &Assembly, x: &[f64], rows: &[
             assert!((along - column[j]).abs() < 1e-13, "{i} {j}");
         }
     }
+}
+
+/// Each limit by itself, so tight that most panels are beyond it or near.
+#[test]
+fn gradient_of_limits() {
+    let none = PanelLimits::default();
+    let mesh = rough(Shape::Wave);
+    let (edge, area) = (mesh.mean_edge(), mesh.mean_edge().powi(2));
+    let weights = Weights {
+        limits: 3.0,
+        ..NOTHING
+    };
+    let limits = [
+        PanelLimits {
+            min_edge: Some(0.9 * edge),
+            ..none
+        },
+        PanelLimits {
+            max_edge: Some(1.1 * edge),
+            ..none
+        },
+        PanelLimits {
+            min_angle: Some(95.0),
+            ..none
+        },
+        PanelLimits {
+            max_area: Some(2.0 * area),
+            ..none
+        },
+        PanelLimits {
+            max_panel: Some([2.0 * edge, 1.5 * edge]),
+            ..none
+        },
+    ];
+    for limits in limits {
+        let what = (weights, &limits);
+        with_limits(
+            &mesh,
+            Shape::Wave,
+            what,
+            NO_BARRIER,
+            |energy, x, hessian| {
+                gradient_agrees(energy, x, hessian, edge);
+            },
+        );
+    }
+    // The plane of a face turns, which moments of its area feel in second order alone where it is
+    // planar.
+    let flat = rough(Shape::Square);
+    let flat = flat.with_positions(flat.positions.map(|p| Vec3::new(p.x, p.y, 0.0)));
+    let limits = PanelLimits {
+        max_aspect: Some(1.3),
+        ..none
+    };
+    let what = (weights, &limits);
+    with_limits(
+        &flat,
+        Shape::Square,
+        what,
+        NO_BARRIER,
+        |energy, x, hessian| {
+            gradient_agrees(energy, x, hessian, flat.mean_edge());
+        },
+    );
 }
