@@ -14,8 +14,6 @@ use std::sync::Arc;
 
 /// Surfaces that are kept; what was not used for longest goes first.
 const KEPT: usize = 3;
-/// The example of the repository.
-const ROOF: &[u8] = include_bytes!("../../../data/roof.obj");
 /// Characters of a file's name that are kept.
 const LONGEST_NAME: usize = 100;
 
@@ -90,14 +88,11 @@ impl DroppedSurface {
         })
     }
 
-    /// A built-in surface: the roof, or a shape by its name.
+    /// A built-in surface, as `phex shape` writes it.
     ///
     /// # Errors
     /// If there is none of that name.
     pub fn sample(name: &str) -> Result<Self, JobError> {
-        if name == "roof" {
-            return Self::read("roof.obj", ROOF);
-        }
         let shape = Shape::from_name(name, &[]).map_err(JobError::input)?;
         let surface = triangulate(&shape, &TriangulationOptions::default());
         let surface = surface.map_err(JobError::input)?;
@@ -111,12 +106,13 @@ impl DroppedSurface {
     }
 }
 
-/// Names of the built-in surfaces, with a sentence.
+/// Names of the built-in surfaces, with a sentence; the free-form roof first.
 pub fn samples() -> Vec<[&'static str; 2]> {
-    let shapes = Shape::all().iter().map(|shape| [shape.name, shape.summary]);
-    std::iter::once(["roof", "the free-form roof of the documentation"])
-        .chain(shapes)
-        .collect()
+    let mut samples: Vec<_> = (Shape::all().iter())
+        .map(|shape| [shape.name, shape.summary])
+        .collect();
+    samples.sort_by_key(|[name, _]| *name != "roof");
+    samples
 }
 
 /// A name without folders and of a sensible length; the extension stays.
