@@ -213,7 +213,7 @@ mod tests {
             corner: &corner,
             holds: &Holds::default(),
             areas: &super::super::areas::any(panels.n_faces()),
-            limits: &phex_mesh::PanelLimits::default(),
+            limits: &crate::optimise::FaceLimits::none(panels.n_faces()),
             mean_edge: panels.mean_edge(&x),
         };
         test(&setting, &x);

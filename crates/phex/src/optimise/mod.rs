@@ -114,7 +114,7 @@ use areas::AreaWish;
 use guard::Guard;
 use holds::{Hold, Holds};
 use panels::{FaceShapes, Panels, points, unknowns};
-use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PanelLimits, PerFace, PerVertex, Topology, Vec3};
+use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
 use reached::Run;
 use reference::Reference;
@@ -127,10 +127,11 @@ pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub(crate) use angle_term::walks::free_edges;
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
-pub(crate) use local::{EMPHASES, LocalPart, Wanted};
+pub(crate) use local::{EMPHASES, LocalPart};
 pub use on_boundary::BoundaryHold;
 pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, Solver, StartKind};
+pub(crate) use shape_limits::FaceLimits;
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use surface_target::SurfaceTarget;
@@ -233,6 +234,7 @@ pub fn optimise(
     let cancelled = || progress.is_cancelled();
     let cells = stage.smoothing(layout, target, options).of_cells(cancelled);
     stage.areas = areas::of_layout(layout, &stage.panels, &cells.x, options.evenness);
+    stage.limits = FaceLimits::of(&stage.panels, &cells.x, options);
     let tangents = TangentCells::of(layout);
     let mut solvers = Solvers::new(&stage.panels)?;
     let fast = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress);
@@ -386,6 +388,7 @@ fn from_mesh(
     if target.is_some() {
         stage.keep_areas(&x, options);
     }
+    stage.limits = FaceLimits::of(&stage.panels, &x, options);
     stage.holds = steering::resolve(steering, mesh)?;
     if let Some((held, curves)) = rim {
         stage.holds.keep_rim(held, curves);
@@ -414,8 +417,8 @@ struct Stage<'a> {
     holds: Holds,
     /// Areas that faces are to have; any at first.
     areas: Vec<AreaWish>,
-    /// What a workshop can make.
-    limits: PanelLimits,
+    /// What faces are to have; anything at first.
+    limits: FaceLimits,
     diagonal: f64,
 }
 
@@ -442,7 +445,7 @@ impl<'a> Stage<'a> {
                 .collect(),
             holds: Holds::default(),
             areas: areas::any(mesh.topology().n_faces()),
-            limits: options.panels,
+            limits: FaceLimits::none(mesh.topology().n_faces()),
             diagonal: mesh.diagonal(),
         }
     }

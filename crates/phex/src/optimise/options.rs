@@ -101,6 +101,14 @@ pub struct OptimiseOptions {
     pub max_deviation: Option<f64>,
     /// What a workshop can make: inequalities, lengths in the unit of the mesh.
     pub panels: PanelLimits,
+    /// `w_l`: inequalities, over the areas of their panels, >= 0: what an excess as large as the
+    /// limit itself costs. From 0.1 on distances to the surface grow by more than a tenth.
+    pub limits: f64,
+    /// Least clearance of panels, over what is wanted of them, >= 0; an inequality, too.
+    pub wished_clearance: f64,
+    /// Least angle at corners, degrees, in [0, 180): an inequality, too, which sharp corners of the
+    /// boundary and asymptotic rows can't meet.
+    pub wished_angle: f64,
     /// Clearance, in mean edges, below which a panel is an offender.
     pub least_clearance: f64,
     /// Cosine between the normals of a panel and of the surface at its cell below which it counts
@@ -131,6 +139,9 @@ impl Default for OptimiseOptions {
             planarity_tolerance: 1e-12,
             max_deviation: None,
             panels: PanelLimits::default(),
+            limits: 2e-2,
+            wished_clearance: 1.15,
+            wished_angle: 20.0,
             least_clearance: 0.05,
             least_side: 0.1,
             smoothing: [3, 40],
@@ -193,6 +204,7 @@ impl Dials {
         options.corner_closeness *= self.closeness;
         // The barrier is relative to the closeness of vertices.
         options.barrier *= self.clearance / self.closeness;
+        options.limits *= self.clearance / self.closeness;
         // Weight alone hardly moves panels apart.
         let reach = options.barrier_reach * self.clearance.powf(0.125);
         options.barrier_reach = reach.min(options.barrier_reach.max(FARTHEST));
@@ -227,8 +239,8 @@ impl OptimiseOptions {
     /// Where a row of panels runs along an asymptotic direction, panels that are inscribed in the
     /// indicatrix have an edge without length, which a barrier of fixed reach never allows: its
     /// reach shrinks as `L^(1/2)`. Panels of the whole sequence stay simple, but have ever less
-    /// clearance there: for studies of the limit, not for building. Areas are left free, since what
-    /// holds them tilts planes as fairness does.
+    /// clearance there: for studies of the limit, not for building. Areas, room and corners are left
+    /// free, since what holds them tilts planes as fairness does.
     pub fn refined(mut self, factor: f64) -> Self {
         let dials = Dials {
             closeness: factor * factor,
@@ -237,8 +249,19 @@ impl OptimiseOptions {
         dials.turn(&mut self);
         self.barrier_reach /= factor.sqrt();
         self.evenness = 0.0;
+        (self.wished_clearance, self.wished_angle) = (0.0, 0.0);
         self.newton_iterations = Some(REFINED_NEWTON);
         self
+    }
+
+    /// What a workshop can make, and corners as blunt as is wished for.
+    pub(crate) fn panel_limits(&self) -> PanelLimits {
+        let wished = Some(self.wished_angle).filter(|angle| *angle > 0.0);
+        let least = [self.panels.min_angle, wished].into_iter().flatten();
+        PanelLimits {
+            min_angle: least.max_by(f64::total_cmp),
+            ..self.panels
+        }
     }
 
     /// Refuses values that have no meaning.
@@ -261,8 +284,11 @@ impl OptimiseOptions {
             ("energy_tolerance", self.energy_tolerance),
             ("step_tolerance", self.step_tolerance),
             ("least_clearance", self.least_clearance),
+            ("limits", self.limits),
+            ("wished_clearance", self.wished_clearance),
         ])?;
         ranges::within(-1.0..=1.0, &[("least_side", self.least_side)])?;
+        ranges::within(0.0..=180.0, &[("wished_angle", self.wished_angle)])?;
         ranges::counts(&[
             ("max_iterations", self.max_iterations),
             ("newton_iterations", self.newton_iterations.unwrap_or(0)),

@@ -15,8 +15,9 @@ use super::holds::{Hold, Holds};
 use super::panels::{FaceShapes, Panels, point};
 use super::reference::Reference;
 use super::setting::Setting;
+use super::shape_limits::FaceLimits;
 use super::solvers::{Dual, StepReporter, constraint_assembly, energy_assembly, system};
-use phex_mesh::{PanelLimits, Vec3};
+use phex_mesh::Vec3;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};
 
 /// Faces from which a mesh is minimised in parts.
@@ -47,7 +48,7 @@ pub(super) struct Part<'a> {
     corner: Vec<bool>,
     holds: Holds,
     areas: Vec<AreaWish>,
-    limits: PanelLimits,
+    limits: FaceLimits,
 }
 
 impl<'a> Part<'a> {
@@ -76,7 +77,7 @@ impl<'a> Part<'a> {
             corner: vertices.iter().map(|&v| whole.corner[v as usize]).collect(),
             holds,
             areas: faces.iter().map(|&f| whole.areas[f as usize]).collect(),
-            limits: *whole.limits,
+            limits: whole.limits.part(&faces),
             faces,
             vertices,
         }

@@ -6,8 +6,9 @@ use super::guard::{Armed, Guard};
 use super::holds::Holds;
 use super::panels::{FaceShapes, Panels, point};
 use super::reference::Reference;
+use super::shape_limits::FaceLimits;
 use super::simple::collision;
-use phex_mesh::{PanelLimits, Vec2};
+use phex_mesh::Vec2;
 
 /// Fraction of the way to the first collision that a step may go.
 const COLLISION_FRACTION: f64 = 0.85;
@@ -25,8 +26,8 @@ pub(super) struct Setting<'a> {
     pub holds: &'a Holds,
     /// Areas that faces are to have, weights relative to that of the closeness of vertices.
     pub areas: &'a [AreaWish],
-    /// What a workshop can make.
-    pub limits: &'a PanelLimits,
+    /// What faces are to have.
+    pub limits: &'a FaceLimits,
     pub mean_edge: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Limits of panels in the optimiser: sheet, edges, corners, area and aspect as inequalities with
-//! slack, see [`super::inequality`].
+//! Limits of panels in the optimiser: what a workshop can make, room, least areas and blunt corners,
+//! as inequalities with slack, see [`super::inequality`].
 //!
 //! Every limit is a number `c`, without unit, that is to be at least 0:
 //!
@@ -7,6 +7,8 @@
 //! |---|---|
 //! | least, largest edge | `l / least - 1`, `1 - l / largest` |
 //! | least angle | `a / least - 1` at each corner that is not re-entrant |
+//! | clearance | `d / least - 1` for each corner and edge that does not hold it |
+//! | least area | `A / least - 1` |
 //! | largest area | `1 - A / largest`, `A` the length of the vector area |
 //! | sheet | `1 - (x_i - x_j) . u / side` for all corners, `u` the sheet's sides where it fits best, fixed for a phase |
 //! | aspect | `1 - sqrt(l_1 / l_2) / largest`, `l` the second moments of the area about its principal axes |
@@ -15,14 +17,13 @@
 //! faces meet is the matter of [`super::folds`].
 
 use super::inequality::Elastic;
-use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
+use super::options::OptimiseOptions;
+use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block, extent};
 use super::simple::area;
+use super::spatial_barrier::{SpatialApproach, for_each_approach};
 use nalgebra::Matrix2;
+use phex_mesh::measure::wanted_clearance;
 use phex_mesh::{PanelLimits, Vec2, Vec3, rectangle_fit};
-
-/// Cost of an excess as large as the limit itself, over the weight of closeness and the area of the
-/// panel.
-const COST: f64 = 0.5;
 
 /// An inequality of some corners of a face: `c`, and its derivatives by them.
 struct Inequality {
@@ -30,34 +31,104 @@ struct Inequality {
     rows: Vec<(usize, Vec3)>,
 }
 
-/// The limits of all faces.
-pub(super) struct ShapeLimits {
-    limits: PanelLimits,
+impl Inequality {
+    /// A figure that is to be at least `limit`, with its derivatives by all corners.
+    fn at_least(value: f64, limit: f64, rows: &[Vec3]) -> Self {
+        let rows = rows.iter().map(|row| row / limit).enumerate();
+        Self {
+            c: value / limit - 1.0,
+            rows: rows.collect(),
+        }
+    }
+
+    /// The same for one that is to be at most `limit`.
+    fn at_most(value: f64, limit: f64, rows: &[Vec3]) -> Self {
+        let rows = rows.iter().map(|row| row / -limit).enumerate();
+        Self {
+            c: 1.0 - value / limit,
+            rows: rows.collect(),
+        }
+    }
+}
+
+/// What faces are to have; lengths in the unit of the mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct FaceLimits {
+    /// What a workshop can make, and corners as blunt as is wished for.
+    pub panels: PanelLimits,
+    /// Least clearance of each face.
+    pub clearance: Vec<f64>,
+    /// Least area of each face; 0 for any.
+    pub area: Vec<f64>,
+    /// Largest distance to the surface; infinite for any.
+    pub distance: f64,
+}
+
+impl FaceLimits {
+    /// No limits.
+    pub(super) fn none(faces: usize) -> Self {
+        Self {
+            panels: PanelLimits::default(),
+            clearance: vec![0.0; faces],
+            area: vec![0.0; faces],
+            distance: f64::INFINITY,
+        }
+    }
+
+    /// What the options ask of faces that lie at `x`: room as their areas allow.
+    pub(super) fn of(panels: &Panels, x: &[f64], options: &OptimiseOptions) -> Self {
+        let shape = FaceShapes::at(panels, x);
+        let faces = 0..panels.n_faces();
+        let areas: Vec<f64> = faces.map(|f| area(shape.face(panels, f)).abs()).collect();
+        let mean = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
+        let unit = options.wished_clearance * panels.mean_edge(x);
+        let limit = options.max_deviation;
+        Self {
+            panels: options.panel_limits(),
+            clearance: (areas.iter())
+                .map(|a| unit * wanted_clearance(a / mean))
+                .collect(),
+            area: vec![0.0; areas.len()],
+            distance: limit.map_or(f64::INFINITY, |share| share * extent(x)),
+        }
+    }
+
+    /// Those of some faces.
+    pub(super) fn part(&self, faces: &[u32]) -> Self {
+        let of = |values: &[f64]| faces.iter().map(|&f| values[f as usize]).collect();
+        Self {
+            clearance: of(&self.clearance),
+            area: of(&self.area),
+            ..*self
+        }
+    }
+}
+
+/// The limits of all faces, and how they lie.
+pub(super) struct ShapeLimits<'a> {
+    limits: &'a FaceLimits,
     /// Area of each face at the start.
     area: Vec<f64>,
     /// Directions of the sheet's sides for each face.
     sides: Vec<[Vec3; 2]>,
 }
 
-impl ShapeLimits {
-    /// Limits for faces that lie as in `shape`; `None` where nothing is limited.
-    pub fn new(limits: &PanelLimits, panels: &Panels, shape: &FaceShapes) -> Option<Self> {
-        if limits.is_empty() {
-            return None;
-        }
+impl<'a> ShapeLimits<'a> {
+    /// Limits for faces that lie as in `shape`.
+    pub fn new(limits: &'a FaceLimits, panels: &Panels, shape: &FaceShapes) -> Self {
         let faces = 0..panels.n_faces();
         let mut made = Self {
-            limits: *limits,
+            limits,
             area: faces.map(|f| area(shape.face(panels, f)).abs()).collect(),
             sides: Vec::new(),
         };
         made.turn(panels, shape);
-        Some(made)
+        made
     }
 
     /// Turns sheets to where they fit best.
     pub fn turn(&mut self, panels: &Panels, shape: &FaceShapes) {
-        let Some(sheet) = self.limits.max_panel else {
+        let Some(sheet) = self.limits.panels.max_panel else {
             return;
         };
         let sides = |f: usize| {
@@ -81,7 +152,7 @@ impl ShapeLimits {
 
     fn elastic(&self, f: usize, weight: f64) -> Elastic {
         Elastic {
-            weight: COST * weight * self.area[f],
+            weight: weight * self.area[f],
         }
     }
 
@@ -123,7 +194,7 @@ impl ShapeLimits {
         frame: &FaceFrame,
         mut visit: impl FnMut(&Inequality),
     ) {
-        let limits = &self.limits;
+        let limits = &self.limits.panels;
         let k = corners.len();
         let at = |i: usize| corners[i % k].position;
         for i in 0..k {
@@ -147,8 +218,16 @@ impl ShapeLimits {
                     .for_each(&mut visit);
             }
         }
+        for_each_approach(corners, 2.0 * self.limits.clearance[f], |a| {
+            visit(&roomy(a, self.limits.clearance[f]));
+        });
         if let Some(most) = limits.max_area {
-            visit(&largest_area(corners, most));
+            let (area, rows) = area_and_rows(corners);
+            visit(&Inequality::at_most(area, most, &rows));
+        }
+        if self.limits.area[f] > 0.0 {
+            let (area, rows) = area_and_rows(corners);
+            visit(&Inequality::at_least(area, self.limits.area[f], &rows));
         }
         if let Some(most) = limits.max_aspect {
             aspect(corners, frame, most).iter().for_each(&mut visit);
@@ -195,22 +274,28 @@ fn angle(corners: &[Corner], i: usize, least: f64) -> Option<Inequality> {
     })
 }
 
-fn largest_area(corners: &[Corner], most: f64) -> Inequality {
+/// Room between a corner and an edge.
+fn roomy(approach: &SpatialApproach, least: f64) -> Inequality {
+    let unit = approach.offset / (approach.distance * least);
+    let pairs = approach.corners.into_iter().zip(approach.coefficients);
+    Inequality {
+        c: approach.distance / least - 1.0,
+        rows: pairs.map(|(i, c)| (i, unit * c)).collect(),
+    }
+}
+
+/// Length of the vector area of a face, and its derivatives by the corners.
+fn area_and_rows(corners: &[Corner]) -> (f64, Vec<Vec3>) {
     let k = corners.len();
     let at = |i: usize| corners[i % k].position;
     let origin = at(0);
-    let twice: Vec3 = (0..k)
-        .map(|i| (at(i) - origin).cross(&(at(i + 1) - origin)))
-        .sum();
-    let area = 0.5 * twice.norm();
+    let sides = (0..k).map(|i| (at(i) - origin).cross(&(at(i + 1) - origin)));
+    let twice: Vec3 = sides.sum();
     let normal = twice
         .try_normalize(f64::MIN_POSITIVE)
         .unwrap_or_else(Vec3::zeros);
-    let row = |i: usize| (at(i + 1) - at(i + k - 1)).cross(&normal) * (-0.5 / most);
-    Inequality {
-        c: 1.0 - area / most,
-        rows: (0..k).map(|i| (i, row(i))).collect(),
-    }
+    let row = |i: usize| (at(i + 1) - at(i + k - 1)).cross(&normal) * 0.5;
+    (0.5 * twice.norm(), (0..k).map(row).collect())
 }
 
 /// Length over width of a face; `None` where it has no area.
@@ -229,13 +314,11 @@ fn aspect(corners: &[Corner], frame: &FaceFrame, most: f64) -> Option<Inequality
     );
     let ratio = (length / width).sqrt();
     let row = |i: usize| {
-        let flat = (by_length[i] / length - by_width[i] / width) * (-0.5 * ratio / most);
+        let flat = (by_length[i] / length - by_width[i] / width) * (0.5 * ratio);
         frame.plane.axes[0] * flat.x + frame.plane.axes[1] * flat.y
     };
-    Some(Inequality {
-        c: 1.0 - ratio / most,
-        rows: (0..corners.len()).map(|i| (i, row(i))).collect(),
-    })
+    let rows: Vec<Vec3> = (0..corners.len()).map(row).collect();
+    Some(Inequality::at_most(ratio, most, &rows))
 }
 
 /// Area, first and second moments of a polygon in its plane.

@@ -106,7 +106,7 @@ impl Assessment {
     pub fn new(mesh: &HexMesh, references: References<'_>, limits: &Limits) -> Self {
         let measures = measure(mesh);
         let mut violations = violations(mesh, references.judge(), &limits.validity);
-        if let (Some(_), Some(facets)) = (references.smooth, references.facets) {
+        if let Some(facets) = references.facets {
             add_flips(&mut violations, mesh, facets);
         }
         let away = |s, k: usize| deviation_beyond(mesh, s, references.beyond.map_or(s, |b| b[k]));

@@ -2,14 +2,16 @@
 //! Jacobian.
 
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_saddle, turn_edge};
+use crate::optimise::FaceLimits;
 use crate::optimise::areas::{AreaWish, any};
 use crate::optimise::barrier::Barrier;
-use crate::optimise::closeness::ClosenessWeights;
+use crate::optimise::closeness::{ClosenessWeights, DistanceLimit};
 use crate::optimise::concavity::ConcavityTerm;
 use crate::optimise::constraints::PlanarityConstraints;
 use crate::optimise::energy::{PanelEnergy, Weights};
 use crate::optimise::guard::Guard;
 use crate::optimise::holds::Holds;
+use crate::optimise::inequality::Elastic;
 use crate::optimise::jacobian::Jacobian;
 use crate::optimise::panels::{Panels, unknowns};
 use crate::optimise::reference::Reference;
@@ -24,6 +26,7 @@ pub(super) const NOTHING: Weights = Weights {
         vertex: 0.0,
         centre: 0.0,
         rim: 0.0,
+        limit: DistanceLimit::NONE,
     },
     fairness: 0.0,
     anchor: 0.0,
@@ -47,7 +50,7 @@ pub(super) fn with_energy(
     with_limits(
         mesh,
         target,
-        (weights, &PanelLimits::default()),
+        (weights, &FaceLimits::none(mesh.topology().n_faces())),
         barrier,
         test,
     );
@@ -56,7 +59,7 @@ pub(super) fn with_energy(
 fn with_limits(
     mesh: &HexMesh,
     target: Shape,
-    (weights, limits): (Weights, &PanelLimits),
+    (weights, limits): (Weights, &FaceLimits),
     barrier: Barrier,
     test: impl FnOnce(&mut PanelEnergy<'_>, &[f64], &mut SymmetricMatrix),
 ) {
@@ -209,6 +212,7 @@ fn gradient_of_closeness() {
             vertex: 1.0,
             centre: 3.0,
             rim: 0.1,
+            limit: DistanceLimit::NONE,
         };
         let weights = Weights {
             closeness,
@@ -252,7 +256,6 @@ fn gradient_of_areas() {
             let wish = |f: usize| AreaWish {
                 area: [4.0, 1.0, 4.0, 4.0, 1.0][f % 5] * size,
                 weight: [2.0, 2.0, 0.0, 2.0, 2.0][f % 5],
-                at_least: f % 5 > 2,
             };
             energy.areas = (0..panels.n_faces()).map(wish).collect();
             gradient_agrees(energy, x, hessian, mesh.mean_edge());
@@ -312,6 +315,7 @@ fn hessian_of_closeness_is_exact_at_a_plane_and_beyond_its_rim() {
         vertex: 1.0,
         centre: 3.0,
         rim: 0.1,
+        limit: DistanceLimit::NONE,
     };
     let weights = Weights {
         closeness,
@@ -342,7 +346,7 @@ fn normal_matrix_is_the_product_of_the_jacobian() {
         corner: &corner,
         holds: &Holds::default(),
         areas: &any(panels.n_faces()),
-        limits: &PanelLimits::default(),
+        limits: &FaceLimits::none(panels.n_faces()),
         mean_edge: panels.mean_edge(&x),
     };
     let count = PlanarityConstraints::count(&panels);
@@ -416,63 +420,83 @@ fn the_jacobian_agrees(panels: &Panels, assembly: &Assembly, x: &[f64], rows: &[
 /// Each limit by itself, so tight that most panels are beyond it or near.
 #[test]
 fn gradient_of_limits() {
-    let none = PanelLimits::default();
     let mesh = rough(Shape::Wave);
     let (edge, area) = (mesh.mean_edge(), mesh.mean_edge().powi(2));
-    let weights = Weights {
-        limits: 3.0,
-        ..NOTHING
-    };
+    let faces = mesh.topology().n_faces();
+    let none = || FaceLimits::none(faces);
+    let panels = |panels: PanelLimits| FaceLimits { panels, ..none() };
+    let any = PanelLimits::default();
     let limits = [
-        PanelLimits {
+        panels(PanelLimits {
             min_edge: Some(0.9 * edge),
-            ..none
-        },
-        PanelLimits {
+            ..any
+        }),
+        panels(PanelLimits {
             max_edge: Some(1.1 * edge),
-            ..none
-        },
-        PanelLimits {
+            ..any
+        }),
+        panels(PanelLimits {
             min_angle: Some(95.0),
-            ..none
-        },
-        PanelLimits {
+            ..any
+        }),
+        panels(PanelLimits {
             max_area: Some(2.0 * area),
-            ..none
-        },
-        PanelLimits {
+            ..any
+        }),
+        panels(PanelLimits {
             max_panel: Some([2.0 * edge, 1.5 * edge]),
-            ..none
+            ..any
+        }),
+        FaceLimits {
+            clearance: vec![edge; faces],
+            ..none()
+        },
+        FaceLimits {
+            area: vec![3.0 * area; faces],
+            ..none()
         },
     ];
-    for limits in limits {
-        let what = (weights, &limits);
-        with_limits(
-            &mesh,
-            Shape::Wave,
-            what,
-            NO_BARRIER,
-            |energy, x, hessian| {
-                gradient_agrees(energy, x, hessian, edge);
-            },
-        );
+    for limits in &limits {
+        gradient_of_limit(&mesh, Shape::Wave, limits);
     }
     // The plane of a face turns, which moments of its area feel in second order alone where it is
     // planar.
     let flat = rough(Shape::Square);
     let flat = flat.with_positions(flat.positions.map(|p| Vec3::new(p.x, p.y, 0.0)));
-    let limits = PanelLimits {
+    let long = panels(PanelLimits {
         max_aspect: Some(1.3),
-        ..none
+        ..any
+    });
+    gradient_of_limit(&flat, Shape::Square, &long);
+}
+
+fn gradient_of_limit(mesh: &HexMesh, target: Shape, limits: &FaceLimits) {
+    let weights = Weights {
+        limits: 3.0,
+        ..NOTHING
     };
-    let what = (weights, &limits);
-    with_limits(
-        &flat,
-        Shape::Square,
-        what,
-        NO_BARRIER,
-        |energy, x, hessian| {
-            gradient_agrees(energy, x, hessian, flat.mean_edge());
-        },
-    );
+    let what = (weights, limits);
+    with_limits(mesh, target, what, NO_BARRIER, |energy, x, hessian| {
+        gradient_agrees(energy, x, hessian, mesh.mean_edge());
+    });
+}
+
+#[test]
+fn gradient_of_the_largest_distance() {
+    for share in [0.2, 1.0, 3.0] {
+        let mesh = rough(Shape::Wave);
+        let limit = DistanceLimit {
+            elastic: Elastic { weight: 2.0 },
+            most: share * mesh.mean_edge(),
+        };
+        let closeness = ClosenessWeights {
+            limit,
+            ..NOTHING.closeness
+        };
+        let weights = Weights {
+            closeness,
+            ..NOTHING
+        };
+        gradient_is_right(weights, NO_BARRIER, Shape::Wave, &mesh);
+    }
 }
