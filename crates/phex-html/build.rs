@@ -1,6 +1,6 @@
-//! Embeds the viewer of the HTML report, and the page of the studio that shares its modules: those that `cargo xtask viewer` has built, else
-//! such as are built here where npm is installed. Without either the report has pictures and tables, and
-//! `phex --version` says why.
+//! Embeds the viewer of the HTML report, and the page of the studio that shares its modules: those
+//! that `cargo xtask viewer` has built, else such as are built here where npm is installed. Without
+//! either the report has pictures and tables, and `phex --version` says why.
 
 #[path = "npm.rs"]
 mod npm;

@@ -1,5 +1,5 @@
-//! The interactive part of the HTML report and the page of the studio: building them, and trying them
-//! in a browser.
+//! The interactive part of the HTML report and the page of the studio: building them, and trying
+//! them in a browser.
 
 #[path = "../../crates/phex-html/npm.rs"]
 mod npm;

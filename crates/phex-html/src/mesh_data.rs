@@ -23,8 +23,8 @@ pub struct MeshData {
 }
 
 impl MeshData {
-    /// Packs polygons, relative to `origin`; their edges are the sides between neighbouring corners, in the order in
-    /// which they are met.
+    /// Packs polygons, relative to `origin`; their edges are the sides between neighbouring
+    /// corners, in the order in which they are met.
     pub fn new(soup: &PolygonSoup, origin: Vec3) -> Self {
         Self::with_edges(soup, &sides(soup), origin)
     }

@@ -10,8 +10,8 @@ pub fn quoted(word: &str) -> String {
     }
 }
 
-/// The words after `phex mesh SURFACE` that repeat a job, given as the table of its job file; `file`
-/// is where the job file is, which is named if it holds what no option says.
+/// The words after `phex mesh SURFACE` that repeat a job, given as the table of its job file;
+/// `file` is where the job file is, which is named if it holds what no option says.
 ///
 /// ```
 /// let job = "panels = 300\nrotate = -15\n[steering]\nfairness = 2".parse()?;

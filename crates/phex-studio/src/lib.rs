@@ -1,8 +1,8 @@
 //! `phex studio`: a page, served on this machine alone, on which a surface becomes panels.
 //!
-//! [`serve`] answers one browser of one person. What is computed is a job of `phex-job`, so that the
-//! page, the command line and a job file mean the same; the page's script comes from `phex-html`,
-//! with whose report it shares the three-dimensional view.
+//! [`serve`] answers one browser of one person. What is computed is a job of `phex-job`, so that
+//! the page, the command line and a job file mean the same; the page's script comes from
+//! `phex-html`, with whose report it shares the three-dimensional view.
 //!
 //! | module | what it knows |
 //! |---|---|
