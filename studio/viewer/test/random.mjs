@@ -125,7 +125,8 @@ try {
     await page.waitForFunction(() => window.phexStudio.studio.result?.verdict === "pass", null, { timeout: 60_000 });
     const quiet = () => page.evaluate(async () => (await (await fetch("status")).json()).runs === 0);
     while (!(await quiet()));
-    return { program: resident(), page: await heap() };
+    const shapes = await page.evaluate(() => window.phexStudio.studio.view.stage.renderer.info.memory.geometries);
+    return { program: resident(), page: await heap(), shapes };
   };
   const sequence = async () => {
     for (let k = 0; k < ACTIONS; k++) {
@@ -144,7 +145,7 @@ try {
   }
   for (let k = 0; k < 4; k++) await settle();
   const after = await settle();
-  const mb = ({ program, page }) => `program ${program.toFixed(0)} MB, page ${page.toFixed(1)} MB`;
+  const mb = ({ program, page, shapes }) => `program ${program.toFixed(0)} MB, page ${page.toFixed(1)} MB, ${shapes} shapes on the graphics card`;
   console.log(`ok ${count} random sequences: before ${mb(before)}; after ${mb(after)}`);
   undisturbed(page, (url) => url.startsWith(address));
   assert.deepEqual(wrong, [], "the program complains of nothing");

@@ -95,7 +95,7 @@ export class Studio {
     announce.setAttribute("aria-live", "polite");
     this.buildMain();
     this.view = new View(this.parts);
-    this.view.onClick = null;
+    this.view.stage.renderer.domElement.setAttribute("role", "img");
     this.chooseTheme((this.state.manner.theme as Theme | undefined) ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
     this.fill();
     this.listen();
@@ -118,6 +118,7 @@ export class Studio {
   /** Writes every text anew; the view and the result stay. */
   private fill(): void {
     this.buildBar();
+    this.view.stage.renderer.domElement.setAttribute("aria-label", say("The model"));
     this.parts("groups").replaceChildren(...this.settings.build());
     this.showEmpty();
     this.buildTools();
@@ -493,7 +494,7 @@ export class Studio {
       return box.replaceChildren(h("h2", {}, say("Result")), mark, ...(shown ? [figureList([["Panels", String(this.view.previewed)]])] : []));
     }
     const notes = result.notes.map((note) => h("p", {}, note));
-    const more = notes.length > 0 ? [h("details", { class: "notes" }, h("summary", {}, say("{} notes", notes.length)), ...notes)] : [];
+    const more = notes.length > 0 ? [h("details", { class: "notes" }, h("summary", {}, notes.length === 1 ? say("one note") : say("{} notes", notes.length)), ...notes)] : [];
     box.replaceChildren(
       h("h2", {}, say("Result")),
       verdictMark(result.verdict),
@@ -606,7 +607,10 @@ export class Studio {
   /** What is set, in short. */
   private brief(entry: Remembered): string {
     const words = Object.entries(entry.job).filter(([, value]) => typeof value !== "object");
-    return words.map(([name, value]) => `${name} ${value}`).join(", ") || say("defaults");
+    const said = words.map(([name, value]) => `${name} ${value}`);
+    const tables = Object.entries(entry.job).filter(([, value]) => typeof value === "object");
+    said.push(...tables.map(([name]) => say(name === "stages" ? "with lines and points" : name === "limits" ? "with limits" : "with dials")));
+    return said.join(", ") || say("defaults");
   }
 
   private recall(entry: Remembered): void {
