@@ -2,7 +2,7 @@
 
 use crate::frames::frame;
 use crate::surfaces::listed;
-use crate::upload::Refusal;
+use crate::upload::RefusedRequest;
 use crate::wish::GrantedWish;
 use axum::body::Bytes;
 use phex::Progress;
@@ -26,7 +26,7 @@ const KEPT: usize = 4;
 
 /// The results of the last runs.
 #[derive(Default)]
-pub struct Results(VecDeque<Arc<KeptResult>>);
+pub struct Results(VecDeque<Arc<RunResult>>);
 
 impl Results {
     /// Number of results.
@@ -35,12 +35,12 @@ impl Results {
     }
 
     /// The result of a run.
-    pub fn find(&self, number: u64) -> Option<Arc<KeptResult>> {
+    pub fn find(&self, number: u64) -> Option<Arc<RunResult>> {
         self.0.iter().find(|r| r.number == number).cloned()
     }
 
     /// Keeps a result.
-    pub fn add(&mut self, result: KeptResult) {
+    pub fn add(&mut self, result: RunResult) {
         self.0.push_back(Arc::new(result));
         if self.0.len() > KEPT {
             self.0.pop_front();
@@ -49,7 +49,7 @@ impl Results {
 }
 
 /// What a run has made.
-pub struct KeptResult {
+pub struct RunResult {
     number: u64,
     made: JobResult,
     names: Vec<String>,
@@ -64,7 +64,7 @@ struct ToldResult<'a> {
     seconds: f64,
     verdict: Verdict,
     checks: Vec<ToldCheck<'a>>,
-    figures: Figures,
+    figures: HeadFigures,
     notes: &'a [String],
     unit: &'a str,
     /// Extensions of the files that the mesh can become.
@@ -110,7 +110,7 @@ impl<'a> From<&'a Check> for ToldCheck<'a> {
 
 /// The figures that are looked for first; lengths in model units.
 #[derive(Serialize)]
-struct Figures {
+struct HeadFigures {
     panels: usize,
     hexagons: Option<f64>,
     concave: usize,
@@ -139,7 +139,7 @@ pub struct Handout {
     pub bytes: Vec<u8>,
 }
 
-impl KeptResult {
+impl RunResult {
     /// What a run has made of a wish.
     pub fn new(number: u64, made: JobResult, wish: GrantedWish) -> Self {
         let ids = PanelIds::new(&made.mesh);
@@ -172,11 +172,11 @@ impl KeptResult {
         })
     }
 
-    fn figures(&self) -> Figures {
+    fn figures(&self) -> HeadFigures {
         let run = &self.made.report;
         let m = &run.measures;
         let deviation = (run.deviation_smooth.as_ref()).or(run.deviation_facets.as_ref());
-        Figures {
+        HeadFigures {
             panels: m.faces,
             hexagons: m.hex,
             concave: m.faces_concave,
@@ -216,14 +216,14 @@ impl KeptResult {
         what: &str,
         workshop: &WorkshopWish,
         progress: &dyn Progress,
-    ) -> Result<Handout, Refusal> {
+    ) -> Result<Handout, RefusedRequest> {
         let (part, extension) = what.rsplit_once('.').unwrap_or((what, ""));
         let bytes = match (part, extension) {
             ("mesh", _) => self.mesh(what)?,
             ("report", "html") => self.html(progress)?,
             ("report", "json") => {
                 let json = self.made.report.to_json();
-                json.map_err(Refusal::internal)?.into_bytes()
+                json.map_err(RefusedRequest::internal)?.into_bytes()
             }
             ("picture", "png") => {
                 self.painted(|map, options| draw_map(&self.made.mesh, map, options).to_png())
@@ -233,7 +233,7 @@ impl KeptResult {
             }
             ("workshop", "zip") => self.workshop(workshop, progress)?,
             ("job", "toml") => self.wish.text.clone().into_bytes(),
-            _ => return Err(Refusal::gone("there is no such file")),
+            _ => return Err(RefusedRequest::gone("there is no such file")),
         };
         let made = match (part, self.made.report.verdict) {
             ("mesh", Verdict::Invalid) => "invalid",
@@ -244,21 +244,22 @@ impl KeptResult {
         Ok(Handout { name, bytes })
     }
 
-    fn mesh(&self, what: &str) -> Result<Vec<u8>, Refusal> {
-        let format = Format::from_path(Path::new(what)).map_err(Refusal::unusable)?;
+    fn mesh(&self, what: &str) -> Result<Vec<u8>, RefusedRequest> {
+        let format = Format::from_path(Path::new(what)).map_err(RefusedRequest::unusable)?;
         let mut bytes = Vec::new();
-        write_soup_to(&mut bytes, &self.made.mesh.to_soup(), format).map_err(Refusal::unusable)?;
+        write_soup_to(&mut bytes, &self.made.mesh.to_soup(), format)
+            .map_err(RefusedRequest::unusable)?;
         Ok(bytes)
     }
 
-    fn html(&self, progress: &dyn Progress) -> Result<Vec<u8>, Refusal> {
+    fn html(&self, progress: &dyn Progress) -> Result<Vec<u8>, RefusedRequest> {
         let (curves, no_curves) = match conjugate_curves(&self.made.facets, progress) {
             Ok(curves) => (curves, None),
             Err(reason) => (Vec::new(), Some(reason)),
         };
         let title = format!("{}-phex.obj", self.wish.stem);
         let report = self.report(&title, &curves, no_curves.as_deref());
-        let html = page(&report, Viewer::embedded()).map_err(Refusal::internal)?;
+        let html = page(&report, Viewer::embedded()).map_err(RefusedRequest::internal)?;
         Ok(html.into_bytes())
     }
 
@@ -274,21 +275,25 @@ impl KeptResult {
         map.map_or_else(Vec::new, |map| draw(&map, &PictureOptions::default()))
     }
 
-    fn workshop(&self, wish: &WorkshopWish, progress: &dyn Progress) -> Result<Vec<u8>, Refusal> {
+    fn workshop(
+        &self,
+        wish: &WorkshopWish,
+        progress: &dyn Progress,
+    ) -> Result<Vec<u8>, RefusedRequest> {
         let mesh = self.made.mesh.clone();
         let options = self.fab_options(wish)?;
         let ids = PanelIds::new(&mesh);
         let valid = valid_mesh(mesh, &ids, &options.validity).map_err(unfit)?;
         let fabrication = fabricate(valid, ids, options, progress).map_err(unfit)?;
         let files = files(&fabrication).map_err(unfit)?;
-        zipped(&self.wish.stem, &files).map_err(Refusal::internal)
+        zipped(&self.wish.stem, &files).map_err(RefusedRequest::internal)
     }
 
-    fn fab_options(&self, wish: &WorkshopWish) -> Result<FabOptions, Refusal> {
+    fn fab_options(&self, wish: &WorkshopWish) -> Result<FabOptions, RefusedRequest> {
         let (unit, size) = (self.made.limits.unit, diagonal(&self.made.mesh));
         let quantity = |name: &str, text: &Option<String>| {
             let parsed = text.as_deref().map(str::parse::<Quantity>).transpose();
-            let parsed = parsed.map_err(|e| Refusal::unusable(format!("{name}: {e}")))?;
+            let parsed = parsed.map_err(|e| RefusedRequest::unusable(format!("{name}: {e}")))?;
             Ok(parsed.map(|q| q.length(unit, size)))
         };
         let mut options = FabOptions {
@@ -296,7 +301,7 @@ impl KeptResult {
             side: wish.side.unwrap_or_default(),
             ..FabOptions::default()
         };
-        let missing = || Refusal::unusable("thickness: a length is needed, 50mm, say");
+        let missing = || RefusedRequest::unusable("thickness: a length is needed, 50mm, say");
         options.thickness = quantity("thickness", &wish.thickness)?.ok_or_else(missing)?;
         options.gap = quantity("gap", &wish.gap)?.unwrap_or(0.0);
         if let Some(sheet) = &wish.sheet {
@@ -304,8 +309,9 @@ impl KeptResult {
                 let side = |text: &str| text.trim().parse::<f64>().ok();
                 Some([side(a)?, side(b)?])
             });
-            let [a, b] =
-                sides.ok_or_else(|| Refusal::unusable("sheet: write 1250x2500, in millimetres"))?;
+            let [a, b] = sides.ok_or_else(|| {
+                RefusedRequest::unusable("sheet: write 1250x2500, in millimetres")
+            })?;
             options.sheet_mm = [a.max(b), a.min(b)];
         }
         let planarity = self.made.limits.planarity;
@@ -316,8 +322,8 @@ impl KeptResult {
 }
 
 /// What the workshop refuses, with the panels' names.
-fn unfit(error: FabError) -> Refusal {
-    Refusal::unusable(phex_job::chain(&error))
+fn unfit(error: FabError) -> RefusedRequest {
+    RefusedRequest::unusable(phex_job::chain(&error))
 }
 
 /// A folder as one file.

@@ -1,7 +1,7 @@
 //! One run at a time, on a thread; a newer one cancels the older.
 
 use crate::frames::frame;
-use crate::results::{KeptResult, Results};
+use crate::results::{Results, RunResult};
 use crate::wish::GrantedWish;
 use axum::body::Bytes;
 use phex::{Event, Progress};
@@ -67,7 +67,7 @@ impl Runs {
     }
 
     /// A result, by the number of its run.
-    pub fn result(&self, number: u64) -> Option<Arc<KeptResult>> {
+    pub fn result(&self, number: u64) -> Option<Arc<RunResult>> {
         locked(&self.results).find(number)
     }
 
@@ -93,7 +93,7 @@ impl Runs {
         let (told, hears) = mpsc::channel(WAITING);
         let (ends, end) = mpsc::channel(1);
         let number = self.begun.fetch_add(1, Ordering::SeqCst) + 1;
-        let run = Run {
+        let run = OngoingRun {
             number,
             stopped: stopped.clone(),
             told,
@@ -120,8 +120,8 @@ impl Runs {
         }
     }
 
-    fn last_frame(&self, run: &Run, wish: GrantedWish) -> Bytes {
-        run.tell(&Told::Begun {
+    fn last_frame(&self, run: &OngoingRun, wish: GrantedWish) -> Bytes {
+        run.tell(&RunNews::Begun {
             run: run.number,
             job: &wish.text,
             command: &wish.command,
@@ -132,15 +132,15 @@ impl Runs {
             Err(JobError::Internal(cause.to_owned()))
         });
         made.unwrap_or_else(|error| match error {
-            JobError::Cancelled => frame(&Told::Cancelled { run: run.number }),
-            error => frame(&Told::Failed {
+            JobError::Cancelled => frame(&RunNews::Cancelled { run: run.number }),
+            error => frame(&RunNews::Failed {
                 run: run.number,
                 message: &error.to_string(),
             }),
         })
     }
 
-    fn computed(&self, run: &Run, wish: GrantedWish) -> Result<Bytes, JobError> {
+    fn computed(&self, run: &OngoingRun, wish: GrantedWish) -> Result<Bytes, JobError> {
         if run.is_cancelled() {
             return Err(JobError::Cancelled);
         }
@@ -152,7 +152,7 @@ impl Runs {
             return Err(JobError::Cancelled);
         }
         let seconds = run.begun.elapsed().as_secs_f64();
-        let kept = KeptResult::new(run.number, made, wish);
+        let kept = RunResult::new(run.number, made, wish);
         let told = kept.told(seconds);
         locked(&self.results).add(kept);
         Ok(told)
@@ -160,7 +160,7 @@ impl Runs {
 }
 
 /// The first lattice, which is neither planar nor judged.
-fn laid_out(run: &Run, wish: &GrantedWish) -> Result<Bytes, JobError> {
+fn laid_out(run: &OngoingRun, wish: &GrantedWish) -> Result<Bytes, JobError> {
     let lattice = phex_job::lay_out(&wish.job, run)?;
     if run.is_cancelled() {
         return Err(JobError::Cancelled);
@@ -185,7 +185,7 @@ impl Drop for OpenRun {
 }
 
 /// A run on its way.
-struct Run {
+struct OngoingRun {
     number: u64,
     stopped: Arc<AtomicBool>,
     told: mpsc::Sender<Bytes>,
@@ -197,7 +197,7 @@ struct Run {
 /// What the page is told of a run on its way.
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
-enum Told<'a> {
+enum RunNews<'a> {
     /// It has a number, and can be repeated so.
     Begun {
         run: u64,
@@ -223,9 +223,9 @@ enum Told<'a> {
     Failed { run: u64, message: &'a str },
 }
 
-impl Run {
+impl OngoingRun {
     /// Tells the page, unless it is so slow that it does not want to know.
-    fn tell(&self, told: &Told<'_>) {
+    fn tell(&self, told: &RunNews<'_>) {
         self.send(|| frame(told));
     }
 
@@ -236,7 +236,7 @@ impl Run {
     }
 
     fn mesh(&self, stage: &'static str, soup: &PolygonSoup) -> Bytes {
-        frame(&Told::Mesh {
+        frame(&RunNews::Mesh {
             run: self.number,
             stage,
             seconds: self.begun.elapsed().as_secs_f64(),
@@ -245,7 +245,7 @@ impl Run {
     }
 }
 
-impl Progress for Run {
+impl Progress for OngoingRun {
     fn report(&self, event: &Event) {
         let Some(whole) = locked(&self.whole).take(event, None) else {
             return;
@@ -257,7 +257,7 @@ impl Progress for Run {
             | Event::Counted { stage, .. } => stage,
             Event::Note { .. } => return,
         };
-        self.tell(&Told::Progress {
+        self.tell(&RunNews::Progress {
             run: self.number,
             stage,
             whole,

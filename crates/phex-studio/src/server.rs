@@ -4,8 +4,8 @@ use crate::guard::{OwnNames, guard};
 use crate::page;
 use crate::results::WorkshopWish;
 use crate::runs::{Runs, locked};
-use crate::surfaces::{DroppedSurface, Surfaces, samples};
-use crate::upload::{MOST_BYTES, MOST_OF_A_REQUEST, Refusal, whole};
+use crate::surfaces::{DroppedSurface, DroppedSurfaces, samples};
+use crate::upload::{MOST_BYTES, MOST_OF_A_REQUEST, RefusedRequest, whole};
 use crate::wish::{Wish, settings};
 use axum::Router;
 use axum::body::{Body, Bytes};
@@ -93,7 +93,7 @@ pub fn serve(
 /// What the answers share.
 struct Studio {
     runs: Arc<Runs>,
-    surfaces: Mutex<Surfaces>,
+    surfaces: Mutex<DroppedSurfaces>,
 }
 
 impl Studio {
@@ -156,7 +156,7 @@ async fn drop_surface(
     State(studio): State<Arc<Studio>>,
     Query(origin): Query<Origin>,
     body: Body,
-) -> Result<Bytes, Refusal> {
+) -> Result<Bytes, RefusedRequest> {
     let bytes = whole(body, MOST_BYTES).await?;
     let read = move || match origin.sample {
         Some(sample) => DroppedSurface::sample(&sample),
@@ -164,39 +164,39 @@ async fn drop_surface(
     };
     let read = tokio::task::spawn_blocking(read).await;
     let surface = read
-        .map_err(Refusal::internal)?
-        .map_err(Refusal::unusable)?;
+        .map_err(RefusedRequest::internal)?
+        .map_err(RefusedRequest::unusable)?;
     Ok(locked(&studio.surfaces).add(surface).told.clone())
 }
 
 async fn surface(
     State(studio): State<Arc<Studio>>,
     Path(id): Path<String>,
-) -> Result<Bytes, Refusal> {
+) -> Result<Bytes, RefusedRequest> {
     let surface = locked(&studio.surfaces).find(&id);
     Ok(surface.ok_or_else(no_surface)?.told.clone())
 }
 
-fn no_surface() -> Refusal {
-    Refusal::gone("the surface is not there any more: drop it again")
+fn no_surface() -> RefusedRequest {
+    RefusedRequest::gone("the surface is not there any more: drop it again")
 }
 
 /// What a job file sets, as JSON.
-async fn read_job(body: Body) -> Result<axum::Json<Value>, Refusal> {
+async fn read_job(body: Body) -> Result<axum::Json<Value>, RefusedRequest> {
     let text = String::from_utf8(whole(body, MOST_OF_A_REQUEST).await?);
-    let text = text.map_err(|_| Refusal::unusable("the job file is no text"))?;
-    let _: MeshSettings = settings(&text).map_err(Refusal::unusable)?;
-    let table: toml::Table = text.parse().map_err(Refusal::unusable)?;
-    let value = serde_json::to_value(table).map_err(Refusal::unusable)?;
+    let text = text.map_err(|_| RefusedRequest::unusable("the job file is no text"))?;
+    let _: MeshSettings = settings(&text).map_err(RefusedRequest::unusable)?;
+    let table: toml::Table = text.parse().map_err(RefusedRequest::unusable)?;
+    let value = serde_json::to_value(table).map_err(RefusedRequest::unusable)?;
     Ok(axum::Json(value))
 }
 
-async fn run(State(studio): State<Arc<Studio>>, body: Body) -> Result<Body, Refusal> {
+async fn run(State(studio): State<Arc<Studio>>, body: Body) -> Result<Body, RefusedRequest> {
     let bytes = whole(body, MOST_OF_A_REQUEST).await?;
-    let wish: Wish = serde_json::from_slice(&bytes).map_err(Refusal::unusable)?;
+    let wish: Wish = serde_json::from_slice(&bytes).map_err(RefusedRequest::unusable)?;
     let surface = locked(&studio.surfaces).find(&wish.surface);
     let surface = surface.ok_or_else(no_surface)?;
-    let granted = wish.grant(&surface).map_err(Refusal::unusable)?;
+    let granted = wish.grant(&surface).map_err(RefusedRequest::unusable)?;
     Ok(Body::from_stream(studio.runs.begin(granted)))
 }
 
@@ -204,9 +204,9 @@ async fn result(
     State(studio): State<Arc<Studio>>,
     Path((run, file)): Path<(u64, String)>,
     Query(workshop): Query<WorkshopWish>,
-) -> Result<Response, Refusal> {
+) -> Result<Response, RefusedRequest> {
     let kept = studio.runs.result(run);
-    let gone = || Refusal::gone("this result is not kept any more: run it again");
+    let gone = || RefusedRequest::gone("this result is not kept any more: run it again");
     let kept = kept.ok_or_else(gone)?;
     let waits = Waits::default();
     let progress = waits.clone();
@@ -217,12 +217,12 @@ async fn result(
     };
     let made = tokio::task::spawn_blocking(make).await;
     drop(waits);
-    let handout = made.map_err(Refusal::internal)??;
+    let handout = made.map_err(RefusedRequest::internal)??;
     let mut response = as_type("application/octet-stream", handout.bytes);
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let name = handout.name.replace(|c| !plain(c), "_");
     let value = HeaderValue::from_str(&format!("attachment; filename=\"{name}\""));
-    let value = value.map_err(Refusal::internal)?;
+    let value = value.map_err(RefusedRequest::internal)?;
     (response.headers_mut()).insert(header::CONTENT_DISPOSITION, value);
     Ok(response)
 }

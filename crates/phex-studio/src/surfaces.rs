@@ -1,4 +1,4 @@
-//! Surfaces that were dropped.
+//! DroppedSurfaces that were dropped.
 
 use crate::frames::frame;
 use axum::body::Bytes;
@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Surfaces that are kept; what was not used for longest goes first.
+/// DroppedSurfaces that are kept; what was not used for longest goes first.
 const KEPT: usize = 3;
 /// Characters of a file's name that are kept.
 const LONGEST_NAME: usize = 100;
@@ -34,7 +34,7 @@ pub struct DroppedSurface {
 
 /// What the page is told of a surface.
 #[derive(Serialize)]
-struct Told<'a> {
+struct ToldSurface<'a> {
     id: &'a str,
     name: &'a str,
     info: &'a FileInfo,
@@ -66,7 +66,7 @@ impl DroppedSurface {
         let id = file.record.sha256[..16].to_owned();
         let origin = middle(&info);
         let parts = file.surfaces();
-        let told = Told {
+        let told = ToldSurface {
             id: &id,
             name: &name,
             info: &info,
@@ -163,9 +163,9 @@ impl Broken {
 
 /// The surfaces that were dropped last.
 #[derive(Default)]
-pub struct Surfaces(VecDeque<Arc<DroppedSurface>>);
+pub struct DroppedSurfaces(VecDeque<Arc<DroppedSurface>>);
 
-impl Surfaces {
+impl DroppedSurfaces {
     /// Keeps a surface; one with the same bytes keeps what was computed.
     pub fn add(&mut self, surface: DroppedSurface) -> Arc<DroppedSurface> {
         if let Some(same) = self.find(&surface.id).filter(|s| s.name == surface.name) {

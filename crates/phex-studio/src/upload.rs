@@ -15,12 +15,12 @@ pub const MOST_OF_A_REQUEST: usize = 4 << 20;
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Why a request has no answer.
-pub struct Refusal {
+pub struct RefusedRequest {
     status: StatusCode,
     message: String,
 }
 
-impl Refusal {
+impl RefusedRequest {
     /// A file or value that can't be used, in the words of its reader.
     pub fn unusable(message: impl std::fmt::Display) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, message)
@@ -42,7 +42,7 @@ impl Refusal {
     }
 }
 
-impl IntoResponse for Refusal {
+impl IntoResponse for RefusedRequest {
     fn into_response(self) -> Response {
         let message = json!({ "message": self.message });
         (self.status, axum::Json(message)).into_response()
@@ -53,17 +53,17 @@ impl IntoResponse for Refusal {
 ///
 /// # Errors
 /// If there are more than `most`, the sender is silent for long, or goes away.
-pub async fn whole(body: Body, most: usize) -> Result<Vec<u8>, Refusal> {
+pub async fn whole(body: Body, most: usize) -> Result<Vec<u8>, RefusedRequest> {
     let stream = body.into_data_stream().timeout(PATIENCE);
     tokio::pin!(stream);
     let mut bytes = Vec::new();
     while let Some(part) = stream.next().await {
         let silent = |_| {
             let message = "the sender was silent for 20 seconds";
-            Refusal::new(StatusCode::REQUEST_TIMEOUT, message)
+            RefusedRequest::new(StatusCode::REQUEST_TIMEOUT, message)
         };
         let broken = |e| {
-            Refusal::new(
+            RefusedRequest::new(
                 StatusCode::BAD_REQUEST,
                 format!("the upload broke off: {e}"),
             )
@@ -71,7 +71,7 @@ pub async fn whole(body: Body, most: usize) -> Result<Vec<u8>, Refusal> {
         let part = part.map_err(silent)?.map_err(broken)?;
         if bytes.len() + part.len() > most {
             let message = format!("more than {} MB are not taken", most >> 20);
-            return Err(Refusal::new(StatusCode::PAYLOAD_TOO_LARGE, message));
+            return Err(RefusedRequest::new(StatusCode::PAYLOAD_TOO_LARGE, message));
         }
         bytes.extend_from_slice(&part);
     }
