@@ -207,6 +207,42 @@ export const GROUPS: Group[] = [
     ],
   },
   {
+    title: "For some methods",
+    closed: true,
+    settings: [
+      {
+        path: "any-domain",
+        label: "Anywhere",
+        sentence: "Use the method where it is not made for the surface, to see what becomes of it.",
+        fallback: "off",
+        toggle: true,
+      },
+      {
+        path: "minimal",
+        label: "Minimal",
+        sentence: "Give all panels the mean curvature 0, for minimal surfaces; for Koebe meshes.",
+        fallback: "off",
+        toggle: true,
+      },
+      {
+        path: "regularise",
+        label: "Hold back",
+        sentence: "Hold back corners where tangent planes meet badly, 0.05 to 0.5; for tangent planes.",
+        fallback: "off",
+      },
+      {
+        path: "steering.solver",
+        label: "Solver",
+        sentence: "How panels are made planar: with a barrier that keeps them simple, or as in the paper, for comparison.",
+        fallback: "barrier",
+        choices: [
+          ["barrier", "Barrier"],
+          ["tetrahedra", "Tetrahedra"],
+        ],
+      },
+    ],
+  },
+  {
     title: "Dials",
     closed: true,
     settings: [
@@ -227,6 +263,12 @@ export const GROUPS: Group[] = [
         sentence: "Keeps corners of the boundary in a level plane: lowest, or a height.",
         fallback: "none",
         text: true,
+      },
+      {
+        path: "steering.ground-reach",
+        label: "Reach of it",
+        sentence: "How far from the ground corners of the boundary may lie to be put in it, mean edges.",
+        fallback: "0.5",
       },
       {
         path: "guides.crease",
