@@ -78,9 +78,8 @@ impl Runs {
         }
     }
 
-    /// Does something in the threads of the runs, while no run computes.
-    pub fn between<T: Send>(&self, act: impl FnOnce() -> T + Send) -> T {
-        let _turn = locked(&self.turn);
+    /// Does something in the threads of the runs, beside the run that computes.
+    pub fn beside<T: Send>(&self, act: impl FnOnce() -> T + Send) -> T {
         self.pool.install(act)
     }
 
@@ -126,7 +125,10 @@ impl Runs {
             job: &wish.text,
             command: &wish.command,
         });
-        let compute = || self.between(|| self.computed(run, wish));
+        let compute = || {
+            let _turn = locked(&self.turn);
+            self.pool.install(|| self.computed(run, wish))
+        };
         let made = catch_unwind(AssertUnwindSafe(compute)).unwrap_or_else(|_| {
             let cause = "the computation has panicked, which is a bug of phex";
             Err(JobError::Internal(cause.to_owned()))

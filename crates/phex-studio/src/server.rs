@@ -28,8 +28,9 @@ use tokio::net::TcpListener;
 const GLANCE: Duration = Duration::from_millis(50);
 /// How long answers on their way may take then.
 const FAREWELL: Duration = Duration::from_millis(300);
-/// Threads that answer requests; computations have their own.
+/// Threads that answer requests, and threads that read files and write them; runs have their own.
 const ANSWERING: usize = 2;
+const READING: usize = 4;
 
 /// How the studio is started.
 #[derive(Clone, Debug, Default)]
@@ -62,6 +63,7 @@ pub fn serve(
     }
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(ANSWERING)
+        .max_blocking_threads(READING)
         .enable_all()
         .build()
         .map_err(|e| cannot(&e))?;

@@ -7,6 +7,9 @@ export interface Wanted {
   job: Job;
 }
 
+/** Steps that can be undone. */
+const STEPS = 100;
+
 const same = (a: unknown, b: unknown): boolean => JSON.stringify(a) === JSON.stringify(b);
 
 export class State {
@@ -51,6 +54,7 @@ export class State {
   commit(): void {
     if (!same(this.wanted, this.kept)) {
       this.past.push(this.kept);
+      if (this.past.length > STEPS) this.past.shift();
       this.future = [];
       this.kept = structuredClone(this.wanted);
     }
