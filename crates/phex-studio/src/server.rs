@@ -215,7 +215,7 @@ async fn result(
     let make = move || {
         studio
             .runs
-            .between(|| kept.file(&file, &workshop, &progress))
+            .beside(|| kept.file(&file, &workshop, &progress))
     };
     let made = tokio::task::spawn_blocking(make).await;
     drop(waits);
