@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// Each crate with the crates of the workspace that it may depend on.
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 11] = [
     ("phex-mesh", &[]),
     ("phex-numeric", &[]),
     ("phex", &["phex-mesh", "phex-numeric"]),
@@ -13,6 +13,17 @@ const ARROWS: [(&str, &[&str]); 10] = [
     ("phex-job", &["phex-mesh", "phex-numeric", "phex"]),
     (
         "phex-study",
+        &[
+            "phex-mesh",
+            "phex",
+            "phex-job",
+            "phex-picture",
+            "phex-html",
+            "phex-fab",
+        ],
+    ),
+    (
+        "phex-studio",
         &[
             "phex-mesh",
             "phex",
@@ -45,6 +56,7 @@ const ARROWS: [(&str, &[&str]); 10] = [
             "phex-html",
             "phex-fab",
             "phex-study",
+            "phex-studio",
         ],
     ),
 ];

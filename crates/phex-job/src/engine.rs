@@ -9,7 +9,7 @@ use phex::layout::LayoutError;
 use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
 use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
-use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, Session, mesh_surface};
+use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, Session};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
@@ -46,23 +46,11 @@ pub struct Computed {
 /// If the surface can't be used, no panelling exists, or the run is cancelled before there is a
 /// mesh.
 pub fn mesh(
-    surface: &TriangleSurface,
+    surface: &Session,
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<Computed, JobError> {
-    reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
-}
-
-/// As [`mesh`], with what earlier runs on the surface have computed.
-///
-/// # Errors
-/// As [`mesh`].
-pub fn mesh_again(
-    session: &Session,
-    options: &MeshOptions,
-    progress: &dyn Progress,
-) -> Result<Computed, JobError> {
-    reached(session.run(options, progress).map_err(pipeline_failure)?)
+    reached(surface.run(options, progress).map_err(pipeline_failure)?)
 }
 
 /// The panels of a connected surface as they are laid out, neither planar nor checked.
@@ -70,11 +58,11 @@ pub fn mesh_again(
 /// # Errors
 /// If the surface can't be used, no panelling exists, or the run is cancelled.
 pub fn lay_out(
-    surface: &TriangleSurface,
+    surface: &Session,
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<Computed, JobError> {
-    let preview = Session::new(surface.clone()).lay_out(options, progress);
+    let preview = surface.lay_out(options, progress);
     let preview = preview.map_err(pipeline_failure)?;
     Ok(Computed {
         outcome: Value::Null,

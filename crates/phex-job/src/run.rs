@@ -4,20 +4,20 @@ use crate::deadline::{TimeLimit, Timed};
 use crate::engine::{self, Computed};
 use crate::error::JobError;
 use crate::given::Given;
+use crate::hexagon::edge_length;
 use crate::join::{joined_beyond, joined_mesh, joined_start, joined_target};
 use crate::limits::TypedLimits;
-use crate::panel_size::{self, edge_length, shares};
+use crate::panel_size::{self, shares};
 use crate::portfolio::members;
 use crate::settings::{MeshSettings, TypedPanelSize};
 use crate::size_field::SizeField;
-use crate::surface_session::SurfaceSession;
 use crate::wishes::{Wishes, check_near};
 use phex::directions::Cone;
 use phex::optimise::led_elsewhere;
 use phex::pipeline::{AttemptSummary, ClassicalStatistics};
 use phex::quality::References;
 use phex::report::{FeatureSizes, InputFile, RunReport, StageTime};
-use phex::{Event, MeshOptions, Progress};
+use phex::{Event, MeshOptions, Progress, Session};
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -54,14 +54,16 @@ pub struct MeshJob {
     pub time_limit: Option<TimeLimit>,
     /// Where it ends.
     pub until: Option<LastStage>,
-    /// What earlier jobs on the same surface have computed.
-    pub session: Option<Arc<SurfaceSession>>,
+    /// The parts, with what earlier jobs on them have computed: a job with those of an earlier one
+    /// takes less time and gives the same bytes.
+    pub kept: Arc<Vec<Session>>,
 }
 
 impl MeshJob {
     /// A job without an earlier mesh, values in memory or limit of time, to the end.
     pub fn new(parts: SurfaceParts, input: InputFile, settings: MeshSettings) -> Self {
         Self {
+            kept: sessions(&parts),
             parts,
             input,
             settings,
@@ -70,9 +72,14 @@ impl MeshJob {
             keep_best: false,
             time_limit: None,
             until: None,
-            session: None,
         }
     }
+}
+
+/// Sessions of the parts of a surface, in which nothing is computed yet.
+pub fn sessions(parts: &SurfaceParts) -> Arc<Vec<Session>> {
+    let parts = parts.components.iter();
+    Arc::new(parts.map(|c| Session::new(c.surface.clone())).collect())
 }
 
 /// What came of a job; lengths are in model units.
@@ -138,6 +145,22 @@ pub fn run(job: &MeshJob, progress: &dyn Progress) -> Result<JobResult, JobError
     let missed = missed_edge(&task.settings, &mesh, task.facets.diagonal());
     missed.into_iter().for_each(|note| notes.say(note));
     task.judged(mesh, runs, notes.said)
+}
+
+/// Lays out the panels of a job and does no more: neither planar nor judged, they are there in a
+/// fraction of the time of [`run`].
+///
+/// # Errors
+/// As [`run`], and for methods by planes.
+pub fn lay_out(job: &MeshJob, progress: &dyn Progress) -> Result<HexMesh, JobError> {
+    let job = MeshJob {
+        until: Some(LastStage::Layout),
+        ..job.clone()
+    };
+    let timed = Timed::new(progress, job.time_limit, job.keep_best);
+    let task = MeshTask::new(&job, &timed, &mut Notes::new(progress))?;
+    let runs = task.mesh_each().map_err(|error| timed.too_late(error))?;
+    joined_mesh(&runs)
 }
 
 /// Notes on their way to the caller and into the report.
@@ -227,6 +250,7 @@ impl<'a> MeshTask<'a> {
         let steering = self.settings.stages.steering.shared(&surfaces, edge);
         let counts = shares(self.panels, &areas);
         let mesh = |(k, (part, &count)): (usize, (&SurfaceComponent, &u64))| {
+            let surface = &self.job.kept[k];
             let mut options = self.settings.options(count);
             if let TypedPanelSize::EdgeLength(length) = self.settings.size() {
                 let unit = self.settings.unit.unwrap_or_default();
@@ -239,14 +263,8 @@ impl<'a> MeshTask<'a> {
                 options.size_field = Some(field.of(k).to_vec());
             }
             let made = match self.job.until {
-                Some(LastStage::Layout) => engine::lay_out(&part.surface, &options, self.progress),
-                None => {
-                    let kept = self.job.session.as_ref();
-                    match kept.and_then(|kept| kept.of(k, &part.surface)) {
-                        Some(kept) => engine::mesh_again(kept, &options, self.progress),
-                        None => engine::mesh(&part.surface, &options, self.progress),
-                    }
-                }
+                Some(LastStage::Layout) => engine::lay_out(surface, &options, self.progress),
+                None => engine::mesh(surface, &options, self.progress),
             };
             self.unless_interrupted(made?)
         };

@@ -104,14 +104,16 @@ pub fn mesh(
         Some(kept) => kept.parts.clone(),
         None => file.surfaces()?,
     };
+    let new = MeshJob::new(parts, file.record.clone(), settings);
+    let kept = inputs.session.as_ref().map(|kept| kept.sessions.clone());
     let job = MeshJob {
         given,
         start: start.map(|(mesh, _)| mesh),
         keep_best: request.keep_best,
         until: request.until,
         time_limit: length.and_then(TimeLimit::from_now),
-        session: inputs.session.as_ref().map(|kept| kept.session.clone()),
-        ..MeshJob::new(parts, file.record.clone(), settings)
+        kept: kept.unwrap_or_else(|| new.kept.clone()),
+        ..new
     };
     let made = phex_job::run(&job, progress)?;
     answer(KeptResult {

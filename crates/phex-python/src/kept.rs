@@ -2,8 +2,9 @@
 
 use crate::arrays::{self, GivenArrays};
 use crate::errors::raised;
+use phex::Session;
 use phex::report::RunReport;
-use phex_job::SurfaceSession;
+use phex_job::sessions;
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceParts, TriangleSurface};
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -45,7 +46,7 @@ pub struct KeptSurface {
     /// Its connected parts.
     pub parts: SurfaceParts,
     /// What was computed.
-    pub session: Arc<SurfaceSession>,
+    pub sessions: Arc<Vec<Session>>,
 }
 
 #[pymethods]
@@ -55,7 +56,9 @@ impl KeptSurface {
     fn new(mesh: GivenArrays<'_>) -> PyResult<Self> {
         let parts = arrays::mesh_file(&mesh).and_then(|file| file.surfaces());
         let parts = parts.map_err(raised)?;
-        let session = Arc::new(SurfaceSession::new(&parts));
-        Ok(Self { parts, session })
+        Ok(Self {
+            sessions: sessions(&parts),
+            parts,
+        })
     }
 }

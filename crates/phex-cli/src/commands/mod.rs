@@ -17,6 +17,8 @@ mod power_diagram;
 mod render;
 mod report;
 mod shape;
+#[cfg(feature = "studio")]
+mod studio;
 mod subdivide;
 mod sweep;
 mod terms;
@@ -50,6 +52,8 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::PowerDiagram(command) => power_diagram::run(&command),
         Command::Dupin(command) => dupin::run(&command),
         Command::Sweep(command) => sweep::run(&command),
+        #[cfg(feature = "studio")]
+        Command::Studio(command) => studio::run(&command),
         Command::Terms(command) => terms::run(&command),
     }
 }
