@@ -124,19 +124,25 @@ impl Computation {
     }
 }
 
+/// What a computation works on beside its request: meshes, a size of panels for each vertex, and
+/// what an earlier computation kept of its result or of its surface.
+type GivenParts<'py> = (
+    Vec<GivenArrays<'py>>,
+    Option<PyReadonlyArray1<'py, f64>>,
+    Option<Py<Kept>>,
+    Option<Py<KeptSurface>>,
+);
+
 /// Begins a computation.
 #[pyfunction]
-#[pyo3(signature = (what, request, meshes, sizes=None, kept=None, threads=None, preview=false, session=None))]
 pub fn start(
     what: &str,
     request: &str,
-    meshes: Vec<GivenArrays<'_>>,
-    sizes: Option<PyReadonlyArray1<'_, f64>>,
-    kept: Option<Py<Kept>>,
+    given: GivenParts<'_>,
     threads: Option<u16>,
     preview: bool,
-    session: Option<Py<KeptSurface>>,
 ) -> PyResult<Computation> {
+    let (meshes, sizes, kept, session) = given;
     let files: Result<_, _> = meshes.iter().map(arrays::mesh_file).collect();
     let inputs = Inputs {
         files: files.map_err(raised)?,

@@ -60,7 +60,7 @@ pub fn offset(
                 safe_distances(&mesh, &image, &options)
             })
         })?;
-        layers.push(moved.into());
+        layers.push(moved);
     }
     let soups = layers.iter().map(HexMesh::to_soup).collect();
     let mut answer = vec![("layers", AnswerPart::Meshes(soups))];

@@ -30,10 +30,9 @@ class Computation:
 def start(
     what: str,
     request: str,
-    meshes: list[_Given],
-    sizes: Optional[NDArray[np.float64]] = None,
-    kept: Optional[Kept] = None,
-    threads: Optional[int] = None,
-    preview: bool = False,
-    session: Optional[KeptSurface] = None,
+    given: tuple[
+        list[_Given], Optional[NDArray[np.float64]], Optional[Kept], Optional[KeptSurface]
+    ],
+    threads: Optional[int],
+    preview: bool,
 ) -> Computation: ...

@@ -239,8 +239,8 @@ impl OptimiseOptions {
     /// Where a row of panels runs along an asymptotic direction, panels that are inscribed in the
     /// indicatrix have an edge without length, which a barrier of fixed reach never allows: its
     /// reach shrinks as `L^(1/2)`. Panels of the whole sequence stay simple, but have ever less
-    /// clearance there: for studies of the limit, not for building. Areas, room and corners are left
-    /// free, since what holds them tilts planes as fairness does.
+    /// clearance there: for studies of the limit, not for building. Areas, room and corners are
+    /// left free, since what holds them tilts planes as fairness does.
     pub fn refined(mut self, factor: f64) -> Self {
         let dials = Dials {
             closeness: factor * factor,
