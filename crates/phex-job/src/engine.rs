@@ -6,7 +6,9 @@ use phex::directions::Cone;
 use phex::directions::NetworkError;
 use phex::layout::DualityError;
 use phex::layout::LayoutError;
-use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
+use phex::optimise::{
+    self, OptimiseError, OptimiseOptions, START_CLOSENESS, Steering, SurfaceTarget, Target,
+};
 use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
 use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, Session};
@@ -128,6 +130,9 @@ pub struct Planarization {
     pub steering: Steering,
     /// Whether a mesh that is planar is optimised too.
     pub refit: bool,
+    /// Whether the surface consists of the mesh's own facets: then vertices are held near to where
+    /// they are besides.
+    pub is_own: bool,
 }
 
 /// Makes the faces of a mesh planar, close to a surface or to where they are.
@@ -148,7 +153,11 @@ pub fn planarize(
     } else {
         optimise::steer
     };
-    let run = steer(mesh, target, &how.steering, &how.options, progress);
+    let mut options = how.options.clone();
+    if how.is_own {
+        options.anchor = options.anchor.max(START_CLOSENESS);
+    }
+    let run = steer(mesh, target, &how.steering, &options, progress);
     let run = run.map_err(|e| JobError::unusable(&e))?;
     let seconds = start.elapsed().as_secs_f64();
     Ok(Computed {

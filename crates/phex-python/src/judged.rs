@@ -233,10 +233,11 @@ pub fn planarized(
         options,
         steering,
         refit: request.refit || typed.has_dials(),
+        is_own: surface.is_none(),
     };
-    let reached = phex_job::planarize(&start, surface.as_ref(), &how, progress)?;
     let own = || Some(inputs.first().ok()?.surfaces().ok()?.whole());
     let facets = surface.or_else(own);
+    let reached = phex_job::planarize(&start, facets.as_ref(), &how, progress)?;
     let mut report = judged(
         "planarize",
         &reached.mesh,

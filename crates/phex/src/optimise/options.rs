@@ -221,7 +221,7 @@ pub(super) const PROJECTION_ITERATIONS: usize = 12;
 /// Weight of the anchor, at least, where there is no surface and the mesh stands for itself: at
 /// 1e-4 vertices slide by an edge and more, at 0.1 by half an edge at the most; from 1 on panels
 /// keep off their old planes.
-pub(super) const START_CLOSENESS: f64 = 0.1;
+pub const START_CLOSENESS: f64 = 0.1;
 /// Iterations of Newton's method on the constraints for a mesh that is kept close to itself and
 /// minimised as a whole, and for tight panels of a finished mesh.
 pub(super) const NEWTON_ITERATIONS: usize = 6;
