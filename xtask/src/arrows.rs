@@ -3,9 +3,10 @@
 use std::path::Path;
 
 /// Each crate with the crates of the workspace that it may depend on.
-const ARROWS: [(&str, &[&str]); 11] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("phex-mesh", &[]),
     ("phex-numeric", &[]),
+    ("phex-fuzz", &[]),
     ("phex", &["phex-mesh", "phex-numeric"]),
     ("phex-picture", &["phex-mesh", "phex"]),
     ("phex-html", &["phex-mesh", "phex", "phex-picture"]),

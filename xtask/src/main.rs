@@ -1,6 +1,7 @@
 //! Tasks of the project: `cargo xtask check` runs everything that continuous integration runs.
 
 mod arrows;
+mod attacks;
 mod circles;
 mod comments;
 mod figures;
@@ -20,6 +21,7 @@ use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] | foreign | python | wheel
                         | viewer | browse | figures [NUMBER...] | obj STEP...
+                        | fuzz [--minutes N] | hostile | faults
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
@@ -32,6 +34,9 @@ ledger  makes the rows of docs/ledger.md (surfaces at set sizes) and says what i
         with --compare the file stays; with rows' names the others stay; --quick: the rows of check; --program PATH: another phex;
         --models FOLDER: models that are not in the repository (default ../shared/models)
 performance measures what runs cost, and writes docs/performance.md
+fuzz    random inputs for every reader and for what is made of meshes; 1 minute without a number
+hostile all hostile surfaces through `phex mesh`; in the tests there are some of them
+faults  kills, full discs and vanished files in all commands that write, 500 times; PHEX_FAULTS: so many times
 figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces; with numbers only those
 obj     cuts and joins OBJ files, as the gallery's commands need it";
 
@@ -62,7 +67,7 @@ impl From<String> for Stop {
     }
 }
 
-const CHECK: [Step; 16] = [
+const CHECK: [Step; 17] = [
     Step {
         name: "formatting",
         run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
@@ -114,6 +119,10 @@ const CHECK: [Step; 16] = [
         run: |root| Ok(cargo(root, &["test", "--workspace"])?),
     },
     Step {
+        name: "a minute of random inputs",
+        run: |root| Ok(attacks::fuzz(root, 1.0)?),
+    },
+    Step {
         name: "no row of the ledger is worse",
         run: |root| Ok(ledger::check(root)?),
     },
@@ -152,6 +161,11 @@ fn main() -> ExitCode {
         ["performance", ref words @ ..] => {
             exit(performance::performance(&root(), words).map_err(Stop::from))
         }
+        ["fuzz", ref words @ ..] => {
+            exit(attacks::fuzz_as_typed(&root(), words).map_err(Stop::from))
+        }
+        ["hostile"] => exit(attacks::hostile(&root()).map_err(Stop::from)),
+        ["faults"] => exit(attacks::faults(&root()).map_err(Stop::from)),
         ["obj", ref step @ ..] => exit(figures::steps::run(&root(), step).map_err(Stop::from)),
         ["figures", ref only @ ..] => exit(figures::figures(&root(), only).map_err(Stop::from)),
         _ => {

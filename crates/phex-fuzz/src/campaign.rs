@@ -26,8 +26,15 @@ pub struct Figures {
 
 impl fmt::Display for Figures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { inputs, taken, worst_ratio } = self;
-        write!(f, "{inputs} inputs, {taken} taken, at most {worst_ratio:.1} bytes a byte")
+        let Self {
+            inputs,
+            taken,
+            worst_ratio,
+        } = self;
+        write!(
+            f,
+            "{inputs} inputs, {taken} taken, at most {worst_ratio:.1} bytes a byte"
+        )
     }
 }
 
@@ -42,7 +49,9 @@ pub struct Tried {
 
 /// Seconds that a target has: those of the variable `PHEX_FUZZ_SECONDS`, else one.
 fn time() -> Duration {
-    let typed = std::env::var("PHEX_FUZZ_SECONDS").ok().and_then(|t| t.parse().ok());
+    let typed = std::env::var("PHEX_FUZZ_SECONDS")
+        .ok()
+        .and_then(|t| t.parse().ok());
     Duration::from_secs_f64(typed.unwrap_or(1.0))
 }
 
@@ -52,7 +61,9 @@ fn time() -> Duration {
 /// # Panics
 /// If the target panics, or finds something wrong.
 pub fn campaign(target: impl Fn(&mut Unstructured) -> Result<Tried, String>) -> Figures {
-    let typed = std::env::var("PHEX_FUZZ_SEED").ok().and_then(|t| t.parse().ok());
+    let typed = std::env::var("PHEX_FUZZ_SEED")
+        .ok()
+        .and_then(|t| t.parse().ok());
     let (first, end) = (typed.unwrap_or(0u64), Instant::now() + time());
     let figures = Cell::new(Figures::default());
     let one = |random: Vec<u8>| {
@@ -75,7 +86,11 @@ fn runner(first: u64, round: u64) -> TestRunner {
     let mut seed = [0; 32];
     seed[..8].copy_from_slice(&first.to_le_bytes());
     seed[8..16].copy_from_slice(&round.to_le_bytes());
-    let config = Config { cases: BATCH, failure_persistence: None, ..Config::default() };
+    let config = Config {
+        cases: BATCH,
+        failure_persistence: None,
+        ..Config::default()
+    };
     TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &seed))
 }
 
@@ -95,8 +110,17 @@ mod tests {
 
     #[test]
     fn inputs_are_counted() {
-        let figures = campaign(|u| Ok(Tried { taken: u.arbitrary().unwrap_or(false), ratio: 2.0 }));
-        assert!(figures.inputs >= u64::from(BATCH) && figures.taken > 0 && figures.taken < figures.inputs);
+        let figures = campaign(|u| {
+            Ok(Tried {
+                taken: u.arbitrary().unwrap_or(false),
+                ratio: 2.0,
+            })
+        });
+        assert!(
+            figures.inputs >= u64::from(BATCH)
+                && figures.taken > 0
+                && figures.taken < figures.inputs
+        );
         assert_eq!(figures.worst_ratio, 2.0);
     }
 

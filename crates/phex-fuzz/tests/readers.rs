@@ -70,7 +70,8 @@ fn meshes(format: Format, words: &[&str]) {
 /// Corners that exist, coordinates that are finite, and the same mesh again after writing it.
 fn check_soup(soup: &PolygonSoup, format: Format) -> Result<(), String> {
     let finite = soup.positions.iter().flatten().all(|x| x.is_finite());
-    let exist = |f: &Vec<u32>| f.len() > 2 && f.iter().all(|&v| (v as usize) < soup.positions.len());
+    let exist =
+        |f: &Vec<u32>| f.len() > 2 && f.iter().all(|&v| (v as usize) < soup.positions.len());
     if !finite || !soup.faces.iter().all(exist) {
         return Err("not finite, or a corner that does not exist".to_owned());
     }
@@ -84,7 +85,8 @@ fn check_soup(soup: &PolygonSoup, format: Format) -> Result<(), String> {
         s.positions.iter().flatten().map(|x| x.to_bits()).collect()
     };
     let same = bits(&again) == bits(soup) && again.faces == soup.faces;
-    same.then_some(()).ok_or_else(|| "written and read it is another".to_owned())
+    same.then_some(())
+        .ok_or_else(|| "written and read it is another".to_owned())
 }
 
 /// Everything that commands do with a file before they compute.
@@ -100,24 +102,41 @@ fn read_as_job(file: &[u8], format: Format) -> Result<(), String> {
         }
     }
     let _ = FileInfo::new(&read);
-    let _ = read.polygon_mesh().map(|(mesh, _): (HexMesh, usize)| mesh.mean_edge());
+    let _ = read
+        .polygon_mesh()
+        .map(|(mesh, _): (HexMesh, usize)| mesh.mean_edge());
     Ok(())
 }
 
 #[test]
 fn obj() {
-    meshes(Format::Obj, &["v", "f", "vn", "l", "1/2/3", "f 1 2 3", "v 1 2 3\n"]);
+    meshes(
+        Format::Obj,
+        &["v", "f", "vn", "l", "1/2/3", "f 1 2 3", "v 1 2 3\n"],
+    );
 }
 
 #[test]
 fn ply() {
-    let words = ["element", "property", "list", "uchar", "double", "int", "vertex", "face", "ascii"];
+    let words = [
+        "element", "property", "list", "uchar", "double", "int", "vertex", "face", "ascii",
+    ];
     meshes(Format::Ply, &words);
 }
 
 #[test]
 fn stl() {
-    meshes(Format::Stl, &["solid", "facet", "outer loop", "vertex", "endfacet", "vertex 0 0 1\n"]);
+    meshes(
+        Format::Stl,
+        &[
+            "solid",
+            "facet",
+            "outer loop",
+            "vertex",
+            "endfacet",
+            "vertex 0 0 1\n",
+        ],
+    );
 }
 
 #[test]
@@ -128,7 +147,19 @@ fn off() {
 #[test]
 fn job_files() {
     let _turn = turn();
-    let words = ["[stages.layout]", "[steering]", "=", "[[", "]]", "'clip'", "panels = 3\n", "1mm", "true", "\"", "{ a = 1 }"];
+    let words = [
+        "[stages.layout]",
+        "[steering]",
+        "=",
+        "[[",
+        "]]",
+        "'clip'",
+        "panels = 3\n",
+        "1mm",
+        "true",
+        "\"",
+        "{ a = 1 }",
+    ];
     let corpus = corpus("job", &words);
     let figures = campaign(|u| {
         let file = corpus.file(u.peek_bytes(u.len()).unwrap_or_default());
@@ -144,12 +175,27 @@ fn job_files() {
 #[test]
 fn study_files() {
     let _turn = turn();
-    let corpus = corpus("study", &["[space]", "[[variants]]", "from", "count", "[", "]", "1GB", "'"]);
+    let corpus = corpus(
+        "study",
+        &[
+            "[space]",
+            "[[variants]]",
+            "from",
+            "count",
+            "[",
+            "]",
+            "1GB",
+            "'",
+        ],
+    );
     let figures = campaign(|u| {
         let file = corpus.file(u.peek_bytes(u.len()).unwrap_or_default());
         let text = String::from_utf8_lossy(&file);
         let (study, ratio) = measured(text.len(), || StudyFile::from_toml(&text))?;
-        Ok(Tried { taken: study.is_ok(), ratio })
+        Ok(Tried {
+            taken: study.is_ok(),
+            ratio,
+        })
     });
     println!("study files: {figures}");
     assert!(figures.taken > 0);
@@ -161,11 +207,18 @@ fn side_files() {
     let _turn = turn();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [points, lines] = ["points.txt", "lines.obj"].map(|name| folder.path().join(name));
-    let (numbers, polylines) = (corpus("numbers", &["# 1"]), corpus("lines", &["v", "l", "-1/2", "l 1 2\n"]));
+    let (numbers, polylines) = (
+        corpus("numbers", &["# 1"]),
+        corpus("lines", &["v", "l", "-1/2", "l 1 2\n"]),
+    );
     let figures = campaign(|u| {
         let is_line = u.arbitrary().unwrap_or(false);
         let random = u.peek_bytes(u.len()).unwrap_or_default();
-        let file = if is_line { polylines.file(random) } else { numbers.file(random) };
+        let file = if is_line {
+            polylines.file(random)
+        } else {
+            numbers.file(random)
+        };
         let path = if is_line { &lines } else { &points };
         std::fs::write(path, &file).map_err(|e| e.to_string())?;
         let (taken, ratio) = measured(file.len(), || match is_line {
@@ -189,7 +242,9 @@ fn typed_values() {
         let quantity = text.parse::<phex_job::Quantity>();
         let finite = quantity.as_ref().map_or(true, |q| q.value().is_finite());
         let three = phex_job::three(&text);
-        let listed = three.as_ref().map_or(true, |v| v.iter().all(|x| x.is_finite()));
+        let listed = three
+            .as_ref()
+            .map_or(true, |v| v.iter().all(|x| x.is_finite()));
         if !finite || !listed {
             return Err(format!("`{text}` is not finite"));
         }

@@ -97,6 +97,16 @@ impl From<Output> for Run {
 }
 
 impl Run {
+    /// Expects that there is a result, whatever its verdict; `what` was run.
+    pub fn ends_well(&self, what: &str) {
+        let well = matches!(self.code, Some(0 | 3));
+        assert!(
+            well,
+            "{what}: {:?}\n{}{}",
+            self.code, self.stdout, self.stderr
+        );
+    }
+
     /// Expects an exit code and every one of some texts on standard error.
     pub fn refuses(&self, code: i32, texts: &[&str]) {
         assert_eq!(self.code, Some(code), "{}{}", self.stdout, self.stderr);
