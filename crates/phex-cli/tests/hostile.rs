@@ -4,7 +4,7 @@
 
 mod common;
 use common::Workshop;
-use phex_fuzz::referee::{deviation, faults, kind};
+use phex_fuzz::referee::{deviation, faults, kind, torn};
 use phex_fuzz::{HostileSurface, RawMesh, hostile_surfaces};
 use std::collections::BTreeMap;
 use std::process::{Child, Stdio};
@@ -211,17 +211,11 @@ impl Attack<'_> {
             found.push(format!("{far:.4} diagonals from the surface"));
         }
         let (of_mesh, of_surface) = (kind(&mesh), kind(&self.surface.mesh));
-        if is_countable(&self.surface.mesh) && of_mesh != of_surface {
+        if torn(&self.surface.mesh).is_empty() && of_mesh != of_surface {
             found.push(format!("{of_mesh:?} for {of_surface:?}"));
         }
         found
     }
-}
-
-/// Whether a surface has each side once, so that its kind can be counted.
-fn is_countable(mesh: &RawMesh) -> bool {
-    let torn = |f: &String| f.contains("used twice") || f.contains("fans") || f.contains("without");
-    !faults(mesh).iter().any(torn)
 }
 
 /// The exit code; none for a run that is killed because it does not end.

@@ -158,8 +158,11 @@ mod tests {
     fn the_same_bytes_give_the_same_file_and_most_bytes_another_one() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/obj");
         let corpus = Corpus::new(&folder, &["v"]);
-        let random =
-            |k: u8| -> Vec<u8> { (0..200).map(|i| (i * 37) ^ k.wrapping_mul(91)).collect() };
+        let random = |k: u8| -> Vec<u8> {
+            (0..200u8)
+                .map(|i| i.wrapping_mul(37) ^ k.wrapping_mul(91))
+                .collect()
+        };
         let files: std::collections::BTreeSet<Vec<u8>> =
             (0..100).map(|k| corpus.file(&random(k))).collect();
         assert_eq!(corpus.file(&random(3)), corpus.file(&random(3)));

@@ -40,15 +40,11 @@ pub struct SurfaceKind {
 
 /// Everything that is wrong with panels, in words; nothing for a mesh that is right.
 pub fn faults(mesh: &RawMesh) -> Vec<String> {
-    let broken = broken_elements(mesh);
-    if !broken.is_empty() {
-        return broken;
-    }
-    let sides = sides(mesh);
-    let mut found = not_manifold(mesh, &sides);
+    let mut found = torn(mesh);
     if !found.is_empty() {
         return found;
     }
+    let sides = sides(mesh);
     let mean = mean_edge(mesh, &sides);
     let panels: Vec<JudgedPanel> = mesh.faces.iter().map(|f| panel(mesh, f)).collect();
     let limit = PLANARITY.max(rounding(mesh) / mean);
@@ -59,6 +55,16 @@ pub fn faults(mesh: &RawMesh) -> Vec<String> {
     found.extend(wrong_neighbours(mesh, &sides, &panels));
     found.extend(crossings(mesh, &sides, &panels));
     found
+}
+
+/// Why the faces of a mesh are no oriented manifold; nothing if they are one.
+pub fn torn(mesh: &RawMesh) -> Vec<String> {
+    let broken = broken_elements(mesh);
+    if broken.is_empty() {
+        not_manifold(mesh, &sides(mesh))
+    } else {
+        broken
+    }
 }
 
 /// The kind of surface that the faces of a mesh are, by counting.
@@ -514,7 +520,9 @@ mod tests {
         assert!(faults_of(|m| m.faces[0].reverse()).contains("used twice"));
         assert!(faults_of(|m| m.faces[0].push(0)).contains("corners"));
         assert!(faults_of(|m| m.points.push([0.0; 3])).contains("without faces"));
-        assert!(faults_of(|m| m.points.iter_mut().for_each(|p| p[2] *= 0.01)).contains("length"));
+        assert!(
+            faults_of(|m| m.points.iter_mut().for_each(|p| p[2] *= 0.01)).contains("clearance")
+        );
         let octahedron = faults(&octahedron()).join("; ");
         assert!(octahedron.contains("has 4 faces"), "{octahedron}");
     }
