@@ -33,7 +33,7 @@ impl fmt::Display for Figures {
         } = self;
         write!(
             f,
-            "{inputs} inputs, {taken} taken, at most {worst_ratio:.1} bytes a byte"
+            "{inputs} inputs, {taken} taken, at most {worst_ratio:.1} bytes for a byte"
         )
     }
 }
