@@ -32,7 +32,7 @@ const OF_CURVATURE: [&str; 4] = [
 ];
 const BOUNDARIES: [&str; 3] = ["snap", "whole", "clip"];
 /// What a run is allowed, and when it is called a hang.
-const TIME_LIMIT: Duration = Duration::from_secs(5);
+const TIME_LIMIT: Duration = Duration::from_secs(3);
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Largest distance of what passes to the surface's facets, over the diagonal: the program holds
 /// panels to 0.005 of the smooth surface through the vertices.
@@ -173,6 +173,8 @@ impl Attack<'_> {
             let said = ending.said.lines().last().unwrap_or_default();
             let seconds = time.as_secs_f64();
             println!("{code:?} {seconds:.1} s: {}: {said}", self.command());
+            let complaints = ending.complaints.iter().take(3);
+            complaints.for_each(|c| println!("  COMPLAINT {}: {c}", self.surface.name));
         }
         ending
     }

@@ -120,11 +120,15 @@ fn arcs(surface: &TriangleSurface, boundary: &[VertexId], width: f64) -> Vec<Arc
     let n = boundary.len();
     let at = |i: usize| surface.positions()[boundary[i % n]];
     let raw = (0..n).map(|i| {
-        let (before, here, after) = (at(i + n - 1), at(i), at(i + 1));
+        let here = at(i);
+        // Vertices may lie on one another: the nearest one that does not tells the way.
+        let elsewhere = |step: usize| (1..n).map(|k| at(i + k * step)).find(|p| *p != here);
+        let way = |to: Vec3| to.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+        let a = way(here - elsewhere(n - 1).unwrap_or(here));
+        let b = way(elsewhere(1).unwrap_or(here) - here);
         let normal = surface.normals()[boundary[i]];
-        let (a, b) = ((here - before).normalize(), (after - here).normalize());
         let conormal = (a + b).cross(&normal).try_normalize(1e-9);
-        let outward = conormal.unwrap_or_else(|| (after - here).cross(&normal).normalize());
+        let outward = conormal.unwrap_or_else(|| way(b.cross(&normal)));
         let half = 0.5 * a.angle(&b);
         let mut arc = continued(surface, here, outward, 0.5 * width);
         let convex = a.cross(&b).dot(&normal) > 0.0;
@@ -456,5 +460,29 @@ mod tests {
         let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
         let closed = TriangleSurface::new(corners, &faces).unwrap();
         assert!(extend(&closed, 0.1, 1.0).is_none());
+    }
+
+    /// Where a hole is smaller than the grid of normalised coordinates, vertices round it lie on
+    /// one another.
+    #[test]
+    fn a_hole_whose_vertices_lie_on_one_another_is_continued() {
+        let place = |r: usize, k: usize| {
+            let angle = std::f64::consts::TAU * (if r == 0 { k / 3 } else { k }) as f64 / 12.0;
+            let radius = [1e-9, 0.5, 1.0][r];
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+        };
+        for shrunk in [1.0, 0.0] {
+            let point = |r: usize, k: usize| place(r, k) * if r == 0 { shrunk } else { 1.0 };
+            let surface = annulus(12, 2, point);
+            for (width, hole) in [(0.1, 0.0), (0.0, 0.1), (0.1, 0.1)] {
+                let extended = extend(&surface, width, hole).unwrap_or(Extension {
+                    n_original: 0,
+                    origin: Vec::new(),
+                    surface: surface.clone(),
+                });
+                let mut coordinates = extended.surface.positions().iter().flatten();
+                assert!(coordinates.all(|x| x.is_finite()), "{width} {hole}");
+            }
+        }
     }
 }
