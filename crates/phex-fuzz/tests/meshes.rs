@@ -180,11 +180,12 @@ fn offsets() {
         };
         let made = layer(&mesh, &image, part * reach, &options);
         let taken = made.is_ok();
-        if !taken && side.distance > 0.0 && part.abs() < 0.5 {
-            return Err(format!(
-                "no layer at {part} of the safe distance\n{}",
-                raw_mesh(&mesh).to_obj()
-            ));
+        if let Err(error) = &made
+            && side.distance > 0.0
+            && part.abs() < 0.5
+        {
+            let (reach, obj) = (side.distance, raw_mesh(&mesh).to_obj());
+            return Err(format!("no layer at {part} of {reach}: {error}\n{obj}"));
         }
         match made.map(|m| faults(&raw_mesh(&m))) {
             Ok(found) if !found.is_empty() && part.abs() < 0.99 => {
