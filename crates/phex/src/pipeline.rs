@@ -24,6 +24,7 @@ mod size;
 mod sized;
 mod steered;
 mod subdivide;
+mod symmetry;
 mod watched;
 
 pub use attempt::AttemptSummary;
@@ -39,6 +40,7 @@ pub use session::Session;
 pub use size::MAX_PANELS;
 pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
+pub use symmetry::{Isometry, Orbits, SYMMETRY_TOLERANCE, Symmetry, SymmetrySummary};
 
 use crate::progress::Progress;
 use clock::Clock;

@@ -1,6 +1,7 @@
 //! The smoothest aligned six-fold direction field (Knoeppel, Crane, Pinkall, Schroeder 2013, with a
 //! diffusion-projection polish).
 
+use super::boundary::BoundaryFrame;
 use super::intrinsic::{IntrinsicMesh, row};
 use super::{DirectionOptions, boundary};
 use crate::curvature::Principal;
@@ -50,10 +51,12 @@ pub(crate) fn field(
         let frames = rim.iter_mut().flatten();
         frames.for_each(|f| f.alignment *= turn);
     }
+    let mirrored = mirror_frames(&mut rim, &mesh.multiplicity);
     let rim_weight = |v: VertexId| {
-        rim[v].map_or(0.0, |r| {
+        let open = rim[v].map_or(0.0, |r| {
             options.boundary_alignment * r.length * r.alignment.norm()
-        })
+        });
+        open + mirrored[v].map_or(0.0, |r| MIRROR_ALIGNMENT * r.length)
     };
     // Weights and wishes are integrated: over the area of a vertex, over its length of the
     // boundary.
@@ -66,7 +69,9 @@ pub(crate) fn field(
         let rim = rim[v].map_or(Complex::default(), |r| r.alignment * r.length);
         wish(v, along, across) * TIE_BREAK * mesh.mass[v] + rim * options.boundary_alignment
     };
-    let source: Vec<Complex<f64>> = topology.vertices().map(|v| curved(v) + fixed(v)).collect();
+    let mut source: Vec<Complex<f64>> = topology.vertices().map(|v| curved(v) + fixed(v)).collect();
+    let free = source.clone();
+    draw_to_mirrors(&mut source, &free, &mirrored);
     let total = |v: VertexId| mesh.mass[v] * (weight[v] + TIE_BREAK) + rim_weight(v);
     let stiffness = |t: f64, inertia: f64| {
         let diagonal = |v: VertexId| mesh.mass[v] * inertia + t * total(v);
@@ -74,20 +79,65 @@ pub(crate) fn field(
     };
     let smooth = Cholesky::again(factor.take(), &stiffness(1.0, 0.0)?, 2)?;
     let mut u = solve(&smooth, |i| source[i], source.len());
+    draw_to_mirrors(&mut source, &free, &mirrored);
     let polish = Cholesky::again(Some(smooth), &stiffness(POLISH_TIME, 1.0)?, 2)?;
-    for _ in 0..POLISH_STEPS {
+    let steps = match mirrored.iter().any(Option::is_some) {
+        true => MIRROR_STEPS,
+        false => POLISH_STEPS,
+    };
+    for _ in 0..steps {
         let unit: Vec<Complex<f64>> = u.iter().map(|z| z / (z.norm() + 1e-12)).collect();
         u = rough_solution(
             &polish,
             |i| unit[i] * mesh.mass.as_slice()[i] + source[i] * POLISH_TIME,
             unit.len(),
         );
+        source.copy_from_slice(&free);
+        draw_to_mirrors(&mut source, &u, &mirrored);
     }
     *factor = Some(polish);
     Ok(SixFoldField {
         angle: PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()),
         wish: PerVertex::from_vec(source),
     })
+}
+
+/// Weight of the alignment with mirror planes, per panel length of them, and steps of the polish
+/// where there are any: at each vertex a row runs along the plane or at right angles to it, and
+/// which of both is found on the way.
+const MIRROR_ALIGNMENT: f64 = 10.0;
+const MIRROR_STEPS: usize = 12;
+
+/// Takes the frames of the vertices in mirror planes out of those of the boundary. Where two planes
+/// meet nothing is wished for.
+fn mirror_frames(
+    rim: &mut PerVertex<Option<BoundaryFrame>>,
+    multiplicity: &PerVertex<u32>,
+) -> PerVertex<Option<BoundaryFrame>> {
+    let mut mirrored = PerVertex::filled(rim.len(), None);
+    for (v, count) in multiplicity.enumerate().filter(|(_, count)| **count > 1) {
+        let frame = rim[v].take();
+        mirrored[v] = frame.filter(|f| *count == 2 && f.turning.abs() < CORNER_TURN);
+    }
+    mirrored
+}
+
+/// Turning, radians, from which on a mirror plane has an end.
+const CORNER_TURN: f64 = 0.3;
+
+/// Sets wishes in mirror planes: a row along the plane, or at right angles to it, whichever is
+/// nearer to `field`.
+fn draw_to_mirrors(
+    source: &mut [Complex<f64>],
+    field: &[Complex<f64>],
+    mirrored: &PerVertex<Option<BoundaryFrame>>,
+) {
+    for (i, frame) in mirrored.iter().enumerate() {
+        let Some(frame) = frame else { continue };
+        let along = (field[i].conj() * frame.alignment).re;
+        let sign = if along < 0.0 { -1.0 } else { 1.0 };
+        source[i] += frame.alignment * (sign * MIRROR_ALIGNMENT * frame.length);
+    }
 }
 
 /// Share of a surface that wants its rows to run somewhere, below which it counts as flat.

@@ -5,7 +5,7 @@
 //! order of that tree: almost no neighbour is seen turned then, and neighbours are near each other
 //! in memory.
 
-use super::boundary::Pin;
+use super::boundary::{Pin, PinnedTo};
 use super::lattice::{Charts, Plane, Transition, rotate, waves};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::rosy::{push_block, rough_solution};
@@ -351,8 +351,15 @@ impl WaveHold {
         let mut hold = Self::default();
         if let Some(pin) = pin {
             let wave = (pin.wave + usize::from(turned)) % 3;
+            // Half a row inside the wave is at its trough. Rows across a mirror plane bind two waves
+            // to each other and none alone.
+            let value = match pin.to {
+                PinnedTo::HalfRow => -1.0,
+                PinnedTo::Row => 1.0,
+                PinnedTo::Column => return hold,
+            };
             hold.weight[wave] = pin.weight;
-            hold.drawn[wave] = Plane::new(-pin.weight, 0.0);
+            hold.drawn[wave] = Plane::new(value * pin.weight, 0.0);
         }
         hold
     }

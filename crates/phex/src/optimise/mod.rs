@@ -76,6 +76,7 @@ mod folds;
 mod guard;
 mod guarded;
 mod holds;
+mod images;
 mod inspect;
 mod jacobian;
 mod local;
@@ -122,6 +123,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub(crate) use angle_term::walks::free_edges;
 pub use error::{OptimiseError, SteeringError};
+pub(crate) use images::{Image, Quotient};
 pub use inspect::{Fault, Offender, Quality};
 pub(crate) use local::{EMPHASES, LocalPart, Wanted};
 pub use on_boundary::BoundaryHold;
@@ -220,18 +222,40 @@ pub fn optimise(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
+    optimise_quotient(layout, &Quotient::default(), target, options, progress)
+}
+
+/// As [`optimise`], for the part of a symmetric panelling that generates it.
+///
+/// # Errors
+/// As [`optimise`].
+pub(crate) fn optimise_quotient(
+    layout: &Layout,
+    quotient: &Quotient,
+    target: &dyn Target,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, OptimiseError> {
     options.check()?;
     check_mesh(&layout.mesh)?;
     check_layout(layout)?;
     let reference = Reference::Surface(target);
     let side = Some(layout.face_normal.as_slice().to_vec());
     let mut stage = Stage::new(&layout.mesh, reference, side, &layout.vertex_kind, options);
+    stage.divide(quotient);
     let cancelled = || progress.is_cancelled();
-    let cells = stage.smoothing(layout, target, options).of_cells(cancelled);
+    let mut cells = stage.smoothing(layout, target, options).of_cells(cancelled);
+    if !quotient.images.is_empty() {
+        stage.holds.retract(&mut cells.x);
+        cells = stage.start_at(&cells.x);
+    }
     stage.areas = areas::of_layout(layout, &stage.panels, &cells.x, options.evenness);
     let tangents = TangentCells::of(layout);
     let mut solvers = Solvers::new(&stage.panels)?;
-    let fast = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress);
+    let fast = match stage.holds.images.is_empty() {
+        true => stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress),
+        false => None,
+    };
     let run = match fast {
         Some(run) => run,
         None => stage.run(
@@ -442,6 +466,12 @@ impl<'a> Stage<'a> {
 }
 
 impl Stage<'_> {
+    /// From now on symmetry holds what it holds.
+    fn divide(&mut self, quotient: &Quotient) {
+        self.holds = quotient.holds();
+        self.panels = self.panels.clone().with_images(&quotient.images);
+    }
+
     /// From now on inner faces keep the areas that they have at `x`.
     fn keep_areas(&mut self, x: &[f64], options: &OptimiseOptions) {
         self.areas = areas::as_they_are(self.topology, &self.panels, x, options.evenness);

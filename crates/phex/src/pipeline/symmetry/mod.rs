@@ -1,0 +1,299 @@
+//! Symmetry: the mirror planes of a surface are found, the part between them is panelled, and the
+//! rest of the mesh is its image.
+//!
+//! `find` finds the group, `cut` the part of the surface that generates it (a fundamental domain).
+//! Its boundary in mirror planes is laid out as such ([`MirrorPlane`]): rows run along the plane or
+//! at right angles to it, and lattice points lie in it, so that panels there are cut in two, or have
+//! an edge in the plane. `quotient` makes the panels that planes cut whole; corners beyond a plane
+//! are no unknowns but images, and the optimiser takes them along. `unfold` adds all images.
+//!
+//! A group without mirror planes is not used: the seam of its domain would be free, and a lattice
+//! on the domain has no reason to meet itself there.
+//!
+//! [`MirrorPlane`]: crate::directions::MirrorPlane
+
+mod choice;
+mod cut;
+mod find;
+mod group;
+mod quotient;
+mod target;
+mod unfold;
+
+pub use choice::Symmetry;
+pub use unfold::{Isometry, Orbits};
+
+use super::domain::Ground;
+use super::field::LatticeFreedom;
+use super::preview::LaidOut;
+use super::sized::mean_length;
+use super::{Candidate, Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels};
+use crate::optimise;
+use crate::progress::Event;
+use crate::smooth_surface;
+use crate::trim::Boundary;
+use find::Found;
+use group::Group;
+use nalgebra::Matrix3;
+use phex_mesh::TriangleSurface;
+use quotient::WholePanels;
+use serde::Serialize;
+use target::FoldedTarget;
+use unfold::unfolded;
+
+/// Distance, bounding-box diagonals, within which an image of the surface lies on it.
+pub const SYMMETRY_TOLERANCE: f64 = 1e-3;
+
+/// What was found and used, for the report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SymmetrySummary {
+    /// The group, in Schoenflies' notation.
+    pub group: String,
+    /// Number of its elements.
+    pub order: u32,
+    /// Whether the surface is one of revolution.
+    pub revolution: bool,
+    /// Largest distance of an image of the surface to it, bounding-box diagonals.
+    pub distance_rel: f64,
+    /// Largest distance that was allowed.
+    pub tolerance_rel: f64,
+    /// Panels that differ.
+    pub distinct_panels: usize,
+    /// The maps `x -> M x + t`, model units.
+    pub operations: Vec<Isometry>,
+}
+
+/// A symmetric mesh of a normalised surface; `None` where there is no group to use, or panels
+/// can't follow it, which is said.
+///
+/// # Errors
+/// As [`mesh_surface`](super::mesh_surface).
+pub(super) fn mesh_with_panels(
+    (surface, panels): (&TriangleSurface, usize),
+    options: &MeshOptions,
+    clock: &mut Clock<'_>,
+) -> Result<Option<MeshRun>, PipelineError> {
+    let density = options.cell_density.max(options.field_density);
+    let vertices = (density * panels as f64) as usize;
+    let smooth = clock.stage("target", || {
+        smooth_surface::smooth_target(surface, vertices, &options.target)
+    })?;
+    let whole = smooth.finest();
+    let (found, turns) = clock.stage("symmetry", || find::find(whole, SYMMETRY_TOLERANCE))?;
+    let progress = clock.progress;
+    let say = |message: String| progress.report(&Event::Note { message });
+    let Some(found) = found else {
+        if let Some(n) = turns {
+            say(format!(
+                "the surface has a rotation of order {n} without mirror planes, which panels do not follow"
+            ));
+        }
+        return Ok(None);
+    };
+    let group = used(&found, whole, panels, options.symmetry);
+    let domain = DomainPanels::new(whole, &found, group, panels, options);
+    match domain.and_then(|d| d.mesh(&found, whole, clock)) {
+        Ok(mut run) => {
+            run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
+            run.statistics.panels_asked = panels;
+            Ok(Some(run))
+        }
+        Err(Failed::Pipeline(error)) => Err(error),
+        Err(Failed::Symmetry(reason)) => {
+            say(format!(
+                "the surface has the symmetry {}, but {reason}",
+                group.name()
+            ));
+            Ok(None)
+        }
+    }
+}
+
+/// Why there is no symmetric mesh.
+enum Failed {
+    /// Nor is there another one.
+    Pipeline(PipelineError),
+    /// What is in the way of symmetry alone.
+    Symmetry(String),
+}
+
+impl<E: Into<PipelineError>> From<E> for Failed {
+    fn from(error: E) -> Self {
+        Self::Pipeline(error.into())
+    }
+}
+
+/// The part of the group that panels follow.
+fn used(found: &Found, surface: &TriangleSurface, panels: usize, wanted: Symmetry) -> Group {
+    let rotations = match wanted {
+        Symmetry::Mirror => {
+            return Group {
+                rotations: 1,
+                level: false,
+            };
+        }
+        Symmetry::Turns(n) => n,
+        _ if found.revolution => turns_of_revolution(found, surface, panels),
+        _ => found.group.rotations,
+    };
+    Group {
+        rotations,
+        level: found.group.level,
+    }
+}
+
+/// Panels round a surface of revolution for each of its rotations.
+const PANELS_A_TURN: f64 = 4.0;
+
+/// The order of rotation for a surface of revolution: six where the axis meets the surface, for a
+/// hexagon there, else so that few panels lie in each part.
+fn turns_of_revolution(found: &Found, surface: &TriangleSurface, panels: usize) -> u32 {
+    let radius = |p: &phex_mesh::Vec3| found.frame.inside(*p).xy().norm();
+    let radii: Vec<f64> = surface.positions().iter().map(radius).collect();
+    let length = mean_length(surface, panels);
+    let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
+    if least < length {
+        return 6;
+    }
+    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
+    let round = std::f64::consts::TAU * mean / length;
+    (round / PANELS_A_TURN).round().clamp(2.0, 24.0) as u32
+}
+
+/// A fundamental domain on its way to panels, scaled to diagonal 1 about a point of all planes.
+struct DomainPanels {
+    group: Group,
+    surface: TriangleSurface,
+    scale: f64,
+    panels: usize,
+    options: MeshOptions,
+}
+
+impl DomainPanels {
+    fn new(
+        whole: &TriangleSurface,
+        found: &Found,
+        group: Group,
+        panels: usize,
+        options: &MeshOptions,
+    ) -> Result<Self, Failed> {
+        let inside = whole.mapped(|p| found.frame.inside(*p));
+        let part =
+            cut::cut(&inside, &group.walls()).map_err(|e| Failed::Symmetry(e.to_string()))?;
+        let scale = part.diagonal();
+        let surface = part.mapped(|p| p / scale);
+        // Panels in mirror planes are half there: two in three of them, about, are cut.
+        let each = mean_length(whole, panels) / scale;
+        let walls = group.walls();
+        let sides = surface.topology().edges().filter(|e| {
+            let ends = surface.topology().edge_vertices(*e);
+            let on = |n: &phex_mesh::Vec3| {
+                ends.iter()
+                    .all(|v| n.dot(&surface.positions()[*v]).abs() < 1e-9)
+            };
+            surface.topology().is_boundary_edge(*e) && walls.iter().any(on)
+        });
+        let length = |e| {
+            let [a, b] = surface.topology().edge_vertices(e);
+            (surface.positions()[a] - surface.positions()[b]).norm()
+        };
+        let cut: f64 = sides.map(length).sum();
+        let share = surface.area() / (whole.area() / (scale * scale));
+        let count = panels as f64 * share + 0.4 * cut / each;
+        let mut options = options.clone();
+        options.boundary = Boundary::Snap;
+        options.symmetry = Symmetry::None;
+        options.directions.mirrors = group.mirrors();
+        let deviation = &mut options.optimise.max_deviation;
+        *deviation = deviation.map(|d| d / scale);
+        Ok(Self {
+            group,
+            surface,
+            scale,
+            panels: count.round().max(1.0) as usize,
+            options,
+        })
+    }
+
+    fn mesh(
+        &self,
+        found: &Found,
+        whole: &TriangleSurface,
+        clock: &mut Clock<'_>,
+    ) -> Result<MeshRun, Failed> {
+        let ground = clock.stage("target", || {
+            Ground::new(&self.surface, self.panels, &self.options)
+        })?;
+        let way = LatticeFreedom::from(Candidate::first(&self.options));
+        let options = way.options(&self.options);
+        let laid = LaidOut::new(&ground, way, &options, clock)?;
+        let ground = laid.ground(&ground);
+        let layout = &laid.drawn.layout;
+        let parts = quotient::completed(layout, self.group).map_err(Failed::Symmetry)?;
+        let target = FoldedTarget::new(ground.close_to(&laid.fine.surface), self.group.walls());
+        let progress = clock.progress;
+        let optimised = clock.timed("optimise", || {
+            optimise::optimise_quotient(
+                &parts.layout,
+                &parts.quotient,
+                &target,
+                &options.optimise,
+                progress,
+            )
+        })?;
+        self.assembled(found, whole, &parts, &optimised, clock)
+    }
+
+    /// The part and all its images, normalised.
+    fn assembled(
+        &self,
+        found: &Found,
+        whole: &TriangleSurface,
+        parts: &WholePanels,
+        optimised: &optimise::Optimised,
+        clock: &mut Clock<'_>,
+    ) -> Result<MeshRun, Failed> {
+        let elements = self.group.elements();
+        let all = unfolded(parts, &optimised.mesh, &elements)
+            .map_err(|e| Failed::Symmetry(e.to_string()))?;
+        let frame = &found.frame;
+        let positions = all.mesh.positions.map(|p| frame.outside(p * self.scale));
+        let operation = |e: &Matrix3<f64>| {
+            let map = frame.axes.transpose() * e * frame.axes;
+            Isometry::new(&map, frame.origin - map * frame.origin)
+        };
+        let orbits = Orbits {
+            operations: elements.iter().map(operation).collect(),
+            vertices: all.vertices,
+            panels: all.panels,
+        };
+        let mesh = all.mesh.with_positions(positions);
+        let distinct = optimised.mesh.topology().n_faces();
+        let statistics = Statistics {
+            factorisations: optimised.runs.iter().map(|r| r.factorisations).sum(),
+            runs: optimised.runs.clone(),
+            symmetry: Some(SymmetrySummary {
+                group: self.group.name(),
+                order: self.group.order(),
+                revolution: found.revolution,
+                distance_rel: find::distance(whole, frame, self.group),
+                tolerance_rel: SYMMETRY_TOLERANCE,
+                distinct_panels: distinct,
+                operations: orbits.operations.clone(),
+            }),
+            ..Statistics::empty()
+        };
+        let target = whole.clone();
+        Ok(MeshRun {
+            start: None,
+            violations: clock.timed("validate", || between_panels(&mesh, &target)),
+            mesh,
+            target,
+            beyond: None,
+            outcome: optimised.outcome.clone(),
+            statistics,
+            orbits: Some(orbits),
+            stages: std::mem::take(&mut clock.stages),
+        })
+    }
+}

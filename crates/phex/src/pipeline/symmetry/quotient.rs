@@ -1,0 +1,352 @@
+//! Panels of the fundamental domain made whole: those that a mirror plane cuts are joined with
+//! their images, and one at an axis with all of them.
+//!
+//! A cell at a mirror plane is half a panel, or a whole one with an edge in the plane; its area
+//! tells which. Where two halves meet in the plane, the edge between them runs straight across it,
+//! and the corner there is none; where a half and a whole panel meet, it is a corner of three panels
+//! in the plane. Two whole panels would meet their images in a corner of four, so one of them is
+//! taken as a half.
+
+use super::group::{Group, in_walls, number_of, reflection};
+use crate::layout::lattice::CELL;
+use crate::layout::{Layout, VertexKind};
+use crate::optimise::{Image, Quotient};
+use nalgebra::Matrix3;
+use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
+use std::collections::BTreeMap;
+
+/// Distance from a mirror plane, panel lengths, within which a vertex of the boundary lies in it.
+const IN_PLANE: f64 = 0.05;
+/// Area of a cell over that of a panel up to which it is half a panel.
+const HALF: f64 = 0.72;
+/// Sine of the angle between boundary and mirror plane, less than a right one, beyond which the
+/// boundary has a corner there.
+const SQUARE: f64 = 0.3;
+
+/// A panelling of a fundamental domain with the panels at its mirror planes whole.
+pub(super) struct WholePanels {
+    pub layout: Layout,
+    pub quotient: Quotient,
+}
+
+/// The panels of a domain's layout made whole.
+///
+/// # Errors
+/// A sentence that says what is in the way.
+pub(super) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, String> {
+    let walls = group.walls();
+    let cells = Cells::new(layout, &walls);
+    let halves = cells.halves();
+    let mut parts = WholeParts {
+        cells: &cells,
+        elements: group.elements(),
+        images: Vec::new(),
+        of_source: BTreeMap::new(),
+    };
+    let rings: Result<Vec<Vec<u32>>, String> = (layout.mesh.topology().faces())
+        .map(|f| match halves[f] {
+            true => parts.whole(f, &halves),
+            false => Ok(cells.corners_of_whole(f)),
+        })
+        .collect();
+    Ok(parts.finished(rings?, &halves))
+}
+
+struct Cells<'a> {
+    layout: &'a Layout,
+    topology: &'a Topology,
+    walls: &'a [Vec3],
+    /// Walls that hold each vertex, by their bits.
+    on: PerVertex<u32>,
+}
+
+impl<'a> Cells<'a> {
+    fn new(layout: &'a Layout, walls: &'a [Vec3]) -> Self {
+        let topology = layout.mesh.topology();
+        let on = PerVertex::from_fn(topology.n_vertices(), |v: VertexId| {
+            if !topology.is_boundary_vertex(v) {
+                return 0;
+            }
+            let face = topology.outgoing(v).next().map(|h| topology.face(h));
+            let near = face.map_or(0.0, |f| IN_PLANE * layout.face_length[f]);
+            let height = |n: &Vec3| n.dot(&layout.mesh.position(v)).abs();
+            (walls.iter().enumerate())
+                .filter(|(_, n)| height(n) < near)
+                .fold(0, |bits, (k, _)| bits | (1 << k))
+        });
+        Self {
+            layout,
+            topology,
+            walls,
+            on,
+        }
+    }
+
+    /// Whether a cell has a side in a wall.
+    fn touches(&self, f: FaceId) -> bool {
+        let ring = self.topology.face_vertices(f);
+        (0..ring.len()).any(|i| self.on[ring[i]] & self.on[ring[(i + 1) % ring.len()]] != 0)
+    }
+
+    /// Which cells are parts of panels that lie across walls.
+    fn halves(&self) -> PerFace<bool> {
+        let share = |f: FaceId| {
+            let full = CELL * self.layout.face_length[f].powi(2);
+            let at = |v: &VertexId| self.layout.mesh.position(*v);
+            let ring: Vec<Vec3> = self.topology.face_vertices(f).iter().map(at).collect();
+            let fan = ring
+                .windows(2)
+                .map(|p| (p[0] - ring[0]).cross(&(p[1] - ring[0])));
+            0.5 * fan.sum::<Vec3>().norm() / full
+        };
+        let at_axis = |f: FaceId| {
+            let ring = self.topology.face_vertices(f).iter();
+            ring.into_iter().any(|v| self.on[*v].count_ones() > 1)
+        };
+        let mut halves = PerFace::from_fn(self.topology.n_faces(), |f| {
+            self.touches(f) && (at_axis(f) || share(f) < HALF)
+        });
+        // No two whole panels side by side.
+        for v in self.topology.vertices().filter(|v| self.on[*v] != 0) {
+            let faces: Vec<FaceId> = self
+                .topology
+                .outgoing(v)
+                .map(|h| self.topology.face(h))
+                .collect();
+            let whole = faces.iter().filter(|f| self.touches(**f) && !halves[**f]);
+            let whole: Vec<FaceId> = whole.copied().collect();
+            if whole.len() > 1 {
+                let least = whole
+                    .iter()
+                    .min_by(|a, b| share(**a).total_cmp(&share(**b)));
+                least.into_iter().for_each(|f| halves[*f] = true);
+            }
+        }
+        halves
+    }
+
+    /// The corners of a whole panel: between two corners in one wall there are none.
+    fn corners_of_whole(&self, f: FaceId) -> Vec<u32> {
+        let ring = self.topology.face_vertices(f);
+        let n = ring.len();
+        let between = |i: usize| {
+            let [a, b, c] = [i + n - 1, i, i + 1].map(|k| self.on[ring[k % n]]);
+            a & b & c != 0
+        };
+        let kept = (0..n).filter(|i| !between(*i));
+        kept.map(|i| ring[i].index() as u32).collect()
+    }
+}
+
+/// An image of a vertex in the making.
+struct NewImage {
+    source: u32,
+    element: usize,
+    place: Vec3,
+}
+
+struct WholeParts<'a> {
+    cells: &'a Cells<'a>,
+    elements: Vec<Matrix3<f64>>,
+    images: Vec<NewImage>,
+    of_source: BTreeMap<u32, Vec<u32>>,
+}
+
+impl WholeParts<'_> {
+    /// The number of a vertex's image under an element of the group: its own where it stays.
+    fn image(&mut self, v: u32, map: &Matrix3<f64>) -> Result<u32, String> {
+        let at = self.place(v);
+        let place = map * at;
+        let near = 1e-6 * self.cells.layout.mesh.mean_edge();
+        if (place - at).norm() < near {
+            return Ok(v);
+        }
+        let known = self.of_source.entry(v).or_default();
+        let same = known
+            .iter()
+            .find(|k| (self.images[**k as usize].place - place).norm() < near);
+        let number = match same {
+            Some(k) => *k,
+            None => {
+                let element = number_of(&self.elements, map);
+                let element = element.ok_or("a panel's image is none of the group")?;
+                let next = self.images.len() as u32;
+                known.push(next);
+                self.images.push(NewImage {
+                    source: v,
+                    element,
+                    place,
+                });
+                next
+            }
+        };
+        Ok(self.cells.topology.n_vertices() as u32 + number)
+    }
+
+    /// A vertex, exactly in the walls that hold it.
+    fn place(&self, v: u32) -> Vec3 {
+        let v = VertexId::new(v);
+        let p = self.cells.layout.mesh.position(v);
+        in_walls(self.cells.walls, self.cells.on[v], p)
+    }
+
+    /// The corners of the panel of which a cell is a part.
+    fn whole(&mut self, f: FaceId, halves: &PerFace<bool>) -> Result<Vec<u32>, String> {
+        let cells = self.cells;
+        let ring = cells.topology.face_vertices(f);
+        let n = ring.len();
+        let on = |i: usize| cells.on[ring[i % n]];
+        let in_wall = |i: usize| on(i) & on(i + 1) != 0;
+        // The side after which the walls begin.
+        let starts: Vec<usize> = (0..n)
+            .filter(|i| in_wall(*i) && !in_wall(i + n - 1))
+            .collect();
+        let [start] = starts[..] else {
+            return Err("a panel would reach from one mirror plane to another".into());
+        };
+        let last = (start..start + n)
+            .find(|i| !in_wall(*i))
+            .ok_or("a panel has no edge inside")?;
+        let first_wall = self.single(on(start) & on(start + 1))?;
+        let last_wall = self.single(on(last) & on(last + n - 1))?;
+        let free: Vec<u32> = (last + 1..start + n)
+            .map(|i| ring[i % n].index() as u32)
+            .collect();
+        let ends = [last, start].map(|i| ring[i % n]);
+        let ends = ends.map(|v| self.is_corner(v, f, halves).then_some(v.index() as u32));
+        let maps = [first_wall, last_wall].map(|k| reflection(cells.walls[k]));
+        let copies = match first_wall == last_wall {
+            true => 2,
+            false => {
+                let angle =
+                    std::f64::consts::PI - cells.walls[first_wall].angle(&cells.walls[last_wall]);
+                (2.0 * std::f64::consts::PI / angle).round() as usize
+            }
+        };
+        let mut corners = Vec::new();
+        let mut map = Matrix3::identity();
+        for copy in 0..copies {
+            let forward = copy % 2 == 0;
+            let order: Vec<u32> = match forward {
+                true => free.clone(),
+                false => free.iter().rev().copied().collect(),
+            };
+            for v in order {
+                corners.push(self.image(v, &map)?);
+            }
+            // Where one copy ends the next begins, in the wall of the cell's first or last side.
+            let joint = if forward { ends[1] } else { ends[0] };
+            if let Some(v) = joint {
+                corners.push(self.image(v, &map)?);
+            }
+            map *= maps[usize::from(!forward)];
+        }
+        if corners.len() < 3 {
+            return Err("a panel at a mirror plane has fewer than three corners".into());
+        }
+        Ok(corners)
+    }
+
+    /// The wall that its bit names.
+    fn single(&self, bits: u32) -> Result<usize, String> {
+        match bits.count_ones() {
+            1 => Ok(bits.trailing_zeros() as usize),
+            _ => Err("a panel has an edge on an axis".into()),
+        }
+    }
+
+    /// Whether the end of a cell's side in a wall is a corner of the panel.
+    fn is_corner(&self, v: VertexId, f: FaceId, halves: &PerFace<bool>) -> bool {
+        let cells = self.cells;
+        let mut others = cells
+            .topology
+            .outgoing(v)
+            .map(|h| cells.topology.face(h))
+            .filter(|g| *g != f);
+        match others.next() {
+            Some(g) => !halves[g],
+            // The end of the wall: a corner where the boundary has one.
+            None => {
+                let ring = cells.topology.face_vertices(f);
+                let n = ring.len();
+                let i = ring.iter().position(|w| *w == v).unwrap_or(0);
+                let beside = [ring[(i + 1) % n], ring[(i + n - 1) % n]];
+                let open = beside.iter().find(|w| cells.on[**w] & cells.on[v] == 0);
+                let wall = cells.on[v].trailing_zeros() as usize;
+                open.is_some_and(|w| {
+                    let along = cells.layout.mesh.position(*w) - cells.layout.mesh.position(v);
+                    let normal = cells.walls[wall];
+                    (along - normal * normal.dot(&along)).norm() > SQUARE * along.norm()
+                })
+            }
+        }
+    }
+
+    fn finished(self, rings: Vec<Vec<u32>>, halves: &PerFace<bool>) -> WholePanels {
+        let (cells, layout) = (self.cells, self.cells.layout);
+        let count = cells.topology.n_vertices() as u32;
+        let mut number: BTreeMap<u32, u32> = BTreeMap::new();
+        // Sources of images are corners themselves.
+        for v in rings.iter().flatten() {
+            let next = number.len() as u32;
+            number.entry(*v).or_insert(next);
+        }
+        let mut old = vec![0; number.len()];
+        number.iter().for_each(|(v, k)| old[*k as usize] = *v);
+        let source = |v: u32| match v < count {
+            true => VertexId::new(v),
+            false => VertexId::new(self.images[(v - count) as usize].source),
+        };
+        let place = |v: &u32| match *v < count {
+            true => self.place(*v),
+            false => self.images[(*v - count) as usize].place,
+        };
+        let faces: Vec<Vec<u32>> = (rings.iter())
+            .map(|r| r.iter().map(|v| number[v]).collect())
+            .collect();
+        let mesh = HexMesh::new(old.iter().map(place).collect(), &faces);
+        let kind = |v: &u32| match layout.vertex_kind[source(*v)] {
+            kind if cells.on[source(*v)] == 0 || kind == VertexKind::BoundaryCorner => kind,
+            _ => VertexKind::Interior,
+        };
+        let mut quotient = Quotient::default();
+        for (v, k) in &number {
+            if let Some(image) = v.checked_sub(count).map(|i| &self.images[i as usize]) {
+                quotient.images.insert(
+                    *k,
+                    Image {
+                        source: number[&image.source],
+                        map: self.elements[image.element],
+                    },
+                );
+            } else if let bits @ 1.. = cells.on[VertexId::new(*v)] {
+                quotient
+                    .mirrored
+                    .insert(*k, cells.walls[bits.trailing_zeros() as usize]);
+            }
+        }
+        let on_walls = |f: FaceId, x: Vec3| {
+            let ring = cells.topology.face_vertices(f);
+            let bits = match halves[f] {
+                true => ring.iter().fold(0, |b, v| b | cells.on[*v]),
+                false => 0,
+            };
+            in_walls(cells.walls, bits, x)
+        };
+        let each = |of: &PerFace<Vec3>| {
+            PerFace::from_vec(of.enumerate().map(|(f, p)| on_walls(f, *p)).collect())
+        };
+        WholePanels {
+            layout: Layout {
+                mesh: mesh.expect("panels"),
+                vertex_kind: PerVertex::from_vec(old.iter().map(kind).collect()),
+                face_point: each(&layout.face_point),
+                face_normal: each(&layout.face_normal).map(|n| n.normalize()),
+                face_length: layout.face_length.clone(),
+                face_wish: layout.face_wish.clone(),
+                face_seed: layout.face_seed.clone(),
+            },
+            quotient,
+        }
+    }
+}
