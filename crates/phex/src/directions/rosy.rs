@@ -71,7 +71,6 @@ pub(crate) fn field(
     };
     let mut source: Vec<Complex<f64>> = topology.vertices().map(|v| curved(v) + fixed(v)).collect();
     let free = source.clone();
-    draw_to_mirrors(&mut source, &free, &mirrored);
     let total = |v: VertexId| mesh.mass[v] * (weight[v] + TIE_BREAK) + rim_weight(v);
     let stiffness = |t: f64, inertia: f64| {
         let diagonal = |v: VertexId| mesh.mass[v] * inertia + t * total(v);

@@ -112,3 +112,51 @@ fn fold_face(images: &BTreeMap<u32, Image>, vertices: &[u32], block: &mut [f64])
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The quadratic form of a folded block at `y` is that of the block at `P y`.
+    #[test]
+    fn a_folded_block_is_the_block_at_the_images() {
+        let map = Matrix3::from_diagonal(&Vec3::new(1.0, -1.0, 1.0));
+        let images = BTreeMap::from([(7, Image { source: 4, map }), (9, Image { source: 2, map })]);
+        let vertices = [2, 4, 7, 9, 5];
+        let n = 3 * vertices.len();
+        let full = DMatrix::from_fn(n, n, |r, c| ((r * c + r + c) as f64).sin());
+        let mut block = vec![0.0; n * (n + 1) / 2];
+        for r in 0..n {
+            for c in 0..=r {
+                block[packed(r, c)] = full[(r, c)];
+            }
+        }
+        fold_face(&images, &vertices, &mut block);
+        let free: Vec<f64> = (0..n).map(|i| (1.7 * i as f64).cos()).collect();
+        let mut x = nalgebra::DVector::from_vec(free.clone());
+        for (i, v) in vertices.iter().enumerate() {
+            if let Some(image) = images.get(v) {
+                let at = vertices.iter().position(|w| *w == image.source).unwrap();
+                let place = map * Vec3::from_column_slice(&free[3 * at..3 * at + 3]);
+                x.rows_mut(3 * i, 3).copy_from(&place);
+            }
+        }
+        let of_block = |y: &[f64]| -> f64 {
+            let entry = |r: usize, c: usize| block[packed(r.max(c), r.min(c))];
+            let products = (0..n).flat_map(|r| (0..n).map(move |c| (r, c)));
+            products.map(|(r, c)| y[r] * entry(r, c) * y[c]).sum()
+        };
+        let symmetric = DMatrix::from_fn(n, n, |r, c| full[(r.max(c), r.min(c))]);
+        let expected = x.dot(&(symmetric * &x));
+        assert!((of_block(&free) - expected).abs() < 1e-12 * n as f64);
+    }
+
+    #[test]
+    fn images_go_where_their_sources_are() {
+        let map = Matrix3::from_diagonal(&Vec3::new(-1.0, 1.0, 1.0));
+        let images = BTreeMap::from([(1, Image { source: 0, map })]);
+        let mut x = [0.1, 0.2, 0.3, 9.0, 9.0, 9.0];
+        retract(&images, &mut x);
+        assert_eq!(x, [0.1, 0.2, 0.3, -0.1, 0.2, 0.3]);
+    }
+}

@@ -26,6 +26,8 @@ const SOME: usize = 500;
 const ROUNDS: usize = 4;
 /// Tolerances within which a candidate is worth refining.
 const ROUGHLY: f64 = 6.0;
+/// Cosine of the angle between axes beyond which they are one.
+const SAME_AXIS: f64 = 0.9999;
 
 /// Where a group lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,8 +57,6 @@ pub(super) struct Found {
     pub group: Group,
     /// Whether every rotation about the axis is one.
     pub revolution: bool,
-    /// Largest distance of a vertex's image to the surface.
-    pub distance: f64,
 }
 
 /// What a surface allows about one axis.
@@ -72,24 +72,22 @@ struct About {
 /// planes if there is nothing else; lengths in the surface's unit.
 pub(super) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>, Option<u32>) {
     let search = Search::new(surface, tolerance);
-    let about: Vec<About> = (search.axes().into_iter())
+    let mut about: Vec<About> = (search.axes().into_iter())
         .map(|axis| search.about(axis))
         .collect();
-    let with_mirrors = about.iter().filter(|a| a.mirrors);
-    let best = with_mirrors.max_by_key(|a| {
-        let turns = if a.revolution { u32::MAX / 8 } else { a.turns };
-        turns * (1 + u32::from(a.level))
-    });
-    let turns = about.iter().map(|a| a.turns).max().filter(|n| *n > 1);
-    let found = best.map(|a| Found {
+    about.sort_by_key(About::rank);
+    let mut with_mirrors = about.iter().rev().filter(|a| a.mirrors);
+    // Only some vertices have been looked at.
+    let fits = |a: &&About| search.distance(&a.frame, &a.generators(), usize::MAX) <= tolerance;
+    let found = with_mirrors.find(fits).map(|a| Found {
         frame: a.frame,
         group: Group {
             rotations: a.turns,
             level: a.level,
         },
         revolution: a.revolution,
-        distance: search.distance(&a.frame, &a.generators(), usize::MAX),
     });
+    let turns = about.iter().map(|a| a.turns).max().filter(|n| *n > 1);
     (found, turns)
 }
 
@@ -101,6 +99,12 @@ pub(super) fn distance(surface: &TriangleSurface, frame: &Frame, group: Group) -
 }
 
 impl About {
+    /// The more elements the later.
+    fn rank(&self) -> u32 {
+        let turns = if self.revolution { u32::MAX / 8 } else { self.turns };
+        turns * (1 + u32::from(self.level))
+    }
+
     fn generators(&self) -> Vec<Matrix3<f64>> {
         let mut maps = Vec::new();
         if self.mirrors {
@@ -123,19 +127,17 @@ struct Search<'a> {
     boundary: Option<BoundaryCurve>,
     tolerance: f64,
     centroid: Vec3,
-    /// Centres and areas of the triangles.
+    /// Centres and doubled areas of the triangles.
     triangles: Vec<(Vec3, f64)>,
 }
 
 impl<'a> Search<'a> {
     fn new(surface: &'a TriangleSurface, tolerance: f64) -> Self {
         let triangle = |f| {
-            let corners = surface.corners(f);
-            let middles = [0, 1, 2].map(|k| (corners[k] + corners[(k + 1) % 3]) * 0.5);
-            // Middles of the sides integrate quadratic functions exactly.
-            middles.map(|m| (m, surface.area_vector(f).norm() / 6.0))
+            let middle = surface.corners(f).iter().sum::<Vec3>() / 3.0;
+            (middle, surface.area_vector(f).norm())
         };
-        let triangles: Vec<(Vec3, f64)> = surface.topology().faces().flat_map(triangle).collect();
+        let triangles: Vec<(Vec3, f64)> = surface.topology().faces().map(triangle).collect();
         let area: f64 = triangles.iter().map(|t| t.1).sum();
         let sum: Vec3 = triangles.iter().map(|(p, a)| p * *a).sum();
         Self {
@@ -298,12 +300,12 @@ impl<'a> Search<'a> {
             about.frame = self.refined(&about.frame, &maps);
         }
         let simple = self.simplified(&about.frame);
-        let [now, then] = [&about.frame, &simple].map(|f| self.distance(f, &maps, usize::MAX));
+        let [now, then] = [&about.frame, &simple].map(|f| self.distance(f, &maps, SOME));
         if then <= self.tolerance && then <= 1.5 * now + 0.1 * self.tolerance {
             about.frame = simple;
         }
         let fits = |map: &Matrix3<f64>| {
-            self.distance(&about.frame, std::slice::from_ref(map), usize::MAX) <= self.tolerance
+            self.distance(&about.frame, std::slice::from_ref(map), SOME) <= self.tolerance
         };
         about.mirrors &= fits(&reflection(Vec3::y()));
         about.level &= fits(&reflection(Vec3::z()));

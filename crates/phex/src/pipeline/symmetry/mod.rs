@@ -21,21 +21,27 @@ mod target;
 mod unfold;
 
 pub use choice::Symmetry;
+pub(super) use quotient::irregular_panels;
 pub use unfold::{Isometry, Orbits};
 
 use super::domain::Ground;
 use super::field::LatticeFreedom;
 use super::preview::LaidOut;
 use super::sized::mean_length;
-use super::{Candidate, Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels};
-use crate::optimise;
+use super::{
+    Candidate, Clock, Effort, MeshOptions, MeshRun, PipelineError, Statistics, between_panels,
+};
+use crate::optimise::{self, BoundaryHold, Quotient};
 use crate::progress::Event;
-use crate::smooth_surface;
+use crate::quality::{Judge, References};
+use crate::search::{AreaField, Site, search};
+use crate::smooth_surface::{self, boundary_corners};
 use crate::trim::Boundary;
 use find::Found;
 use group::Group;
 use nalgebra::Matrix3;
-use phex_mesh::TriangleSurface;
+use phex_mesh::{HexMesh, TriangleSurface, Vec3};
+use phex_numeric::Outcome;
 use quotient::WholePanels;
 use serde::Serialize;
 use target::FoldedTarget;
@@ -63,6 +69,16 @@ pub struct SymmetrySummary {
     pub operations: Vec<Isometry>,
 }
 
+impl SymmetrySummary {
+    /// What was found, in words.
+    pub fn sentence(&self) -> String {
+        format!(
+            "symmetry {}: the surface has {} images of itself, to {:.1e} of its diagonal (at most {:.0e}); {} panels differ",
+            self.group, self.order, self.distance_rel, self.tolerance_rel, self.distinct_panels
+        )
+    }
+}
+
 /// A symmetric mesh of a normalised surface; `None` where there is no group to use, or panels
 /// can't follow it, which is said.
 ///
@@ -73,6 +89,20 @@ pub(super) fn mesh_with_panels(
     options: &MeshOptions,
     clock: &mut Clock<'_>,
 ) -> Result<Option<MeshRun>, PipelineError> {
+    let progress = clock.progress;
+    let asked = options.symmetry;
+    // What is asked for by name is had or refused; what is only welcome is done without.
+    let without = |reason: String| match asked {
+        Symmetry::Auto => {
+            let message = format!("panels are not symmetric: {reason}");
+            progress.report(&Event::Note { message });
+            Ok(None)
+        }
+        _ => Err(PipelineError::Symmetry { asked, reason }),
+    };
+    if let Some(reason) = not_symmetric(options) {
+        return without(reason.to_owned());
+    }
     let density = options.cell_density.max(options.field_density);
     let vertices = (density * panels as f64) as usize;
     let smooth = clock.stage("target", || {
@@ -80,33 +110,59 @@ pub(super) fn mesh_with_panels(
     })?;
     let whole = smooth.finest();
     let (found, turns) = clock.stage("symmetry", || find::find(whole, SYMMETRY_TOLERANCE))?;
-    let progress = clock.progress;
-    let say = |message: String| progress.report(&Event::Note { message });
     let Some(found) = found else {
-        if let Some(n) = turns {
-            say(format!(
-                "the surface has a rotation of order {n} without mirror planes, which panels do not follow"
-            ));
-        }
-        return Ok(None);
+        let share = 100.0 * SYMMETRY_TOLERANCE;
+        return without(match turns {
+            Some(n) => format!(
+                "the surface has a rotation of order {n} and no mirror plane, and panels follow mirror planes alone"
+            ),
+            None => format!("the surface has no mirror plane within {share} % of its diagonal"),
+        });
     };
-    let group = used(&found, whole, panels, options.symmetry);
+    let group = match used(&found, whole, panels, asked) {
+        Ok(group) => group,
+        Err(reason) => return without(reason),
+    };
     let domain = DomainPanels::new(whole, &found, group, panels, options);
     match domain.and_then(|d| d.mesh(&found, whole, clock)) {
         Ok(mut run) => {
             run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
             run.statistics.panels_asked = panels;
+            let message = run.statistics.symmetry.as_ref().map(SymmetrySummary::sentence);
+            message.into_iter().for_each(|message| progress.report(&Event::Note { message }));
             Ok(Some(run))
         }
         Err(Failed::Pipeline(error)) => Err(error),
         Err(Failed::Symmetry(reason)) => {
-            say(format!(
-                "the surface has the symmetry {}, but {reason}",
-                group.name()
-            ));
-            Ok(None)
+            without(format!("with the symmetry {} {reason}", group.name()))
         }
     }
+}
+
+/// What keeps panels from following the symmetries of a surface, whichever it has.
+fn not_symmetric(options: &MeshOptions) -> Option<&'static str> {
+    let guides = &options.directions.guides;
+    let lines = !guides.lines.is_empty() || !guides.cones.is_empty();
+    let reasons = [
+        (
+            options.boundary != Boundary::Snap,
+            "panels that are cut at the boundary or stick out of it are not laid out between mirror planes; the boundary can be `snap`",
+        ),
+        (
+            lines,
+            "guide lines and cones hold for the whole surface and not for its parts",
+        ),
+        (
+            !options.steering.is_empty(),
+            "held vertices hold for the whole surface and not for its parts",
+        ),
+        (
+            options.size_field.is_some(),
+            "a field of sizes holds for the whole surface and not for its parts",
+        ),
+    ];
+    let reason = reasons.into_iter().find(|(is_set, _)| *is_set);
+    reason.map(|(_, reason)| reason)
 }
 
 /// Why there is no symmetric mesh.
@@ -124,22 +180,37 @@ impl<E: Into<PipelineError>> From<E> for Failed {
 }
 
 /// The part of the group that panels follow.
-fn used(found: &Found, surface: &TriangleSurface, panels: usize, wanted: Symmetry) -> Group {
+///
+/// # Errors
+/// What the surface has instead of what is wanted.
+fn used(
+    found: &Found,
+    surface: &TriangleSurface,
+    panels: usize,
+    wanted: Symmetry,
+) -> Result<Group, String> {
+    let all = found.group.rotations;
     let rotations = match wanted {
         Symmetry::Mirror => {
-            return Group {
+            return Ok(Group {
                 rotations: 1,
                 level: false,
-            };
+            });
         }
-        Symmetry::Turns(n) => n,
+        Symmetry::Turns(n) if found.revolution || all.is_multiple_of(n) => n,
+        Symmetry::Turns(n) => {
+            return Err(format!(
+                "the surface has the symmetry {}, and no rotation of order {n}",
+                found.group.name()
+            ));
+        }
         _ if found.revolution => turns_of_revolution(found, surface, panels),
-        _ => found.group.rotations,
+        _ => all,
     };
-    Group {
+    Ok(Group {
         rotations,
         level: found.group.level,
-    }
+    })
 }
 
 /// Panels round a surface of revolution for each of its rotations.
@@ -148,7 +219,7 @@ const PANELS_A_TURN: f64 = 4.0;
 /// The order of rotation for a surface of revolution: six where the axis meets the surface, for a
 /// hexagon there, else so that few panels lie in each part.
 fn turns_of_revolution(found: &Found, surface: &TriangleSurface, panels: usize) -> u32 {
-    let radius = |p: &phex_mesh::Vec3| found.frame.inside(*p).xy().norm();
+    let radius = |p: &Vec3| found.frame.inside(*p).xy().norm();
     let radii: Vec<f64> = surface.positions().iter().map(radius).collect();
     let length = mean_length(surface, panels);
     let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
@@ -187,7 +258,7 @@ impl DomainPanels {
         let walls = group.walls();
         let sides = surface.topology().edges().filter(|e| {
             let ends = surface.topology().edge_vertices(*e);
-            let on = |n: &phex_mesh::Vec3| {
+            let on = |n: &Vec3| {
                 ends.iter()
                     .all(|v| n.dot(&surface.positions()[*v]).abs() < 1e-9)
             };
@@ -241,7 +312,95 @@ impl DomainPanels {
                 progress,
             )
         })?;
-        self.assembled(found, whole, &parts, &optimised, clock)
+        let mesh = self.finished(
+            &parts,
+            optimised.mesh.clone(),
+            &target,
+            ground,
+            &laid,
+            clock,
+        )?;
+        let quotient = quotient::quotient_of(&mesh, self.group).map_err(Failed::Symmetry)?;
+        let statistics = Statistics {
+            layout: laid.drawn.placed.statistics,
+            factorisations: optimised.runs.iter().map(|r| r.factorisations).sum(),
+            runs: optimised.runs.clone(),
+            ..Statistics::empty()
+        };
+        self.assembled(
+            found,
+            whole,
+            (&mesh, &quotient),
+            statistics,
+            optimised.outcome,
+            clock,
+        )
+    }
+
+    /// Panels brought to the boundary, and searched.
+    fn finished(
+        &self,
+        parts: &WholePanels,
+        mesh: HexMesh,
+        target: &FoldedTarget<'_>,
+        ground: &Ground,
+        laid: &LaidOut,
+        clock: &mut Clock<'_>,
+    ) -> Result<HexMesh, Failed> {
+        let (options, walls) = (&self.options, self.group.walls());
+        let reported = ground.reported(&laid.fine.surface);
+        let facets = ground.given_facets();
+        let references = References {
+            smooth: Some(reported),
+            facets: Some(facets),
+            ..References::default()
+        };
+        let judge = Judge::new(reported, references, options.limits());
+        let corners: Vec<Vec3> =
+            boundary_corners(reported, options.target.corner_angle.to_radians())
+                .into_iter()
+                .map(|v| reported.positions()[v])
+                .filter(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9))
+                .collect();
+        let hold = target.boundary().map(|curves| BoundaryHold {
+            curves,
+            corners: &corners,
+        });
+        let site = Site {
+            judge: &judge,
+            close_to: reported,
+            hold,
+            mirrors: &walls,
+            areas: Some(AreaField {
+                surface: &laid.fine.surface,
+                wish: &laid.fine.wish,
+            }),
+            options: &options.optimise,
+        };
+        let progress = clock.progress;
+        let mut now = mesh;
+        if let Some(hold) = &site.hold {
+            let next = clock.timed("optimise", || {
+                optimise::onto_boundary(
+                    &now,
+                    target,
+                    hold,
+                    &parts.quotient,
+                    &options.optimise,
+                    progress,
+                )
+            })?;
+            let next = next.map(|n| n.mesh);
+            let better =
+                |next: &HexMesh| site.judged(next).merit.invalid <= site.judged(&now).merit.invalid;
+            if let Some(next) = next.filter(better) {
+                now = next;
+            }
+        }
+        if options.effort != Effort::Draft && !progress.is_cancelled() {
+            now = clock.timed("search", || search(now, &site, progress)).mesh;
+        }
+        Ok(now)
     }
 
     /// The part and all its images, normalised.
@@ -249,13 +408,14 @@ impl DomainPanels {
         &self,
         found: &Found,
         whole: &TriangleSurface,
-        parts: &WholePanels,
-        optimised: &optimise::Optimised,
+        (part, quotient): (&HexMesh, &Quotient),
+        statistics: Statistics,
+        outcome: Outcome,
         clock: &mut Clock<'_>,
     ) -> Result<MeshRun, Failed> {
         let elements = self.group.elements();
-        let all = unfolded(parts, &optimised.mesh, &elements)
-            .map_err(|e| Failed::Symmetry(e.to_string()))?;
+        let all =
+            unfolded(quotient, part, &elements).map_err(|e| Failed::Symmetry(e.to_string()))?;
         let frame = &found.frame;
         let positions = all.mesh.positions.map(|p| frame.outside(p * self.scale));
         let operation = |e: &Matrix3<f64>| {
@@ -268,10 +428,8 @@ impl DomainPanels {
             panels: all.panels,
         };
         let mesh = all.mesh.with_positions(positions);
-        let distinct = optimised.mesh.topology().n_faces();
+        let distinct = part.topology().n_faces();
         let statistics = Statistics {
-            factorisations: optimised.runs.iter().map(|r| r.factorisations).sum(),
-            runs: optimised.runs.clone(),
             symmetry: Some(SymmetrySummary {
                 group: self.group.name(),
                 order: self.group.order(),
@@ -281,7 +439,7 @@ impl DomainPanels {
                 distinct_panels: distinct,
                 operations: orbits.operations.clone(),
             }),
-            ..Statistics::empty()
+            ..statistics
         };
         let target = whole.clone();
         Ok(MeshRun {
@@ -290,7 +448,7 @@ impl DomainPanels {
             mesh,
             target,
             beyond: None,
-            outcome: optimised.outcome.clone(),
+            outcome,
             statistics,
             orbits: Some(orbits),
             stages: std::mem::take(&mut clock.stages),

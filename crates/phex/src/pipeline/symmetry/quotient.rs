@@ -7,13 +7,15 @@
 //! in the plane. Two whole panels would meet their images in a corner of four, so one of them is
 //! taken as a half.
 
-use super::group::{Group, in_walls, number_of, reflection};
+use super::group::{Group, folded, in_walls, number_of, reflection};
+use crate::directions::MirrorPlane;
 use crate::layout::lattice::CELL;
 use crate::layout::{Layout, VertexKind};
 use crate::optimise::{Image, Quotient};
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// Distance from a mirror plane, panel lengths, within which a vertex of the boundary lies in it.
 const IN_PLANE: f64 = 0.05;
@@ -50,6 +52,32 @@ pub(super) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, St
         })
         .collect();
     Ok(parts.finished(rings?, &halves))
+}
+
+/// Panels of a domain's layout, with those at its mirror planes whole, that are no hexagons; at the
+/// open boundary any panel will do.
+pub(in crate::pipeline) fn irregular_panels(layout: &Layout, mirrors: &[MirrorPlane]) -> usize {
+    let walls: Vec<Vec3> = mirrors.iter().map(|m| m.normal.into()).collect();
+    let cells = Cells::new(layout, &walls);
+    let halves = cells.halves();
+    let topology = cells.topology;
+    let irregular = |f: &FaceId| {
+        let ring = topology.face_vertices(*f);
+        let n = ring.len();
+        let is_open = |i: usize| {
+            let [a, b] = [ring[i], ring[(i + 1) % n]];
+            let on_boundary = [a, b].iter().all(|v| topology.is_boundary_vertex(*v));
+            on_boundary && cells.on[a] & cells.on[b] == 0
+        };
+        if (0..n).any(is_open) {
+            return false;
+        }
+        match halves[*f] {
+            false => cells.corners_of_whole(*f).len() != 6,
+            true => cells.half(*f, &halves).is_ok_and(|h| h.corners() != 6),
+        }
+    };
+    topology.faces().filter(irregular).count()
 }
 
 struct Cells<'a> {
@@ -136,6 +164,79 @@ impl<'a> Cells<'a> {
         let kept = (0..n).filter(|i| !between(*i));
         kept.map(|i| ring[i].index() as u32).collect()
     }
+
+    /// A cell that is a part of a panel.
+    fn half(&self, f: FaceId, halves: &PerFace<bool>) -> Result<Half, String> {
+        let ring = self.topology.face_vertices(f);
+        let n = ring.len();
+        let in_wall = |i: usize| self.on[ring[i % n]] & self.on[ring[(i + 1) % n]];
+        let begins = |i: &usize| in_wall(*i) != 0 && in_wall(i + n - 1) == 0;
+        let starts: Vec<usize> = (0..n).filter(begins).collect();
+        let [first] = starts[..] else {
+            return Err("a panel would reach from one mirror plane to another".into());
+        };
+        let last = (first..first + n).find(|i| in_wall(*i) == 0);
+        let last = last.ok_or("a panel has no edge inside")?;
+        let single = |bits: u32| match bits.count_ones() {
+            1 => Ok(bits.trailing_zeros() as usize),
+            _ => Err("a panel has an edge on an axis".to_owned()),
+        };
+        let walls = [single(in_wall(first))?, single(in_wall(last + n - 1))?];
+        let copies = match walls[0] == walls[1] {
+            true => 2,
+            false => {
+                let [a, b] = walls.map(|k| self.walls[k]);
+                (2.0 * PI / (PI - a.angle(&b))).round() as usize
+            }
+        };
+        let free = last + 1..first + n;
+        let ends = [first, last].map(|i| ring[i % n]);
+        Ok(Half {
+            free: free.map(|i| ring[i % n].index() as u32).collect(),
+            ends: ends.map(|v| self.is_corner(v, f, halves).then_some(v.index() as u32)),
+            walls,
+            copies,
+        })
+    }
+
+    /// Whether the end of a cell's side in a wall is a corner of the panel.
+    fn is_corner(&self, v: VertexId, f: FaceId, halves: &PerFace<bool>) -> bool {
+        let mut around = self.topology.outgoing(v).map(|h| self.topology.face(h));
+        if let Some(g) = around.find(|g| *g != f) {
+            return !halves[g];
+        }
+        // The end of the wall: a corner where the boundary has one.
+        let ring = self.topology.face_vertices(f);
+        let n = ring.len();
+        let i = ring.iter().position(|w| *w == v).unwrap_or(0);
+        let beside = [ring[(i + 1) % n], ring[(i + n - 1) % n]];
+        let open = beside.iter().find(|w| self.on[**w] & self.on[v] == 0);
+        let normal = self.walls[self.on[v].trailing_zeros() as usize];
+        open.is_some_and(|w| {
+            let along = self.layout.mesh.position(*w) - self.layout.mesh.position(v);
+            (along - normal * normal.dot(&along)).norm() > SQUARE * along.norm()
+        })
+    }
+}
+
+/// A cell that is a part of a panel.
+struct Half {
+    /// Its corners in no wall, counter-clockwise.
+    free: Vec<u32>,
+    /// Corners of the panel in the wall where the walls begin, and where they end.
+    ends: [Option<u32>; 2],
+    /// Those walls.
+    walls: [usize; 2],
+    /// How many copies make up the panel.
+    copies: usize,
+}
+
+impl Half {
+    /// Corners of the panel.
+    fn corners(&self) -> usize {
+        let joints = self.ends.iter().flatten().count();
+        self.copies * self.free.len() + self.copies / 2 * joints
+    }
 }
 
 /// An image of a vertex in the making.
@@ -192,93 +293,26 @@ impl WholeParts<'_> {
 
     /// The corners of the panel of which a cell is a part.
     fn whole(&mut self, f: FaceId, halves: &PerFace<bool>) -> Result<Vec<u32>, String> {
-        let cells = self.cells;
-        let ring = cells.topology.face_vertices(f);
-        let n = ring.len();
-        let on = |i: usize| cells.on[ring[i % n]];
-        let in_wall = |i: usize| on(i) & on(i + 1) != 0;
-        // The side after which the walls begin.
-        let starts: Vec<usize> = (0..n)
-            .filter(|i| in_wall(*i) && !in_wall(i + n - 1))
-            .collect();
-        let [start] = starts[..] else {
-            return Err("a panel would reach from one mirror plane to another".into());
-        };
-        let last = (start..start + n)
-            .find(|i| !in_wall(*i))
-            .ok_or("a panel has no edge inside")?;
-        let first_wall = self.single(on(start) & on(start + 1))?;
-        let last_wall = self.single(on(last) & on(last + n - 1))?;
-        let free: Vec<u32> = (last + 1..start + n)
-            .map(|i| ring[i % n].index() as u32)
-            .collect();
-        let ends = [last, start].map(|i| ring[i % n]);
-        let ends = ends.map(|v| self.is_corner(v, f, halves).then_some(v.index() as u32));
-        let maps = [first_wall, last_wall].map(|k| reflection(cells.walls[k]));
-        let copies = match first_wall == last_wall {
-            true => 2,
-            false => {
-                let angle =
-                    std::f64::consts::PI - cells.walls[first_wall].angle(&cells.walls[last_wall]);
-                (2.0 * std::f64::consts::PI / angle).round() as usize
-            }
-        };
+        let half = self.cells.half(f, halves)?;
+        let maps = half.walls.map(|k| reflection(self.cells.walls[k]));
         let mut corners = Vec::new();
         let mut map = Matrix3::identity();
-        for copy in 0..copies {
+        for copy in 0..half.copies {
             let forward = copy % 2 == 0;
             let order: Vec<u32> = match forward {
-                true => free.clone(),
-                false => free.iter().rev().copied().collect(),
+                true => half.free.clone(),
+                false => half.free.iter().rev().copied().collect(),
             };
-            for v in order {
-                corners.push(self.image(v, &map)?);
-            }
             // Where one copy ends the next begins, in the wall of the cell's first or last side.
-            let joint = if forward { ends[1] } else { ends[0] };
-            if let Some(v) = joint {
+            let joint = half.ends[usize::from(!forward)];
+            for v in order.into_iter().chain(joint) {
                 corners.push(self.image(v, &map)?);
             }
             map *= maps[usize::from(!forward)];
         }
-        if corners.len() < 3 {
-            return Err("a panel at a mirror plane has fewer than three corners".into());
-        }
-        Ok(corners)
-    }
-
-    /// The wall that its bit names.
-    fn single(&self, bits: u32) -> Result<usize, String> {
-        match bits.count_ones() {
-            1 => Ok(bits.trailing_zeros() as usize),
-            _ => Err("a panel has an edge on an axis".into()),
-        }
-    }
-
-    /// Whether the end of a cell's side in a wall is a corner of the panel.
-    fn is_corner(&self, v: VertexId, f: FaceId, halves: &PerFace<bool>) -> bool {
-        let cells = self.cells;
-        let mut others = cells
-            .topology
-            .outgoing(v)
-            .map(|h| cells.topology.face(h))
-            .filter(|g| *g != f);
-        match others.next() {
-            Some(g) => !halves[g],
-            // The end of the wall: a corner where the boundary has one.
-            None => {
-                let ring = cells.topology.face_vertices(f);
-                let n = ring.len();
-                let i = ring.iter().position(|w| *w == v).unwrap_or(0);
-                let beside = [ring[(i + 1) % n], ring[(i + n - 1) % n]];
-                let open = beside.iter().find(|w| cells.on[**w] & cells.on[v] == 0);
-                let wall = cells.on[v].trailing_zeros() as usize;
-                open.is_some_and(|w| {
-                    let along = cells.layout.mesh.position(*w) - cells.layout.mesh.position(v);
-                    let normal = cells.walls[wall];
-                    (along - normal * normal.dot(&along)).norm() > SQUARE * along.norm()
-                })
-            }
+        match corners.len() {
+            0..3 => Err("a panel at a mirror plane has fewer than three corners".into()),
+            _ => Ok(corners),
         }
     }
 
@@ -349,4 +383,41 @@ impl WholeParts<'_> {
             quotient,
         }
     }
+}
+
+/// What is no unknown in a mesh that symmetry has made whole, by where its vertices lie: after a
+/// search they have other numbers.
+///
+/// # Errors
+/// If an image has no source.
+pub(super) fn quotient_of(mesh: &HexMesh, group: Group) -> Result<Quotient, String> {
+    let (walls, elements) = (group.walls(), group.elements());
+    let near = 1e-9 * mesh.diagonal();
+    let inside = |p: &Vec3| walls.iter().all(|n| n.dot(p) > -near);
+    let mut order: Vec<(f64, u32)> = (mesh.positions.enumerate())
+        .filter(|(_, p)| inside(p))
+        .map(|(v, p)| (p.x, v.index() as u32))
+        .collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let at = |p: Vec3| {
+        let first = order.partition_point(|o| o.0 < p.x - near);
+        let close = order[first..].iter().take_while(|o| o.0 <= p.x + near);
+        let same = |v: &u32| (mesh.position(VertexId::new(*v)) - p).norm() <= 2.0 * near;
+        close.map(|o| o.1).find(same)
+    };
+    let mut quotient = Quotient::default();
+    for (v, p) in mesh.positions.enumerate() {
+        let number = v.index() as u32;
+        if inside(p) {
+            let wall = walls.iter().find(|n| n.dot(p).abs() <= near);
+            quotient.mirrored.extend(wall.map(|n| (number, *n)));
+            continue;
+        }
+        let (folded, back) = folded(&walls, *p);
+        let source = at(folded).ok_or("a panel at a mirror plane has lost its image")?;
+        let element = number_of(&elements, &back).ok_or("a map is none of the group")?;
+        let map = elements[element];
+        quotient.images.insert(number, Image { source, map });
+    }
+    Ok(quotient)
 }

@@ -27,6 +27,11 @@ impl<'a> FoldedTarget<'a> {
         }
     }
 
+    /// The boundary without what lies in mirror planes.
+    pub(super) fn boundary(&self) -> Option<&BoundaryCurve> {
+        self.boundary.as_ref()
+    }
+
     fn all_folded(&self, points: &[Vec3]) -> (Vec<Vec3>, Vec<Matrix3<f64>>) {
         points.iter().map(|p| folded(&self.walls, *p)).unzip()
     }

@@ -1,7 +1,7 @@
 //! A panelling and all its images as one mesh.
 
 use super::group::number_of;
-use super::quotient::WholePanels;
+use crate::optimise::Quotient;
 use crate::smooth_surface::Similarity;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerVertex, TopologyError, Vec3};
@@ -96,12 +96,12 @@ pub(super) struct Unfolded {
 /// # Errors
 /// If that is no manifold.
 pub(super) fn unfolded(
-    whole: &WholePanels,
+    quotient: &Quotient,
     mesh: &HexMesh,
     elements: &[Matrix3<f64>],
 ) -> Result<Unfolded, TopologyError> {
     let topology = mesh.topology();
-    let mut orbits = VertexOrbits::new(whole, mesh, elements);
+    let mut orbits = VertexOrbits::new(quotient, mesh, elements);
     let mut known: BTreeSet<Vec<u32>> = BTreeSet::new();
     let (mut faces, mut panels) = (Vec::new(), Vec::new());
     for (g, map) in elements.iter().enumerate() {
@@ -146,9 +146,9 @@ struct VertexOrbits {
 }
 
 impl VertexOrbits {
-    fn new(whole: &WholePanels, mesh: &HexMesh, elements: &[Matrix3<f64>]) -> Self {
+    fn new(quotient: &Quotient, mesh: &HexMesh, elements: &[Matrix3<f64>]) -> Self {
         let count = mesh.positions.len();
-        let images = &whole.quotient.images;
+        let images = &quotient.images;
         let near = 1e-9 * mesh.diagonal();
         let source = (0..count as u32).map(|v| match images.get(&v) {
             Some(image) => (image.source, number_of(elements, &image.map).unwrap_or(0)),
@@ -158,7 +158,7 @@ impl VertexOrbits {
         let fixes = |v: usize, e: &Matrix3<f64>| (e * place[v] - place[v]).norm() < near;
         let fixing = (0..count).map(|v| {
             let all = 0..elements.len();
-            match whole.quotient.mirrored.contains_key(&(v as u32)) {
+            match quotient.mirrored.contains_key(&(v as u32)) {
                 true => all.filter(|g| fixes(v, &elements[*g])).collect(),
                 false => vec![0],
             }
