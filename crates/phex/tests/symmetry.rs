@@ -48,7 +48,9 @@ fn check(run: &MeshRun, group: &str, order: u32) {
     assert!(run.is_sound(), "{group}: {:?}", run.violations);
     let (topology, orbits) = (run.mesh.topology(), run.orbits.as_ref().unwrap());
     assert!(measure(&run.mesh).planarity.max <= 1e-12);
-    let inner = topology.vertices().filter(|v| !topology.is_boundary_vertex(*v));
+    let inner = topology
+        .vertices()
+        .filter(|v| !topology.is_boundary_vertex(*v));
     assert!(inner.into_iter().all(|v| topology.face_degree(v) == 3));
     let place = |v: u32| run.mesh.position(VertexId::new(v));
     assert_eq!(orbits.operations.len() as u32, order);
@@ -77,8 +79,7 @@ fn check(run: &MeshRun, group: &str, order: u32) {
         };
         let images: Vec<u32> = (0..topology.n_vertices() as u32).map(image).collect();
         for f in 0..topology.n_faces() {
-            let mut corners: Vec<u32> =
-                ring(run, f).iter().map(|v| images[*v as usize]).collect();
+            let mut corners: Vec<u32> = ring(run, f).iter().map(|v| images[*v as usize]).collect();
             corners.sort_unstable();
             assert!(all.contains(&corners), "panel {f} has no image");
         }
@@ -114,7 +115,12 @@ fn two_mirror_planes_of_a_dome_are_found_on_irregular_triangles() {
 
 #[test]
 fn mirror_images_about_coordinate_planes_differ_in_a_sign() {
-    let run = meshed(&surface("elliptic-paraboloid", &[], 0.0), 100, Symmetry::Auto).unwrap();
+    let run = meshed(
+        &surface("elliptic-paraboloid", &[], 0.0),
+        100,
+        Symmetry::Auto,
+    )
+    .unwrap();
     for operation in &run.orbits.unwrap().operations {
         assert_eq!(operation.shift, [0.0; 3]);
         let entries = operation.rows.as_flattened().iter();
@@ -168,7 +174,12 @@ fn what_a_surface_does_not_have_is_refused_by_name() {
         ..Default::default()
     };
     let refused = mesh_surface(&dome, &options, &Silent).map(|_| ());
-    assert!(refused.unwrap_err().to_string().contains("boundary can be `snap`"));
+    assert!(
+        refused
+            .unwrap_err()
+            .to_string()
+            .contains("boundary can be `snap`")
+    );
 }
 
 #[test]
@@ -176,5 +187,8 @@ fn surfaces_without_symmetry_are_meshed_as_without_the_option() {
     let free = surface("b-spline", &[], 0.0);
     let [plain, auto] = [Symmetry::None, Symmetry::Auto].map(|s| meshed(&free, 60, s).unwrap());
     assert!(auto.statistics.symmetry.is_none() && auto.orbits.is_none());
-    assert_eq!(plain.mesh.positions.as_slice(), auto.mesh.positions.as_slice());
+    assert_eq!(
+        plain.mesh.positions.as_slice(),
+        auto.mesh.positions.as_slice()
+    );
 }

@@ -87,6 +87,12 @@ pub(crate) fn multiplicity(surface: &TriangleSurface, mirrors: &[MirrorPlane]) -
     })
 }
 
+/// Twelfths of a turn by which a field that is symmetric about two mirror planes turns between them
+/// where they meet: the angle between them rounded, never 0. `count` is the [`multiplicity`] there.
+pub(crate) fn twelfths_between(count: u32) -> f64 {
+    (12.0 / f64::from(count) - 1e-6).round().max(1.0)
+}
+
 /// Angle, radians, by which a straight side may turn in all.
 const STRAIGHT: f64 = 0.05;
 

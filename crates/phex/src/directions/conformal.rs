@@ -28,9 +28,8 @@ pub(crate) fn log_factor(
             // Half of what the vertex and its image are short of a whole turn.
             (Some(_), 2) => rhs[v] += PI,
             // A part of a cone, its lattice symmetric about both sides.
-            (Some(_), _) => {
-                let steps = (mesh.angle_sum[v] / FRAC_PI_6).round().max(1.0);
-                rhs[v] = mesh.angle_sum[v] - steps * FRAC_PI_6;
+            (Some(_), count) => {
+                rhs[v] = mesh.angle_sum[v] - boundary::twelfths_between(count) * FRAC_PI_6;
             }
         }
     }

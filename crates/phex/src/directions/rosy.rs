@@ -8,6 +8,7 @@ use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use std::collections::BTreeMap;
 
 /// Symmetry of the field.
 const N: f64 = 6.0;
@@ -78,7 +79,8 @@ pub(crate) fn field(
     };
     let smooth = Cholesky::again(factor.take(), &stiffness(1.0, 0.0)?, 2)?;
     let mut u = solve(&smooth, |i| source[i], source.len());
-    draw_to_mirrors(&mut source, &free, &mirrored);
+    let meeting = classes_at_axes(topology, mesh, &u, &mirrored);
+    draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
     let polish = Cholesky::again(Some(smooth), &stiffness(POLISH_TIME, 1.0)?, 2)?;
     let steps = match mirrored.iter().any(Option::is_some) {
         true => MIRROR_STEPS,
@@ -92,7 +94,7 @@ pub(crate) fn field(
             unit.len(),
         );
         source.copy_from_slice(&free);
-        draw_to_mirrors(&mut source, &u, &mirrored);
+        draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
     }
     *factor = Some(polish);
     Ok(SixFoldField {
@@ -130,12 +132,72 @@ fn draw_to_mirrors(
     source: &mut [Complex<f64>],
     field: &[Complex<f64>],
     mirrored: &PerVertex<Option<BoundaryFrame>>,
+    meeting: &BTreeMap<VertexId, f64>,
 ) {
-    for (i, frame) in mirrored.iter().enumerate() {
+    for (v, frame) in mirrored.enumerate() {
         let Some(frame) = frame else { continue };
-        let along = (field[i].conj() * frame.alignment).re;
-        let sign = if along < 0.0 { -1.0 } else { 1.0 };
-        source[i] += frame.alignment * (sign * MIRROR_ALIGNMENT * frame.length);
+        let along = (field[v.index()].conj() * frame.alignment).re;
+        let nearer = if along < 0.0 { -1.0 } else { 1.0 };
+        let sign = meeting.get(&v).copied().unwrap_or(nearer);
+        source[v.index()] += frame.alignment * (sign * MIRROR_ALIGNMENT * frame.length);
+    }
+}
+
+/// Distance from the place where two mirror planes meet, lattice spacings, up to which that place
+/// decides which way rows run.
+const AT_AXIS: f64 = 1.2;
+
+/// Which way rows run beside the places where two mirror planes meet, 1 along the plane, -1 at right
+/// angles to it. The field turns from one plane to the other by a multiple of a twelfth of a turn,
+/// so that a panel closes there: an odd one if rows run along one of the planes alone. Of the
+/// multiples the one nearest to the angle is taken, 0 excepted.
+fn classes_at_axes(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    field: &[Complex<f64>],
+    mirrored: &PerVertex<Option<BoundaryFrame>>,
+) -> BTreeMap<VertexId, f64> {
+    let mut classes = BTreeMap::new();
+    for (v, count) in mesh.multiplicity.enumerate().filter(|(_, k)| **k > 2) {
+        let sides = [true, false].map(|ahead| beside(topology, v, ahead, mirrored));
+        let [first, second] = [&sides[0], &sides[1]].map(|side| -> f64 {
+            let along = |w: &VertexId| {
+                mirrored[*w].map_or(0.0, |f| (field[w.index()].conj() * f.alignment).re)
+            };
+            side.iter().map(along).sum()
+        });
+        let is_odd = boundary::twelfths_between(*count) % 2.0 == 1.0;
+        let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+        let class = match is_odd {
+            true => [sign(first - second), -sign(first - second)],
+            false => [sign(first + second); 2],
+        };
+        for (side, class) in sides.iter().zip(class) {
+            classes.extend(side.iter().map(|w| (*w, class)));
+        }
+    }
+    classes
+}
+
+/// Vertices of the boundary on one side of `v`, up to [`AT_AXIS`] from it.
+fn beside(
+    topology: &Topology,
+    v: VertexId,
+    ahead: bool,
+    mirrored: &PerVertex<Option<BoundaryFrame>>,
+) -> Vec<VertexId> {
+    let (mut side, mut at, mut way) = (Vec::new(), v, 0.0);
+    loop {
+        let [out, back] = boundary::boundary_half_edges(topology, at);
+        at = match ahead {
+            true => topology.target(out),
+            false => topology.origin(back),
+        };
+        let Some(frame) = mirrored[at].filter(|_| way < AT_AXIS) else {
+            return side;
+        };
+        way += frame.length;
+        side.push(at);
     }
 }
 

@@ -379,7 +379,9 @@ impl WaveHold {
                 PinnedTo::HalfRow => -1.0,
                 PinnedTo::Row => 1.0,
                 PinnedTo::Column => {
-                    BOUND[wave].iter().for_each(|m| hold.weight[*m] = pin.weight);
+                    BOUND[wave]
+                        .iter()
+                        .for_each(|m| hold.weight[*m] = pin.weight);
                     hold.bonds[wave] = Plane::new(pin.weight, 0.0);
                     return hold;
                 }

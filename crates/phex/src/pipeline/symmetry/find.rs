@@ -101,7 +101,11 @@ pub(super) fn distance(surface: &TriangleSurface, frame: &Frame, group: Group) -
 impl About {
     /// The more elements the later.
     fn rank(&self) -> u32 {
-        let turns = if self.revolution { u32::MAX / 8 } else { self.turns };
+        let turns = if self.revolution {
+            u32::MAX / 8
+        } else {
+            self.turns
+        };
         turns * (1 + u32::from(self.level))
     }
 

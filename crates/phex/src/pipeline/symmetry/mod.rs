@@ -125,16 +125,26 @@ pub(super) fn mesh_with_panels(
     };
     let domain = DomainPanels::new(whole, &found, group, panels, options);
     match domain.and_then(|d| d.mesh(&found, whole, clock)) {
+        Ok(run) if asked == Symmetry::Auto && !run.is_sound() => without(format!(
+            "with the symmetry {} panels are not valid",
+            group.name()
+        )),
         Ok(mut run) => {
             run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
             run.statistics.panels_asked = panels;
-            let message = run.statistics.symmetry.as_ref().map(SymmetrySummary::sentence);
-            message.into_iter().for_each(|message| progress.report(&Event::Note { message }));
+            let message = run
+                .statistics
+                .symmetry
+                .as_ref()
+                .map(SymmetrySummary::sentence);
+            message
+                .into_iter()
+                .for_each(|message| progress.report(&Event::Note { message }));
             Ok(Some(run))
         }
         Err(Failed::Pipeline(error)) => Err(error),
         Err(Failed::Symmetry(reason)) => {
-            without(format!("with the symmetry {} {reason}", group.name()))
+            without(format!("with the symmetry {}: {reason}", group.name()))
         }
     }
 }
@@ -175,7 +185,10 @@ enum Failed {
 
 impl<E: Into<PipelineError>> From<E> for Failed {
     fn from(error: E) -> Self {
-        Self::Pipeline(error.into())
+        match error.into() {
+            PipelineError::Cancelled => Self::Pipeline(PipelineError::Cancelled),
+            error => Self::Symmetry(error.to_string()),
+        }
     }
 }
 

@@ -25,6 +25,9 @@ const HALF: f64 = 0.72;
 /// boundary has a corner there.
 const SQUARE: f64 = 0.3;
 
+/// Irregular panels that a cell counts for that can't be made a panel.
+const NO_PANEL: usize = 1000;
+
 /// A panelling of a fundamental domain with the panels at its mirror planes whole.
 pub(super) struct WholePanels {
     pub layout: Layout,
@@ -51,7 +54,7 @@ pub(super) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, St
             false => Ok(cells.corners_of_whole(f)),
         })
         .collect();
-    Ok(parts.finished(rings?, &halves))
+    parts.finished(rings?, &halves)
 }
 
 /// Panels of a domain's layout, with those at its mirror planes whole, that are no hexagons; at the
@@ -61,23 +64,25 @@ pub(in crate::pipeline) fn irregular_panels(layout: &Layout, mirrors: &[MirrorPl
     let cells = Cells::new(layout, &walls);
     let halves = cells.halves();
     let topology = cells.topology;
-    let irregular = |f: &FaceId| {
-        let ring = topology.face_vertices(*f);
+    let cost = |f: FaceId| {
+        let ring = topology.face_vertices(f);
         let n = ring.len();
         let is_open = |i: usize| {
             let [a, b] = [ring[i], ring[(i + 1) % n]];
             let on_boundary = [a, b].iter().all(|v| topology.is_boundary_vertex(*v));
             on_boundary && cells.on[a] & cells.on[b] == 0
         };
-        if (0..n).any(is_open) {
-            return false;
-        }
-        match halves[*f] {
-            false => cells.corners_of_whole(*f).len() != 6,
-            true => cells.half(*f, &halves).is_ok_and(|h| h.corners() != 6),
+        let corners = match halves[f] {
+            false => cells.corners_of_whole(f).len(),
+            true => cells.half(f, &halves).map_or(0, |h| h.corners()),
+        };
+        match corners {
+            0..3 => NO_PANEL,
+            _ if (0..n).any(is_open) => 0,
+            _ => usize::from(corners != 6),
         }
     };
-    topology.faces().filter(irregular).count()
+    topology.faces().map(cost).sum()
 }
 
 struct Cells<'a> {
@@ -316,7 +321,7 @@ impl WholeParts<'_> {
         }
     }
 
-    fn finished(self, rings: Vec<Vec<u32>>, halves: &PerFace<bool>) -> WholePanels {
+    fn finished(self, rings: Vec<Vec<u32>>, halves: &PerFace<bool>) -> Result<WholePanels, String> {
         let (cells, layout) = (self.cells, self.cells.layout);
         let count = cells.topology.n_vertices() as u32;
         let mut number: BTreeMap<u32, u32> = BTreeMap::new();
@@ -338,7 +343,8 @@ impl WholeParts<'_> {
         let faces: Vec<Vec<u32>> = (rings.iter())
             .map(|r| r.iter().map(|v| number[v]).collect())
             .collect();
-        let mesh = HexMesh::new(old.iter().map(place).collect(), &faces);
+        let mesh = HexMesh::new(old.iter().map(place).collect(), &faces)
+            .map_err(|e| format!("panels at mirror planes do not meet: {e}"))?;
         let kind = |v: &u32| match layout.vertex_kind[source(*v)] {
             kind if cells.on[source(*v)] == 0 || kind == VertexKind::BoundaryCorner => kind,
             _ => VertexKind::Interior,
@@ -370,9 +376,9 @@ impl WholeParts<'_> {
         let each = |of: &PerFace<Vec3>| {
             PerFace::from_vec(of.enumerate().map(|(f, p)| on_walls(f, *p)).collect())
         };
-        WholePanels {
+        Ok(WholePanels {
             layout: Layout {
-                mesh: mesh.expect("panels"),
+                mesh,
                 vertex_kind: PerVertex::from_vec(old.iter().map(kind).collect()),
                 face_point: each(&layout.face_point),
                 face_normal: each(&layout.face_normal).map(|n| n.normalize()),
@@ -381,7 +387,7 @@ impl WholeParts<'_> {
                 face_seed: layout.face_seed.clone(),
             },
             quotient,
-        }
+        })
     }
 }
 
