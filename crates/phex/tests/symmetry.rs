@@ -6,18 +6,17 @@ use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId, measure};
 use std::collections::BTreeSet;
 
-fn surface(name: &str, parameters: &[&str], jitter: f64) -> TriangleSurface {
-    let parameters: Vec<String> = parameters.iter().map(|p| (*p).to_owned()).collect();
+fn surface(name: &str, parameters: &[(&str, f64)], jitter: f64) -> TriangleSurface {
     let options = TriangulationOptions {
         triangles: 4000,
         jitter,
         seed: 3,
     };
-    triangulate(&Shape::from_name(name, &parameters).unwrap(), &options).unwrap()
+    triangulate(&Shape::from_name(name, parameters).unwrap(), &options).unwrap()
 }
 
 fn round_dome() -> TriangleSurface {
-    surface("elliptic-paraboloid", &["a=1.2", "b=1.2"], 0.0)
+    surface("elliptic-paraboloid", &[("a", 1.2), ("b", 1.2)], 0.0)
 }
 
 fn meshed(
@@ -48,10 +47,10 @@ fn check(run: &MeshRun, group: &str, order: u32) {
     assert!(run.is_sound(), "{group}: {:?}", run.violations);
     let (topology, orbits) = (run.mesh.topology(), run.orbits.as_ref().unwrap());
     assert!(measure(&run.mesh).planarity.max <= 1e-12);
-    let inner = topology
+    let mut inner = topology
         .vertices()
         .filter(|v| !topology.is_boundary_vertex(*v));
-    assert!(inner.into_iter().all(|v| topology.face_degree(v) == 3));
+    assert!(inner.all(|v| topology.face_degree(v) == 3));
     let place = |v: u32| run.mesh.position(VertexId::new(v));
     assert_eq!(orbits.operations.len() as u32, order);
     assert_eq!(orbits.vertices.len(), topology.n_vertices());
@@ -123,8 +122,8 @@ fn mirror_images_about_coordinate_planes_differ_in_a_sign() {
     .unwrap();
     for operation in &run.orbits.unwrap().operations {
         assert_eq!(operation.shift, [0.0; 3]);
-        let entries = operation.rows.as_flattened().iter();
-        assert!(entries.into_iter().all(|e| [0.0, 1.0, -1.0].contains(e)));
+        let mut entries = operation.rows.as_flattened().iter();
+        assert!(entries.all(|e| [0.0, 1.0, -1.0].contains(e)));
     }
 }
 
