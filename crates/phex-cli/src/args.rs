@@ -224,12 +224,16 @@ pub struct CheckCommand {
     /// is given
     #[arg(long, value_name = "RUN.JSON")]
     pub report_of: Option<PathBuf>,
+    /// Job file whose limits hold where nothing else is given: tolerances, unit, boundary, and the
+    /// table `[limits]`
+    #[arg(long, value_name = "JOB.TOML", conflicts_with = "report_of")]
+    pub limits: Option<PathBuf>,
     /// What panels were to do at the boundary: judges that, too [default: what --report-of says]
     #[arg(long, value_enum, value_name = "HOW")]
     pub boundary: Option<AtBoundary>,
     /// Limits.
     #[command(flatten)]
-    pub limits: ToleranceArguments,
+    pub tolerances: ToleranceArguments,
     /// Print the report (JSON) instead of the table
     #[arg(long)]
     pub json: bool,

@@ -355,6 +355,9 @@ fn figures(check: &Check) -> [String; 3] {
         Scale::MeanEdges => "mean edges",
         Scale::Diagonals => "of the diagonal",
         Scale::Area => "of the area",
+        Scale::Length | Scale::SquareLength => "in model units",
+        Scale::Degrees => "degrees",
+        Scale::Ratio => "",
     };
     let (factor, unit) = match (&check.reading, check.scale) {
         (Some(reading), _) => {
@@ -366,9 +369,9 @@ fn figures(check: &Check) -> [String; 3] {
             let value = format!("{} {}", figure(reading.value), reading.unit);
             return [value, figure(reading.limit), unit];
         }
-        (None, Scale::Count) => (1.0, String::new()),
-        (None, Scale::MeanEdges) => (1.0, format!(" {of_whole}")),
-        (None, _) => (100.0, format!(" % {of_whole}")),
+        (None, Scale::Count | Scale::Ratio) => (1.0, String::new()),
+        (None, Scale::Diagonals | Scale::Area) => (100.0, format!(" % {of_whole}")),
+        (None, _) => (1.0, format!(" {of_whole}")),
     };
     [
         figure(factor * check.value),

@@ -9,7 +9,7 @@ use anyhow::Context;
 use phex::Boundary;
 use phex::quality::Verdict;
 use phex::report::{OutputFile, RunReport};
-use phex_job::{MeshSettings, TypedLimits};
+use phex_job::{LimitSettings, MeshSettings, TypedLimits};
 use phex_picture::{PictureOptions, draw};
 use std::path::Path;
 
@@ -24,6 +24,7 @@ impl From<&ToleranceArguments> for TypedLimits {
             max_deviation: settings.max_deviation(),
             unit: limits.unit,
             boundary: None,
+            panels: LimitSettings::default(),
         }
     }
 }
@@ -46,6 +47,7 @@ pub fn or_promised(
         max_deviation: limits.max_deviation.unwrap_or(promised.max_deviation),
         unit: promised.unit,
         boundary: boundary.or(promised.boundary),
+        panels: promised.panels,
     }
 }
 

@@ -53,7 +53,7 @@ fn head(names: &[&str]) -> Vec<String> {
 }
 
 /// What a check is called, and what it means.
-const CHECKS: [(&str, &str, &str); 16] = [
+const CHECKS: [(&str, &str, &str); 24] = [
     (
         "planarity",
         "Planarity",
@@ -126,6 +126,38 @@ const CHECKS: [(&str, &str, &str); 16] = [
         "Covered area",
         "share of the surface’s area under panels",
     ),
+    (
+        "max_panel",
+        "Sheet",
+        "factor by which the sheet must grow to hold every panel",
+    ),
+    ("min_edge", "Least edge", "shortest edge, model units"),
+    ("max_edge", "Largest edge", "longest edge, model units"),
+    (
+        "min_angle",
+        "Least angle",
+        "sharpest corner of a panel, degrees",
+    ),
+    (
+        "max_area",
+        "Largest area",
+        "largest panel, squared model units",
+    ),
+    (
+        "max_aspect",
+        "Aspect",
+        "largest length over width of a panel",
+    ),
+    (
+        "min_dihedral",
+        "Sharpest joint",
+        "least angle between neighbouring panels, degrees; 180 is flat",
+    ),
+    (
+        "max_dihedral",
+        "Flattest joint",
+        "largest angle between neighbouring panels, degrees",
+    ),
 ];
 
 /// The checks with figures, limits and offenders.
@@ -143,8 +175,7 @@ fn check(check: &Check) -> Vec<String> {
         (false, true) => "<span class=\"mark invalid\">fail</span>",
         (false, false) => "<span class=\"mark outside\">fail</span>",
     };
-    let lower = ["clearance", "edge_length", "covered_area"].contains(&check.name);
-    let sign = if lower { "≥" } else { "≤" };
+    let sign = if check.is_least { "≥" } else { "≤" };
     vec![
         mark.to_owned(),
         format!(

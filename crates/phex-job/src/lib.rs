@@ -4,8 +4,8 @@
 //!
 //! | module | what it knows |
 //! |---|---|
-//! | `settings`, `steering`, `guides` | what is wanted, by the names of options and job files |
-//! | `units`, `number_lists` | lengths and lists of numbers as they are typed |
+//! | `settings`, `steering`, `guides`, `panel_limits` | what is wanted, by the names of options and job files |
+//! | `units`, `number_lists` | lengths, areas and lists of numbers as they are typed |
 //! | `input`, `given` | what files hold, or a caller's memory |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
 //! | `run`, `join`, `engine`, `deadline` | the computation |
@@ -25,6 +25,7 @@ mod input;
 mod join;
 mod limits;
 mod number_lists;
+mod panel_limits;
 mod panel_size;
 mod portfolio;
 mod run;
@@ -44,6 +45,7 @@ pub use guides::GuideSettings;
 pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read_text};
 pub use limits::TypedLimits;
 pub use number_lists::{finite, ten, three};
+pub use panel_limits::LimitSettings;
 pub use panel_size::panels;
 pub use portfolio::members;
 pub use run::{JobResult, LAYOUT_ALONE, LastStage, MeshJob, add_features, run};
@@ -52,5 +54,5 @@ pub use settings::{
 };
 pub use steering::{SteeringSettings, TypedPlane, TypedSolver, positive};
 pub use threads::thread_count;
-pub use units::{NoQuantity, Quantity, Unit};
+pub use units::{Area, NoQuantity, NoSize, Quantity, Rectangle, Unit};
 pub use whole_run::{WholeProgress, WholeRun};

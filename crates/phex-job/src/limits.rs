@@ -1,5 +1,6 @@
 //! Limits as they are typed: what a mesh is judged by, and what its report says of that.
 
+use crate::panel_limits::LimitSettings;
 use crate::settings::MeshSettings;
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
@@ -27,6 +28,9 @@ pub struct TypedLimits {
     /// What panels were to do at the boundary, where neither curve nor ground plane leads it
     /// elsewhere.
     pub boundary: Option<Boundary>,
+    /// Of panels, edges, corners and joints.
+    #[serde(default)]
+    pub panels: LimitSettings,
 }
 
 impl From<&MeshSettings> for TypedLimits {
@@ -37,6 +41,7 @@ impl From<&MeshSettings> for TypedLimits {
             max_deviation: settings.max_deviation(),
             unit: settings.unit.unwrap_or_default(),
             boundary: Some(stages.boundary),
+            panels: settings.limits,
         }
     }
 }
@@ -51,6 +56,7 @@ impl TypedLimits {
         }
         let most = self.max_deviation.length(self.unit, whole) / extent;
         options.max_deviation = (most > 0.0).then_some(most);
+        options.panels = self.panels.in_units(self.unit, whole);
     }
 
     fn limits(&self, mesh: &HexMesh, surface: Option<&TriangleSurface>) -> phex::quality::Limits {
@@ -60,6 +66,8 @@ impl TypedLimits {
             self.max_deviation.length(self.unit, diagonal) / diagonal
         };
         let mut limits = phex::quality::Limits::new(surface.map(relative), self.boundary);
+        let whole = surface.map_or_else(|| mesh.diagonal(), TriangleSurface::diagonal);
+        limits.panels = self.panels.in_units(self.unit, whole);
         limits.validity.planarity = planarity.map(|q| q.fraction(self.unit, mesh.mean_edge()));
         limits
     }
@@ -70,8 +78,17 @@ impl TypedLimits {
         let mut assessment = Assessment::new(mesh, references, &limits);
         let edge = assessment.measures.mean_edge;
         let diagonal = assessment.judged_deviation().map(|d| d.diagonal);
+        let whole = diagonal.unwrap_or_else(|| mesh.diagonal());
         for check in &mut assessment.checks {
-            check.reading = self.reading(check, edge, diagonal);
+            let of_panels = self.panels.typed_unit(check.name, self.unit, whole);
+            check.reading = match of_panels {
+                Some((unit, size)) => Some(Reading {
+                    unit,
+                    limit: check.limit / size,
+                    value: check.value / size,
+                }),
+                None => self.reading(check, edge, diagonal),
+            };
         }
         assessment
     }

@@ -365,8 +365,13 @@ fn panels(
             panel_size::checked(panels as u64, facets)
         }
         _ => {
-            let unit = job.settings.unit.unwrap_or_default();
-            panel_size::panels(job.settings.size(), facets, unit)
+            let settings = &job.settings;
+            let unit = settings.unit.unwrap_or_default();
+            let of_limits = settings.limits.mean_area(unit, facets.diagonal());
+            match of_limits.filter(|_| !settings.is_sized()) {
+                Some(area) => panel_size::checked((facets.area() / area).ceil() as u64, facets),
+                None => panel_size::panels(settings.size(), facets, unit),
+            }
         }
     }
 }

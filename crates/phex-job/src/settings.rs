@@ -3,6 +3,7 @@
 use crate::error::JobError;
 use crate::guides::GuideSettings;
 use crate::input::read_text;
+use crate::panel_limits::LimitSettings;
 use crate::steering::SteeringSettings;
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
@@ -23,7 +24,8 @@ pub const DEFAULT_DEVIATION: Quantity = Quantity::percent(0.5);
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
 pub struct MeshSettings {
-    /// Number of panels, about [default: 500]
+    /// Number of panels, about [default: 500, or as many as the largest sheet, edge or area asks
+    /// for]
     #[cfg_attr(
         feature = "clap",
         arg(short = 'n', long, value_name = "N", conflicts_with = "edge_length")
@@ -109,6 +111,9 @@ pub struct MeshSettings {
     /// Lines that rows run along, and cones; in a job file the table `[guides]`.
     #[cfg_attr(feature = "clap", command(flatten))]
     pub guides: GuideSettings,
+    /// What a workshop can make; in a job file the table `[limits]`.
+    #[cfg_attr(feature = "clap", command(flatten))]
+    pub limits: LimitSettings,
     /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of
     /// them.
     #[cfg_attr(feature = "clap", arg(skip))]
@@ -346,6 +351,11 @@ impl MeshSettings {
                 "`max_deviation` has no effect in `[stages.optimise]`: write `max-deviation` before all tables",
             ));
         }
+        if !self.stages.optimise.panels.is_empty() {
+            return Err(JobError::input(
+                "`panels` has no effect in `[stages.optimise]`: write a table `[limits]`",
+            ));
+        }
         Ok(())
     }
 
@@ -397,6 +407,7 @@ impl MeshSettings {
             threads: self.threads.or(file.threads),
             steering: self.steering.over(file.steering),
             guides: self.guides.over(file.guides),
+            limits: self.limits.over(file.limits),
             stages: file.stages,
         }
     }

@@ -162,29 +162,161 @@ impl FromStr for Quantity {
     }
 }
 
-impl Serialize for Quantity {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
+/// Sides of a rectangle: two lengths with an `x` between them, `1.5x3.0m`; a unit after the second
+/// alone is that of both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rectangle([Quantity; 2]);
+
+/// Why a text is no [`Rectangle`] or [`Area`].
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("`{text}` is no {what}")]
+pub struct NoSize {
+    text: String,
+    what: &'static str,
+}
+
+impl Rectangle {
+    /// Both sides in model units.
+    pub fn sides(self, model_unit: Unit, whole: f64) -> [f64; 2] {
+        self.0.map(|q| q.length(model_unit, whole))
     }
 }
 
-impl<'de> Deserialize<'de> for Quantity {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Written {
-            Integer(i64),
-            Number(f64),
-            Text(String),
-        }
-        let text = match Written::deserialize(deserializer)? {
-            Written::Integer(number) => number.to_string(),
-            Written::Number(number) => number.to_string(),
-            Written::Text(text) => text,
+impl FromStr for Rectangle {
+    type Err = NoSize;
+
+    fn from_str(text: &str) -> Result<Self, NoSize> {
+        let none = || NoSize {
+            text: text.to_owned(),
+            what: "rectangle: give its sides as 1.5x3.0m",
         };
-        text.parse().map_err(de::Error::custom)
+        let (a, b) = text.split_once(['x', 'X', '×']).ok_or_else(none)?;
+        let side = |text: &str| text.parse::<Quantity>().map_err(|_| none());
+        let (a, b) = (side(a)?, side(b)?);
+        let suffix = if a.is_plain() { b.suffix } else { a.suffix };
+        let sides = [Quantity { suffix, ..a }, b];
+        match sides.iter().all(|q| q.value > 0.0) {
+            true => Ok(Self(sides)),
+            false => Err(none()),
+        }
     }
 }
+
+impl fmt::Display for Rectangle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = self.0;
+        match a.suffix == b.suffix {
+            true => write!(
+                f,
+                "{}x{b}",
+                Quantity {
+                    suffix: Suffix::Plain,
+                    ..a
+                }
+            ),
+            false => write!(f, "{a}x{b}"),
+        }
+    }
+}
+
+/// A positive area: `2.5m2`, or a number of squared model units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    value: f64,
+    unit: Option<Unit>,
+}
+
+impl Area {
+    /// The area in squared model units.
+    pub fn area(self, model_unit: Unit) -> f64 {
+        self.value * self.side(model_unit).1.powi(2)
+    }
+
+    /// The unit of length that it was typed in, and its length in model units.
+    pub fn side(self, model_unit: Unit) -> (&'static str, f64) {
+        let unit = self.unit.unwrap_or(model_unit);
+        (unit.name(), unit.metres() / model_unit.metres())
+    }
+}
+
+impl FromStr for Area {
+    type Err = NoSize;
+
+    fn from_str(text: &str) -> Result<Self, NoSize> {
+        let none = || NoSize {
+            text: text.to_owned(),
+            what: "area: give a positive number, with mm2, cm2, m2, in2, ft2 or nothing after it",
+        };
+        let squared = text.trim().strip_suffix(['2', '²']);
+        let length: Quantity = match squared {
+            // The 2 is part of a number where no unit stands before it.
+            Some(length) if length.ends_with(|c: char| c.is_alphabetic()) => length,
+            _ => text,
+        }
+        .parse()
+        .map_err(|_| none())?;
+        match (length.value > 0.0, length.suffix) {
+            (true, Suffix::Plain) => Ok(Self {
+                value: length.value,
+                unit: None,
+            }),
+            (true, Suffix::Unit(unit)) if squared.is_some() => Ok(Self {
+                value: length.value,
+                unit: Some(unit),
+            }),
+            _ => Err(none()),
+        }
+    }
+}
+
+impl fmt::Display for Area {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let suffix = Suffix::Plain;
+        let value = self.value;
+        write!(f, "{}", Quantity { value, suffix })?;
+        self.unit.map_or(Ok(()), |unit| write!(f, "{unit}2"))
+    }
+}
+
+/// What stands in a file: a number, or a text.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Written {
+    Integer(i64),
+    Number(f64),
+    Text(String),
+}
+
+/// A value that is read as what it is written as.
+fn read<'de, D: Deserializer<'de>, T: FromStr<Err: fmt::Display>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
+    let text = match Written::deserialize(deserializer)? {
+        Written::Integer(number) => number.to_string(),
+        Written::Number(number) => number.to_string(),
+        Written::Text(text) => text,
+    };
+    text.parse().map_err(de::Error::custom)
+}
+
+/// Values that are written in files as they are typed.
+macro_rules! written_as_typed {
+    ($($name:ty),*) => {$(
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                read(deserializer)
+            }
+        }
+    )*};
+}
+
+written_as_typed!(Quantity, Rectangle, Area);
 
 #[cfg(test)]
 mod tests {
@@ -222,6 +354,31 @@ mod tests {
     fn what_is_written_reads_back() {
         for text in ["20mm", "0.5%", "1.25", "3ft", "1e-12", "1e300m", "0"] {
             assert_eq!(quantity(text).to_string(), text);
+        }
+    }
+
+    #[test]
+    fn rectangles_and_areas_are_read_and_written() {
+        let sides = |text: &str| text.parse::<Rectangle>().map(|r| r.sides(Unit::Mm, 200.0));
+        assert_eq!(sides("1.5x3.0m"), Ok([1500.0, 3000.0]));
+        assert_eq!(sides("50cm × 2m"), Ok([500.0, 2000.0]));
+        assert_eq!(sides("1500x3000"), Ok([1500.0, 3000.0]));
+        assert_eq!(sides("1x5%"), Ok([2.0, 10.0]));
+        for text in ["1.5", "1x", "x", "0x3m", "1x-3m", "1xnanm", "1x2x3m"] {
+            assert!(sides(text).is_err(), "{text}");
+        }
+        let area = |text: &str| text.parse::<Area>().map(|a| a.area(Unit::Mm));
+        assert_eq!(area("2.5m2"), Ok(2.5e6));
+        assert_eq!(area("2m²"), Ok(2e6));
+        assert_eq!(area("12"), Ok(12.0));
+        for text in ["2m", "5%", "0", "-1m2", "m2", "nan", "2%2"] {
+            assert!(area(text).is_err(), "{text}");
+        }
+        for text in ["1.5x3m", "50cmx2m", "1500x3000"] {
+            assert_eq!(text.parse::<Rectangle>().unwrap().to_string(), text);
+        }
+        for text in ["2.5m2", "12", "3e300"] {
+            assert_eq!(text.parse::<Area>().unwrap().to_string(), text);
         }
     }
 }

@@ -14,6 +14,7 @@
 //! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
 //! | [`io`] | OBJ, PLY, STL and OFF files; COMPAS JSON, glTF, DXF and 3MF for writing |
 //! | [`measure`](mod@measure) | planarity, lengths, angles, clearance, deviation from a surface |
+//! | [`PanelLimits`] | what a workshop can make: sheets, edges, corners, joints |
 //! | [`validate`](mod@validate) | located violations, and the type that has none |
 //! | [`shapes`] | analytic surfaces with closed-form curvature, and their triangulations |
 
@@ -28,6 +29,7 @@ pub mod id_map;
 pub mod ids;
 pub mod io;
 pub mod measure;
+mod panel_limits;
 pub mod per_element;
 pub mod plane;
 pub mod polygon;
@@ -48,6 +50,7 @@ pub use measure::{
     BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures, Metric, boundary_fit, closest_faces,
     deviation, deviation_beyond, irregular_faces, measure, small_rim_faces,
 };
+pub use panel_limits::{LimitedFigure, PanelLimit, PanelLimits, rectangle_fit};
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;
 pub use surface::{SurfacePoint, TriangleSurface};

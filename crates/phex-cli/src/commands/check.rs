@@ -16,8 +16,8 @@ use phex::layout::CELL;
 use phex::quality::{Assessment, Omitted, Reason, References, Verdict};
 use phex::report::{InputFile, RunReport};
 use phex::{Boundary, continued};
-use phex_job::MeshFile;
 use phex_job::TypedLimits;
+use phex_job::{MeshFile, MeshSettings};
 use phex_mesh::measure::Metric;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface};
 use serde::Serialize;
@@ -35,16 +35,19 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         command.report_of.as_ref(),
     ];
     let inputs: Vec<&Path> = inputs.into_iter().flatten().map(AsRef::as_ref).collect();
-    (command.limits).check(command.surface.is_some() || command.report_of.is_some())?;
+    (command.tolerances).check(command.surface.is_some() || command.report_of.is_some())?;
     check_writable(&command.extras.outputs().collect::<Vec<_>>(), &inputs)?;
     let promise = command
         .report_of
         .as_deref()
         .map(Promise::read)
         .transpose()?;
-    let promised = promise.as_ref().map(Promise::limits).transpose()?;
+    let promised = match &command.limits {
+        Some(job) => Some(limits_of(job)?),
+        None => promise.as_ref().map(Promise::limits).transpose()?,
+    };
     let boundary = command.boundary.map(Into::into);
-    let limits = or_promised(&command.limits, boundary, promised);
+    let limits = or_promised(&command.tolerances, boundary, promised);
     let file = MeshFile::read(&command.input)?;
     let (mesh, dropped) = file.polygon_mesh()?;
     let surfaces = CheckSurfaces::read(command, promise.as_ref())?;
@@ -93,6 +96,16 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         Exit::Success
     } else {
         Exit::OutsideTolerance
+    })
+}
+
+/// The limits of a job file; those of the boundary where it names one.
+fn limits_of(job: &Path) -> Result<TypedLimits, Failure> {
+    let settings = MeshSettings::from_file(job)?;
+    settings.check()?;
+    Ok(TypedLimits {
+        boundary: settings.boundary.map(Into::into),
+        ..TypedLimits::from(&settings)
     })
 }
 
@@ -151,6 +164,7 @@ pub(super) fn report_of(
         "planarity": limits.planarity,
         "max-deviation": limits.max_deviation,
         "unit": limits.unit,
+        "limits": limits.panels,
     });
     report
 }

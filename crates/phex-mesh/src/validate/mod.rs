@@ -207,7 +207,7 @@ pub fn violations(
 pub fn add_flips(found: &mut Vec<Violation>, mesh: &HexMesh, surface: &TriangleSurface) {
     let options = ValidateOptions::default();
     let inspection = Inspection::new(mesh, &options);
-    let mut against = inspection.against_surface(surface);
+    let mut against = inspection.against_surface(surface, Below::Triangle);
     for violation in &*found {
         if let Violation::FlippedFace { face, .. } = violation {
             against[*face] = false;
@@ -355,7 +355,7 @@ impl<'a> Inspection<'a> {
     }
 
     fn flipped_faces(&self, surface: Option<&TriangleSurface>) -> Vec<Violation> {
-        let against_surface = surface.map(|s| self.against_surface(s));
+        let against_surface = surface.map(|s| self.against_surface(s, Below::Surface));
         let violation = |face| {
             let against = if self.is_against_neighbours(face) {
                 FlipReference::Neighbours
@@ -378,25 +378,28 @@ impl<'a> Inspection<'a> {
         self.faces[face].normal().dot(&sum) < -RIGHT_ANGLE
     }
 
-    /// Whether each normal points against the triangle below the face's centre. A mesh that is
-    /// wound the other way as a whole (in more than half of its faces) is taken as such.
-    fn against_surface(&self, surface: &TriangleSurface) -> PerFace<bool> {
+    /// Whether each normal points against what is below the face's centre. A mesh that is wound the
+    /// other way as a whole (in more than half of its faces) is taken as such.
+    fn against_surface(&self, surface: &TriangleSurface, below: Below) -> PerFace<bool> {
         let centres: Vec<Vec3> = self.faces.iter().map(|f| f.plane.centre).collect();
-        let below = surface.closest_points(&centres);
-        let normals = below.iter().map(|p| surface.area_vector(p.triangle));
-        let cosines: Vec<f64> = self
-            .faces
+        let feet = surface.closest_points(&centres);
+        let normals = feet
             .iter()
-            .zip(normals)
-            .map(|(f, n)| f.normal().dot(&n))
+            .map(|p| [surface.area_vector(p.triangle), p.normal]);
+        let cosines: Vec<[f64; 2]> = (self.faces.iter().zip(normals))
+            .map(|(f, normals)| normals.map(|n| f.normal().dot(&n)))
             .collect();
-        let against = cosines.iter().filter(|&&c| c < 0.0).count();
-        let sign = if 2 * against > cosines.len() {
-            -1.0
-        } else {
-            1.0
+        let against = cosines.iter().filter(|c| c[0] < 0.0).count();
+        let sign = match 2 * against > cosines.len() {
+            true => -1.0,
+            false => 1.0,
         };
-        PerFace::from_vec(cosines.iter().map(|c| sign * c < 0.0).collect())
+        let counted = match below {
+            Below::Triangle => 1,
+            Below::Surface => 2,
+        };
+        let is_against = |c: &[f64; 2]| c[..counted].iter().all(|c| sign * c < 0.0);
+        PerFace::from_vec(cosines.iter().map(is_against).collect())
     }
 
     fn fold(&self, edge: EdgeId) -> Option<Violation> {
@@ -407,6 +410,16 @@ impl<'a> Inspection<'a> {
         let angle = a.cross(&b).norm().atan2(a.dot(&b));
         (a.dot(&b) < -RIGHT_ANGLE).then_some(Violation::Fold { edge, faces, angle })
     }
+}
+
+/// What the normal of a face is compared with.
+#[derive(Clone, Copy)]
+enum Below {
+    /// The triangle below its centre.
+    Triangle,
+    /// That, and the normal that is interpolated from its vertices: needles of a smooth surface may
+    /// have any normal by themselves.
+    Surface,
 }
 
 /// Two unit vectors that form a right-handed frame with the unit vector `normal`.

@@ -20,8 +20,6 @@ pub(super) struct AreaWish {
     pub area: f64,
     /// Weight; 0 where any area will do.
     pub weight: f64,
-    /// Whether a larger area costs nothing.
-    pub at_least: bool,
 }
 
 impl AreaWish {
@@ -30,12 +28,7 @@ impl AreaWish {
         if self.weight == 0.0 {
             return 0.0;
         }
-        let lacking = self.area - area(corners);
-        if self.at_least {
-            lacking.max(0.0)
-        } else {
-            lacking
-        }
+        self.area - area(corners)
     }
 
     /// Energy of a face.
@@ -91,7 +84,6 @@ pub(super) fn of_layout(layout: &Layout, panels: &Panels, x: &[f64], weight: f64
         wishes[f] = AreaWish {
             area: scale * area,
             weight: weight * share,
-            at_least: false,
         };
     }
     wishes
@@ -106,11 +98,7 @@ pub(super) fn as_they_are(
 ) -> Vec<AreaWish> {
     let shape = FaceShapes::at(panels, x);
     let wish = |f: usize| match area(shape.face(panels, f)) {
-        area if area > 0.0 && is_inner(topology, f) => AreaWish {
-            area,
-            weight,
-            at_least: false,
-        },
+        area if area > 0.0 && is_inner(topology, f) => AreaWish { area, weight },
         _ => AreaWish::default(),
     };
     (0..panels.n_faces()).map(wish).collect()

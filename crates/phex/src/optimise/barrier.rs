@@ -15,7 +15,7 @@ use super::simple::area;
 use phex_mesh::{Vec2, Vec3};
 
 /// Area of a regular hexagon over the square of its edge.
-const HEXAGON: f64 = 2.598_076_211_353_316;
+pub(super) const HEXAGON: f64 = 2.598_076_211_353_316;
 
 /// Barrier of one face.
 #[derive(Clone, Copy, Debug)]

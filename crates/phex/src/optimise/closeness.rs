@@ -6,6 +6,7 @@
 //! too, Hessian `w (I - t t^T)`. Beyond the rim the foot point lies on the curve, so there the
 //! surface term takes the same form.
 
+use super::inequality::Elastic;
 use super::osculating::Osculating;
 use super::panels::{FaceShapes, extent};
 use super::point_term::PointTerm;
@@ -30,12 +31,42 @@ pub(super) struct Feet {
     on_curve: f64,
 }
 
+/// A limit of the distance to the surface, as an inequality with slack: `c = 1 - |r|^2 / most^2`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DistanceLimit {
+    pub elastic: Elastic,
+    /// The largest distance; infinite where any will do.
+    pub most: f64,
+}
+
+impl DistanceLimit {
+    /// Any distance will do.
+    pub const NONE: Self = Self {
+        elastic: Elastic { weight: 0.0 },
+        most: f64::INFINITY,
+    };
+
+    /// Cost of a distance by its square.
+    fn value(&self, square: f64) -> f64 {
+        self.elastic.value(1.0 - square / (self.most * self.most))
+    }
+
+    /// The weight of closeness that has the same gradient, and the factor of `r r^T` that the
+    /// Gauss-Newton Hessian has besides.
+    fn derivatives(&self, square: f64) -> [f64; 2] {
+        let slope = -2.0 / (self.most * self.most);
+        let [first, second] = self.elastic.derivatives(1.0 + 0.5 * slope * square);
+        [first * slope, second * slope * slope]
+    }
+}
+
 /// Weights of closeness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ClosenessWeights {
     pub vertex: f64,
     pub centre: f64,
     pub rim: f64,
+    pub limit: DistanceLimit,
 }
 
 impl Feet {
@@ -99,7 +130,10 @@ impl Feet {
             }
         };
         let surface: f64 = (0..self.points.len())
-            .map(|k| weight(k) * self.residual(k).norm_squared())
+            .map(|k| {
+                let square = self.residual(k).norm_squared();
+                weight(k) * square + 2.0 * weights.limit.value(square)
+            })
             .sum();
         let rim = (0..self.rim_points.len()).filter_map(|k| self.rim_residual(k));
         let curve: f64 = rim.map(|r| r.norm_squared()).sum();
@@ -118,14 +152,23 @@ impl Feet {
         }
     }
 
+    /// Surface term of a point whose distance is limited.
+    pub fn limited(&self, k: usize, weight: f64, limit: &DistanceLimit) -> PointTerm {
+        let r = self.residual(k);
+        let [more, curved] = limit.derivatives(r.norm_squared());
+        let mut term = self.vertex(k, weight + more);
+        term.hessian += r * r.transpose() * curved;
+        term
+    }
+
     /// Surface term of a face centre.
-    pub fn centre(&self, n_vertices: usize, f: usize, weight: f64) -> PointTerm {
-        self.vertex(n_vertices + f, weight)
+    pub fn centre(&self, n_vertices: usize, f: usize, weights: &ClosenessWeights) -> PointTerm {
+        self.limited(n_vertices + f, weights.centre, &weights.limit)
     }
 
     /// Surface and boundary term of the `k`-th rim vertex `v`.
     pub(crate) fn rim_vertex(&self, k: usize, v: usize, weights: &ClosenessWeights) -> PointTerm {
-        let mut term = self.vertex(v, weights.vertex);
+        let mut term = self.limited(v, weights.vertex, &weights.limit);
         if let Some(o) = &self.osculating {
             o.add_rim(k, self.points[v], weights.rim, &mut term);
             return term;

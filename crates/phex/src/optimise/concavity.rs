@@ -213,6 +213,7 @@ mod tests {
             corner: &corner,
             holds: &Holds::default(),
             areas: &super::super::areas::any(panels.n_faces()),
+            limits: &crate::optimise::FaceLimits::none(panels.n_faces()),
             mean_edge: panels.mean_edge(&x),
         };
         test(&setting, &x);

@@ -1,20 +1,22 @@
 //! The energy that is minimised, over the vertices alone.
 //!
-//! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + w_t |x - x_0|^2 / 2`, infinite where the
-//! guard is broken.
+//! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + limits + w_t |x - x_0|^2 / 2`, infinite
+//! where the guard is broken.
 
 use super::angle_term::AngleTerm;
 use super::areas::AreaWish;
-use super::barrier::{self, Barrier, barriers};
-use super::closeness::{ClosenessWeights, Feet};
+use super::barrier::{self, Barrier, HEXAGON, barriers};
+use super::closeness::{ClosenessWeights, DistanceLimit, Feet};
 use super::concavity::ConcavityTerm;
 use super::folds::FoldTerm;
 use super::guard::Armed;
 use super::holds::Holds;
+use super::inequality::Elastic;
 use super::options::OptimiseOptions;
 use super::panels::{FaceShapes, Panels, add_block};
 use super::planarity;
 use super::setting::{Setting, collision_bound, longest};
+use super::shape_limits::ShapeLimits;
 use super::spatial_barrier;
 use super::{fairness, panels::point};
 use nalgebra::Matrix3;
@@ -33,20 +35,32 @@ pub(super) struct Weights {
     pub anchor: f64,
     /// Anchor of the corners of the boundary.
     pub corner: f64,
+    /// Limits of panels.
+    pub limits: f64,
 }
 
-/// Weights of the energy, that of planarity 0.
-pub(super) fn weights(options: &OptimiseOptions) -> Weights {
-    Weights {
-        planarity: 0.0,
-        closeness: ClosenessWeights {
-            vertex: options.vertex_closeness,
-            centre: options.centre_closeness,
-            rim: options.boundary_closeness,
-        },
-        fairness: options.fairness,
-        anchor: options.anchor,
-        corner: options.corner_closeness,
+impl Weights {
+    /// Weights of the energy, that of planarity 0.
+    pub fn of(options: &OptimiseOptions, setting: &Setting<'_>) -> Self {
+        let limits = options.limits * options.vertex_closeness;
+        Self {
+            planarity: 0.0,
+            closeness: ClosenessWeights {
+                vertex: options.vertex_closeness,
+                centre: options.centre_closeness,
+                rim: options.boundary_closeness,
+                limit: DistanceLimit {
+                    elastic: Elastic {
+                        weight: limits * HEXAGON * setting.mean_edge.powi(2),
+                    },
+                    most: setting.limits.distance,
+                },
+            },
+            fairness: options.fairness,
+            anchor: options.anchor,
+            corner: options.corner_closeness,
+            limits,
+        }
     }
 }
 
@@ -58,7 +72,13 @@ pub(super) fn panel_energy<'a>(
     options: &OptimiseOptions,
 ) -> PanelEnergy<'a> {
     let barriers = barriers(setting.panels, start, options);
-    PanelEnergy::new(setting, assembly, weights(options), barriers, start)
+    PanelEnergy::new(
+        setting,
+        assembly,
+        Weights::of(options, setting),
+        barriers,
+        start,
+    )
 }
 
 /// The energy at the positions that were asked for last, and what was computed there.
@@ -73,6 +93,8 @@ pub(super) struct PanelEnergy<'a> {
     pub concavity: Option<ConcavityTerm>,
     /// Areas that faces are to have.
     pub areas: Vec<AreaWish>,
+    /// Limits of panels.
+    limits: ShapeLimits<'a>,
     /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a
     /// penalty alone; second derivatives are exact then.
     pub multipliers: Option<Vec<f64>>,
@@ -112,6 +134,7 @@ impl<'a> PanelEnergy<'a> {
             folds: None,
             concavity: None,
             areas: setting.areas.to_vec(),
+            limits: ShapeLimits::new(setting.limits, panels, &shape),
             multipliers: None,
             armed: setting
                 .guard
@@ -146,6 +169,7 @@ impl<'a> PanelEnergy<'a> {
             .guard
             .arm(panels, &shape, x)
             .without_neighbours();
+        self.limits.turn(panels, &shape);
         self.at.clear();
     }
 
@@ -210,7 +234,8 @@ impl<'a> PanelEnergy<'a> {
     fn panel_energy(&mut self) -> f64 {
         let (panels, shape) = (self.setting.panels, &self.shape);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, concavity, areas) = (&self.angles, &self.concavity, &self.areas);
+        let (angles, concavity) = (&self.angles, &self.concavity);
+        let (areas, limits) = (&self.areas, &self.limits);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -234,6 +259,7 @@ impl<'a> PanelEnergy<'a> {
                 *energy += concavity.energy(f, corners);
             }
             *energy += areas[f].energy(corners);
+            *energy += limits.energy(f, corners, &shape.frames[f], weights.limits);
         };
         let mut none = vec![(); panels.n_corners()];
         panels.for_each_face(&mut self.face_energy, &mut none, &mut [], &|_| 0, &work);
@@ -266,13 +292,14 @@ impl<'a> PanelEnergy<'a> {
     fn linearise_faces(&mut self) {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
-        let (angles, concavity, areas) = (&self.angles, &self.concavity, &self.areas);
+        let (angles, concavity) = (&self.angles, &self.concavity);
+        let (areas, limits) = (&self.areas, &self.limits);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
             let (frame, k) = (&shape.frames[f], corners.len() as f64);
             block.fill(0.0);
-            let centre = feet.centre(panels.n_vertices(), f, weights.closeness.centre);
+            let centre = feet.centre(panels.n_vertices(), f, &weights.closeness);
             gradient.fill(centre.gradient / k);
             let share = centre.hessian / (k * k);
             for i in 0..corners.len() {
@@ -300,6 +327,7 @@ impl<'a> PanelEnergy<'a> {
                 concavity.add(f, frame, corners, gradient, block);
             }
             areas[f].add(frame, corners, gradient, block);
+            limits.add(f, (corners, frame), weights.limits, gradient, block);
         };
         let assembly = self.assembly;
         let face_entries = assembly.block(panels.n_faces()).start;
@@ -321,7 +349,7 @@ impl<'a> PanelEnergy<'a> {
             let closeness = &self.weights.closeness;
             let term = match rim.next_if(|(_, r)| **r as usize == v) {
                 Some((k, _)) => self.feet.rim_vertex(k, v, closeness),
-                None => self.feet.vertex(v, closeness.vertex),
+                None => self.feet.limited(v, closeness.vertex, &closeness.limit),
             };
             let corners = panels.corners_at(v).iter();
             let faces: Vec3 = corners.map(|&c| self.corner_gradient[c as usize]).sum();

@@ -53,6 +53,7 @@ impl<'a> NearlyPlanar<'a> {
             vertex: options.vertex_closeness,
             centre: options.centre_closeness,
             rim: options.boundary_closeness,
+            limit: super::closeness::DistanceLimit::NONE,
         };
         let least = KEPT_CLEARANCE * setting.mean_edge;
         Self {

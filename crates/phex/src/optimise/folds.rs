@@ -10,8 +10,11 @@ use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::Assembly;
 
-/// Angle `t_0`, radians, up to which nothing is to pay: 85 degrees, since more than 90 is a fold.
+/// Angle `t_0`, radians, up to which nothing is to pay at the most: 85 degrees, since more than 90
+/// is a fold.
 const FREE: f64 = 1.483_529_864_195_180_1;
+/// Share of the turn that a joint may have which is free: a penalty leaves a rest.
+const SPARE: f64 = 0.97;
 /// Least sine that is divided by: at half a turn the angle has no gradient.
 const LEAST_SINE: f64 = 0.1;
 
@@ -26,12 +29,14 @@ struct Hinge {
 /// The penalty of all inner edges of a mesh.
 pub(super) struct FoldTerm {
     pub weight: f64,
+    free: f64,
     hinges: Vec<Hinge>,
 }
 
 impl FoldTerm {
-    /// For the inner edges of `guard`, without weight.
-    pub fn new(panels: &Panels, guard: &Guard, x: &[f64]) -> Self {
+    /// For the inner edges of `guard`, without weight; joints have at least an angle in degrees, if
+    /// one is asked for.
+    pub fn new(panels: &Panels, guard: &Guard, x: &[f64], joint: Option<f64>) -> Self {
         let shape = FaceShapes::at(panels, x);
         let hinge = |faces: &[u32; 2]| {
             let faces = faces.map(|f| f as usize);
@@ -48,6 +53,7 @@ impl FoldTerm {
         };
         Self {
             weight: 0.0,
+            free: joint.map_or(FREE, |angle| FREE.min(SPARE * (180.0 - angle).to_radians())),
             hinges: guard.hinges().iter().map(hinge).collect(),
         }
     }
@@ -59,7 +65,7 @@ impl FoldTerm {
 
     pub fn energy(&self, panels: &Panels, x: &[f64]) -> f64 {
         let energy = |hinge: &Hinge| {
-            let excess = FoldTurn::of(panels, hinge, x).map_or(0.0, |t| t.excess);
+            let excess = FoldTurn::of(panels, hinge, x, self.free).map_or(0.0, |t| t.excess);
             0.5 * self.weight * hinge.area * excess * excess
         };
         self.hinges.iter().map(energy).sum()
@@ -78,7 +84,7 @@ impl FoldTerm {
         for (k, hinge) in self.hinges.iter().enumerate() {
             let block = &mut blocks[assembly.block(first + k)];
             block.fill(0.0);
-            let Some(turn) = FoldTurn::of(panels, hinge, x) else {
+            let Some(turn) = FoldTurn::of(panels, hinge, x, self.free) else {
                 continue;
             };
             let weight = self.weight * hinge.area;
@@ -108,12 +114,12 @@ struct FoldTurn {
 
 impl FoldTurn {
     /// `None` where nothing is to pay.
-    fn of(panels: &Panels, hinge: &Hinge, x: &[f64]) -> Option<Self> {
+    fn of(panels: &Panels, hinge: &Hinge, x: &[f64], free: f64) -> Option<Self> {
         let vectors = hinge.faces.map(|f| vector_area(panels, f, x));
         let areas = vectors.map(|a| a.norm());
         let normals = [vectors[0] / areas[0], vectors[1] / areas[1]];
         let cosine = normals[0].dot(&normals[1]).clamp(-1.0, 1.0);
-        let excess = cosine.acos() - FREE;
+        let excess = cosine.acos() - free;
         (excess > 0.0).then_some(Self {
             normals,
             areas,
@@ -180,7 +186,7 @@ mod tests {
         let panels = Panels::new(mesh.topology());
         let guard = Guard::new(mesh.topology(), None, 0.0);
         let x = unknowns(&mesh);
-        let mut term = FoldTerm::new(&panels, &guard, &x);
+        let mut term = FoldTerm::new(&panels, &guard, &x, None);
         term.weight = 2.0;
         let assembly = energy_assembly_with(&panels, term.vertices());
         let mut blocks = vec![0.0; assembly.n_block_entries()];

@@ -9,6 +9,7 @@
 //!   + w_s/2 sum |x_a + x_(a+m) - M|^2    fairness: central symmetry of each panel
 //!   + w_a/2 sum (a - A)^2 / a            evenness: areas of inner panels
 //!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
+//!   + sum e(c)                            limits of panels, edges and corners, inequalities with slack
 //!   + w_t/2 sum |x - x_0|^2              anchor, w_k at the corners of the boundary
 //! ```
 //!
@@ -25,6 +26,7 @@
 //! | `w_p` | `options::PENALTIES` | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
+//! | `c` | `shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
 //! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
 //!
 //! Before it the **fast path** (`fast.rs`) is tried where the tangent planes of the panels meet in
@@ -77,6 +79,7 @@ mod guard;
 mod guarded;
 mod holds;
 mod images;
+mod inequality;
 mod inspect;
 mod jacobian;
 mod local;
@@ -92,6 +95,7 @@ mod reached;
 mod reference;
 mod run;
 mod setting;
+mod shape_limits;
 mod shape_target;
 mod shortcut;
 mod simple;
@@ -125,10 +129,11 @@ pub(crate) use angle_term::walks::free_edges;
 pub use error::{OptimiseError, SteeringError};
 pub(crate) use images::{Image, Quotient};
 pub use inspect::{Fault, Offender, Quality};
-pub(crate) use local::{EMPHASES, LocalPart, Wanted};
+pub(crate) use local::{EMPHASES, LocalPart};
 pub use on_boundary::BoundaryHold;
 pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, Solver, StartKind};
+pub(crate) use shape_limits::FaceLimits;
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use surface_target::SurfaceTarget;
@@ -250,6 +255,7 @@ pub(crate) fn optimise_quotient(
         cells = stage.start_at(&cells.x);
     }
     stage.areas = areas::of_layout(layout, &stage.panels, &cells.x, options.evenness);
+    stage.limits = FaceLimits::of(&stage.panels, &cells.x, options);
     let tangents = TangentCells::of(layout);
     let mut solvers = Solvers::new(&stage.panels)?;
     let fast = match stage.holds.images.is_empty() {
@@ -406,6 +412,7 @@ fn from_mesh(
     if target.is_some() {
         stage.keep_areas(&x, options);
     }
+    stage.limits = FaceLimits::of(&stage.panels, &x, options);
     stage.holds = steering::resolve(steering, mesh)?;
     if let Some((held, curves)) = rim {
         stage.holds.keep_rim(held, curves);
@@ -434,6 +441,8 @@ struct Stage<'a> {
     holds: Holds,
     /// Areas that faces are to have; any at first.
     areas: Vec<AreaWish>,
+    /// What faces are to have; anything at first.
+    limits: FaceLimits,
     diagonal: f64,
 }
 
@@ -460,6 +469,7 @@ impl<'a> Stage<'a> {
                 .collect(),
             holds: Holds::default(),
             areas: areas::any(mesh.topology().n_faces()),
+            limits: FaceLimits::none(mesh.topology().n_faces()),
             diagonal: mesh.diagonal(),
         }
     }

@@ -1,6 +1,7 @@
 //! Options of the optimiser.
 
 use crate::ranges::{self, BadOption};
+use phex_mesh::PanelLimits;
 use serde::{Deserialize, Serialize};
 
 /// How panels are made planar.
@@ -98,6 +99,16 @@ pub struct OptimiseOptions {
     /// not to exceed, > 0: panels that do are optimised again with stronger closeness. `None`: no
     /// bound.
     pub max_deviation: Option<f64>,
+    /// What a workshop can make: inequalities, lengths in the unit of the mesh.
+    pub panels: PanelLimits,
+    /// `w_l`: inequalities, over the areas of their panels, >= 0: what an excess as large as the
+    /// limit itself costs. From 0.1 on distances to the surface grow by more than a tenth.
+    pub limits: f64,
+    /// Least clearance of panels, over what is wanted of them, >= 0; an inequality, too.
+    pub wished_clearance: f64,
+    /// Least angle at corners, degrees, in [0, 180): an inequality, too, which sharp corners of the
+    /// boundary and asymptotic rows can't meet.
+    pub wished_angle: f64,
     /// Clearance, in mean edges, below which a panel is an offender.
     pub least_clearance: f64,
     /// Cosine between the normals of a panel and of the surface at its cell below which it counts
@@ -127,6 +138,10 @@ impl Default for OptimiseOptions {
             newton_iterations: None,
             planarity_tolerance: 1e-12,
             max_deviation: None,
+            panels: PanelLimits::default(),
+            limits: 2e-2,
+            wished_clearance: 1.15,
+            wished_angle: 20.0,
             least_clearance: 0.05,
             least_side: 0.1,
             smoothing: [3, 40],
@@ -189,6 +204,7 @@ impl Dials {
         options.corner_closeness *= self.closeness;
         // The barrier is relative to the closeness of vertices.
         options.barrier *= self.clearance / self.closeness;
+        options.limits *= self.clearance / self.closeness;
         // Weight alone hardly moves panels apart.
         let reach = options.barrier_reach * self.clearance.powf(0.125);
         options.barrier_reach = reach.min(options.barrier_reach.max(FARTHEST));
@@ -223,8 +239,8 @@ impl OptimiseOptions {
     /// Where a row of panels runs along an asymptotic direction, panels that are inscribed in the
     /// indicatrix have an edge without length, which a barrier of fixed reach never allows: its
     /// reach shrinks as `L^(1/2)`. Panels of the whole sequence stay simple, but have ever less
-    /// clearance there: for studies of the limit, not for building. Areas are left free, since what
-    /// holds them tilts planes as fairness does.
+    /// clearance there: for studies of the limit, not for building. Areas, room and corners are left
+    /// free, since what holds them tilts planes as fairness does.
     pub fn refined(mut self, factor: f64) -> Self {
         let dials = Dials {
             closeness: factor * factor,
@@ -233,13 +249,25 @@ impl OptimiseOptions {
         dials.turn(&mut self);
         self.barrier_reach /= factor.sqrt();
         self.evenness = 0.0;
+        (self.wished_clearance, self.wished_angle) = (0.0, 0.0);
         self.newton_iterations = Some(REFINED_NEWTON);
         self
+    }
+
+    /// What a workshop can make, and corners as blunt as is wished for.
+    pub(crate) fn panel_limits(&self) -> PanelLimits {
+        let wished = Some(self.wished_angle).filter(|angle| *angle > 0.0);
+        let least = [self.panels.min_angle, wished].into_iter().flatten();
+        PanelLimits {
+            min_angle: least.max_by(f64::total_cmp),
+            ..self.panels
+        }
     }
 
     /// Refuses values that have no meaning.
     pub(crate) fn check(&self) -> Result<(), BadOption> {
         ranges::positive(&[("max_deviation", self.max_deviation.unwrap_or(1.0))])?;
+        limits_fit(&self.panels).map_err(|e| e.in_table("panels"))?;
         ranges::positive(&[
             ("vertex_closeness", self.vertex_closeness),
             ("anchor", self.anchor),
@@ -256,13 +284,60 @@ impl OptimiseOptions {
             ("energy_tolerance", self.energy_tolerance),
             ("step_tolerance", self.step_tolerance),
             ("least_clearance", self.least_clearance),
+            ("limits", self.limits),
+            ("wished_clearance", self.wished_clearance),
         ])?;
         ranges::within(-1.0..=1.0, &[("least_side", self.least_side)])?;
+        ranges::within(0.0..=180.0, &[("wished_angle", self.wished_angle)])?;
         ranges::counts(&[
             ("max_iterations", self.max_iterations),
             ("newton_iterations", self.newton_iterations.unwrap_or(0)),
             ("smoothing", self.smoothing[0]),
             ("smoothing", self.smoothing[1]),
         ])
+    }
+}
+
+/// Refuses limits that nothing can meet.
+fn limits_fit(limits: &PanelLimits) -> Result<(), BadOption> {
+    let lengths = [
+        ("min_edge", limits.min_edge),
+        ("max_edge", limits.max_edge),
+        ("max_area", limits.max_area),
+    ];
+    let set = lengths.map(|(name, length)| (name, length.unwrap_or(1.0)));
+    ranges::positive(&set)?;
+    let sheet = limits
+        .max_panel
+        .unwrap_or([1.0; 2])
+        .map(|s| ("max_panel", s));
+    ranges::positive(&sheet)?;
+    let aspect = ("max_aspect", limits.max_aspect.unwrap_or(1.0));
+    ranges::within(1.0..=ranges::LARGEST_WEIGHT, &[aspect])?;
+    ranges::below(180.0, &[("min_angle", limits.min_angle.unwrap_or(1.0))])?;
+    let joints = [
+        ("min_dihedral", limits.min_dihedral),
+        ("max_dihedral", limits.max_dihedral),
+    ];
+    let set = joints.map(|(name, angle)| (name, angle.unwrap_or(1.0)));
+    ranges::positive(&set)?;
+    ranges::within(0.0..=180.0, &set)?;
+    let largest = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
+    let least = |limit: Option<f64>| limit.unwrap_or(0.0);
+    let pairs = [
+        ("min_edge", least(limits.min_edge), largest(limits.max_edge)),
+        (
+            "min_dihedral",
+            least(limits.min_dihedral),
+            largest(limits.max_dihedral),
+        ),
+    ];
+    match pairs.into_iter().find(|(_, least, most)| least > most) {
+        None => Ok(()),
+        Some((option, value, most)) => Err(BadOption {
+            option: option.to_owned(),
+            value,
+            range: format!("at most {most}, the largest that is allowed"),
+        }),
     }
 }

@@ -15,6 +15,7 @@ use super::holds::{Hold, Holds};
 use super::panels::{FaceShapes, Panels, point};
 use super::reference::Reference;
 use super::setting::Setting;
+use super::shape_limits::FaceLimits;
 use super::solvers::{Dual, StepReporter, constraint_assembly, energy_assembly, system};
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};
@@ -47,6 +48,7 @@ pub(super) struct Part<'a> {
     corner: Vec<bool>,
     holds: Holds,
     areas: Vec<AreaWish>,
+    limits: FaceLimits,
 }
 
 impl<'a> Part<'a> {
@@ -75,6 +77,7 @@ impl<'a> Part<'a> {
             corner: vertices.iter().map(|&v| whole.corner[v as usize]).collect(),
             holds,
             areas: faces.iter().map(|&f| whole.areas[f as usize]).collect(),
+            limits: whole.limits.part(&faces),
             faces,
             vertices,
         }
@@ -89,6 +92,7 @@ impl<'a> Part<'a> {
             corner: &self.corner,
             holds: &self.holds,
             areas: &self.areas,
+            limits: &self.limits,
             mean_edge,
         }
     }

@@ -1,12 +1,10 @@
 //! The feasible path from one start: phases of rising penalties, and what is tried where they do
 //! not lead to planar panels.
 
-use super::areas::AreaWish;
 use super::barrier::barriers;
 use super::barrier::{Barrier, clearance};
 use super::concavity::ConcavityTerm;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
-use super::energy::weights;
 use super::energy::{PanelEnergy, Weights};
 use super::error::OptimiseError;
 use super::folds::FoldTerm;
@@ -85,7 +83,8 @@ impl<'a> Path<'a> {
         progress: &'a dyn Progress,
     ) -> Result<Self, OptimiseError> {
         let limit = PENALTIES.len() * options.max_iterations + PROJECTION_ITERATIONS;
-        let (weights, barriers) = (weights(options), barriers(setting.panels, start, options));
+        let barriers = barriers(setting.panels, start, options);
+        let weights = Weights::of(options, setting);
         let descent = if setting.panels.n_faces() > LARGE {
             Descent::Parts
         } else {
@@ -125,14 +124,6 @@ impl<'a> Path<'a> {
     pub(crate) fn concavity(&mut self) -> Option<&mut Option<ConcavityTerm>> {
         match &mut self.descent {
             Descent::Whole(whole) => Some(&mut whole.energy.concavity),
-            Descent::Parts => None,
-        }
-    }
-
-    /// Areas that faces are to have. In meshes in parts they can't be changed.
-    pub fn areas(&mut self) -> Option<&mut Vec<AreaWish>> {
-        match &mut self.descent {
-            Descent::Whole(whole) => Some(&mut whole.energy.areas),
             Descent::Parts => None,
         }
     }

@@ -28,6 +28,7 @@ impl Stage<'_> {
             corner: &self.corner,
             holds: &self.holds,
             areas: &self.areas,
+            limits: &self.limits,
             mean_edge: self.panels.mean_edge(x),
         }
     }

@@ -6,6 +6,7 @@ use super::guard::{Armed, Guard};
 use super::holds::Holds;
 use super::panels::{FaceShapes, Panels, point};
 use super::reference::Reference;
+use super::shape_limits::FaceLimits;
 use super::simple::collision;
 use phex_mesh::Vec2;
 
@@ -25,6 +26,8 @@ pub(super) struct Setting<'a> {
     pub holds: &'a Holds,
     /// Areas that faces are to have, weights relative to that of the closeness of vertices.
     pub areas: &'a [AreaWish],
+    /// What faces are to have.
+    pub limits: &'a FaceLimits,
     pub mean_edge: f64,
 }
 

@@ -5,8 +5,10 @@ use super::areas::unevenness;
 use super::constraints::PlanarityConstraints;
 use super::fast::NearlyPlanar;
 use super::options::{KEPT_CLEARANCE, OptimiseOptions, PROJECTION_ITERATIONS, PathKind, StartKind};
+use super::panels::FaceShapes;
 use super::reached::{Reached, ResultOrigin, Run};
 use super::setting::Setting;
+use super::shape_limits::ShapeLimits;
 use super::solvers::{Dual, Solvers, StepReporter};
 use super::start::{Start, TangentCells, circumcentres, kinked};
 use crate::progress::Progress;
@@ -22,9 +24,6 @@ const GOAL: f64 = 5e-14;
 const FAST_ITERATIONS: usize = 40;
 /// Step of the fast path, in mean edges, that counts as none.
 const FAST_STEP: f64 = 1e-8;
-/// Clearance, in mean edges, below which a result of the fast path is not accepted: the barrier
-/// would do better.
-const FAST_CLEARANCE: f64 = 0.2;
 /// Deviation, over the diagonal, above which it is not accepted.
 const FAST_DEVIATION: f64 = 2.5e-3;
 /// Spread of areas over wished ones (95 % over 5 % quantile) above which it is not accepted either:
@@ -155,10 +154,13 @@ impl Stage<'_> {
             outcome,
         };
         let run = self.conclude(start.n_bad, Reached::at(&setting, x), way, options);
-        let clear = run.summary.quality.clearance >= FAST_CLEARANCE;
         let even = unevenness(&self.areas, &self.panels, &run.x) <= FAST_UNEVENNESS;
         let near = run.summary.quality.deviation_max <= FAST_DEVIATION * self.diagonal;
-        let good = clear && even && near && run.offenders.is_empty();
+        let shape = FaceShapes::at(&self.panels, &run.x);
+        let margins =
+            ShapeLimits::new(&self.limits, &self.panels, &shape).margins(&self.panels, &shape);
+        let fits = margins.iter().all(|c| *c >= 0.0);
+        let good = even && near && fits && run.offenders.is_empty();
         (run.is_cancelled() || good).then_some(run)
     }
 }

@@ -15,19 +15,24 @@ use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 
 /// A vertex near an edge of its face, in space.
-struct SpatialApproach {
+pub(super) struct SpatialApproach {
     /// Local corners: the vertex and the two ends of the edge.
-    corners: [usize; 3],
+    pub corners: [usize; 3],
     /// Their weights in `vertex - foot`.
-    coefficients: [f64; 3],
-    offset: Vec3,
-    distance: f64,
+    pub coefficients: [f64; 3],
+    pub offset: Vec3,
+    pub distance: f64,
     along: Vec3,
     /// Whether the foot lies within the edge.
     within: bool,
 }
 
-fn for_each_approach(corners: &[Corner], reach: f64, mut visit: impl FnMut(&SpatialApproach)) {
+/// Calls `visit` for every vertex and edge of a face that are nearer than `reach` and not incident.
+pub(super) fn for_each_approach(
+    corners: &[Corner],
+    reach: f64,
+    mut visit: impl FnMut(&SpatialApproach),
+) {
     let k = corners.len();
     for edge in 0..k {
         let end = (edge + 1) % k;

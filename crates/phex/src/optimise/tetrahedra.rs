@@ -307,6 +307,7 @@ mod tests {
             corner: &vec![false; panels.n_vertices()],
             holds: &holds,
             areas: &super::super::areas::any(panels.n_faces()),
+            limits: &crate::optimise::FaceLimits::none(panels.n_faces()),
             mean_edge: panels.mean_edge(&x),
         };
         let assembly = energy_assembly(&panels);

@@ -16,6 +16,9 @@ pub(super) fn normalised(
     options.dual.quadric = classical::quadric(&given.dual, &model.similarity)?;
     options.steering = (given.steering).moved(|p| model.similarity.normalise(p));
     options.optimise.max_deviation = given.optimise.max_deviation.map(without_unit);
+    options.optimise.panels = (given.optimise.panels)
+        .scaled(1.0 / model.similarity.scale)
+        .with_sizes(without_unit, without_unit);
     if let Some(values) = &given.size_field {
         check_size_field(values, model.surface.positions().len())?;
         options.size_field = Some(relative_sizes(values));

@@ -141,6 +141,7 @@ impl MeshOptions {
         let typed = self.optimise.planarity_tolerance;
         limits.validity.planarity =
             (typed > OptimiseOptions::default().planarity_tolerance).then_some(typed);
+        limits.panels = self.optimise.panels;
         limits
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Limits;
 use super::check::{Check, boundary_checks, surface_checks, validity_checks};
+use super::panel_checks::panel_checks;
 use phex_mesh::measure::{
     BoundaryFit, Deviation, MeshMeasures, boundary_fit, deviation_beyond, measure,
 };
@@ -105,7 +106,7 @@ impl Assessment {
     pub fn new(mesh: &HexMesh, references: References<'_>, limits: &Limits) -> Self {
         let measures = measure(mesh);
         let mut violations = violations(mesh, references.judge(), &limits.validity);
-        if let (Some(_), Some(facets)) = (references.smooth, references.facets) {
+        if let Some(facets) = references.facets {
             add_flips(&mut violations, mesh, facets);
         }
         let away = |s, k: usize| deviation_beyond(mesh, s, references.beyond.map_or(s, |b| b[k]));
@@ -113,6 +114,7 @@ impl Assessment {
         let deviation_facets = references.facets.map(|s| away(s, 1));
         let boundary = references.judge().and_then(|s| boundary_fit(mesh, s));
         let mut checks = validity_checks(mesh, &measures, &violations, &limits.validity);
+        checks.extend(panel_checks(mesh, &limits.panels));
         let deviation = deviation_smooth.as_ref().or(deviation_facets.as_ref());
         if let (Some(deviation), Some(surface)) = (deviation, references.judge()) {
             checks.extend(surface_checks(mesh, surface, deviation, limits));

@@ -33,6 +33,14 @@ pub enum Scale {
     Diagonals,
     /// Share of the surface's area, 0 to 1.
     Area,
+    /// Model units.
+    Length,
+    /// Squared model units.
+    SquareLength,
+    /// Degrees.
+    Degrees,
+    /// A ratio without unit.
+    Ratio,
 }
 
 /// Limit and figure in the unit in which the limit was typed.
@@ -51,9 +59,10 @@ pub struct Reading {
 pub struct Check {
     /// Name, as in the table of the documentation.
     pub name: &'static str,
-    /// The limit; a smallest one for `edge_length`, `clearance` and `covered_area`, else a largest
-    /// one.
+    /// The limit.
     pub limit: f64,
+    /// Whether it is a smallest one, else a largest one.
+    pub is_least: bool,
     /// The figure; for checks that count, the number of offenders.
     pub value: f64,
     /// What the two are given in.
@@ -72,6 +81,8 @@ pub struct Check {
     pub element: ElementKind,
     /// The offenders, in order.
     pub ids: Vec<usize>,
+    /// The figure of each of them, where a limit of panels is checked; else empty.
+    pub values: Vec<f64>,
     /// The faces that take part in a failure, in order: the offenders, those that hold them, or
     /// those closest to the place.
     pub faces: Vec<usize>,
@@ -81,12 +92,21 @@ pub struct Check {
     pub advice: Option<String>,
 }
 
+/// Checks whose limit is a smallest one.
+const LEAST: [&str; 3] = ["edge_length", "clearance", "covered_area"];
+
 impl Check {
     /// A check without offenders.
-    fn new(name: &'static str, [limit, value]: [f64; 2], scale: Scale, pass: bool) -> Self {
+    pub(super) fn new(
+        name: &'static str,
+        [limit, value]: [f64; 2],
+        scale: Scale,
+        pass: bool,
+    ) -> Self {
         Self {
             name,
             limit,
+            is_least: LEAST.contains(&name),
             value,
             scale,
             limit_length: None,
@@ -96,6 +116,7 @@ impl Check {
             decisive: false,
             element: ElementKind::Face,
             ids: Vec::new(),
+            values: Vec::new(),
             faces: Vec::new(),
             place: None,
             advice: None,
@@ -103,7 +124,7 @@ impl Check {
     }
 
     /// The same with both figures as lengths; `unit` is the length of 1 in its scale.
-    fn in_lengths(self, unit: f64) -> Self {
+    pub(super) fn in_lengths(self, unit: f64) -> Self {
         Self {
             limit_length: Some(self.limit * unit),
             value_length: Some(self.value * unit),
@@ -112,7 +133,7 @@ impl Check {
     }
 
     /// The same with faces as offenders, if it fails.
-    fn at(self, faces: impl IntoIterator<Item = FaceId>, place: Option<Vec3>) -> Self {
+    pub(super) fn at(self, faces: impl IntoIterator<Item = FaceId>, place: Option<Vec3>) -> Self {
         if self.pass {
             return self;
         }
@@ -139,7 +160,7 @@ impl Check {
     }
 
     /// The same with what would help, if it fails.
-    fn advised(self, advice: &str) -> Self {
+    pub(super) fn advised(self, advice: &str) -> Self {
         let advice = (!self.pass).then(|| advice.to_owned());
         Self { advice, ..self }
     }

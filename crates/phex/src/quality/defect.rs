@@ -48,7 +48,7 @@ pub fn defects(mesh: &HexMesh, judgement: &Judgement) -> Vec<Defect> {
             }
             defects.push(Defect {
                 place: mesh.centre(f),
-                needs_more: worst.crossed.is_some() || worst.bare > 0.0 || worst.far > 0.0,
+                needs_more: worst.needs_more(),
                 is_allowed: faces.iter().all(|f| findings[*f].is_within()),
                 is_slight: faces.iter().all(|f| findings[*f].is_slight()),
                 is_invalid: faces.iter().any(|f| findings[*f].invalid > 0.0),

@@ -22,6 +22,10 @@ pub struct Findings {
     pub bare: f64,
     /// Distance between the boundaries.
     pub rim: f64,
+    /// MaxPanel, edges, corners and joints, summed.
+    pub unfit: f64,
+    /// Whether a smaller panel would fit.
+    pub too_large: bool,
     /// Distance to the surface, in limits.
     pub off: f64,
     /// What a tight panel costs.
@@ -37,13 +41,18 @@ pub struct Findings {
 impl Findings {
     /// All excesses over limits.
     pub fn outside(&self) -> f64 {
-        self.folded + self.narrow + self.far + self.bare + self.rim
+        self.folded + self.narrow + self.far + self.bare + self.rim + self.unfit
     }
 
     /// How bad it is, to compare faces: what is invalid counts before what is outside, and that
     /// before what is not liked.
     pub(super) fn amount(&self) -> f64 {
         1e3 * self.invalid + self.outside() + 1e-3 * (self.tight + self.small)
+    }
+
+    /// Whether smaller panels would help.
+    pub(super) fn needs_more(&self) -> bool {
+        self.crossed.is_some() || self.bare > 0.0 || self.far > 0.0 || self.too_large
     }
 
     /// Whether nothing is invalid or outside limits.

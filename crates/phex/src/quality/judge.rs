@@ -142,6 +142,7 @@ impl<'a> Judge<'a> {
         self.add_distances(mesh, &mut of_face);
         let nearest = self.add_coverage(scope, yardstick, &mut of_face);
         self.add_boundary(scope, &nearest, &mut of_face);
+        self.add_panel_limits(mesh, &mut of_face);
         add_shapes(scope, yardstick, &mut of_face);
         let counted = of_face.as_slice().iter().zip(scope.counts);
         let counted = counted.filter(|(_, c)| **c).map(|(f, _)| f);
@@ -180,6 +181,18 @@ impl<'a> Judge<'a> {
             if let (Violation::Crossing { face, .. }, Some(other)) = (violation, faces.first()) {
                 of_face[*face].crossed = Some(*other);
                 of_face[*other].crossed = Some(*face);
+            }
+        }
+    }
+
+    /// What a workshop can't make.
+    fn add_panel_limits(&self, mesh: &HexMesh, of_face: &mut PerFace<Findings>) {
+        for figure in self.limits.panels.figures(mesh) {
+            let excess = figure.excess().min(LARGEST_EXCESS);
+            for f in figure.faces.into_iter().flatten().filter(|_| excess > 0.0) {
+                let face = &mut of_face[f];
+                face.unfit += excess;
+                face.too_large |= figure.kind.wants_smaller();
             }
         }
     }

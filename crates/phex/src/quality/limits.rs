@@ -1,6 +1,7 @@
 //! What a mesh must keep to.
 
 use crate::trim::Boundary;
+use phex_mesh::PanelLimits;
 use phex_mesh::validate::ValidateOptions;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,8 @@ pub struct Limits {
     pub boundary_rel: Option<f64>,
     /// Least share of an open surface's area that panels cover, 0 to 1; `None` does not limit it.
     pub covered: Option<f64>,
+    /// What a workshop can make; lengths in the unit of the mesh.
+    pub panels: PanelLimits,
 }
 
 impl Limits {

@@ -11,7 +11,7 @@
 //! | verdict | when |
 //! |---|---|
 //! | pass | every check holds |
-//! | outside tolerance | a figure is outside a limit: planarity, deviation, edge length, clearance, folds, topology, boundary, covered area |
+//! | outside tolerance | a figure is outside a limit: planarity, deviation, edge length, clearance, folds, topology, boundary, covered area, what a workshop can make |
 //! | invalid | the mesh is no panelling: a face not simple, folded back or flipped, a vertex covered twice or of wrong degree, an edge through a face |
 //!
 //! Guaranteed: pure functions of their arguments. A mesh of which the judge finds nothing invalid
@@ -24,6 +24,7 @@ mod findings;
 mod judge;
 mod limits;
 mod merit;
+mod panel_checks;
 
 pub use assessment::{Assessment, Omitted, Reason, References, Verdict};
 pub use check::{Check, ElementKind, Reading, Scale};

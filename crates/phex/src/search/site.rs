@@ -2,7 +2,7 @@
 
 use super::patch::{Built, Patch};
 use crate::layout::{Layout, VertexKind, WishedArea};
-use crate::optimise::{BoundaryHold, LocalPart, OptimiseOptions, SurfaceTarget, Wanted};
+use crate::optimise::{BoundaryHold, FaceLimits, LocalPart, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
 use crate::quality::{Judge, Judgement, Scope, Yardstick};
 use phex_mesh::measure::{LEAST_RIM_AREA, wanted_clearance};
@@ -125,15 +125,17 @@ impl Site<'_> {
     }
 
     /// What the panels of a part are to have.
-    fn wanted(&self, part: &HexMesh, whole: &Whole) -> Wanted {
+    fn limits(&self, part: &HexMesh, whole: &Whole) -> FaceLimits {
         let (topology, yardstick) = (part.topology(), &whole.yardstick);
         let areas = FlatFace::all(part).map(FlatFace::area);
-        let clearance = |a: &f64| yardstick.mean_edge * wanted_clearance(a / yardstick.mean_area);
+        let unit = self.options.wished_clearance * yardstick.mean_edge;
+        let clearance = |a: &f64| unit * wanted_clearance(a / yardstick.mean_area);
         let least = |f: FaceId| match topology.is_boundary_face(f) {
             true => SAFE * LEAST_RIM_AREA * yardstick.mean_area,
             false => 0.0,
         };
-        Wanted {
+        FaceLimits {
+            panels: self.options.panel_limits(),
             clearance: areas.iter().map(clearance).collect(),
             area: topology.faces().map(least).collect(),
             distance: self.judge.largest_distance(),
@@ -152,16 +154,14 @@ impl Site<'_> {
             layout: &self.layout(&built.mesh),
             free: &built.free,
             hold: self.hold.as_ref(),
+            limits: &self.limits(&built.mesh, whole),
             diagonal: whole.diagonal,
         };
         let target = SurfaceTarget::new(self.close_to);
         let quiet = Quiet(progress);
         let made = match step {
             LocalStep::Settle => part.settled(&target, self.options, &quiet),
-            LocalStep::Improve(round) => {
-                let wanted = self.wanted(&built.mesh, whole);
-                part.emphasised(&wanted, round, &target, self.options, &quiet)
-            }
+            LocalStep::Improve(round) => part.emphasised(round, &target, self.options, &quiet),
         };
         Some(made.ok()?.mesh)
     }

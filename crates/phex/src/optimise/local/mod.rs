@@ -5,7 +5,7 @@ mod emphasis;
 mod retry;
 mod rim;
 
-pub(crate) use emphasis::{EMPHASES, Wanted};
+pub(crate) use emphasis::EMPHASES;
 
 use super::holds::Hold;
 use super::options::NEWTON_ITERATIONS;
@@ -14,8 +14,8 @@ use super::path::Path;
 use super::reached::{Reached, ResultOrigin};
 use super::solvers::Solvers;
 use super::{
-    BoundaryHold, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference, Stage, StartKind,
-    Target, areas, check_layout, check_mesh, finished,
+    BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference,
+    Stage, StartKind, Target, areas, check_layout, check_mesh, finished,
 };
 use crate::layout::Layout;
 use crate::progress::Progress;
@@ -31,6 +31,8 @@ pub(crate) struct LocalPart<'a> {
     pub free: &'a [bool],
     /// The boundary of the surface; `None` where vertices on the boundary of the part rest.
     pub hold: Option<&'a BoundaryHold<'a>>,
+    /// What its panels are to have.
+    pub limits: &'a FaceLimits,
     /// Diagonal of the whole mesh.
     pub diagonal: f64,
 }
@@ -67,7 +69,6 @@ impl LocalPart<'_> {
     /// As [`LocalPart::settled`].
     pub fn emphasised(
         &self,
-        wanted: &Wanted,
         round: usize,
         target: &dyn Target,
         options: &OptimiseOptions,
@@ -82,10 +83,10 @@ impl LocalPart<'_> {
         let x = unknowns(mesh);
         stage.areas = areas::of_layout(self.layout, &stage.panels, &x, options.evenness);
         let setting = stage.setting(&x);
-        let lack = Lack::at(&setting, &x, wanted);
+        let lack = Lack::at(&setting, &x);
         let (mut solvers, folds) = lack.solvers(&setting, &x)?;
         let mut path = Path::new(&setting, &mut solvers, &x, options, progress)?;
-        let now = path.emphasised(&x, (&lack, folds), wanted, round)?;
+        let now = path.emphasised(&x, (&lack, folds), round)?;
         let reached = Reached::at(&setting, now);
         let way = ResultOrigin {
             kind: StartKind::Local,
@@ -119,6 +120,7 @@ impl LocalPart<'_> {
         let mut stage = Stage::new(mesh, reference, side, &layout.vertex_kind, options);
         let shape = FaceShapes::at(&stage.panels, &unknowns(mesh));
         stage.holds = rim_holds(mesh, &shape, self.hold);
+        stage.limits = self.limits.clone();
         let rests = |v: &VertexId| !self.free[v.index()];
         for v in mesh.topology().vertices().filter(rests) {
             let hold = Hold::At(mesh.position(v));

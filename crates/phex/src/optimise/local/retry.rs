@@ -2,18 +2,16 @@
 //! group by group, kept if less is wrong, or the same with more room, and nothing stands off
 //! farther.
 
-use super::emphasis::{EMPHASES, Lack, Wanted};
+use super::emphasis::{EMPHASES, Lack};
 use crate::optimise::error::OptimiseError;
 use crate::optimise::options::NEWTON_ITERATIONS;
-use crate::optimise::panels::{FaceShapes, Panels, extent};
+use crate::optimise::panels::{FaceShapes, Panels};
 use crate::optimise::parts::{Part, with_neighbours};
 use crate::optimise::path::Path;
 use crate::optimise::reached::Reached;
-use crate::optimise::simple::area;
-use phex_mesh::measure::wanted_clearance;
 
-/// Share of the clearance that is wanted which a panel may lack without being tried again: retries
-/// end half-way to a minimum, which is not worth while for less.
+/// Share of a limit which a panel may lack without being tried again: retries end half-way to a
+/// minimum, which is not worth while for less.
 const LITTLE: f64 = 0.35;
 /// Rings of faces around a panel that count as its surroundings; two more move along.
 const RINGS: usize = 2;
@@ -44,67 +42,38 @@ fn groups(panels: &Panels, mut faces: Vec<u32>) -> Vec<Vec<u32>> {
 }
 
 impl Path<'_> {
-    /// What panels of a whole mesh are to have.
-    fn wanted(&self, x: &[f64]) -> Wanted {
-        let (setting, shape) = (self.setting, FaceShapes::at(self.setting.panels, x));
-        let areas =
-            (0..setting.panels.n_faces()).map(|f| area(shape.face(setting.panels, f)).abs());
-        let areas: Vec<f64> = areas.collect();
-        let mean = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
-        let edge = setting.panels.mean_edge(x);
-        let limit = self.options.max_deviation;
-        Wanted {
-            clearance: (areas.iter())
-                .map(|a| edge * wanted_clearance(a / mean))
-                .collect(),
-            area: vec![0.0; areas.len()],
-            distance: limit.map_or(f64::INFINITY, |share| share * extent(x)),
-        }
-    }
-
     /// Goes on from planar positions where panels lack something.
     pub fn retry(&mut self, reached: Reached) -> Result<Reached, OptimiseError> {
         let mut x = reached.x;
-        let wanted = self.wanted(&x);
-        let lack = Lack::at(self.setting, &x, &wanted);
+        let lack = Lack::at(self.setting, &x);
         let faces = 0..self.setting.panels.n_faces();
         let lacking = faces.filter(|f| lack.of(*f, LITTLE)).map(|f| f as u32);
         for group in groups(self.setting.panels, lacking.collect()) {
             if !self.is_over() {
-                self.retry_group(&group, &wanted, &mut x)?;
+                self.retry_group(&group, &mut x)?;
             }
         }
         Ok(Reached::at(self.setting, x))
     }
 
-    fn retry_group(
-        &mut self,
-        group: &[u32],
-        wanted: &Wanted,
-        x: &mut [f64],
-    ) -> Result<(), OptimiseError> {
+    fn retry_group(&mut self, group: &[u32], x: &mut [f64]) -> Result<(), OptimiseError> {
         let wider = |core: Vec<u32>, _| with_neighbours(self.setting.panels, &core);
         let surroundings = (0..RINGS).fold(group.to_vec(), wider);
         let part = Part::around(self.setting, &surroundings, x);
         let setting = part.setting(self.setting.mean_edge);
         let anchor = part.of_vertices(self.start);
-        let wanted = Wanted {
-            clearance: part.of_faces(&wanted.clearance),
-            area: part.of_faces(&wanted.area),
-            distance: wanted.distance,
-        };
         let options = crate::optimise::OptimiseOptions {
             newton_iterations: self.options.newton_iterations.or(Some(NEWTON_ITERATIONS)),
             ..self.options.clone()
         };
         let mut best = part.of_vertices(x);
         for round in 0..EMPHASES {
-            let lack = Lack::at(&setting, &best, &wanted);
+            let lack = Lack::at(&setting, &best);
             let (mut solvers, folds) = lack.solvers(&setting, &best)?;
             let mut path = Path::new(&setting, &mut solvers, &anchor, &options, &self.reporter)?;
             path.weights = self.weights;
             path.barriers = part.of_faces(&self.barriers);
-            let now = path.emphasised(&best, (&lack, folds), &wanted, round)?;
+            let now = path.emphasised(&best, (&lack, folds), round)?;
             let status = path.outcome.status;
             let over = path.is_over();
             let made = path.in_parts + path.outcome.factorisations;
@@ -113,7 +82,7 @@ impl Path<'_> {
                 self.outcome.status = status;
                 break;
             }
-            let after = Lack::at(&setting, &now, &wanted);
+            let after = Lack::at(&setting, &now);
             let near = lack.farthest.max(NEAR * setting.mean_edge) * (1.0 + ROUNDING);
             let height = FaceShapes::at(setting.panels, &now).max_height();
             let planar = height <= options.planarity_tolerance * setting.mean_edge;

@@ -2,20 +2,22 @@
 //! Jacobian.
 
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_saddle, turn_edge};
+use crate::optimise::FaceLimits;
 use crate::optimise::areas::{AreaWish, any};
 use crate::optimise::barrier::Barrier;
-use crate::optimise::closeness::ClosenessWeights;
+use crate::optimise::closeness::{ClosenessWeights, DistanceLimit};
 use crate::optimise::concavity::ConcavityTerm;
 use crate::optimise::constraints::PlanarityConstraints;
 use crate::optimise::energy::{PanelEnergy, Weights};
 use crate::optimise::guard::Guard;
 use crate::optimise::holds::Holds;
+use crate::optimise::inequality::Elastic;
 use crate::optimise::jacobian::Jacobian;
 use crate::optimise::panels::{Panels, unknowns};
 use crate::optimise::reference::Reference;
 use crate::optimise::setting::Setting;
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, Vec3};
+use phex_mesh::{HexMesh, PanelLimits, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
 
 pub(super) const NOTHING: Weights = Weights {
@@ -24,10 +26,12 @@ pub(super) const NOTHING: Weights = Weights {
         vertex: 0.0,
         centre: 0.0,
         rim: 0.0,
+        limit: DistanceLimit::NONE,
     },
     fairness: 0.0,
     anchor: 0.0,
     corner: 0.0,
+    limits: 0.0,
 };
 
 pub(super) const NO_BARRIER: Barrier = Barrier {
@@ -40,6 +44,22 @@ pub(super) fn with_energy(
     mesh: &HexMesh,
     target: Shape,
     weights: Weights,
+    barrier: Barrier,
+    test: impl FnOnce(&mut PanelEnergy<'_>, &[f64], &mut SymmetricMatrix),
+) {
+    with_limits(
+        mesh,
+        target,
+        (weights, &FaceLimits::none(mesh.topology().n_faces())),
+        barrier,
+        test,
+    );
+}
+
+fn with_limits(
+    mesh: &HexMesh,
+    target: Shape,
+    (weights, limits): (Weights, &FaceLimits),
     barrier: Barrier,
     test: impl FnOnce(&mut PanelEnergy<'_>, &[f64], &mut SymmetricMatrix),
 ) {
@@ -61,6 +81,7 @@ pub(super) fn with_energy(
         corner: &corner,
         holds: &Holds::default(),
         areas: &any(panels.n_faces()),
+        limits,
         mean_edge: panels.mean_edge(&x),
     };
     let dofs = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
@@ -191,6 +212,7 @@ fn gradient_of_closeness() {
             vertex: 1.0,
             centre: 3.0,
             rim: 0.1,
+            limit: DistanceLimit::NONE,
         };
         let weights = Weights {
             closeness,
@@ -234,7 +256,6 @@ fn gradient_of_areas() {
             let wish = |f: usize| AreaWish {
                 area: [4.0, 1.0, 4.0, 4.0, 1.0][f % 5] * size,
                 weight: [2.0, 2.0, 0.0, 2.0, 2.0][f % 5],
-                at_least: f % 5 > 2,
             };
             energy.areas = (0..panels.n_faces()).map(wish).collect();
             gradient_agrees(energy, x, hessian, mesh.mean_edge());
@@ -294,6 +315,7 @@ fn hessian_of_closeness_is_exact_at_a_plane_and_beyond_its_rim() {
         vertex: 1.0,
         centre: 3.0,
         rim: 0.1,
+        limit: DistanceLimit::NONE,
     };
     let weights = Weights {
         closeness,
@@ -324,6 +346,7 @@ fn normal_matrix_is_the_product_of_the_jacobian() {
         corner: &corner,
         holds: &Holds::default(),
         areas: &any(panels.n_faces()),
+        limits: &FaceLimits::none(panels.n_faces()),
         mean_edge: panels.mean_edge(&x),
     };
     let count = PlanarityConstraints::count(&panels);
@@ -391,5 +414,89 @@ fn the_jacobian_agrees(panels: &Panels, assembly: &Assembly, x: &[f64], rows: &[
             assert!((along - values[j]).abs() < 1e-13, "{i} {j}");
             assert!((along - column[j]).abs() < 1e-13, "{i} {j}");
         }
+    }
+}
+
+/// Each limit by itself, so tight that most panels are beyond it or near.
+#[test]
+fn gradient_of_limits() {
+    let mesh = rough(Shape::Wave);
+    let (edge, area) = (mesh.mean_edge(), mesh.mean_edge().powi(2));
+    let faces = mesh.topology().n_faces();
+    let none = || FaceLimits::none(faces);
+    let panels = |panels: PanelLimits| FaceLimits { panels, ..none() };
+    let any = PanelLimits::default();
+    let limits = [
+        panels(PanelLimits {
+            min_edge: Some(0.9 * edge),
+            ..any
+        }),
+        panels(PanelLimits {
+            max_edge: Some(1.1 * edge),
+            ..any
+        }),
+        panels(PanelLimits {
+            min_angle: Some(95.0),
+            ..any
+        }),
+        panels(PanelLimits {
+            max_area: Some(2.0 * area),
+            ..any
+        }),
+        panels(PanelLimits {
+            max_panel: Some([2.0 * edge, 1.5 * edge]),
+            ..any
+        }),
+        FaceLimits {
+            clearance: vec![edge; faces],
+            ..none()
+        },
+        FaceLimits {
+            area: vec![3.0 * area; faces],
+            ..none()
+        },
+    ];
+    for limits in &limits {
+        gradient_of_limit(&mesh, Shape::Wave, limits);
+    }
+    // The plane of a face turns, which moments of its area feel in second order alone where it is
+    // planar.
+    let flat = rough(Shape::Square);
+    let flat = flat.with_positions(flat.positions.map(|p| Vec3::new(p.x, p.y, 0.0)));
+    let long = panels(PanelLimits {
+        max_aspect: Some(1.3),
+        ..any
+    });
+    gradient_of_limit(&flat, Shape::Square, &long);
+}
+
+fn gradient_of_limit(mesh: &HexMesh, target: Shape, limits: &FaceLimits) {
+    let weights = Weights {
+        limits: 3.0,
+        ..NOTHING
+    };
+    let what = (weights, limits);
+    with_limits(mesh, target, what, NO_BARRIER, |energy, x, hessian| {
+        gradient_agrees(energy, x, hessian, mesh.mean_edge());
+    });
+}
+
+#[test]
+fn gradient_of_the_largest_distance() {
+    for share in [0.2, 1.0, 3.0] {
+        let mesh = rough(Shape::Wave);
+        let limit = DistanceLimit {
+            elastic: Elastic { weight: 2.0 },
+            most: share * mesh.mean_edge(),
+        };
+        let closeness = ClosenessWeights {
+            limit,
+            ..NOTHING.closeness
+        };
+        let weights = Weights {
+            closeness,
+            ..NOTHING
+        };
+        gradient_is_right(weights, NO_BARRIER, Shape::Wave, &mesh);
     }
 }

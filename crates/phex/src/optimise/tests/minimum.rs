@@ -7,7 +7,7 @@ use super::fixtures::{Shape, brick_wall, layout, planar_paraboloid};
 use super::whole::assert_sound;
 use crate::Silent;
 use crate::optimise::barrier::Barrier;
-use crate::optimise::closeness::ClosenessWeights;
+use crate::optimise::closeness::{ClosenessWeights, DistanceLimit};
 use crate::optimise::energy::{PanelEnergy, Weights};
 use crate::optimise::jacobian::Jacobian;
 use crate::optimise::solvers::constraint_assembly;
@@ -86,6 +86,7 @@ fn the_stand_in_for_a_surface_has_its_derivatives_and_touches_it() {
         vertex: 1.0,
         centre: 3.0,
         rim: 0.1,
+        limit: DistanceLimit::NONE,
     };
     let weights = Weights {
         closeness,

@@ -4,7 +4,7 @@ use super::fixtures::{Shape, brick_wall};
 use super::whole::{all_simple, assert_sound};
 use crate::optimise::barrier::barriers;
 use crate::optimise::energy::PanelEnergy;
-use crate::optimise::energy::{panel_energy, weights};
+use crate::optimise::energy::{Weights, panel_energy};
 use crate::optimise::panels::{points, unknowns};
 use crate::optimise::parts::{Cuts, minimise_in_parts};
 use crate::optimise::reference::Reference;
@@ -33,7 +33,7 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
     };
     let (barriers, mut x) = (barriers(setting.panels, &start, &options), start.clone());
     for (phase, &penalty) in crate::optimise::options::PENALTIES.iter().enumerate() {
-        let mut weights = weights(&options);
+        let mut weights = Weights::of(&options, &setting);
         weights.planarity = penalty;
         let limits = DampedOptions {
             max_iterations: 15,

@@ -290,6 +290,7 @@ impl DomainPanels {
         options.directions.mirrors = group.mirrors();
         let deviation = &mut options.optimise.max_deviation;
         *deviation = deviation.map(|d| d / scale);
+        options.optimise.panels = options.optimise.panels.scaled(1.0 / scale);
         Ok(Self {
             group,
             surface,

@@ -1,0 +1,168 @@
+//! What a workshop can make, as it is typed.
+
+use crate::panel_size::hexagon_area;
+use crate::units::{Area, Quantity, Rectangle, Unit};
+use phex_mesh::PanelLimits;
+use serde::{Deserialize, Serialize};
+
+/// Limits of panels, edges, corners and joints; in a job file, the table `[limits]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[serde(default, rename_all = "kebab-case", deny_unknown_fields)]
+pub struct LimitSettings {
+    /// Sheet that each panel is cut from, however it lies on it: `1.5x3.0m`
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "AxB", help_heading = "Limits of a workshop")
+    )]
+    pub max_panel: Option<Rectangle>,
+    /// Shortest edge
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "LENGTH", help_heading = "Limits of a workshop")
+    )]
+    pub min_edge: Option<Quantity>,
+    /// Longest edge
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "LENGTH", help_heading = "Limits of a workshop")
+    )]
+    pub max_edge: Option<Quantity>,
+    /// Sharpest corner of a panel, degrees
+    #[cfg_attr(feature = "clap", arg(long, value_name = "DEG", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
+    pub min_angle: Option<f64>,
+    /// Largest panel: `2.5m2`, or a number of squared model units
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "AREA", help_heading = "Limits of a workshop")
+    )]
+    pub max_area: Option<Area>,
+    /// Largest length over width of a panel, at least 1
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
+    pub max_aspect: Option<f64>,
+    /// Sharpest joint: least angle between neighbouring panels, degrees; 180 is flat
+    #[cfg_attr(feature = "clap", arg(long, value_name = "DEG", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
+    pub min_dihedral: Option<f64>,
+    /// Flattest joint: largest angle between neighbouring panels, degrees
+    #[cfg_attr(feature = "clap", arg(long, value_name = "DEG", value_parser = crate::steering::positive, help_heading = "Limits of a workshop"))]
+    pub max_dihedral: Option<f64>,
+}
+
+/// Longest edge, area of a panel, and sides of its rectangle, over those of the mean panel, that a
+/// lattice has room for.
+const EDGES: f64 = 2.2;
+const AREAS: f64 = 1.4;
+const RECTANGLE: f64 = 2.5;
+const WIDTH: f64 = 1.25;
+
+impl LimitSettings {
+    /// These settings, and those of `file` where these say nothing.
+    pub fn over(self, file: Self) -> Self {
+        Self {
+            max_panel: self.max_panel.or(file.max_panel),
+            min_edge: self.min_edge.or(file.min_edge),
+            max_edge: self.max_edge.or(file.max_edge),
+            min_angle: self.min_angle.or(file.min_angle),
+            max_area: self.max_area.or(file.max_area),
+            max_aspect: self.max_aspect.or(file.max_aspect),
+            min_dihedral: self.min_dihedral.or(file.min_dihedral),
+            max_dihedral: self.max_dihedral.or(file.max_dihedral),
+        }
+    }
+
+    /// The limits in model units; percentages refer to `whole`.
+    pub fn in_units(&self, unit: Unit, whole: f64) -> PanelLimits {
+        let length = |q: Quantity| q.length(unit, whole);
+        PanelLimits {
+            max_panel: self.max_panel.map(|r| r.sides(unit, whole)),
+            min_edge: self.min_edge.map(length),
+            max_edge: self.max_edge.map(length),
+            min_angle: self.min_angle,
+            max_area: self.max_area.map(|a| a.area(unit)),
+            max_aspect: self.max_aspect,
+            min_dihedral: self.min_dihedral,
+            max_dihedral: self.max_dihedral,
+        }
+    }
+
+    /// Area of a mean panel that leaves room below the limits of size; `None` where there is none.
+    pub fn mean_area(&self, unit: Unit, whole: f64) -> Option<f64> {
+        let limits = self.in_units(unit, whole);
+        let of_sheet = limits.max_panel.map(|[a, b]| {
+            let width = a.min(b) / WIDTH;
+            (a * b / RECTANGLE).min(hexagon_area(width / 3.0_f64.sqrt()))
+        });
+        let of_edge = limits.max_edge.map(|edge| hexagon_area(edge / EDGES));
+        let of_area = limits.max_area.map(|area| area / AREAS);
+        let all = [of_sheet, of_edge, of_area].into_iter().flatten();
+        all.min_by(f64::total_cmp)
+    }
+
+    /// The unit in which a limit was typed, by the name of its check, and the value of 1 of it in
+    /// model units.
+    pub(crate) fn typed_unit(&self, check: &str, unit: Unit, whole: f64) -> Option<(String, f64)> {
+        let of = |q: Quantity| {
+            let (name, length) = q.unit(unit, whole);
+            (name.to_owned(), length)
+        };
+        match check {
+            "min_edge" => self.min_edge.map(of),
+            "max_edge" => self.max_edge.map(of),
+            "max_area" => self.max_area.map(|a| {
+                let (name, length) = a.side(unit);
+                (format!("{name}2"), length * length)
+            }),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_have_the_unit_of_the_model() {
+        let typed: LimitSettings = toml::from_str(
+            "max-panel = '1.5x3m'\nmin-edge = '20cm'\nmax-area = '2.5m2'\nmin-angle = 25\nmax-edge = '10%'",
+        )
+        .unwrap();
+        let limits = typed.in_units(Unit::Mm, 30_000.0);
+        assert_eq!(limits.max_panel, Some([1500.0, 3000.0]));
+        assert_eq!(limits.min_edge, Some(200.0));
+        assert_eq!(
+            (limits.max_edge, limits.min_angle),
+            (Some(3000.0), Some(25.0))
+        );
+        assert!((limits.max_area.unwrap() - 2.5e6).abs() < 1e-6);
+        assert_eq!(
+            typed.typed_unit("min_edge", Unit::Mm, 1.0),
+            Some(("cm".to_owned(), 10.0))
+        );
+        let area = typed.typed_unit("max_area", Unit::M, 1.0).unwrap();
+        assert_eq!((area.0.as_str(), area.1), ("m2", 1.0));
+    }
+
+    #[test]
+    fn the_tightest_limit_of_size_gives_the_mean_panel() {
+        let limits = |text: &str| -> LimitSettings { toml::from_str(text).unwrap() };
+        let area = |text| limits(text).mean_area(Unit::M, 1.0);
+        assert_eq!(area("min-edge = 1"), None);
+        assert!((area("max-area = 1.4").unwrap() - 1.0).abs() < 1e-12);
+        let sheet = area("max-panel = '2x4'").unwrap();
+        assert!(sheet < area("max-panel = '4x4'").unwrap());
+        assert_eq!(area("max-panel = '2x4'\nmax-edge = 100"), Some(sheet));
+        assert!(area("max-panel = '2x4'\nmax-edge = 0.5").unwrap() < sheet);
+    }
+
+    #[test]
+    fn what_is_typed_comes_before_the_file() {
+        let typed: LimitSettings = toml::from_str("min-edge = 1").unwrap();
+        let file: LimitSettings = toml::from_str("min-edge = 2\nmax-aspect = 3").unwrap();
+        let both = typed.over(file);
+        assert_eq!(
+            (both.min_edge, both.max_aspect),
+            (typed.min_edge, Some(3.0))
+        );
+    }
+}

@@ -1,0 +1,93 @@
+//! The checks of a mesh against what a workshop can make.
+
+use super::check::{Check, ElementKind, Scale};
+use phex_mesh::{HexMesh, LimitedFigure, PanelLimit, PanelLimits};
+
+/// One check for each limit that is set.
+pub(super) fn panel_checks(mesh: &HexMesh, limits: &PanelLimits) -> Vec<Check> {
+    let figures = limits.figures(mesh);
+    let of = |(kind, limit): (PanelLimit, f64)| {
+        let mut figures: Vec<&LimitedFigure> = figures.iter().filter(|f| f.kind == kind).collect();
+        // The worst first; of equal ones that with the least number.
+        figures.sort_by(|a, b| badness(b).total_cmp(&badness(a)));
+        panel_check(mesh, (kind, limit), &figures)
+    };
+    limits.set().map(of).collect()
+}
+
+/// How near a figure is to its limit; above 1 beyond it.
+fn badness(figure: &LimitedFigure) -> f64 {
+    match figure.kind.is_least() {
+        true => figure.limit / figure.value,
+        false => figure.value / figure.limit,
+    }
+}
+
+fn panel_check(
+    mesh: &HexMesh,
+    (kind, limit): (PanelLimit, f64),
+    figures: &[&LimitedFigure],
+) -> Check {
+    let outside: Vec<&&LimitedFigure> = figures.iter().filter(|f| f.excess() > 0.0).collect();
+    let worst = figures.first();
+    let value = worst.map_or(limit, |f| f.value);
+    let (scale, length) = scale_of(kind);
+    let check = Check::new(kind.name(), [limit, value], scale, outside.is_empty());
+    let check = match length {
+        true => check.in_lengths(1.0),
+        false => check,
+    };
+    let faces = outside.iter().flat_map(|f| f.faces).flatten();
+    let check = check.at(faces, worst.map(|f| f.place));
+    let mut named: Vec<(usize, f64)> = outside.iter().map(|f| (f.element, f.value)).collect();
+    named.sort_by(|a, b| a.0.cmp(&b.0));
+    let (ids, values) = named.into_iter().unzip();
+    let panels = mesh.topology().n_faces();
+    Check {
+        is_least: kind.is_least(),
+        element: match kind.is_of_edges() {
+            true => ElementKind::Edge,
+            false => ElementKind::Face,
+        },
+        ids,
+        values,
+        ..check
+    }
+    .advised(&advice(kind, worst.map_or(1.0, |f| badness(f)), panels))
+}
+
+/// What figures are given in, and whether they are lengths.
+fn scale_of(kind: PanelLimit) -> (Scale, bool) {
+    match kind {
+        PanelLimit::MaxPanel | PanelLimit::MaxAspect => (Scale::Ratio, false),
+        PanelLimit::MinEdge | PanelLimit::MaxEdge => (Scale::Length, true),
+        PanelLimit::MinAngle | PanelLimit::MinDihedral | PanelLimit::MaxDihedral => {
+            (Scale::Degrees, false)
+        }
+        PanelLimit::MaxArea => (Scale::SquareLength, false),
+    }
+}
+
+/// What would help where a figure is beyond its limit by a factor.
+fn advice(kind: PanelLimit, factor: f64, panels: usize) -> String {
+    let times = |power: i32| (panels as f64 * factor.powi(power)).ceil();
+    match kind {
+        PanelLimit::MaxPanel | PanelLimit::MaxEdge => {
+            format!("about {} panels, if all shrink alike", times(2))
+        }
+        PanelLimit::MaxArea => format!("about {} panels, if all shrink alike", times(1)),
+        PanelLimit::MinDihedral => {
+            "more panels there (--adaptive): joints turn by panel length times curvature".to_owned()
+        }
+        PanelLimit::MaxDihedral => {
+            "fewer panels: joints turn by panel length times curvature; where the surface is flat none do".to_owned()
+        }
+        PanelLimit::MinEdge => format!(
+            "about {} panels, if all grow alike; at the boundary another --boundary",
+            (panels as f64 / (factor * factor)).floor().max(1.0)
+        ),
+        PanelLimit::MinAngle | PanelLimit::MaxAspect => {
+            "another --rotate, --boundary or number of panels; where the surface bends one way only panels are long".to_owned()
+        }
+    }
+}
