@@ -161,10 +161,13 @@ impl<'a> Search<'a> {
             moments += d * d.transpose() * *a;
         }
         let eigen = SymmetricEigen::new(moments);
-        let mut axes: Vec<Vec3> = (0..3)
-            .map(|k| eigen.eigenvectors.column(k).into())
-            .collect();
-        axes.extend([Vec3::x(), Vec3::y(), Vec3::z()]);
+        let of_inertia = (0..3).map(|k| eigen.eigenvectors.column(k).into());
+        let mut axes: Vec<Vec3> = Vec::new();
+        for axis in of_inertia.chain([Vec3::x(), Vec3::y(), Vec3::z()]) {
+            if axes.iter().all(|a| a.dot(&axis).abs() < SAME_AXIS) {
+                axes.push(axis);
+            }
+        }
         axes
     }
 
