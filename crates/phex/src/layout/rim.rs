@@ -40,7 +40,7 @@ pub(crate) fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Ce
         let number = without(before, &dropped);
         let mut kept = number.iter().map(Option::is_some);
         seeds.retain(|_| kept.next().unwrap_or(true));
-        let changed = rim.iter().filter(|c| c.images == 1).map(|c| c.label);
+        let changed = rim.iter().map(|c| c.label);
         grown = voronoi::regrow(topology, fine.mesh, &seeds, &grown, changed, &number);
         if seeds.len() == before && round + 1 >= ROUNDS / 2 {
             break;

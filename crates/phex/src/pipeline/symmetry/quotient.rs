@@ -19,8 +19,9 @@ use std::f64::consts::PI;
 
 /// Distance from a mirror plane, panel lengths, within which a vertex of the boundary lies in it.
 const IN_PLANE: f64 = 0.05;
-/// Area of a cell over that of a panel up to which it is half a panel.
+/// Area of a cell over that of a panel up to which it is half a panel, and a quarter of one.
 const HALF: f64 = 0.72;
+const QUARTER: f64 = 0.36;
 /// Sine of the angle between boundary and mirror plane, less than a right one, beyond which the
 /// boundary has a corner there.
 const SQUARE: f64 = 0.3;
@@ -41,7 +42,7 @@ pub(super) struct WholePanels {
 pub(super) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, String> {
     let walls = group.walls();
     let cells = Cells::new(layout, &walls);
-    let halves = cells.halves();
+    let merged = cells.merged();
     let mut parts = WholeParts {
         cells: &cells,
         elements: group.elements(),
@@ -49,12 +50,12 @@ pub(super) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, St
         of_source: BTreeMap::new(),
     };
     let rings: Result<Vec<Vec<u32>>, String> = (layout.mesh.topology().faces())
-        .map(|f| match halves[f] {
-            true => parts.whole(f, &halves),
-            false => Ok(cells.corners_of_whole(f)),
+        .map(|f| match merged[f] {
+            0 => Ok(cells.corners_of_whole(f)),
+            _ => parts.whole(f, &merged),
         })
         .collect();
-    parts.finished(rings?, &halves)
+    parts.finished(rings?, &merged)
 }
 
 /// Panels of a domain's layout, with those at its mirror planes whole, that are no hexagons; at the
@@ -62,7 +63,7 @@ pub(super) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, St
 pub(in crate::pipeline) fn irregular_panels(layout: &Layout, mirrors: &[MirrorPlane]) -> usize {
     let walls: Vec<Vec3> = mirrors.iter().map(|m| m.normal.into()).collect();
     let cells = Cells::new(layout, &walls);
-    let halves = cells.halves();
+    let merged = cells.merged();
     let topology = cells.topology;
     let cost = |f: FaceId| {
         let ring = topology.face_vertices(f);
@@ -72,9 +73,9 @@ pub(in crate::pipeline) fn irregular_panels(layout: &Layout, mirrors: &[MirrorPl
             let on_boundary = [a, b].iter().all(|v| topology.is_boundary_vertex(*v));
             on_boundary && cells.on[a] & cells.on[b] == 0
         };
-        let corners = match halves[f] {
-            false => cells.corners_of_whole(f).len(),
-            true => cells.half(f, &halves).map_or(0, |h| h.corners()),
+        let corners = match merged[f] {
+            0 => cells.corners_of_whole(f).len(),
+            _ => cells.half(f, &merged).map_or(0, |h| h.corners()),
         };
         match corners {
             0..3 => NO_PANEL,
@@ -115,14 +116,15 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// Whether a cell has a side in a wall.
-    fn touches(&self, f: FaceId) -> bool {
+    /// The walls in which a cell has a side.
+    fn sides(&self, f: FaceId) -> u32 {
         let ring = self.topology.face_vertices(f);
-        (0..ring.len()).any(|i| self.on[ring[i]] & self.on[ring[(i + 1) % ring.len()]] != 0)
+        let side = |i: usize| self.on[ring[i]] & self.on[ring[(i + 1) % ring.len()]];
+        (0..ring.len()).fold(0, |bits, i| bits | side(i))
     }
 
-    /// Which cells are parts of panels that lie across walls.
-    fn halves(&self) -> PerFace<bool> {
+    /// The walls across which each cell is joined with its image.
+    fn merged(&self) -> PerFace<u32> {
         let share = |f: FaceId| {
             let full = CELL * self.layout.face_length[f].powi(2);
             let at = |v: &VertexId| self.layout.mesh.position(*v);
@@ -132,30 +134,54 @@ impl<'a> Cells<'a> {
                 .map(|p| (p[0] - ring[0]).cross(&(p[1] - ring[0])));
             0.5 * fan.sum::<Vec3>().norm() / full
         };
-        let at_axis = |f: FaceId| {
-            let ring = self.topology.face_vertices(f).iter();
-            ring.into_iter().any(|v| self.on[*v].count_ones() > 1)
-        };
-        let mut halves = PerFace::from_fn(self.topology.n_faces(), |f| {
-            self.touches(f) && (at_axis(f) || share(f) < HALF)
+        let mut merged = PerFace::from_fn(self.topology.n_faces(), |f| {
+            let walls = self.sides(f);
+            match walls.count_ones() {
+                2.. if share(f) < QUARTER || !self.is_square(walls) => walls,
+                2.. => self.longer(f, walls),
+                _ if share(f) < HALF => walls,
+                _ => 0,
+            }
         });
         // No two whole panels side by side.
         for v in self.topology.vertices().filter(|v| self.on[*v] != 0) {
-            let faces: Vec<FaceId> = self
-                .topology
-                .outgoing(v)
-                .map(|h| self.topology.face(h))
-                .collect();
-            let whole = faces.iter().filter(|f| self.touches(**f) && !halves[**f]);
-            let whole: Vec<FaceId> = whole.copied().collect();
+            let faces = self.topology.outgoing(v).map(|h| self.topology.face(h));
+            let whole = faces.filter(|f| self.sides(*f) & !merged[*f] & self.on[v] != 0);
+            let whole: Vec<FaceId> = whole.collect();
             if whole.len() > 1 {
                 let least = whole
                     .iter()
                     .min_by(|a, b| share(**a).total_cmp(&share(**b)));
-                least.into_iter().for_each(|f| halves[*f] = true);
+                least
+                    .into_iter()
+                    .for_each(|f| merged[*f] |= self.sides(*f) & self.on[v]);
             }
         }
-        halves
+        merged
+    }
+
+    /// Whether two walls meet at a right angle.
+    fn is_square(&self, bits: u32) -> bool {
+        let walls = self.walls.iter().enumerate();
+        let held: Vec<&Vec3> = (walls.filter(|(k, _)| bits & (1 << k) != 0))
+            .map(|(_, n)| n)
+            .collect();
+        matches!(held[..], [a, b] if a.dot(b).abs() < 1e-9)
+    }
+
+    /// Of the walls of a cell in a corner the one in which its side is longest: an edge of the panel
+    /// lies in the other one, and its middle in the corner.
+    fn longer(&self, f: FaceId, bits: u32) -> u32 {
+        let ring = self.topology.face_vertices(f);
+        let length = |wall: u32| -> f64 {
+            let sides = (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]);
+            let held = sides.filter(|[a, b]| self.on[*a] & self.on[*b] & wall != 0);
+            let ends = held.map(|e| e.map(|v| self.layout.mesh.position(v)));
+            ends.map(|[a, b]| (a - b).norm()).sum()
+        };
+        let walls = (0..u32::BITS).map(|k| 1 << k).filter(|w| bits & w != 0);
+        let longest = walls.max_by(|a, b| length(*a).total_cmp(&length(*b)));
+        longest.unwrap_or(bits)
     }
 
     /// The corners of a whole panel: between two corners in one wall there are none.
@@ -171,10 +197,11 @@ impl<'a> Cells<'a> {
     }
 
     /// A cell that is a part of a panel.
-    fn half(&self, f: FaceId, halves: &PerFace<bool>) -> Result<Half, String> {
+    fn half(&self, f: FaceId, merged: &PerFace<u32>) -> Result<Half, String> {
         let ring = self.topology.face_vertices(f);
         let n = ring.len();
-        let in_wall = |i: usize| self.on[ring[i % n]] & self.on[ring[(i + 1) % n]];
+        let side = |i: usize| self.on[ring[i % n]] & self.on[ring[(i + 1) % n]];
+        let in_wall = |i: usize| side(i) & merged[f];
         let begins = |i: &usize| in_wall(*i) != 0 && in_wall(i + n - 1) == 0;
         let starts: Vec<usize> = (0..n).filter(begins).collect();
         let [first] = starts[..] else {
@@ -194,21 +221,22 @@ impl<'a> Cells<'a> {
                 (2.0 * PI / (PI - a.angle(&b))).round() as usize
             }
         };
-        let free = last + 1..first + n;
+        // An edge in the other wall of a corner has no corner between its ends.
+        let free = (last + 1..first + n).filter(|i| side(*i) & side(i + n - 1) == 0);
         let ends = [first, last].map(|i| ring[i % n]);
         Ok(Half {
             free: free.map(|i| ring[i % n].index() as u32).collect(),
-            ends: ends.map(|v| self.is_corner(v, f, halves).then_some(v.index() as u32)),
+            ends: ends.map(|v| self.is_corner(v, f, merged).then_some(v.index() as u32)),
             walls,
             copies,
         })
     }
 
     /// Whether the end of a cell's side in a wall is a corner of the panel.
-    fn is_corner(&self, v: VertexId, f: FaceId, halves: &PerFace<bool>) -> bool {
+    fn is_corner(&self, v: VertexId, f: FaceId, merged: &PerFace<u32>) -> bool {
         let mut around = self.topology.outgoing(v).map(|h| self.topology.face(h));
         if let Some(g) = around.find(|g| *g != f) {
-            return !halves[g];
+            return merged[g] & self.on[v] == 0;
         }
         // The end of the wall: a corner where the boundary has one.
         let ring = self.topology.face_vertices(f);
@@ -297,8 +325,8 @@ impl WholeParts<'_> {
     }
 
     /// The corners of the panel of which a cell is a part.
-    fn whole(&mut self, f: FaceId, halves: &PerFace<bool>) -> Result<Vec<u32>, String> {
-        let half = self.cells.half(f, halves)?;
+    fn whole(&mut self, f: FaceId, merged: &PerFace<u32>) -> Result<Vec<u32>, String> {
+        let half = self.cells.half(f, merged)?;
         let maps = half.walls.map(|k| reflection(self.cells.walls[k]));
         let mut corners = Vec::new();
         let mut map = Matrix3::identity();
@@ -321,7 +349,7 @@ impl WholeParts<'_> {
         }
     }
 
-    fn finished(self, rings: Vec<Vec<u32>>, halves: &PerFace<bool>) -> Result<WholePanels, String> {
+    fn finished(self, rings: Vec<Vec<u32>>, merged: &PerFace<u32>) -> Result<WholePanels, String> {
         let (cells, layout) = (self.cells, self.cells.layout);
         let count = cells.topology.n_vertices() as u32;
         let mut number: BTreeMap<u32, u32> = BTreeMap::new();
@@ -365,14 +393,7 @@ impl WholeParts<'_> {
                     .insert(*k, cells.walls[bits.trailing_zeros() as usize]);
             }
         }
-        let on_walls = |f: FaceId, x: Vec3| {
-            let ring = cells.topology.face_vertices(f);
-            let bits = match halves[f] {
-                true => ring.iter().fold(0, |b, v| b | cells.on[*v]),
-                false => 0,
-            };
-            in_walls(cells.walls, bits, x)
-        };
+        let on_walls = |f: FaceId, x: Vec3| in_walls(cells.walls, merged[f], x);
         let each = |of: &PerFace<Vec3>| {
             PerFace::from_vec(of.enumerate().map(|(f, p)| on_walls(f, *p)).collect())
         };
