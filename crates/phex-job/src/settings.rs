@@ -72,8 +72,8 @@ pub struct MeshSettings {
     #[cfg_attr(feature = "clap", arg(long, value_enum, value_name = "HOW"))]
     pub boundary: Option<AtBoundary>,
     /// Symmetries of the surface that the panels have, too: `auto` for all mirror planes that are
-    /// found, one `mirror` plane, or N for rotations by a turn over N about an axis in mirror planes
-    /// [default: none]
+    /// found, one `mirror` plane, or N for rotations by a turn over N about an axis in mirror
+    /// planes [default: none]
     #[cfg_attr(feature = "clap", arg(long, value_name = "auto|none|mirror|N"))]
     pub symmetry: Option<Symmetry>,
     /// Surface that the panels are kept close to [default: smooth]

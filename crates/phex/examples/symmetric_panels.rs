@@ -1,4 +1,5 @@
-//! Panels with the symmetries of their surface: `symmetric_panels [SURFACE PANELS SYMMETRY [MESH]]`.
+//! Panels with the symmetries of their surface: `symmetric_panels [SURFACE PANELS SYMMETRY
+//! [MESH]]`.
 //!
 //! Without arguments a torus gets 300 panels. SYMMETRY is `auto`, `mirror` or the order of a
 //! rotation. What is printed is what was found, how many panels differ, and how many vertices are

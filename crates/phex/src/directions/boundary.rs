@@ -63,8 +63,8 @@ pub struct MirrorPlane {
 /// Distance from a mirror plane, diagonals, within which the boundary lies in it.
 const IN_PLANE: f64 = 1e-7;
 
-/// How many images of a vertex and it itself lie in its place: 2 in a mirror plane, `2 pi / a` where
-/// two of them meet at the angle `a`, and 1 elsewhere.
+/// How many images of a vertex and it itself lie in its place: 2 in a mirror plane, `2 pi / a`
+/// where two of them meet at the angle `a`, and 1 elsewhere.
 pub(crate) fn multiplicity(surface: &TriangleSurface, mirrors: &[MirrorPlane]) -> PerVertex<u32> {
     let near = IN_PLANE * surface.diagonal();
     let topology = surface.topology();

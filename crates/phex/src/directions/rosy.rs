@@ -147,9 +147,9 @@ fn draw_to_mirrors(
 /// decides which way rows run.
 const AT_AXIS: f64 = 1.2;
 
-/// Which way rows run beside the places where two mirror planes meet, 1 along the plane, -1 at right
-/// angles to it. The field turns from one plane to the other by a multiple of a twelfth of a turn,
-/// so that a panel closes there: an odd one if rows run along one of the planes alone. Of the
+/// Which way rows run beside the places where two mirror planes meet, 1 along the plane, -1 at
+/// right angles to it. The field turns from one plane to the other by a multiple of a twelfth of a
+/// turn, so that a panel closes there: an odd one if rows run along one of the planes alone. Of the
 /// multiples the one nearest to the angle is taken, 0 excepted.
 fn classes_at_axes(
     topology: &Topology,

@@ -158,9 +158,9 @@ fn orthonormal_complement(frame: &FaceFrame, corners: &[Corner], rows: &mut [f64
 const NO_ROW: f64 = 1e-6;
 
 /// Rows of a face that is its own image, as they act on the sources of its corners: heights of
-/// images are those of their sources, so rows are averaged over orbits, those that are left are made
-/// orthonormal, and the entries of an orbit are added at its source. Rows that come to nothing are
-/// zero.
+/// images are those of their sources, so rows are averaged over orbits, those that are left are
+/// made orthonormal, and the entries of an orbit are added at its source. Rows that come to nothing
+/// are zero.
 fn fold_rows(panels: &Panels, f: usize, rows: &mut [f64]) {
     let vertices = panels.vertices(f);
     let k = vertices.len();

@@ -2,13 +2,13 @@
 //!
 //! Both leave the centroid where it is, and map axes of inertia to such of the same moment. An axis
 //! of rotation of order three or more has two equal moments across it, so a mirror plane or an axis
-//! of a group with one is found among the three axes, however the equal ones are chosen. Angles about
-//! an axis come from the harmonics `c_m = sum w exp(i m phi) dA` of a few weights `w(r, z)`: a
-//! rotation by a turn over `n` leaves those alone whose `m` is a multiple of `n`, and a mirror plane
-//! lies at `arg(c_m) / m`, up to multiples of `pi / m`. What is found so is checked: every vertex of
-//! the surface is mapped, and must lie on the surface, those of the boundary on the boundary, within
-//! a tolerance. So triangles need not be symmetric. At last the frame is moved to where these
-//! distances are least.
+//! of a group with one is found among the three axes, however the equal ones are chosen. Angles
+//! about an axis come from the harmonics `c_m = sum w exp(i m phi) dA` of a few weights `w(r, z)`:
+//! a rotation by a turn over `n` leaves those alone whose `m` is a multiple of `n`, and a mirror
+//! plane lies at `arg(c_m) / m`, up to multiples of `pi / m`. What is found so is checked: every
+//! vertex of the surface is mapped, and must lie on the surface, those of the boundary on the
+//! boundary, within a tolerance. So triangles need not be symmetric. At last the frame is moved to
+//! where these distances are least.
 
 use super::group::{Group, reflection, turn};
 use nalgebra::{Complex, Matrix3, Matrix6, SymmetricEigen, Vector6};

@@ -3,9 +3,9 @@
 //!
 //! `find` finds the group, `cut` the part of the surface that generates it (a fundamental domain).
 //! Its boundary in mirror planes is laid out as such ([`MirrorPlane`]): rows run along the plane or
-//! at right angles to it, and lattice points lie in it, so that panels there are cut in two, or have
-//! an edge in the plane. `quotient` makes the panels that planes cut whole; corners beyond a plane
-//! are no unknowns but images, and the optimiser takes them along. `unfold` adds all images.
+//! at right angles to it, and lattice points lie in it, so that panels there are cut in two, or
+//! have an edge in the plane. `quotient` makes the panels that planes cut whole; corners beyond a
+//! plane are no unknowns but images, and the optimiser takes them along. `unfold` adds all images.
 //!
 //! A group without mirror planes is not used: the seam of its domain would be free, and a lattice
 //! on the domain has no reason to meet itself there.

@@ -3,9 +3,9 @@
 //!
 //! A cell at a mirror plane is half a panel, or a whole one with an edge in the plane; its area
 //! tells which. Where two halves meet in the plane, the edge between them runs straight across it,
-//! and the corner there is none; where a half and a whole panel meet, it is a corner of three panels
-//! in the plane. Two whole panels would meet their images in a corner of four, so one of them is
-//! taken as a half.
+//! and the corner there is none; where a half and a whole panel meet, it is a corner of three
+//! panels in the plane. Two whole panels would meet their images in a corner of four, so one of
+//! them is taken as a half.
 
 use super::group::{Group, folded, in_walls, number_of, reflection};
 use crate::directions::MirrorPlane;
@@ -169,8 +169,8 @@ impl<'a> Cells<'a> {
         matches!(held[..], [a, b] if a.dot(b).abs() < 1e-9)
     }
 
-    /// Of the walls of a cell in a corner the one in which its side is longest: an edge of the panel
-    /// lies in the other one, and its middle in the corner.
+    /// Of the walls of a cell in a corner the one in which its side is longest: an edge of the
+    /// panel lies in the other one, and its middle in the corner.
     fn longer(&self, f: FaceId, bits: u32) -> u32 {
         let ring = self.topology.face_vertices(f);
         let length = |wall: u32| -> f64 {
