@@ -49,6 +49,7 @@ use phex_mesh::TriangleSurface;
 use run::between_panels;
 use size::panel_count;
 use sized::panel_length;
+use symmetry::irregular_panels;
 
 /// Makes a planar hexagonal mesh of a connected surface.
 ///

@@ -1,6 +1,6 @@
 //! Why nothing was made.
 
-use super::symmetry::Symmetry;
+use super::Symmetry;
 use crate::directions::cones::ConeError;
 use crate::koebe::KoebeError;
 use crate::layout::LayoutError;

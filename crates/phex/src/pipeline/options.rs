@@ -1,6 +1,6 @@
 //! Options of the whole flow.
 
-use super::symmetry::Symmetry;
+use super::Symmetry;
 use crate::curvature::CurvatureOptions;
 use crate::directions::DirectionOptions;
 use crate::directions::size::SizeOptions;

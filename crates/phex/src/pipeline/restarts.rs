@@ -3,7 +3,7 @@
 
 use super::domain::Ground;
 use super::field::Field;
-use super::{Clock, Effort, PipelineError, symmetry};
+use super::{Clock, Effort, PipelineError, irregular_panels};
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, Placed};
 use rayon::prelude::*;
@@ -59,7 +59,7 @@ pub(super) fn most_regular(
         let layout = made(&placed.seeds)?;
         let irregular = match &ground.options.directions.mirrors[..] {
             [] => phex_mesh::irregular_faces(layout.mesh.topology()),
-            mirrors => symmetry::irregular_panels(&layout, mirrors),
+            mirrors => irregular_panels(&layout, mirrors),
         };
         Ok::<_, LayoutError>(Drawn {
             placed,

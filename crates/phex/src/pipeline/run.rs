@@ -4,7 +4,7 @@ use super::attempt::AttemptSummary;
 use super::classical_statistics::ClassicalStatistics;
 use super::clock::StageSeconds;
 use super::domain::{Beyond, moved};
-use super::symmetry::{Orbits, SymmetrySummary};
+use super::{Orbits, SymmetrySummary};
 use crate::directions::guides::Cone;
 use crate::layout::LayoutStatistics;
 use crate::layout::brick_wall::BrickWallStatistics;
