@@ -14,6 +14,8 @@ KINDS = {
     "SEED": {"count"},
     "THREADS": {"count"},
     "LENGTH": {"length"},
+    "AXB": {"rectangle"},
+    "AREA": {"area"},
     "TIME": {"time"},
     "DEG": {"number", "positive"},
     "C": {"positive"},

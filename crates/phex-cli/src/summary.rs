@@ -443,6 +443,7 @@ mod tests {
         Check {
             name,
             limit: 0.0,
+            is_least: false,
             value: 0.0,
             scale,
             limit_length: None,
@@ -452,6 +453,7 @@ mod tests {
             decisive: true,
             element: ElementKind::Face,
             ids: Vec::new(),
+            values: Vec::new(),
             faces: Vec::new(),
             place: None,
             advice: None,

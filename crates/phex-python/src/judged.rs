@@ -9,9 +9,9 @@ use phex::offset::{FitOptions, FitStart, fit_parallel};
 use phex::quality::References;
 use phex::report::RunReport;
 use phex_job::{
-    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, LastStage, MeshFile, MeshJob,
-    MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, chain,
-    time_limit,
+    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, LastStage, LimitSettings, MeshFile,
+    MeshJob, MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit,
+    chain, time_limit,
 };
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, TriangleSurface};
 use serde::Deserialize;
@@ -169,6 +169,7 @@ impl LimitsRequest {
             max_deviation: self.max_deviation.unwrap_or(DEFAULT_DEVIATION),
             unit: self.unit.unwrap_or_default(),
             boundary: self.boundary.map(Into::into),
+            panels: LimitSettings::default(),
         })
     }
 }

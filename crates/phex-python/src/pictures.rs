@@ -6,7 +6,7 @@ use phex::Progress;
 use phex::quality::References;
 use phex_fab::PanelIds;
 use phex_html::{Report, Viewer, conjugate_curves, page};
-use phex_job::{DEFAULT_DEVIATION, JobError, TypedLimits, Unit};
+use phex_job::{DEFAULT_DEVIATION, JobError, LimitSettings, TypedLimits, Unit};
 use phex_mesh::ear_clip::ear_clip_corners;
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Vec3};
 use phex_picture::maps::{ColourMap, Map, Subject};
@@ -65,6 +65,7 @@ fn colours(
         max_deviation: DEFAULT_DEVIATION,
         unit: Unit::default(),
         boundary: None,
+        panels: LimitSettings::default(),
     };
     let subject = Subject {
         mesh,

@@ -48,7 +48,7 @@ class Option(NamedTuple):
 #: Every option of ``phex mesh``, in its order; kinds are explained in :func:`checked`.
 MESH: Dict[str, Option] = {
     "output": Option("path"),
-    "panels": Option("count", "500"),
+    "panels": Option("count", "500, or as many as the largest sheet, edge or area asks for"),
     "edge_length": Option("length"),
     "method": Option("choice", "lattice", METHODS),
     "effort": Option("choice", "normal", EFFORTS),
@@ -84,6 +84,14 @@ MESH: Dict[str, Option] = {
     "guide": Option("lines", table="guides"),
     "crease": Option("positive", table="guides", alone=30.0),
     "cones": Option("rows", table="guides"),
+    "max_panel": Option("rectangle", table="limits"),
+    "min_edge": Option("length", table="limits"),
+    "max_edge": Option("length", table="limits"),
+    "min_angle": Option("positive", table="limits"),
+    "max_area": Option("area", table="limits"),
+    "max_aspect": Option("positive", table="limits"),
+    "min_dihedral": Option("positive", table="limits"),
+    "max_dihedral": Option("positive", table="limits"),
     "write_target": Option("path"),
     "keep_invalid": Option("flag"),
     "report": Option("path"),
@@ -108,9 +116,9 @@ def checked(name: str, value: Any, option: Option) -> Any:
     """A value that JSON can hold, if it is of the option's kind.
 
     ``count``: a whole number from 0; ``number``, ``positive``; ``length``: a number or a text such
-    as ``"20mm"``, ``"0.5%"``; ``choice``; ``symmetry``: a
-    choice or a whole number; ``flag``; ``path``; ``numbers``: a list of them; ``plane``:
-    ``"lowest"``, a height, or six numbers.
+    as ``"20mm"``, ``"0.5%"``; ``choice``; ``symmetry``: a choice or a whole number; ``flag``;
+    ``path``; ``numbers``: a list of them; ``plane``: ``"lowest"``, a height, or six numbers;
+    ``rectangle``: two lengths; ``area``.
     """
     if value is True and option.alone is not None:
         return option.alone
@@ -127,6 +135,10 @@ def checked(name: str, value: Any, option: Option) -> Any:
         return number
     if option.kind in ("length", "time"):
         return measured(name, value, TIME if option.kind == "time" else LENGTH)
+    if option.kind == "area":
+        return measured(name, value, AREA)
+    if option.kind == "rectangle":
+        return _rectangle(name, value)
     if option.kind == "choice":
         if isinstance(value, str) and value in option.choices:
             return str(value)
@@ -171,12 +183,17 @@ def real(name: str, value: Any) -> float:
 
 NUMBER = r"[+]?(\d+[.]?\d*|[.]\d+)(e[+-]?\d+)?"
 LENGTH = re.compile(rf"\s*{NUMBER}\s*(mm|cm|m|in|ft|%)?\s*", re.IGNORECASE | re.ASCII)
+AREA = re.compile(rf"\s*{NUMBER}\s*((mm|cm|m|in|ft)[2²])?\s*", re.IGNORECASE)
 TIME = re.compile(rf"\s*{NUMBER}\s*(s|min|h)?\s*", re.IGNORECASE | re.ASCII)
 
 
 def measured(name: str, value: Any, form: Any = LENGTH) -> Any:
     """A length (or time) as text with or without a unit, or as number; it is not negative."""
-    wanted = "a length such as 0.5, '20mm' or '1%'" if form is LENGTH else "a time such as '90s'"
+    wanted = {
+        LENGTH: "a length such as 0.5, '20mm' or '1%'",
+        AREA: "an area such as 2.5 or '2.5m2'",
+        TIME: "a time such as '90s'",
+    }[form]
     if isinstance(value, str):
         if form.fullmatch(value):
             return str(value)
@@ -185,6 +202,20 @@ def measured(name: str, value: Any, form: Any = LENGTH) -> Any:
     if number < 0.0:
         raise _wrong(name, value, wanted)
     return number
+
+
+def _rectangle(name: str, value: Any) -> str:
+    """Two sides, as text or as a pair of lengths."""
+    sides = re.split("[xX×]", value) if isinstance(value, str) else value
+    try:
+        first, second = sides
+    except Exception:  # whatever a foreign object does
+        raise _wrong(name, value, RECTANGLE) from None
+    both = (measured(name, side) for side in (first, second))
+    return "x".join(side if isinstance(side, str) else repr(side) for side in both)
+
+
+RECTANGLE = "two sides, such as '1.5x3.0m' or (1.5, 3.0)"
 
 
 def _plane(name: str, value: Any) -> str:
@@ -218,7 +249,7 @@ def _wrong(name: str, value: Any, wanted: str) -> InputError:
 
 def settings(options: Dict[str, Any]) -> Tuple[Dict[str, Any], Dict[str, Any], Any]:
     """Settings as in a job file, values that files would hold, and sizes at the vertices."""
-    typed: Dict[str, Any] = {"steering": {}, "guides": {}}
+    typed: Dict[str, Any] = {"steering": {}, "guides": {}, "limits": {}}
     given: Dict[str, Any] = {}
     sizes = None
     for name, value in options.items():

@@ -1,8 +1,7 @@
 //! The feasible path from one start: phases of rising penalties, and what is tried where they do
 //! not lead to planar panels.
 
-use super::barrier::barriers;
-use super::barrier::{Barrier, clearance};
+use super::barrier::{Barrier, barriers, clearance};
 use super::concavity::ConcavityTerm;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Weights};
@@ -21,7 +20,7 @@ use super::solvers::{Dual, Solvers, StepReporter};
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
 
-/// Factor of the barriers of panels that have come out with too little clearance.
+/// Factor of the barriers of tight panels where the projection has not arrived.
 const STRONGER: f64 = 4.0;
 
 /// Hold on the start that never keeps panels from becoming planar.
@@ -132,17 +131,14 @@ impl<'a> Path<'a> {
         self.outcome.status == Status::Cancelled
     }
 
-    /// From the start to planar panels, with what is tried where they come out tight or are not
-    /// planar.
+    /// From the start to planar panels, with stronger barriers and higher penalties where the
+    /// projection has not arrived.
     pub(crate) fn settle(&mut self) -> Result<Reached, OptimiseError> {
-        let mut best = self.arrive()?;
-        if !self.is_over() && best.is_tight(self.options) {
-            best = better(best, self.strengthen()?);
+        let best = self.arrive()?;
+        match self.is_over() || best.is_planar(self.options) {
+            true => Ok(best),
+            false => Ok(better(best, self.insist()?)),
         }
-        if !self.is_over() && !best.is_planar(self.options) {
-            best = better(best, self.insist()?);
-        }
-        Ok(best)
     }
 
     /// All phases from the start and the projection, once more with a weak hold on the start if a
@@ -217,12 +213,17 @@ impl<'a> Path<'a> {
         let strong = self.weights.anchor > WEAK_HOLD;
         if strong {
             self.weights.anchor = WEAK_HOLD;
-            self.x.copy_from_slice(self.start);
-            if let Descent::Whole(whole) = &mut self.descent {
-                whole.damping = Damping::default();
-            }
+            self.restart();
         }
         strong
+    }
+
+    /// Goes back to the start.
+    fn restart(&mut self) {
+        self.x.copy_from_slice(self.start);
+        if let Descent::Whole(whole) = &mut self.descent {
+            whole.damping = Damping::default();
+        }
     }
 
     /// One phase: minimises the energy with a weight of planarity.
@@ -360,17 +361,11 @@ impl<'a> Path<'a> {
         Ok(if better { now } else { reached })
     }
 
-    /// Goes on with higher penalties where the projection has not arrived.
+    /// Begins again without limits, since planar panels come before them; with stronger barriers of
+    /// the panels that have come out tight, and then higher penalties.
     fn insist(&mut self) -> Result<Reached, OptimiseError> {
-        if let Some(last) = PENALTIES.iter().copied().reduce(f64::max) {
-            self.descend(10.0 * last)?;
-            self.descend(100.0 * last)?;
-        }
-        Ok(self.project(KEPT_CLEARANCE))
-    }
-
-    /// Repeats the last two phases with stronger barriers of the panels that have come out tight.
-    fn strengthen(&mut self) -> Result<Reached, OptimiseError> {
+        self.weights.limits = 0.0;
+        self.weights.closeness.limit.elastic.weight = 0.0;
         const TIGHT: f64 = 1.5;
         let panels = self.setting.panels;
         let shape = FaceShapes::at(panels, &self.x);
@@ -380,7 +375,11 @@ impl<'a> Path<'a> {
                 barrier.weight *= STRONGER;
             }
         }
-        self.descend_last(2)?;
+        self.restart();
+        self.descend_all()?;
+        let last = PENALTIES.into_iter().fold(0.0, f64::max);
+        self.descend(10.0 * last)?;
+        self.descend(100.0 * last)?;
         Ok(self.project(KEPT_CLEARANCE))
     }
 }

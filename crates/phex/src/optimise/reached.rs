@@ -3,7 +3,7 @@
 use super::RunSummary;
 use super::barrier::clearance;
 use super::inspect::Offender;
-use super::options::{KEPT_CLEARANCE, OptimiseOptions, PathKind, StartKind};
+use super::options::{OptimiseOptions, PathKind, StartKind};
 use super::panels::FaceShapes;
 use super::setting::Setting;
 use phex_numeric::{Outcome, Status};
@@ -52,13 +52,6 @@ impl Reached {
 
     pub(crate) fn is_planar(&self, options: &OptimiseOptions) -> bool {
         self.planarity <= options.planarity_tolerance
-    }
-
-    /// Whether a panel is squeezed so that a stronger barrier may do better.
-    pub(crate) fn is_tight(&self, options: &OptimiseOptions) -> bool {
-        const BLOCKED: f64 = 1.5;
-        let margin = KEPT_CLEARANCE;
-        self.clearance < margin || (!self.is_planar(options) && self.clearance < BLOCKED * margin)
     }
 }
 

@@ -17,8 +17,8 @@ pub struct Defect {
     pub is_allowed: bool,
     /// Whether more room is all that is lacking, and not much of it.
     pub is_slight: bool,
-    /// Whether a panel is no panel, or not planar.
-    pub is_invalid: bool,
+    /// Whether a panel is no panel, not planar, or folded against another.
+    pub is_broken: bool,
     /// How bad it is, to compare defects.
     pub amount: f64,
 }
@@ -51,7 +51,7 @@ pub fn defects(mesh: &HexMesh, judgement: &Judgement) -> Vec<Defect> {
                 needs_more: worst.needs_more(),
                 is_allowed: faces.iter().all(|f| findings[*f].is_within()),
                 is_slight: faces.iter().all(|f| findings[*f].is_slight()),
-                is_invalid: faces.iter().any(|f| findings[*f].invalid > 0.0),
+                is_broken: faces.iter().any(|f| findings[*f].is_broken()),
                 amount: faces.iter().map(amount).sum(),
                 faces,
             });

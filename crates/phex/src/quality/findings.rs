@@ -55,6 +55,11 @@ impl Findings {
         self.crossed.is_some() || self.bare > 0.0 || self.far > 0.0 || self.too_large
     }
 
+    /// Whether it is no panel, not planar, or folded against another.
+    pub(super) fn is_broken(&self) -> bool {
+        self.invalid + self.folded > 0.0
+    }
+
     /// Whether nothing is invalid or outside limits.
     pub fn is_within(&self) -> bool {
         self.invalid + self.outside() == 0.0

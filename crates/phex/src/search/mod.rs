@@ -45,7 +45,7 @@ const CURED: f64 = 0.99;
 /// Candidates that are tried again with all that the optimiser can do for them.
 const IMPROVED: usize = 2;
 /// Places outside limits, and their share of the panels, above which panels are too large
-/// everywhere: more of them here and there would only spoil the rows. What is invalid is searched
+/// everywhere: more of them here and there would only spoil the rows. What is broken is searched
 /// all the same.
 const FEW: f64 = 3.0;
 const FEW_SHARE: f64 = 0.06;
@@ -202,12 +202,9 @@ fn chosen(
     let mut places = Vec::new();
     let mut all = defects(mesh, &whole.findings);
     all.retain(|d| d.faces.iter().all(|f| !resting.contains(f)));
-    let outside = all
-        .iter()
-        .filter(|d| !d.is_invalid && !d.is_allowed)
-        .count();
+    let outside = all.iter().filter(|d| !d.is_broken && !d.is_allowed).count();
     let too_large = outside as f64 > FEW + FEW_SHARE * mesh.topology().n_faces() as f64;
-    for defect in all.into_iter().filter(|d| d.is_invalid || !too_large) {
+    for defect in all.into_iter().filter(|d| d.is_broken || !too_large) {
         let before = failed
             .iter()
             .find(|f| (f.place - defect.place).norm() < same);

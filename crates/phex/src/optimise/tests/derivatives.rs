@@ -483,7 +483,7 @@ fn gradient_of_limit(mesh: &HexMesh, target: Shape, limits: &FaceLimits) {
 
 #[test]
 fn gradient_of_the_largest_distance() {
-    for share in [0.2, 1.0, 3.0] {
+    for share in [0.05, 0.2] {
         let mesh = rough(Shape::Wave);
         let limit = DistanceLimit {
             elastic: Elastic { weight: 2.0 },
