@@ -1,6 +1,6 @@
-//! Embeds the viewer of the HTML report: the one that `cargo xtask viewer` has built, else one that
-//! is built here where npm is installed. Without either the report has pictures and tables, and
-//! `phex --version` says why.
+//! Embeds the viewer of the HTML report, and the page of the studio that shares its modules: those
+//! that `cargo xtask viewer` has built, else such as are built here where npm is installed. Without
+//! either the report has pictures and tables, and `phex --version` says why.
 
 #[path = "npm.rs"]
 mod npm;
@@ -13,7 +13,9 @@ const BUILT: &str = "bundle";
 /// Where its source is.
 const SOURCE: &str = "../../studio/viewer";
 /// What it is made from, there.
-const PARTS: [&str; 4] = ["src", "package.json", "package-lock.json", "vite.config.js"];
+const PARTS: [&str; 4] = ["src", "package.json", "package-lock.json", "build.mjs"];
+/// The scripts that become of it, and the variables that say where they are.
+const SCRIPTS: [(&str, &str); 2] = [("viewer.js", "PHEX_VIEWER"), ("studio.js", "PHEX_STUDIO")];
 /// The variable that keeps npm out of the build.
 const OFF: &str = "PHEX_NO_NPM";
 
@@ -29,17 +31,23 @@ fn main() {
         }
     }
     println!("cargo::rustc-check-cfg=cfg(viewer_bundle)");
-    let bundle = Some(built.join("viewer.js")).filter(|file| file.is_file());
+    let whole = |folder: &PathBuf| SCRIPTS.iter().all(|(name, _)| folder.join(name).is_file());
+    let bundle = Some(built).filter(whole);
     match bundle.map_or_else(|| made(&source), Ok) {
         Ok(bundle) => {
             println!("cargo::rustc-cfg=viewer_bundle");
-            println!("cargo::rustc-env=PHEX_VIEWER={}", bundle.display());
+            for (name, variable) in SCRIPTS {
+                println!(
+                    "cargo::rustc-env={variable}={}",
+                    bundle.join(name).display()
+                );
+            }
         }
         Err(cause) => println!("cargo::rustc-env=PHEX_NO_VIEWER={cause}"),
     }
 }
 
-/// The viewer, built beside the crate's other products; or why not.
+/// The folder of the scripts, built beside the crate's other products; or why not.
 fn made(source: &Path) -> Result<PathBuf, String> {
     if std::env::var_os(OFF).is_some() {
         return Err(format!("the program was built with {OFF}"));
@@ -49,7 +57,7 @@ fn made(source: &Path) -> Result<PathBuf, String> {
     }
     let out = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
     match build(source, &out) {
-        Ok(()) => Ok(out.join("viewer.js")),
+        Ok(()) => Ok(out),
         Err(cause) => {
             println!(
                 "cargo::warning=HTML reports will have no interactive view: {cause}; `cargo xtask viewer` makes it later"

@@ -1,5 +1,6 @@
 """Components run as Grasshopper runs them: their code with inputs and `ghenv` as names."""
 
+import importlib.util
 import json
 import struct
 import time
@@ -128,3 +129,29 @@ def test_errors_are_told_and_nothing_is_raised(surface):
     assert g.check(ghenv, 7).report and ghenv.Component.Message == "failed"
     assert "thickness" in g.fabricate(ghenv, phex.Mesh(np.eye(3), [[0, 1, 2]]), "x", True, thickness="?")
     assert g.offset(ghenv, phex.Mesh(np.eye(3), [[0, 1, 2]]), [1e99])[0].report
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda p: p.name)
+def test_the_componentizer_takes_the_bundles(folder):
+    bundle = pytest.importorskip("ghpython_componentizer.bundle")
+    icon, code, told = bundle.validate_source_bundle(str(folder))
+    assert icon[:4] == b"\x89PNG" and "phex.grasshopper" in code and told["name"] == folder.name
+    assert folder.name in bundle.discover_source_bundles(str(folder.parent))
+    assert "example" not in bundle.discover_source_bundles(str(folder.parent))
+
+
+def test_the_example_has_the_surface_and_its_panels(tmp_path):
+    script = ROOT / "grasshopper" / "example" / "make.py"
+    spec = importlib.util.spec_from_file_location("make", script)
+    make = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(make)
+    surface = phex.shape("roof", triangles=500)
+    made = phex.mesh(surface, panels=40, max_deviation="5%", effort="draft", keep_invalid=True)
+    make.save(surface, made, tmp_path / "small.3dm")
+    for path, count in ((tmp_path / "small.3dm", len(made)), (script.parent / "pavilion.3dm", 146)):
+        file = rhino3dm.File3dm.Read(str(path))
+        kinds = [type(o.Geometry).__name__ for o in file.Objects]
+        assert (kinds.count("Brep"), kinds.count("PolylineCurve")) == (count, count)
+        assert "surface" in [layer.Name for layer in file.Layers]
+    svg = make.canvas()
+    assert svg.count("<circle") > 15 and all(f">{name}<" in svg for name, *_ in make.CANVAS)

@@ -1,4 +1,5 @@
 import json
+import pathlib
 import pickle
 import subprocess
 
@@ -198,3 +199,72 @@ def test_networks_and_shapes(roof):
 def test_a_warm_start_moves_what_it_is_told(ball, sphere):
     again = phex.mesh(sphere, start=ball, fix=[3], max_deviation="5%")
     assert len(again) == len(ball)
+
+
+def test_a_mesh_is_judged_again_as_its_run_was(roof, program, tmp_path):
+    roof.save("roof.obj")
+    words = [program, "mesh", "roof.obj", "-n", "60", "--boundary", "snap", "--max-deviation", "3%"]
+    subprocess.run([*words, "-o", "panels.obj", "--report", "run.json", "-q"], check=False)
+    again = phex.check("panels.obj", report_of="run.json")
+    limits = json.loads(pathlib.Path("run.json").read_text())["limits"]
+    assert again.report["limits"] == limits and again.report["limits"]["max_deviation"] == "3%"
+    assert again.report["deviation_facets"] is not None
+    tighter = phex.check("panels.obj", report_of="run.json", max_deviation="0.0001%")
+    assert "deviation" in tighter.offenders and again.verdict != tighter.verdict
+    made = phex.mesh("roof.obj", panels=60, boundary="snap", max_deviation="3%", keep_invalid=True)
+    judged = phex.check(made, report_of=made)
+    assert judged.verdict == made.verdict
+    assert judged.report["deviation_smooth"] == made.report["deviation_smooth"]
+    pathlib.Path("roof.obj").write_text("v 0 0 0\n")
+    with pytest.raises(phex.InputError, match="changed|roof.obj"):
+        phex.check("panels.obj", report_of="run.json")
+    with pytest.raises(phex.InputError, match="report_of"):
+        phex.check("panels.obj", report_of="no.json")
+
+
+def test_solids_and_beams_lie_between_layers(ball):
+    shell = phex.offset(ball, [-0.05, 0.05], solids=True, beams=True)
+    (solids,), (beams,) = shell.solids, shell.beams
+    area = ball.per_face("area").sum()
+    assert shell.volumes[0] == pytest.approx(0.1 * area, rel=0.01)
+    corners = np.diff(ball.offsets)
+    assert len(solids) == int((corners + 2).sum()), "two faces and a side for each edge"
+    lower = shell.layers[0].vertices
+    assert np.array_equal(beams["ends"], lower[beams["vertices"]])
+    assert beams["direction"].shape == (len(lower), 3) and np.abs(beams["torsion"]).max() < 1e-9
+    single = phex.offset(ball, 0.05, solids=True, gap="1mm")
+    assert 0 < single.volumes[0] < 0.05 * area * 1.05
+    for wrong in ({"solids": True}, {"distance": 0.1, "gap": 0.01}):
+        with pytest.raises(phex.InputError):
+            phex.offset(ball, **wrong)
+
+
+def test_the_space_of_parallel_meshes(ball):
+    free = phex.parallel(ball, basis=True)
+    assert np.abs(free.vertices - ball.vertices).max() < 1e-9
+    vectors = int(free.basis[:, 0].max()) + 1
+    assert vectors == free.report["statistics"]["dimension"]
+    edge = tuple(int(v) for v in free.basis[0, 2:4])
+    before = np.linalg.norm(ball.vertices[edge[0]] - ball.vertices[edge[1]])
+    made = phex.parallel(ball, lengths={edge: 1.01 * before}, keep_invalid=True)
+    after = np.linalg.norm(made.vertices[edge[0]] - made.vertices[edge[1]])
+    assert before < after < 1.01 * before * (1 + 1e-9)
+    faces = zip(ball.faces, made.faces)
+    assert all(np.array_equal(a, b) for a, b in faces)
+    with pytest.raises(phex.InputError, match="no edge joins 0 and 0"):
+        phex.parallel(ball, lengths=[((0, 0), 1.0)])
+
+
+def test_a_session_keeps_what_stays_and_nothing_else(roof):
+    session = phex.Session(roof, panels=60, effort="draft", max_deviation="5%", keep_invalid=True)
+    for options in ({}, {"rotate": 20}, {"boundary": "whole"}, {"panels": 40}, {}):
+        kept = session.mesh(**options)
+        anew = phex.mesh(roof, **{**session.options, **options})
+        assert kept.vertices.tobytes() == anew.vertices.tobytes(), options
+    assert session.start(until="layout").result(timeout=60).verdict
+    again = pickle.loads(pickle.dumps(session))
+    assert again.mesh().vertices.tobytes() == session.mesh().vertices.tobytes()
+    with pytest.raises(TypeError, match="pannels"):
+        session.mesh(pannels=3)
+    with pytest.raises(phex.InputError):
+        phex.Session("no.obj")

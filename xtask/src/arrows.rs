@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// Each crate with the crates of the workspace that it may depend on.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 11] = [
     ("phex-mesh", &[]),
     ("phex-numeric", &[]),
     ("phex", &["phex-mesh", "phex-numeric"]),
@@ -11,6 +11,28 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("phex-html", &["phex-mesh", "phex", "phex-picture"]),
     ("phex-fab", &["phex-mesh", "phex", "phex-picture"]),
     ("phex-job", &["phex-mesh", "phex-numeric", "phex"]),
+    (
+        "phex-study",
+        &[
+            "phex-mesh",
+            "phex",
+            "phex-job",
+            "phex-picture",
+            "phex-html",
+            "phex-fab",
+        ],
+    ),
+    (
+        "phex-studio",
+        &[
+            "phex-mesh",
+            "phex",
+            "phex-job",
+            "phex-picture",
+            "phex-html",
+            "phex-fab",
+        ],
+    ),
     (
         "phex-python",
         &[
@@ -20,6 +42,7 @@ const ARROWS: [(&str, &[&str]); 9] = [
             "phex-picture",
             "phex-html",
             "phex-fab",
+            "phex-study",
         ],
     ),
     (
@@ -32,6 +55,8 @@ const ARROWS: [(&str, &[&str]); 9] = [
             "phex-picture",
             "phex-html",
             "phex-fab",
+            "phex-study",
+            "phex-studio",
         ],
     ),
 ];

@@ -26,8 +26,8 @@ check   formatting, house rules, clippy and documentation without warnings, all 
 foreign opens the files of the program with other programs (needs Python and pip)
 python  builds the Python package and tests it (needs Python and pip)
 wheel   packs it for other machines, in target/wheels (needs Python and pip)
-viewer  builds the interactive part of the HTML report (needs npm)
-browse  opens HTML reports in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)
+viewer  builds the interactive part of the HTML report, and the page of the studio (needs npm)
+browse  opens HTML reports and the studio in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)
 ledger  makes the rows of docs/ledger.md (surfaces at set sizes) and says what is better and worse than the committed ones;
         with --compare the file stays; with rows' names the others stay; --quick: the rows of check; --program PATH: another phex;
         --models FOLDER: models that are not in the repository (default ../shared/models)
@@ -122,7 +122,7 @@ const CHECK: [Step; 16] = [
         run: foreign::check,
     },
     Step {
-        name: "the report in a browser",
+        name: "the report and the studio in a browser",
         run: viewer::browse,
     },
     Step {
@@ -312,12 +312,15 @@ mod tests {
     #[test]
     fn steps_that_were_skipped_are_named_and_not_counted_as_passed() {
         assert_eq!(passed(&[]), format!("== all {} steps passed", CHECK.len()));
-        let text = passed(&["files in other programs", "the report in a browser"]);
+        let text = passed(&[
+            "files in other programs",
+            "the report and the studio in a browser",
+        ]);
         let taken = CHECK.len() - 2;
         assert_eq!(
             text,
             format!(
-                "== {taken} steps passed, skipped: files in other programs, the report in a browser"
+                "== {taken} steps passed, skipped: files in other programs, the report and the studio in a browser"
             )
         );
     }

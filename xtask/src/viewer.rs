@@ -1,4 +1,5 @@
-//! The interactive part of the HTML report: building it, and trying it in a browser.
+//! The interactive part of the HTML report and the page of the studio: building them, and trying
+//! them in a browser.
 
 #[path = "../../crates/phex-html/npm.rs"]
 mod npm;
@@ -9,6 +10,8 @@ use std::process::{Command, Stdio};
 
 /// Where its source is.
 const SOURCE: &str = "studio/viewer";
+/// What is done in the browser: with reports, and with the studio.
+const SCRIPTS: [&str; 3] = ["test/report.mjs", "test/study.mjs", "test/studio.mjs"];
 /// Debian's name of the browser, as a package and as a program.
 const BROWSER: &str = "chromium";
 
@@ -23,7 +26,7 @@ pub fn build(root: &Path) -> Result<(), Stop> {
     Ok(succeed(build.args(["run", "--silent", "build"]))?)
 }
 
-/// Opens reports in a headless browser.
+/// Opens reports, the page of a study and the studio in a headless browser.
 pub fn browse(root: &Path) -> Result<(), Stop> {
     let (Some(npm), Some(node)) = (program("npm"), program("node")) else {
         return Err(Stop::skipped(
@@ -33,9 +36,12 @@ pub fn browse(root: &Path) -> Result<(), Stop> {
     let browser = browser()?;
     install(root, &npm)?;
     let phex = program_as_tested(root)?;
-    let mut test = Command::new(node);
-    test.current_dir(root.join(SOURCE)).arg("test/report.mjs");
-    Ok(succeed(test.arg(phex).arg(browser))?)
+    for script in SCRIPTS {
+        let mut test = Command::new(&node);
+        test.current_dir(root.join(SOURCE)).arg(script);
+        succeed(test.args([&phex, &browser]))?;
+    }
+    Ok(())
 }
 
 /// Fetches the packages that the lock file names, unless they are there.

@@ -8,6 +8,7 @@ use crate::offset_arguments::OffsetCommand;
 use crate::parallel_arguments::ParallelCommand;
 use crate::picture_arguments::{RenderCommand, ReportCommand};
 use crate::shared_arguments::{Extras, Talk, ToleranceArguments};
+use crate::sweep_arguments::SweepCommand;
 use crate::terms::TERMS;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -67,6 +68,11 @@ pub enum Command {
     PowerDiagram(PowerCommand),
     /// Write Dupin's indicatrices of a surface, for drawing
     Dupin(DupinCommand),
+    /// Solve every variant of a study, each in its folder; `collect`: a table and a page of all
+    Sweep(SweepCommand),
+    /// Open a page in the browser on which a surface becomes panels; served on this machine alone
+    #[cfg(feature = "studio")]
+    Studio(StudioCommand),
     /// Say what the words of the tables mean
     #[command(long_about = TERMS)]
     Terms(TermsCommand),
@@ -93,6 +99,9 @@ impl Command {
             Self::Subdivide(c) => &c.talk,
             Self::PowerDiagram(c) => &c.talk,
             Self::Dupin(c) => &c.talk,
+            Self::Sweep(c) => c.talk(),
+            #[cfg(feature = "studio")]
+            Self::Studio(c) => &c.talk,
             Self::Terms(c) => &c.talk,
         }
     }
@@ -304,6 +313,25 @@ pub struct ShapeCommand {
     /// Set a parameter of the surface, e.g. `--set minor=0.3`; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parameter)]
     pub parameters: Vec<(String, f64)>,
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Arguments of `phex studio`.
+#[cfg(feature = "studio")]
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct StudioCommand {
+    /// Surface to begin with: OBJ, PLY, STL or OFF
+    #[arg(value_name = "SURFACE")]
+    pub surface: Option<PathBuf>,
+    /// Port to listen to, on 127.0.0.1 only [default: any that is free]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Print the address and open no browser
+    #[arg(long)]
+    pub no_open: bool,
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,

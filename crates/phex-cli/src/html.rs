@@ -8,6 +8,7 @@ use phex::report::RunReport;
 use phex::{Event, Progress};
 use phex_fab::PanelIds;
 use phex_html::{Report, Viewer, conjugate_curves, page};
+use phex_job::quoted;
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use std::path::Path;
 use std::sync::LazyLock;
@@ -101,7 +102,7 @@ fn names(mesh: &HexMesh) -> Vec<String> {
 }
 
 /// Says nothing, and ends when the user interrupts.
-struct Silently;
+pub struct Silently;
 
 impl Progress for Silently {
     fn report(&self, _: &Event) {}
@@ -118,27 +119,4 @@ fn typed_command() -> String {
         .chain(words)
         .collect::<Vec<_>>()
         .join(" ")
-}
-
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,%+:@".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', "'\\''"))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_that_a_shell_would_split_are_quoted() {
-        assert_eq!(quoted("--rotate=30"), "--rotate=30");
-        assert_eq!(quoted("my roof.obj"), "'my roof.obj'");
-        assert_eq!(quoted("it's"), "'it'\\''s'");
-        assert_eq!(quoted(""), "''");
-    }
 }

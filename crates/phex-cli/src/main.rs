@@ -17,6 +17,7 @@ mod progress;
 mod promise;
 mod shared_arguments;
 mod summary;
+mod sweep_arguments;
 mod terms;
 mod verdict;
 

@@ -35,3 +35,13 @@ impl Viewer {
         self.script.replace("</script", "<\\/script")
     }
 }
+
+/// The script of the page of `phex studio`, which shares modules with the viewer and is built with
+/// it; nothing where the viewer was not built.
+pub fn studio_script() -> Option<&'static str> {
+    #[cfg(viewer_bundle)]
+    let script = Some(include_str!(env!("PHEX_STUDIO")));
+    #[cfg(not(viewer_bundle))]
+    let script = None;
+    script
+}

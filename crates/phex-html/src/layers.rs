@@ -1,6 +1,7 @@
 //! What is shown besides the panels.
 
-use crate::mesh_data::{MeshData, numbers, points};
+use crate::arrays::{PackedArray, floats, numbers, points};
+use crate::mesh_data::MeshData;
 use crate::thin::thinned;
 use crate::{CurveFamily, Report};
 use phex::offset::{
@@ -14,7 +15,7 @@ use serde::Serialize;
 /// have.
 #[derive(Debug, Serialize)]
 pub struct Gauss {
-    directions: String,
+    directions: PackedArray,
     inward: f64,
     outward: f64,
 }
@@ -42,7 +43,7 @@ impl Gauss {
 
 /// The Gauss images whose edges touch the unit sphere and whose vertices lie on it, by the names of
 /// their layers, or why there is none.
-pub fn other_gauss_images(report: &Report<'_>) -> [(&'static str, Result<String, String>); 2] {
+pub fn other_gauss_images(report: &Report<'_>) -> [(&'static str, Result<PackedArray, String>); 2] {
     let options = offset_options(report);
     let directions = |image: GaussImage| points(&image.positions, Vec3::zeros());
     let edges = edge_gauss_image(report.mesh, &options).map(|found| directions(found.image));
@@ -66,8 +67,8 @@ fn offset_options(report: &Report<'_>) -> OffsetOptions {
 /// The surface, thinned out where it is very fine.
 #[derive(Debug, Serialize)]
 pub struct PackedSurface {
-    positions: String,
-    triangles: String,
+    positions: PackedArray,
+    triangles: PackedArray,
 }
 
 impl PackedSurface {
@@ -83,22 +84,22 @@ impl PackedSurface {
 
 /// Curves of one family, one after the other.
 #[derive(Debug, Serialize)]
-pub struct Curves<'a> {
-    name: &'a str,
-    points: String,
+pub struct Curves {
+    name: String,
+    points: PackedArray,
     /// Number of the first point of each curve, and the number of all points.
-    starts: String,
+    starts: PackedArray,
 }
 
-impl<'a> Curves<'a> {
+impl Curves {
     /// Packs a family.
-    pub fn new(family: &'a CurveFamily, origin: Vec3) -> Self {
+    pub fn new(family: &CurveFamily, origin: Vec3) -> Self {
         let mut starts = vec![0];
         for curve in &family.curves {
             starts.push(starts[starts.len() - 1] + curve.len() as u32);
         }
         Self {
-            name: &family.name,
+            name: family.name.clone(),
             points: points(family.curves.iter().flatten(), origin),
             starts: numbers(starts),
         }
@@ -109,7 +110,7 @@ impl<'a> Curves<'a> {
 #[derive(Debug, Serialize)]
 pub struct StartLayer {
     mesh: MeshData,
-    planarity: String,
+    planarity: PackedArray,
 }
 
 impl StartLayer {
@@ -120,7 +121,7 @@ impl StartLayer {
             FlatFace::new(&corners).planarity_length / mean_edge
         });
         Self {
-            planarity: crate::mesh_data::floats(planarity),
+            planarity: floats(planarity),
             mesh: MeshData::new(soup, origin),
         }
     }

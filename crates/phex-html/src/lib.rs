@@ -9,6 +9,7 @@
 //! Guaranteed: no address outside of the file is ever loaded (a content security policy in the file
 //! forbids it); texts from the user are escaped; the same input gives the same bytes.
 
+mod arrays;
 mod bundle;
 mod curves;
 mod escape;
@@ -20,10 +21,14 @@ mod tables;
 mod thin;
 mod viewer_data;
 
-pub use bundle::Viewer;
+pub use arrays::{PackedArray, numbers, points, with_arrays};
+pub use bundle::{Viewer, studio_script};
 pub use curves::conjugate_curves;
 pub use escape::escaped;
-pub use page::page;
+pub use layers::PackedSurface;
+pub use mesh_data::MeshData;
+pub use page::{VIEW_STYLE, page, viewer_data};
+pub use viewer_data::ViewerData;
 
 use phex::report::RunReport;
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Vec3};

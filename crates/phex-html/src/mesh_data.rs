@@ -1,7 +1,6 @@
-//! Arrays as the viewer reads them: base64 of little-endian numbers.
+//! A polygon mesh in arrays.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use crate::arrays::{PackedArray, numbers, points};
 use phex_mesh::ear_clip::ear_clip_corners;
 use phex_mesh::{PolygonSoup, Topology, Vec3};
 use serde::Serialize;
@@ -10,42 +9,22 @@ use std::collections::BTreeMap;
 /// The number of the missing face beside a boundary edge.
 const NO_FACE: u32 = u32::MAX;
 
-/// Numbers as text, in single precision: the viewer draws and shows a few digits.
-pub fn floats(values: impl IntoIterator<Item = f64>) -> String {
-    let bytes = values.into_iter().flat_map(|v| (v as f32).to_le_bytes());
-    STANDARD.encode(bytes.collect::<Vec<u8>>())
-}
-
-/// Whole numbers as text.
-pub fn numbers(values: impl IntoIterator<Item = u32>) -> String {
-    let bytes = values.into_iter().flat_map(u32::to_le_bytes);
-    STANDARD.encode(bytes.collect::<Vec<u8>>())
-}
-
-/// Points as text, relative to `origin`, which keeps their digits far from the model's own origin.
-pub fn points<'a>(points: impl IntoIterator<Item = &'a Vec3>, origin: Vec3) -> String {
-    floats(points.into_iter().flat_map(|p| {
-        let q = p - origin;
-        [q.x, q.y, q.z]
-    }))
-}
-
 /// A polygon mesh in arrays.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct MeshData {
-    positions: String,
-    face_start: String,
-    corners: String,
-    triangles: String,
-    triangle_face: String,
-    edges: String,
-    edge_faces: String,
+    positions: PackedArray,
+    face_start: PackedArray,
+    corners: PackedArray,
+    triangles: PackedArray,
+    triangle_face: PackedArray,
+    edges: PackedArray,
+    edge_faces: PackedArray,
 }
 
 impl MeshData {
-    /// Packs polygons; their edges are the sides between neighbouring corners, in the order in
-    /// which they are met.
+    /// Packs polygons, relative to `origin`; their edges are the sides between neighbouring
+    /// corners, in the order in which they are met.
     pub fn new(soup: &PolygonSoup, origin: Vec3) -> Self {
         Self::with_edges(soup, &sides(soup), origin)
     }
@@ -147,20 +126,12 @@ mod tests {
         }
     }
 
-    fn unpacked(text: &str) -> Vec<u32> {
-        let bytes = STANDARD.decode(text).unwrap();
-        let words = bytes.chunks_exact(4);
-        words
-            .map(|b| u32::from_le_bytes(b.try_into().unwrap()))
-            .collect()
-    }
-
     #[test]
     fn arrays_come_back_as_they_were() {
         let data = MeshData::new(&squares(), Vec3::new(1.0, 0.0, 0.0));
-        assert_eq!(unpacked(&data.face_start), [0, 4, 8]);
-        assert_eq!(unpacked(&data.corners), [0, 1, 4, 5, 1, 2, 3, 4]);
-        let positions = unpacked(&data.positions);
+        assert_eq!(data.face_start.words(), [0, 4, 8]);
+        assert_eq!(data.corners.words(), [0, 1, 4, 5, 1, 2, 3, 4]);
+        let positions = data.positions.words();
         assert_eq!(f32::from_bits(positions[0]), -1.0);
         assert_eq!(f32::from_bits(positions[6]), 1.0);
     }
@@ -168,11 +139,11 @@ mod tests {
     #[test]
     fn edges_are_the_sides_and_no_diagonals() {
         let data = MeshData::new(&squares(), Vec3::zeros());
-        let edges = unpacked(&data.edges);
+        let edges = data.edges.words();
         assert_eq!(edges.len(), 2 * 7);
-        let inner = unpacked(&data.edge_faces);
+        let inner = data.edge_faces.words();
         assert_eq!(inner.chunks_exact(2).filter(|f| f[1] != NO_FACE).count(), 1);
-        assert_eq!(unpacked(&data.triangles).len(), 3 * 4);
+        assert_eq!(data.triangles.words().len(), 3 * 4);
     }
 
     #[test]
@@ -183,6 +154,6 @@ mod tests {
         let data = MeshData::of_topology(&soup.positions, topology, Vec3::zeros());
         let ends = topology.edges().flat_map(|e| topology.edge_vertices(e));
         let ends: Vec<u32> = ends.map(|v| v.index() as u32).collect();
-        assert_eq!(unpacked(&data.edges), ends);
+        assert_eq!(data.edges.words(), ends);
     }
 }

@@ -1,10 +1,11 @@
 //! The page: head, view, tables, data, script.
 
+use crate::arrays::in_text;
 use crate::bundle::Viewer;
 use crate::escape::{escaped, json_in_script};
 use crate::pictures::data_address;
 use crate::tables::{self, figure};
-use crate::viewer_data::{MOST_OFFENDERS, ViewerData, offenders};
+use crate::viewer_data::{MOST_OFFENDERS, ViewerData, centre, offenders};
 use crate::{CurveFamily, Report};
 use phex::curvature::Principal;
 use phex::quality::{Assessment, Verdict};
@@ -12,6 +13,8 @@ use phex_mesh::{FaceId, Vec3};
 use phex_picture::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 
 const STYLE: &str = include_str!("report.css");
+/// The style of the interactive view's parts; colours are variables, which the page sets.
+pub const VIEW_STYLE: &str = include_str!("view.css");
 /// What the page may load: its own scripts, styles and pictures, and nothing from anywhere else.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
 
@@ -36,23 +39,28 @@ pub fn page(report: &Report<'_>, viewer: Option<Viewer>) -> serde_json::Result<S
     html.push_str(&sections(report));
     html.push_str("</main>\n");
     if let Some(viewer) = viewer {
-        let crosses = crosses(report);
-        let report = match &crosses {
-            Some(families) => &Report {
-                curves: families,
-                ..*report
-            },
-            None => report,
-        };
-        let json = serde_json::to_string(&ViewerData::new(report, &maps))?;
+        let json = in_text(&view(report, &maps, centre(report.mesh)))?;
         html.push_str(&format!(
             "<script type=\"application/json\" id=\"phex-data\">{}</script>\n<script>{}</script>\n",
-            json_in_script(&json),
+            json_in_script(&String::from_utf8_lossy(&json)),
             viewer.inline_script()
         ));
     }
     html.push_str("</body>\n</html>\n");
     Ok(html)
+}
+
+/// The data of the interactive view of a report, with coordinates relative to `origin`.
+pub fn viewer_data<'a>(report: &Report<'a>, origin: Vec3) -> ViewerData<'a> {
+    view(report, &maps(report), origin)
+}
+
+fn view<'a>(report: &Report<'a>, maps: &[ColourMap], origin: Vec3) -> ViewerData<'a> {
+    let data = ViewerData::new(report, maps, origin);
+    match crosses(report) {
+        Some(families) => data.with_curves(&families, origin),
+        None => data,
+    }
 }
 
 /// Half the length of a cross over the square root of its panel's area.
@@ -118,7 +126,7 @@ fn head(report: &Report<'_>) -> String {
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{title} – phex report</title>\n<style>\n{STYLE}</style>\n</head>\n"
+         <link rel=\"icon\" href=\"data:,\">\n<title>{title} – phex report</title>\n<style>\n{VIEW_STYLE}{STYLE}</style>\n</head>\n"
     )
 }
 

@@ -1,8 +1,9 @@
 //! The data of the interactive view.
 
-use crate::Report;
+use crate::arrays::{PackedArray, floats, numbers};
 use crate::layers::{Curves, Gauss, PackedSurface, StartLayer, other_gauss_images};
-use crate::mesh_data::{MeshData, floats, numbers};
+use crate::mesh_data::MeshData;
+use crate::{CurveFamily, Report};
 use phex::quality::{Check, ElementKind};
 use phex_mesh::{FaceId, HexMesh, Vec3, Violation};
 use phex_picture::maps::{ColourMap, ColourScale, Coloured};
@@ -20,27 +21,26 @@ pub struct ViewerData<'a> {
     mean_edge: f64,
     mesh: MeshData,
     names: Option<&'a [String]>,
-    area: String,
-    planarity: String,
-    angles: String,
-    concave: String,
+    area: PackedArray,
+    planarity: PackedArray,
+    angles: PackedArray,
+    concave: PackedArray,
     maps: Vec<MapData>,
     offenders: Vec<FaultyPanels>,
     gauss: Option<Gauss>,
     /// Gauss images of the other kinds, by the names of their layers.
-    spheres: BTreeMap<&'static str, String>,
+    spheres: BTreeMap<&'static str, PackedArray>,
     surface: Option<PackedSurface>,
-    curves: Vec<Curves<'a>>,
+    curves: Vec<Curves>,
     start: Option<StartLayer>,
     missing: BTreeMap<&'static str, String>,
 }
 
 impl<'a> ViewerData<'a> {
-    /// Collects the data of a report.
-    pub fn new(report: &Report<'a>, maps: &[ColourMap]) -> Self {
+    /// Collects the data of a report; coordinates are relative to `origin`.
+    pub fn new(report: &Report<'a>, maps: &[ColourMap], origin: Vec3) -> Self {
         let mesh = report.mesh;
         let elements = &report.run.measures.per_element;
-        let origin = centre(mesh);
         let topology = mesh.topology();
         let angles = topology
             .faces()
@@ -57,8 +57,8 @@ impl<'a> ViewerData<'a> {
         let mut spheres = BTreeMap::new();
         for (layer, image) in other_gauss_images(report) {
             match image {
-                Ok(directions) => spheres.insert(layer, directions),
-                Err(reason) => missing.insert(layer, reason),
+                Ok(directions) => drop(spheres.insert(layer, directions)),
+                Err(reason) => drop(missing.insert(layer, reason)),
             };
         }
         if report.surface.is_none() {
@@ -82,19 +82,22 @@ impl<'a> ViewerData<'a> {
             gauss: gauss.ok(),
             spheres,
             surface: report.surface.map(|s| PackedSurface::new(s, origin)),
-            curves: report
-                .curves
-                .iter()
-                .map(|c| Curves::new(c, origin))
-                .collect(),
+            curves: Vec::new(),
             start: report.start.map(|s| StartLayer::new(s, mean_edge, origin)),
             missing,
         }
+        .with_curves(report.curves, origin)
+    }
+
+    /// The same with these curves.
+    pub fn with_curves(mut self, curves: &[CurveFamily], origin: Vec3) -> Self {
+        self.curves = curves.iter().map(|c| Curves::new(c, origin)).collect();
+        self
     }
 }
 
 /// Middle of the bounding box.
-fn centre(mesh: &HexMesh) -> Vec3 {
+pub fn centre(mesh: &HexMesh) -> Vec3 {
     let first = mesh.positions.as_slice()[0];
     let (low, high) = mesh
         .positions
@@ -110,7 +113,7 @@ struct MapData {
     title: &'static str,
     caption: &'static str,
     element: Coloured,
-    values: String,
+    values: PackedArray,
     scale: ColourScale,
     counts: Vec<usize>,
     below: usize,

@@ -44,14 +44,20 @@ pub fn time_limit(text: &str) -> Result<Duration, String> {
 pub(crate) struct Timed<'a> {
     inner: &'a dyn Progress,
     limit: Option<TimeLimit>,
+    /// Whether a caller who stops the job wants what it has reached.
+    keep_best: bool,
     /// Whether the computation was told that the time is over.
     late: AtomicBool,
 }
 
 impl<'a> Timed<'a> {
-    pub fn new(inner: &'a dyn Progress, limit: Option<TimeLimit>) -> Self {
-        let late = AtomicBool::new(false);
-        Self { inner, limit, late }
+    pub fn new(inner: &'a dyn Progress, limit: Option<TimeLimit>, keep_best: bool) -> Self {
+        Self {
+            inner,
+            limit,
+            keep_best,
+            late: AtomicBool::new(false),
+        }
     }
 
     /// Whether the caller has stopped the job.
@@ -101,6 +107,10 @@ impl Progress for Timed<'_> {
         self.inner.is_cancelled() || self.is_late()
     }
 
+    fn wants_best(&self) -> bool {
+        self.keep_best || !self.was_stopped()
+    }
+
     fn preview(&self, stage: &'static str, mesh: &dyn Fn() -> PolygonSoup) {
         self.inner.preview(stage, mesh);
     }
@@ -125,8 +135,8 @@ mod tests {
     #[test]
     fn a_job_whose_time_is_over_says_so() {
         let over = TimeLimit::from_now(Duration::ZERO);
-        let timed = Timed::new(&phex::Silent, over);
-        assert!(timed.is_cancelled() && !timed.was_stopped());
+        let timed = Timed::new(&phex::Silent, over, false);
+        assert!(timed.is_cancelled() && !timed.was_stopped() && timed.wants_best());
         assert!(timed.stopped(true).unwrap().starts_with("the time limit"));
         let error = timed.too_late(JobError::Cancelled);
         assert!(matches!(error, JobError::NoResult(_)), "{error:?}");

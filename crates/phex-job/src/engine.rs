@@ -6,10 +6,12 @@ use phex::directions::Cone;
 use phex::directions::NetworkError;
 use phex::layout::DualityError;
 use phex::layout::LayoutError;
-use phex::optimise::{self, OptimiseError, OptimiseOptions, Steering, SurfaceTarget, Target};
+use phex::optimise::{
+    self, OptimiseError, OptimiseOptions, START_CLOSENESS, Steering, SurfaceTarget, Target,
+};
 use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
-use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, Session, mesh_surface};
+use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, Session};
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
@@ -46,11 +48,11 @@ pub struct Computed {
 /// If the surface can't be used, no panelling exists, or the run is cancelled before there is a
 /// mesh.
 pub fn mesh(
-    surface: &TriangleSurface,
+    surface: &Session,
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<Computed, JobError> {
-    reached(mesh_surface(surface, options, progress).map_err(pipeline_failure)?)
+    reached(surface.run(options, progress).map_err(pipeline_failure)?)
 }
 
 /// The panels of a connected surface as they are laid out, neither planar nor checked.
@@ -58,11 +60,11 @@ pub fn mesh(
 /// # Errors
 /// If the surface can't be used, no panelling exists, or the run is cancelled.
 pub fn lay_out(
-    surface: &TriangleSurface,
+    surface: &Session,
     options: &MeshOptions,
     progress: &dyn Progress,
 ) -> Result<Computed, JobError> {
-    let preview = Session::new(surface.clone()).lay_out(options, progress);
+    let preview = surface.lay_out(options, progress);
     let preview = preview.map_err(pipeline_failure)?;
     Ok(Computed {
         outcome: Value::Null,
@@ -128,6 +130,9 @@ pub struct Planarization {
     pub steering: Steering,
     /// Whether a mesh that is planar is optimised too.
     pub refit: bool,
+    /// Whether the surface consists of the mesh's own facets: then vertices are held near to where
+    /// they are besides.
+    pub is_own: bool,
 }
 
 /// Makes the faces of a mesh planar, close to a surface or to where they are.
@@ -148,7 +153,11 @@ pub fn planarize(
     } else {
         optimise::steer
     };
-    let run = steer(mesh, target, &how.steering, &how.options, progress);
+    let mut options = how.options.clone();
+    if how.is_own {
+        options.anchor = options.anchor.max(START_CLOSENESS);
+    }
+    let run = steer(mesh, target, &how.steering, &options, progress);
     let run = run.map_err(|e| JobError::unusable(&e))?;
     let seconds = start.elapsed().as_secs_f64();
     Ok(Computed {

@@ -23,10 +23,25 @@ impl MeshFile {
     /// # Errors
     /// If the extension is unknown, the file can't be read or holds no mesh.
     pub fn read(path: &Path) -> Result<Self, JobError> {
-        let (soup, sha256) = parse(path).map_err(|e| JobError::unusable(&e.in_file(path)))?;
+        let bytes = Format::from_path(path)
+            .map_err(ReadCause::from)
+            .and_then(|_| std::fs::read(path).map_err(ReadCause::from))
+            .map_err(|e| JobError::unusable(&ReadError::from(e).in_file(path)))?;
+        Self::from_bytes(path, &bytes)
+    }
+
+    /// The bytes of a file; its name says what they are, and nothing is read from there.
+    ///
+    /// # Errors
+    /// If the extension is unknown, or the bytes hold no mesh.
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, JobError> {
+        let parsed = Format::from_path(path)
+            .map_err(|e| ReadCause::from(e).into())
+            .and_then(|format| parse_soup(bytes, format));
+        let soup = parsed.map_err(|e: ReadError| JobError::unusable(&e.in_file(path)))?;
         let record = InputFile {
             path: path.display().to_string(),
-            sha256,
+            sha256: hexadecimal(&Sha256::digest(bytes)),
             vertices: soup.positions.len(),
             faces: soup.faces.len(),
         };
@@ -86,13 +101,6 @@ impl MeshFile {
         let mesh = HexMesh::from_soup(&used).map_err(|e| JobError::in_file(&self.path, &e))?;
         Ok((mesh, dropped))
     }
-}
-
-fn parse(path: &Path) -> Result<(PolygonSoup, String), ReadError> {
-    let format = Format::from_path(path).map_err(ReadCause::from)?;
-    let bytes = std::fs::read(path).map_err(ReadCause::from)?;
-    let sha256 = hexadecimal(&Sha256::digest(&bytes));
-    Ok((parse_soup(&bytes, format)?, sha256))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

@@ -5,22 +5,27 @@
 //! | module | what it knows |
 //! |---|---|
 //! | `settings`, `steering`, `guides`, `panel_limits` | what is wanted, by the names of options and job files |
+//! | `command_line` | a job as it is typed |
 //! | `units`, `number_lists` | lengths, areas and lists of numbers as they are typed |
 //! | `input`, `given` | what files hold, or a caller's memory |
+//! | `file_info` | what is in a file, and what is wrong with it |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
-//! | `run`, `join`, `engine`, `deadline` | the computation |
+//! | `run`, `join`, `engine`, `deadline`, `surface_session` | the computation |
 //! | `limits`, `wishes`, `portfolio` | what was reached, measured by what was wanted |
 //! | `whole_run` | how much is done |
 //!
 //! Nothing here writes a file, prints, or ends a program; a computation uses the threads of the
 //! pool that it is called in.
 
+mod command_line;
 mod deadline;
 mod effects;
 mod engine;
 mod error;
+mod file_info;
 mod given;
 mod guides;
+mod hexagon;
 mod input;
 mod join;
 mod limits;
@@ -37,9 +42,11 @@ mod units;
 mod whole_run;
 mod wishes;
 
+pub use command_line::{options_of, quoted};
 pub use deadline::{TimeLimit, time_limit};
 pub use engine::{Computed, Planarization, network, planarize, subdivide};
 pub use error::{JobError, chain};
+pub use file_info::{ComponentInfo, FileInfo, ProblemPlace};
 pub use given::Given;
 pub use guides::GuideSettings;
 pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read_text};
@@ -48,7 +55,7 @@ pub use number_lists::{finite, ten, three};
 pub use panel_limits::LimitSettings;
 pub use panel_size::panels;
 pub use portfolio::members;
-pub use run::{JobResult, LAYOUT_ALONE, LastStage, MeshJob, add_features, run};
+pub use run::{JobResult, LAYOUT_ALONE, LastStage, MeshJob, add_features, lay_out, run, sessions};
 pub use settings::{
     AtBoundary, CloseTo, DEFAULT_DEVIATION, LayoutMethod, MeshSettings, TypedPanelSize,
 };

@@ -1,6 +1,6 @@
 //! What a workshop can make, as it is typed.
 
-use crate::panel_size::hexagon_area;
+use crate::hexagon::hexagon_area;
 use crate::units::{Area, Quantity, Rectangle, Unit};
 use phex_mesh::PanelLimits;
 use serde::{Deserialize, Serialize};

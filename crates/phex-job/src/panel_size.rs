@@ -1,6 +1,7 @@
 //! Whether panels of the size that is asked for make sense on a surface.
 
 use crate::error::JobError;
+use crate::hexagon::{edge_length, hexagon_area};
 use crate::settings::TypedPanelSize;
 use crate::units::Unit;
 use phex::pipeline::MAX_PANELS;
@@ -75,16 +76,6 @@ fn check_precision(panels: u64, area: f64, surface: &TriangleSurface) -> Result<
         "{panels} panels would have edges of {edge:.1e}, but coordinates as large as {largest:.1e} hold shapes only \
          down to {least:.1e}: ask for fewer panels, or move the model to the origin"
     )))
-}
-
-/// Area of a regular hexagon.
-pub fn hexagon_area(edge: f64) -> f64 {
-    1.5 * 3.0_f64.sqrt() * edge * edge
-}
-
-/// Edge of a regular hexagon of an area.
-pub fn edge_length(area: f64) -> f64 {
-    (area / hexagon_area(1.0)).sqrt()
 }
 
 /// Shares of `panels` in proportion to areas, each at least one.

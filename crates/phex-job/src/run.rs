@@ -4,9 +4,10 @@ use crate::deadline::{TimeLimit, Timed};
 use crate::engine::{self, Computed};
 use crate::error::JobError;
 use crate::given::Given;
+use crate::hexagon::edge_length;
 use crate::join::{joined_beyond, joined_mesh, joined_start, joined_target};
 use crate::limits::TypedLimits;
-use crate::panel_size::{self, edge_length, shares};
+use crate::panel_size::{self, shares};
 use crate::portfolio::members;
 use crate::settings::{MeshSettings, TypedPanelSize};
 use crate::size_field::SizeField;
@@ -16,10 +17,11 @@ use phex::optimise::led_elsewhere;
 use phex::pipeline::{AttemptSummary, ClassicalStatistics};
 use phex::quality::References;
 use phex::report::{FeatureSizes, InputFile, RunReport, StageTime};
-use phex::{Event, MeshOptions, Progress};
+use phex::{Event, MeshOptions, Progress, Session};
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::sync::Arc;
 
 /// Where a job may end before there is a planar mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,12 +54,16 @@ pub struct MeshJob {
     pub time_limit: Option<TimeLimit>,
     /// Where it ends.
     pub until: Option<LastStage>,
+    /// The parts, with what earlier jobs on them have computed: a job with those of an earlier one
+    /// takes less time and gives the same bytes.
+    pub kept: Arc<Vec<Session>>,
 }
 
 impl MeshJob {
     /// A job without an earlier mesh, values in memory or limit of time, to the end.
     pub fn new(parts: SurfaceParts, input: InputFile, settings: MeshSettings) -> Self {
         Self {
+            kept: sessions(&parts),
             parts,
             input,
             settings,
@@ -68,6 +74,12 @@ impl MeshJob {
             until: None,
         }
     }
+}
+
+/// Sessions of the parts of a surface, in which nothing is computed yet.
+pub fn sessions(parts: &SurfaceParts) -> Arc<Vec<Session>> {
+    let parts = parts.components.iter();
+    Arc::new(parts.map(|c| Session::new(c.surface.clone())).collect())
 }
 
 /// What came of a job; lengths are in model units.
@@ -116,7 +128,7 @@ pub struct JobResult {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn run(job: &MeshJob, progress: &dyn Progress) -> Result<JobResult, JobError> {
-    let timed = Timed::new(progress, job.time_limit);
+    let timed = Timed::new(progress, job.time_limit, job.keep_best);
     let mut notes = Notes::new(progress);
     let task = MeshTask::new(job, &timed, &mut notes)?;
     let runs = match &job.start {
@@ -133,6 +145,22 @@ pub fn run(job: &MeshJob, progress: &dyn Progress) -> Result<JobResult, JobError
     let missed = missed_edge(&task.settings, &mesh, task.facets.diagonal());
     missed.into_iter().for_each(|note| notes.say(note));
     task.judged(mesh, runs, notes.said)
+}
+
+/// Lays out the panels of a job and does no more: neither planar nor judged, they are there in a
+/// fraction of the time of [`run`].
+///
+/// # Errors
+/// As [`run`], and for methods by planes.
+pub fn lay_out(job: &MeshJob, progress: &dyn Progress) -> Result<HexMesh, JobError> {
+    let job = MeshJob {
+        until: Some(LastStage::Layout),
+        ..job.clone()
+    };
+    let timed = Timed::new(progress, job.time_limit, job.keep_best);
+    let task = MeshTask::new(&job, &timed, &mut Notes::new(progress))?;
+    let runs = task.mesh_each().map_err(|error| timed.too_late(error))?;
+    joined_mesh(&runs)
 }
 
 /// Notes on their way to the caller and into the report.
@@ -222,6 +250,7 @@ impl<'a> MeshTask<'a> {
         let steering = self.settings.stages.steering.shared(&surfaces, edge);
         let counts = shares(self.panels, &areas);
         let mesh = |(k, (part, &count)): (usize, (&SurfaceComponent, &u64))| {
+            let surface = &self.job.kept[k];
             let mut options = self.settings.options(count);
             if let TypedPanelSize::EdgeLength(length) = self.settings.size() {
                 let unit = self.settings.unit.unwrap_or_default();
@@ -234,8 +263,8 @@ impl<'a> MeshTask<'a> {
                 options.size_field = Some(field.of(k).to_vec());
             }
             let made = match self.job.until {
-                Some(LastStage::Layout) => engine::lay_out(&part.surface, &options, self.progress),
-                None => engine::mesh(&part.surface, &options, self.progress),
+                Some(LastStage::Layout) => engine::lay_out(surface, &options, self.progress),
+                None => engine::mesh(surface, &options, self.progress),
             };
             self.unless_interrupted(made?)
         };

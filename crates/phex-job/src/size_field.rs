@@ -1,8 +1,8 @@
 //! Panel sizes: a number for each vertex of the input.
 
 use crate::error::JobError;
+use crate::hexagon::hexagon_area;
 use crate::input::read_numbers;
-use crate::panel_size::hexagon_area;
 use phex::report::InputFile;
 use phex_mesh::{SurfaceComponent, TriangleSurface};
 use std::path::Path;

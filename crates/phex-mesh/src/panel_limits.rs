@@ -128,7 +128,7 @@ impl LimitedFigure {
         // What is no number is outside.
         match over <= ROUNDING {
             true => 0.0,
-            false => over.max(ROUNDING).min(f64::MAX),
+            false => over.min(f64::MAX),
         }
     }
 }
@@ -310,8 +310,8 @@ fn joint_angle(mesh: &HexMesh, faces: &PerFace<FlatFace>, e: EdgeId) -> Option<f
 /// hold a polygon in its plane, however it is turned, and the direction of the side `a` then.
 ///
 /// *Method*: turned by an angle, the polygon's extents over `a` and `b` are to be both as small as
-/// can be. Between two angles at which an edge of the convex hull lies along a side they are arcs of
-/// sines, so that the larger one is least at such an angle, or where both are equal.
+/// can be. Between two angles at which an edge of the convex hull lies along a side they are arcs
+/// of sines, so that the larger one is least at such an angle, or where both are equal.
 ///
 /// ```
 /// use phex_mesh::{Vec2, rectangle_fit};

@@ -6,24 +6,20 @@
 
 use crate::answer::{Answer, into_dict};
 use crate::arrays::{self, Arrays, GivenArrays};
+use crate::errors::raised;
 use crate::inputs::Inputs;
+use crate::kept::{Kept, KeptSurface};
 use crate::requests::{Work, work};
 use numpy::PyReadonlyArray1;
 use phex::{Event, Progress};
 use phex_job::{JobError, WholeRun, thread_count};
 use phex_mesh::PolygonSoup;
-use pyo3::import_exception;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-
-import_exception!(phex._errors, InputError);
-import_exception!(phex._errors, NoValidResult);
-import_exception!(phex._errors, Cancelled);
-import_exception!(phex._errors, InternalError);
 
 /// Events that wait for the caller at the most; the oldest go first.
 const MOST_EVENTS: usize = 4096;
@@ -128,23 +124,31 @@ impl Computation {
     }
 }
 
+/// What a computation works on beside its request: meshes, a size of panels for each vertex, and
+/// what an earlier computation kept of its result or of its surface.
+type GivenParts<'py> = (
+    Vec<GivenArrays<'py>>,
+    Option<PyReadonlyArray1<'py, f64>>,
+    Option<Py<Kept>>,
+    Option<Py<KeptSurface>>,
+);
+
 /// Begins a computation.
 #[pyfunction]
-#[pyo3(signature = (what, request, meshes, sizes=None, kept=None, threads=None, preview=false))]
 pub fn start(
     what: &str,
     request: &str,
-    meshes: Vec<GivenArrays<'_>>,
-    sizes: Option<PyReadonlyArray1<'_, f64>>,
-    kept: Option<Py<crate::kept::Kept>>,
+    given: GivenParts<'_>,
     threads: Option<u16>,
     preview: bool,
 ) -> PyResult<Computation> {
+    let (meshes, sizes, kept, session) = given;
     let files: Result<_, _> = meshes.iter().map(arrays::mesh_file).collect();
     let inputs = Inputs {
         files: files.map_err(raised)?,
         sizes: sizes.map(|s| s.as_array().to_vec()),
         kept: kept.map(|k| k.get().clone()),
+        session: session.map(|k| k.get().clone()),
     };
     let work = work(what, request, inputs).map_err(raised)?;
     let threads = thread_count(threads).map_err(raised)?;
@@ -174,14 +178,4 @@ fn computed(work: Work, threads: usize, shared: &Shared) -> Result<Answer, JobEr
         let said = said.unwrap_or_default();
         Err(JobError::Internal(format!("a bug of phex: {said}")))
     })
-}
-
-fn raised(error: JobError) -> PyErr {
-    let told = error.to_string();
-    match error {
-        JobError::Input(_) => InputError::new_err(told),
-        JobError::NoResult(_) => NoValidResult::new_err(told),
-        JobError::Cancelled => Cancelled::new_err("the computation was stopped"),
-        JobError::Internal(_) => InternalError::new_err(told),
-    }
 }

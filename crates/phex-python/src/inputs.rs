@@ -1,6 +1,6 @@
 //! What requests come with: meshes, numbers, an earlier result.
 
-use crate::kept::Kept;
+use crate::kept::{Kept, KeptSurface};
 use phex_job::{JobError, MeshFile};
 use phex_mesh::{HexMesh, TriangleSurface};
 
@@ -12,6 +12,8 @@ pub struct Inputs {
     pub sizes: Option<Vec<f64>>,
     /// An earlier result.
     pub kept: Option<Kept>,
+    /// The surface of the first mesh, with what was computed on it.
+    pub session: Option<KeptSurface>,
 }
 
 impl Inputs {

@@ -5,15 +5,16 @@ use crate::inputs::Inputs;
 use crate::kept::{Kept, KeptResult};
 use phex::Progress;
 use phex::koebe::{BoundaryCondition, KoebeOptions, koebe};
-use phex::offset::{FitOptions, FitStart, fit_parallel};
+use phex::offset::{FitOptions, FitStart, ParallelSpace, fit_parallel};
 use phex::quality::References;
 use phex::report::RunReport;
+use phex::{Boundary, continued};
 use phex_job::{
     AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, LastStage, LimitSettings, MeshFile,
     MeshJob, MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit,
     chain, time_limit,
 };
-use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, TriangleSurface};
+use phex_mesh::{EdgeId, HexMesh, LARGEST_COORDINATE, PolygonSoup, TriangleSurface};
 use serde::Deserialize;
 use serde_json::json;
 use std::path::PathBuf;
@@ -99,13 +100,20 @@ pub fn mesh(
         .transpose()?;
     let length = request.time_limit.as_deref().map(time_limit).transpose();
     let length = length.map_err(|e| JobError::Input(format!("time_limit: {e}")))?;
+    let parts = match &inputs.session {
+        Some(kept) => kept.parts.clone(),
+        None => file.surfaces()?,
+    };
+    let new = MeshJob::new(parts, file.record.clone(), settings);
+    let kept = inputs.session.as_ref().map(|kept| kept.sessions.clone());
     let job = MeshJob {
         given,
         start: start.map(|(mesh, _)| mesh),
         keep_best: request.keep_best,
         until: request.until,
         time_limit: length.and_then(TimeLimit::from_now),
-        ..MeshJob::new(file.surfaces()?, file.record.clone(), settings)
+        kept: kept.unwrap_or_else(|| new.kept.clone()),
+        ..new
     };
     let made = phex_job::run(&job, progress)?;
     answer(KeptResult {
@@ -225,10 +233,11 @@ pub fn planarized(
         options,
         steering,
         refit: request.refit || typed.has_dials(),
+        is_own: surface.is_none(),
     };
-    let reached = phex_job::planarize(&start, surface.as_ref(), &how, progress)?;
     let own = || Some(inputs.first().ok()?.surfaces().ok()?.whole());
     let facets = surface.or_else(own);
+    let reached = phex_job::planarize(&start, facets.as_ref(), &how, progress)?;
     let mut report = judged(
         "planarize",
         &reached.mesh,
@@ -272,23 +281,63 @@ fn judged(
     report
 }
 
-/// A mesh judged; the second mesh is the surface that it stands for.
+/// Options of `phex.check`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CheckRequest {
+    limits: LimitsRequest,
+    /// What an earlier run was judged by.
+    promised: Option<TypedLimits>,
+}
+
+impl CheckRequest {
+    /// What is typed, and where nothing is what an earlier run promised; the unit is that run's.
+    fn limits(&self, has_surface: bool) -> Result<TypedLimits, JobError> {
+        let typed = self.limits.limits(has_surface)?;
+        let Some(promised) = self.promised else {
+            return Ok(typed);
+        };
+        Ok(TypedLimits {
+            planarity: typed.planarity.or(promised.planarity),
+            max_deviation: self.limits.max_deviation.unwrap_or(promised.max_deviation),
+            boundary: typed.boundary.or(promised.boundary),
+            ..promised
+        })
+    }
+}
+
+/// A mesh judged; the second mesh is the surface that it stands for, the third the smooth surface
+/// that it was fitted to.
 ///
 /// # Errors
 /// If an input can't be used.
 pub fn checked(
-    request: LimitsRequest,
+    request: CheckRequest,
     inputs: Inputs,
     _: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let (mesh, facets) = (inputs.panels()?, inputs.surface()?);
+    let smooth = inputs.files.get(2).map(MeshFile::surface).transpose()?;
     let limits = request.limits(facets.is_some())?;
-    let mut report = judged("check", &mesh, facets.as_ref(), &limits, &inputs);
+    let panels = mesh.topology().n_faces();
+    let is_whole = limits.boundary == Some(Boundary::Whole);
+    let longer = |s: &TriangleSurface| continued(s, panels).unwrap_or_else(|| s.clone());
+    let near = smooth.as_ref().or(facets.as_ref()).filter(|_| is_whole);
+    let beyond = near.map(longer).zip(facets.as_ref().map(longer));
+    let references = References {
+        smooth: smooth.as_ref(),
+        facets: facets.as_ref(),
+        beyond: beyond.as_ref().map(|(smooth, facets)| [smooth, facets]),
+        ..References::default()
+    };
+    let mut report = limits.report("check", limits.judge(&mesh, references));
+    report.inputs = inputs.files.iter().map(|f| f.record.clone()).collect();
+    report.threads = rayon::current_num_threads();
     phex_job::add_features(&mut report, &mesh, facets.as_ref());
     answer(KeptResult {
         mesh,
         report,
-        smooth: None,
+        smooth,
         facets,
         start: None,
     })
@@ -365,10 +414,14 @@ pub struct ParallelRequest {
     least_edge: f64,
     fairness: f64,
     constant_mean_curvature: f64,
+    /// Edges by their two vertices, and their lengths.
+    lengths: Vec<(usize, usize, f64)>,
+    basis: bool,
     limits: LimitsRequest,
 }
 
-/// The mesh parallel to one that is closest to a surface, the second mesh.
+/// The mesh parallel to one that is closest to a surface, the second mesh; without a surface the
+/// one whose edges are closest to lengths.
 ///
 /// # Errors
 /// If an input or option can't be used.
@@ -378,7 +431,79 @@ pub fn parallel(
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let (mesh, surface) = (inputs.panels()?, inputs.surface()?);
-    let surface = surface.ok_or_else(|| JobError::Input("a surface is needed".to_owned()))?;
+    let basis = match request.basis {
+        true => Some(basis(&space(&mesh)?)),
+        false => None,
+    };
+    let made = match surface {
+        Some(surface) => fitted(&request, &mesh, surface, &inputs, progress),
+        None => with_lengths(&request, &mesh, &inputs),
+    };
+    let mut parts = made?;
+    parts.extend(basis.map(|b| ("basis", AnswerPart::Numbers(b))));
+    Ok(parts)
+}
+
+fn space(mesh: &HexMesh) -> Result<ParallelSpace, JobError> {
+    ParallelSpace::new(mesh).map_err(|e| JobError::Input(chain(&e)))
+}
+
+/// A sparse basis: five numbers for each entry, which are the vector, the edge, its two vertices
+/// and the change of its length.
+fn basis(space: &ParallelSpace) -> Vec<f64> {
+    let topology = space.mesh().topology();
+    let entry = |k: usize, &(edge, by): &(EdgeId, f64)| {
+        let [from, to] = topology.edge_vertices(edge).map(|v| v.index() as f64);
+        [k as f64, edge.index() as f64, from, to, by]
+    };
+    let vectors = space.basis();
+    let numbered = vectors.iter().enumerate();
+    numbered
+        .flat_map(|(k, change)| change.iter().flat_map(move |e| entry(k, e)))
+        .collect()
+}
+
+/// The parallel mesh whose edges are closest to lengths, those of the mesh where none is given.
+fn with_lengths(
+    request: &ParallelRequest,
+    mesh: &HexMesh,
+    inputs: &Inputs,
+) -> Result<Answer, JobError> {
+    let (space, topology) = (space(mesh)?, mesh.topology());
+    let mut wish = space.lengths(mesh);
+    for (k, &(from, to, length)) in request.lengths.iter().enumerate() {
+        let ends = |e: &EdgeId| topology.edge_vertices(*e).map(|v| v.index());
+        let edge = (topology.edges()).find(|e| [[from, to], [to, from]].contains(&ends(e)));
+        let told = || JobError::Input(format!("lengths: entry {k}: no edge joins {from} and {to}"));
+        wish[edge.ok_or_else(told)?] = length;
+    }
+    let lengths = space.project_lengths(&wish);
+    let misses = wish.iter().zip(&lengths).map(|(w, l)| (w - l).abs());
+    let limits = request.limits.limits(false)?;
+    let result = space.mesh_with_lengths(&lengths);
+    let mut report = judged("parallel", &result, None, &limits, inputs);
+    report.statistics = json!({
+        "dimension": space.dimension(),
+        "rank": space.rank().rank,
+        "largest_miss": misses.fold(0.0, f64::max),
+        "edges_turned": lengths.iter().filter(|l| **l <= 0.0).count(),
+    });
+    answer(KeptResult {
+        mesh: result,
+        report,
+        smooth: None,
+        facets: None,
+        start: Some(mesh.to_soup()),
+    })
+}
+
+fn fitted(
+    request: &ParallelRequest,
+    mesh: &HexMesh,
+    surface: TriangleSurface,
+    inputs: &Inputs,
+    progress: &dyn Progress,
+) -> Result<Answer, JobError> {
     let limits = request.limits.limits(true)?;
     let options = FitOptions {
         start: request.start,
@@ -387,10 +512,10 @@ pub fn parallel(
         constant_mean_curvature: request.constant_mean_curvature,
         ..FitOptions::default()
     };
-    let fitted = fit_parallel(&mesh, &surface, &options, progress);
+    let fitted = fit_parallel(mesh, &surface, &options, progress);
     let fitted = fitted.map_err(|e| JobError::Input(chain(&e)))?;
     stopped(progress)?;
-    let mut report = judged("parallel", &fitted.mesh, Some(&surface), &limits, &inputs);
+    let mut report = judged("parallel", &fitted.mesh, Some(&surface), &limits, inputs);
     report.settings = json!({ "parallel": options });
     report.statistics = json!({
         "status": fitted.status,

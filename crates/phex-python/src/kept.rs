@@ -1,7 +1,11 @@
 //! What a result keeps for pictures and pages that are made later.
 
+use crate::arrays::{self, GivenArrays};
+use crate::errors::raised;
+use phex::Session;
 use phex::report::RunReport;
-use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
+use phex_job::sessions;
+use phex_mesh::{HexMesh, PolygonSoup, SurfaceParts, TriangleSurface};
 use pyo3::prelude::*;
 use std::sync::Arc;
 
@@ -32,5 +36,29 @@ impl Kept {
     pub fn new(result: KeptResult) -> Self {
         let result = Arc::new(result);
         Self { result }
+    }
+}
+
+/// A surface with what earlier computations on it have left.
+#[pyclass(frozen, module = "phex._phex")]
+#[derive(Clone)]
+pub struct KeptSurface {
+    /// Its connected parts.
+    pub parts: SurfaceParts,
+    /// What was computed.
+    pub sessions: Arc<Vec<Session>>,
+}
+
+#[pymethods]
+impl KeptSurface {
+    /// Keeps a surface; nothing is computed yet.
+    #[new]
+    fn new(mesh: GivenArrays<'_>) -> PyResult<Self> {
+        let parts = arrays::mesh_file(&mesh).and_then(|file| file.surfaces());
+        let parts = parts.map_err(raised)?;
+        Ok(Self {
+            sessions: sessions(&parts),
+            parts,
+        })
     }
 }

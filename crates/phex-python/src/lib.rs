@@ -5,18 +5,21 @@
 //! |---|---|
 //! | `arrays` | numpy arrays to meshes and back |
 //! | `requests` | what can be asked for, and what answers it |
-//! | `judged`, `offsets`, `pictures`, `workshop` | the answers |
+//! | `judged`, `offsets`, `pictures`, `workshop`, `studies` | the answers |
+//! | `kept` | what is kept between requests |
 //! | `computation` | a thread that computes while the caller's waits without the interpreter's lock |
 
 mod answer;
 mod arrays;
 mod computation;
+mod errors;
 mod inputs;
 mod judged;
 mod kept;
 mod offsets;
 mod pictures;
 mod requests;
+mod studies;
 mod workshop;
 
 /// The compiled part of phex.
@@ -25,7 +28,7 @@ mod _phex {
     #[pymodule_export]
     use crate::computation::{Computation, start};
     #[pymodule_export]
-    use crate::kept::Kept;
+    use crate::kept::{Kept, KeptSurface};
     use pyo3::prelude::*;
 
     #[pymodule_init]

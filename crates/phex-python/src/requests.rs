@@ -2,7 +2,7 @@
 
 use crate::answer::{Answer, AnswerPart, json};
 use crate::inputs::Inputs;
-use crate::{judged, offsets, pictures, workshop};
+use crate::{judged, offsets, pictures, studies, workshop};
 use phex::Progress;
 use phex_job::{JobError, MeshFile, chain};
 use phex_mesh::io::write_soup;
@@ -34,6 +34,13 @@ pub fn work(what: &str, request: &str, inputs: Inputs) -> Result<Work, JobError>
         "picture" => bound(request, inputs, pictures::picture),
         "page" => bound(request, inputs, pictures::html),
         "ears" => bound(request, inputs, pictures::ears),
+        "keys" => bound(request, inputs, studies::keys_of),
+        "solve" => bound(request, inputs, studies::solved),
+        "finished" => bound(request, inputs, studies::finished_rows),
+        "lost" => bound(request, inputs, studies::lost_row),
+        "collect" => bound(request, inputs, studies::collected),
+        "table" => bound(request, inputs, studies::table),
+        "study-page" => bound(request, inputs, studies::study_page),
         "read" => bound(request, inputs, read),
         "write" => bound(request, inputs, write),
         "shapes" => bound(request, inputs, shapes),

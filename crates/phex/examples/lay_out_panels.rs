@@ -1,6 +1,7 @@
 //! From a direction field to the cells of a panelling: the torus has nothing but hexagons, the
 //! ellipsoid twelve pentagons.
 
+use phex::Silent;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::directions::{DirectionOptions, directions};
 use phex::layout::{CellSurface, Layout, LayoutOptions, panelling, place_seeds};
@@ -27,7 +28,12 @@ fn lay_out(name: &str, panel_length_rel: f64) -> Result<Layout, Box<dyn std::err
     let length = panel_length_rel * surface.diagonal();
     let curvature = curvature(&surface, length, &CurvatureOptions::default());
     let field = directions(&surface, &curvature, length, &DirectionOptions::default())?;
-    let placed = place_seeds(surface.topology(), &field, &LayoutOptions::default())?;
+    let placed = place_seeds(
+        surface.topology(),
+        &field,
+        &LayoutOptions::default(),
+        &Silent,
+    )?;
     let count = placed.seeds.len();
     println!("{name}: {count} seeds, {:?}", placed.statistics);
     let corners = HashSet::new();
@@ -37,5 +43,5 @@ fn lay_out(name: &str, panel_length_rel: f64) -> Result<Layout, Box<dyn std::err
         mesh: &field.intrinsic,
         corners: &corners,
     };
-    Ok(panelling(&cells, &placed.seeds)?)
+    Ok(panelling(&cells, &placed.seeds, &Silent)?)
 }

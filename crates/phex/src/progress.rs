@@ -44,7 +44,8 @@ pub enum Event {
     },
 }
 
-/// Receives events and may ask to stop; called between steps, from one thread at a time.
+/// Receives events, from one thread at a time, and may ask to stop, which is asked between steps
+/// and by several threads.
 pub trait Progress: Sync {
     /// Takes one event.
     fn report(&self, event: &Event);
@@ -52,6 +53,11 @@ pub trait Progress: Sync {
     /// `Cancelled`.
     fn is_cancelled(&self) -> bool {
         false
+    }
+    /// Whether what a cancelled run has reached is wanted; if not, it ends without a mesh as soon
+    /// as it can.
+    fn wants_best(&self) -> bool {
+        true
     }
     /// Offers what the mesh looks like after a stage, in model coordinates; `mesh` makes a copy of
     /// the panels, so it costs nothing unless it is called. It may not be valid.

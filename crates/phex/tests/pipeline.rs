@@ -319,11 +319,13 @@ struct Watch {
     events: Mutex<Vec<Event>>,
     questions: AtomicUsize,
     patience: usize,
+    wants_best: bool,
 }
 
 impl Watch {
     fn new(patience: usize) -> Self {
         Self {
+            wants_best: true,
             events: Mutex::default(),
             questions: AtomicUsize::new(0),
             patience,
@@ -337,6 +339,9 @@ impl Progress for Watch {
     }
     fn is_cancelled(&self) -> bool {
         self.questions.fetch_add(1, Ordering::Relaxed) >= self.patience
+    }
+    fn wants_best(&self) -> bool {
+        self.wants_best
     }
 }
 
@@ -407,6 +412,26 @@ fn cancelling_is_safe_at_every_moment() {
         }
     }
     assert!(refused > 4 && returned > 0, "{refused} {returned}");
+}
+
+/// Who wants nothing any more waits for no further stage.
+#[test]
+fn a_run_of_which_nothing_is_wanted_ends_at_once() {
+    let surface = shape("monkey-saddle", 1000);
+    let watch = Watch::new(usize::MAX);
+    mesh_surface(&surface, &panels(40), &watch).unwrap();
+    let questions = watch.questions.into_inner();
+    for patience in (0..questions).step_by(questions.div_ceil(24)) {
+        let watch = Watch {
+            wants_best: false,
+            ..Watch::new(patience)
+        };
+        let ended = mesh_surface(&surface, &panels(40), &watch);
+        assert!(
+            matches!(ended, Err(PipelineError::Cancelled)),
+            "{patience} of {questions}"
+        );
+    }
 }
 
 fn refusal(surface: &TriangleSurface, size: PanelSize) -> String {

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _options
+from . import _options, _phex
 from ._arrays import checked_numbers, path_text, shown
 from ._compute import Future, begin, close, finish, floats, listener, no_valid, run
 from ._errors import InputError
@@ -119,6 +119,55 @@ def start(surface: Any, **options: Any) -> Future:
     return Future(job.begin(preview=True), job.made)
 
 
+class Session:
+    """A surface kept between panellings: a change of options computes again what depends on it
+    alone (what panels are laid out on, and curvature, stay where number of panels and boundary
+    do), and the result is that of :func:`mesh`, bit for bit.
+
+    >>> import phex
+    >>> session = phex.Session(phex.shape("torus", triangles=2000), panels=60, max_deviation="5%")
+    >>> turned = [session.mesh(rotate=angle) for angle in (0, 10)]
+    >>> [made.verdict for made in turned]
+    ['pass', 'pass']
+    """
+
+    def __init__(self, surface: Any, **options: Any) -> None:
+        #: The surface.
+        self.surface = as_polygons(surface, Surface, "surface")
+        #: Options of every panelling, unless others are given.
+        self.options = options
+        self._kept = _phex.KeptSurface(self.surface._given())
+
+    def mesh(self, **options: Any) -> Panelling:
+        """As :func:`phex.mesh`."""
+        options = {**self.options, **options}
+        bars = [options.get(n, d) for n, d in (("progress", "auto"), ("quiet", False), ("verbose", False))]
+        job = self._job(options)
+        hear = listener(*bars)
+        try:
+            answer = finish(job.begin(session=self._kept), hear, job.keep_best)
+        finally:
+            close(hear)
+        return job.made(answer)
+
+    def start(self, **options: Any) -> Future:
+        """As :func:`phex.start`."""
+        job = self._job({**self.options, **options})
+        return Future(job.begin(preview=True, session=self._kept), job.made)
+
+    def _job(self, options: Dict[str, Any]) -> "_MeshJob":
+        for name in options:
+            if name not in _options.MESH:
+                raise TypeError(f"mesh() got an unexpected keyword argument {name!r}")
+        return _MeshJob(self.surface, options)
+
+    def __getstate__(self) -> Dict[str, Any]:
+        return {"surface": self.surface, "options": self.options}
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        Session.__init__(self, state["surface"], **state["options"])
+
+
 class _MeshJob:
     """The options of a panelling, checked."""
 
@@ -157,9 +206,9 @@ class _MeshJob:
         # What is laid out alone is a picture of what will be, and no invalid result.
         self.keep_invalid = self.keep_invalid or until is not None
 
-    def begin(self, preview: bool = False) -> Any:
+    def begin(self, preview: bool = False, session: Any = None) -> Any:
         return begin(
-            "mesh", self.request, self.meshes, self.sizes, None, self.threads, preview
+            "mesh", self.request, self.meshes, self.sizes, None, self.threads, preview, session
         )
 
     def made(self, answer: Dict[str, Any]) -> Panelling:
@@ -277,6 +326,7 @@ def check(
     mesh: Any,
     surface: Any = None,
     *,
+    report_of: Any = None,
     boundary: Optional[str] = None,
     max_deviation: Any = None,
     planarity: Any = None,
@@ -286,14 +336,69 @@ def check(
     """Judges any polygon mesh: planar, simple, sound, close to a surface. The answer is the mesh
     with a report; an invalid one is no error.
 
+    ``report_of`` is an earlier run, a :class:`phex.Panelling` or the path of its report: limits and
+    surfaces that are not given are those of that run, and the unit is.
+
     >>> import phex
     >>> phex.check(([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0]], [[0, 1, 2, 3]])).verdict
     'outside_tolerance'
     """
-    request = _limits(
+    limits = _limits(
         boundary=boundary, max_deviation=max_deviation, planarity=planarity, unit=unit
     )
-    return _judged("check", request, mesh, surface, None, keep_invalid, False)
+    promised, there, smooth = (None, None, None) if report_of is None else _promise(report_of)
+    if surface is not None:
+        there, smooth = as_polygons(surface, Surface, "surface"), None
+    request = {"limits": limits, "promised": promised}
+    meshes = [as_polygons(mesh, Mesh, "mesh")]
+    meshes += [m for m in (there, smooth) if m is not None]
+    answer = finish(begin("check", request, meshes))
+    return _delivered(answer, there, _flag("keep_invalid", keep_invalid), {})
+
+
+def _promise(report_of: Any) -> Tuple[Any, Optional[Surface], Optional[Surface]]:
+    """What an earlier run was judged by: limits, the surface, the smooth surface."""
+    if isinstance(report_of, Panelling):
+        report, folder = report_of.report, ""
+        surface, smooth = report_of.surface, report_of.target
+    else:
+        path = path_text(report_of, "report_of")
+        try:
+            with open(path, encoding="utf-8") as file:
+                report = json.load(file)
+            folder = os.path.dirname(path)
+            surface, smooth = _surfaces_of(report, folder)
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as cause:
+            if isinstance(cause, InputError):
+                raise
+            raise InputError(f"report_of: {path}: no run report: {cause}") from None
+    if not isinstance(report.get("limits"), dict):
+        raise InputError("report_of: the report does not say what its mesh was judged by")
+    return report["limits"], surface, smooth if surface is not None else None
+
+
+def _surfaces_of(report: Dict[str, Any], folder: str) -> Tuple[Any, Any]:
+    """The surfaces that a report names, where it says or beside it."""
+
+    def found(name: str) -> Optional[str]:
+        places = (name, os.path.join(folder, name))
+        return next((p for p in places if os.path.isfile(p)), None)
+
+    # `mesh` reads the surface first, the others the mesh.
+    read = report["inputs"][0 if report["command"] == "mesh" else 1 :][:1]
+    surface = smooth = None
+    for entry in read:
+        place = found(entry["path"])
+        if place is None:
+            told = "is not there: give the surface"
+            raise InputError(f"report_of: the surface {entry['path']} {told}")
+        surface = Surface.read(place)
+        if surface._sha256 != entry["sha256"]:
+            raise InputError(f"report_of: {place} has changed since the report: give the surface")
+    for entry in report["outputs"]:
+        place = found(entry["path"]) if entry["content"] == "smooth_target" else None
+        smooth = smooth if place is None else Surface.read(place)
+    return surface, smooth
 
 
 class Offset(NamedTuple):
@@ -307,6 +412,14 @@ class Offset(NamedTuple):
     max_distance: Optional[Tuple[float, float]]
     #: The parallel mesh that touches the unit sphere, if asked for.
     gauss_image: Optional[Mesh]
+    #: Solid panels between successive layers (one layer: between it and the mesh), if asked for.
+    solids: Tuple[Mesh, ...] = ()
+    #: Sum of the volumes of each of these.
+    volumes: Tuple[float, ...] = ()
+    #: Beams and nodes between the same layers, if asked for: ``edge``, ``vertices`` (m, 2), ``ends``
+    #: (m, 2, 3), ``plane_normal`` (m, 3), ``torsion`` (m,) radians; ``node``, ``base``,
+    #: ``direction`` (n, 3), ``length``.
+    beams: Tuple[Dict[str, NDArray[Any]], ...] = ()
 
 
 def offset(
@@ -316,6 +429,9 @@ def offset(
     kind: str = "face",
     max_distance: bool = False,
     gauss_image: bool = False,
+    solids: bool = False,
+    gap: Any = None,
+    beams: bool = False,
     planarity: Any = None,
     unit: str = "m",
     threads: Optional[int] = None,
@@ -323,7 +439,8 @@ def offset(
     """Layers at constant distance of faces, edges or vertices, each a valid mesh.
 
     ``distance`` is one or a list of lengths: numbers, ``"-20mm"``, ``"1%"`` of the diagonal;
-    positive is the side of the face normals.
+    positive is the side of the face normals. ``solids`` gives the panels between successive layers
+    as solids, with joints as wide as ``gap``; ``beams`` the axes of beams and nodes between them.
 
     >>> import phex
     >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
@@ -339,7 +456,14 @@ def offset(
     if not isinstance(wanted, (list, tuple)):
         wanted = [wanted]
     distances = [_length(panels, d, unit) for d in wanted]
+    between = {"solids": _flag("solids", solids), "beams": _flag("beams", beams)}
+    if not distances and any(between.values()):
+        raise InputError("solids and beams have no effect without layers: give a distance")
+    if gap is not None and not solids:
+        raise InputError("gap has no effect without solids")
     request = {
+        **between,
+        "gap": 0.0 if gap is None else _length(panels, gap, unit),
         "kind": checked("kind", kind, Option("choice", choices=("face", "edge", "vertex"))),
         "distances": distances,
         "max_distance": _flag("max_distance", max_distance),
@@ -355,6 +479,12 @@ def offset(
         distances,
         None if ends is None else (float(ends[0]), float(ends[1])),
         None if touching is None else Mesh._of(touching),
+        tuple(Mesh._of(arrays) for arrays in made.get("solids", ())),
+        tuple(floats(made["volumes"])) if "volumes" in made else (),
+        tuple(
+            {name: np.array(values) for name, values in pair.items()}
+            for pair in json.loads(made.get("beams", "[]"))
+        ),
     )
 
 
@@ -396,8 +526,10 @@ def koebe(
 
 def parallel(
     mesh: Any,
-    surface: Any,
+    surface: Any = None,
     *,
+    lengths: Any = None,
+    basis: bool = False,
     start: str = "normals",
     least_edge: float = 0.05,
     fairness: float = 1e-3,
@@ -408,18 +540,45 @@ def parallel(
     keep_invalid: bool = False,
     progress: Any = "auto",
 ) -> Panelling:
-    """The mesh with the edge directions of ``mesh`` that is closest to a surface, as ``phex
-    parallel``."""
+    """The mesh with the edge directions of ``mesh`` that is closest to a surface, or to ``lengths``:
+    a dictionary or list of ``(from, to): length`` with the numbers of two vertices; other edges
+    keep theirs. As ``phex parallel``.
+
+    ``basis=True`` adds ``basis`` to the result, a sparse basis of the space of parallel meshes: rows
+    of ``vector, edge, from, to, change of length``.
+
+    >>> import phex
+    >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
+    >>> found = phex.parallel(made, basis=True)
+    >>> found.basis.shape[1], found.report["statistics"]["dimension"] > 1
+    (5, True)
+    """
     request = {
         "start": checked("start", start, Option("choice", choices=("normals", "positions"))),
         "least_edge": real("least_edge", least_edge),
         "fairness": real("fairness", fairness),
         "constant_mean_curvature": real("constant_mean_curvature", constant_mean_curvature),
         "limits": _limits(max_deviation=max_deviation, planarity=planarity, unit=unit),
+        "lengths": _edge_lengths(lengths),
+        "basis": _flag("basis", basis),
     }
-    if surface is None:
-        raise InputError("surface: None is no surface")
+    if surface is not None and lengths is not None:
+        raise InputError("lengths: has no effect with a surface")
     return _judged("parallel", request, mesh, surface, None, keep_invalid, progress)
+
+
+def _edge_lengths(lengths: Any) -> List[List[Any]]:
+    """Edges by their two vertices, and their lengths."""
+    if lengths is None:
+        return []
+    try:
+        pairs = lengths.items() if isinstance(lengths, dict) else lengths
+        rows = [(*edge, length) for edge, length in pairs]
+        return [[whole("lengths", a), whole("lengths", b), real("lengths", x)] for a, b, x in rows]
+    except InputError:
+        raise
+    except Exception:  # whatever a foreign object does
+        raise InputError(f"lengths: {shown(lengths)} are no pairs (from, to): length") from None
 
 
 class Fabrication(NamedTuple):

@@ -217,6 +217,8 @@ class Panelling(Mesh):
         made._verdict = json.loads(answer["verdict"])
         made._keep_invalid = keep_invalid
         made.surface = surface
+        found = answer.get("basis")
+        made.basis = None if found is None else found.reshape(-1, 5)
         target = answer["target"]
         made.target = None if target is None else Surface._of(target)
         return made
@@ -225,6 +227,8 @@ class Panelling(Mesh):
     _keep_invalid: bool
     #: The surface that was given, or ``None``.
     surface: Optional[Surface]
+    #: See :func:`phex.parallel`, or ``None``.
+    basis: Optional[NDArray[np.float64]]
     #: The smooth surface that the panels were fitted to, or ``None``.
     target: Optional[Surface]
 

@@ -5,7 +5,7 @@ from typing import Any, Optional, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Computation", "start", "Kept", "__version__"]
+__all__ = ["Computation", "start", "Kept", "KeptSurface", "__version__"]
 
 __version__: str
 
@@ -14,6 +14,10 @@ _Given = tuple[str, str, NDArray[np.float64], NDArray[np.uint32], NDArray[np.int
 
 @final
 class Kept: ...
+
+@final
+class KeptSurface:
+    def __new__(cls, mesh: _Given) -> KeptSurface: ...
 
 @final
 class Computation:
@@ -26,9 +30,9 @@ class Computation:
 def start(
     what: str,
     request: str,
-    meshes: list[_Given],
-    sizes: Optional[NDArray[np.float64]] = None,
-    kept: Optional[Kept] = None,
-    threads: Optional[int] = None,
-    preview: bool = False,
+    given: tuple[
+        list[_Given], Optional[NDArray[np.float64]], Optional[Kept], Optional[KeptSurface]
+    ],
+    threads: Optional[int],
+    preview: bool,
 ) -> Computation: ...

@@ -1,17 +1,19 @@
 /** The interactive view: panels, maps, layers, selection and offenders. */
 
-import { Box3, BufferAttribute, type Object3D, Sphere, Vector3 } from "three";
+import { Box3, BufferAttribute, Group, type Material, Mesh as Surface, type Object3D, Sphere, Vector3 } from "three";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { colour } from "./colours";
-import { faceCorners, faceCount, floats, mesh, numbers, panelName, type Packed, type PackedMap } from "./data";
+import { faceCorners, faceCount, floats, mesh, numbers, panelName, type Packed, type PackedArray, type PackedMap } from "./data";
 import { button, figure, h } from "./dom";
+import type { Parts } from "./frame";
 import { curvesLayer, GaussImage, Offset, Start, surfaceLayer } from "./layers";
 import { counted, legend } from "./legend";
 import { Picker } from "./picker";
 import { faceCentre, faceNormal, faceRadius, lines, Polygons } from "./polygons";
 import { card, neighbours, shown, type Facts } from "./selection";
-import { Stage, VIEWS } from "./stage";
+import { type Stage, VIEWS } from "./stage";
 import { Tags } from "./tags";
+import { say } from "./words";
 
 const SELECTED = 0x0050ff;
 const LOUD = 0xd4006a;
@@ -28,7 +30,8 @@ const CLOSE_UP = 5;
 const GAUSS_IMAGES = ["Gauss image: faces touch", "Gauss image: edges touch", "Gauss image: vertices on"];
 
 export class App {
-  private readonly stage: Stage;
+  private readonly world = new Group();
+  private readonly life = new AbortController();
   private readonly facts: Facts;
   private readonly polygons: Polygons;
   private readonly picker: Picker;
@@ -45,17 +48,20 @@ export class App {
   private shownMesh = "after";
   private readonly onSurface: Object3D[] = [];
 
+  /** Shows data in the parts of a page; the eye stays where it is if it is to. */
   constructor(
     private readonly packed: Packed,
-    private readonly root: HTMLElement,
+    private readonly part: Parts,
+    private readonly stage: Stage,
+    keepsEye = false,
   ) {
     this.facts = unpack(packed);
     const { mesh: base } = this.facts;
     const faces = Array.from({ length: faceCount(base) }, (_, face) => face);
     this.centres = faces.map((face) => faceCentre(base, face));
     this.radii = faces.map((face) => faceRadius(base, face));
-    this.buildFrame();
-    this.stage = new Stage(this.part("canvas"));
+    for (const name of ["views", "compare", "maps", "layers", "offenders"]) this.part(name).replaceChildren();
+    this.tip(null, 0, 0);
     this.polygons = new Polygons(base);
     this.picker = new Picker(this.stage.renderer, this.stage.camera, this.polygons.faces.geometry);
     const normals = faces.map((face) => faceNormal(base, base.positions, face));
@@ -67,7 +73,8 @@ export class App {
     this.loud = overlay(3, LOUD);
     this.outline(this.loud, [...new Set(packed.offenders.filter((o) => o.loud).flatMap((o) => o.faces))]);
     this.start = packed.start ? new Start(packed.start) : null;
-    this.stage.scene.add(this.polygons.group, this.loud, this.selection);
+    this.world.add(this.polygons.group, this.loud, this.selection);
+    this.stage.scene.add(this.world);
     this.stage.setExtent(box);
     this.current = this.facts.maps[0];
     this.buildMaps();
@@ -77,7 +84,36 @@ export class App {
     this.select(null);
     this.listen();
     this.show(this.current.map.name);
-    this.stage.look(this.points(), new Vector3(...VIEWS.Iso), false);
+    if (!keepsEye) this.stage.look(this.points(), new Vector3(...VIEWS.Iso), false);
+  }
+
+  /** Takes everything out of the view and the page. */
+  dispose(): void {
+    this.life.abort();
+    this.stage.scene.remove(this.world);
+    this.world.traverse((object) => {
+      if (!(object instanceof Surface)) return;
+      object.geometry.dispose();
+      (object.material as Material).dispose();
+    });
+    this.picker.dispose();
+    this.tags.canvas.remove();
+    for (const name of ["views", "compare", "maps", "layers", "selection", "offenders", "legend"]) this.part(name).replaceChildren();
+  }
+
+  /** The mesh, and what is at a point of the page: a panel, or nothing. */
+  get mesh(): Facts["mesh"] {
+    return this.facts.mesh;
+  }
+
+  /** Goes to a panel. */
+  visit(face: number): void {
+    this.zoom(face);
+  }
+
+  /** Dims or shows everything. */
+  set visible(on: boolean) {
+    this.world.visible = on;
   }
 
   /** Place of a panel's centre in the page, for scripts and tests. */
@@ -87,33 +123,10 @@ export class App {
     return { x: box.x + ((p.x + 1) / 2) * box.width, y: box.y + ((1 - p.y) / 2) * box.height };
   }
 
-  private part(name: string): HTMLElement {
-    const found = this.root.querySelector<HTMLElement>(`[data-part="${name}"]`);
-    if (!found) throw new Error(`the page has no part ${name}`);
-    return found;
-  }
-
-  private buildFrame(): void {
-    const part = (name: string, tag = "div") => h(tag, { "data-part": name, class: name });
-    const section = (title: string, name: string) => h("section", {}, h("h2", {}, title), part(name));
-    const overlays = [part("views"), part("compare"), part("legend"), part("tip")];
-    this.root.replaceChildren(
-      h("div", { class: "view" }, part("canvas"), ...overlays),
-      h(
-        "aside",
-        {},
-        section("Colours", "maps"),
-        section("Layers", "layers"),
-        section("Panel", "selection"),
-        section("Offenders", "offenders"),
-      ),
-    );
-  }
-
   private buildMaps(): void {
     const box = this.part("maps");
     for (const { map } of this.facts.maps) {
-      const choose = button(map.title, map.caption, () => this.show(map.name));
+      const choose = button(say(map.title), say(map.caption), () => this.show(map.name));
       choose.dataset.map = map.name;
       box.append(choose);
     }
@@ -142,7 +155,7 @@ export class App {
     const start = this.shownMesh === "before" ? this.start : null;
     const own = start !== null && map.name === "planarity";
     const plain = start !== null && !own;
-    const note = plain ? "The layout before is drawn plain; the figures are the result’s." : null;
+    const note = plain ? say("The layout before is drawn plain; the figures are the result’s.") : null;
     this.part("legend").replaceChildren(legend(own ? counted(map, start.planarity) : map, note));
   }
 
@@ -156,7 +169,7 @@ export class App {
     const sound = packed.missing.offset ? null : packed.gauss;
     this.lazy("offset", "Offset", sound, (gauss) => this.makeOffset(gauss));
     const none = { "gauss-edges": null, "gauss-vertices": null };
-    const images: Record<string, string | null> = { gauss: packed.gauss?.directions ?? null, ...none, ...packed.spheres };
+    const images: Record<string, PackedArray | null> = { gauss: packed.gauss?.directions ?? null, ...none, ...packed.spheres };
     Object.entries(images).forEach(([name, image], k) => {
       this.lazy(name, GAUSS_IMAGES[k], image, (directions) => this.makeGauss(directions, k), () => this.fit(true));
     });
@@ -167,15 +180,15 @@ export class App {
   /** A layer that is made when it is first switched on. */
   private lazy<T>(name: string, label: string, data: T | null, make: (data: T) => Object3D, after?: () => void): void {
     let object: Object3D | null = null;
-    const reason = this.packed.missing[name] ?? (data === null ? "not in this report" : null);
+    const reason = this.packed.missing[name] ?? (data === null ? say("not in this report") : null);
     const act = (on: boolean): void => {
       if (data !== null && object === null) {
         object = make(data);
-        this.stage.scene.add(object);
+        this.world.add(object);
         this.resize();
       }
       if (object) object.visible = on;
-      this.root.querySelector(`[data-more="${name}"]`)?.toggleAttribute("hidden", !on);
+      this.part("layers").querySelector(`[data-more="${name}"]`)?.toggleAttribute("hidden", !on);
       after?.();
     };
     this.layer(name, label, false, act, data === null, reason);
@@ -197,7 +210,7 @@ export class App {
       act(box.checked);
       this.stage.draw();
     });
-    const line = h("label", missing ? { class: "off" } : {}, box, h("span", {}, label));
+    const line = h("label", missing ? { class: "off" } : {}, box, h("span", {}, say(label)));
     if (reason) line.append(h("small", {}, reason));
     this.part("layers").append(line);
   }
@@ -209,11 +222,11 @@ export class App {
 
   private makeOffset(gauss: NonNullable<Packed["gauss"]>): Object3D {
     this.offset = new Offset(this.facts.mesh, gauss);
-    this.root.querySelector<HTMLInputElement>("[data-offset]")?.dispatchEvent(new Event("input"));
+    this.part("layers").querySelector<HTMLInputElement>("[data-offset]")?.dispatchEvent(new Event("input"));
     return this.offset.polygons.group;
   }
 
-  private makeGauss(directions: string, side: number): Object3D {
+  private makeGauss(directions: PackedArray, side: number): Object3D {
     const image = new GaussImage(this.facts.mesh, directions, this.model, side);
     this.gauss.push(image);
     this.show(this.current.map.name);
@@ -228,7 +241,7 @@ export class App {
       step: "any",
       value: String(0.5 * gauss.outward),
       "data-offset": "",
-      "aria-label": "Distance of the offset",
+      "aria-label": say("Distance of the offset"),
     };
     const slider = h("input", attributes) as HTMLInputElement;
     const said = h("output", {});
@@ -244,9 +257,9 @@ export class App {
   private buildTools(): void {
     const views = this.part("views");
     for (const [name, direction] of Object.entries(VIEWS)) {
-      views.append(button(name, `${name} view`, () => this.stage.look(this.points(), new Vector3(...direction), true)));
+      views.append(button(say(name), say(`${name} view`), () => this.stage.look(this.points(), new Vector3(...direction), true)));
     }
-    views.append(button("Fit", "Fit everything into the view", () => this.fit(true)));
+    views.append(button(say("Fit"), say("Fit everything into the view"), () => this.fit(true)));
     if (!this.start) return;
     const modes: [string, string][] = [
       ["before", "Before"],
@@ -254,11 +267,11 @@ export class App {
       ["both", "Both"],
     ];
     for (const [mode, label] of modes) {
-      const choose = button(label, COMPARE[mode], () => this.compare(mode));
+      const choose = button(say(label), say(COMPARE[mode]), () => this.compare(mode));
       choose.dataset.compare = mode;
       this.part("compare").append(choose);
     }
-    this.stage.scene.add(this.start.polygons.group, this.lifted(this.start.wires));
+    this.world.add(this.start.polygons.group, this.lifted(this.start.wires));
     this.compare("after");
   }
 
@@ -283,24 +296,24 @@ export class App {
     const { offenders } = this.packed;
     const box = this.part("offenders");
     if (offenders.length === 0) {
-      box.append(h("p", { class: "none" }, "None: every check holds."));
+      box.append(h("p", { class: "none" }, say("None: every check holds.")));
       return;
     }
     const entries = offenders.map((offender) => {
-      const open = button("", "Show the panel", () => this.zoom(offender.faces[0]));
+      const open = button("", say("Show the panel"), () => this.zoom(offender.faces[0]));
       open.className = offender.loud ? "loud" : "warn";
-      open.append(h("b", {}, `Panel ${panelName(this.packed, offender.faces[0])}`), h("span", {}, offender.text));
+      open.append(h("b", {}, say("Panel {}", panelName(this.packed, offender.faces[0]))), h("span", {}, offender.text));
       return h("li", {}, open);
     });
     box.append(h("ol", {}, ...entries));
-    if (offenders.length >= MOST_OFFENDERS) box.append(h("p", { class: "none" }, "The first ones; the JSON report lists all."));
+    if (offenders.length >= MOST_OFFENDERS) box.append(h("p", { class: "none" }, say("The first ones; the JSON report lists all.")));
   }
 
   private select(face: number | null): void {
     const box = this.part("selection");
     box.replaceChildren(
       face === null
-        ? h("p", { class: "none" }, "Click a panel to see its size, angles and neighbours.")
+        ? h("p", { class: "none" }, say("Click a panel to see its size, angles and neighbours."))
         : card(this.facts, face, (other) => this.zoom(other)),
     );
     this.outline(this.selection, face === null ? [] : [face]);
@@ -348,27 +361,28 @@ export class App {
 
   private listen(): void {
     const canvas = this.stage.renderer.domElement;
+    const { signal } = this.life;
     let down = { x: 0, y: 0 };
-    canvas.addEventListener("pointerdown", (event) => void (down = { x: event.clientX, y: event.clientY }));
+    canvas.addEventListener("pointerdown", (event) => void (down = { x: event.clientX, y: event.clientY }), { signal });
     canvas.addEventListener("click", (event) => {
       if (Math.hypot(event.clientX - down.x, event.clientY - down.y) <= CLICK) this.select(this.pick(event));
-    });
+    }, { signal });
     canvas.addEventListener("dblclick", (event) => {
       const face = this.pick(event);
       if (face !== null) this.zoom(face);
-    });
-    canvas.addEventListener("pointermove", (event) => this.hover(event));
-    canvas.addEventListener("pointerleave", () => this.tip(null, 0, 0));
+    }, { signal });
+    canvas.addEventListener("pointermove", (event) => this.hover(event), { signal });
+    canvas.addEventListener("pointerleave", () => this.tip(null, 0, 0), { signal });
     window.addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.select(null);
-    });
-    this.stage.beforeDraw.push(() => this.lift());
-    this.stage.beforeDraw.push(() => this.polygons.fade(this.stage.pixels(this.packed.meanEdge)));
-    this.stage.onResize.push(() => this.resize());
-    this.stage.onDraw.push(() => {
+    }, { signal });
+    this.stage.before(() => this.lift(), signal);
+    this.stage.before(() => this.polygons.fade(this.stage.pixels(this.packed.meanEdge)), signal);
+    this.stage.resized(() => this.resize(), signal);
+    this.stage.after(() => {
       const { x, y } = this.stage.size;
       this.tags.draw(this.stage.size, () => this.picker.map(x, y));
-    });
+    }, signal);
     this.resize();
   }
 
@@ -407,14 +421,12 @@ export class App {
     if (face === null) return;
     const { map, values } = this.current;
     const value = map.element === "face" ? ` · ${shown(map, values[face])}` : "";
-    tip.textContent = `Panel ${panelName(this.packed, face)}${value}`;
+    tip.textContent = `${say("Panel {}", panelName(this.packed, face))}${value}`;
     tip.style.transform = `translate(${x + 14}px, ${y + 14}px)`;
   }
 
   private resize(): void {
-    this.stage.scene.traverse((object) => {
-      if (object instanceof LineSegments2) object.material.resolution.copy(this.stage.size);
-    });
+    this.stage.fitLines(this.world);
   }
 }
 

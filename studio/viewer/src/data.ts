@@ -1,13 +1,18 @@
-/** The report's data as the page carries them: small things as JSON, large ones as base64 of little-endian arrays. */
+/**
+ * The data of a view: small things as JSON, large ones as little-endian arrays, in a report as base64, in the studio as
+ * they are.
+ */
+
+export type PackedArray = string | ArrayBuffer;
 
 export interface PackedMesh {
-  positions: string;
-  faceStart: string;
-  corners: string;
-  triangles: string;
-  triangleFace: string;
-  edges: string;
-  edgeFaces: string;
+  positions: PackedArray;
+  faceStart: PackedArray;
+  corners: PackedArray;
+  triangles: PackedArray;
+  triangleFace: PackedArray;
+  edges: PackedArray;
+  edgeFaces: PackedArray;
 }
 
 export interface Continuous {
@@ -31,7 +36,7 @@ export interface PackedMap {
   title: string;
   caption: string;
   element: "face" | "edge";
-  values: string;
+  values: PackedArray;
   scale: Scale;
   counts: number[];
   below: number;
@@ -48,8 +53,8 @@ export interface Offender {
 
 export interface PackedCurves {
   name: string;
-  points: string;
-  starts: string;
+  points: PackedArray;
+  starts: PackedArray;
 }
 
 export interface Packed {
@@ -58,18 +63,18 @@ export interface Packed {
   mesh: PackedMesh;
   /** Names of the panels, as in the workshop files. */
   names: string[] | null;
-  area: string;
-  planarity: string;
-  angles: string;
-  concave: string;
+  area: PackedArray;
+  planarity: PackedArray;
+  angles: PackedArray;
+  concave: PackedArray;
   maps: PackedMap[];
   offenders: Offender[];
-  gauss: { directions: string; inward: number; outward: number } | null;
+  gauss: { directions: PackedArray; inward: number; outward: number } | null;
   /** Gauss images of the other kinds, by the names of their layers. */
-  spheres: Record<string, string>;
-  surface: { positions: string; triangles: string } | null;
+  spheres: Record<string, PackedArray>;
+  surface: { positions: PackedArray; triangles: PackedArray } | null;
   curves: PackedCurves[];
-  start: { mesh: PackedMesh; planarity: string } | null;
+  start: { mesh: PackedMesh; planarity: PackedArray } | null;
   /** Layers that the report has not, with the reason. */
   missing: Record<string, string>;
 }
@@ -88,15 +93,16 @@ export interface Mesh {
 /** The face number of the free side of a boundary edge. */
 export const NO_FACE = 0xffffffff;
 
-function bytes(text: string): ArrayBuffer {
-  const raw = atob(text);
+function bytes(packed: PackedArray): ArrayBuffer {
+  if (typeof packed !== "string") return packed;
+  const raw = atob(packed);
   const out = new Uint8Array(raw.length);
   for (let i = 0; i < raw.length; i++) out[i] = raw.charCodeAt(i);
   return out.buffer;
 }
 
-export const floats = (text: string): Float32Array => new Float32Array(bytes(text));
-export const numbers = (text: string): Uint32Array => new Uint32Array(bytes(text));
+export const floats = (packed: PackedArray): Float32Array => new Float32Array(bytes(packed));
+export const numbers = (packed: PackedArray): Uint32Array => new Uint32Array(bytes(packed));
 
 export function mesh(packed: PackedMesh): Mesh {
   return {

@@ -13,7 +13,7 @@ import {
   Vector3,
 } from "three";
 import type { Rgb } from "./colours";
-import { faceCorners, faceCount, floats, mesh, numbers, type Mesh, type Packed, type PackedCurves } from "./data";
+import { faceCorners, faceCount, floats, mesh, numbers, type Mesh, type Packed, type PackedArray, type PackedCurves } from "./data";
 import { faceNormal, lines, Polygons } from "./polygons";
 
 export const START_COLOURS = 0x8a4fd0;
@@ -102,7 +102,7 @@ export class GaussImage {
   /** Corners of a box round the unit sphere. */
   readonly extent: Float32Array;
 
-  constructor(base: Mesh, packed: string, model: Sphere, side: number) {
+  constructor(base: Mesh, packed: PackedArray, model: Sphere, side: number) {
     const radius = 0.55 * model.radius;
     const centre = new Vector3(...SIDES[side]).setLength(model.radius + 1.35 * radius).add(model.center);
     const directions = floats(packed);

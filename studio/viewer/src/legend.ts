@@ -3,6 +3,7 @@
 import { colour, css, histogram, place, valueAt } from "./colours";
 import type { Continuous, PackedMap } from "./data";
 import { figure, h, svg } from "./dom";
+import { say } from "./words";
 
 const WIDTH = 292;
 const HISTOGRAM = 58;
@@ -11,7 +12,7 @@ const STRIP = 12;
 export function legend(map: PackedMap, note: string | null): HTMLElement {
   const body = "classes" in map.scale ? classes(map) : strip(map, map.scale.continuous);
   const notes = note === null ? [] : [h("p", { class: "aside" }, note)];
-  return h("div", { class: "legend-body" }, h("h3", {}, map.title), h("p", {}, map.caption), body, ...notes);
+  return h("div", { class: "legend-body" }, h("h3", {}, say(map.title)), h("p", {}, say(map.caption)), body, ...notes);
 }
 
 /** A map with the histogram of other values. */
@@ -35,7 +36,7 @@ function classes(map: PackedMap): HTMLElement {
     const bar = h("span", { class: "bar", "data-count": String(count), "data-label": entry.label });
     bar.style.width = `${Math.max(2, (64 * count) / most)}px`;
     bar.style.background = css(entry.colour);
-    list.append(h("li", {}, swatch, h("span", { class: "label" }, entry.label), bar, h("b", {}, String(count))));
+    list.append(h("li", {}, swatch, h("span", { class: "label" }, say(entry.label)), bar, h("b", {}, String(count))));
   });
   return list;
 }
@@ -54,8 +55,8 @@ function bars(map: PackedMap, scale: Continuous): Node[] {
   return counts.map((count, k) => {
     const tall = count === 0 ? 0 : Math.max(2, (HISTOGRAM * count) / most);
     const [low, high] = [valueAt(scale, k / counts.length), valueAt(scale, (k + 1) / counts.length)];
-    const from = k === 0 && map.below > 0 ? "at most" : `${figure(low)} to`;
-    const to = k === counts.length - 1 && map.above > 0 ? "and more" : figure(high);
+    const from = k === 0 && map.below > 0 ? say("at most") : `${figure(low)} –`;
+    const to = k === counts.length - 1 && map.above > 0 ? say("and more") : figure(high);
     const fill = css(colour(map.scale, valueAt(scale, (k + 0.5) / counts.length)));
     return svg(
       "rect",
@@ -99,7 +100,7 @@ function marks(map: PackedMap, scale: Continuous): Node[] {
     const x = limit * WIDTH;
     out.push(svg("line", { x1: x, x2: x, y1: 4, y2: foot, class: "limit" }));
     const left = limit > 0.8;
-    out.push(svg("text", { x: left ? x - 4 : x + 4, y: 11, "text-anchor": left ? "end" : "start" }, "limit"));
+    out.push(svg("text", { x: left ? x - 4 : x + 4, y: 11, "text-anchor": left ? "end" : "start" }, say("limit")));
   }
   return out;
 }

@@ -2,6 +2,9 @@
 
 import { App } from "./app";
 import { readPage } from "./data";
+import { h } from "./dom";
+import { partsOf, sections, view } from "./frame";
+import { Stage } from "./stage";
 
 declare global {
   interface Window {
@@ -17,7 +20,9 @@ function start(): void {
   // The view must have its size while it is made.
   document.documentElement.dataset.viewer = "ready";
   try {
-    window.phexReport = new App(packed, root);
+    root.replaceChildren(view(), h("aside", {}, ...sections()));
+    const parts = partsOf(root);
+    window.phexReport = new App(packed, parts, new Stage(parts("canvas")));
   } catch (error) {
     // No WebGL, say: the page's pictures and tables stand for the view.
     console.warn("no interactive view:", error);

@@ -16,15 +16,22 @@ import {
 const VERTEX = `
 attribute float face;
 varying vec3 number;
+#include <clipping_planes_pars_vertex>
 void main() {
   float n = face + 1.0;
   number = vec3(mod(n, 256.0), mod(floor(n / 256.0), 256.0), floor(n / 65536.0)) / 255.0;
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  vec4 mvPosition = modelViewMatrix * vec4(position, 1.0);
+  #include <clipping_planes_vertex>
+  gl_Position = projectionMatrix * mvPosition;
 }`;
 
 const FRAGMENT = `
 varying vec3 number;
-void main() { gl_FragColor = vec4(number, 1.0); }`;
+#include <clipping_planes_pars_fragment>
+void main() {
+  #include <clipping_planes_fragment>
+  gl_FragColor = vec4(number, 1.0);
+}`;
 
 export class Picker {
   private readonly scene = new Scene();
@@ -40,10 +47,17 @@ export class Picker {
       fragmentShader: FRAGMENT,
       side: DoubleSide,
       blending: NoBlending,
+      // What a section has cut away can not be picked.
+      clipping: true,
     });
     this.mesh = new Mesh(geometry, material);
     this.mesh.frustumCulled = false;
     this.scene.add(this.mesh);
+  }
+
+  /** Gives back what the graphics card holds; the geometry is its owner's. */
+  dispose(): void {
+    (this.mesh.material as ShaderMaterial).dispose();
   }
 
   /** Shows the numbers of another mesh from now on. */

@@ -2,6 +2,7 @@
 
 import { NO_FACE, faceCorners, panelName, type Mesh, type Packed, type PackedMap } from "./data";
 import { figure, h } from "./dom";
+import { say } from "./words";
 
 export interface Facts {
   packed: Packed;
@@ -51,19 +52,19 @@ export function card(facts: Facts, face: number, go: (face: number) => void): HT
   const corners = faceCorners(mesh, face);
   const list = h("dl", {});
   const row = (name: string, field: string, ...value: (Node | string)[]): void => {
-    list.append(h("dt", {}, name), h("dd", { "data-field": field }, ...value));
+    list.append(h("dt", {}, say(name)), h("dd", { "data-field": field }, ...value));
   };
-  row("Shape", "shape", `${corners.length} corners, ${facts.concave[face] ? "concave" : "convex"}`);
+  row("Shape", "shape", say(facts.concave[face] ? "{} corners, concave" : "{} corners, convex", corners.length));
   row("Area", "area", `${figure(facts.area[face])} ${unit}²`);
   row("Planarity", "planarity", `${figure(facts.planarity[face])} ${unit}`);
   for (const { map, values } of facts.maps) {
     if (map.element === "face" && map.name !== "planarity") row(map.title, map.name, shown(map, values[face]));
   }
-  row("Face", "face", `${face} (counted from 0)`);
+  row("Face", "face", say("{} (counted from 0)", face));
   const said = packed.offenders.filter((o) => o.faces.includes(face));
   const notes = said.slice(0, NOTES).map((o) => h("p", { class: o.loud ? "loud" : "warn" }, o.text));
-  if (said.length > NOTES) notes.push(h("p", { class: "none" }, `and ${said.length - NOTES} more, see the offenders`));
-  return h("div", {}, h("h3", {}, "Panel ", h("span", { "data-field": "id" }, panelName(packed, face))), ...notes, list, sideTable(facts, face, go));
+  if (said.length > NOTES) notes.push(h("p", { class: "none" }, say("and {} more, see the offenders", said.length - NOTES)));
+  return h("div", {}, h("h3", {}, say("Panel {}", "").trimEnd() + " ", h("span", { "data-field": "id" }, panelName(packed, face))), ...notes, list, sideTable(facts, face, go));
 }
 
 /** Length, angle at its start and neighbour of each side. */
@@ -80,15 +81,15 @@ function sideTable(facts: Facts, face: number, go: (face: number) => void): HTML
       h("td", { "data-field": "neighbour" }, other === null ? "–" : link(packed, other, go)),
     );
   });
-  const head = ["Side", `Length, ${packed.unit}`, "Angle", "Neighbour"].map((text) => h("th", {}, text));
+  const head = [say("Side"), say("Length, {}", packed.unit), say("Angle"), say("Neighbour")].map((text) => h("th", {}, text));
   return h("table", { class: "sides" }, h("thead", {}, h("tr", {}, ...head)), h("tbody", {}, ...rows));
 }
 
 /** A value of a map in words. */
 export function shown(map: PackedMap, value: number): string {
   if (Number.isNaN(value)) return "–";
-  if ("classes" in map.scale) return map.scale.classes[value]?.label ?? "–";
-  const percent = map.name === "deviation" ? " % of diagonal" : "";
+  if ("classes" in map.scale) return say(map.scale.classes[value]?.label ?? "–");
+  const percent = map.name === "deviation" ? ` ${say("% of diagonal")}` : "";
   return figure(value) + percent;
 }
 

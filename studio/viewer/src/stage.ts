@@ -6,6 +6,7 @@ import {
   Color,
   DirectionalLight,
   HemisphereLight,
+  type Object3D,
   PerspectiveCamera,
   Scene,
   Sphere,
@@ -14,6 +15,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 
 /** Directions to the eye. */
 export const VIEWS: Record<string, [number, number, number]> = {
@@ -33,12 +35,9 @@ export class Stage {
   readonly renderer: WebGLRenderer;
   readonly controls: OrbitControls;
   readonly size = new Vector2(1, 1);
-  /** Called before each frame is drawn. */
-  beforeDraw: (() => void)[] = [];
-  /** Called after each frame has been drawn. */
-  onDraw: (() => void)[] = [];
-  onResize: (() => void)[] = [];
+  private readonly calls = { before: new Set<() => void>(), after: new Set<() => void>(), resized: new Set<() => void>() };
   private waiting = false;
+  private readonly observer = new ResizeObserver(() => this.resize());
 
   constructor(private readonly host: HTMLElement) {
     this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
@@ -50,7 +49,54 @@ export class Stage {
     this.controls.addEventListener("change", () => this.draw());
     this.light();
     this.resize();
-    new ResizeObserver(() => this.resize()).observe(host);
+    this.observer.observe(host);
+  }
+
+  /** Calls `act` before each frame is drawn, until the signal. */
+  before(act: () => void, signal?: AbortSignal): void {
+    this.call("before", act, signal);
+  }
+
+  /** Calls `act` after each frame has been drawn. */
+  after(act: () => void, signal?: AbortSignal): void {
+    this.call("after", act, signal);
+  }
+
+  /** Calls `act` when the view has another size. */
+  resized(act: () => void, signal?: AbortSignal): void {
+    this.call("resized", act, signal);
+  }
+
+  private call(when: keyof Stage["calls"], act: () => void, signal?: AbortSignal): void {
+    this.calls[when].add(act);
+    signal?.addEventListener("abort", () => this.calls[when].delete(act));
+  }
+
+  /** Tells fat lines how large the view is. */
+  fitLines(world: Object3D): void {
+    world.traverse((object) => {
+      if (object instanceof LineSegments2) object.material.resolution.copy(this.size);
+    });
+  }
+
+  /** Looks where another looks, whenever that one turns. */
+  follow(other: Stage): void {
+    other.controls.addEventListener("change", () => {
+      const target = other.controls.target;
+      if (this.camera.position.equals(other.camera.position) && this.controls.target.equals(target)) return;
+      this.camera.position.copy(other.camera.position);
+      this.controls.target.copy(target);
+      this.controls.update();
+    });
+  }
+
+  /** Gives back the graphics card. */
+  dispose(): void {
+    this.observer.disconnect();
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+    this.renderer.domElement.remove();
   }
 
   /** Draws at the next frame. */
@@ -59,9 +105,9 @@ export class Stage {
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
-      for (const act of this.beforeDraw) act();
+      for (const act of this.calls.before) act();
       this.renderer.render(this.scene, this.camera);
-      for (const act of this.onDraw) act();
+      for (const act of this.calls.after) act();
     });
   }
 
@@ -127,14 +173,15 @@ export class Stage {
     this.scene.add(this.camera, new HemisphereLight(0xffffff, 0xd9dbe2, 1.35), new AmbientLight(0xffffff, 0.75));
   }
 
-  private resize(): void {
+  /** Takes the size that the page gives. */
+  resize(): void {
     const { clientWidth: width, clientHeight: height } = this.host;
     if (width === 0 || height === 0) return;
     this.size.set(width, height);
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    for (const act of this.onResize) act();
+    for (const act of this.calls.resized) act();
     this.draw();
   }
 }

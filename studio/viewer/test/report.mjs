@@ -10,15 +10,12 @@ import { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { chromium } from "playwright-core";
+import { launch, SOFTWARE, undisturbed, watched } from "./browser.mjs";
 import { broken, lifted, obj, paraboloid } from "./meshes.mjs";
 
 const [phex, browserPath] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), "phex-report-"));
 const MOST_BYTES = 15e6;
-const QUIET = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"];
-const QUIETER = ["--disable-component-update", "--disable-sync"];
-const SOFTWARE = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 /** Exit codes of a report that was written: every check passes, or one fails. */
 const WRITTEN = [0, 3];
 
@@ -32,19 +29,14 @@ function report(name, mesh, ...more) {
 
 /** Runs `act` on a page in a browser that has no network; fails on errors in the page and on any request. */
 async function visit(file, flags, act) {
-  const browser = await chromium.launch({ executablePath: browserPath, args: [...QUIET, ...QUIETER, ...flags] });
+  const browser = await launch(browserPath, flags);
   try {
     const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, offline: true });
-    const page = await context.newPage();
-    const [requests, errors] = [[], []];
-    page.on("request", (request) => requests.push(request.url()));
-    page.on("pageerror", (error) => errors.push(error.message));
+    const page = await watched(context);
     await page.goto(pathToFileURL(file).href);
     await page.waitForFunction(() => document.documentElement.dataset.viewer);
     await act(page);
-    const outside = requests.filter((url) => !url.startsWith("data:") && url !== pathToFileURL(file).href);
-    assert.deepEqual(outside, [], "the page asks for nothing");
-    assert.deepEqual(errors, []);
+    undisturbed(page, (url) => url === pathToFileURL(file).href);
   } finally {
     await browser.close();
   }

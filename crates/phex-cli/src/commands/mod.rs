@@ -17,7 +17,10 @@ mod power_diagram;
 mod render;
 mod report;
 mod shape;
+#[cfg(feature = "studio")]
+mod studio;
 mod subdivide;
+mod sweep;
 mod terms;
 
 use crate::args::Command;
@@ -48,6 +51,9 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         Command::Subdivide(command) => subdivide::run(&command),
         Command::PowerDiagram(command) => power_diagram::run(&command),
         Command::Dupin(command) => dupin::run(&command),
+        Command::Sweep(command) => sweep::run(&command),
+        #[cfg(feature = "studio")]
+        Command::Studio(command) => studio::run(&command),
         Command::Terms(command) => terms::run(&command),
     }
 }

@@ -38,12 +38,12 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         .as_ref()
         .map_or_else(|| start.diagonal(), TriangleSurface::diagonal);
     limits.demand(&mut how.options, start.mean_edge(), start.diagonal(), whole);
-    let reached = phex_job::planarize(&start, surface.as_ref(), &how, &reporter)?;
+    let facets = surface.or_else(|| files.own_surface());
+    let reached = phex_job::planarize(&start, facets.as_ref(), &how, &reporter)?;
     reporter.finish();
     if is_interrupted() {
         return Err(Failure::interrupted());
     }
-    let facets = surface.or_else(|| files.own_surface());
     let references = References {
         facets: facets.as_ref(),
         ..Default::default()
@@ -106,6 +106,7 @@ fn planarization(
         options,
         steering,
         refit: command.refit || typed.has_dials(),
+        is_own: command.surface.is_none(),
     })
 }
 

@@ -81,6 +81,7 @@ impl Prepared {
             self.surface.topology(),
             &self.directions,
             &Default::default(),
+            &phex::Silent,
         )
         .expect("built-in shapes are regular")
     }
@@ -92,6 +93,6 @@ impl Prepared {
             mesh: &self.directions.intrinsic,
             corners: &self.corners,
         };
-        panelling(&cells, seeds).expect("panels are small enough")
+        panelling(&cells, seeds, &phex::Silent).expect("panels are small enough")
     }
 }

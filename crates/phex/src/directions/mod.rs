@@ -50,6 +50,7 @@ pub use size::{Demands, SizeOptions, relative_sizes};
 pub use thickness::thickness;
 
 use crate::curvature::{Curvature, Principal};
+use crate::progress::{Progress, Silent};
 use nalgebra::Matrix3;
 use phex_mesh::{EdgeId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface};
 use phex_numeric::NumericError;
@@ -166,10 +167,11 @@ pub fn directions(
     options: &DirectionOptions,
 ) -> Result<Directions, NumericError> {
     let length = PerVertex::filled(surface.positions().len(), panel_length);
-    directions_sized(surface, curvature, &length, options)
+    directions_sized(surface, curvature, &length, options, &Silent)
 }
 
-/// Metric and field for panels of length `panel_length` at each vertex.
+/// Metric and field for panels of length `panel_length` at each vertex; for a caller who cancels
+/// perhaps without the conformal factor.
 ///
 /// # Errors
 /// If a linear system can't be solved, which only happens when the surface's triangles are
@@ -179,6 +181,7 @@ pub fn directions_sized(
     curvature: &Curvature,
     panel_length: &PerVertex<f64>,
     options: &DirectionOptions,
+    progress: &dyn Progress,
 ) -> Result<Directions, NumericError> {
     let principal = curvature.principal();
     let tensor = metric::metric(surface, curvature, &principal, panel_length, options);
@@ -189,7 +192,7 @@ pub fn directions_sized(
     }
     let guides = &options.guides;
     guides.align(surface, &mut wished, &mut weight, options.alignment);
-    in_metric(surface, tensor, &wished, &weight, options)
+    in_metric(surface, tensor, &wished, &weight, options, progress)
 }
 
 /// Directions for a given metric, which the conformal factor may change: the field follows the
@@ -203,6 +206,7 @@ pub fn in_metric(
     principal: &PerVertex<Principal>,
     weight: &PerVertex<f64>,
     options: &DirectionOptions,
+    progress: &dyn Progress,
 ) -> Result<Directions, NumericError> {
     let measured = |tensor: &PerVertex<Matrix3<f64>>| {
         IntrinsicMesh::new(surface, tensor).with_mirrors(surface, &options.mirrors)
@@ -222,13 +226,15 @@ pub fn in_metric(
         cones::settle_cones(surface, intrinsic, field, options)
     };
     let mut turned = field(&intrinsic, &tensor)?;
-    if options.conformal_limit > 0.0 {
+    if options.conformal_limit > 0.0 && !progress.is_cancelled() {
         let scale = conformal::log_factor(surface.topology(), &intrinsic, &turned.cone, options)?;
         for (m, s) in tensor.iter_mut().zip(scale.iter()) {
             *m *= (2.0 * s).exp();
         }
         intrinsic = measured(&tensor);
-        turned = field(&intrinsic, &tensor)?;
+        if !progress.is_cancelled() {
+            turned = field(&intrinsic, &tensor)?;
+        }
     }
     Ok(Directions {
         metric: tensor,

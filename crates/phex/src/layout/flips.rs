@@ -8,6 +8,7 @@
 
 use super::boundary_nodes::distance_to_segment;
 use super::{Layout, VertexKind, glide};
+use crate::progress::Progress;
 use phex_mesh::{EdgeId, FaceId, HalfEdgeId, HexMesh, PerVertex, Topology, Vec3, VertexId};
 use std::cmp::Reverse;
 use std::collections::HashSet;
@@ -26,8 +27,11 @@ const OPENING: f64 = 0.25;
 
 /// Turns edges while that makes the panels inside more regular: the sum of `(n - 6)^2` falls with
 /// each turn, or with each short sequence of them.
-pub(crate) fn turn_edges(mut layout: Layout) -> Layout {
+pub(crate) fn turn_edges(mut layout: Layout, progress: &dyn Progress) -> Layout {
     for _ in 0..ROUNDS {
+        if progress.is_cancelled() {
+            break;
+        }
         let turns = independent_turns(layout.mesh.topology());
         let next = if turns.is_empty() {
             glided(&layout)
@@ -263,6 +267,7 @@ fn opened_at_rim(layout: &Layout, turn: &EdgeTurn) -> [Vec3; 2] {
 mod tests {
     use super::*;
     use crate::layout::tests::lattice_patch;
+    use crate::progress::Silent;
 
     fn valences(layout: &Layout) -> Vec<usize> {
         let topology = layout.mesh.topology();
@@ -280,7 +285,7 @@ mod tests {
     #[test]
     fn a_lattice_is_left_alone() {
         let layout = lattice_patch(5);
-        let after = turn_edges(layout.clone());
+        let after = turn_edges(layout.clone(), &Silent);
         assert_eq!(
             after.mesh.topology().face_lists(),
             layout.mesh.topology().face_lists()
@@ -294,7 +299,7 @@ mod tests {
         let layout = lattice_patch(5);
         for turn in inner_turns(&layout) {
             let spoilt = turned(&layout, &[turn]).unwrap();
-            let after = turn_edges(spoilt);
+            let after = turn_edges(spoilt, &Silent);
             assert!(valences(&after).iter().all(|n| *n == 6));
             assert!(after.mesh.topology().face_lists().len() == layout.mesh.topology().n_faces());
         }
@@ -312,7 +317,11 @@ mod tests {
             .unwrap();
         layout = turned(&layout, &[neutral]).unwrap();
         assert!(valences(&layout).iter().any(|n| *n != 6));
-        assert!(valences(&turn_edges(layout)).iter().all(|n| *n == 6));
+        assert!(
+            valences(&turn_edges(layout, &Silent))
+                .iter()
+                .all(|n| *n == 6)
+        );
     }
 
     /// A pentagon behind the rim reaches the boundary: the panels inside that are left are
@@ -338,7 +347,7 @@ mod tests {
             outside == 1 && [t.left, t.right].iter().all(behind)
         });
         let spoilt = turned(&layout, &[turn.unwrap()]).unwrap();
-        let after = turn_edges(spoilt);
+        let after = turn_edges(spoilt, &Silent);
         assert!(
             valences(&after).iter().all(|n| *n == 6),
             "{:?}",

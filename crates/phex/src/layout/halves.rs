@@ -9,6 +9,7 @@
 use super::glide::Sides;
 use super::lattice::CELL;
 use super::{Layout, VertexKind, flips, glide};
+use crate::progress::Progress;
 use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, VertexId};
 use std::collections::BTreeSet;
 
@@ -18,9 +19,9 @@ const HALF: f64 = 1.2;
 const BOTH: f64 = 1.8;
 
 /// Joins pairs while that makes the layout more regular.
-pub(crate) fn join_halves(mut layout: Layout) -> Layout {
+pub(crate) fn join_halves(mut layout: Layout, progress: &dyn Progress) -> Layout {
     loop {
-        let joins = joins(&layout);
+        let joins = joins(&layout, progress);
         if joins.is_empty() {
             return layout;
         }
@@ -45,13 +46,16 @@ struct Join {
 
 /// Pairs that make the layout more regular where they are joined, no two of which change the same
 /// panel.
-fn joins(layout: &Layout) -> Vec<Join> {
+fn joins(layout: &Layout, progress: &dyn Progress) -> Vec<Join> {
     let topology = layout.mesh.topology();
     let mut taken = BTreeSet::new();
     let pairs = topology.edges().filter_map(|e| pair(topology, e));
     let small = pairs.filter(|p| has_pentagon(topology, p) && are_halves(layout, p));
     let mut found = Vec::new();
     for pair in small {
+        if progress.is_cancelled() {
+            return Vec::new();
+        }
         if let Some((turns, changed)) = glide::turns_after_join(topology, pair.halves, &taken) {
             taken.extend(changed);
             found.push(Join { pair, turns });
@@ -174,6 +178,7 @@ fn after_edge(outline: &[VertexId], u: VertexId, v: VertexId) -> Vec<VertexId> {
 mod tests {
     use super::*;
     use crate::layout::tests::{cut_in_two, lattice_patch};
+    use crate::progress::Silent;
 
     /// A panel of a lattice cut in two: its halves are joined, and all is as before.
     #[test]
@@ -181,7 +186,7 @@ mod tests {
         let layout = lattice_patch(5);
         let cut = cut_in_two(&layout, FaceId::new(12));
         assert_eq!(cut.mesh.topology().n_faces(), 26);
-        let after = join_halves(cut);
+        let after = join_halves(cut, &Silent);
         assert_eq!(after.mesh.topology().n_faces(), 25);
         let topology = after.mesh.topology();
         // The patch has rim panels with fewer neighbours, but all are hexagons.
@@ -193,7 +198,7 @@ mod tests {
     #[test]
     fn whole_panels_stay() {
         let layout = lattice_patch(4);
-        let after = join_halves(layout.clone());
+        let after = join_halves(layout.clone(), &Silent);
         assert_eq!(
             after.mesh.topology().face_lists(),
             layout.mesh.topology().face_lists()

@@ -12,6 +12,7 @@ use super::{CELL, CellSurface, calmed, lattice::Charts, panelling, place_seeds};
 use crate::curvature::curvature;
 use crate::directions::IntrinsicMesh;
 use crate::directions::directions;
+use crate::progress::Silent;
 use crate::smooth_surface::{Similarity, smooth_target};
 use nalgebra::Matrix3;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
@@ -62,8 +63,14 @@ fn layout_time() -> Result<(), Box<dyn Error>> {
             &free,
         )?)
     })?;
-    let (t_lattice, placed) =
-        timed(|| Ok(place_seeds(coarse.topology(), &field, &Default::default())?))?;
+    let (t_lattice, placed) = timed(|| {
+        Ok(place_seeds(
+            coarse.topology(),
+            &field,
+            &Default::default(),
+            &Silent,
+        )?)
+    })?;
     let (t_refined, (fine, metric, mesh)) = timed(|| {
         let (mut bent, mut metric) = (bent.clone(), field.metric.clone());
         for step in &target.refinements[level..] {
@@ -81,7 +88,8 @@ fn layout_time() -> Result<(), Box<dyn Error>> {
         mesh: &mesh,
         corners: &corners,
     };
-    let (t_cells, layout) = timed(|| Ok(calmed(panelling(&cells, &placed.seeds)?)))?;
+    let (t_cells, layout) =
+        timed(|| Ok(calmed(panelling(&cells, &placed.seeds, &Silent)?, &Silent)?))?;
     println!(
         "{} triangles, {} panels; lattice on {} vertices, cells on {}",
         surface.topology().n_faces(),

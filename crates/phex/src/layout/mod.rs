@@ -63,6 +63,7 @@ pub use seeds::Seed;
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
+use crate::progress::Progress;
 use cells::{CellComplex, Node};
 use lattice::Charts;
 use nalgebra::Matrix3;
@@ -121,6 +122,9 @@ pub enum LayoutError {
     /// There is no power diagram.
     #[error(transparent)]
     Power(#[from] PowerError),
+    /// The caller cancelled before there was a layout.
+    #[error("cancelled")]
+    Cancelled,
     /// Cells are not discs.
     #[error(
         "no panelling with the topology of the surface was found: {reason}; ask for smaller panels"
@@ -158,16 +162,18 @@ pub struct Placed {
 /// Seed vertices of the panels.
 ///
 /// # Errors
-/// If a linear system can't be solved.
+/// If a linear system can't be solved, or the caller cancels.
 pub fn place_seeds(
     topology: &Topology,
     directions: &Directions,
     options: &LayoutOptions,
+    progress: &dyn Progress,
 ) -> Result<Placed, LayoutError> {
     let mesh = &directions.intrinsic;
     let charts = Charts::new(topology, directions);
     let pins = boundary::pins(topology, directions, BOUNDARY_PHASE);
-    let mut position = waves::diffuse(topology, mesh, &charts, &pins, options.seed);
+    let mut position = waves::diffuse(topology, mesh, &charts, &pins, options.seed, progress);
+    unless_cancelled(progress)?;
     polish::polish(
         topology,
         mesh,
@@ -176,9 +182,10 @@ pub fn place_seeds(
         &mut position,
         options.sweeps,
     );
+    unless_cancelled(progress)?;
     let rounded = Offsets::rounded(topology, &charts, position);
     let (offsets, annihilation, distortion_p95) =
-        strain::seamless_offsets(topology, mesh, &charts, &pins, rounded, options)?;
+        strain::seamless_offsets(topology, mesh, &charts, &pins, rounded, options, progress)?;
     let offsets = offsets.reduced(topology, &charts);
     let statistics = LayoutStatistics {
         seed: options.seed,
@@ -191,6 +198,14 @@ pub fn place_seeds(
         seeds: clusters::seeds(topology, mesh, &charts, &offsets),
         statistics,
     })
+}
+
+/// Ends a layout that is not wanted any more.
+fn unless_cancelled(progress: &dyn Progress) -> Result<(), LayoutError> {
+    match progress.is_cancelled() {
+        true => Err(LayoutError::Cancelled),
+        false => Ok(()),
+    }
 }
 
 /// The fine surface on which cells are drawn.
@@ -210,6 +225,7 @@ pub struct CellSurface<'a> {
 /// ```
 /// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 /// # let torus = triangulate(&Shape::from_name("torus", &[])?, &TriangulationOptions::default())?;
+/// use phex::Silent;
 /// use phex::curvature::{CurvatureOptions, curvature};
 /// use phex::directions::{DirectionOptions, directions};
 /// use phex::layout::{CellSurface, LayoutOptions, panelling, place_seeds};
@@ -217,14 +233,14 @@ pub struct CellSurface<'a> {
 /// let length = 0.1 * torus.diagonal();
 /// let bent = curvature(&torus, length, &CurvatureOptions::default());
 /// let field = directions(&torus, &bent, length, &DirectionOptions::default())?;
-/// let placed = place_seeds(torus.topology(), &field, &LayoutOptions::default())?;
+/// let placed = place_seeds(torus.topology(), &field, &LayoutOptions::default(), &Silent)?;
 /// let cells = CellSurface {
 ///     surface: &torus.with_normals(bent.normal),
 ///     metric: &field.metric,
 ///     mesh: &field.intrinsic,
 ///     corners: &Default::default(),
 /// };
-/// let layout = panelling(&cells, &placed.seeds)?;
+/// let layout = panelling(&cells, &placed.seeds, &Silent)?;
 /// // Hexagons alone cover a torus.
 /// let panels = layout.mesh.topology();
 /// assert!(panels.faces().all(|f| panels.valence(f) == 6));
@@ -232,26 +248,38 @@ pub struct CellSurface<'a> {
 /// ```
 ///
 /// # Errors
-/// If no panelling with the surface's topology is found.
-pub fn panelling(fine: &CellSurface<'_>, seeds: &[Seed]) -> Result<Layout, LayoutError> {
+/// If no panelling with the surface's topology is found, or the caller cancels.
+pub fn panelling(
+    fine: &CellSurface<'_>,
+    seeds: &[Seed],
+    progress: &dyn Progress,
+) -> Result<Layout, LayoutError> {
     if seeds.is_empty() {
         return Err(LayoutError::Topology {
             reason: "there is no panel".into(),
         });
     }
     let topology = fine.surface.topology();
-    let (seeds, grown) = rim::even_rim(fine, seeds);
+    let (seeds, grown) = rim::even_rim(fine, seeds, progress);
+    unless_cancelled(progress)?;
     let vertices = seeds.iter().map(|s| s.vertex).collect();
     let mut complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
     boundary_nodes::follow_boundary(fine.surface, &mut complex);
+    unless_cancelled(progress)?;
     record(fine, &complex, |node| place(fine.surface, node))
 }
 
 /// The layout with panels made more regular where turning edges or joining halves can: for the
 /// optimiser, which finds them good places; methods that need the cells' own neighbours do without.
-pub fn calmed(layout: Layout) -> Layout {
-    flips::turn_edges(halves::join_halves(flips::turn_edges(layout)))
+///
+/// # Errors
+/// If the caller cancels.
+pub fn calmed(layout: Layout, progress: &dyn Progress) -> Result<Layout, LayoutError> {
+    let turned = flips::turn_edges(layout, progress);
+    let joined = halves::join_halves(turned, progress);
+    let calm = flips::turn_edges(joined, progress);
+    unless_cancelled(progress).map(|()| calm)
 }
 
 fn centroids(

@@ -10,6 +10,7 @@ use super::CellSurface;
 use super::lattice::CELL;
 use super::seeds::{CORE, Seed};
 use super::voronoi::{self, Cells, UNREACHED};
+use crate::progress::Progress;
 use phex_mesh::{PerVertex, Vec3, VertexId};
 use std::collections::HashSet;
 
@@ -22,7 +23,11 @@ const ROUNDS: usize = 4;
 
 /// Seeds with the row at the boundary made even, and their cells. Seeds keep the vertices that name
 /// them.
-pub(crate) fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Cells) {
+pub(crate) fn even_rim(
+    fine: &CellSurface<'_>,
+    seeds: &[Seed],
+    progress: &dyn Progress,
+) -> (Vec<Seed>, Cells) {
     let mut seeds = seeds.to_vec();
     let topology = fine.surface.topology();
     let mut grown = voronoi::grow(topology, fine.mesh, &seeds);
@@ -31,6 +36,9 @@ pub(crate) fn even_rim(fine: &CellSurface<'_>, seeds: &[Seed]) -> (Vec<Seed>, Ce
     }
     let area = vertex_areas(fine);
     for round in 0..ROUNDS {
+        if progress.is_cancelled() {
+            break;
+        }
         let rim = rim_cells(fine, &grown, &area, seeds.len());
         let dropped = too_small(fine, &grown, &rim, &area, seeds.len());
         let before = seeds.len();

@@ -9,6 +9,7 @@ use crate::layout::seamless::{Offsets, factorised, solve_offsets};
 use crate::layout::seeds::Seed;
 use crate::layout::voronoi::{PartCells, UNREACHED, grow};
 use crate::layout::{Layout, LayoutOptions, VertexKind, place_seeds, polish, waves};
+use crate::progress::Silent;
 use phex_mesh::{FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -168,7 +169,14 @@ fn polishing_mends_a_disturbed_lattice() {
 fn waves_find_the_lattice_of_a_flat_square() {
     let flat = flat();
     let mesh = &flat.stages.directions.intrinsic;
-    let position = waves::diffuse(flat.topology(), mesh, &flat.charts, &flat.free(), 4);
+    let position = waves::diffuse(
+        flat.topology(),
+        mesh,
+        &flat.charts,
+        &flat.free(),
+        4,
+        &Silent,
+    );
     let offsets = Offsets::rounded(flat.topology(), &flat.charts, position);
     let mut distortion = offsets
         .distortion(flat.topology(), mesh, &flat.charts)
@@ -475,7 +483,7 @@ fn the_same_seed_gives_the_same_seeds() {
             seed,
             ..Default::default()
         };
-        place_seeds(stages.topology(), &stages.directions, &options)
+        place_seeds(stages.topology(), &stages.directions, &options, &Silent)
             .unwrap()
             .seeds
     };
@@ -511,7 +519,7 @@ fn dislocations_come_back_where_strain_pulls() {
             max_distortion,
             ..Default::default()
         };
-        let placed = place_seeds(stages.topology(), &stages.directions, &options).unwrap();
+        let placed = place_seeds(stages.topology(), &stages.directions, &options, &Silent).unwrap();
         let reached = placed.statistics;
         (reached.distortion_p95, reached.annihilation.kept)
     };

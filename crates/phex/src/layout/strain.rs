@@ -10,8 +10,9 @@ use super::chart_graph::{ChartGraph, Combing};
 use super::dislocations::{self, Annihilation, annihilate};
 use super::lattice::{Charts, Eisenstein, Plane, dot};
 use super::seamless::{Offsets, factorised, solve_offsets, translate};
-use super::{LayoutError, LayoutOptions};
+use super::{LayoutError, LayoutOptions, unless_cancelled};
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::progress::Progress;
 use phex_mesh::{EdgeId, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError};
 
@@ -27,6 +28,7 @@ pub(super) fn seamless_offsets(
     pins: &PerVertex<Option<Pin>>,
     rounded: Offsets,
     options: &LayoutOptions,
+    progress: &dyn Progress,
 ) -> Result<(Offsets, Annihilation, f64), LayoutError> {
     let longest = options.annihilation_length.unwrap_or(f64::INFINITY);
     let (mut annihilation, slips) =
@@ -40,6 +42,7 @@ pub(super) fn seamless_offsets(
         factor: None,
     };
     loop {
+        unless_cancelled(progress)?;
         let mut offsets = rounded.clone();
         let changes = dislocations::slip(topology, charts, &mut offsets.jump, &slips, &taken);
         annihilation.moved = taken.iter().filter(|t| **t).count();

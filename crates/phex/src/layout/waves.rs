@@ -13,6 +13,7 @@ use super::chart_graph::{ChartGraph, Combing};
 use super::lattice::{Charts, Eisenstein, Plane, dot, reciprocal, third, waves};
 use super::wave_operator::{WIDTH, WaveOperator, packed, unpacked};
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::progress::Progress;
 use phex_mesh::{PerVertex, Topology};
 use phex_numeric::{ConjugateGradientOptions, conjugate_gradients};
 use rand::{Rng, SeedableRng};
@@ -45,6 +46,7 @@ pub(crate) fn diffuse(
     charts: &Charts,
     pins: &PerVertex<Option<Pin>>,
     seed: u64,
+    progress: &dyn Progress,
 ) -> PerVertex<Plane> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut cell = || random.random_range(-0.5..0.5);
@@ -52,13 +54,18 @@ pub(crate) fn diffuse(
     let graph = ChartGraph::new(topology, mesh, charts, pins, &combing);
     let (coarse, members) = graph.coarse();
     let start = (0..coarse.mass.len()).map(|_| Plane::new(cell(), cell()));
-    let start = stepped(&coarse, start.collect(), &COARSE);
+    let start = stepped(&coarse, start.collect(), &COARSE, progress);
     let start = members.iter().map(|m| m.of(&start)).collect();
-    combing.restored(stepped(&graph, start, &FINE).into_iter())
+    combing.restored(stepped(&graph, start, &FINE, progress).into_iter())
 }
 
-/// The offsets after the steps of a schedule.
-fn stepped(graph: &ChartGraph, mut position: Vec<Plane>, schedule: &[(f64, usize)]) -> Vec<Plane> {
+/// The offsets after the steps of a schedule, or those of a caller who cancels.
+fn stepped(
+    graph: &ChartGraph,
+    mut position: Vec<Plane>,
+    schedule: &[(f64, usize)],
+    progress: &dyn Progress,
+) -> Vec<Plane> {
     let projector = Projector::new();
     let operator = WaveOperator::new(graph);
     let packed = |position: &[Plane]| -> Vec<f32> {
@@ -69,6 +76,9 @@ fn stepped(graph: &ChartGraph, mut position: Vec<Plane>, schedule: &[(f64, usize
         let time = time as f32;
         let diagonal = operator.diagonal(time);
         for _ in 0..steps {
+            if progress.is_cancelled() {
+                return position;
+            }
             // From the last solution it would be fewer iterations, but more irregular panels.
             let mut x = packed(&position);
             let rhs = operator.right_side(time, x.clone());

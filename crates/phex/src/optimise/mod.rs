@@ -132,7 +132,7 @@ pub use inspect::{Fault, Offender, Quality};
 pub(crate) use local::{EMPHASES, LocalPart};
 pub use on_boundary::BoundaryHold;
 pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
-pub use options::{Dials, OptimiseOptions, PathKind, Solver, StartKind};
+pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
 pub(crate) use shape_limits::FaceLimits;
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};

@@ -221,7 +221,7 @@ pub(super) const PROJECTION_ITERATIONS: usize = 12;
 /// Weight of the anchor, at least, where there is no surface and the mesh stands for itself: at
 /// 1e-4 vertices slide by an edge and more, at 0.1 by half an edge at the most; from 1 on panels
 /// keep off their old planes.
-pub(super) const START_CLOSENESS: f64 = 0.1;
+pub const START_CLOSENESS: f64 = 0.1;
 /// Iterations of Newton's method on the constraints for a mesh that is kept close to itself and
 /// minimised as a whole, and for tight panels of a finished mesh.
 pub(super) const NEWTON_ITERATIONS: usize = 6;
@@ -239,8 +239,8 @@ impl OptimiseOptions {
     /// Where a row of panels runs along an asymptotic direction, panels that are inscribed in the
     /// indicatrix have an edge without length, which a barrier of fixed reach never allows: its
     /// reach shrinks as `L^(1/2)`. Panels of the whole sequence stay simple, but have ever less
-    /// clearance there: for studies of the limit, not for building. Areas, room and corners are left
-    /// free, since what holds them tilts planes as fairness does.
+    /// clearance there: for studies of the limit, not for building. Areas, room and corners are
+    /// left free, since what holds them tilts planes as fairness does.
     pub fn refined(mut self, factor: f64) -> Self {
         let dials = Dials {
             closeness: factor * factor,

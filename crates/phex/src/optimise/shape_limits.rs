@@ -1,5 +1,5 @@
-//! Limits of panels in the optimiser: what a workshop can make, room, least areas and blunt corners,
-//! as inequalities with slack, see [`super::inequality`].
+//! Limits of panels in the optimiser: what a workshop can make, room, least areas and blunt
+//! corners, as inequalities with slack, see [`super::inequality`].
 //!
 //! Every limit is a number `c`, without unit, that is to be at least 0:
 //!

@@ -126,6 +126,10 @@ impl Progress for StepReporter<'_> {
     fn is_cancelled(&self) -> bool {
         self.progress.is_cancelled()
     }
+
+    fn wants_best(&self) -> bool {
+        self.progress.wants_best()
+    }
 }
 
 impl<'a> StepReporter<'a> {

@@ -53,6 +53,14 @@ impl<'a> Clock<'a> {
         Ok(self.timed(stage, work))
     }
 
+    /// Ends a cancelled run of which nothing is wanted.
+    pub fn unless_unwanted(&self) -> Result<(), PipelineError> {
+        match self.progress.is_cancelled() && !self.progress.wants_best() {
+            true => Err(PipelineError::Cancelled),
+            false => Ok(()),
+        }
+    }
+
     /// A stage that a cancelled run still makes, because what was reached is returned.
     pub fn timed<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
         self.progress.report(&Event::StageStarted { stage });

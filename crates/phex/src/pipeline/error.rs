@@ -32,7 +32,7 @@ pub enum PipelineError {
     Cones(#[from] ConeError),
     /// No panelling exists.
     #[error(transparent)]
-    Layout(#[from] LayoutError),
+    Layout(LayoutError),
     /// The optimiser refused its input.
     #[error(transparent)]
     Optimise(#[from] OptimiseError),
@@ -67,4 +67,13 @@ pub enum PipelineError {
     /// The caller cancelled before there was a mesh.
     #[error("cancelled")]
     Cancelled,
+}
+
+impl From<LayoutError> for PipelineError {
+    fn from(error: LayoutError) -> Self {
+        match error {
+            LayoutError::Cancelled => Self::Cancelled,
+            other => Self::Layout(other),
+        }
+    }
 }

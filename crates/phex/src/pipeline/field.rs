@@ -12,6 +12,7 @@ use crate::directions::{self, DirectionOptions, Directions};
 use crate::layout::lattice::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed, WishedArea};
+use crate::progress::Progress;
 use crate::quality::USUAL_DEVIATION;
 use crate::smooth_surface::SmoothTarget;
 use nalgebra::Matrix3;
@@ -44,7 +45,7 @@ impl Field {
         settings: &DirectionOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let (smooth, panels) = (&ground.smooth, ground.panels);
+        let (smooth, panels, progress) = (&ground.smooth, ground.panels, clock.progress);
         let surface = &smooth.levels[level];
         cones::prescribed_faces(surface, &settings.guides.cones)?;
         let sized = clock.stage("curvature", || {
@@ -54,7 +55,7 @@ impl Field {
         let (directions, placed) = counted_lattice(panels, |ratio| {
             length.iter_mut().for_each(|l| *l *= ratio.sqrt());
             let directions = clock.stage("directions", || {
-                directions::directions_sized(surface, &curvature, &length, settings)
+                directions::directions_sized(surface, &curvature, &length, settings, progress)
             })??;
             with_seeds(surface.topology(), directions, &options.layout, clock)
         })?;
@@ -109,14 +110,14 @@ pub(super) fn finer_ground(
     if ground.is_extended() {
         return Ok(None);
     }
-    let (smooth, panels) = (&ground.smooth, ground.panels);
+    let (smooth, panels, progress) = (&ground.smooth, ground.panels, clock.progress);
     let first = ground.field_level(options);
     let surface = &smooth.levels[first];
     let uniform = panel_length(surface, panels);
     let mut metric = clock.stage("directions", || {
         let curvature = curvature::curvature(surface, uniform, &options.curvature);
         let length = panel_lengths(smooth, first, &curvature, uniform, panels, options)?;
-        let found = directions::directions_sized(surface, &curvature, &length, settings)?;
+        let found = directions::directions_sized(surface, &curvature, &length, settings, progress)?;
         Ok::<_, PipelineError>(found.metric)
     })??;
     let mut finest: Option<SmoothTarget> = None;
@@ -166,8 +167,9 @@ pub(super) fn with_seeds(
     options: &LayoutOptions,
     clock: &mut Clock<'_>,
 ) -> Result<Lattice, PipelineError> {
+    let progress = clock.progress;
     let placed = clock.stage("layout", || {
-        layout::place_seeds(topology, &directions, options)
+        layout::place_seeds(topology, &directions, options, progress)
     })??;
     Ok((directions, placed))
 }
@@ -278,8 +280,13 @@ impl FineSurface {
     }
 
     /// The panels that grow from seeds, made more regular.
-    pub(super) fn calm_panels(&self, seeds: &[Seed]) -> Result<Layout, LayoutError> {
-        let mut layout = layout::panelling(&self.cells(), seeds).map(layout::calmed)?;
+    pub(super) fn calm_panels(
+        &self,
+        seeds: &[Seed],
+        progress: &dyn Progress,
+    ) -> Result<Layout, LayoutError> {
+        let layout = layout::panelling(&self.cells(), seeds, progress)?;
+        let mut layout = layout::calmed(layout, progress)?;
         layout.face_wish = layout.face_seed.map(|seed| self.wish[*seed]);
         Ok(layout)
     }

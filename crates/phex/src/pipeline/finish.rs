@@ -45,6 +45,7 @@ pub(super) fn finished(
     let (options, progress) = (&ground.options, clock.progress);
     let surface = site.judge.surface();
     let mut now = clock.timed("validate", || JudgedMesh::new(trimmed, site));
+    clock.unless_unwanted()?;
     let is_valid = now.judgement.merit.invalid == 0.0;
     if let Some(rim) = Rim::kept(surface, options).filter(|_| is_valid && !progress.is_cancelled())
     {

@@ -99,18 +99,22 @@ pub(super) fn pass(
     let laid = LaidOut::new(ground, way, options, clock)?;
     let (ground, field, fine) = (laid.ground(ground), &laid.field, &laid.fine);
     let Drawn { placed, layout, .. } = &laid.drawn;
+    clock.unless_unwanted()?;
     progress.preview("layout", &|| layout.mesh.to_soup());
     let optimised = {
         let target = SurfaceTarget::new(ground.close_to(&fine.surface));
         let made = || optimise::optimise(layout, &target, &options.optimise, progress);
         clock.timed("optimise", made)?
     };
+    clock.unless_unwanted()?;
     progress.preview("optimise", &|| optimised.mesh.to_soup());
     let trimmed = clock.timed("trim", || ground.trimmed(&optimised.mesh, &fine.surface))?;
+    clock.unless_unwanted()?;
     let start = kept_panels(layout, &trimmed);
     let surfaces = Surfaces::new(ground, fine);
     let made = surfaces.with_site(options, |site| finished(trimmed.mesh, site, ground, clock));
     let (mesh, mut judgement) = made?;
+    clock.unless_unwanted()?;
     progress.preview("trim", &|| mesh.to_soup());
     if way.usual_deviation {
         judgement = surfaces.with_site(&ground.options, |site| site.judged(&mesh));

@@ -15,7 +15,9 @@ pub(super) fn normalised(
     options.directions.guides = guides.with_creases(&model.surface);
     options.dual.quadric = classical::quadric(&given.dual, &model.similarity)?;
     options.steering = (given.steering).moved(|p| model.similarity.normalise(p));
-    options.optimise.max_deviation = given.optimise.max_deviation.map(without_unit);
+    // The optimiser keeps to the limit by which the mesh is judged.
+    let deviation = given.limits().deviation_rel;
+    options.optimise.max_deviation = deviation.map(without_unit);
     options.optimise.panels = (given.optimise.panels)
         .scaled(1.0 / model.similarity.scale)
         .with_sizes(without_unit, without_unit);

@@ -62,6 +62,7 @@ pub(super) fn mesh_with_panels(
         Effort::Best => task.all(progress),
         _ => task.one_or_two(progress),
     }?;
+    clock.unless_unwanted()?;
     let best = (0..members.len()).reduce(|a, b| {
         let [first, second] = [a, b].map(|k| &members[k].summary.merit);
         // Of two that miss a tight limit the nearer one is better: it is no worse than what the
@@ -86,6 +87,7 @@ pub(super) fn mesh_with_panels(
         }
         AttemptMesh::Wall(wall) => *wall,
     };
+    clock.unless_unwanted()?;
     run.statistics.tried = tried;
     run.stages = clock.stages;
     Ok(run)
@@ -268,6 +270,10 @@ impl Progress for OneAtATime<'_> {
 
     fn is_cancelled(&self) -> bool {
         self.alone(|p| p.is_cancelled())
+    }
+
+    fn wants_best(&self) -> bool {
+        self.alone(|p| p.wants_best())
     }
 
     fn preview(&self, stage: &'static str, mesh: &dyn Fn() -> PolygonSoup) {

@@ -62,7 +62,12 @@ impl LaidOut {
         let ground = finer.as_ref().unwrap_or(ground);
         let field = Field::new(ground, level, options, &settings, clock)?;
         let fine = FineSurface::new(ground, &field);
-        let drawn = most_regular(ground, &field, |seeds| fine.calm_panels(seeds), clock)?;
+        let drawn = most_regular(
+            ground,
+            &field,
+            |seeds, progress| fine.calm_panels(seeds, progress),
+            clock,
+        )?;
         Ok(Self {
             finer,
             field,

@@ -6,6 +6,7 @@ use super::field::Field;
 use super::{Clock, Effort, PipelineError, irregular_panels};
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, Placed};
+use crate::progress::Progress;
 use rayon::prelude::*;
 
 /// Share of panels that are irregular without need, up to which one lattice is enough.
@@ -52,11 +53,12 @@ impl Drawn {
 pub(super) fn most_regular(
     ground: &Ground,
     field: &Field,
-    made: impl Fn(&[Seed]) -> Result<Layout, LayoutError> + Sync,
+    made: impl Fn(&[Seed], &dyn Progress) -> Result<Layout, LayoutError> + Sync,
     clock: &mut Clock<'_>,
 ) -> Result<Drawn, PipelineError> {
+    let progress = clock.progress;
     let drawn = |placed: Placed| {
-        let layout = made(&placed.seeds)?;
+        let layout = made(&placed.seeds, progress)?;
         let irregular = match &ground.options.directions.mirrors[..] {
             [] => phex_mesh::irregular_faces(layout.mesh.topology()),
             mirrors => irregular_panels(&layout, mirrors),
@@ -72,7 +74,12 @@ pub(super) fn most_regular(
         let mut options = ground.options.layout.clone();
         options.max_distortion = field.max_distortion;
         options.seed = options.seed.wrapping_add(number << START_BITS);
-        drawn(layout::place_seeds(topology, &field.directions, &options)?)
+        drawn(layout::place_seeds(
+            topology,
+            &field.directions,
+            &options,
+            progress,
+        )?)
     };
     let best = clock.stage("layout", || {
         let first = drawn(field.placed.clone())?;
@@ -117,9 +124,9 @@ mod tests {
         let level = ground.field_level(&options);
         let field = Field::new(&ground, level, &options, &settings, &mut clock).unwrap();
         let fine = FineSurface::new(&ground, &field);
-        let made = |seeds: &[Seed]| fine.calm_panels(seeds);
+        let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
         let drawn = most_regular(&ground, &field, made, &mut clock).unwrap();
-        let first = made(&field.placed.seeds).unwrap();
+        let first = made(&field.placed.seeds, &Silent).unwrap();
         let irregular = phex_mesh::irregular_faces(first.mesh.topology());
         let distortion = field.placed.statistics.distortion_p95;
         [(irregular, distortion), drawn.cost()]

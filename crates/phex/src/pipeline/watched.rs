@@ -19,6 +19,10 @@ impl Progress for InModel<'_> {
         self.progress.is_cancelled()
     }
 
+    fn wants_best(&self) -> bool {
+        self.progress.wants_best()
+    }
+
     fn preview(&self, stage: &'static str, mesh: &dyn Fn() -> PolygonSoup) {
         let restored = || {
             let mut soup = mesh();

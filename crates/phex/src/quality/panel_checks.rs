@@ -40,7 +40,7 @@ fn panel_check(
     let faces = outside.iter().flat_map(|f| f.faces).flatten();
     let check = check.at(faces, worst.map(|f| f.place));
     let mut named: Vec<(usize, f64)> = outside.iter().map(|f| (f.element, f.value)).collect();
-    named.sort_by(|a, b| a.0.cmp(&b.0));
+    named.sort_by_key(|(element, _)| *element);
     let (ids, values) = named.into_iter().unzip();
     let panels = mesh.topology().n_faces();
     Check {

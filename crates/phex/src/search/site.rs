@@ -219,4 +219,8 @@ impl Progress for Quiet<'_> {
     fn is_cancelled(&self) -> bool {
         self.0.is_cancelled()
     }
+
+    fn wants_best(&self) -> bool {
+        self.0.wants_best()
+    }
 }

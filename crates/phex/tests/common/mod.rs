@@ -219,7 +219,13 @@ impl Stages {
     }
 
     pub fn seeds(&self) -> Placed {
-        place_seeds(self.topology(), &self.directions, &LayoutOptions::default()).unwrap()
+        place_seeds(
+            self.topology(),
+            &self.directions,
+            &LayoutOptions::default(),
+            &phex::Silent,
+        )
+        .unwrap()
     }
 
     pub fn panelling(&self, seeds: &[Seed]) -> Result<Layout, LayoutError> {
@@ -229,7 +235,7 @@ impl Stages {
             mesh: &self.directions.intrinsic,
             corners: &self.corners,
         };
-        panelling(&cells, seeds)
+        panelling(&cells, seeds, &phex::Silent)
     }
 
     pub fn layout(&self) -> Layout {

@@ -12,6 +12,7 @@ use crate::pipeline::domain::Ground;
 use crate::pipeline::field::{Field, FineSurface};
 use crate::pipeline::restarts::{Drawn, most_regular};
 use crate::pipeline::{Clock, PipelineError};
+use crate::progress::Progress;
 use phex_mesh::{FacePlane, HexMesh, PerFace};
 
 /// The panels of a lattice as its cells give them, the most regular of a few.
@@ -21,7 +22,8 @@ pub(super) fn cells(
     clock: &mut Clock<'_>,
 ) -> Result<(FineSurface, Drawn), PipelineError> {
     let fine = FineSurface::new(ground, field);
-    let made = |seeds: &[Seed]| layout::panelling(&fine.cells(), seeds);
+    let made =
+        |seeds: &[Seed], progress: &dyn Progress| layout::panelling(&fine.cells(), seeds, progress);
     let drawn = most_regular(ground, field, made, clock)?;
     Ok((fine, drawn))
 }

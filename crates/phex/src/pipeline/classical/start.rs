@@ -122,7 +122,7 @@ impl<'a> CurvedGround<'a> {
         clock: &mut Clock<'_>,
     ) -> Result<Field, PipelineError> {
         let options = &self.lattice_options(&ground.options);
-        let settings = direction_options(options, 1.0);
+        let (settings, progress) = (direction_options(options, 1.0), clock.progress);
         cones::prescribed_faces(self.surface, &settings.guides.cones)?;
         let (wished, weight) = saddle::wishes(
             self.surface,
@@ -135,7 +135,8 @@ impl<'a> CurvedGround<'a> {
         let (directions, placed) = counted_lattice(ground.panels, |ratio| {
             scale(&mut metric, 1.0 / ratio);
             let directions = clock.stage("directions", || {
-                directions::in_metric(self.surface, metric.clone(), &wished, &weight, &settings)
+                let metric = metric.clone();
+                directions::in_metric(self.surface, metric, &wished, &weight, &settings, progress)
             })??;
             with_seeds(self.surface.topology(), directions, &options.layout, clock)
         })?;

@@ -1,0 +1,259 @@
+//! One variant into its folder.
+
+use crate::limits::{VariantLimits, Watch};
+use crate::row::{Ending, Row, add_figures, row};
+use crate::thumbnail::thumbnail;
+use crate::variant::{Variant, hexadecimal, name};
+use crate::workshop::add_workshop;
+use phex::Progress;
+use phex::quality::Verdict;
+use phex_fab::PanelIds;
+use phex_html::{Report, Viewer};
+use phex_job::{Given, JobError, JobResult, MeshFile, MeshJob, chain};
+use phex_mesh::io::{atomic_write, write_soup};
+use phex_picture::{PictureOptions, draw};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::path::Path;
+
+/// The file that is written last: a folder that has it is finished.
+pub const RUN_FILE: &str = "run.json";
+/// The other files of a folder.
+const MESH: &str = "mesh.obj";
+const REPORT: &str = "report.json";
+const PICTURE: &str = "picture.png";
+const THUMBNAIL: &str = "thumbnail.png";
+const PAGE: &str = "report.html";
+
+/// How variants are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SolveOptions {
+    /// What each may take.
+    pub limits: VariantLimits,
+    /// Whether each gets its HTML report, about a megabyte.
+    pub html: bool,
+}
+
+/// Solves a variant in its folder below `out`, or reads what was found there before. Ends without
+/// a valid mesh are rows, too: `out:status` is `pass`, `outside-tolerance`, `invalid`, `no-result`,
+/// `unusable-input`, `time-limit`, `memory-limit`, `not-written` (its files could not be; it will
+/// be computed again) or `internal-error`.
+///
+/// # Errors
+/// If the variant has no name (see [`Variant::key`]), a limit is no number, or the caller stops it.
+pub fn solve(
+    variant: &Variant,
+    out: &Path,
+    options: &SolveOptions,
+    progress: &dyn Progress,
+) -> Result<Row, JobError> {
+    options.limits.check()?;
+    let key = variant.key()?;
+    if let Some(row) = finished(out, &key, &options.limits) {
+        return Ok(row);
+    }
+    let watch = Watch::new(progress, options.limits);
+    let place = VariantFolder { out, key: &key };
+    let (mut told, made) = match run(variant, &watch) {
+        Ok(made) => {
+            let ending = Ending::of_report(&made.report);
+            (row(variant, &key, &ending), Some(made))
+        }
+        Err(error) => match watch.ended() {
+            Some((status, reason)) if error == JobError::Cancelled => {
+                let ending = Ending {
+                    status,
+                    exit: 5,
+                    reason,
+                };
+                (row(variant, &key, &ending), None)
+            }
+            None if error == JobError::Cancelled => return Err(error),
+            _ => (row(variant, &key, &Ending::of_error(&error)), None),
+        },
+    };
+    let written = match &made {
+        Some(made) => place.write_mesh(made, variant, options, &watch, &mut told),
+        None => Ok(()),
+    };
+    let written = written.and_then(|()| place.write_run(variant, options, &watch, &told));
+    match written {
+        Ok(()) => Ok(told),
+        Err(JobError::Cancelled) => Err(JobError::Cancelled),
+        Err(error) => {
+            let ending = Ending {
+                status: "not-written",
+                exit: 1,
+                reason: error.to_string(),
+            };
+            Ok(row(variant, &key, &ending))
+        }
+    }
+}
+
+/// The row of a variant that is finished, unless limits ended it that are wider now.
+pub fn finished(out: &Path, key: &str, limits: &VariantLimits) -> Option<Row> {
+    let text = std::fs::read_to_string(out.join(key).join(RUN_FILE)).ok()?;
+    let run: RunRecord = serde_json::from_str(&text).ok()?;
+    let status = run.row.get("out:status").and_then(Value::as_str);
+    let is_ended = matches!(status, Some("time-limit" | "memory-limit"));
+    (!(is_ended && run.limits.is_widened_by(limits))).then_some(run.row)
+}
+
+/// What `run.json` holds.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct RunRecord {
+    /// Version of phex.
+    pub version: String,
+    /// What the folder's name was made of.
+    pub variant: Value,
+    /// What it might have taken.
+    pub limits: VariantLimits,
+    /// What it took; other runs take something else.
+    pub cost: VariantCost,
+    /// The row of the table.
+    pub row: Row,
+}
+
+/// What a variant took.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct VariantCost {
+    /// Seconds, reading and writing included.
+    pub seconds: f64,
+    /// Largest memory of the process, megabytes.
+    pub megabytes: f64,
+    /// Threads.
+    pub threads: usize,
+}
+
+fn run(variant: &Variant, watch: &Watch<'_>) -> Result<JobResult, JobError> {
+    let settings = variant.settings.clone();
+    settings.check()?;
+    let file = MeshFile::read(&variant.surface)?;
+    let given = Given::read(&settings)?;
+    let parts = file.surfaces()?;
+    let mut input = file.record;
+    input.path = name(&variant.surface);
+    let job = MeshJob {
+        given,
+        ..MeshJob::new(parts, input, settings)
+    };
+    phex_job::run(&job, watch)
+}
+
+/// A variant's folder.
+struct VariantFolder<'a> {
+    out: &'a Path,
+    key: &'a str,
+}
+
+impl VariantFolder<'_> {
+    fn write(&self, file: &str, bytes: &[u8]) -> Result<(), JobError> {
+        let path = self.out.join(self.key).join(file);
+        let written = atomic_write(&path, |to| to.write_all(bytes));
+        written.map_err(|e| JobError::Internal(chain(&e)))
+    }
+
+    /// A column that names a file of the folder.
+    fn named(&self, file: &str) -> Value {
+        json!(format!("{}/{file}", self.key))
+    }
+
+    /// Everything about a mesh, and its columns.
+    fn write_mesh(
+        &self,
+        made: &JobResult,
+        variant: &Variant,
+        options: &SolveOptions,
+        watch: &Watch<'_>,
+        told: &mut Row,
+    ) -> Result<(), JobError> {
+        let unit = variant.settings.unit.unwrap_or_default();
+        add_figures(told, made, unit);
+        if let Some(workshop) = variant
+            .workshop
+            .as_ref()
+            .filter(|_| made.report.verdict != Verdict::Invalid)
+        {
+            add_workshop(told, workshop, &made.mesh, unit, watch);
+            if watch.is_cancelled() {
+                return Err(JobError::Cancelled);
+            }
+        }
+        let path = self.out.join(self.key).join(MESH);
+        std::fs::create_dir_all(self.out.join(self.key))
+            .map_err(|e| JobError::Internal(format!("{}: {e}", path.display())))?;
+        let written = write_soup(&path, &made.mesh.to_soup());
+        written.map_err(|e| JobError::Internal(chain(&e)))?;
+        let bytes = std::fs::read(&path);
+        let bytes = bytes.map_err(|e| JobError::Internal(format!("{}: {e}", path.display())))?;
+        let sum = hexadecimal(&Sha256::digest(bytes));
+        told.insert("out:mesh".to_owned(), json!(sum[..16]));
+        told.insert("threeD".to_owned(), self.named(MESH));
+        let report = made.report.to_json();
+        let report = report.map_err(|e| JobError::Internal(e.to_string()))?;
+        self.write(REPORT, report.as_bytes())?;
+        let picture = PictureOptions {
+            width: 480,
+            height: 360,
+            supersampling: 2,
+            ..PictureOptions::default()
+        };
+        self.write(PICTURE, &draw(&made.mesh, &picture).to_png())?;
+        self.write(THUMBNAIL, &thumbnail(&made.mesh)?)?;
+        told.insert("img".to_owned(), self.named(PICTURE));
+        match options.html {
+            true => self.write(PAGE, page(made, variant)?.as_bytes()),
+            false => Ok(()),
+        }
+    }
+
+    fn write_run(
+        &self,
+        variant: &Variant,
+        options: &SolveOptions,
+        watch: &Watch<'_>,
+        told: &Row,
+    ) -> Result<(), JobError> {
+        let record = RunRecord {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            variant: json!({
+                "surface": name(&variant.surface),
+                "settings": variant.typed(),
+                "workshop": variant.workshop,
+            }),
+            limits: options.limits,
+            cost: VariantCost {
+                seconds: watch.seconds(),
+                megabytes: watch.megabytes(),
+                threads: rayon::current_num_threads(),
+            },
+            row: told.clone(),
+        };
+        let text = serde_json::to_string_pretty(&record);
+        let text = text.map_err(|e| JobError::Internal(e.to_string()))?;
+        self.write(RUN_FILE, text.as_bytes())
+    }
+}
+
+/// The HTML report.
+fn page(made: &JobResult, variant: &Variant) -> Result<String, JobError> {
+    let ids = PanelIds::new(&made.mesh);
+    let faces = made.mesh.topology().faces();
+    let names: Vec<String> = faces.map(|face| ids.panel(face).to_owned()).collect();
+    let report = Report {
+        title: &name(&variant.surface),
+        command: "phex sweep",
+        run: &made.report,
+        mesh: &made.mesh,
+        names: Some(&names),
+        surface: made.smooth.as_ref().or(Some(&made.facets)),
+        start: made.start.as_ref(),
+        curves: &[],
+        no_curves: Some("a study draws none"),
+    };
+    let html = phex_html::page(&report, Viewer::embedded());
+    html.map_err(|e| JobError::Internal(e.to_string()))
+}

@@ -1,0 +1,72 @@
+//! What a variant's panels mean to a workshop.
+
+use phex_fab::{FabOptions, PanelIds, fabricate, folder, valid_mesh};
+use phex_job::{Quantity, Unit, chain};
+use phex_mesh::{HexMesh, ValidateOptions, measure};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+
+/// What panels are cut from; plain numbers of sheets are millimetres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Workshop {
+    /// Thickness of the panels, in model units or with a unit.
+    pub thickness: Quantity,
+    /// The two sides of a sheet.
+    #[serde(default = "usual_sheet")]
+    pub sheet: [Quantity; 2],
+    /// Rounds of exchanges that make sheets fuller; 0 is fast, 60 what `phex fab` does.
+    #[serde(default)]
+    pub nest_effort: u32,
+}
+
+fn usual_sheet() -> [Quantity; 2] {
+    ["2500", "1250"].map(|side| {
+        // Both are numbers.
+        side.parse().unwrap_or(Quantity::percent(0.0))
+    })
+}
+
+/// Adds what sheets and parts a valid mesh needs to a row, or why it can't be made.
+pub(crate) fn add_workshop(
+    columns: &mut Map<String, Value>,
+    workshop: &Workshop,
+    mesh: &HexMesh,
+    unit: Unit,
+    progress: &dyn phex::Progress,
+) {
+    match made(workshop, mesh, unit, progress) {
+        Ok(figures) => columns.extend(figures),
+        Err(told) => {
+            columns.insert("out:workshop".to_owned(), json!(told));
+        }
+    }
+}
+
+fn made(
+    workshop: &Workshop,
+    mesh: &HexMesh,
+    unit: Unit,
+    progress: &dyn phex::Progress,
+) -> Result<Map<String, Value>, String> {
+    let [a, b] = workshop.sheet.map(|side| side.length(Unit::Mm, f64::NAN));
+    let options = FabOptions {
+        thickness: workshop.thickness.length(unit, measure::diagonal(mesh)),
+        unit_mm: unit.metres() / Unit::Mm.metres(),
+        sheet_mm: [a.max(b), a.min(b)],
+        nest_effort: workshop.nest_effort,
+        ..FabOptions::default()
+    };
+    let ids = PanelIds::new(mesh);
+    let valid = valid_mesh(mesh.clone(), &ids, &ValidateOptions::default());
+    let made = valid.and_then(|valid| fabricate(valid, ids, options, progress));
+    let summary = folder::summary(&made.map_err(|e| chain(&e))?);
+    let columns = [
+        ("out:sheets", "sheets"),
+        ("out:sheet-use", "use_without_last_offcut_percent"),
+        ("out:distinct-panels", "distinct_panels"),
+        ("out:distinct-angles", "distinct_dihedral_angles"),
+    ];
+    let column = |(name, figure): (&str, &str)| (name.to_owned(), summary[figure].clone());
+    Ok(columns.into_iter().map(column).collect())
+}
