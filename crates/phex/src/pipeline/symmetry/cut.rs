@@ -53,10 +53,10 @@ impl Pieces {
                 shortest[b] = shortest[b].min(length);
             }
         }
-        for v in 0..self.positions.len() {
+        for (v, shortest) in shortest.into_iter().enumerate() {
             let both = self.planes[v] | (1 << k);
             let to = in_walls(normals, both, self.positions[v]);
-            if (to - self.positions[v]).norm() <= SNAP * shortest[v] {
+            if (to - self.positions[v]).norm() <= SNAP * shortest {
                 (self.positions[v], self.planes[v]) = (to, both);
             }
         }
