@@ -50,6 +50,10 @@ use unfold::unfolded;
 /// Distance, bounding-box diagonals, within which an image of the surface lies on it.
 pub const SYMMETRY_TOLERANCE: f64 = 1e-3;
 
+/// Numbers of panels, over the one that is asked for, that are tried until panels are valid: it is
+/// chance whether every cell at a mirror plane is large enough to be a panel.
+const OTHER_COUNTS: [f64; 4] = [1.04, 0.96, 1.08, 0.92];
+
 /// What was found and used, for the report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SymmetrySummary {
@@ -123,8 +127,24 @@ pub(super) fn mesh_with_panels(
         Ok(group) => group,
         Err(reason) => return without(reason),
     };
-    let domain = DomainPanels::new(whole, &found, group, panels, options);
-    match domain.and_then(|d| d.mesh(&found, whole, clock)) {
+    let mut tried = |share: f64| {
+        let panels = (share * panels as f64).round() as usize;
+        let domain = DomainPanels::new(whole, &found, group, panels, options)?;
+        domain.mesh(&found, whole, clock)
+    };
+    let is_valid = |run: &Result<MeshRun, Failed>| run.as_ref().is_ok_and(MeshRun::is_sound);
+    let mut made = tried(1.0);
+    for share in OTHER_COUNTS {
+        let is_over = matches!(made, Err(Failed::Pipeline(_))) || progress.is_cancelled();
+        if is_valid(&made) || is_over {
+            break;
+        }
+        let next = tried(share);
+        if is_valid(&next) || (made.is_err() && next.is_ok()) {
+            made = next;
+        }
+    }
+    match made {
         Ok(run) if asked == Symmetry::Auto && !run.is_sound() => without(format!(
             "with the symmetry {} panels are not valid",
             group.name()
