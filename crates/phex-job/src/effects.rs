@@ -5,6 +5,7 @@ use crate::error::JobError;
 use crate::given::Given;
 use crate::settings::{AtBoundary, CloseTo, LayoutMethod, MeshSettings};
 use crate::steering::TypedSolver;
+use phex::pipeline::Symmetry;
 
 /// Methods that lay the lattice of `lattice` out, and then take planes of it.
 const ON_LATTICE: [LayoutMethod; 4] = [
@@ -106,6 +107,11 @@ impl MeshSettings {
                 lattice(),
             ),
             ("boundary", self.boundary.is_some(), bounded.collect()),
+            (
+                "symmetry",
+                self.asks_for_symmetry(),
+                vec![LayoutMethod::Lattice],
+            ),
             ("target", self.target.is_some(), near),
             ("any-domain", self.any_domain, one_sign),
             (
@@ -145,6 +151,10 @@ impl MeshSettings {
         fitted
     }
 
+    fn asks_for_symmetry(&self) -> bool {
+        self.symmetry.is_some_and(|s| s != Symmetry::None)
+    }
+
     /// The options that are set and mean nothing where an earlier mesh is taken up: nothing is laid
     /// out.
     pub fn idle_on_start(&self) -> Vec<&'static str> {
@@ -161,6 +171,7 @@ impl MeshSettings {
             ("adaptive", self.adaptive.is_some()),
             ("size-field", self.size_field.is_some()),
             ("boundary", self.boundary.is_some()),
+            ("symmetry", self.symmetry.is_some()),
             ("guide", self.guides.guide.is_some()),
             ("crease", self.guides.crease.is_some()),
             ("cones", self.guides.cones.is_some()),

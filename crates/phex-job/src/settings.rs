@@ -8,7 +8,7 @@ use crate::steering::SteeringSettings;
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
 use phex::MeshOptions;
-use phex::pipeline::{Effort, Method};
+use phex::pipeline::{Effort, Method, Symmetry};
 use phex::ranges::{self, BadOption};
 use phex::smooth_surface::TargetKind;
 use serde::{Deserialize, Serialize};
@@ -71,6 +71,11 @@ pub struct MeshSettings {
     /// What happens at the boundary [default: snap; with `koebe`: whole]
     #[cfg_attr(feature = "clap", arg(long, value_enum, value_name = "HOW"))]
     pub boundary: Option<AtBoundary>,
+    /// Symmetries of the surface that the panels have, too: `auto` for all mirror planes that are
+    /// found, one `mirror` plane, or N for rotations by a turn over N about an axis in mirror
+    /// planes [default: none]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "auto|none|mirror|N"))]
+    pub symmetry: Option<Symmetry>,
     /// Surface that the panels are kept close to [default: smooth]
     #[cfg_attr(feature = "clap", arg(long, value_enum, value_name = "KIND"))]
     pub target: Option<CloseTo>,
@@ -392,6 +397,7 @@ impl MeshSettings {
             adaptive: self.adaptive.or(file.adaptive),
             size_field: self.size_field.or(file.size_field),
             boundary: self.boundary.or(file.boundary),
+            symmetry: self.symmetry.or(file.symmetry),
             target: self.target.or(file.target),
             max_deviation: self.max_deviation.or(file.max_deviation),
             planarity: self.planarity.or(file.planarity),
@@ -458,6 +464,9 @@ impl MeshSettings {
                 options.boundary = Boundary::Whole;
             }
             None => {}
+        }
+        if let Some(symmetry) = self.symmetry {
+            options.symmetry = symmetry;
         }
         if let Some(kind) = self.target {
             options.target.kind = kind.into();

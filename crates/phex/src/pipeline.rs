@@ -24,6 +24,7 @@ mod size;
 mod sized;
 mod steered;
 mod subdivide;
+mod symmetry;
 mod watched;
 
 pub use attempt::AttemptSummary;
@@ -39,6 +40,7 @@ pub use session::Session;
 pub use size::MAX_PANELS;
 pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
+pub use symmetry::{Isometry, Orbits, SYMMETRY_TOLERANCE, Symmetry, SymmetrySummary};
 
 use crate::progress::Progress;
 use clock::Clock;
@@ -47,6 +49,7 @@ use phex_mesh::TriangleSurface;
 use run::between_panels;
 use size::panel_count;
 use sized::panel_length;
+use symmetry::irregular_panels;
 
 /// Makes a planar hexagonal mesh of a connected surface.
 ///

@@ -32,6 +32,7 @@ def mesh(
     adaptive: Any = None,
     size_field: Any = None,
     boundary: Optional[str] = None,
+    symmetry: Any = None,
     target: Optional[str] = None,
     unit: Optional[str] = None,
     all_components: bool = False,

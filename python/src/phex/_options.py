@@ -27,6 +27,7 @@ METHODS = (
     "koebe",
 )
 BOUNDARIES = ("whole", "clip", "snap")
+SYMMETRIES = ("auto", "none", "mirror")
 TARGETS = ("smooth", "half-way", "facets")
 UNITS = ("mm", "cm", "m", "in", "ft")
 SOLVERS = ("barrier", "tetrahedra")
@@ -59,6 +60,7 @@ MESH: Dict[str, Option] = {
     "adaptive": Option("positive", alone=0.4),
     "size_field": Option("sizes"),
     "boundary": Option("choice", "snap; with `koebe`: whole", BOUNDARIES),
+    "symmetry": Option("symmetry", "none", SYMMETRIES),
     "target": Option("choice", "smooth", TARGETS),
     "unit": Option("choice", "m", UNITS),
     "all_components": Option("flag"),
@@ -114,8 +116,9 @@ def checked(name: str, value: Any, option: Option) -> Any:
     """A value that JSON can hold, if it is of the option's kind.
 
     ``count``: a whole number from 0; ``number``, ``positive``; ``length``: a number or a text such
-    as ``"20mm"``, ``"0.5%"``; ``choice``; ``flag``; ``path``; ``numbers``: a list of them; ``plane``:
-    ``"lowest"``, a height, or six numbers; ``rectangle``: two lengths; ``area``.
+    as ``"20mm"``, ``"0.5%"``; ``choice``; ``symmetry``: a choice or a whole number; ``flag``;
+    ``path``; ``numbers``: a list of them; ``plane``: ``"lowest"``, a height, or six numbers;
+    ``rectangle``: two lengths; ``area``.
     """
     if value is True and option.alone is not None:
         return option.alone
@@ -140,6 +143,12 @@ def checked(name: str, value: Any, option: Option) -> Any:
         if isinstance(value, str) and value in option.choices:
             return str(value)
         raise _wrong(name, value, "one of " + ", ".join(option.choices))
+    if option.kind == "symmetry":
+        if isinstance(value, str) and (value in option.choices or value.isdecimal()):
+            return value
+        if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+            return str(whole(name, value))
+        raise _wrong(name, value, "one of " + ", ".join(option.choices) + ", or a whole number")
     if option.kind == "path":
         return path_text(value, name)
     if option.kind == "numbers":

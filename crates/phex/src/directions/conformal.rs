@@ -6,7 +6,7 @@ use super::boundary::{self, BoundaryFrame};
 use super::intrinsic::{IntrinsicMesh, row};
 use phex_mesh::{PerFace, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
-use std::f64::consts::{FRAC_PI_3, PI};
+use std::f64::consts::{FRAC_PI_3, FRAC_PI_6, PI};
 
 /// Logarithm of the length factor at each vertex; the area-weighted mean of its square is 1.
 pub(crate) fn log_factor(
@@ -22,8 +22,15 @@ pub(crate) fn log_factor(
         }
     }
     for (v, frame) in boundary::frames(topology, mesh).enumerate() {
-        if let Some(frame) = frame {
-            rhs[v] = boundary_turning(frame, options);
+        match (frame, mesh.multiplicity[v]) {
+            (None, _) => {}
+            (Some(frame), 1) => rhs[v] = boundary_turning(frame, options),
+            // Half of what the vertex and its image are short of a whole turn.
+            (Some(_), 2) => rhs[v] += PI,
+            // A part of a cone, its lattice symmetric about both sides.
+            (Some(_), count) => {
+                rhs[v] = mesh.angle_sum[v] - boundary::twelfths_between(count) * FRAC_PI_6;
+            }
         }
     }
     let mut own: Vec<f64> = mesh

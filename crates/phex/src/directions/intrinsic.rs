@@ -1,5 +1,6 @@
 //! A triangle mesh known by its edge lengths only.
 
+use super::boundary::{self, MirrorPlane};
 use nalgebra::Matrix3;
 use phex_mesh::{
     ElementId, FaceId, HalfEdgeId, PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex, Topology,
@@ -32,6 +33,9 @@ pub struct IntrinsicMesh {
     pub polar_origin: PerEdge<f64>,
     /// Polar angle of each edge at the target of its half-edge.
     pub polar_target: PerEdge<f64>,
+    /// How many images of a vertex lie in its place, itself one of them: more than 1 in mirror
+    /// planes alone.
+    pub multiplicity: PerVertex<u32>,
 }
 
 impl IntrinsicMesh {
@@ -51,6 +55,16 @@ impl IntrinsicMesh {
         });
         mend_triangles(topology, &mut length);
         Self::from_lengths(topology, length)
+    }
+
+    /// The same on a surface whose boundary lies in mirror planes.
+    pub(crate) fn with_mirrors(
+        mut self,
+        surface: &TriangleSurface,
+        mirrors: &[MirrorPlane],
+    ) -> Self {
+        self.multiplicity = boundary::multiplicity(surface, mirrors);
+        self
     }
 
     /// Everything else from edge lengths that satisfy the triangle inequalities.
@@ -87,6 +101,7 @@ impl IntrinsicMesh {
             angle_sum,
             polar_origin: PerElement::filled(topology.n_edges(), 0.0),
             polar_target: PerElement::filled(topology.n_edges(), 0.0),
+            multiplicity: PerVertex::filled(topology.n_vertices(), 1),
         };
         mesh.unroll(topology);
         mesh

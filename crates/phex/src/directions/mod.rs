@@ -41,6 +41,7 @@ mod tests;
 pub(crate) mod thickness;
 pub(crate) mod turns;
 
+pub use boundary::MirrorPlane;
 pub use cones::ConeError;
 pub use guides::{Cone, Guides};
 pub use intrinsic::IntrinsicMesh;
@@ -83,6 +84,8 @@ pub struct DirectionOptions {
     pub saddle_alignment: f64,
     /// Lines that rows run along, and prescribed cones.
     pub guides: Guides,
+    /// Planes that the lattice is symmetric about where the boundary lies in them.
+    pub mirrors: Vec<MirrorPlane>,
 }
 
 impl Default for DirectionOptions {
@@ -97,6 +100,7 @@ impl Default for DirectionOptions {
             cancel_reach: 4.0,
             saddle_alignment: 0.0,
             guides: Guides::default(),
+            mirrors: Vec::new(),
         }
     }
 }
@@ -204,7 +208,10 @@ pub fn in_metric(
     options: &DirectionOptions,
     progress: &dyn Progress,
 ) -> Result<Directions, NumericError> {
-    let mut intrinsic = IntrinsicMesh::new(surface, &tensor);
+    let measured = |tensor: &PerVertex<Matrix3<f64>>| {
+        IntrinsicMesh::new(surface, tensor).with_mirrors(surface, &options.mirrors)
+    };
+    let mut intrinsic = measured(&tensor);
     let mut factor = None;
     let mut field = |intrinsic: &IntrinsicMesh, tensor: &PerVertex<Matrix3<f64>>| {
         let field = rosy::field(
@@ -224,7 +231,7 @@ pub fn in_metric(
         for (m, s) in tensor.iter_mut().zip(scale.iter()) {
             *m *= (2.0 * s).exp();
         }
-        intrinsic = IntrinsicMesh::new(surface, &tensor);
+        intrinsic = measured(&tensor);
         if !progress.is_cancelled() {
             turned = field(&intrinsic, &tensor)?;
         }

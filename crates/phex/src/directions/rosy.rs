@@ -1,12 +1,14 @@
 //! The smoothest aligned six-fold direction field (Knoeppel, Crane, Pinkall, Schroeder 2013, with a
 //! diffusion-projection polish).
 
+use super::boundary::BoundaryFrame;
 use super::intrinsic::{IntrinsicMesh, row};
 use super::{DirectionOptions, boundary};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use std::collections::BTreeMap;
 
 /// Symmetry of the field.
 const N: f64 = 6.0;
@@ -50,10 +52,12 @@ pub(crate) fn field(
         let frames = rim.iter_mut().flatten();
         frames.for_each(|f| f.alignment *= turn);
     }
+    let mirrored = mirror_frames(&mut rim, &mesh.multiplicity);
     let rim_weight = |v: VertexId| {
-        rim[v].map_or(0.0, |r| {
+        let open = rim[v].map_or(0.0, |r| {
             options.boundary_alignment * r.length * r.alignment.norm()
-        })
+        });
+        open + mirrored[v].map_or(0.0, |r| MIRROR_ALIGNMENT * r.length)
     };
     // Weights and wishes are integrated: over the area of a vertex, over its length of the
     // boundary.
@@ -66,7 +70,8 @@ pub(crate) fn field(
         let rim = rim[v].map_or(Complex::default(), |r| r.alignment * r.length);
         wish(v, along, across) * TIE_BREAK * mesh.mass[v] + rim * options.boundary_alignment
     };
-    let source: Vec<Complex<f64>> = topology.vertices().map(|v| curved(v) + fixed(v)).collect();
+    let mut source: Vec<Complex<f64>> = topology.vertices().map(|v| curved(v) + fixed(v)).collect();
+    let free = source.clone();
     let total = |v: VertexId| mesh.mass[v] * (weight[v] + TIE_BREAK) + rim_weight(v);
     let stiffness = |t: f64, inertia: f64| {
         let diagonal = |v: VertexId| mesh.mass[v] * inertia + t * total(v);
@@ -74,20 +79,126 @@ pub(crate) fn field(
     };
     let smooth = Cholesky::again(factor.take(), &stiffness(1.0, 0.0)?, 2)?;
     let mut u = solve(&smooth, |i| source[i], source.len());
+    let meeting = classes_at_axes(topology, mesh, &u, &mirrored);
+    draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
     let polish = Cholesky::again(Some(smooth), &stiffness(POLISH_TIME, 1.0)?, 2)?;
-    for _ in 0..POLISH_STEPS {
+    let steps = match mirrored.iter().any(Option::is_some) {
+        true => MIRROR_STEPS,
+        false => POLISH_STEPS,
+    };
+    for _ in 0..steps {
         let unit: Vec<Complex<f64>> = u.iter().map(|z| z / (z.norm() + 1e-12)).collect();
         u = rough_solution(
             &polish,
             |i| unit[i] * mesh.mass.as_slice()[i] + source[i] * POLISH_TIME,
             unit.len(),
         );
+        source.copy_from_slice(&free);
+        draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
     }
     *factor = Some(polish);
     Ok(SixFoldField {
         angle: PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()),
         wish: PerVertex::from_vec(source),
     })
+}
+
+/// Weight of the alignment with mirror planes, per panel length of them, and steps of the polish
+/// where there are any: at each vertex a row runs along the plane or at right angles to it, and
+/// which of both is found on the way.
+const MIRROR_ALIGNMENT: f64 = 10.0;
+const MIRROR_STEPS: usize = 12;
+
+/// Takes the frames of the vertices in mirror planes out of those of the boundary. Where two planes
+/// meet nothing is wished for.
+fn mirror_frames(
+    rim: &mut PerVertex<Option<BoundaryFrame>>,
+    multiplicity: &PerVertex<u32>,
+) -> PerVertex<Option<BoundaryFrame>> {
+    let mut mirrored = PerVertex::filled(rim.len(), None);
+    for (v, count) in multiplicity.enumerate().filter(|(_, count)| **count > 1) {
+        let frame = rim[v].take();
+        mirrored[v] = frame.filter(|f| *count == 2 && f.turning.abs() < CORNER_TURN);
+    }
+    mirrored
+}
+
+/// Turning, radians, from which on a mirror plane has an end.
+const CORNER_TURN: f64 = 0.3;
+
+/// Sets wishes in mirror planes: a row along the plane, or at right angles to it, whichever is
+/// nearer to `field`.
+fn draw_to_mirrors(
+    source: &mut [Complex<f64>],
+    field: &[Complex<f64>],
+    mirrored: &PerVertex<Option<BoundaryFrame>>,
+    meeting: &BTreeMap<VertexId, f64>,
+) {
+    for (v, frame) in mirrored.enumerate() {
+        let Some(frame) = frame else { continue };
+        let along = (field[v.index()].conj() * frame.alignment).re;
+        let nearer = if along < 0.0 { -1.0 } else { 1.0 };
+        let sign = meeting.get(&v).copied().unwrap_or(nearer);
+        source[v.index()] += frame.alignment * (sign * MIRROR_ALIGNMENT * frame.length);
+    }
+}
+
+/// Distance from the place where two mirror planes meet, lattice spacings, up to which that place
+/// decides which way rows run.
+const AT_AXIS: f64 = 1.2;
+
+/// Which way rows run beside the places where two mirror planes meet, 1 along the plane, -1 at
+/// right angles to it. The field turns from one plane to the other by a multiple of a twelfth of a
+/// turn, so that a panel closes there: an odd one if rows run along one of the planes alone. Of the
+/// multiples the one nearest to the angle is taken, 0 excepted.
+fn classes_at_axes(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    field: &[Complex<f64>],
+    mirrored: &PerVertex<Option<BoundaryFrame>>,
+) -> BTreeMap<VertexId, f64> {
+    let mut classes = BTreeMap::new();
+    for (v, count) in mesh.multiplicity.enumerate().filter(|(_, k)| **k > 2) {
+        let sides = [true, false].map(|ahead| beside(topology, v, ahead, mirrored));
+        let [first, second] = [&sides[0], &sides[1]].map(|side| -> f64 {
+            let along = |w: &VertexId| {
+                mirrored[*w].map_or(0.0, |f| (field[w.index()].conj() * f.alignment).re)
+            };
+            side.iter().map(along).sum()
+        });
+        let is_odd = boundary::twelfths_between(*count) % 2.0 == 1.0;
+        let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
+        let class = match is_odd {
+            true => [sign(first - second), -sign(first - second)],
+            false => [sign(first + second); 2],
+        };
+        for (side, class) in sides.iter().zip(class) {
+            classes.extend(side.iter().map(|w| (*w, class)));
+        }
+    }
+    classes
+}
+
+/// Vertices of the boundary on one side of `v`, up to [`AT_AXIS`] from it.
+fn beside(
+    topology: &Topology,
+    v: VertexId,
+    ahead: bool,
+    mirrored: &PerVertex<Option<BoundaryFrame>>,
+) -> Vec<VertexId> {
+    let (mut side, mut at, mut way) = (Vec::new(), v, 0.0);
+    loop {
+        let [out, back] = boundary::boundary_half_edges(topology, at);
+        at = match ahead {
+            true => topology.target(out),
+            false => topology.origin(back),
+        };
+        let Some(frame) = mirrored[at].filter(|_| way < AT_AXIS) else {
+            return side;
+        };
+        way += frame.length;
+        side.push(at);
+    }
 }
 
 /// Share of a surface that wants its rows to run somewhere, below which it counts as flat.

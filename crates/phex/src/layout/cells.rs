@@ -92,10 +92,16 @@ fn panels(outlines: Vec<Outline>) -> Vec<(u32, Vec<Node>)> {
 
 fn areas(mesh: &IntrinsicMesh, label: &PerVertex<u32>, count: usize) -> Vec<f64> {
     let mut area = vec![0.0; count];
-    for (l, m) in label.iter().zip(&mesh.mass) {
+    let mut images = vec![1; count];
+    for ((l, m), k) in label.iter().zip(&mesh.mass).zip(&mesh.multiplicity) {
         area[*l as usize] += m;
+        images[*l as usize] = *k.max(&images[*l as usize]);
     }
-    area
+    // What mirror planes cut is whole with its images.
+    area.iter()
+        .zip(images)
+        .map(|(a, k)| a * f64::from(k))
+        .collect()
 }
 
 /// What is wrong with a cell.

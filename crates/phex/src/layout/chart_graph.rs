@@ -5,7 +5,7 @@
 //! order of that tree: almost no neighbour is seen turned then, and neighbours are near each other
 //! in memory.
 
-use super::boundary::Pin;
+use super::boundary::{Pin, PinnedTo};
 use super::lattice::{Charts, Plane, Transition, rotate, waves};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::rosy::{push_block, rough_solution};
@@ -142,7 +142,13 @@ pub(super) struct WaveHold {
     pub weight: [f64; 3],
     /// Weights times the values to which waves are drawn.
     pub drawn: [Plane; 3],
+    /// Weights of the bonds between two waves that mirror planes across rows set, times the phase
+    /// between them: `w_0 = c w_2`, `w_0 = c conj(w_1)`, `w_1 = c conj(w_2)`.
+    pub bonds: [Plane; 3],
 }
+
+/// The waves that each bond binds.
+pub(super) const BOUND: [[usize; 2]; 3] = [[0, 2], [0, 1], [1, 2]];
 
 /// Vertices with charts, and how they see each other.
 pub(super) struct ChartGraph {
@@ -347,12 +353,41 @@ fn add_view(views: &mut Vec<View>, first: usize, view: View) {
 }
 
 impl WaveHold {
+    /// Weights times the values to which waves are drawn that have some values now.
+    pub fn drawn_at(&self, waves: &[Plane; 3]) -> [Plane; 3] {
+        let mut drawn = self.drawn;
+        let [a, b, c] = *waves;
+        let partners = [[c, a], [b.conj(), a.conj()], [c.conj(), b.conj()]];
+        for (k, [p, q]) in partners.into_iter().enumerate() {
+            let back = if k == 0 {
+                self.bonds[k].conj()
+            } else {
+                self.bonds[k]
+            };
+            drawn[BOUND[k][0]] += self.bonds[k] * p;
+            drawn[BOUND[k][1]] += back * q;
+        }
+        drawn
+    }
+
     fn of_pin(pin: &Option<Pin>, turned: u8) -> Self {
         let mut hold = Self::default();
         if let Some(pin) = pin {
             let wave = (pin.wave + usize::from(turned)) % 3;
+            // Half a row inside the wave is at its trough, on a row at its crest.
+            let value = match pin.to {
+                PinnedTo::HalfRow => -1.0,
+                PinnedTo::Row => 1.0,
+                PinnedTo::Column => {
+                    BOUND[wave]
+                        .iter()
+                        .for_each(|m| hold.weight[*m] = pin.weight);
+                    hold.bonds[wave] = Plane::new(pin.weight, 0.0);
+                    return hold;
+                }
+            };
             hold.weight[wave] = pin.weight;
-            hold.drawn[wave] = Plane::new(-pin.weight, 0.0);
+            hold.drawn[wave] = Plane::new(value * pin.weight, 0.0);
         }
         hold
     }
@@ -362,6 +397,10 @@ impl WaveHold {
         for (m, seen) in waves(offset).iter().enumerate() {
             self.weight[m] += other.weight[m];
             self.drawn[m] += seen * other.drawn[m];
+        }
+        let [a, b, c] = waves(offset);
+        for (k, phase) in [a * c.conj(), a * b, b * c].iter().enumerate() {
+            self.bonds[k] += phase * other.bonds[k];
         }
     }
 }

@@ -30,11 +30,13 @@ pub(crate) fn seeds(
     let count = label.iter().map(|l| *l as usize + 1).max().unwrap_or(0);
     let mut area = vec![0.0; count];
     let mut touches_boundary = vec![false; count];
+    let mut images = vec![1; count];
     let mut centre: Vec<Option<VertexId>> = vec![None; count];
     for v in topology.vertices() {
         let c = label[v] as usize;
         area[c] += mesh.mass[v];
         touches_boundary[c] |= topology.is_boundary_vertex(v);
+        images[c] = images[c].max(mesh.multiplicity[v]);
         let distance = |w: VertexId| offsets.position[w].norm_sqr();
         if centre[c].is_none_or(|w| distance(v) < distance(w)) {
             centre[c] = Some(v);
@@ -42,7 +44,7 @@ pub(crate) fn seeds(
     }
     let mut seeds = Vec::new();
     for c in 0..count {
-        let share = area[c] / CELL;
+        let share = area[c] * f64::from(images[c]) / CELL;
         if share > MIN_AREA || (touches_boundary[c] && share > MIN_BOUNDARY_AREA) {
             seeds.extend(centre[c].map(|vertex| Seed {
                 vertex,

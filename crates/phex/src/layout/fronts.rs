@@ -148,6 +148,11 @@ impl<'a> Fronts<'a> {
         let face = self.topology.face(h);
         let beyond = self.topology.twin(h).map(|t| self.topology.face(t));
         let size = |f: FaceId| self.mesh.half_crossing(f);
+        // Beyond a mirror plane lies its own image, which cancels nothing.
+        let ends = self.topology.edge_vertices(edge);
+        if beyond.is_none() && ends.iter().all(|v| self.mesh.multiplicity[*v] > 1) {
+            return None;
+        }
         let length = match beyond {
             None => self.distance[face] + 4.0 * size(face),
             Some(g) => self.distance[face] + size(face) + size(g) + self.distance[g],

@@ -42,7 +42,7 @@ pub(crate) fn even_rim(
         let rim = rim_cells(fine, &grown, &area, seeds.len());
         let dropped = too_small(fine, &grown, &rim, &area, seeds.len());
         let before = seeds.len();
-        for cell in &rim {
+        for cell in rim.iter().filter(|c| c.images == 1) {
             seeds[cell.label].core = core(fine, cell);
         }
         let number = without(before, &dropped);
@@ -69,6 +69,8 @@ fn without(count: usize, dropped: &HashSet<usize>) -> Vec<Option<u32>> {
 struct RimCell {
     label: usize,
     members: Vec<VertexId>,
+    /// Images of it in its place, itself one of them.
+    images: u32,
     /// Area in lattice cells.
     cells: f64,
     /// Area in model units.
@@ -111,11 +113,14 @@ fn rim_cells(
     cells
         .map(|(label, members)| {
             let mass: f64 = members.iter().map(|&v| fine.mesh.mass[v]).sum();
+            let images = members.iter().map(|v| fine.mesh.multiplicity[*v]);
+            let images = images.max().unwrap_or(1);
             let sum = |v: &VertexId| fine.surface.positions()[*v] * fine.mesh.mass[*v];
             RimCell {
                 label,
-                cells: mass / CELL,
-                area: members.iter().map(|&v| area[v]).sum(),
+                images,
+                cells: f64::from(images) * mass / CELL,
+                area: f64::from(images) * members.iter().map(|&v| area[v]).sum::<f64>(),
                 centroid: members.iter().map(sum).sum::<Vec3>() / mass.max(f64::MIN_POSITIVE),
                 members,
             }

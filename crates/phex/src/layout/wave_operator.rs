@@ -7,7 +7,7 @@
 //! along a spanning tree, and vertices are taken in the order of that tree, so that almost nothing
 //! is permuted and neighbours are near each other in memory.
 
-use super::chart_graph::{ChartGraph, Lists};
+use super::chart_graph::{ChartGraph, Lists, WaveHold};
 use super::lattice::{Plane, waves};
 use rayon::prelude::*;
 
@@ -96,8 +96,8 @@ pub(super) struct WaveOperator {
     seams: Lists<Seam>,
     /// Weight with which each wave of each vertex is held to a value.
     held: Vec<Lanes>,
-    /// Those values times the weights.
-    drawn: Vec<[f32; WIDTH]>,
+    /// What holds them.
+    holds: Vec<WaveHold>,
 }
 
 impl WaveOperator {
@@ -128,15 +128,19 @@ impl WaveOperator {
                 .iter()
                 .map(|h| packed_weights(&h.weight))
                 .collect(),
-            drawn: graph.holds.iter().map(|h| packed(&h.drawn)).collect(),
+            holds: graph.holds.clone(),
         }
     }
 
-    /// `mass * x` and what the boundary draws to.
+    /// `mass * x` and what the boundary draws to, from the waves `x`.
     pub(crate) fn right_side(&self, time: f32, mut x: Vec<f32>) -> Vec<f32> {
         for (v, y) in x.chunks_exact_mut(WIDTH).enumerate() {
+            let drawn = match self.holds[v].weight {
+                [0.0, 0.0, 0.0] => [0.0; WIDTH],
+                _ => packed(&self.holds[v].drawn_at(&unpacked(y))),
+            };
             y.iter_mut().for_each(|y| *y *= self.mass[v]);
-            let wish = y.iter_mut().zip(&self.drawn[v]);
+            let wish = y.iter_mut().zip(&drawn);
             wish.for_each(|(y, drawn)| *y += time * drawn);
         }
         x

@@ -61,7 +61,7 @@ impl Constraints for PlanarityConstraints<'_> {
     }
 
     fn step_bound(&mut self, _x: &[f64], step: &[f64]) -> f64 {
-        self.steps.bound(step)
+        self.steps.bound(&self.setting.holds.whole_step(step))
     }
 
     fn admissible(&mut self, x: &[f64]) -> Option<f64> {

@@ -402,7 +402,8 @@ impl DampedProblem for PanelEnergy<'_> {
 
     fn step_bound(&mut self, _x: &[f64], step: &[f64]) -> f64 {
         let motion = &mut self.corner_motion;
-        collision_bound(self.setting, &self.armed, &self.linearised, step, motion)
+        let step = self.setting.holds.whole_step(step);
+        collision_bound(self.setting, &self.armed, &self.linearised, &step, motion)
     }
 
     fn step_length(&self, step: &[f64]) -> f64 {

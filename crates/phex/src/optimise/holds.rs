@@ -10,10 +10,12 @@
 //! | in a plane | `I - n n^T` |
 //! | on a curve, or the boundary | `t t^T` |
 
+use super::images::{self, Image};
 use super::panels::{Panels, add_block, point};
 use nalgebra::Matrix3;
 use phex_mesh::{BoundaryCurve, Vec3};
 use phex_numeric::Assembly;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What holds a vertex.
@@ -44,6 +46,8 @@ pub(super) struct Holds {
     pub anchors: BTreeMap<u32, Anchored>,
     pub curves: Option<BoundaryCurve>,
     pub rim: Option<BoundaryCurve>,
+    /// Vertices that are images of others; they go where these go.
+    pub images: BTreeMap<u32, Image>,
 }
 
 impl Holds {
@@ -90,6 +94,12 @@ impl Holds {
             anchors: anchors.filter_map(|(v, a)| Some((local(v)?, *a))).collect(),
             curves: self.curves.clone(),
             rim: self.rim.clone(),
+            images: (self.images.iter())
+                .filter_map(|(v, i)| {
+                    let (v, source) = (local(v)?, local(&i.source)?);
+                    Some((v, Image { source, ..*i }))
+                })
+                .collect(),
         }
     }
 
@@ -116,6 +126,16 @@ impl Holds {
             let place = self.place(hold, point(x, v as usize));
             x[at..at + 3].copy_from_slice(place.as_slice());
         }
+        images::retract(&self.images, x);
+    }
+
+    /// A step with the images taken along.
+    pub(crate) fn whole_step<'a>(&self, step: &'a [f64]) -> Cow<'a, [f64]> {
+        let mut step = Cow::Borrowed(step);
+        if !self.images.is_empty() {
+            images::retract(&self.images, step.to_mut());
+        }
+        step
     }
 
     /// Takes the directions in which held vertices can't move out of a gradient and the blocks of a
@@ -129,6 +149,7 @@ impl Holds {
         gradient: &mut [f64],
         blocks: &mut [f64],
     ) {
+        images::fold(&self.images, panels, assembly, weight, gradient, blocks);
         for (v, freedom) in self.freedoms(x) {
             let v = v as usize;
             let g = freedom * point(gradient, v);

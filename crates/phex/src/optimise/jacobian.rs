@@ -77,6 +77,15 @@ impl<'a> Jacobian<'a> {
         }
         self.assembly.assemble(&blocks, matrix);
         self.blocks = blocks;
+        // Constraints that a face fulfils by being its own image have no row.
+        let rows = (0..self.panels.n_faces()).filter(|f| self.panels.has_image(*f));
+        for row in rows.flat_map(|f| self.bases.of_face(f)) {
+            let at = matrix.pattern().position(row as u32, row as u32);
+            let own = at.map(|at| &mut matrix.values_mut()[at]);
+            own.filter(|v| **v == 0.0)
+                .into_iter()
+                .for_each(|v| *v = 1.0);
+        }
     }
 
     /// `values = J d`.

@@ -29,20 +29,19 @@
 //! | `c` | `shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
 //! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
 //!
-//! Before it the **fast path** (`fast.rs`) is tried where the tangent planes of the panels meet in
-//! a start that is nearly planar, as on conjugate layouts: the same closeness under exact
+//! [`planarize`] tries the **fast path** (`fast.rs`) before it, where the planes of the panels meet
+//! in points that make them nearly planar, as on conjugate meshes: the same closeness under exact
 //! planarity, one factorisation of a matrix half the size. Its result is taken only if it has
-//! converged, is valid, and has clearance; [`RunSummary::path`] tells which path it was.
+//! converged, is valid and within limits; [`RunSummary::path`] tells which path it was.
 //!
 //! At the end of the feasible path Newton's method goes on **on the constraints**, with exact
 //! second derivatives (`endgame.rs`): a few iterations by default, which bring most of the room
 //! that tight panels can have, or as many as it takes to the minimum, where steps fall to rounding
 //! ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
-//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At the end of
-//! [`planarize`] panels that stand off by more than [`OptimiseOptions::max_deviation`], fold or are
-//! tight are tried again, each with what is around it (`local/retry.rs`) and with more weight on
-//! what is lacking (`local/emphasis.rs`); in a mesh that is laid out the search does that.
+//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). In a mesh that is
+//! laid out the search tries panels again that lack something, each with what is around it and with
+//! more weight on that (`emphasis.rs`).
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3,
 //! with the plane eliminated; the feasible path and its barrier after Li et al., "Incremental
@@ -69,6 +68,7 @@ mod closeness;
 mod components;
 mod concavity;
 mod constraints;
+mod emphasis;
 mod endgame;
 mod energy;
 mod error;
@@ -78,6 +78,7 @@ mod folds;
 mod guard;
 mod guarded;
 mod holds;
+mod images;
 mod inequality;
 mod inspect;
 mod jacobian;
@@ -120,14 +121,16 @@ use reached::Run;
 use reference::Reference;
 use serde::Serialize;
 use solvers::Solvers;
-use start::{Smoothing, TangentCells};
+use start::Smoothing;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub(crate) use angle_term::walks::free_edges;
+pub(crate) use emphasis::EMPHASES;
 pub use error::{OptimiseError, SteeringError};
+pub(crate) use images::{Image, Quotient};
 pub use inspect::{Fault, Offender, Quality};
-pub(crate) use local::{EMPHASES, LocalPart};
+pub(crate) use local::LocalPart;
 pub use on_boundary::BoundaryHold;
 pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
@@ -225,29 +228,38 @@ pub fn optimise(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Optimised, OptimiseError> {
+    optimise_quotient(layout, &Quotient::default(), target, options, progress)
+}
+
+/// As [`optimise`], for the part of a symmetric panelling that generates it.
+///
+/// # Errors
+/// As [`optimise`].
+pub(crate) fn optimise_quotient(
+    layout: &Layout,
+    quotient: &Quotient,
+    target: &dyn Target,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, OptimiseError> {
     options.check()?;
     check_mesh(&layout.mesh)?;
     check_layout(layout)?;
     let reference = Reference::Surface(target);
     let side = Some(layout.face_normal.as_slice().to_vec());
     let mut stage = Stage::new(&layout.mesh, reference, side, &layout.vertex_kind, options);
+    stage.divide(quotient);
     let cancelled = || progress.is_cancelled();
-    let cells = stage.smoothing(layout, target, options).of_cells(cancelled);
+    let mut cells = stage.smoothing(layout, target, options).of_cells(cancelled);
+    if !quotient.images.is_empty() {
+        stage.holds.retract(&mut cells.x);
+        cells = stage.start_at(&cells.x);
+    }
     stage.areas = areas::of_layout(layout, &stage.panels, &cells.x, options.evenness);
     stage.limits = FaceLimits::of(&stage.panels, &cells.x, options);
-    let tangents = TangentCells::of(layout);
     let mut solvers = Solvers::new(&stage.panels)?;
-    let fast = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress);
-    let run = match fast {
-        Some(run) => run,
-        None => stage.run(
-            &mut solvers,
-            StartKind::SmoothedCells,
-            &cells,
-            options,
-            progress,
-        )?,
-    };
+    let kind = StartKind::SmoothedCells;
+    let run = stage.run(&mut solvers, kind, &cells, options, progress)?;
     Ok(finished(&layout.mesh, run))
 }
 
@@ -452,6 +464,12 @@ impl<'a> Stage<'a> {
 }
 
 impl Stage<'_> {
+    /// From now on symmetry holds what it holds.
+    fn divide(&mut self, quotient: &Quotient) {
+        self.holds = quotient.holds();
+        self.panels = self.panels.clone().with_images(&quotient.images);
+    }
+
     /// From now on inner faces keep the areas that they have at `x`.
     fn keep_areas(&mut self, x: &[f64], options: &OptimiseOptions) {
         self.areas = areas::as_they_are(self.topology, &self.panels, x, options.evenness);

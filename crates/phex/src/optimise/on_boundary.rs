@@ -9,6 +9,7 @@
 //! have to move far, their vertices are let go, and the rest is tried again.
 
 use super::holds::{Hold, Holds};
+use super::images::Quotient;
 use super::panels::{FaceShapes, Panels, point, points, unknowns};
 use super::reached::{Reached, ResultOrigin, Run};
 use super::solvers::Solvers;
@@ -56,6 +57,7 @@ pub fn onto_boundary(
     mesh: &HexMesh,
     target: &dyn Target,
     hold: &BoundaryHold<'_>,
+    quotient: &Quotient,
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, OptimiseError> {
@@ -67,20 +69,25 @@ pub fn onto_boundary(
     let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
     let (reference, kinds) = (Reference::Surface(target), kinds_of(mesh));
     let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
+    stage.divide(quotient);
+    let panels = stage.panels.clone();
     stage.keep_areas(&x, options);
     let mut solvers = Solvers::new(&panels)?;
     let before = stage.judged(&x, options).summary.quality;
     let mut held = holds(mesh, hold);
+    held.retain(|v, _| quotient.is_free(*v));
+    if held.is_empty() {
+        return Ok(None);
+    }
     for _ in 0..ROUNDS {
         if held.is_empty() || progress.is_cancelled() {
             break;
         }
         stage.holds = Holds {
-            held: held.clone(),
-            anchors: BTreeMap::new(),
             curves: Some(hold.curves.clone()),
-            rim: None,
+            ..quotient.holds()
         };
+        stage.holds.held.extend(held.clone());
         let Ok(start) = steering::put_in_place(&stage.holds, &panels, mesh) else {
             break;
         };

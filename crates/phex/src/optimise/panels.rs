@@ -1,8 +1,10 @@
 //! Panels as the optimiser sees them: corners in one flat array, and where every face lies just
 //! now.
 
+use super::images::Image;
 use nalgebra::Matrix3;
 use phex_mesh::{FacePlane, HexMesh, Topology, Vec2, Vec3, VertexId};
+use std::collections::BTreeMap;
 
 /// Faces that one task handles; fewer are not worth another thread.
 const GRAIN: usize = 256;
@@ -16,6 +18,8 @@ pub(super) struct Panels {
     vertex_start: Vec<usize>,
     vertex_corner: Vec<u32>,
     edges: Vec<[u32; 2]>,
+    /// The vertex that each is an image of, itself for most.
+    source: Vec<u32>,
 }
 
 impl Panels {
@@ -35,7 +39,11 @@ impl Panels {
         let corners = |&f: &u32| self.vertices(f as usize).iter().filter_map(local);
         let ends = |[a, b]: &[u32; 2]| Some([local(a)?, local(b)?]);
         let edges = self.edges.iter().filter_map(ends).collect();
-        Self::of_faces(faces.iter().map(corners), edges, vertices.len())
+        let mut part = Self::of_faces(faces.iter().map(corners), edges, vertices.len());
+        for (source, v) in part.source.iter_mut().zip(vertices) {
+            *source = local(&self.source[*v as usize]).unwrap_or(*source);
+        }
+        part
     }
 
     /// Faces by the numbers of their vertices.
@@ -59,7 +67,26 @@ impl Panels {
             vertex_start,
             vertex_corner,
             edges,
+            source: (0..n_vertices as u32).collect(),
         }
+    }
+
+    /// The same with vertices that are images of others.
+    pub fn with_images(mut self, images: &BTreeMap<u32, Image>) -> Self {
+        for (v, image) in images {
+            self.source[*v as usize] = image.source;
+        }
+        self
+    }
+
+    /// The vertex that a vertex is the image of, itself for most.
+    pub(crate) fn source(&self, vertex: u32) -> u32 {
+        self.source[vertex as usize]
+    }
+
+    /// Whether a face has a corner that is the image of another one.
+    pub(crate) fn has_image(&self, face: usize) -> bool {
+        self.vertices(face).iter().any(|v| self.source(*v) != *v)
     }
 
     pub fn n_faces(&self) -> usize {

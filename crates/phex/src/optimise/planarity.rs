@@ -119,7 +119,11 @@ impl ConstraintBases {
         for f in 0..panels.n_faces() {
             let range = self.entry_start[f]..self.entry_start[f + 1];
             let corners = shape.face(panels, f);
-            orthonormal_complement(&shape.frames[f], corners, &mut self.entries[range]);
+            let rows = &mut self.entries[range];
+            orthonormal_complement(&shape.frames[f], corners, rows);
+            if panels.has_image(f) {
+                fold_rows(panels, f, rows);
+            }
         }
     }
 }
@@ -147,6 +151,47 @@ fn orthonormal_complement(frame: &FaceFrame, corners: &[Corner], rows: &mut [f64
         }
         orthogonalise(frame, corners, done, row);
         orthogonalise(frame, corners, done, row);
+    }
+}
+
+/// Length below which a row that is left of an orthonormal one counts as none.
+const NO_ROW: f64 = 1e-6;
+
+/// Rows of a face that is its own image, as they act on the sources of its corners: heights of
+/// images are those of their sources, so rows are averaged over orbits, those that are left are
+/// made orthonormal, and the entries of an orbit are added at its source. Rows that come to nothing
+/// are zero.
+fn fold_rows(panels: &Panels, f: usize, rows: &mut [f64]) {
+    let vertices = panels.vertices(f);
+    let k = vertices.len();
+    let at = |v: u32| vertices.iter().position(|w| *w == panels.source(v));
+    let source: Vec<usize> = (0..k).map(|i| at(vertices[i]).unwrap_or(i)).collect();
+    let mut size = vec![0.0; k];
+    source.iter().for_each(|s| size[*s] += 1.0);
+    for a in 0..rows.len() / k {
+        let (done, rest) = rows.split_at_mut(a * k);
+        let row = &mut rest[..k];
+        let mut mean = vec![0.0; k];
+        (0..k).for_each(|i| mean[source[i]] += row[i] / size[source[i]]);
+        (0..k).for_each(|i| row[i] = mean[source[i]]);
+        for _ in 0..2 {
+            for q in done.chunks_exact(k) {
+                let along: f64 = q.iter().zip(&*row).map(|(q, r)| q * r).sum();
+                row.iter_mut().zip(q).for_each(|(r, q)| *r -= along * q);
+            }
+        }
+        let length = row.iter().map(|r| r * r).sum::<f64>().sqrt();
+        let scale = if length > NO_ROW { 1.0 / length } else { 0.0 };
+        row.iter_mut().for_each(|r| *r *= scale);
+    }
+    for row in rows.chunks_exact_mut(k) {
+        for i in 0..k {
+            row[i] = if source[i] == i {
+                row[i] * size[i]
+            } else {
+                0.0
+            };
+        }
     }
 }
 

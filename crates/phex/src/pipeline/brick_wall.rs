@@ -142,6 +142,7 @@ pub(super) fn mesh_with_panels(
         mesh,
         target: reported.clone(),
         beyond: ground.beyond(&site.surface),
+        orbits: None,
         outcome: result.outcome,
         violations,
         statistics,

@@ -72,6 +72,7 @@ pub(super) fn mesh_with_panels(
         mesh,
         target: made.reported,
         beyond,
+        orbits: None,
         outcome: made.outcome,
         violations,
         statistics,

@@ -1,5 +1,6 @@
 //! Why nothing was made.
 
+use super::Symmetry;
 use crate::directions::cones::ConeError;
 use crate::koebe::KoebeError;
 use crate::layout::LayoutError;
@@ -55,6 +56,14 @@ pub enum PipelineError {
     /// Only lattices and brick walls are laid out before they become planar.
     #[error("only `lattice` and `brick-wall` lay panels out before these become planar")]
     NoPreview,
+    /// The symmetry that is asked for can't be had.
+    #[error("symmetry `{asked}`: {reason}")]
+    Symmetry {
+        /// What is asked for.
+        asked: Symmetry,
+        /// What is in the way.
+        reason: String,
+    },
     /// The caller cancelled before there was a mesh.
     #[error("cancelled")]
     Cancelled,

@@ -265,7 +265,8 @@ impl FineSurface {
         }
         let wish = wished_areas(&curvature, &length);
         let surface = smooth.finest().clone().with_normals(curvature.normal);
-        let mesh = IntrinsicMesh::new(&surface, &metric);
+        let mirrors = &ground.options.directions.mirrors;
+        let mesh = IntrinsicMesh::new(&surface, &metric).with_mirrors(&surface, mirrors);
         let corners = spaced_corners(smooth, |v, d| {
             d.dot(&(field.directions.metric[v] * d)).sqrt()
         });

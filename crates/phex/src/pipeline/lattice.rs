@@ -79,6 +79,7 @@ impl Surfaces {
             judge: &judge,
             close_to: beyond.map_or(&self.reported, |b| b[0]),
             hold: rim.as_ref().map(Rim::hold),
+            mirrors: &[],
             areas: Some(AreaField {
                 surface: &self.fine,
                 wish: &self.wish,
@@ -97,7 +98,7 @@ pub(super) fn pass(
     let (options, progress) = (&way.options(&ground.options), clock.progress);
     let laid = LaidOut::new(ground, way, options, clock)?;
     let (ground, field, fine) = (laid.ground(ground), &laid.field, &laid.fine);
-    let Drawn { placed, layout } = &laid.drawn;
+    let Drawn { placed, layout, .. } = &laid.drawn;
     clock.unless_unwanted()?;
     progress.preview("layout", &|| layout.mesh.to_soup());
     let optimised = {

@@ -1,5 +1,6 @@
 //! Options of the whole flow.
 
+use super::Symmetry;
 use crate::curvature::CurvatureOptions;
 use crate::directions::DirectionOptions;
 use crate::directions::size::SizeOptions;
@@ -101,6 +102,8 @@ pub struct MeshOptions {
     /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are
     /// kept close.
     pub cell_density: f64,
+    /// Which symmetries of the surface panels have.
+    pub symmetry: Symmetry,
     /// How much is tried.
     pub effort: Effort,
 }
@@ -124,6 +127,7 @@ impl Default for MeshOptions {
             steering: Steering::default(),
             field_density: 8.0,
             cell_density: 25.0,
+            symmetry: Symmetry::default(),
             effort: Effort::default(),
         }
     }

@@ -229,6 +229,7 @@ impl Task<'_> {
             mesh,
             target: surfaces.reported,
             beyond: surfaces.beyond,
+            orbits: None,
             outcome,
             statistics,
             stages: Vec::new(),

@@ -3,7 +3,7 @@
 
 use super::domain::Ground;
 use super::field::Field;
-use super::{Clock, Effort, PipelineError};
+use super::{Clock, Effort, PipelineError, irregular_panels};
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, Placed};
 use crate::progress::Progress;
@@ -26,13 +26,14 @@ const START_BITS: u32 = 32;
 pub(super) struct Drawn {
     pub placed: Placed,
     pub layout: Layout,
+    /// Panels that are irregular without need.
+    irregular: usize,
 }
 
 impl Drawn {
     /// Irregular panels first, then the distortion of the lattice.
     fn cost(&self) -> (usize, f64) {
-        let irregular = phex_mesh::irregular_faces(self.layout.mesh.topology());
-        (irregular, self.placed.statistics.distortion_p95)
+        (self.irregular, self.placed.statistics.distortion_p95)
     }
 
     fn is_regular(&self) -> bool {
@@ -58,7 +59,15 @@ pub(super) fn most_regular(
     let progress = clock.progress;
     let drawn = |placed: Placed| {
         let layout = made(&placed.seeds, progress)?;
-        Ok::<_, LayoutError>(Drawn { placed, layout })
+        let irregular = match &ground.options.directions.mirrors[..] {
+            [] => phex_mesh::irregular_faces(layout.mesh.topology()),
+            mirrors => irregular_panels(&layout, mirrors),
+        };
+        Ok::<_, LayoutError>(Drawn {
+            placed,
+            layout,
+            irregular,
+        })
     };
     let again = |number: &u64| {
         let topology = ground.smooth.levels[field.level].topology();
@@ -117,11 +126,10 @@ mod tests {
         let fine = FineSurface::new(&ground, &field);
         let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
         let drawn = most_regular(&ground, &field, made, &mut clock).unwrap();
-        let first = Drawn {
-            layout: made(&field.placed.seeds, &Silent).unwrap(),
-            placed: field.placed,
-        };
-        [first.cost(), drawn.cost()]
+        let first = made(&field.placed.seeds, &Silent).unwrap();
+        let irregular = phex_mesh::irregular_faces(first.mesh.topology());
+        let distortion = field.placed.statistics.distortion_p95;
+        [(irregular, distortion), drawn.cost()]
     }
 
     #[test]

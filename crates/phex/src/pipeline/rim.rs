@@ -2,7 +2,7 @@
 //! and corners of panels where their edges would cut the curve short.
 
 use super::{MeshOptions, PipelineError};
-use crate::optimise::{self, BoundaryHold, OptimiseError, Optimised, SurfaceTarget};
+use crate::optimise::{self, BoundaryHold, OptimiseError, Optimised, Quotient, SurfaceTarget};
 use crate::progress::Progress;
 use crate::search::Site;
 use crate::smooth_surface::boundary_corners;
@@ -85,5 +85,12 @@ pub(super) fn on_curve(
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, OptimiseError> {
     let target = SurfaceTarget::new(site.judge.surface());
-    optimise::onto_boundary(mesh, &target, &rim.hold(), site.options, progress)
+    optimise::onto_boundary(
+        mesh,
+        &target,
+        &rim.hold(),
+        &Quotient::default(),
+        site.options,
+        progress,
+    )
 }

@@ -4,6 +4,7 @@ use super::attempt::AttemptSummary;
 use super::classical_statistics::ClassicalStatistics;
 use super::clock::StageSeconds;
 use super::domain::{Beyond, moved};
+use super::{Orbits, SymmetrySummary};
 use crate::directions::guides::Cone;
 use crate::layout::LayoutStatistics;
 use crate::layout::brick_wall::BrickWallStatistics;
@@ -38,6 +39,8 @@ pub struct Statistics {
     pub factorisations: usize,
     /// The search for local changes, if there was one.
     pub search: Option<SearchSummary>,
+    /// The symmetries that panels have by construction.
+    pub symmetry: Option<SymmetrySummary>,
     /// The ways of the portfolio that were tried, the first first; the best was kept.
     pub tried: Vec<AttemptSummary>,
 }
@@ -49,6 +52,17 @@ impl Statistics {
             panels_asked: panels,
             target_vertices: smooth.levels.iter().map(|l| l.positions().len()).collect(),
             interpolation_error: smooth.interpolation_error,
+            ..Self::empty()
+        }
+    }
+
+    /// Nothing done.
+    pub(super) fn empty() -> Self {
+        Self {
+            panels_asked: 0,
+            target_vertices: Vec::new(),
+            interpolation_error: 0.0,
+            symmetry: None,
             layout: LayoutStatistics::default(),
             cones: Vec::new(),
             brick_wall: None,
@@ -74,6 +88,9 @@ pub struct MeshRun {
     /// That surface continued beyond its boundary, in model coordinates, if panels were kept whole
     /// and may stick out.
     pub beyond: Option<Beyond>,
+    /// How the mesh comes from a part of it, in model coordinates, where it is symmetric by
+    /// construction.
+    pub orbits: Option<Orbits>,
     /// How the optimiser ended.
     pub outcome: Outcome,
     /// Everything that is wrong with the mesh; empty if it is sound.
@@ -90,6 +107,13 @@ impl MeshRun {
         let restore = |p: Vec3| similarity.restore(p);
         let mut positions = self.mesh.positions.map(|p| restore(*p));
         held.put_exactly(&mut positions, similarity.scale);
+        self.orbits = self.orbits.map(|o| o.restored(similarity));
+        if let Some(orbits) = &self.orbits {
+            orbits.put_exactly(&mut positions);
+            if let Some(summary) = &mut self.statistics.symmetry {
+                summary.operations.clone_from(&orbits.operations);
+            }
+        }
         self.mesh = self.mesh.with_positions(positions);
         for p in self.start.iter_mut().flat_map(|s| &mut s.positions) {
             *p = restore(*p);

@@ -3,6 +3,7 @@
 use super::domain::Ground;
 use super::options::{MeshOptions, Method};
 use super::preview::{LatticePreview, lay_out};
+use super::symmetry::{self, Symmetry};
 use super::watched::InModel;
 use super::{Clock, MeshRun, PipelineError};
 use super::{brick_wall, classical, normalise, portfolio, size, steered};
@@ -137,6 +138,12 @@ impl Session {
         let mut clock = Clock::new(progress);
         let made = match options.method {
             Method::Lattice => {
+                if options.symmetry != Symmetry::None {
+                    let made = symmetry::mesh_with_panels((surface, panels), &options, &mut clock)?;
+                    if let Some(run) = made {
+                        return Ok(run.restored(&model.similarity, &given.steering));
+                    }
+                }
                 let ground = clock.stage("target", || self.ground(panels, &options))?;
                 portfolio::mesh_with_panels((surface, panels), &ground, &options, clock)
             }

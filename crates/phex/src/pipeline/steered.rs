@@ -68,6 +68,7 @@ pub fn refit_surface(
         mesh: start,
         target: close_to.clone(),
         beyond: None,
+        orbits: None,
         outcome: refitted.outcome.clone(),
         violations: Vec::new(),
         statistics: Statistics::of(&smooth, panels),

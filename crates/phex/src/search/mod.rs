@@ -108,6 +108,7 @@ struct Failed {
 ///     judge: &judge,
 ///     close_to: &run.target,
 ///     hold: None,
+///     mirrors: &[],
 ///     areas: None,
 ///     options: &OptimiseOptions::default(),
 /// };
@@ -124,7 +125,7 @@ pub fn search(mut mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Se
     let mut failed: Vec<Failed> = Vec::new();
     let most = LEAST_TRIED + mesh.topology().n_faces();
     while summary.sweeps < SWEEPS && summary.tried < most && !progress.is_cancelled() {
-        let places = chosen(&mesh, &whole, &failed);
+        let places = chosen(&mesh, &whole, &failed, &site.resting(&mesh));
         if places.is_empty() {
             break;
         }
@@ -190,11 +191,17 @@ struct DefectPatch {
 }
 
 /// Defects at which something is left to try, the worst first, none of whose patches touch.
-fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed]) -> Vec<DefectPatch> {
+fn chosen(
+    mesh: &HexMesh,
+    whole: &Whole,
+    failed: &[Failed],
+    resting: &BTreeSet<FaceId>,
+) -> Vec<DefectPatch> {
     let same = SAME * whole.yardstick.mean_edge;
     let mut taken: BTreeSet<FaceId> = BTreeSet::new();
     let mut places = Vec::new();
-    let all = defects(mesh, &whole.findings);
+    let mut all = defects(mesh, &whole.findings);
+    all.retain(|d| d.faces.iter().all(|f| !resting.contains(f)));
     let outside = all.iter().filter(|d| !d.is_broken && !d.is_allowed).count();
     let too_large = outside as f64 > FEW + FEW_SHARE * mesh.topology().n_faces() as f64;
     for defect in all.into_iter().filter(|d| d.is_broken || !too_large) {
@@ -212,7 +219,7 @@ fn chosen(mesh: &HexMesh, whole: &Whole, failed: &[Failed]) -> Vec<DefectPatch> 
         if defect.faces.iter().any(|f| taken.contains(f)) {
             continue;
         }
-        let patch = Patch::around(mesh, &defect.faces, *rings);
+        let patch = Patch::around(mesh, &defect.faces, *rings, resting);
         if patch.faces.iter().all(|f| !taken.contains(f)) {
             taken.extend(&patch.faces);
             places.push(DefectPatch {

@@ -32,12 +32,23 @@ pub(super) fn with_ring(mesh: &HexMesh, faces: &BTreeSet<FaceId>) -> BTreeSet<Fa
 }
 
 impl Patch {
-    /// The panels within `rings` rings of some may be joined anew.
-    pub fn around(mesh: &HexMesh, core: &[FaceId], rings: usize) -> Self {
+    /// The panels within `rings` rings of some may be joined anew, except those that rest.
+    pub fn around(
+        mesh: &HexMesh,
+        core: &[FaceId],
+        rings: usize,
+        resting: &BTreeSet<FaceId>,
+    ) -> Self {
         let topology = mesh.topology();
         let first: BTreeSet<FaceId> = core.iter().copied().collect();
-        let open = (0..rings).fold(first, |faces, _| with_ring(mesh, &faces));
-        let moving = (0..MOVING).fold(open.clone(), |faces, _| with_ring(mesh, &faces));
+        let wider = |faces: &BTreeSet<FaceId>| -> BTreeSet<FaceId> {
+            with_ring(mesh, faces)
+                .difference(resting)
+                .copied()
+                .collect()
+        };
+        let open = (0..rings).fold(first, |faces, _| wider(&faces));
+        let moving = (0..MOVING).fold(open.clone(), |faces, _| wider(&faces));
         let faces: Vec<FaceId> = with_ring(mesh, &moving).into_iter().collect();
         let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
         let vertices: BTreeSet<VertexId> = corners.copied().collect();

@@ -7,6 +7,7 @@ use crate::progress::Progress;
 use crate::quality::{Judge, Judgement, Scope, Yardstick};
 use phex_mesh::measure::{LEAST_RIM_AREA, wanted_clearance};
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
+use std::collections::BTreeSet;
 
 /// Area that small panels at the boundary are to have, over what does not count as small.
 const SAFE: f64 = 1.02;
@@ -27,13 +28,29 @@ pub struct Site<'a> {
     pub close_to: &'a TriangleSurface,
     /// The boundary that panels end at; `None` where they rest.
     pub hold: Option<BoundaryHold<'a>>,
+    /// Unit normals of mirror planes through the origin: panels that lie across one rest.
+    pub mirrors: &'a [Vec3],
     /// Areas; `None` for any.
     pub areas: Option<AreaField<'a>>,
     /// The optimiser's options.
     pub options: &'a OptimiseOptions,
 }
 
+/// Distance beyond a mirror plane, mean edges, from which on a panel lies across it.
+const ACROSS: f64 = 1e-3;
+
 impl Site<'_> {
+    /// The faces that lie across a mirror plane.
+    pub(super) fn resting(&self, mesh: &HexMesh) -> BTreeSet<FaceId> {
+        if self.mirrors.is_empty() {
+            return BTreeSet::new();
+        }
+        let least = -ACROSS * mesh.mean_edge();
+        let beyond = |p: Vec3| self.mirrors.iter().any(|n| n.dot(&p) < least);
+        let faces = mesh.topology().faces();
+        faces.filter(|f| mesh.corners(*f).any(beyond)).collect()
+    }
+
     /// Area that a panel with its middle at a point is to have.
     pub(super) fn wished(&self, p: Vec3) -> WishedArea {
         let Some(field) = &self.areas else {

@@ -53,6 +53,7 @@ fn searched(mesh: &HexMesh, deviation: f64) -> Searched {
                 curves: &BoundaryCurve::of(surface).unwrap(),
                 corners: &[],
             }),
+            mirrors: &[],
             areas: None,
             options: &options,
         },

@@ -170,6 +170,9 @@ export const GERMAN: Record<string, string> = {
   Rotation: "Drehung",
   "Turns the pattern from the directions that curvature suggests.": "Dreht das Muster gegen die Richtungen, die die Krümmung nahelegt.",
   "0°": "0°",
+  Symmetry: "Symmetrie",
+  "Panels get the symmetries of the surface: none, auto, mirror, or a number of rotations such as 6.":
+    "Die Platten erhalten die Symmetrien der Fläche: none, auto, mirror oder eine Zahl von Drehungen wie 6.",
   Adaptivity: "Anpassung",
   "Smaller panels where the surface is strongly curved: panel length times curvature stays below this. Fewer is more; 0.4 is a good start.": "Kleinere Platten, wo die Fläche stark gekrümmt ist: Plattenlänge mal Krümmung bleibt darunter. Je kleiner, desto mehr; 0.4 ist ein guter Anfang.",
   "even panels": "gleich große",

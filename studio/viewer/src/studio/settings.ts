@@ -77,6 +77,13 @@ export const GROUPS: Group[] = [
         slider: { low: -90, high: 90, step: 1 },
       },
       {
+        path: "symmetry",
+        label: "Symmetry",
+        sentence: "Panels get the symmetries of the surface: none, auto, mirror, or a number of rotations such as 6.",
+        fallback: "none",
+        text: true,
+      },
+      {
         path: "adaptive",
         label: "Adaptivity",
         sentence: "Smaller panels where the surface is strongly curved: panel length times curvature stays below this. Fewer is more; 0.4 is a good start.",

@@ -101,7 +101,7 @@ fn closed_graph(ground: &Ground, clock: &mut Clock<'_>) -> Result<GaussGraph, Pi
     let start = CurvedGround::new(ground, clock)?;
     let metric = support_function::metric(&start.curvature);
     let field = start.field(ground, metric, clock)?;
-    let (fine, Drawn { placed, layout }) = cells(ground, &field, clock)?;
+    let (fine, Drawn { placed, layout, .. }) = cells(ground, &field, clock)?;
     let feet = fine
         .surface
         .closest_points(layout.mesh.positions.as_slice());

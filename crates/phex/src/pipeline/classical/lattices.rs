@@ -65,7 +65,12 @@ pub(super) fn tangent_planes(
     // Planes of any lattice can be taken; what becomes of them where facets hide the curvature is
     // not the method's fault.
     classical.outside = start.resolved(ground, TANGENT_PLANES).err();
-    let (fine, Drawn { placed, mut layout }) = cells(ground, &field, clock)?;
+    let (
+        fine,
+        Drawn {
+            placed, mut layout, ..
+        },
+    ) = cells(ground, &field, clock)?;
     classical.foresee(&layout);
     let (mesh, optimised) = if options.dual.regularisation > 0.0 {
         layout.mesh = regularised(&layout, options.dual.regularisation);
@@ -95,7 +100,7 @@ fn tangent_panels(
     mut classical: ClassicalStatistics,
     clock: &mut Clock<'_>,
 ) -> Result<ClassicalMesh, PipelineError> {
-    let (fine, Drawn { placed, layout }) = cells(ground, field, clock)?;
+    let (fine, Drawn { placed, layout, .. }) = cells(ground, field, clock)?;
     let layout = joined(ground, layout, &mut classical)?;
     // Panels of a hull are convex, whatever the second order says.
     if !(ground.options.dual.hull && classical.curvature == CurvatureSign::Elliptic) {

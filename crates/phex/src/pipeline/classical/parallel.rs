@@ -30,7 +30,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     let checked =
         checked.and_then(|sign| no_flat_point(sign, surface, curvature, METHOD, consequence));
     classical.outside = refusal(checked, ground)?;
-    let (fine, Drawn { placed, layout }) = cells(ground, &field, clock)?;
+    let (fine, Drawn { placed, layout, .. }) = cells(ground, &field, clock)?;
     let elliptic = classical.curvature == CurvatureSign::Elliptic;
     let given = if elliptic {
         gauss_image(&layout, &fine.surface, ground, &mut classical)

@@ -60,7 +60,7 @@ pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     });
     classical.outside = refusal(checked, coarse)?;
     let (_, field) = CurvedGround::with_lattice(coarse, clock)?;
-    let (fine, Drawn { placed, layout }) = cells(coarse, &field, clock)?;
+    let (fine, Drawn { placed, layout, .. }) = cells(coarse, &field, clock)?;
     let refined = clock.stage("subdivision", || refined(coarse, layout, &classical))?;
     let (mesh, classical) = refined?;
     Ok(ClassicalMesh::of(

@@ -1,0 +1,403 @@
+//! Mirror planes and rotations of a surface.
+//!
+//! Both leave the centroid where it is, and map axes of inertia to such of the same moment. An axis
+//! of rotation of order three or more has two equal moments across it, so a mirror plane or an axis
+//! of a group with one is found among the three axes, however the equal ones are chosen. Angles
+//! about an axis come from the harmonics `c_m = sum w exp(i m phi) dA` of a few weights `w(r, z)`:
+//! a rotation by a turn over `n` leaves those alone whose `m` is a multiple of `n`, and a mirror
+//! plane lies at `arg(c_m) / m`, up to multiples of `pi / m`. What is found so is checked: every
+//! vertex of the surface is mapped, and must lie on the surface, those of the boundary on the
+//! boundary, within a tolerance. So triangles need not be symmetric. At last the frame is moved to
+//! where these distances are least.
+
+use super::group::{Group, reflection, turn};
+use nalgebra::{Complex, Matrix3, Matrix6, SymmetricEigen, Vector6};
+use phex_mesh::{BoundaryCurve, TriangleSurface, Vec3};
+
+/// Largest order of a rotation that is looked for.
+const MOST_TURNS: u32 = 24;
+/// Harmonics over the zeroth below which they count as none.
+const NO_HARMONIC: f64 = 2e-3;
+/// Vertices that a candidate is tried on first.
+const FEW: usize = 60;
+/// Vertices on which the frame is refined.
+const SOME: usize = 500;
+/// Rounds of that.
+const ROUNDS: usize = 4;
+/// Tolerances within which a candidate is worth refining.
+const ROUGHLY: f64 = 6.0;
+/// Cosine of the angle between axes beyond which they are one.
+const SAME_AXIS: f64 = 0.9999;
+
+/// Where a group lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Frame {
+    /// A point of all mirror planes.
+    pub origin: Vec3,
+    /// Rows are the axes: the normal of the first mirror plane is the second, the axis the third.
+    pub axes: Matrix3<f64>,
+}
+
+impl Frame {
+    /// A point in the frame.
+    pub fn inside(&self, p: Vec3) -> Vec3 {
+        self.axes * (p - self.origin)
+    }
+
+    /// A point of the frame outside.
+    pub fn outside(&self, q: Vec3) -> Vec3 {
+        self.axes.transpose() * q + self.origin
+    }
+}
+
+/// The symmetries of a surface.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    pub frame: Frame,
+    pub group: Group,
+    /// Whether every rotation about the axis is one.
+    pub revolution: bool,
+}
+
+/// What a surface allows about one axis.
+struct About {
+    frame: Frame,
+    turns: u32,
+    mirrors: bool,
+    level: bool,
+    revolution: bool,
+}
+
+/// The largest group of mirror planes of a surface, and the order of a rotation without mirror
+/// planes if there is nothing else; lengths in the surface's unit.
+pub(super) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>, Option<u32>) {
+    let search = Search::new(surface, tolerance);
+    let mut about: Vec<About> = (search.axes().into_iter())
+        .map(|axis| search.about(axis))
+        .collect();
+    about.sort_by_key(About::rank);
+    let mut with_mirrors = about.iter().rev().filter(|a| a.mirrors);
+    // Only some vertices have been looked at.
+    let fits = |a: &&About| search.distance(&a.frame, &a.generators(), usize::MAX) <= tolerance;
+    let found = with_mirrors.find(fits).map(|a| Found {
+        frame: a.frame,
+        group: Group {
+            rotations: a.turns,
+            level: a.level,
+        },
+        revolution: a.revolution,
+    });
+    let turns = about.iter().map(|a| a.turns).max().filter(|n| *n > 1);
+    (found, turns)
+}
+
+/// Largest distance of vertices' images under a group to the surface.
+pub(super) fn distance(surface: &TriangleSurface, frame: &Frame, group: Group) -> f64 {
+    let search = Search::new(surface, 0.0);
+    let maps: Vec<Matrix3<f64>> = group.walls().into_iter().map(reflection).collect();
+    search.distance(frame, &maps, usize::MAX)
+}
+
+impl About {
+    /// The more elements the later.
+    fn rank(&self) -> u32 {
+        let turns = if self.revolution {
+            u32::MAX / 8
+        } else {
+            self.turns
+        };
+        turns * (1 + u32::from(self.level))
+    }
+
+    fn generators(&self) -> Vec<Matrix3<f64>> {
+        let mut maps = Vec::new();
+        if self.mirrors {
+            maps.push(reflection(Vec3::y()));
+        }
+        if self.revolution {
+            maps.extend([7, 16].map(|k| turn(k, 100)));
+        } else if self.turns > 1 {
+            maps.push(turn(1, self.turns));
+        }
+        if self.level {
+            maps.push(reflection(Vec3::z()));
+        }
+        maps
+    }
+}
+
+struct Search<'a> {
+    surface: &'a TriangleSurface,
+    boundary: Option<BoundaryCurve>,
+    tolerance: f64,
+    centroid: Vec3,
+    /// Centres and doubled areas of the triangles.
+    triangles: Vec<(Vec3, f64)>,
+}
+
+impl<'a> Search<'a> {
+    fn new(surface: &'a TriangleSurface, tolerance: f64) -> Self {
+        let triangle = |f| {
+            let middle = surface.corners(f).iter().sum::<Vec3>() / 3.0;
+            (middle, surface.area_vector(f).norm())
+        };
+        let triangles: Vec<(Vec3, f64)> = surface.topology().faces().map(triangle).collect();
+        let area: f64 = triangles.iter().map(|t| t.1).sum();
+        let sum: Vec3 = triangles.iter().map(|(p, a)| p * *a).sum();
+        Self {
+            boundary: BoundaryCurve::of(surface),
+            surface,
+            tolerance,
+            centroid: sum / area,
+            triangles,
+        }
+    }
+
+    /// Axes of inertia, and the coordinate axes where there are none.
+    fn axes(&self) -> Vec<Vec3> {
+        let mut moments = Matrix3::zeros();
+        for (p, a) in &self.triangles {
+            let d = p - self.centroid;
+            moments += d * d.transpose() * *a;
+        }
+        let eigen = SymmetricEigen::new(moments);
+        let of_inertia = (0..3).map(|k| eigen.eigenvectors.column(k).into());
+        let mut axes: Vec<Vec3> = Vec::new();
+        for axis in of_inertia.chain([Vec3::x(), Vec3::y(), Vec3::z()]) {
+            if axes.iter().all(|a| a.dot(&axis).abs() < SAME_AXIS) {
+                axes.push(axis);
+            }
+        }
+        axes
+    }
+
+    /// What the surface allows about an axis through its centroid.
+    fn about(&self, axis: Vec3) -> About {
+        let frame = frame_about(self.centroid, axis, Vec3::x());
+        let harmonics = self.harmonics(&frame);
+        let mut about = About {
+            frame,
+            turns: 1,
+            mirrors: false,
+            level: false,
+            revolution: false,
+        };
+        let strongest = |m: usize| harmonics[m].norm();
+        let most = (1..harmonics.len()).map(strongest).fold(0.0, f64::max);
+        about.revolution = most < NO_HARMONIC
+            && self.holds(&frame, &turn(7, 100))
+            && self.holds(&frame, &turn(16, 100));
+        if about.revolution {
+            about.mirrors = self.holds(&frame, &reflection(Vec3::y()));
+            about.turns = MOST_TURNS;
+        } else {
+            let turns = (2..=MOST_TURNS).rev();
+            let possible = |n: &u32| {
+                let others = (1..harmonics.len()).filter(|m| !m.is_multiple_of(*n as usize));
+                others.map(strongest).fold(0.0, f64::max) < 0.2 * most + NO_HARMONIC
+            };
+            let found = turns
+                .filter(possible)
+                .find(|n| self.holds(&frame, &turn(1, *n)));
+            about.turns = found.unwrap_or(1);
+            if let Some(mirrored) = self.mirror(&frame, &harmonics) {
+                (about.frame, about.mirrors) = (mirrored, true);
+            }
+        }
+        about.level = self.holds(&about.frame, &reflection(Vec3::z()));
+        self.refine(&mut about);
+        about
+    }
+
+    /// The frame turned about its axis so that `y = 0` is a mirror plane.
+    fn mirror(&self, frame: &Frame, harmonics: &[Complex<f64>]) -> Option<Frame> {
+        let strength = |m: &usize| harmonics[*m].norm();
+        let m = (1..harmonics.len()).max_by(|a, b| strength(a).total_cmp(&strength(b)))?;
+        let first = harmonics[m].arg() / m as f64;
+        let turned = |k: usize| {
+            let angle = first + std::f64::consts::PI * k as f64 / m as f64;
+            let x = frame.axes.transpose() * Vec3::new(angle.cos(), angle.sin(), 0.0);
+            frame_about(frame.origin, frame.axes.row(2).transpose(), x)
+        };
+        let distance = |f: &Frame| self.distance(f, &[reflection(Vec3::y())], FEW);
+        let best = (0..m)
+            .map(turned)
+            .map(|f| (distance(&f), f))
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        self.holds(&best.1, &reflection(Vec3::y()))
+            .then_some(best.1)
+    }
+
+    /// Moments of the angle about the axis, each for the weight with which it is strongest; they
+    /// are relative to the zeroth.
+    fn harmonics(&self, frame: &Frame) -> Vec<Complex<f64>> {
+        const WEIGHTS: usize = 4;
+        let count = MOST_TURNS as usize + 1;
+        let mut sums = vec![[Complex::default(); WEIGHTS]; count];
+        let mut totals = [0.0; WEIGHTS];
+        for (p, area) in &self.triangles {
+            let q = frame.inside(*p);
+            let direction = Complex::new(q.x, q.y);
+            let r = direction.norm();
+            if r == 0.0 {
+                continue;
+            }
+            let unit = direction / r;
+            let weights = [r * r, r * r * q.z, r * r * q.z * q.z, r.powi(4)];
+            let mut power = Complex::new(1.0, 0.0);
+            for sum in &mut sums {
+                for (s, w) in sum.iter_mut().zip(weights) {
+                    *s += power * (w * area);
+                }
+                power *= unit;
+            }
+            for (t, w) in totals.iter_mut().zip(weights) {
+                *t += w.abs() * area;
+            }
+        }
+        let strongest = |sum: &[Complex<f64>; WEIGHTS]| {
+            let relative = sum
+                .iter()
+                .zip(&totals)
+                .map(|(s, t)| s / t.max(f64::MIN_POSITIVE));
+            relative
+                .max_by(|a, b| a.norm().total_cmp(&b.norm()))
+                .unwrap_or_default()
+        };
+        sums.iter().map(strongest).collect()
+    }
+
+    /// Whether a map of the frame is a symmetry, roughly: what is found is refined afterwards.
+    fn holds(&self, frame: &Frame, map: &Matrix3<f64>) -> bool {
+        let limit = ROUGHLY * self.tolerance;
+        let maps = std::slice::from_ref(map);
+        self.distance(frame, maps, FEW) <= limit && self.distance(frame, maps, SOME) <= limit
+    }
+
+    /// Largest distance of images of about `count` vertices.
+    fn distance(&self, frame: &Frame, maps: &[Matrix3<f64>], count: usize) -> f64 {
+        let topology = self.surface.topology();
+        let step = (topology.n_vertices() / count).max(1);
+        let mut largest: f64 = 0.0;
+        for v in topology.vertices().step_by(step) {
+            for map in maps {
+                let image = frame.outside(map * frame.inside(self.surface.positions()[v]));
+                let foot = self.surface.closest_point(image).position;
+                largest = largest.max((foot - image).norm());
+                if let Some(curve) = self
+                    .boundary
+                    .as_ref()
+                    .filter(|_| topology.is_boundary_vertex(v))
+                {
+                    largest = largest.max((curve.closest_point(image).position - image).norm());
+                }
+            }
+        }
+        largest
+    }
+
+    /// Moves the frame to where images fit best, and drops what does not fit within the tolerance
+    /// then.
+    fn refine(&self, about: &mut About) {
+        let maps = about.generators();
+        if maps.is_empty() {
+            return;
+        }
+        for _ in 0..ROUNDS {
+            about.frame = self.refined(&about.frame, &maps);
+        }
+        let simple = self.simplified(&about.frame);
+        let [now, then] = [&about.frame, &simple].map(|f| self.distance(f, &maps, SOME));
+        if then <= self.tolerance && then <= 1.5 * now + 0.1 * self.tolerance {
+            about.frame = simple;
+        }
+        let fits = |map: &Matrix3<f64>| {
+            self.distance(&about.frame, std::slice::from_ref(map), SOME) <= self.tolerance
+        };
+        about.mirrors &= fits(&reflection(Vec3::y()));
+        about.level &= fits(&reflection(Vec3::z()));
+        about.revolution &= fits(&turn(7, 100)) && fits(&turn(16, 100));
+        if about.turns > 1 && !about.revolution && !fits(&turn(1, about.turns)) {
+            about.turns = 1;
+        }
+    }
+
+    /// One step of Gauss and Newton: distances of images to the tangent planes at their feet, by a
+    /// small motion of the frame.
+    fn refined(&self, frame: &Frame, maps: &[Matrix3<f64>]) -> Frame {
+        let topology = self.surface.topology();
+        let step = (topology.n_vertices() / SOME).max(1);
+        let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
+        for v in topology.vertices().step_by(step) {
+            let p = self.surface.positions()[v] - frame.origin;
+            for map in maps {
+                let full = frame.axes.transpose() * map * frame.axes;
+                let image = full * p;
+                let foot = self.surface.closest_point(image + frame.origin);
+                let n = foot.normal;
+                let off = n.dot(&(image + frame.origin - foot.position));
+                // The motion p -> p + w x p + t of the frame moves images by (w x) R p - R (w x p)
+                // + t - R t.
+                let turned = full.transpose() * n;
+                let rotation = image.cross(&n) - p.cross(&turned);
+                let shift = n - turned;
+                let row = Vector6::new(
+                    rotation.x, rotation.y, rotation.z, shift.x, shift.y, shift.z,
+                );
+                normal += row * row.transpose();
+                right -= row * off;
+            }
+        }
+        let damping = 1e-9 * normal.trace();
+        let Some(solved) = (normal + Matrix6::identity() * damping)
+            .try_inverse()
+            .map(|i| i * right)
+        else {
+            return *frame;
+        };
+        let spin = nalgebra::Rotation3::new(solved.fixed_rows::<3>(0).into_owned());
+        Frame {
+            origin: frame.origin + solved.fixed_rows::<3>(3),
+            axes: frame.axes * spin.inverse().matrix(),
+        }
+    }
+
+    /// The frame with axes along those of the model, and its origin at the model's, where it nearly
+    /// is.
+    fn simplified(&self, frame: &Frame) -> Frame {
+        const NEAR: f64 = 2e-3;
+        let mut axes = frame.axes;
+        for mut row in axes.row_iter_mut() {
+            if let Some(k) = (0..3).find(|k| row[*k].abs() > 1.0 - NEAR * NEAR) {
+                let sign = row[k].signum();
+                (0..3).for_each(|j| row[j] = if j == k { sign } else { 0.0 });
+            }
+        }
+        // Two rows of an orthonormal frame may have been rounded and the third not.
+        let is_rotation = (axes * axes.transpose() - Matrix3::identity()).amax() < 1e-12;
+        let near = self.tolerance;
+        let origin = frame.origin.map(|x| if x.abs() < near { 0.0 } else { x });
+        Frame {
+            origin,
+            axes: if is_rotation { axes } else { frame.axes },
+        }
+    }
+}
+
+/// A right-handed frame about an axis, its first axis as near to `x` as can be.
+fn frame_about(origin: Vec3, axis: Vec3, x: Vec3) -> Frame {
+    let axis = axis.normalize();
+    let across = |d: Vec3| d - axis * axis.dot(&d);
+    let first = match across(x) {
+        d if d.norm() > 0.1 => d.normalize(),
+        _ => across(Vec3::y()).normalize(),
+    };
+    Frame {
+        origin,
+        axes: Matrix3::from_rows(&[
+            first.transpose(),
+            axis.cross(&first).transpose(),
+            axis.transpose(),
+        ]),
+    }
+}

@@ -1,0 +1,491 @@
+//! Symmetry: the mirror planes of a surface are found, the part between them is panelled, and the
+//! rest of the mesh is its image.
+//!
+//! `find` finds the group, `cut` the part of the surface that generates it (a fundamental domain).
+//! Its boundary in mirror planes is laid out as such ([`MirrorPlane`]): rows run along the plane or
+//! at right angles to it, and lattice points lie in it, so that panels there are cut in two, or
+//! have an edge in the plane. `quotient` makes the panels that planes cut whole; corners beyond a
+//! plane are no unknowns but images, and the optimiser takes them along. `unfold` adds all images.
+//!
+//! A group without mirror planes is not used: the seam of its domain would be free, and a lattice
+//! on the domain has no reason to meet itself there.
+//!
+//! [`MirrorPlane`]: crate::directions::MirrorPlane
+
+mod choice;
+mod cut;
+mod find;
+mod group;
+mod quotient;
+mod target;
+mod unfold;
+
+pub use choice::Symmetry;
+pub(super) use quotient::irregular_panels;
+pub use unfold::{Isometry, Orbits};
+
+use super::domain::Ground;
+use super::field::LatticeFreedom;
+use super::preview::LaidOut;
+use super::sized::mean_length;
+use super::{
+    Candidate, Clock, Effort, MeshOptions, MeshRun, PipelineError, Statistics, between_panels,
+};
+use crate::optimise::{self, BoundaryHold, Quotient};
+use crate::progress::Event;
+use crate::quality::{Judge, References};
+use crate::search::{AreaField, Site, search};
+use crate::smooth_surface::{self, boundary_corners};
+use crate::trim::Boundary;
+use find::Found;
+use group::Group;
+use nalgebra::Matrix3;
+use phex_mesh::{HexMesh, TriangleSurface, Vec3};
+use phex_numeric::Outcome;
+use quotient::WholePanels;
+use serde::Serialize;
+use target::FoldedTarget;
+use unfold::unfolded;
+
+/// Distance, bounding-box diagonals, within which an image of the surface lies on it.
+pub const SYMMETRY_TOLERANCE: f64 = 1e-3;
+
+/// Numbers of panels, over the one that is asked for, that are tried until panels are valid: it is
+/// chance whether every cell at a mirror plane is large enough to be a panel.
+const OTHER_COUNTS: [f64; 4] = [1.04, 0.96, 1.08, 0.92];
+
+/// What was found and used, for the report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SymmetrySummary {
+    /// The group, in Schoenflies' notation.
+    pub group: String,
+    /// Number of its elements.
+    pub order: u32,
+    /// Whether the surface is one of revolution.
+    pub revolution: bool,
+    /// Largest distance of an image of the surface to it, bounding-box diagonals.
+    pub distance_rel: f64,
+    /// Largest distance that was allowed.
+    pub tolerance_rel: f64,
+    /// Panels that differ.
+    pub distinct_panels: usize,
+    /// The maps `x -> M x + t`, model units.
+    pub operations: Vec<Isometry>,
+}
+
+impl SymmetrySummary {
+    /// What was found, in words.
+    pub fn sentence(&self) -> String {
+        format!(
+            "symmetry {}: the surface has {} images of itself, to {:.1e} of its diagonal (at most {:.0e}); {} panels differ",
+            self.group, self.order, self.distance_rel, self.tolerance_rel, self.distinct_panels
+        )
+    }
+}
+
+/// A symmetric mesh of a normalised surface; `None` where there is no group to use, or panels
+/// can't follow it, which is said.
+///
+/// # Errors
+/// As [`mesh_surface`](super::mesh_surface).
+pub(super) fn mesh_with_panels(
+    (surface, panels): (&TriangleSurface, usize),
+    options: &MeshOptions,
+    clock: &mut Clock<'_>,
+) -> Result<Option<MeshRun>, PipelineError> {
+    let progress = clock.progress;
+    let asked = options.symmetry;
+    // What is asked for by name is had or refused; what is only welcome is done without.
+    let without = |reason: String| match asked {
+        Symmetry::Auto => {
+            let message = format!("panels are not symmetric: {reason}");
+            progress.report(&Event::Note { message });
+            Ok(None)
+        }
+        _ => Err(PipelineError::Symmetry { asked, reason }),
+    };
+    if let Some(reason) = not_symmetric(options) {
+        return without(reason.to_owned());
+    }
+    let density = options.cell_density.max(options.field_density);
+    let vertices = (density * panels as f64) as usize;
+    let smooth = clock.stage("target", || {
+        smooth_surface::smooth_target(surface, vertices, &options.target)
+    })?;
+    let whole = smooth.finest();
+    let (found, turns) = clock.stage("symmetry", || find::find(whole, SYMMETRY_TOLERANCE))?;
+    let Some(found) = found else {
+        let share = 100.0 * SYMMETRY_TOLERANCE;
+        return without(match turns {
+            Some(n) => format!(
+                "the surface has a rotation of order {n} and no mirror plane, and panels follow mirror planes alone"
+            ),
+            None => format!("the surface has no mirror plane within {share} % of its diagonal"),
+        });
+    };
+    let group = match used(&found, whole, panels, asked) {
+        Ok(group) => group,
+        Err(reason) => return without(reason),
+    };
+    let mut tried = |share: f64| {
+        let panels = (share * panels as f64).round() as usize;
+        let domain = DomainPanels::new(whole, &found, group, panels, options)?;
+        domain.mesh(&found, whole, clock)
+    };
+    let is_valid = |run: &Result<MeshRun, Failed>| run.as_ref().is_ok_and(MeshRun::is_sound);
+    let mut made = tried(1.0);
+    for share in OTHER_COUNTS {
+        let is_over = matches!(made, Err(Failed::Pipeline(_))) || progress.is_cancelled();
+        if is_valid(&made) || is_over {
+            break;
+        }
+        let next = tried(share);
+        if is_valid(&next) || (made.is_err() && next.is_ok()) {
+            made = next;
+        }
+    }
+    match made {
+        Ok(run) if asked == Symmetry::Auto && !run.is_sound() => without(format!(
+            "with the symmetry {} panels are not valid",
+            group.name()
+        )),
+        Ok(mut run) => {
+            run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
+            run.statistics.panels_asked = panels;
+            let message = run
+                .statistics
+                .symmetry
+                .as_ref()
+                .map(SymmetrySummary::sentence);
+            message
+                .into_iter()
+                .for_each(|message| progress.report(&Event::Note { message }));
+            Ok(Some(run))
+        }
+        Err(Failed::Pipeline(error)) => Err(error),
+        Err(Failed::Symmetry(reason)) => {
+            without(format!("with the symmetry {}: {reason}", group.name()))
+        }
+    }
+}
+
+/// What keeps panels from following the symmetries of a surface, whichever it has.
+fn not_symmetric(options: &MeshOptions) -> Option<&'static str> {
+    let guides = &options.directions.guides;
+    let lines = !guides.lines.is_empty() || !guides.cones.is_empty();
+    let reasons = [
+        (
+            options.boundary != Boundary::Snap,
+            "panels that are cut at the boundary or stick out of it are not laid out between mirror planes; the boundary can be `snap`",
+        ),
+        (
+            lines,
+            "guide lines and cones hold for the whole surface and not for its parts",
+        ),
+        (
+            !options.steering.is_empty(),
+            "held vertices hold for the whole surface and not for its parts",
+        ),
+        (
+            options.size_field.is_some(),
+            "a field of sizes holds for the whole surface and not for its parts",
+        ),
+    ];
+    let reason = reasons.into_iter().find(|(is_set, _)| *is_set);
+    reason.map(|(_, reason)| reason)
+}
+
+/// Why there is no symmetric mesh.
+enum Failed {
+    /// Nor is there another one.
+    Pipeline(PipelineError),
+    /// What is in the way of symmetry alone.
+    Symmetry(String),
+}
+
+impl<E: Into<PipelineError>> From<E> for Failed {
+    fn from(error: E) -> Self {
+        match error.into() {
+            PipelineError::Cancelled => Self::Pipeline(PipelineError::Cancelled),
+            error => Self::Symmetry(error.to_string()),
+        }
+    }
+}
+
+/// The part of the group that panels follow.
+///
+/// # Errors
+/// What the surface has instead of what is wanted.
+fn used(
+    found: &Found,
+    surface: &TriangleSurface,
+    panels: usize,
+    wanted: Symmetry,
+) -> Result<Group, String> {
+    let all = found.group.rotations;
+    let rotations = match wanted {
+        Symmetry::Mirror => {
+            return Ok(Group {
+                rotations: 1,
+                level: false,
+            });
+        }
+        Symmetry::Turns(n) if found.revolution || all.is_multiple_of(n) => n,
+        Symmetry::Turns(n) => {
+            return Err(format!(
+                "the surface has the symmetry {}, and no rotation of order {n}",
+                found.group.name()
+            ));
+        }
+        _ if found.revolution => turns_of_revolution(found, surface, panels),
+        _ => all,
+    };
+    Ok(Group {
+        rotations,
+        level: found.group.level,
+    })
+}
+
+/// Panels round a surface of revolution for each of its rotations.
+const PANELS_A_TURN: f64 = 4.0;
+
+/// The order of rotation for a surface of revolution: six where the axis meets the surface, for a
+/// hexagon there, else so that few panels lie in each part.
+fn turns_of_revolution(found: &Found, surface: &TriangleSurface, panels: usize) -> u32 {
+    let radius = |p: &Vec3| found.frame.inside(*p).xy().norm();
+    let radii: Vec<f64> = surface.positions().iter().map(radius).collect();
+    let length = mean_length(surface, panels);
+    let least = radii.iter().copied().fold(f64::INFINITY, f64::min);
+    if least < length {
+        return 6;
+    }
+    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
+    let round = std::f64::consts::TAU * mean / length;
+    (round / PANELS_A_TURN).round().clamp(2.0, 24.0) as u32
+}
+
+/// A fundamental domain on its way to panels, scaled to diagonal 1 about a point of all planes.
+struct DomainPanels {
+    group: Group,
+    surface: TriangleSurface,
+    scale: f64,
+    panels: usize,
+    options: MeshOptions,
+}
+
+impl DomainPanels {
+    fn new(
+        whole: &TriangleSurface,
+        found: &Found,
+        group: Group,
+        panels: usize,
+        options: &MeshOptions,
+    ) -> Result<Self, Failed> {
+        let inside = whole.mapped(|p| found.frame.inside(*p));
+        let part =
+            cut::cut(&inside, &group.walls()).map_err(|e| Failed::Symmetry(e.to_string()))?;
+        let scale = part.diagonal();
+        let surface = part.mapped(|p| p / scale);
+        // Panels in mirror planes are half there: two in three of them, about, are cut.
+        let each = mean_length(whole, panels) / scale;
+        let walls = group.walls();
+        let sides = surface.topology().edges().filter(|e| {
+            let ends = surface.topology().edge_vertices(*e);
+            let on = |n: &Vec3| {
+                ends.iter()
+                    .all(|v| n.dot(&surface.positions()[*v]).abs() < 1e-9)
+            };
+            surface.topology().is_boundary_edge(*e) && walls.iter().any(on)
+        });
+        let length = |e| {
+            let [a, b] = surface.topology().edge_vertices(e);
+            (surface.positions()[a] - surface.positions()[b]).norm()
+        };
+        let cut: f64 = sides.map(length).sum();
+        let share = surface.area() / (whole.area() / (scale * scale));
+        let count = panels as f64 * share + 0.4 * cut / each;
+        let mut options = options.clone();
+        options.boundary = Boundary::Snap;
+        options.symmetry = Symmetry::None;
+        options.directions.mirrors = group.mirrors();
+        let deviation = &mut options.optimise.max_deviation;
+        *deviation = deviation.map(|d| d / scale);
+        options.optimise.panels = options.optimise.panels.scaled(1.0 / scale);
+        Ok(Self {
+            group,
+            surface,
+            scale,
+            panels: count.round().max(1.0) as usize,
+            options,
+        })
+    }
+
+    fn mesh(
+        &self,
+        found: &Found,
+        whole: &TriangleSurface,
+        clock: &mut Clock<'_>,
+    ) -> Result<MeshRun, Failed> {
+        let ground = clock.stage("target", || {
+            Ground::new(&self.surface, self.panels, &self.options)
+        })?;
+        let way = LatticeFreedom::from(Candidate::first(&self.options));
+        let options = way.options(&self.options);
+        let laid = LaidOut::new(&ground, way, &options, clock)?;
+        let ground = laid.ground(&ground);
+        let layout = &laid.drawn.layout;
+        let parts = quotient::completed(layout, self.group).map_err(Failed::Symmetry)?;
+        let target = FoldedTarget::new(ground.close_to(&laid.fine.surface), self.group.walls());
+        let progress = clock.progress;
+        let optimised = clock.timed("optimise", || {
+            optimise::optimise_quotient(
+                &parts.layout,
+                &parts.quotient,
+                &target,
+                &options.optimise,
+                progress,
+            )
+        })?;
+        let mesh = self.finished(
+            &parts,
+            optimised.mesh.clone(),
+            &target,
+            ground,
+            &laid,
+            clock,
+        )?;
+        let quotient = quotient::quotient_of(&mesh, self.group).map_err(Failed::Symmetry)?;
+        let statistics = Statistics {
+            layout: laid.drawn.placed.statistics,
+            factorisations: optimised.runs.iter().map(|r| r.factorisations).sum(),
+            runs: optimised.runs.clone(),
+            ..Statistics::empty()
+        };
+        self.assembled(
+            found,
+            whole,
+            (&mesh, &quotient),
+            statistics,
+            optimised.outcome,
+            clock,
+        )
+    }
+
+    /// Panels brought to the boundary, and searched.
+    fn finished(
+        &self,
+        parts: &WholePanels,
+        mesh: HexMesh,
+        target: &FoldedTarget<'_>,
+        ground: &Ground,
+        laid: &LaidOut,
+        clock: &mut Clock<'_>,
+    ) -> Result<HexMesh, Failed> {
+        let (options, walls) = (&self.options, self.group.walls());
+        let reported = ground.reported(&laid.fine.surface);
+        let facets = ground.given_facets();
+        let references = References {
+            smooth: Some(reported),
+            facets: Some(facets),
+            ..References::default()
+        };
+        let judge = Judge::new(reported, references, options.limits());
+        let corners: Vec<Vec3> =
+            boundary_corners(reported, options.target.corner_angle.to_radians())
+                .into_iter()
+                .map(|v| reported.positions()[v])
+                .filter(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9))
+                .collect();
+        let hold = target.boundary().map(|curves| BoundaryHold {
+            curves,
+            corners: &corners,
+        });
+        let site = Site {
+            judge: &judge,
+            close_to: reported,
+            hold,
+            mirrors: &walls,
+            areas: Some(AreaField {
+                surface: &laid.fine.surface,
+                wish: &laid.fine.wish,
+            }),
+            options: &options.optimise,
+        };
+        let progress = clock.progress;
+        let mut now = mesh;
+        if let Some(hold) = &site.hold {
+            let next = clock.timed("optimise", || {
+                optimise::onto_boundary(
+                    &now,
+                    target,
+                    hold,
+                    &parts.quotient,
+                    &options.optimise,
+                    progress,
+                )
+            })?;
+            let next = next.map(|n| n.mesh);
+            let better =
+                |next: &HexMesh| site.judged(next).merit.invalid <= site.judged(&now).merit.invalid;
+            if let Some(next) = next.filter(better) {
+                now = next;
+            }
+        }
+        if options.effort != Effort::Draft && !progress.is_cancelled() {
+            now = clock.timed("search", || search(now, &site, progress)).mesh;
+        }
+        Ok(now)
+    }
+
+    /// The part and all its images, normalised.
+    fn assembled(
+        &self,
+        found: &Found,
+        whole: &TriangleSurface,
+        (part, quotient): (&HexMesh, &Quotient),
+        statistics: Statistics,
+        outcome: Outcome,
+        clock: &mut Clock<'_>,
+    ) -> Result<MeshRun, Failed> {
+        let elements = self.group.elements();
+        let all =
+            unfolded(quotient, part, &elements).map_err(|e| Failed::Symmetry(e.to_string()))?;
+        let frame = &found.frame;
+        let positions = all.mesh.positions.map(|p| frame.outside(p * self.scale));
+        let operation = |e: &Matrix3<f64>| {
+            let map = frame.axes.transpose() * e * frame.axes;
+            Isometry::new(&map, frame.origin - map * frame.origin)
+        };
+        let orbits = Orbits {
+            operations: elements.iter().map(operation).collect(),
+            vertices: all.vertices,
+            panels: all.panels,
+        };
+        let mesh = all.mesh.with_positions(positions);
+        let distinct = part.topology().n_faces();
+        let statistics = Statistics {
+            symmetry: Some(SymmetrySummary {
+                group: self.group.name(),
+                order: self.group.order(),
+                revolution: found.revolution,
+                distance_rel: find::distance(whole, frame, self.group),
+                tolerance_rel: SYMMETRY_TOLERANCE,
+                distinct_panels: distinct,
+                operations: orbits.operations.clone(),
+            }),
+            ..statistics
+        };
+        let target = whole.clone();
+        Ok(MeshRun {
+            start: None,
+            violations: clock.timed("validate", || between_panels(&mesh, &target)),
+            mesh,
+            target,
+            beyond: None,
+            outcome,
+            statistics,
+            orbits: Some(orbits),
+            stages: std::mem::take(&mut clock.stages),
+        })
+    }
+}

@@ -1,0 +1,450 @@
+//! Panels of the fundamental domain made whole: those that a mirror plane cuts are joined with
+//! their images, and one at an axis with all of them.
+//!
+//! A cell at a mirror plane is half a panel, or a whole one with an edge in the plane; its area
+//! tells which. Where two halves meet in the plane, the edge between them runs straight across it,
+//! and the corner there is none; where a half and a whole panel meet, it is a corner of three
+//! panels in the plane. Two whole panels would meet their images in a corner of four, so one of
+//! them is taken as a half.
+
+use super::group::{Group, folded, in_walls, number_of, reflection};
+use crate::directions::MirrorPlane;
+use crate::layout::lattice::CELL;
+use crate::layout::{Layout, VertexKind};
+use crate::optimise::{Image, Quotient};
+use nalgebra::Matrix3;
+use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Distance from a mirror plane, panel lengths, within which a vertex of the boundary lies in it.
+const IN_PLANE: f64 = 0.05;
+/// Area of a cell over that of a panel up to which it is half a panel, and a quarter of one.
+const HALF: f64 = 0.72;
+const QUARTER: f64 = 0.36;
+/// Sine of the angle between boundary and mirror plane, less than a right one, beyond which the
+/// boundary has a corner there.
+const SQUARE: f64 = 0.3;
+
+/// Irregular panels that a cell counts for that can't be made a panel.
+const NO_PANEL: usize = 1000;
+
+/// A panelling of a fundamental domain with the panels at its mirror planes whole.
+pub(super) struct WholePanels {
+    pub layout: Layout,
+    pub quotient: Quotient,
+}
+
+/// The panels of a domain's layout made whole.
+///
+/// # Errors
+/// A sentence that says what is in the way.
+pub(super) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, String> {
+    let walls = group.walls();
+    let cells = Cells::new(layout, &walls);
+    let merged = cells.merged();
+    let mut parts = WholeParts {
+        cells: &cells,
+        elements: group.elements(),
+        images: Vec::new(),
+        of_source: BTreeMap::new(),
+    };
+    let rings: Result<Vec<Vec<u32>>, String> = (layout.mesh.topology().faces())
+        .map(|f| match merged[f] {
+            0 => Ok(cells.corners_of_whole(f)),
+            _ => parts.whole(f, &merged),
+        })
+        .collect();
+    parts.finished(rings?, &merged)
+}
+
+/// Panels of a domain's layout, with those at its mirror planes whole, that are no hexagons; at the
+/// open boundary any panel will do.
+pub(in crate::pipeline) fn irregular_panels(layout: &Layout, mirrors: &[MirrorPlane]) -> usize {
+    let walls: Vec<Vec3> = mirrors.iter().map(|m| m.normal.into()).collect();
+    let cells = Cells::new(layout, &walls);
+    let merged = cells.merged();
+    let topology = cells.topology;
+    let cost = |f: FaceId| {
+        let ring = topology.face_vertices(f);
+        let n = ring.len();
+        let is_open = |i: usize| {
+            let [a, b] = [ring[i], ring[(i + 1) % n]];
+            let on_boundary = [a, b].iter().all(|v| topology.is_boundary_vertex(*v));
+            on_boundary && cells.on[a] & cells.on[b] == 0
+        };
+        let corners = match merged[f] {
+            0 => cells.corners_of_whole(f).len(),
+            _ => cells.half(f, &merged).map_or(0, |h| h.corners()),
+        };
+        match corners {
+            0..3 => NO_PANEL,
+            _ if (0..n).any(is_open) => 0,
+            _ => usize::from(corners != 6),
+        }
+    };
+    topology.faces().map(cost).sum()
+}
+
+struct Cells<'a> {
+    layout: &'a Layout,
+    topology: &'a Topology,
+    walls: &'a [Vec3],
+    /// Walls that hold each vertex, by their bits.
+    on: PerVertex<u32>,
+}
+
+impl<'a> Cells<'a> {
+    fn new(layout: &'a Layout, walls: &'a [Vec3]) -> Self {
+        let topology = layout.mesh.topology();
+        let on = PerVertex::from_fn(topology.n_vertices(), |v: VertexId| {
+            if !topology.is_boundary_vertex(v) {
+                return 0;
+            }
+            let face = topology.outgoing(v).next().map(|h| topology.face(h));
+            let near = face.map_or(0.0, |f| IN_PLANE * layout.face_length[f]);
+            let height = |n: &Vec3| n.dot(&layout.mesh.position(v)).abs();
+            (walls.iter().enumerate())
+                .filter(|(_, n)| height(n) < near)
+                .fold(0, |bits, (k, _)| bits | (1 << k))
+        });
+        Self {
+            layout,
+            topology,
+            walls,
+            on,
+        }
+    }
+
+    /// The walls in which a cell has a side.
+    fn sides(&self, f: FaceId) -> u32 {
+        let ring = self.topology.face_vertices(f);
+        let side = |i: usize| self.on[ring[i]] & self.on[ring[(i + 1) % ring.len()]];
+        (0..ring.len()).fold(0, |bits, i| bits | side(i))
+    }
+
+    /// The walls across which each cell is joined with its image.
+    fn merged(&self) -> PerFace<u32> {
+        let share = |f: FaceId| {
+            let full = CELL * self.layout.face_length[f].powi(2);
+            let at = |v: &VertexId| self.layout.mesh.position(*v);
+            let ring: Vec<Vec3> = self.topology.face_vertices(f).iter().map(at).collect();
+            let fan = ring
+                .windows(2)
+                .map(|p| (p[0] - ring[0]).cross(&(p[1] - ring[0])));
+            0.5 * fan.sum::<Vec3>().norm() / full
+        };
+        let mut merged = PerFace::from_fn(self.topology.n_faces(), |f| {
+            let walls = self.sides(f);
+            match walls.count_ones() {
+                2.. if share(f) < QUARTER || !self.is_square(walls) => walls,
+                2.. => self.longer(f, walls),
+                _ if share(f) < HALF => walls,
+                _ => 0,
+            }
+        });
+        // No two whole panels side by side.
+        for v in self.topology.vertices().filter(|v| self.on[*v] != 0) {
+            let faces = self.topology.outgoing(v).map(|h| self.topology.face(h));
+            let whole = faces.filter(|f| self.sides(*f) & !merged[*f] & self.on[v] != 0);
+            let whole: Vec<FaceId> = whole.collect();
+            if whole.len() > 1 {
+                let least = whole
+                    .iter()
+                    .min_by(|a, b| share(**a).total_cmp(&share(**b)));
+                least
+                    .into_iter()
+                    .for_each(|f| merged[*f] |= self.sides(*f) & self.on[v]);
+            }
+        }
+        merged
+    }
+
+    /// Whether two walls meet at a right angle.
+    fn is_square(&self, bits: u32) -> bool {
+        let walls = self.walls.iter().enumerate();
+        let held: Vec<&Vec3> = (walls.filter(|(k, _)| bits & (1 << k) != 0))
+            .map(|(_, n)| n)
+            .collect();
+        matches!(held[..], [a, b] if a.dot(b).abs() < 1e-9)
+    }
+
+    /// Of the walls of a cell in a corner the one in which its side is longest: an edge of the
+    /// panel lies in the other one, and its middle in the corner.
+    fn longer(&self, f: FaceId, bits: u32) -> u32 {
+        let ring = self.topology.face_vertices(f);
+        let length = |wall: u32| -> f64 {
+            let sides = (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]);
+            let held = sides.filter(|[a, b]| self.on[*a] & self.on[*b] & wall != 0);
+            let ends = held.map(|e| e.map(|v| self.layout.mesh.position(v)));
+            ends.map(|[a, b]| (a - b).norm()).sum()
+        };
+        let walls = (0..u32::BITS).map(|k| 1 << k).filter(|w| bits & w != 0);
+        let longest = walls.max_by(|a, b| length(*a).total_cmp(&length(*b)));
+        longest.unwrap_or(bits)
+    }
+
+    /// The corners of a whole panel: between two corners in one wall there are none.
+    fn corners_of_whole(&self, f: FaceId) -> Vec<u32> {
+        let ring = self.topology.face_vertices(f);
+        let n = ring.len();
+        let between = |i: usize| {
+            let [a, b, c] = [i + n - 1, i, i + 1].map(|k| self.on[ring[k % n]]);
+            a & b & c != 0
+        };
+        let kept = (0..n).filter(|i| !between(*i));
+        kept.map(|i| ring[i].index() as u32).collect()
+    }
+
+    /// A cell that is a part of a panel.
+    fn half(&self, f: FaceId, merged: &PerFace<u32>) -> Result<Half, String> {
+        let ring = self.topology.face_vertices(f);
+        let n = ring.len();
+        let side = |i: usize| self.on[ring[i % n]] & self.on[ring[(i + 1) % n]];
+        let in_wall = |i: usize| side(i) & merged[f];
+        let begins = |i: &usize| in_wall(*i) != 0 && in_wall(i + n - 1) == 0;
+        let starts: Vec<usize> = (0..n).filter(begins).collect();
+        let [first] = starts[..] else {
+            return Err("a panel would reach from one mirror plane to another".into());
+        };
+        let last = (first..first + n).find(|i| in_wall(*i) == 0);
+        let last = last.ok_or("a panel has no edge inside")?;
+        let single = |bits: u32| match bits.count_ones() {
+            1 => Ok(bits.trailing_zeros() as usize),
+            _ => Err("a panel has an edge on an axis".to_owned()),
+        };
+        let walls = [single(in_wall(first))?, single(in_wall(last + n - 1))?];
+        let copies = match walls[0] == walls[1] {
+            true => 2,
+            false => {
+                let [a, b] = walls.map(|k| self.walls[k]);
+                (2.0 * PI / (PI - a.angle(&b))).round() as usize
+            }
+        };
+        // An edge in the other wall of a corner has no corner between its ends.
+        let free = (last + 1..first + n).filter(|i| side(*i) & side(i + n - 1) == 0);
+        let ends = [first, last].map(|i| ring[i % n]);
+        Ok(Half {
+            free: free.map(|i| ring[i % n].index() as u32).collect(),
+            ends: ends.map(|v| self.is_corner(v, f, merged).then_some(v.index() as u32)),
+            walls,
+            copies,
+        })
+    }
+
+    /// Whether the end of a cell's side in a wall is a corner of the panel.
+    fn is_corner(&self, v: VertexId, f: FaceId, merged: &PerFace<u32>) -> bool {
+        let mut around = self.topology.outgoing(v).map(|h| self.topology.face(h));
+        if let Some(g) = around.find(|g| *g != f) {
+            return merged[g] & self.on[v] == 0;
+        }
+        // The end of the wall: a corner where the boundary has one.
+        let ring = self.topology.face_vertices(f);
+        let n = ring.len();
+        let i = ring.iter().position(|w| *w == v).unwrap_or(0);
+        let beside = [ring[(i + 1) % n], ring[(i + n - 1) % n]];
+        let open = beside.iter().find(|w| self.on[**w] & self.on[v] == 0);
+        let normal = self.walls[self.on[v].trailing_zeros() as usize];
+        open.is_some_and(|w| {
+            let along = self.layout.mesh.position(*w) - self.layout.mesh.position(v);
+            (along - normal * normal.dot(&along)).norm() > SQUARE * along.norm()
+        })
+    }
+}
+
+/// A cell that is a part of a panel.
+struct Half {
+    /// Its corners in no wall, counter-clockwise.
+    free: Vec<u32>,
+    /// Corners of the panel in the wall where the walls begin, and where they end.
+    ends: [Option<u32>; 2],
+    /// Those walls.
+    walls: [usize; 2],
+    /// How many copies make up the panel.
+    copies: usize,
+}
+
+impl Half {
+    /// Corners of the panel.
+    fn corners(&self) -> usize {
+        let joints = self.ends.iter().flatten().count();
+        self.copies * self.free.len() + self.copies / 2 * joints
+    }
+}
+
+/// An image of a vertex in the making.
+struct NewImage {
+    source: u32,
+    element: usize,
+    place: Vec3,
+}
+
+struct WholeParts<'a> {
+    cells: &'a Cells<'a>,
+    elements: Vec<Matrix3<f64>>,
+    images: Vec<NewImage>,
+    of_source: BTreeMap<u32, Vec<u32>>,
+}
+
+impl WholeParts<'_> {
+    /// The number of a vertex's image under an element of the group: its own where it stays.
+    fn image(&mut self, v: u32, map: &Matrix3<f64>) -> Result<u32, String> {
+        let at = self.place(v);
+        let place = map * at;
+        let near = 1e-6 * self.cells.layout.mesh.mean_edge();
+        if (place - at).norm() < near {
+            return Ok(v);
+        }
+        let known = self.of_source.entry(v).or_default();
+        let same = known
+            .iter()
+            .find(|k| (self.images[**k as usize].place - place).norm() < near);
+        let number = match same {
+            Some(k) => *k,
+            None => {
+                let element = number_of(&self.elements, map);
+                let element = element.ok_or("a panel's image is none of the group")?;
+                let next = self.images.len() as u32;
+                known.push(next);
+                self.images.push(NewImage {
+                    source: v,
+                    element,
+                    place,
+                });
+                next
+            }
+        };
+        Ok(self.cells.topology.n_vertices() as u32 + number)
+    }
+
+    /// A vertex, exactly in the walls that hold it.
+    fn place(&self, v: u32) -> Vec3 {
+        let v = VertexId::new(v);
+        let p = self.cells.layout.mesh.position(v);
+        in_walls(self.cells.walls, self.cells.on[v], p)
+    }
+
+    /// The corners of the panel of which a cell is a part.
+    fn whole(&mut self, f: FaceId, merged: &PerFace<u32>) -> Result<Vec<u32>, String> {
+        let half = self.cells.half(f, merged)?;
+        let maps = half.walls.map(|k| reflection(self.cells.walls[k]));
+        let mut corners = Vec::new();
+        let mut map = Matrix3::identity();
+        for copy in 0..half.copies {
+            let forward = copy % 2 == 0;
+            let order: Vec<u32> = match forward {
+                true => half.free.clone(),
+                false => half.free.iter().rev().copied().collect(),
+            };
+            // Where one copy ends the next begins, in the wall of the cell's first or last side.
+            let joint = half.ends[usize::from(!forward)];
+            for v in order.into_iter().chain(joint) {
+                corners.push(self.image(v, &map)?);
+            }
+            map *= maps[usize::from(!forward)];
+        }
+        match corners.len() {
+            0..3 => Err("a panel at a mirror plane has fewer than three corners".into()),
+            _ => Ok(corners),
+        }
+    }
+
+    fn finished(self, rings: Vec<Vec<u32>>, merged: &PerFace<u32>) -> Result<WholePanels, String> {
+        let (cells, layout) = (self.cells, self.cells.layout);
+        let count = cells.topology.n_vertices() as u32;
+        let mut number: BTreeMap<u32, u32> = BTreeMap::new();
+        // Sources of images are corners themselves.
+        for v in rings.iter().flatten() {
+            let next = number.len() as u32;
+            number.entry(*v).or_insert(next);
+        }
+        let mut old = vec![0; number.len()];
+        number.iter().for_each(|(v, k)| old[*k as usize] = *v);
+        let source = |v: u32| match v < count {
+            true => VertexId::new(v),
+            false => VertexId::new(self.images[(v - count) as usize].source),
+        };
+        let place = |v: &u32| match *v < count {
+            true => self.place(*v),
+            false => self.images[(*v - count) as usize].place,
+        };
+        let faces: Vec<Vec<u32>> = (rings.iter())
+            .map(|r| r.iter().map(|v| number[v]).collect())
+            .collect();
+        let mesh = HexMesh::new(old.iter().map(place).collect(), &faces)
+            .map_err(|e| format!("panels at mirror planes do not meet: {e}"))?;
+        let kind = |v: &u32| match layout.vertex_kind[source(*v)] {
+            kind if cells.on[source(*v)] == 0 || kind == VertexKind::BoundaryCorner => kind,
+            _ => VertexKind::Interior,
+        };
+        let mut quotient = Quotient::default();
+        for (v, k) in &number {
+            if let Some(image) = v.checked_sub(count).map(|i| &self.images[i as usize]) {
+                quotient.images.insert(
+                    *k,
+                    Image {
+                        source: number[&image.source],
+                        map: self.elements[image.element],
+                    },
+                );
+            } else if let bits @ 1.. = cells.on[VertexId::new(*v)] {
+                quotient
+                    .mirrored
+                    .insert(*k, cells.walls[bits.trailing_zeros() as usize]);
+            }
+        }
+        let on_walls = |f: FaceId, x: Vec3| in_walls(cells.walls, merged[f], x);
+        let each = |of: &PerFace<Vec3>| {
+            PerFace::from_vec(of.enumerate().map(|(f, p)| on_walls(f, *p)).collect())
+        };
+        Ok(WholePanels {
+            layout: Layout {
+                mesh,
+                vertex_kind: PerVertex::from_vec(old.iter().map(kind).collect()),
+                face_point: each(&layout.face_point),
+                face_normal: each(&layout.face_normal).map(|n| n.normalize()),
+                face_length: layout.face_length.clone(),
+                face_wish: layout.face_wish.clone(),
+                face_seed: layout.face_seed.clone(),
+            },
+            quotient,
+        })
+    }
+}
+
+/// What is no unknown in a mesh that symmetry has made whole, by where its vertices lie: after a
+/// search they have other numbers.
+///
+/// # Errors
+/// If an image has no source.
+pub(super) fn quotient_of(mesh: &HexMesh, group: Group) -> Result<Quotient, String> {
+    let (walls, elements) = (group.walls(), group.elements());
+    let near = 1e-9 * mesh.diagonal();
+    let inside = |p: &Vec3| walls.iter().all(|n| n.dot(p) > -near);
+    let mut order: Vec<(f64, u32)> = (mesh.positions.enumerate())
+        .filter(|(_, p)| inside(p))
+        .map(|(v, p)| (p.x, v.index() as u32))
+        .collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let at = |p: Vec3| {
+        let first = order.partition_point(|o| o.0 < p.x - near);
+        let close = order[first..].iter().take_while(|o| o.0 <= p.x + near);
+        let same = |v: &u32| (mesh.position(VertexId::new(*v)) - p).norm() <= 2.0 * near;
+        close.map(|o| o.1).find(same)
+    };
+    let mut quotient = Quotient::default();
+    for (v, p) in mesh.positions.enumerate() {
+        let number = v.index() as u32;
+        if inside(p) {
+            let wall = walls.iter().find(|n| n.dot(p).abs() <= near);
+            quotient.mirrored.extend(wall.map(|n| (number, *n)));
+            continue;
+        }
+        let (folded, back) = folded(&walls, *p);
+        let source = at(folded).ok_or("a panel at a mirror plane has lost its image")?;
+        let element = number_of(&elements, &back).ok_or("a map is none of the group")?;
+        let map = elements[element];
+        quotient.images.insert(number, Image { source, map });
+    }
+    Ok(quotient)
+}
