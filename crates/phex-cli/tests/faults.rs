@@ -121,7 +121,6 @@ fn trials(count: usize, step: usize) {
 
 /// A command with what it finds and what it makes.
 struct Bench {
-    command: &'static str,
     new: String,
     inputs: Workshop,
     before: Files,
@@ -141,7 +140,6 @@ impl Bench {
         let after = files(&inputs.path("out"));
         std::fs::remove_dir_all(inputs.path("out")).expect("it is there");
         Self {
-            command,
             new,
             inputs,
             before,
