@@ -15,8 +15,8 @@ use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Files below a folder, by their names.
-type Files = BTreeMap<String, Vec<u8>>;
+/// FilesBelow below a folder, by their names.
+type FilesBelow = BTreeMap<String, Vec<u8>>;
 
 /// What each command writes below `out`; `$` is another value in the run before.
 const COMMANDS: [(&str, [&str; 2]); 17] = [
@@ -65,12 +65,12 @@ const COMMANDS: [(&str, [&str; 2]); 17] = [
 
 /// What happens to a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fault {
+enum InjectedFault {
     /// It is killed after a random time.
     Killed,
     /// It is killed by the system when a file grows to a random size.
     KilledInAFile,
-    /// Files can't grow beyond a random size, as on a full disc.
+    /// FilesBelow can't grow beyond a random size, as on a full disc.
     FullDisc,
     /// It may have a random amount of memory.
     LittleMemory,
@@ -80,13 +80,13 @@ enum Fault {
     VanishedFolder,
 }
 
-const FAULTS: [Fault; 6] = [
-    Fault::Killed,
-    Fault::KilledInAFile,
-    Fault::FullDisc,
-    Fault::LittleMemory,
-    Fault::VanishedInput,
-    Fault::VanishedFolder,
+const FAULTS: [InjectedFault; 6] = [
+    InjectedFault::Killed,
+    InjectedFault::KilledInAFile,
+    InjectedFault::FullDisc,
+    InjectedFault::LittleMemory,
+    InjectedFault::VanishedInput,
+    InjectedFault::VanishedFolder,
 ];
 
 #[test]
@@ -107,7 +107,7 @@ fn all_commands_survive_all_faults() {
 /// A number of trials, spread over every `step`th command.
 fn trials(count: usize, step: usize) {
     let mut random = ChaCha8Rng::seed_from_u64(11);
-    let benches: Vec<Bench> = COMMANDS.iter().step_by(step).map(Bench::new).collect();
+    let benches: Vec<FaultBench> = COMMANDS.iter().step_by(step).map(FaultBench::new).collect();
     let mut endings: BTreeMap<String, usize> = BTreeMap::new();
     for k in 0..count {
         let bench = &benches[k % benches.len()];
@@ -120,15 +120,15 @@ fn trials(count: usize, step: usize) {
 }
 
 /// A command with what it finds and what it makes.
-struct Bench {
+struct FaultBench {
     new: String,
     inputs: Workshop,
-    before: Files,
-    after: Files,
+    before: FilesBelow,
+    after: FilesBelow,
     time: Duration,
 }
 
-impl Bench {
+impl FaultBench {
     fn new((command, [new, old]): &(&'static str, [&str; 2])) -> Self {
         let inputs = inputs();
         let [new, old] = [new, old].map(|value| command.replace('$', value));
@@ -164,7 +164,7 @@ impl Bench {
     }
 
     /// How a run ended to which a fault happened.
-    fn attack(&self, fault: Fault, random: &mut ChaCha8Rng) -> String {
+    fn attack(&self, fault: InjectedFault, random: &mut ChaCha8Rng) -> String {
         let shop = self.shop();
         let limit = self.limit(fault, random);
         let mut command = limited(&shop, &self.new, fault, limit);
@@ -173,15 +173,15 @@ impl Bench {
         let mut child = command.spawn().expect("prlimit is there");
         let wait = self.time.mul_f64(random.random_range(0.0..1.2));
         match fault {
-            Fault::Killed => {
+            InjectedFault::Killed => {
                 std::thread::sleep(wait);
                 child.kill().expect("it can be killed");
             }
-            Fault::VanishedInput => {
+            InjectedFault::VanishedInput => {
                 std::thread::sleep(wait);
                 remove_inputs(&shop);
             }
-            Fault::VanishedFolder => {
+            InjectedFault::VanishedFolder => {
                 std::thread::sleep(wait);
                 let _ = std::fs::remove_dir_all(shop.path("out"));
             }
@@ -201,37 +201,37 @@ impl Bench {
     }
 
     /// A size of files or of memory at which a run is stopped.
-    fn limit(&self, fault: Fault, random: &mut ChaCha8Rng) -> usize {
+    fn limit(&self, fault: InjectedFault, random: &mut ChaCha8Rng) -> usize {
         let largest = self.after.values().map(Vec::len).max().unwrap_or(0);
         match fault {
-            Fault::LittleMemory => random.random_range(30_000_000..150_000_000),
+            InjectedFault::LittleMemory => random.random_range(30_000_000..150_000_000),
             _ => random.random_range(0..=largest),
         }
     }
 
-    fn check_message(&self, fault: Fault, status: ExitStatus, shop: &Workshop, told: &str) {
+    fn check_message(&self, fault: InjectedFault, status: ExitStatus, shop: &Workshop, told: &str) {
         let said = String::from_utf8_lossy(&shop.read("said")).into_owned();
         assert!(
-            !said.contains("panicked") || fault == Fault::LittleMemory,
+            !said.contains("panicked") || fault == InjectedFault::LittleMemory,
             "{told}: {said}"
         );
-        let by_system = matches!(fault, Fault::Killed | Fault::KilledInAFile);
+        let by_system = matches!(fault, InjectedFault::Killed | InjectedFault::KilledInAFile);
         match status.code() {
             Some(0 | 3 | 5) => {}
             Some(1 | 4) => assert!(said.contains("error: "), "{told}: {said}"),
             None if by_system && matches!(status.signal(), Some(9 | 25)) => {}
             // No memory for libraries, or none for the program, which says so.
             _ => assert!(
-                fault == Fault::LittleMemory && !said.is_empty(),
+                fault == InjectedFault::LittleMemory && !said.is_empty(),
                 "{told}: {said}"
             ),
         }
     }
 
     /// Each file is the old or the new one; while folders change, a file may be on its way.
-    fn check_files(&self, fault: Fault, shop: &Workshop, told: &str) {
+    fn check_files(&self, fault: InjectedFault, shop: &Workshop, told: &str) {
         let found = files(&shop.path("out"));
-        if fault == Fault::VanishedFolder {
+        if fault == InjectedFault::VanishedFolder {
             return;
         }
         for (name, old) in &self.before {
@@ -253,7 +253,7 @@ impl Bench {
     }
 
     /// The next run ends as if nothing had happened.
-    fn check_next_run(&self, fault: Fault, shop: &Workshop, told: &str) {
+    fn check_next_run(&self, fault: InjectedFault, shop: &Workshop, told: &str) {
         remove_inputs(shop);
         for (name, bytes) in files(&self.inputs.path("")) {
             shop.write(&name, bytes);
@@ -263,7 +263,7 @@ impl Bench {
         let others = found.keys().find(|name| !self.after.contains_key(*name));
         assert_eq!(others, None, "{told}: a leftover");
         // What earlier runs added has vanished with the folder.
-        let is_all = found.len() == self.after.len() || fault == Fault::VanishedFolder;
+        let is_all = found.len() == self.after.len() || fault == InjectedFault::VanishedFolder;
         assert!(is_all, "{told}: {:?}", found.keys());
         for (name, now) in &found {
             assert!(
@@ -312,13 +312,13 @@ fn remove_inputs(shop: &Workshop) {
 }
 
 /// The program below a limit; a full disc lets it live and tell.
-fn limited(shop: &Workshop, arguments: &str, fault: Fault, bytes: usize) -> Command {
+fn limited(shop: &Workshop, arguments: &str, fault: InjectedFault, bytes: usize) -> Command {
     let kind = match fault {
-        Fault::KilledInAFile | Fault::FullDisc => "fsize",
-        Fault::LittleMemory => "as",
+        InjectedFault::KilledInAFile | InjectedFault::FullDisc => "fsize",
+        InjectedFault::LittleMemory => "as",
         _ => return shop.command(arguments),
     };
-    let ignored = if fault == Fault::FullDisc {
+    let ignored = if fault == InjectedFault::FullDisc {
         "trap '' XFSZ; "
     } else {
         ""
@@ -333,8 +333,8 @@ fn limited(shop: &Workshop, arguments: &str, fault: Fault, bytes: usize) -> Comm
 }
 
 /// Every file below a folder; of the inputs' folder only the files in itself.
-fn files(folder: &Path) -> Files {
-    let mut found = Files::new();
+fn files(folder: &Path) -> FilesBelow {
+    let mut found = FilesBelow::new();
     let mut open = vec![folder.to_path_buf()];
     while let Some(at) = open.pop() {
         for entry in std::fs::read_dir(&at).into_iter().flatten().flatten() {

@@ -50,7 +50,7 @@ struct Attack<'a> {
 }
 
 /// How it ended.
-struct Ending {
+struct AttackEnding {
     code: Option<i32>,
     time: Duration,
     said: String,
@@ -106,7 +106,7 @@ fn attacks(k: usize, surface: &HostileSurface) -> [Attack<'_>; 2] {
     [lattice, other].map(|arguments| Attack { surface, arguments })
 }
 
-fn in_parallel(attacks: &[Attack]) -> Vec<Ending> {
+fn in_parallel(attacks: &[Attack]) -> Vec<AttackEnding> {
     let (next, endings) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
     let work = || {
         while let Some((k, attack)) = take(&next, attacks) {
@@ -127,7 +127,7 @@ fn take<'a, T>(next: &AtomicUsize, all: &'a [T]) -> Option<(usize, &'a T)> {
     Some((k, all.get(k)?))
 }
 
-fn summary(endings: &[Ending], time: Duration) -> String {
+fn summary(endings: &[AttackEnding], time: Duration) -> String {
     let mut codes: BTreeMap<String, usize> = BTreeMap::new();
     for ending in endings {
         let code = ending.code.map_or("none".to_owned(), |c| c.to_string());
@@ -153,7 +153,7 @@ impl Attack<'_> {
         )
     }
 
-    fn run(&self) -> Ending {
+    fn run(&self) -> AttackEnding {
         let shop = Workshop::new();
         shop.write(&self.surface.name, &self.surface.bytes);
         shop.write("out.obj", "precious");
@@ -166,7 +166,7 @@ impl Attack<'_> {
         let time = began.elapsed();
         let [said, table] =
             ["stderr", "stdout"].map(|name| String::from_utf8_lossy(&shop.read(name)).into_owned());
-        let mut ending = Ending {
+        let mut ending = AttackEnding {
             code,
             time,
             said,
@@ -184,7 +184,7 @@ impl Attack<'_> {
         ending
     }
 
-    fn complaints(&self, shop: &Workshop, ending: &Ending) -> Vec<String> {
+    fn complaints(&self, shop: &Workshop, ending: &AttackEnding) -> Vec<String> {
         let mut complaints = Vec::new();
         let written = shop.read("out.obj");
         match ending.code {

@@ -15,7 +15,7 @@ const CHOICES: usize = 160;
 
 /// What a target was given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Figures {
+pub struct CampaignFigures {
     /// Inputs that it was tried with.
     pub inputs: u64,
     /// Those of them that it took; the others were refused.
@@ -24,7 +24,7 @@ pub struct Figures {
     pub worst_ratio: f64,
 }
 
-impl fmt::Display for Figures {
+impl fmt::Display for CampaignFigures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             inputs,
@@ -60,12 +60,12 @@ fn time() -> Duration {
 ///
 /// # Panics
 /// If the target panics, or finds something wrong.
-pub fn campaign(target: impl Fn(&mut Unstructured) -> Result<Tried, String>) -> Figures {
+pub fn campaign(target: impl Fn(&mut Unstructured) -> Result<Tried, String>) -> CampaignFigures {
     let typed = std::env::var("PHEX_FUZZ_SEED")
         .ok()
         .and_then(|t| t.parse().ok());
     let (first, end) = (typed.unwrap_or(0u64), Instant::now() + time());
-    let figures = Cell::new(Figures::default());
+    let figures = Cell::new(CampaignFigures::default());
     let one = |random: Vec<u8>| {
         let tried = target(&mut Unstructured::new(&random)).map_err(TestCaseError::fail)?;
         figures.set(figures.get().with(tried));
@@ -94,7 +94,7 @@ fn runner(first: u64, round: u64) -> TestRunner {
     TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &seed))
 }
 
-impl Figures {
+impl CampaignFigures {
     fn with(self, tried: Tried) -> Self {
         Self {
             inputs: self.inputs + 1,

@@ -198,8 +198,8 @@ fn offsets() {
     assert!(figures.taken > 0);
 }
 
-/// A star about the origin with random corners, cut out of a honeycomb that covers it: panels of the
-/// same area, none of them flipped or crossing itself.
+/// A star about the origin with random corners, cut out of a honeycomb that covers it: no panel is
+/// flipped or crosses itself.
 #[test]
 fn trimming() {
     let honeycomb = bowl(14, 13, 0.0).mapped(|[x, y, _]| [0.2 * x - 2.1, 0.2 * y - 2.0, 0.0]);
