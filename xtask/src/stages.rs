@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The stages in the order of the data flow.
-const ORDER: [&str; 12] = [
+const ORDER: [&str; 13] = [
     "smooth_surface",
     "curvature",
     "directions",
     "layout",
     "optimise",
+    "symmetry",
     "trim",
     "quality",
     "search",

@@ -5,7 +5,7 @@ use crate::error::JobError;
 use crate::given::Given;
 use crate::settings::{AtBoundary, CloseTo, LayoutMethod, MeshSettings};
 use crate::steering::TypedSolver;
-use phex::pipeline::Symmetry;
+use phex::symmetry::Symmetry;
 
 /// Methods that lay the lattice of `lattice` out, and then take planes of it.
 const ON_LATTICE: [LayoutMethod; 4] = [

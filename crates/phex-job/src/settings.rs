@@ -8,9 +8,10 @@ use crate::steering::SteeringSettings;
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
 use phex::MeshOptions;
-use phex::pipeline::{Effort, Method, Symmetry};
+use phex::pipeline::{Effort, Method};
 use phex::ranges::{self, BadOption};
 use phex::smooth_surface::TargetKind;
+use phex::symmetry::Symmetry;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@
 //! rotation. What is printed is what was found, how many panels differ, and how many vertices are
 //! the images of others to the last bit.
 
-use phex::pipeline::Symmetry;
+use phex::symmetry::Symmetry;
 use phex::{MeshOptions, Mesher, PanelSize, Surface};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{VertexId, measure};

@@ -50,6 +50,7 @@ pub mod ranges;
 pub mod report;
 pub mod search;
 pub mod smooth_surface;
+pub mod symmetry;
 #[cfg(test)]
 mod test_meshes;
 pub mod trim;

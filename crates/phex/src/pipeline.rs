@@ -24,7 +24,7 @@ mod size;
 mod sized;
 mod steered;
 mod subdivide;
-mod symmetry;
+mod symmetric;
 mod watched;
 
 pub use attempt::AttemptSummary;
@@ -40,7 +40,6 @@ pub use session::Session;
 pub use size::MAX_PANELS;
 pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
-pub use symmetry::{Isometry, Orbits, SYMMETRY_TOLERANCE, Symmetry, SymmetrySummary};
 
 use crate::progress::Progress;
 use clock::Clock;
@@ -49,7 +48,6 @@ use phex_mesh::TriangleSurface;
 use run::between_panels;
 use size::panel_count;
 use sized::panel_length;
-use symmetry::irregular_panels;
 
 /// Makes a planar hexagonal mesh of a connected surface.
 ///

@@ -1,6 +1,7 @@
 //! Panels have the symmetries of their surface, to the last bit.
 
-use phex::pipeline::{PipelineError, SYMMETRY_TOLERANCE, Symmetry};
+use phex::pipeline::PipelineError;
+use phex::symmetry::{SYMMETRY_TOLERANCE, Symmetry};
 use phex::{Boundary, MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId, measure};

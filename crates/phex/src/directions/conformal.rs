@@ -1,9 +1,9 @@
 //! Screened conformal rescaling: absorbs intrinsic curvature that the cones of the field do not
 //! explain.
 
-use super::DirectionOptions;
 use super::boundary::{self, BoundaryFrame};
 use super::intrinsic::{IntrinsicMesh, row};
+use super::{DirectionOptions, mirrors};
 use phex_mesh::{PerFace, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_6, PI};
@@ -29,7 +29,7 @@ pub(crate) fn log_factor(
             (Some(_), 2) => rhs[v] += PI,
             // A part of a cone, its lattice symmetric about both sides.
             (Some(_), count) => {
-                rhs[v] = mesh.angle_sum[v] - boundary::twelfths_between(count) * FRAC_PI_6;
+                rhs[v] = mesh.angle_sum[v] - mirrors::twelfths_between(count) * FRAC_PI_6;
             }
         }
     }

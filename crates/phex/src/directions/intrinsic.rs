@@ -1,6 +1,6 @@
 //! A triangle mesh known by its edge lengths only.
 
-use super::boundary::{self, MirrorPlane};
+use super::mirrors::{MirrorPlane, multiplicity};
 use nalgebra::Matrix3;
 use phex_mesh::{
     ElementId, FaceId, HalfEdgeId, PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex, Topology,
@@ -63,7 +63,7 @@ impl IntrinsicMesh {
         surface: &TriangleSurface,
         mirrors: &[MirrorPlane],
     ) -> Self {
-        self.multiplicity = boundary::multiplicity(surface, mirrors);
+        self.multiplicity = multiplicity(surface, mirrors);
         self
     }
 

@@ -3,7 +3,7 @@
 
 use super::boundary::BoundaryFrame;
 use super::intrinsic::{IntrinsicMesh, row};
-use super::{DirectionOptions, boundary};
+use super::{DirectionOptions, boundary, mirrors};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -166,7 +166,7 @@ fn classes_at_axes(
             };
             side.iter().map(along).sum()
         });
-        let is_odd = boundary::twelfths_between(*count) % 2.0 == 1.0;
+        let is_odd = mirrors::twelfths_between(*count) % 2.0 == 1.0;
         let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
         let class = match is_odd {
             true => [sign(first - second), -sign(first - second)],

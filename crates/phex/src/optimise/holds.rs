@@ -10,8 +10,8 @@
 //! | in a plane | `I - n n^T` |
 //! | on a curve, or the boundary | `t t^T` |
 
-use super::images::{self, Image};
-use super::panels::{Panels, add_block, point};
+use super::images;
+use super::panels::{Image, Panels, add_block, point};
 use nalgebra::Matrix3;
 use phex_mesh::{BoundaryCurve, Vec3};
 use phex_numeric::Assembly;

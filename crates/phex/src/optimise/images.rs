@@ -7,53 +7,11 @@
 //! which therefore keeps its block. A panel that is its own image has a normal that is, so in `J P`
 //! the entries of images are added to those of their sources (see `planarity`).
 
-use super::holds::{Hold, Holds};
-use super::panels::{Panels, add_block, point};
+use super::panels::{Image, Panels, add_block, point};
 use nalgebra::{DMatrix, Matrix3};
-use phex_mesh::Vec3;
 use phex_numeric::Assembly;
 use phex_numeric::assembly::packed;
 use std::collections::BTreeMap;
-
-/// The vertex that another one is the image of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Image {
-    /// That vertex, no image itself.
-    pub source: u32,
-    /// The orthogonal map, about the origin.
-    pub map: Matrix3<f64>,
-}
-
-/// The vertices of the generating part of a symmetric mesh that are no variables of their own.
-#[derive(Clone, Default)]
-pub(crate) struct Quotient {
-    /// Images of other vertices.
-    pub images: BTreeMap<u32, Image>,
-    /// Vertices in mirror planes through the origin, with the unit normals of these.
-    pub mirrored: BTreeMap<u32, Vec3>,
-}
-
-impl Quotient {
-    /// Whether a vertex is free as far as symmetry is concerned.
-    pub fn is_free(&self, v: u32) -> bool {
-        !self.images.contains_key(&v) && !self.mirrored.contains_key(&v)
-    }
-
-    /// What holds these vertices.
-    pub(super) fn holds(&self) -> Holds {
-        let in_plane = |normal: &Vec3| Hold::InPlane {
-            point: Vec3::zeros(),
-            normal: *normal,
-        };
-        Holds {
-            held: (self.mirrored.iter())
-                .map(|(v, n)| (*v, in_plane(n)))
-                .collect(),
-            images: self.images.clone(),
-            ..Holds::default()
-        }
-    }
-}
 
 /// Puts images where their sources have them.
 pub(super) fn retract(images: &BTreeMap<u32, Image>, x: &mut [f64]) {
@@ -116,6 +74,7 @@ fn fold_face(images: &BTreeMap<u32, Image>, vertices: &[u32], block: &mut [f64])
 #[cfg(test)]
 mod tests {
     use super::*;
+    use phex_mesh::Vec3;
 
     /// The quadratic form of a folded block at `y` is that of the block at `P y`.
     #[test]

@@ -39,9 +39,9 @@
 //! that tight panels can have, or as many as it takes to the minimum, where steps fall to rounding
 //! ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
-//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). In a mesh that is
-//! laid out the search tries panels again that lack something, each with what is around it and with
-//! more weight on that (`emphasis.rs`).
+//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). In a mesh that
+//! is laid out the search tries panels again that lack something, each with what is around it and
+//! with more weight on that (`emphasis.rs`).
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3,
 //! with the plane eliminated; the feasible path and its barrier after Li et al., "Incremental
@@ -91,6 +91,7 @@ mod parts;
 mod path;
 mod planarity;
 mod point_term;
+mod quotient;
 mod reached;
 mod reference;
 mod run;
@@ -128,12 +129,13 @@ pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub(crate) use angle_term::walks::free_edges;
 pub(crate) use emphasis::EMPHASES;
 pub use error::{OptimiseError, SteeringError};
-pub(crate) use images::{Image, Quotient};
 pub use inspect::{Fault, Offender, Quality};
 pub(crate) use local::LocalPart;
 pub use on_boundary::BoundaryHold;
 pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
+pub(crate) use panels::Image;
+pub(crate) use quotient::Quotient;
 pub(crate) use shape_limits::FaceLimits;
 pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};

@@ -9,8 +9,8 @@
 //! have to move far, their vertices are let go, and the rest is tried again.
 
 use super::holds::{Hold, Holds};
-use super::images::Quotient;
 use super::panels::{FaceShapes, Panels, point, points, unknowns};
+use super::quotient::Quotient;
 use super::reached::{Reached, ResultOrigin, Run};
 use super::solvers::Solvers;
 use super::{

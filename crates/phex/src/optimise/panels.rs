@@ -1,10 +1,18 @@
 //! Panels as the optimiser sees them: corners in one flat array, and where every face lies just
 //! now.
 
-use super::images::Image;
 use nalgebra::Matrix3;
 use phex_mesh::{FacePlane, HexMesh, Topology, Vec2, Vec3, VertexId};
 use std::collections::BTreeMap;
+
+/// The vertex that another one is the image of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Image {
+    /// That vertex, no image itself.
+    pub source: u32,
+    /// The orthogonal map, about the origin.
+    pub map: Matrix3<f64>,
+}
 
 /// Faces that one task handles; fewer are not worth another thread.
 const GRAIN: usize = 256;

@@ -1,12 +1,12 @@
 //! Why nothing was made.
 
-use super::Symmetry;
 use crate::directions::cones::ConeError;
 use crate::koebe::KoebeError;
 use crate::layout::LayoutError;
 use crate::offset::fit::FitError;
 use crate::optimise::OptimiseError;
 use crate::ranges::BadOption;
+use crate::symmetry::Symmetry;
 use crate::trim::TrimError;
 use phex_numeric::NumericError;
 use thiserror::Error;

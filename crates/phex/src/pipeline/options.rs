@@ -1,6 +1,5 @@
 //! Options of the whole flow.
 
-use super::Symmetry;
 use crate::curvature::CurvatureOptions;
 use crate::directions::DirectionOptions;
 use crate::directions::size::SizeOptions;
@@ -10,6 +9,7 @@ use crate::layout::duality::DualOptions;
 use crate::optimise::{OptimiseOptions, Steering};
 use crate::quality::{Limits, USUAL_DEVIATION};
 use crate::smooth_surface::TargetOptions;
+use crate::symmetry::Symmetry;
 use crate::trim::Boundary;
 use serde::{Deserialize, Serialize};
 

@@ -3,10 +3,11 @@
 
 use super::domain::Ground;
 use super::field::Field;
-use super::{Clock, Effort, PipelineError, irregular_panels};
+use super::{Clock, Effort, PipelineError};
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, Placed};
 use crate::progress::Progress;
+use crate::symmetry::irregular_panels;
 use rayon::prelude::*;
 
 /// Share of panels that are irregular without need, up to which one lattice is enough.

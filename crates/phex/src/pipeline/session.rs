@@ -3,12 +3,13 @@
 use super::domain::Ground;
 use super::options::{MeshOptions, Method};
 use super::preview::{LatticePreview, lay_out};
-use super::symmetry::{self, Symmetry};
+use super::symmetric;
 use super::watched::InModel;
 use super::{Clock, MeshRun, PipelineError};
 use super::{brick_wall, classical, normalise, portfolio, size, steered};
 use crate::progress::Progress;
 use crate::smooth_surface::{Normalised, TargetOptions};
+use crate::symmetry::Symmetry;
 use crate::trim::Boundary;
 use phex_mesh::TriangleSurface;
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -139,7 +140,8 @@ impl Session {
         let made = match options.method {
             Method::Lattice => {
                 if options.symmetry != Symmetry::None {
-                    let made = symmetry::mesh_with_panels((surface, panels), &options, &mut clock)?;
+                    let made =
+                        symmetric::mesh_with_panels((surface, panels), &options, &mut clock)?;
                     if let Some(run) = made {
                         return Ok(run.restored(&model.similarity, &given.steering));
                     }

@@ -1,28 +1,9 @@
-//! Symmetry: the mirror planes of a surface are found, the part between them is panelled, and the
-//! rest of the mesh is its image.
+//! A symmetric mesh: the part between mirror planes is panelled, the rest is its image.
 //!
-//! `find` finds the group, `cut` the part of the surface that generates it (a fundamental domain).
-//! Its boundary in mirror planes is laid out as such ([`MirrorPlane`]): rows run along the plane or
-//! at right angles to it, and lattice points lie in it, so that panels there are cut in two, or
-//! have an edge in the plane. `quotient` makes the panels that planes cut whole; corners beyond a
-//! plane are no unknowns but images, and the optimiser takes them along. `unfold` adds all images.
-//!
-//! A group without mirror planes is not used: the seam of its domain would be free, and a lattice
-//! on the domain has no reason to meet itself there.
-//!
-//! [`MirrorPlane`]: crate::directions::MirrorPlane
-
-mod choice;
-mod cut;
-mod find;
-mod group;
-mod quotient;
-mod target;
-mod unfold;
-
-pub use choice::Symmetry;
-pub(super) use quotient::irregular_panels;
-pub use unfold::{Isometry, Orbits};
+//! Rows run along the planes or at right angles to them, and lattice points lie in them, so that
+//! panels there are cut in two or have an edge in the plane. A group without mirror planes is not
+//! used: the seam of its domain would be free, and a lattice on the domain has no reason to meet
+//! itself there.
 
 use super::domain::Ground;
 use super::field::LatticeFreedom;
@@ -36,52 +17,18 @@ use crate::progress::Event;
 use crate::quality::{Judge, References};
 use crate::search::{AreaField, Site, search};
 use crate::smooth_surface::{self, boundary_corners};
+use crate::symmetry::{
+    self, FoldedTarget, Found, Group, Isometry, Orbits, SYMMETRY_TOLERANCE, Symmetry,
+    SymmetrySummary, WholePanels,
+};
 use crate::trim::Boundary;
-use find::Found;
-use group::Group;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, TriangleSurface, Vec3};
 use phex_numeric::Outcome;
-use quotient::WholePanels;
-use serde::Serialize;
-use target::FoldedTarget;
-use unfold::unfolded;
-
-/// Distance, bounding-box diagonals, within which an image of the surface lies on it.
-pub const SYMMETRY_TOLERANCE: f64 = 1e-3;
 
 /// Numbers of panels, over the one that is asked for, that are tried until panels are valid: it is
 /// chance whether every cell at a mirror plane is large enough to be a panel.
 const OTHER_COUNTS: [f64; 4] = [1.04, 0.96, 1.08, 0.92];
-
-/// What was found and used, for the report.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct SymmetrySummary {
-    /// The group, in Schoenflies' notation.
-    pub group: String,
-    /// Number of its elements.
-    pub order: u32,
-    /// Whether the surface is one of revolution.
-    pub revolution: bool,
-    /// Largest distance of an image of the surface to it, bounding-box diagonals.
-    pub distance_rel: f64,
-    /// Largest distance that was allowed.
-    pub tolerance_rel: f64,
-    /// Panels that differ.
-    pub distinct_panels: usize,
-    /// The maps `x -> M x + t`, model units.
-    pub operations: Vec<Isometry>,
-}
-
-impl SymmetrySummary {
-    /// What was found, in words.
-    pub fn sentence(&self) -> String {
-        format!(
-            "symmetry {}: the surface has {} images of itself, to {:.1e} of its diagonal (at most {:.0e}); {} panels differ",
-            self.group, self.order, self.distance_rel, self.tolerance_rel, self.distinct_panels
-        )
-    }
-}
 
 /// A symmetric mesh of a normalised surface; `None` where there is no group to use, or panels
 /// can't follow it, which is said.
@@ -113,7 +60,7 @@ pub(super) fn mesh_with_panels(
         smooth_surface::smooth_target(surface, vertices, &options.target)
     })?;
     let whole = smooth.finest();
-    let (found, turns) = clock.stage("symmetry", || find::find(whole, SYMMETRY_TOLERANCE))?;
+    let (found, turns) = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
     let Some(found) = found else {
         let share = 100.0 * SYMMETRY_TOLERANCE;
         return without(match turns {
@@ -132,10 +79,10 @@ pub(super) fn mesh_with_panels(
         let domain = DomainPanels::new(whole, &found, group, panels, options)?;
         domain.mesh(&found, whole, clock)
     };
-    let is_valid = |run: &Result<MeshRun, Failed>| run.as_ref().is_ok_and(MeshRun::is_sound);
+    let is_valid = |run: &Result<MeshRun, NotSymmetric>| run.as_ref().is_ok_and(MeshRun::is_sound);
     let mut made = tried(1.0);
     for share in OTHER_COUNTS {
-        let is_over = matches!(made, Err(Failed::Pipeline(_))) || progress.is_cancelled();
+        let is_over = matches!(made, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
         if is_valid(&made) || is_over {
             break;
         }
@@ -162,8 +109,8 @@ pub(super) fn mesh_with_panels(
                 .for_each(|message| progress.report(&Event::Note { message }));
             Ok(Some(run))
         }
-        Err(Failed::Pipeline(error)) => Err(error),
-        Err(Failed::Symmetry(reason)) => {
+        Err(NotSymmetric::Pipeline(error)) => Err(error),
+        Err(NotSymmetric::Symmetry(reason)) => {
             without(format!("with the symmetry {}: {reason}", group.name()))
         }
     }
@@ -196,14 +143,14 @@ fn not_symmetric(options: &MeshOptions) -> Option<&'static str> {
 }
 
 /// Why there is no symmetric mesh.
-enum Failed {
+enum NotSymmetric {
     /// Nor is there another one.
     Pipeline(PipelineError),
     /// What is in the way of symmetry alone.
     Symmetry(String),
 }
 
-impl<E: Into<PipelineError>> From<E> for Failed {
+impl<E: Into<PipelineError>> From<E> for NotSymmetric {
     fn from(error: E) -> Self {
         match error.into() {
             PipelineError::Cancelled => Self::Pipeline(PipelineError::Cancelled),
@@ -280,10 +227,10 @@ impl DomainPanels {
         group: Group,
         panels: usize,
         options: &MeshOptions,
-    ) -> Result<Self, Failed> {
+    ) -> Result<Self, NotSymmetric> {
         let inside = whole.mapped(|p| found.frame.inside(*p));
-        let part =
-            cut::cut(&inside, &group.walls()).map_err(|e| Failed::Symmetry(e.to_string()))?;
+        let part = symmetry::cut(&inside, &group.walls())
+            .map_err(|e| NotSymmetric::Symmetry(e.to_string()))?;
         let scale = part.diagonal();
         let surface = part.mapped(|p| p / scale);
         // Panels in mirror planes are half there: two in three of them, about, are cut.
@@ -325,7 +272,7 @@ impl DomainPanels {
         found: &Found,
         whole: &TriangleSurface,
         clock: &mut Clock<'_>,
-    ) -> Result<MeshRun, Failed> {
+    ) -> Result<MeshRun, NotSymmetric> {
         let ground = clock.stage("target", || {
             Ground::new(&self.surface, self.panels, &self.options)
         })?;
@@ -334,7 +281,7 @@ impl DomainPanels {
         let laid = LaidOut::new(&ground, way, &options, clock)?;
         let ground = laid.ground(&ground);
         let layout = &laid.drawn.layout;
-        let parts = quotient::completed(layout, self.group).map_err(Failed::Symmetry)?;
+        let parts = symmetry::completed(layout, self.group).map_err(NotSymmetric::Symmetry)?;
         let target = FoldedTarget::new(ground.close_to(&laid.fine.surface), self.group.walls());
         let progress = clock.progress;
         let optimised = clock.timed("optimise", || {
@@ -354,7 +301,7 @@ impl DomainPanels {
             &laid,
             clock,
         )?;
-        let quotient = quotient::quotient_of(&mesh, self.group).map_err(Failed::Symmetry)?;
+        let quotient = symmetry::quotient_of(&mesh, self.group).map_err(NotSymmetric::Symmetry)?;
         let statistics = Statistics {
             layout: laid.drawn.placed.statistics,
             factorisations: optimised.runs.iter().map(|r| r.factorisations).sum(),
@@ -380,7 +327,7 @@ impl DomainPanels {
         ground: &Ground,
         laid: &LaidOut,
         clock: &mut Clock<'_>,
-    ) -> Result<HexMesh, Failed> {
+    ) -> Result<HexMesh, NotSymmetric> {
         let (options, walls) = (&self.options, self.group.walls());
         let reported = ground.reported(&laid.fine.surface);
         let facets = ground.given_facets();
@@ -446,10 +393,10 @@ impl DomainPanels {
         statistics: Statistics,
         outcome: Outcome,
         clock: &mut Clock<'_>,
-    ) -> Result<MeshRun, Failed> {
+    ) -> Result<MeshRun, NotSymmetric> {
         let elements = self.group.elements();
-        let all =
-            unfolded(quotient, part, &elements).map_err(|e| Failed::Symmetry(e.to_string()))?;
+        let all = symmetry::unfolded(quotient, part, &elements)
+            .map_err(|e| NotSymmetric::Symmetry(e.to_string()))?;
         let frame = &found.frame;
         let positions = all.mesh.positions.map(|p| frame.outside(p * self.scale));
         let operation = |e: &Matrix3<f64>| {
@@ -468,7 +415,7 @@ impl DomainPanels {
                 group: self.group.name(),
                 order: self.group.order(),
                 revolution: found.revolution,
-                distance_rel: find::distance(whole, frame, self.group),
+                distance_rel: symmetry::distance(whole, frame, self.group),
                 tolerance_rel: SYMMETRY_TOLERANCE,
                 distinct_panels: distinct,
                 operations: orbits.operations.clone(),

@@ -10,7 +10,7 @@ const IN_PLANE: f64 = 1e-7;
 
 /// A domain between mirror planes through the origin, and all its images: points are brought into
 /// the domain, and what is closest to them back.
-pub(super) struct FoldedTarget<'a> {
+pub(crate) struct FoldedTarget<'a> {
     domain: SurfaceTarget<'a>,
     walls: Vec<Vec3>,
     /// The boundary without what lies in mirror planes.
@@ -28,7 +28,7 @@ impl<'a> FoldedTarget<'a> {
     }
 
     /// The boundary without what lies in mirror planes.
-    pub(super) fn boundary(&self) -> Option<&BoundaryCurve> {
+    pub(crate) fn boundary(&self) -> Option<&BoundaryCurve> {
         self.boundary.as_ref()
     }
 
@@ -69,7 +69,7 @@ impl Target for FoldedTarget<'_> {
 }
 
 /// The boundary of a domain that lies in no mirror plane; `None` if all of it does.
-pub(super) fn open_boundary(domain: &TriangleSurface, walls: &[Vec3]) -> Option<BoundaryCurve> {
+pub(crate) fn open_boundary(domain: &TriangleSurface, walls: &[Vec3]) -> Option<BoundaryCurve> {
     let near = IN_PLANE * domain.diagonal();
     let mut lines: Vec<Vec<Vec3>> = Vec::new();
     for boundary in domain.boundary_loops() {

@@ -11,7 +11,7 @@ const MOST_TURNS: u32 = 1000;
 /// rotation, in text as in job files.
 ///
 /// ```
-/// use phex::pipeline::Symmetry;
+/// use phex::symmetry::Symmetry;
 ///
 /// assert_eq!("6".parse(), Ok(Symmetry::Turns(6)));
 /// assert_eq!(Symmetry::Mirror.to_string(), "mirror");

@@ -11,7 +11,7 @@ const SAME_MAP: f64 = 1e-6;
 /// A group of reflections, in a frame whose `z` axis is its axis and whose plane `y = 0` is one of
 /// its mirror planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Group {
+pub(crate) struct Group {
     /// Rotations about the axis by multiples of a turn over this number, at least 1. Mirror planes
     /// through the axis are half as far apart.
     pub rotations: u32,
@@ -37,7 +37,7 @@ impl Group {
 
     /// Its elements: the identity first, then with the reflection in `y = 0` where the number is
     /// odd, rotated turn by turn, and at last all of them reflected in `z = 0`.
-    pub(super) fn elements(self) -> Vec<Matrix3<f64>> {
+    pub(crate) fn elements(self) -> Vec<Matrix3<f64>> {
         let levels = [1.0, -1.0];
         let levels = &levels[..1 + usize::from(self.level)];
         let turns = 0..self.rotations;
@@ -52,7 +52,7 @@ impl Group {
     }
 
     /// Inward unit normals of the mirror planes round the fundamental domain.
-    pub(super) fn walls(self) -> Vec<Vec3> {
+    pub(crate) fn walls(self) -> Vec<Vec3> {
         let mut walls = vec![Vec3::y()];
         if self.rotations > 1 {
             let half = half_turn(self.rotations);
@@ -65,7 +65,7 @@ impl Group {
     }
 
     /// The walls as planes that a lattice is symmetric about.
-    pub(super) fn mirrors(self) -> Vec<MirrorPlane> {
+    pub(crate) fn mirrors(self) -> Vec<MirrorPlane> {
         let plane = |n: &Vec3| MirrorPlane {
             point: [0.0; 3],
             normal: (*n).into(),
@@ -75,7 +75,7 @@ impl Group {
 }
 
 /// Rotation about `z` by `k` turns over `n`, exact for quarters.
-pub(super) fn turn(k: u32, n: u32) -> Matrix3<f64> {
+pub(crate) fn turn(k: u32, n: u32) -> Matrix3<f64> {
     let (c, s) = match (4 * k) % n {
         0 => [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][(4 * k / n % 4) as usize],
         _ => {
@@ -98,7 +98,7 @@ fn half_turn(n: u32) -> Vec3 {
 }
 
 /// The reflection in the plane through the origin with a unit normal.
-pub(super) fn reflection(normal: Vec3) -> Matrix3<f64> {
+pub(crate) fn reflection(normal: Vec3) -> Matrix3<f64> {
     match normal.iter().position(|c| c.abs() == 1.0) {
         Some(axis) => {
             let mut signs = Vec3::repeat(1.0);
@@ -110,12 +110,12 @@ pub(super) fn reflection(normal: Vec3) -> Matrix3<f64> {
 }
 
 /// The number of an element in a list.
-pub(super) fn number_of(elements: &[Matrix3<f64>], map: &Matrix3<f64>) -> Option<usize> {
+pub(crate) fn number_of(elements: &[Matrix3<f64>], map: &Matrix3<f64>) -> Option<usize> {
     elements.iter().position(|e| (e - map).amax() < SAME_MAP)
 }
 
 /// The point nearest to `p` in those planes through the origin that `bits` names.
-pub(super) fn in_walls(normals: &[Vec3], bits: u32, mut p: Vec3) -> Vec3 {
+pub(crate) fn in_walls(normals: &[Vec3], bits: u32, mut p: Vec3) -> Vec3 {
     let held = normals.iter().enumerate();
     let held: Vec<Vec3> = (held.filter(|(k, _)| bits & (1 << k) != 0))
         .map(|(_, n)| *n)
@@ -144,7 +144,7 @@ fn in_plane(p: Vec3, normal: Vec3) -> Vec3 {
 }
 
 /// Brings a point into the fundamental domain: the point there, and the map that takes it back.
-pub(super) fn folded(walls: &[Vec3], mut p: Vec3) -> (Vec3, Matrix3<f64>) {
+pub(crate) fn folded(walls: &[Vec3], mut p: Vec3) -> (Vec3, Matrix3<f64>) {
     let mut back = Matrix3::identity();
     for _ in 0..MOST_REFLECTIONS {
         let Some(normal) = walls.iter().find(|n| n.dot(&p) < 0.0) else {

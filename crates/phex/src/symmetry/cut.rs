@@ -20,7 +20,7 @@ struct Pieces {
 ///
 /// # Errors
 /// If it is no manifold, or nothing is left.
-pub(super) fn cut(
+pub(crate) fn cut(
     surface: &TriangleSurface,
     normals: &[Vec3],
 ) -> Result<TriangleSurface, TopologyError> {

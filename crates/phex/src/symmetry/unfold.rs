@@ -18,7 +18,7 @@ pub struct Isometry {
 }
 
 impl Isometry {
-    pub(super) fn new(map: &Matrix3<f64>, shift: Vec3) -> Self {
+    pub(crate) fn new(map: &Matrix3<f64>, shift: Vec3) -> Self {
         let row = |r: usize| [0, 1, 2].map(|c| map[(r, c)]);
         Self {
             rows: [0, 1, 2].map(row),
@@ -67,7 +67,7 @@ pub struct Orbits {
 
 impl Orbits {
     /// The same in model coordinates.
-    pub(in crate::pipeline) fn restored(mut self, similarity: &Similarity) -> Self {
+    pub(crate) fn restored(mut self, similarity: &Similarity) -> Self {
         self.operations = (self.operations.iter())
             .map(|o| o.restored(similarity))
             .collect();
@@ -75,7 +75,7 @@ impl Orbits {
     }
 
     /// Puts images exactly where the operations have them.
-    pub(in crate::pipeline) fn put_exactly(&self, positions: &mut PerVertex<Vec3>) {
+    pub(crate) fn put_exactly(&self, positions: &mut PerVertex<Vec3>) {
         let all = positions.as_slice().to_vec();
         let images = self.vertices.iter().zip(positions.iter_mut());
         for ((source, operation), p) in images.filter(|((_, operation), _)| *operation > 0) {
@@ -85,7 +85,7 @@ impl Orbits {
 }
 
 /// A mesh and where its elements come from.
-pub(super) struct Unfolded {
+pub(crate) struct Unfolded {
     pub mesh: HexMesh,
     pub vertices: Vec<(u32, u32)>,
     pub panels: Vec<(u32, u32)>,
@@ -95,7 +95,7 @@ pub(super) struct Unfolded {
 ///
 /// # Errors
 /// If that is no manifold.
-pub(super) fn unfolded(
+pub(crate) fn unfolded(
     quotient: &Quotient,
     mesh: &HexMesh,
     elements: &[Matrix3<f64>],

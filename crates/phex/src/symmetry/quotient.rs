@@ -30,7 +30,7 @@ const SQUARE: f64 = 0.3;
 const NO_PANEL: usize = 1000;
 
 /// A panelling of a fundamental domain with the panels at its mirror planes whole.
-pub(super) struct WholePanels {
+pub(crate) struct WholePanels {
     pub layout: Layout,
     pub quotient: Quotient,
 }
@@ -39,9 +39,9 @@ pub(super) struct WholePanels {
 ///
 /// # Errors
 /// A sentence that says what is in the way.
-pub(super) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, String> {
+pub(crate) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, String> {
     let walls = group.walls();
-    let cells = Cells::new(layout, &walls);
+    let cells = WallCells::new(layout, &walls);
     let merged = cells.merged();
     let mut parts = WholeParts {
         cells: &cells,
@@ -60,9 +60,9 @@ pub(super) fn completed(layout: &Layout, group: Group) -> Result<WholePanels, St
 
 /// Panels of a domain's layout, with those at its mirror planes whole, that are no hexagons; at the
 /// open boundary any panel will do.
-pub(in crate::pipeline) fn irregular_panels(layout: &Layout, mirrors: &[MirrorPlane]) -> usize {
+pub(crate) fn irregular_panels(layout: &Layout, mirrors: &[MirrorPlane]) -> usize {
     let walls: Vec<Vec3> = mirrors.iter().map(|m| m.normal.into()).collect();
-    let cells = Cells::new(layout, &walls);
+    let cells = WallCells::new(layout, &walls);
     let merged = cells.merged();
     let topology = cells.topology;
     let cost = |f: FaceId| {
@@ -86,7 +86,7 @@ pub(in crate::pipeline) fn irregular_panels(layout: &Layout, mirrors: &[MirrorPl
     topology.faces().map(cost).sum()
 }
 
-struct Cells<'a> {
+struct WallCells<'a> {
     layout: &'a Layout,
     topology: &'a Topology,
     walls: &'a [Vec3],
@@ -94,7 +94,7 @@ struct Cells<'a> {
     on: PerVertex<u32>,
 }
 
-impl<'a> Cells<'a> {
+impl<'a> WallCells<'a> {
     fn new(layout: &'a Layout, walls: &'a [Vec3]) -> Self {
         let topology = layout.mesh.topology();
         let on = PerVertex::from_fn(topology.n_vertices(), |v: VertexId| {
@@ -280,7 +280,7 @@ struct NewImage {
 }
 
 struct WholeParts<'a> {
-    cells: &'a Cells<'a>,
+    cells: &'a WallCells<'a>,
     elements: Vec<Matrix3<f64>>,
     images: Vec<NewImage>,
     of_source: BTreeMap<u32, Vec<u32>>,
@@ -417,7 +417,7 @@ impl WholeParts<'_> {
 ///
 /// # Errors
 /// If an image has no source.
-pub(super) fn quotient_of(mesh: &HexMesh, group: Group) -> Result<Quotient, String> {
+pub(crate) fn quotient_of(mesh: &HexMesh, group: Group) -> Result<Quotient, String> {
     let (walls, elements) = (group.walls(), group.elements());
     let near = 1e-9 * mesh.diagonal();
     let inside = |p: &Vec3| walls.iter().all(|n| n.dot(p) > -near);

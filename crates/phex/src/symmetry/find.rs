@@ -31,7 +31,7 @@ const SAME_AXIS: f64 = 0.9999;
 
 /// Where a group lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     /// A point of all mirror planes.
     pub origin: Vec3,
     /// Rows are the axes: the normal of the first mirror plane is the second, the axis the third.
@@ -52,7 +52,7 @@ impl Frame {
 
 /// The symmetries of a surface.
 #[derive(Clone, Debug)]
-pub(super) struct Found {
+pub(crate) struct Found {
     pub frame: Frame,
     pub group: Group,
     /// Whether every rotation about the axis is one.
@@ -70,8 +70,8 @@ struct About {
 
 /// The largest group of mirror planes of a surface, and the order of a rotation without mirror
 /// planes if there is nothing else; lengths in the surface's unit.
-pub(super) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>, Option<u32>) {
-    let search = Search::new(surface, tolerance);
+pub(crate) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>, Option<u32>) {
+    let search = AxisSearch::new(surface, tolerance);
     let mut about: Vec<About> = (search.axes().into_iter())
         .map(|axis| search.about(axis))
         .collect();
@@ -92,8 +92,8 @@ pub(super) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>,
 }
 
 /// Largest distance of vertices' images under a group to the surface.
-pub(super) fn distance(surface: &TriangleSurface, frame: &Frame, group: Group) -> f64 {
-    let search = Search::new(surface, 0.0);
+pub(crate) fn distance(surface: &TriangleSurface, frame: &Frame, group: Group) -> f64 {
+    let search = AxisSearch::new(surface, 0.0);
     let maps: Vec<Matrix3<f64>> = group.walls().into_iter().map(reflection).collect();
     search.distance(frame, &maps, usize::MAX)
 }
@@ -126,7 +126,7 @@ impl About {
     }
 }
 
-struct Search<'a> {
+struct AxisSearch<'a> {
     surface: &'a TriangleSurface,
     boundary: Option<BoundaryCurve>,
     tolerance: f64,
@@ -135,7 +135,7 @@ struct Search<'a> {
     triangles: Vec<(Vec3, f64)>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> AxisSearch<'a> {
     fn new(surface: &'a TriangleSurface, tolerance: f64) -> Self {
         let triangle = |f| {
             let middle = surface.corners(f).iter().sum::<Vec3>() / 3.0;
