@@ -2,6 +2,9 @@
 //! time with a documented exit code, and what passes is right by the judge of `phex-fuzz`, which
 //! shares no code with the program.
 
+// Comparisons are written so that a NaN is a fault.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 mod common;
 use common::Workshop;
 use phex_fuzz::referee::{deviation, faults, kind, torn};

@@ -6,6 +6,9 @@
 //! panel is flipped against its neighbours, folded onto one, or passed through by an edge of
 //! another, and the corners at each inner vertex go round it once.
 
+// Comparisons are written so that a NaN is a fault.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use crate::raw_mesh::{RawMesh, RawPoint};
 use crate::shapes::{cross, difference, dot, length, scaled, sum, unit};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
