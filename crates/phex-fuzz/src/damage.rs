@@ -8,8 +8,11 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeSet;
 
-/// Everything that can happen to a mesh, with a name.
-pub const DAMAGES: [(&str, fn(RawMesh) -> RawMesh); 35] = [
+/// A name, and what it does to a mesh.
+pub type Damage = (&'static str, fn(RawMesh) -> RawMesh);
+
+/// Everything that can happen to a mesh.
+pub const DAMAGES: [Damage; 35] = [
     ("far-1e6", |m| m.mapped(|p| sum(p, [1e6, -1e6, 1e6]))),
     ("far-1e9", |m| m.mapped(|p| sum(p, [1e9, 0.0, 0.0]))),
     ("far-1e14", |m| m.mapped(|p| sum(p, [0.0, 1e14, 0.0]))),

@@ -446,7 +446,7 @@ fn few_triangles() -> Vec<(String, RawMesh, bool)> {
     let strip = |n: usize, bent: f64| {
         let point = |k: usize| [0.5 * k as f64, (k % 2) as f64, bent * (k as f64).powi(2)];
         let triangle = |k: usize| {
-            if k % 2 == 0 {
+            if k.is_multiple_of(2) {
                 [k, k + 2, k + 1]
             } else {
                 [k, k + 1, k + 2]

@@ -65,7 +65,7 @@ fn meshes(format: Format, words: &[&str]) {
             }
         };
         // What follows costs more than reading does.
-        if file.len() % 8 == 0 {
+        if file.len().is_multiple_of(8) {
             read_as_job(&file, format)?;
         }
         Ok(Tried { taken, ratio })
