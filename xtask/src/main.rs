@@ -1,6 +1,7 @@
 //! Tasks of the project: `cargo xtask check` runs everything that continuous integration runs.
 
 mod arrows;
+mod book;
 mod circles;
 mod comments;
 mod figures;
@@ -19,13 +20,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] | foreign | python | wheel
-                        | viewer | browse | figures [NUMBER...] | obj STEP...
+                        | book [--write] [CHAPTER.md...] | viewer | browse | figures [NUMBER...] | obj STEP...
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
 foreign opens the files of the program with other programs (needs Python and pip)
 python  builds the Python package and tests it (needs Python and pip)
 wheel   packs it for other machines, in target/wheels (needs Python and pip)
+book    runs every command of docs/book and compares what it prints; follows every relative link; with --write what is
+        shown whole is brought up to date; --program PATH: another phex
 viewer  builds the interactive part of the HTML report, and the page of the studio (needs npm)
 browse  opens HTML reports and the studio in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)
 ledger  makes the rows of docs/ledger.md (surfaces at set sizes) and says what is better and worse than the committed ones;
@@ -62,7 +65,7 @@ impl From<String> for Stop {
     }
 }
 
-const CHECK: [Step; 16] = [
+const CHECK: [Step; 17] = [
     Step {
         name: "formatting",
         run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
@@ -114,6 +117,10 @@ const CHECK: [Step; 16] = [
         run: |root| Ok(cargo(root, &["test", "--workspace"])?),
     },
     Step {
+        name: "the book's commands do what it says",
+        run: book::check,
+    },
+    Step {
         name: "no row of the ledger is worse",
         run: |root| Ok(ledger::check(root)?),
     },
@@ -142,6 +149,7 @@ fn main() -> ExitCode {
         ["foreign"] => exit(foreign::check(&root())),
         ["python"] => exit(python::check(&root())),
         ["wheel"] => exit(python::wheel(&root())),
+        ["book", ref words @ ..] => exit(book::book(&root(), words)),
         ["viewer"] => exit(viewer::build(&root())),
         ["browse"] => exit(viewer::browse(&root())),
         ["ledger", ref words @ ..] => exit(ledger::ledger(&root(), words).map_err(Stop::from)),
