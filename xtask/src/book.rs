@@ -26,12 +26,12 @@ pub fn check(root: &Path) -> Result<(), Stop> {
 
 /// Checks the book, or some chapters of it.
 pub fn book(root: &Path, words: &[&str]) -> Result<(), Stop> {
-    let task = Task::parsed(words)?;
+    let task = BookTask::parsed(words)?;
     let source = root.join(SOURCE);
     structure(root, &source)?;
     let given = task.program.map(PathBuf::from);
     let phex = given.map_or_else(|| program_as_tested(root), Ok)?;
-    let place = Place::new(root, &phex)?;
+    let place = BookFolder::new(root, &phex)?;
     place.reference(&source.join(REFERENCE), task.writes)?;
     for path in chapters(&source)? {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -44,14 +44,14 @@ pub fn book(root: &Path, words: &[&str]) -> Result<(), Stop> {
 
 /// What is to be done.
 #[derive(Default)]
-struct Task<'a> {
+struct BookTask<'a> {
     chapters: Vec<&'a str>,
     program: Option<&'a str>,
     /// Whether output that is shown whole is brought up to date.
     writes: bool,
 }
 
-impl<'a> Task<'a> {
+impl<'a> BookTask<'a> {
     fn parsed(words: &[&'a str]) -> Result<Self, String> {
         let mut task = Self::default();
         let mut words = words.iter();
@@ -68,14 +68,14 @@ impl<'a> Task<'a> {
 }
 
 /// Where the book's commands run.
-struct Place {
+struct BookFolder {
     root: PathBuf,
     scratch: PathBuf,
     /// The search path, with the program first.
     path: std::ffi::OsString,
 }
 
-impl Place {
+impl BookFolder {
     fn new(root: &Path, phex: &Path) -> Result<Self, String> {
         let scratch = root.join(SCRATCH);
         let programs = scratch.join("bin");

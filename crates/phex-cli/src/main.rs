@@ -1,6 +1,7 @@
 //! The program `phex`: arguments to options, options to results, results to files and an exit code.
 
 mod args;
+mod bundle;
 mod commands;
 mod dual_arguments;
 mod exit;
@@ -16,6 +17,7 @@ mod printable;
 mod progress;
 mod promise;
 mod shared_arguments;
+mod start;
 mod summary;
 mod sweep_arguments;
 mod terms;
@@ -26,9 +28,13 @@ use clap::Parser;
 use exit::{Exit, Failure, OrExit};
 use printable::printable;
 use shared_arguments::{ProgressMode, Talk};
+use start::START;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    if std::env::args_os().len() == 1 {
+        return output::print(START).map_or_else(|f| f.exit, |()| Exit::Success).into();
+    }
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return usage(&error),

@@ -1,14 +1,14 @@
 //! Running the commands of a chapter.
 
-use super::Place;
-use super::transcript::{Block, Shown, agrees, blocks};
+use super::BookFolder;
+use super::transcript::{RunBlock, ShownCommand, agrees, blocks};
 use crate::{read, verdict, write};
 use std::path::Path;
 use std::time::Instant;
 
 /// Runs the commands of a chapter in a folder of their own and compares what they print with what
 /// the chapter shows; with `writes` output that is shown whole is brought up to date instead.
-pub fn check(place: &Place, path: &Path, writes: bool) -> Result<(), String> {
+pub fn check(place: &BookFolder, path: &Path, writes: bool) -> Result<(), String> {
     let text = read(path)?;
     let blocks = blocks(&text);
     if blocks.is_empty() {
@@ -20,8 +20,8 @@ pub fn check(place: &Place, path: &Path, writes: bool) -> Result<(), String> {
     let (mut complaints, mut news) = (Vec::new(), Vec::new());
     for block in &blocks {
         match block {
-            Block::File { name, text } => write(&folder.join(name), text)?,
-            Block::Console(commands) => {
+            RunBlock::File { name, text } => write(&folder.join(name), text)?,
+            RunBlock::Console(commands) => {
                 for shown in commands {
                     let (said, fine) = place.said(&folder, &shown.command)?;
                     let lines: Vec<&str> = said.lines().collect();
@@ -46,13 +46,13 @@ pub fn check(place: &Place, path: &Path, writes: bool) -> Result<(), String> {
     verdict(complaints)
 }
 
-fn complaint(path: &Path, shown: &Shown, what: &str, said: &str) -> String {
-    let Shown { line, command, .. } = shown;
+fn complaint(path: &Path, shown: &ShownCommand, what: &str, said: &str) -> String {
+    let ShownCommand { line, command, .. } = shown;
     format!("{}:{line}: `{command}` {what}\n{said}", path.display())
 }
 
 /// A chapter with the outputs of some commands brought up to date.
-fn renewed(text: &str, news: &[(Shown, String)]) -> String {
+fn renewed(text: &str, news: &[(ShownCommand, String)]) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
     for (shown, said) in news.iter().rev() {
         let first = shown.line - 1 + shown.command.lines().count();
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn outputs_are_brought_up_to_date_in_their_places() {
         let text = "```console\n$ a \\\n  b\nold\n$ c\n$ d\nold\nolder\n```\nend\n";
-        let Block::Console(commands) = &blocks(text)[0] else {
+        let RunBlock::Console(commands) = &blocks(text)[0] else {
             panic!("no block");
         };
         let said = ["1\n2\n", "3\n", "4\n"];

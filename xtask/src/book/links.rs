@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Where a relative link leads.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Target {
+pub struct LinkTarget {
     /// The file, from the folder of the text; empty for the text itself.
     pub path: String,
     /// The heading, as pages name it; empty for the file as a whole.
@@ -12,7 +12,7 @@ pub struct Target {
 }
 
 /// The relative links of a text, outside of code.
-pub fn targets(text: &str) -> Vec<Target> {
+pub fn targets(text: &str) -> Vec<LinkTarget> {
     let mut found = Vec::new();
     let mut fenced = false;
     for line in text.lines() {
@@ -24,7 +24,7 @@ pub fn targets(text: &str) -> Vec<Target> {
     found
 }
 
-fn of_line(line: &str) -> Vec<Target> {
+fn of_line(line: &str) -> Vec<LinkTarget> {
     // What stands between backticks is code: every second piece.
     let prose: String = line.split('`').step_by(2).collect::<Vec<_>>().join("`");
     let after_text = prose.split("](").skip(1);
@@ -32,7 +32,7 @@ fn of_line(line: &str) -> Vec<Target> {
     let relative = links.filter(|link| !link.contains("://") && !link.is_empty());
     let target = |link: &str| {
         let (path, heading) = link.split_once('#').unwrap_or((link, ""));
-        Target {
+        LinkTarget {
             path: path.to_owned(),
             heading: heading.to_owned(),
         }
@@ -43,7 +43,7 @@ fn of_line(line: &str) -> Vec<Target> {
 /// What is wrong with the links of a file; `inside` is the folder that none of them may leave.
 pub fn complaints(file: &Path, text: &str, inside: Option<&Path>) -> Vec<String> {
     let folder = file.parent().unwrap_or(file);
-    let wrong = |target: Target| {
+    let wrong = |target: LinkTarget| {
         let path = match target.path.as_str() {
             "" => file.to_path_buf(),
             path => normal(&folder.join(path)),

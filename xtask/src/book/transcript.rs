@@ -2,9 +2,9 @@
 
 /// A block of a chapter that is run.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Block {
+pub enum RunBlock {
     /// Commands, each with the output that is shown.
-    Console(Vec<Shown>),
+    Console(Vec<ShownCommand>),
     /// A file that the commands after it find.
     File {
         /// Its name.
@@ -16,7 +16,7 @@ pub enum Block {
 
 /// A command as the book shows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Shown {
+pub struct ShownCommand {
     /// The line of the chapter on which it stands, from 1.
     pub line: usize,
     /// The command line; it may go on over several lines.
@@ -32,7 +32,7 @@ fn here() -> String {
 
 /// The blocks of a chapter that are run here: fences that open with `console` (perhaps `console
 /// only=x86_64-linux`), and `toml file=NAME` or the like.
-pub fn blocks(text: &str) -> Vec<Block> {
+pub fn blocks(text: &str) -> Vec<RunBlock> {
     let mut found = Vec::new();
     let mut lines = text.lines().enumerate();
     while let Some((_, line)) = lines.next() {
@@ -44,22 +44,22 @@ pub fn blocks(text: &str) -> Vec<Block> {
         if let Some(name) = word("file=") {
             let name = name.to_owned();
             let text = body.iter().map(|l| format!("{}\n", l.1)).collect();
-            found.push(Block::File { name, text });
+            found.push(RunBlock::File { name, text });
         } else if info.split(' ').next() == Some("console")
             && word("only=").is_none_or(|only| only == here())
         {
-            found.push(Block::Console(commands(&body)));
+            found.push(RunBlock::Console(commands(&body)));
         }
     }
     found
 }
 
-fn commands(body: &[(usize, &str)]) -> Vec<Shown> {
-    let mut all: Vec<Shown> = Vec::new();
+fn commands(body: &[(usize, &str)]) -> Vec<ShownCommand> {
+    let mut all: Vec<ShownCommand> = Vec::new();
     let mut goes_on = false;
     for &(index, line) in body {
         if let Some(command) = line.strip_prefix("$ ") {
-            all.push(Shown {
+            all.push(ShownCommand {
                 line: index + 1,
                 command: command.to_owned(),
                 output: Vec::new(),
@@ -122,7 +122,7 @@ mod tests {
     fn blocks_hold_commands_outputs_and_files() {
         let text = "a\n```console\n$ phex a \\\n    -o b\none\n$ c\n```\n```sh\n$ no\n```\n```toml file=x.toml\nk = 1\n```\n```console only=none\n$ d\n```\n";
         let found = blocks(text);
-        let [Block::Console(commands), Block::File { name, text }] = &found[..] else {
+        let [RunBlock::Console(commands), RunBlock::File { name, text }] = &found[..] else {
             panic!("{found:?}");
         };
         assert_eq!(commands[0].command, "phex a \\\n    -o b");

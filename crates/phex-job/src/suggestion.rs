@@ -1,0 +1,215 @@
+//! What kind of surface one is, and how many panels suit it.
+
+use crate::hexagon::{edge_length, hexagon_area};
+use phex::curvature::{CurvatureOptions, Principal, principal, tensors_at};
+use phex::directions::Guides;
+use phex::layout::CELL;
+use phex_mesh::{TriangleSurface, VertexId};
+use serde::Serialize;
+
+/// Panels at whose scale curvature is looked at.
+const LOOKED_AT: f64 = 300.0;
+/// Vertices at which it is looked at, at most.
+const SAMPLES: usize = 4000;
+/// Larger curvature times the length of such a panel below which a place is flat.
+const FLAT: f64 = 0.02;
+/// Smaller over larger curvature below which a place is curved one way only.
+const ONE_WAY: f64 = 0.05;
+/// Angle between the normals of two triangles from which on their edge is a crease, in degrees: what
+/// `--crease` takes.
+const CREASE: f64 = 30.0;
+/// Share of the area that is curved less than what is told as the strongest curvature.
+const MOST: f64 = 0.99;
+/// Largest distance of a panel from the surface, over its edge squared times the strongest
+/// curvature. A panel between centre and corners of equal distance has a quarter; what is measured
+/// on built-in surfaces of 100 to 1000 panels is around it.
+const SAGITTA: f64 = 0.25;
+/// Length of a panel over the radius of curvature from which on the surface has features below
+/// panel size.
+const RESOLVED: f64 = 0.8;
+
+/// What kind of surface one is; shares of its area, 0 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SurfaceKind {
+    /// Where the Gauss curvature is positive: panels are convex.
+    pub domes: f64,
+    /// Where it is negative: panels are concave.
+    pub saddles: f64,
+    /// Where the surface is curved one way only, as a cylinder is: panels are bricks.
+    pub one_way: f64,
+    /// Where it is flat.
+    pub flat: f64,
+    /// Largest absolute normal curvature on all but a hundredth of the area, over model units.
+    pub strongest: f64,
+    /// Number of edges that are sharper than 30 degrees.
+    pub creases: usize,
+    /// Area in squared model units.
+    pub area: f64,
+}
+
+/// A number of panels, and what to expect of it; lengths in model units.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Suggestion {
+    /// Number of panels.
+    pub panels: u64,
+    /// Mean length of their edges, about.
+    pub edge_length: f64,
+    /// Their largest distance from the surface, about.
+    pub deviation: f64,
+}
+
+impl SurfaceKind {
+    /// Looks at a surface, at the scale of 300 panels.
+    pub fn new(surface: &TriangleSurface) -> Self {
+        let area = surface.area();
+        let length = (area / (CELL * LOOKED_AT)).sqrt();
+        let places = places(surface, length);
+        let share = |is: &dyn Fn(&Principal) -> bool| {
+            let all: f64 = places.iter().map(|p| p.1).sum();
+            let some: f64 = places.iter().filter(|p| is(&p.0)).map(|p| p.1).sum();
+            some / all
+        };
+        let flat = |p: &Principal| p.large.abs() * length < FLAT;
+        let one_way = |p: &Principal| !flat(p) && p.small.abs() < ONE_WAY * p.large.abs();
+        let curved = |p: &Principal| !flat(p) && !one_way(p);
+        Self {
+            domes: share(&|p| curved(p) && p.small * p.large > 0.0),
+            saddles: share(&|p| curved(p) && p.small * p.large < 0.0),
+            one_way: share(&one_way),
+            flat: share(&flat),
+            strongest: strongest(&places),
+            creases: creases(surface),
+            area,
+        }
+    }
+
+    /// What to expect of a number of panels.
+    pub fn of_panels(&self, panels: u64) -> Suggestion {
+        let edge_length = edge_length(self.area / panels as f64);
+        Suggestion {
+            panels,
+            edge_length,
+            deviation: SAGITTA * self.strongest * edge_length * edge_length,
+        }
+    }
+
+    /// Panels with edges of a length.
+    pub fn of_edges(&self, length: f64) -> Suggestion {
+        self.of_panels(((self.area / hexagon_area(length)).round() as u64).max(1))
+    }
+
+    /// Panels that are no farther from the surface than a length.
+    pub fn of_deviation(&self, length: f64) -> Suggestion {
+        let edge = (length / (SAGITTA * self.strongest)).sqrt();
+        self.of_panels(((self.area / hexagon_area(edge)).ceil() as u64).max(1))
+    }
+
+    /// The least number of panels that are not longer than features of the surface.
+    pub fn resolving(&self) -> u64 {
+        let edge = 0.5 * RESOLVED / self.strongest;
+        ((self.area / hexagon_area(edge)).ceil() as u64).max(1)
+    }
+
+    /// What the curvature means for panels, in sentences.
+    pub fn sentences(&self) -> Vec<String> {
+        let percent = |x: f64| format!("{:.0} %", 100.0 * x);
+        let kinds = [
+            (self.domes, "dome-like (K > 0: convex panels)"),
+            (self.saddles, "saddle-like (K < 0: concave panels, with two re-entrant corners)"),
+            (self.one_way, "curved one way (bricks with rows along the straight direction)"),
+            (self.flat, "flat (regular hexagons)"),
+        ];
+        let shown = kinds.iter().filter(|k| k.0 >= 0.005);
+        let mut sentences: Vec<String> = shown
+            .map(|(share, what)| format!("{} of the area is {what}", percent(*share)))
+            .collect();
+        if self.domes > 0.995 || self.saddles > 0.995 {
+            sentences.push("one sign of K: `--method koebe` may give beams of one height".to_owned());
+        }
+        if self.creases > 0 {
+            sentences.push(format!(
+                "{} edges are sharper than {CREASE} degrees: panels round them off; `--crease` lets rows run along them",
+                self.creases
+            ));
+        }
+        sentences
+    }
+}
+
+/// Curvature at some vertices, and the area round each.
+fn places(surface: &TriangleSurface, length: f64) -> Vec<(Principal, f64)> {
+    let count = surface.positions().len();
+    let step = count.div_ceil(SAMPLES);
+    let vertices: Vec<VertexId> = (0..count)
+        .step_by(step)
+        .map(|i| VertexId::new(i as u32))
+        .collect();
+    let tensors = tensors_at(surface, &vertices, length, &CurvatureOptions::default());
+    let area = |v: VertexId| -> f64 {
+        let around = surface.topology().outgoing(v);
+        around
+            .map(|h| surface.area_vector(surface.topology().face(h)).norm())
+            .sum()
+    };
+    let at = |(v, tensor): (&VertexId, &_)| (principal(surface.normals()[*v], tensor), area(*v));
+    vertices.iter().zip(&tensors).map(at).collect()
+}
+
+/// The curvature that all but a small share of the area stays below.
+fn strongest(places: &[(Principal, f64)]) -> f64 {
+    let mut sorted: Vec<(f64, f64)> = places.iter().map(|p| (p.0.large.abs(), p.1)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let whole: f64 = sorted.iter().map(|p| p.1).sum();
+    let mut below = 0.0;
+    let found = sorted.iter().find(|p| {
+        below += p.1;
+        below >= MOST * whole
+    });
+    found.map_or(0.0, |p| p.0)
+}
+
+fn creases(surface: &TriangleSurface) -> usize {
+    let guides = Guides {
+        crease: Some(CREASE),
+        ..Default::default()
+    };
+    guides.with_creases(surface).lines.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+
+    fn kind(name: &str, parameters: &[(&str, f64)]) -> SurfaceKind {
+        let shape = Shape::from_name(name, parameters).unwrap();
+        let options = TriangulationOptions {
+            triangles: 4000,
+            ..Default::default()
+        };
+        SurfaceKind::new(&triangulate(&shape, &options).unwrap())
+    }
+
+    #[test]
+    fn signs_of_the_curvature_are_told_apart() {
+        assert!(kind("sphere", &[]).domes > 0.99);
+        assert!(kind("hyperbolic-paraboloid", &[]).saddles > 0.99);
+        assert!(kind("cylinder", &[]).one_way > 0.99);
+        assert!(kind("plane", &[]).flat > 0.99);
+        let torus = kind("torus", &[]);
+        // The outer half has more area than the inner one.
+        assert!(torus.domes > 0.5 && torus.saddles > 0.3, "{torus:?}");
+    }
+
+    #[test]
+    fn numbers_of_panels_agree_with_lengths_of_edges_and_distances() {
+        let sphere = kind("sphere", &[]);
+        assert!((sphere.strongest - 1.0).abs() < 0.05, "{sphere:?}");
+        let some = sphere.of_panels(500);
+        assert_eq!(sphere.of_edges(some.edge_length).panels, 500);
+        let again = sphere.of_deviation(some.deviation).panels;
+        assert!((500..=501).contains(&again), "{again}");
+        // A flat surface needs one panel, whatever is asked for.
+        assert_eq!(kind("plane", &[]).of_deviation(0.01).panels, 1);
+    }
+}
