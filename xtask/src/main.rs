@@ -8,6 +8,7 @@ mod figures;
 mod foreign;
 mod ledger;
 mod measured;
+mod package;
 mod paths;
 mod performance;
 mod python;
@@ -20,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] | foreign | python | wheel
-                        | book [--write] [CHAPTER.md...] | viewer | browse | figures [NUMBER...] | obj STEP...
+                        | book [--write] [CHAPTER.md...] | viewer | browse | figures [NUMBER...] | obj STEP... | package [--no-verify]
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
@@ -36,6 +37,8 @@ ledger  makes the rows of docs/ledger.md (surfaces at set sizes) and says what i
         --models FOLDER: models that are not in the repository (default ../shared/models)
 performance measures what runs cost, and writes docs/performance.md
 figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces; with numbers only those
+package packs the crates as they are published, in target/package, with the viewer inside (needs npm), and builds each from its
+        package, but with --no-verify; `phex generate` writes manual pages and completions
 obj     cuts and joins OBJ files, as the gallery's commands need it";
 
 /// One step of the check: its name, and what it runs.
@@ -160,6 +163,7 @@ fn main() -> ExitCode {
         ["performance", ref words @ ..] => {
             exit(performance::performance(&root(), words).map_err(Stop::from))
         }
+        ["package", ref words @ ..] => exit(package::package(&root(), words)),
         ["obj", ref step @ ..] => exit(figures::steps::run(&root(), step).map_err(Stop::from)),
         ["figures", ref only @ ..] => exit(figures::figures(&root(), only).map_err(Stop::from)),
         _ => {

@@ -73,4 +73,3 @@ pub struct PolygonSoup {
     /// Vertex numbers (from 0) of each face.
     pub faces: Vec<Vec<u32>>,
 }
-compile_error!("stopped");
