@@ -37,6 +37,12 @@ fn holds_the_viewer(root: &Path) -> Result<(), String> {
         .args(["package", "--list", "--allow-dirty", "-p", "phex-html"]);
     let listed = list.output().map_err(|e| e.to_string())?;
     let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
-    let missing = VIEWER.iter().filter(|file| !listed.lines().any(|l| l == **file));
-    crate::verdict(missing.map(|file| format!("phex-html has no {file}")).collect())
+    let missing = VIEWER
+        .iter()
+        .filter(|file| !listed.lines().any(|l| l == **file));
+    crate::verdict(
+        missing
+            .map(|file| format!("phex-html has no {file}"))
+            .collect(),
+    )
 }

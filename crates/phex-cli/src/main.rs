@@ -33,7 +33,9 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     if std::env::args_os().len() == 1 {
-        return output::print(START).map_or_else(|f| f.exit, |()| Exit::Success).into();
+        return output::print(START)
+            .map_or_else(|f| f.exit, |()| Exit::Success)
+            .into();
     }
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,

@@ -115,8 +115,14 @@ impl SurfaceKind {
         let percent = |x: f64| format!("{:.0} %", 100.0 * x);
         let kinds = [
             (self.domes, "dome-like (K > 0: convex panels)"),
-            (self.saddles, "saddle-like (K < 0: concave panels, with two re-entrant corners)"),
-            (self.one_way, "curved one way (bricks with rows along the straight direction)"),
+            (
+                self.saddles,
+                "saddle-like (K < 0: concave panels, with two re-entrant corners)",
+            ),
+            (
+                self.one_way,
+                "curved one way (bricks with rows along the straight direction)",
+            ),
             (self.flat, "flat (regular hexagons)"),
         ];
         let shown = kinds.iter().filter(|k| k.0 >= 0.005);
@@ -124,7 +130,8 @@ impl SurfaceKind {
             .map(|(share, what)| format!("{} of the area is {what}", percent(*share)))
             .collect();
         if self.domes > 0.995 || self.saddles > 0.995 {
-            sentences.push("one sign of K: `--method koebe` may give beams of one height".to_owned());
+            sentences
+                .push("one sign of K: `--method koebe` may give beams of one height".to_owned());
         }
         if self.creases > 0 {
             sentences.push(format!(

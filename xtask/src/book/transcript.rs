@@ -126,8 +126,14 @@ mod tests {
             panic!("{found:?}");
         };
         assert_eq!(commands[0].command, "phex a \\\n    -o b");
-        assert_eq!((commands[0].line, &commands[0].output[..]), (3, &shown("one")[..]));
-        assert_eq!((commands[1].command.as_str(), commands[1].output.len()), ("c", 0));
+        assert_eq!(
+            (commands[0].line, &commands[0].output[..]),
+            (3, &shown("one")[..])
+        );
+        assert_eq!(
+            (commands[1].command.as_str(), commands[1].output.len()),
+            ("c", 0)
+        );
         assert_eq!((name.as_str(), text.as_str()), ("x.toml", "k = 1\n"));
     }
 

@@ -45,16 +45,30 @@ pub fn facts() -> SummaryTable {
     let mut table = SummaryTable::default();
     let (arch, system) = (std::env::consts::ARCH, std::env::consts::OS);
     let version = env!("CARGO_PKG_VERSION");
-    table.row("phex", format!("{version}, reports of version {SCHEMA_VERSION}"));
+    table.row(
+        "phex",
+        format!("{version}, reports of version {SCHEMA_VERSION}"),
+    );
     let checked = cfg!(debug_assertions);
-    let built = if checked { ", with assertions (slower)" } else { "" };
+    let built = if checked {
+        ", with assertions (slower)"
+    } else {
+        ""
+    };
     table.row("built for", format!("{arch} {system}{built}"));
     table.row("processor", processor());
     table.row("memory", memory());
     let view = html::without_view();
     table.row("viewer", view.unwrap_or_else(|| "inside".to_owned()));
     let studio = cfg!(feature = "studio");
-    table.row("studio", if studio { "inside" } else { "left out of this build" });
+    table.row(
+        "studio",
+        if studio {
+            "inside"
+        } else {
+            "left out of this build"
+        },
+    );
     table
 }
 

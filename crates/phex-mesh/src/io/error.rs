@@ -163,7 +163,8 @@ fn way_out(extension: &str) -> &'static str {
         (Rhino: `Mesh`; FreeCAD: Mesh workbench) and save the mesh as OBJ";
     const POINTS: &str = ": a point cloud has no faces. Make a surface of it first (Poisson reconstruction, in \
         MeshLab or CloudCompare) and save it as PLY";
-    const SCENE: &str = ": open the file in Blender, Rhino or MeshLab and export the surface as OBJ";
+    const SCENE: &str =
+        ": open the file in Blender, Rhino or MeshLab and export the surface as OBJ";
     const PACKED: &str = ": unpack the file first";
     match extension.to_ascii_lowercase().as_str() {
         "3dm" | "step" | "stp" | "iges" | "igs" | "sat" | "x_t" | "x_b" | "brep" | "ifc" => NURBS,
