@@ -28,11 +28,11 @@ pub fn check(root: &Path) -> Result<(), Stop> {
 pub fn book(root: &Path, words: &[&str]) -> Result<(), Stop> {
     let task = BookTask::parsed(words)?;
     let source = root.join(SOURCE);
-    structure(root, &source)?;
     let given = task.program.map(PathBuf::from);
     let phex = given.map_or_else(|| program_as_tested(root), Ok)?;
     let place = BookFolder::new(root, &phex)?;
     place.reference(&source.join(REFERENCE), task.writes)?;
+    structure(root, &source)?;
     for path in chapters(&source)? {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         if task.chapters.is_empty() || task.chapters.contains(&&*name) {
