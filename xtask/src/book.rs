@@ -33,12 +33,14 @@ pub fn book(root: &Path, words: &[&str]) -> Result<(), Stop> {
     let place = BookFolder::new(root, &phex)?;
     place.reference(&source.join(REFERENCE), task.writes)?;
     structure(root, &source)?;
+    let mut complaints = Vec::new();
     for path in chapters(&source)? {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         if task.chapters.is_empty() || task.chapters.contains(&&*name) {
-            chapter::check(&place, &path, task.writes)?;
+            complaints.extend(chapter::check(&place, &path, task.writes).err());
         }
     }
+    verdict(complaints)?;
     built(root)
 }
 
