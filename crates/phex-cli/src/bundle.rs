@@ -1,8 +1,8 @@
 //! A bundle: everything that a check read and said, in one file that can be sent.
 
-use crate::commands::facts;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::typed_command;
+use crate::machine::facts;
 use crate::output::write_bytes;
 use anyhow::Context;
 use phex::report::RunReport;

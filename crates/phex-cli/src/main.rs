@@ -7,6 +7,7 @@ mod dual_arguments;
 mod exit;
 mod fab_arguments;
 mod html;
+mod machine;
 mod method_summary;
 mod offset_arguments;
 mod output;

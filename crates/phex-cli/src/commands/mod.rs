@@ -25,8 +25,6 @@ mod subdivide;
 mod sweep;
 mod terms;
 
-pub use doctor::facts;
-
 use crate::args::Command;
 use crate::exit::{Exit, Failure};
 use crate::output;
