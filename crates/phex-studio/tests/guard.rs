@@ -488,6 +488,8 @@ fn a_newer_run_a_client_that_goes_and_one_that_does_not_listen_end_a_run() {
         "",
         &studio.wish(&roof, json!({ "panels": 300 }), None),
     );
+    // Which of two connections is served first is chance.
+    std::thread::sleep(Duration::from_millis(300));
     let next = studio.answer(
         "POST",
         "run",

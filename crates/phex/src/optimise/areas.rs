@@ -108,22 +108,6 @@ fn is_inner(topology: &Topology, f: usize) -> bool {
     !topology.is_boundary_face(phex_mesh::FaceId::new(f as u32))
 }
 
-/// How far the areas at `x` are from the wishes: the 95 % over the 5 % quantile of their ratios, 1
-/// without wishes.
-pub(super) fn unevenness(wishes: &[AreaWish], panels: &Panels, x: &[f64]) -> f64 {
-    let shape = FaceShapes::at(panels, x);
-    let wished = (0..panels.n_faces()).filter(|f| wishes[*f].weight > 0.0);
-    let ratio = |f: usize| area(shape.face(panels, f)).abs() / wishes[f].area;
-    let mut ratios: Vec<f64> = wished.map(ratio).collect();
-    ratios.sort_by(f64::total_cmp);
-    let quantile = |q: f64| ratios[(q * (ratios.len() - 1) as f64).round() as usize];
-    if ratios.is_empty() {
-        1.0
-    } else {
-        quantile(0.95) / quantile(0.05)
-    }
-}
-
 /// Derivatives of the area by the corners, in the plane.
 fn rows(frame: &FaceFrame, corners: &[Corner]) -> Vec<Vec3> {
     let (k, axes) = (corners.len(), frame.plane.axes);

@@ -188,12 +188,12 @@ fn curvature_ratio(steps: [Vec3; 2], turns: [Vec3; 2], normal: Vec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optimise::emphasis::{EMPHASES, Lack};
     use crate::optimise::guard::Guard;
     use crate::optimise::holds::Holds;
     use crate::optimise::options::OptimiseOptions;
     use crate::optimise::panels::{Panels, unknowns};
     use crate::optimise::path::Path;
-    use crate::optimise::reached::Reached;
     use crate::optimise::setting::distances;
     use crate::optimise::solvers::Solvers;
     use crate::optimise::tests::fixtures::{Shape as Surface, brick_wall, planar_saddle};
@@ -258,7 +258,11 @@ mod tests {
             let options = OptimiseOptions::default();
             let mut solvers = Solvers::new(panels).unwrap();
             let mut path = Path::new(setting, &mut solvers, x, &options, &Silent).unwrap();
-            let after = path.retry(Reached::at(setting, x.to_vec())).unwrap().x;
+            let mut after = x.to_vec();
+            for round in 0..EMPHASES {
+                let lack = Lack::at(setting, &after);
+                after = path.emphasised(&after, (&lack, None), round).unwrap();
+            }
             assert_eq!(concave(&after), 0);
             let height = FaceShapes::at(panels, &after).max_height();
             assert!(height < 1e-12 * setting.mean_edge, "{height:e}");

@@ -29,20 +29,19 @@
 //! | `c` | `shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
 //! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
 //!
-//! Before it the **fast path** (`fast.rs`) is tried where the tangent planes of the panels meet in
-//! a start that is nearly planar, as on conjugate layouts: the same closeness under exact
+//! [`planarize`] tries the **fast path** (`fast.rs`) before it, where the planes of the panels meet
+//! in points that make them nearly planar, as on conjugate meshes: the same closeness under exact
 //! planarity, one factorisation of a matrix half the size. Its result is taken only if it has
-//! converged, is valid, and has clearance; [`RunSummary::path`] tells which path it was.
+//! converged, is valid and within limits; [`RunSummary::path`] tells which path it was.
 //!
 //! At the end of the feasible path Newton's method goes on **on the constraints**, with exact
 //! second derivatives (`endgame.rs`): a few iterations by default, which bring most of the room
 //! that tight panels can have, or as many as it takes to the minimum, where steps fall to rounding
 //! ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
-//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). At the end of
-//! [`planarize`] panels that stand off by more than [`OptimiseOptions::max_deviation`], fold or are
-//! tight are tried again, each with what is around it (`local/retry.rs`) and with more weight on
-//! what is lacking (`local/emphasis.rs`); in a mesh that is laid out the search does that.
+//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). In a mesh that is
+//! laid out the search tries panels again that lack something, each with what is around it and with
+//! more weight on that (`emphasis.rs`).
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3,
 //! with the plane eliminated; the feasible path and its barrier after Li et al., "Incremental
@@ -69,6 +68,7 @@ mod closeness;
 mod components;
 mod concavity;
 mod constraints;
+mod emphasis;
 mod endgame;
 mod energy;
 mod error;
@@ -120,14 +120,15 @@ use reached::Run;
 use reference::Reference;
 use serde::Serialize;
 use solvers::Solvers;
-use start::{Smoothing, TangentCells};
+use start::Smoothing;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub(crate) use angle_term::walks::free_edges;
+pub(crate) use emphasis::EMPHASES;
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
-pub(crate) use local::{EMPHASES, LocalPart};
+pub(crate) use local::LocalPart;
 pub use on_boundary::BoundaryHold;
 pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
@@ -235,19 +236,9 @@ pub fn optimise(
     let cells = stage.smoothing(layout, target, options).of_cells(cancelled);
     stage.areas = areas::of_layout(layout, &stage.panels, &cells.x, options.evenness);
     stage.limits = FaceLimits::of(&stage.panels, &cells.x, options);
-    let tangents = TangentCells::of(layout);
     let mut solvers = Solvers::new(&stage.panels)?;
-    let fast = stage.run_fast_on_layout(&mut solvers, &tangents, &cells, options, progress);
-    let run = match fast {
-        Some(run) => run,
-        None => stage.run(
-            &mut solvers,
-            StartKind::SmoothedCells,
-            &cells,
-            options,
-            progress,
-        )?,
-    };
+    let kind = StartKind::SmoothedCells;
+    let run = stage.run(&mut solvers, kind, &cells, options, progress)?;
     Ok(finished(&layout.mesh, run))
 }
 

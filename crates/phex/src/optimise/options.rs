@@ -54,8 +54,6 @@ pub enum PathKind {
 pub struct OptimiseOptions {
     /// How panels are made planar.
     pub solver: Solver,
-    /// Whether the fast path is tried first.
-    pub fast: bool,
     /// `w_c`: closeness of vertices to the surface, > 0.
     pub vertex_closeness: f64,
     /// `w_cf`: closeness of face centres, >= 0. Without it the middle of large convex panels stands
@@ -122,7 +120,6 @@ impl Default for OptimiseOptions {
     fn default() -> Self {
         Self {
             solver: Solver::Barrier,
-            fast: true,
             vertex_closeness: 1.0,
             centre_closeness: 3.0,
             boundary_closeness: 3.0,

@@ -1,12 +1,14 @@
 //! One run: rising penalties from one start, then the projection.
 
+use super::emphasis::EMPHASES;
 use super::error::OptimiseError;
 use super::inspect::inspect;
 use super::options::{OptimiseOptions, PathKind, Solver, StartKind};
 use super::panels::FaceShapes;
 use super::path::Path;
 use super::reached::{Reached, ResultOrigin, Run, better};
-use super::setting::{Setting, deviation};
+use super::setting::{Setting, deviation, distances};
+use super::shape_limits::ShapeLimits;
 use super::simple::is_simple;
 use super::solvers::Solvers;
 use super::start::Start;
@@ -54,9 +56,6 @@ impl Stage<'_> {
         if !path.is_over() && best.is_planar(options) {
             best = path.finish(best)?;
         }
-        if !path.is_over() && best.is_planar(options) && kind == StartKind::AsGiven {
-            best = path.retry(best)?;
-        }
         let way = ResultOrigin {
             kind,
             path: PathKind::Feasible,
@@ -103,7 +102,33 @@ impl Stage<'_> {
         progress: &dyn Progress,
     ) -> Result<Run, OptimiseError> {
         let start = self.start_at(x);
-        self.run(solvers, StartKind::AsGiven, &start, options, progress)
+        let mut best = self.run(solvers, StartKind::AsGiven, &start, options, progress)?;
+        for round in 0..EMPHASES {
+            let lack = self.lack(&best);
+            if lack == (0, 0.0) || best.is_cancelled() || progress.is_cancelled() {
+                break;
+            }
+            let mut now = self.emphasised(&best.x, round, options, progress)?;
+            if now.summary.quality.planarity <= options.planarity_tolerance
+                && self.lack(&now) < lack
+            {
+                now.summary.start_faults = best.summary.start_faults;
+                best = now;
+            }
+        }
+        Ok(best)
+    }
+
+    /// What is wrong with a mesh, and by how much it is beyond its limits.
+    fn lack(&self, run: &Run) -> (usize, f64) {
+        let setting = self.setting(&run.x);
+        let shape = FaceShapes::at(&self.panels, &run.x);
+        let limits = ShapeLimits::new(&self.limits, &self.panels, &shape);
+        let margins = limits.margins(&self.panels, &shape).into_iter();
+        let off = distances(&setting, &run.x).into_iter();
+        let margins = margins.chain(off.map(|d| 1.0 - d / self.limits.distance));
+        let beyond = margins.map(|c| c.min(0.0).powi(2)).sum();
+        (run.offenders.len(), beyond)
     }
 
     pub(crate) fn start_at(&self, x: &[f64]) -> Start {

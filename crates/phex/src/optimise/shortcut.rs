@@ -1,7 +1,6 @@
 //! Shorter ways than the feasible path: the projection alone, and the fast path.
 
 use super::Stage;
-use super::areas::unevenness;
 use super::constraints::PlanarityConstraints;
 use super::fast::NearlyPlanar;
 use super::options::{KEPT_CLEARANCE, OptimiseOptions, PROJECTION_ITERATIONS, PathKind, StartKind};
@@ -10,7 +9,7 @@ use super::reached::{Reached, ResultOrigin, Run};
 use super::setting::Setting;
 use super::shape_limits::ShapeLimits;
 use super::solvers::{Dual, Solvers, StepReporter};
-use super::start::{Start, TangentCells, circumcentres, kinked};
+use super::start::{Start, kinked};
 use crate::progress::Progress;
 use phex_numeric::{
     Assembly, MinimumNorm, Outcome, ProjectionOptions, Record, SchurOptions, SchurSqp, Status,
@@ -24,11 +23,6 @@ const GOAL: f64 = 5e-14;
 const FAST_ITERATIONS: usize = 40;
 /// Step of the fast path, in mean edges, that counts as none.
 const FAST_STEP: f64 = 1e-8;
-/// Deviation, over the diagonal, above which it is not accepted.
-const FAST_DEVIATION: f64 = 2.5e-3;
-/// Spread of areas over wished ones (95 % over 5 % quantile) above which it is not accepted either:
-/// it knows nothing of areas.
-const FAST_UNEVENNESS: f64 = 1.3;
 /// Planarity of a start, in mean edges, beyond which the fast path is not tried.
 const FAST_START: f64 = 1e-2;
 
@@ -101,25 +95,7 @@ impl Stage<'_> {
         kinked(self.topology, &self.panels, &self.guard, start)
     }
 
-    /// Takes the fast path from the circumcentres of a layout, unless another start is asked for.
-    pub(crate) fn run_fast_on_layout(
-        &self,
-        solvers: &mut Solvers,
-        tangents: &TangentCells<'_>,
-        cells: &Start,
-        options: &OptimiseOptions,
-        progress: &dyn Progress,
-    ) -> Option<Run> {
-        if !options.fast || cells.n_bad > 0 {
-            return None;
-        }
-        let closer = |start: &Start| circumcentres(tangents, &self.panels, &self.guard, start);
-        // Each round is regularised, so that it only goes part of the way where planes hardly meet.
-        let start = closer(&closer(&closer(cells)));
-        self.run_fast(solvers, &start, options, progress)
-    }
-
-    /// Takes the fast path from a start; `None` if the result is not good.
+    /// Takes the fast path from a start; `None` if the result is outside limits.
     pub(crate) fn run_fast(
         &self,
         solvers: &mut Solvers,
@@ -154,13 +130,12 @@ impl Stage<'_> {
             outcome,
         };
         let run = self.conclude(start.n_bad, Reached::at(&setting, x), way, options);
-        let even = unevenness(&self.areas, &self.panels, &run.x) <= FAST_UNEVENNESS;
-        let near = run.summary.quality.deviation_max <= FAST_DEVIATION * self.diagonal;
+        let near = run.summary.quality.deviation_max <= self.limits.distance;
         let shape = FaceShapes::at(&self.panels, &run.x);
         let margins =
             ShapeLimits::new(&self.limits, &self.panels, &shape).margins(&self.panels, &shape);
         let fits = margins.iter().all(|c| *c >= 0.0);
-        let good = even && near && fits && run.offenders.is_empty();
+        let good = near && fits && run.offenders.is_empty();
         (run.is_cancelled() || good).then_some(run)
     }
 }

@@ -124,26 +124,14 @@ impl Smoothing<'_> {
 }
 
 /// Tangent planes of the cells, and what moves between them.
-pub(super) struct TangentCells<'a> {
-    pub topology: &'a Topology,
+struct TangentCells<'a> {
+    topology: &'a Topology,
     /// Unit normal of each face.
-    pub normal: &'a [Vec3],
+    normal: &'a [Vec3],
     /// Point of each face's tangent plane.
-    pub point: &'a [Vec3],
+    point: &'a [Vec3],
     /// Extent of each face.
-    pub length: &'a [f64],
-}
-
-impl<'a> TangentCells<'a> {
-    /// Those of a layout: planes that touch the surface.
-    pub fn of(layout: &'a Layout) -> Self {
-        Self {
-            topology: layout.mesh.topology(),
-            normal: layout.face_normal.as_slice(),
-            point: layout.face_point.as_slice(),
-            length: layout.face_length.as_slice(),
-        }
-    }
+    length: &'a [f64],
 }
 
 /// A start moved towards the circumcentres of the best planes of its own faces.
@@ -163,7 +151,7 @@ pub(super) fn kinked(topology: &Topology, panels: &Panels, guard: &Guard, given:
 }
 
 /// Moves a start towards its circumcentres.
-pub(super) fn circumcentres(
+fn circumcentres(
     tangents: &TangentCells<'_>,
     panels: &Panels,
     guard: &Guard,

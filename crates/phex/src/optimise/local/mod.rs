@@ -1,25 +1,17 @@
 //! Parts of a mesh by themselves: panels that are joined anew, and panels that are tried again,
 //! with what is around them at rest.
 
-mod emphasis;
-mod retry;
 mod rim;
 
-pub(crate) use emphasis::EMPHASES;
-
 use super::holds::Hold;
-use super::options::NEWTON_ITERATIONS;
 use super::panels::{FaceShapes, unknowns};
-use super::path::Path;
-use super::reached::{Reached, ResultOrigin};
 use super::solvers::Solvers;
 use super::{
-    BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Optimised, PathKind, Reference,
-    Stage, StartKind, Target, areas, check_layout, check_mesh, finished,
+    BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Optimised, Reference, Stage,
+    StartKind, Target, areas, check_layout, check_mesh, finished,
 };
 use crate::layout::Layout;
 use crate::progress::Progress;
-use emphasis::Lack;
 use phex_mesh::VertexId;
 use rim::rim_holds;
 
@@ -74,27 +66,12 @@ impl LocalPart<'_> {
         options: &OptimiseOptions,
         progress: &dyn Progress,
     ) -> Result<Optimised, OptimiseError> {
-        let mesh = &self.layout.mesh;
-        let options = &OptimiseOptions {
-            newton_iterations: options.newton_iterations.or(Some(NEWTON_ITERATIONS)),
-            ..self.scaled(options)
-        };
+        let (mesh, options) = (&self.layout.mesh, &self.scaled(options));
         let mut stage = self.stage(target, options)?;
         let x = unknowns(mesh);
         stage.areas = areas::of_layout(self.layout, &stage.panels, &x, options.evenness);
-        let setting = stage.setting(&x);
-        let lack = Lack::at(&setting, &x);
-        let (mut solvers, folds) = lack.solvers(&setting, &x)?;
-        let mut path = Path::new(&setting, &mut solvers, &x, options, progress)?;
-        let now = path.emphasised(&x, (&lack, folds), round)?;
-        let reached = Reached::at(&setting, now);
-        let way = ResultOrigin {
-            kind: StartKind::Local,
-            path: PathKind::Feasible,
-            in_parts: path.in_parts,
-            outcome: path.outcome,
-        };
-        Ok(finished(mesh, stage.conclude(0, reached, way, options)))
+        let run = stage.emphasised(&x, round, options, progress)?;
+        Ok(finished(mesh, run))
     }
 
     /// The options with the largest deviation over the diagonal of the part.

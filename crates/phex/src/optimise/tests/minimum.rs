@@ -108,7 +108,6 @@ fn the_stand_in_for_a_surface_has_its_derivatives_and_touches_it() {
 
 fn finished(shape: Shape, newton_iterations: usize) -> Optimised {
     let options = OptimiseOptions {
-        fast: false,
         newton_iterations: Some(newton_iterations),
         ..OptimiseOptions::default()
     };

@@ -309,7 +309,6 @@ fn rigid_motion_and_scale_move_the_result_along() {
 #[test]
 fn random_simple_starts_end_simple() {
     let options = OptimiseOptions {
-        fast: false,
         smoothing: [0, 40],
         ..OptimiseOptions::default()
     };
@@ -443,7 +442,6 @@ fn a_panel_wound_against_the_surface_is_named() {
     let face = phex_mesh::FaceId::new(5);
     start.face_normal[face] = -start.face_normal[face];
     let options = OptimiseOptions {
-        fast: false,
         ..OptimiseOptions::default()
     };
     let result = optimise(&start, &shape, &options, &Silent).unwrap();
@@ -526,7 +524,6 @@ fn unusable_input_is_refused() {
 fn tetrahedra_flatten_panels_and_say_which_ones_cross() {
     let options = OptimiseOptions {
         solver: Solver::Tetrahedra,
-        fast: false,
         ..OptimiseOptions::default()
     };
     for shape in [Shape::Torus(1.0), Shape::Wave] {
