@@ -1,4 +1,4 @@
-"""Makes the example of this folder, `pavilion.3dm`, and the pictures of docs/grasshopper.md.
+"""Makes the example of this folder, `pavilion.3dm`, and the pictures of docs/book/src/grasshopper.md.
 
 python grasshopper/example/make.py [FOLDER]
 
@@ -98,7 +98,7 @@ def main():
     out.mkdir(parents=True, exist_ok=True)
     surface, made = pavilion()
     save(surface, made, out / "pavilion.3dm")
-    pictures = ROOT / "docs" / "pictures" if len(sys.argv) <= 1 else out
+    pictures = ROOT / "docs/book/src/pictures" if len(sys.argv) <= 1 else out
     (pictures / "grasshopper-canvas.svg").write_text(canvas(), encoding="utf-8")
     (pictures / "grasshopper-panels.png").write_bytes(made.picture(width=900, height=600))
     print(f"{os.path.getsize(out / 'pavilion.3dm') // 1000} kB, {len(made)} panels, {made.verdict}")

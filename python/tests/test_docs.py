@@ -24,7 +24,7 @@ def test_examples_of_docstrings(name, tmp_path):
     assert failed == 0
 
 
-@pytest.mark.parametrize("page", ["docs/python.md", "docs/studies.md"])
+@pytest.mark.parametrize("page", ["docs/book/src/python.md", "docs/book/src/studies.md", "docs/book/src/project-python.md"])
 def test_blocks_of_the_documentation(page, roof, monkeypatch):
     roof.save("roof.obj")
     text = (ROOT / page).read_text(encoding="utf-8")

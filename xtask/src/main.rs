@@ -2,12 +2,14 @@
 
 mod arrows;
 mod attacks;
+mod book;
 mod circles;
 mod comments;
 mod figures;
 mod foreign;
 mod ledger;
 mod measured;
+mod package;
 mod paths;
 mod performance;
 mod python;
@@ -20,14 +22,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] | foreign | python | wheel
-                        | viewer | browse | figures [NUMBER...] | obj STEP...
-                        | fuzz [--minutes N] | hostile | faults
+                        | book [--write] [CHAPTER.md...] | viewer | browse | figures [NUMBER...] | obj STEP...
+                        | package [--no-verify] | fuzz [--minutes N] | hostile | faults
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
 foreign opens the files of the program with other programs (needs Python and pip)
 python  builds the Python package and tests it (needs Python and pip)
 wheel   packs it for other machines, in target/wheels (needs Python and pip)
+book    runs every command of docs/book and compares what it prints; follows every relative link; with --write what is
+        shown whole is brought up to date; --program PATH: another phex
 viewer  builds the interactive part of the HTML report, and the page of the studio (needs npm)
 browse  opens HTML reports and the studio in headless Chromium and clicks through them (needs npm, and Chromium or apt-get)
 ledger  makes the rows of docs/ledger.md (surfaces at set sizes) and says what is better and worse than the committed ones;
@@ -38,6 +42,8 @@ fuzz    random inputs for every reader and for what is made of meshes; 1 minute 
 hostile all hostile surfaces through `phex mesh`; in the tests there are some of them
 faults  kills, full discs and vanished files in all commands that write, 500 times; PHEX_FAULTS: so many times
 figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces; with numbers only those
+package packs the crates as they are published, in target/package, with the viewer inside (needs npm), and builds each from its
+        package, but with --no-verify; `phex generate` writes manual pages and completions
 obj     cuts and joins OBJ files, as the gallery's commands need it";
 
 /// One step of the check: its name, and what it runs.
@@ -123,6 +129,10 @@ const CHECK: [Step; 17] = [
         run: |root| Ok(attacks::fuzz(root, 1.0)?),
     },
     Step {
+        name: "the book's commands do what it says",
+        run: book::check,
+    },
+    Step {
         name: "no row of the ledger is worse",
         run: |root| Ok(ledger::check(root)?),
     },
@@ -151,6 +161,7 @@ fn main() -> ExitCode {
         ["foreign"] => exit(foreign::check(&root())),
         ["python"] => exit(python::check(&root())),
         ["wheel"] => exit(python::wheel(&root())),
+        ["book", ref words @ ..] => exit(book::book(&root(), words)),
         ["viewer"] => exit(viewer::build(&root())),
         ["browse"] => exit(viewer::browse(&root())),
         ["ledger", ref words @ ..] => exit(ledger::ledger(&root(), words).map_err(Stop::from)),
@@ -166,6 +177,7 @@ fn main() -> ExitCode {
         }
         ["hostile"] => exit(attacks::hostile(&root()).map_err(Stop::from)),
         ["faults"] => exit(attacks::faults(&root()).map_err(Stop::from)),
+        ["package", ref words @ ..] => exit(package::package(&root(), words)),
         ["obj", ref step @ ..] => exit(figures::steps::run(&root(), step).map_err(Stop::from)),
         ["figures", ref only @ ..] => exit(figures::figures(&root(), only).map_err(Stop::from)),
         _ => {

@@ -15,7 +15,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use phex_job::SteeringSettings;
 use phex_job::number;
 use phex_job::three;
-use phex_job::{AtBoundary, LastStage, MeshSettings};
+use phex_job::{AtBoundary, LastStage, MeshSettings, Quantity, Unit};
 use phex_mesh::shapes::Shape;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -76,6 +76,11 @@ pub enum Command {
     /// Say what the words of the tables mean
     #[command(long_about = TERMS)]
     Terms(TermsCommand),
+    /// Say what this program and this machine have, and try them with a small run
+    Doctor(DoctorCommand),
+    /// Write the reference of commands, manual pages or completions of shells, for packages
+    #[command(hide = true)]
+    Generate(GenerateCommand),
 }
 
 impl Command {
@@ -103,6 +108,8 @@ impl Command {
             #[cfg(feature = "studio")]
             Self::Studio(c) => &c.talk,
             Self::Terms(c) => &c.talk,
+            Self::Doctor(c) => &c.talk,
+            Self::Generate(c) => &c.talk,
         }
     }
 }
@@ -246,6 +253,9 @@ pub struct CheckCommand {
     /// Print the report (JSON) instead of the table
     #[arg(long)]
     pub json: bool,
+    /// Pack mesh, surface, job, reports and versions into one file, to be sent with a complaint
+    #[arg(long, value_name = "FILE.ZIP", help_heading = "Files")]
+    pub bundle: Option<PathBuf>,
     /// Report and picture.
     #[command(flatten)]
     pub extras: Extras,
@@ -261,6 +271,15 @@ pub struct InfoCommand {
     /// Surface or polygon mesh: OBJ, PLY, STL or OFF
     #[arg(value_name = "FILE")]
     pub input: PathBuf,
+    /// Say how many panels have edges of about this length, and how far off they would be
+    #[arg(long, value_name = "LENGTH", help_heading = "Panels")]
+    pub edge_length: Option<Quantity>,
+    /// Say how many panels would be about this near to the surface: `20mm`, `0.5%` of the diagonal
+    #[arg(long, value_name = "LENGTH", help_heading = "Panels")]
+    pub max_deviation: Option<Quantity>,
+    /// Unit of the model's coordinates
+    #[arg(long, value_enum, default_value_t)]
+    pub unit: Unit,
     /// Print JSON instead of the table
     #[arg(long)]
     pub json: bool,
@@ -341,6 +360,46 @@ pub struct StudioCommand {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct TermsCommand {
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// Arguments of `phex doctor`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct DoctorCommand {
+    /// Progress and messages.
+    #[command(flatten)]
+    pub talk: Talk,
+}
+
+/// What packages hold besides the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Generated {
+    /// All commands with their options, as Markdown
+    Reference,
+    /// Manual pages
+    Man,
+    /// Completions of all shells
+    Completions,
+}
+
+/// Arguments of `phex generate`.
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub struct GenerateCommand {
+    /// What to write
+    #[arg(value_enum)]
+    pub what: Generated,
+    /// Folder to write to; the reference goes to standard output
+    #[arg(
+        short,
+        long,
+        value_name = "FOLDER",
+        required_if_eq_any = [("what", "man"), ("what", "completions")]
+    )]
+    pub output: Option<PathBuf>,
     /// Progress and messages.
     #[command(flatten)]
     pub talk: Talk,

@@ -113,7 +113,7 @@ impl Progress for Silently {
 }
 
 /// The command line as it can be typed again.
-fn typed_command() -> String {
+pub fn typed_command() -> String {
     let words = std::env::args().skip(1).map(|word| quoted(&word));
     std::iter::once("phex".to_owned())
         .chain(words)

@@ -1,11 +1,13 @@
 //! The program `phex`: arguments to options, options to results, results to files and an exit code.
 
 mod args;
+mod bundle;
 mod commands;
 mod dual_arguments;
 mod exit;
 mod fab_arguments;
 mod html;
+mod machine;
 mod method_summary;
 mod offset_arguments;
 mod output;
@@ -16,6 +18,7 @@ mod printable;
 mod progress;
 mod promise;
 mod shared_arguments;
+mod start;
 mod summary;
 mod sweep_arguments;
 mod terms;
@@ -26,9 +29,15 @@ use clap::Parser;
 use exit::{Exit, Failure, OrExit};
 use printable::printable;
 use shared_arguments::{ProgressMode, Talk};
+use start::START;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    if std::env::args_os().len() == 1 {
+        return output::print(START)
+            .map_or_else(|f| f.exit, |()| Exit::Success)
+            .into();
+    }
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return usage(&error),

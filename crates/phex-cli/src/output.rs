@@ -127,7 +127,11 @@ pub fn write_picture(path: &Path, picture: &Picture) -> Result<(), Failure> {
     write_bytes(path, &picture.to_png())
 }
 
-fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+/// Writes bytes.
+///
+/// # Errors
+/// If the user interrupted, or writing fails.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_with(|| atomic_write(path, |out| out.write_all(bytes)).map_err(|e| e.in_file(path)))
 }
 

@@ -9,6 +9,7 @@
 //! | `units`, `number_lists` | lengths, areas and lists of numbers as they are typed |
 //! | `input`, `given` | what files hold, or a caller's memory |
 //! | `file_info` | what is in a file, and what is wrong with it |
+//! | `suggestion` | what kind of surface one is, and how many panels suit it |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
 //! | `run`, `join`, `engine`, `deadline`, `surface_session` | the computation |
 //! | `limits`, `wishes`, `portfolio` | what was reached, measured by what was wanted |
@@ -37,6 +38,7 @@ mod run;
 mod settings;
 mod size_field;
 mod steering;
+mod suggestion;
 mod threads;
 mod units;
 mod whole_run;
@@ -60,6 +62,7 @@ pub use settings::{
     AtBoundary, CloseTo, DEFAULT_DEVIATION, LayoutMethod, MeshSettings, TypedPanelSize,
 };
 pub use steering::{SteeringSettings, TypedPlane, TypedSolver, positive};
+pub use suggestion::{Suggestion, SurfaceKind};
 pub use threads::thread_count;
 pub use units::{Area, NoQuantity, NoSize, Quantity, Rectangle, Unit};
 pub use whole_run::{WholeProgress, WholeRun};

@@ -77,7 +77,7 @@ pub fn lost(variant: &Variant, reason: &str) -> Result<Row, JobError> {
     Ok(row(variant, &variant.key()?, &ending))
 }
 
-/// Adds the figures of a mesh: see `docs/studies.md` for what each column is.
+/// Adds the figures of a mesh: see `docs/book/src/studies.md` for what each column is.
 pub(crate) fn add_figures(columns: &mut Row, made: &JobResult, unit: Unit) {
     let (report, measures) = (&made.report, &made.report.measures);
     let deviation = (report.deviation_smooth.as_ref()).or(report.deviation_facets.as_ref());

@@ -1,5 +1,5 @@
 /**
- * Draws docs/pictures/report.png: a report with the sign of curvature and a picked panel.
+ * Draws docs/book/src/pictures/report.png: a report with the sign of curvature and a picked panel.
  *
  * Usage: node test/picture.mjs REPORT.HTML CHROMIUM PICTURE.PNG [PANEL]
  */

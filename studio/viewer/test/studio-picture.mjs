@@ -1,5 +1,5 @@
 /**
- * Draws docs/pictures/studio.png: the roof with a guide, its panels and its checks.
+ * Draws docs/book/src/pictures/studio.png: the roof with a guide, its panels and its checks.
  *
  * Usage: node test/studio-picture.mjs PHEX CHROMIUM PICTURE.PNG
  */

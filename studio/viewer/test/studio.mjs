@@ -1,5 +1,5 @@
 /**
- * Drives `phex studio` in a headless browser: everything that docs/studio.md promises a newcomer, and what goes wrong.
+ * Drives `phex studio` in a headless browser: everything that docs/book/src/studio.md promises a newcomer, and what goes wrong.
  *
  * Usage: node test/studio.mjs PHEX CHROMIUM [TEST...]
  */

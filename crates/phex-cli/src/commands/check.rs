@@ -2,13 +2,14 @@
 
 use super::tell;
 use crate::args::CheckCommand;
+use crate::bundle;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
-use crate::output::{self, check_writable};
+use crate::output::{self, Content, check_writable};
 use crate::progress::Reporter;
 use crate::promise::Promise;
 use crate::summary::{self, SummaryTable};
-use crate::verdict::or_promised;
+use crate::verdict::{or_promised, written};
 use anyhow::Context;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::curvature::{free_panels, indicatrix_distances};
@@ -22,7 +23,7 @@ use phex_mesh::measure::Metric;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface};
 use serde::Serialize;
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Runs the command.
 ///
@@ -36,7 +37,9 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     ];
     let inputs: Vec<&Path> = inputs.into_iter().flatten().map(AsRef::as_ref).collect();
     (command.tolerances).check(command.surface.is_some() || command.report_of.is_some())?;
-    check_writable(&command.extras.outputs().collect::<Vec<_>>(), &inputs)?;
+    let bundle = command.bundle.as_deref().map(|p| (p, Content::Other));
+    let outputs: Vec<_> = command.extras.outputs().chain(bundle).collect();
+    check_writable(&outputs, &inputs)?;
     let promise = command
         .report_of
         .as_deref()
@@ -89,6 +92,10 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         ..Shown::of(&mesh)
     };
     command.extras.write(&shown, &mut report)?;
+    if let Some(path) = &command.bundle {
+        report.outputs.push(written("bundle", path));
+        bundle::write(path, &read(command, &report), &report)?;
+    }
     if command.json {
         output::print(&report.to_json().context("the report")?)?;
     }
@@ -97,6 +104,15 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     } else {
         Exit::OutsideTolerance
     })
+}
+
+/// The files that a check read.
+fn read(command: &CheckCommand, report: &RunReport) -> Vec<PathBuf> {
+    let inputs = report.inputs.iter().map(|i| PathBuf::from(&i.path));
+    let others = [&command.report_of, &command.limits];
+    inputs
+        .chain(others.into_iter().flatten().cloned())
+        .collect()
 }
 
 /// The limits of a job file; those of the boundary where it names one.

@@ -6,10 +6,13 @@ use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::summary::SummaryTable;
 use anyhow::Context;
-use phex_job::{ComponentInfo, FileInfo, MeshFile};
+use phex_job::{ComponentInfo, FileInfo, MeshFile, Quantity, Suggestion, SurfaceKind, Unit};
+use serde::Serialize;
 
 /// How many components the table lists; JSON holds all of them.
 const LISTED: usize = 10;
+/// Numbers of panels that are told of where none is asked for.
+const USUAL: [u64; 3] = [100, 300, 1000];
 
 /// Runs the command.
 ///
@@ -18,17 +21,84 @@ const LISTED: usize = 10;
 pub fn run(command: &InfoCommand) -> Result<Exit, Failure> {
     let file = MeshFile::read(&command.input)?;
     let info = FileInfo::new(&file);
+    let kind = file.surface().ok().map(|s| SurfaceKind::new(&s));
+    let suggestions = kind.as_ref().map(|k| suggested(command, k, info.diagonal));
+    let told = FileAnswer {
+        info: &info,
+        kind: kind.as_ref(),
+        suggestions: suggestions.unwrap_or_default(),
+    };
     if command.json {
-        let json = serde_json::to_string_pretty(&info).context("the information")?;
+        let json = serde_json::to_string_pretty(&told).context("the information")?;
         output::print(&(json + "\n"))?;
     } else {
-        tell(command.talk.quiet, &table(&info))?;
+        let text = table(&info) + &advice(&told, command.unit);
+        tell(command.talk.quiet, &text)?;
     }
     Ok(if info.problem.is_some() {
         Exit::InputUnusable
     } else {
         Exit::Success
     })
+}
+
+/// Everything that is told of a file.
+#[derive(Serialize)]
+struct FileAnswer<'a> {
+    #[serde(flatten)]
+    info: &'a FileInfo,
+    kind: Option<&'a SurfaceKind>,
+    suggestions: Vec<Suggestion>,
+}
+
+/// What to expect of the panels that are asked for, or of some usual numbers of them.
+fn suggested(command: &InfoCommand, kind: &SurfaceKind, diagonal: f64) -> Vec<Suggestion> {
+    let length = |q: &Quantity| q.length(command.unit, diagonal);
+    let edges = command.edge_length.iter().map(|q| kind.of_edges(length(q)));
+    let near = command.max_deviation.iter();
+    let near = near.map(|q| kind.of_deviation(length(q)));
+    let asked: Vec<Suggestion> = edges.chain(near).collect();
+    if asked.is_empty() {
+        USUAL.map(|n| kind.of_panels(n)).to_vec()
+    } else {
+        asked
+    }
+}
+
+fn advice(told: &FileAnswer<'_>, unit: Unit) -> String {
+    let mut table = SummaryTable::default();
+    let Some(kind) = told.kind else {
+        return String::new();
+    };
+    for sentence in kind.sentences() {
+        table.row("kind", sentence);
+    }
+    for s in &told.suggestions {
+        let share = 100.0 * s.deviation / told.info.diagonal;
+        let (edge, off) = (s.edge_length, s.deviation);
+        table.row(
+            "suggestion",
+            format!(
+                "-n {}: edges of about {edge:.3} {unit}, {off:.2e} {unit} ({share:.2} %) off the surface",
+                s.panels
+            ),
+        );
+    }
+    if told.info.face_sizes.keys().any(|n| *n > 3) {
+        table.row(
+            "note",
+            "`phex mesh` takes polygons as triangles and makes panels of its own; `phex planarize` makes given faces planar, three of \
+             which meet at each inner vertex; a mesh of quadrilaterals is a surface here, not panels",
+        );
+    }
+    let least = kind.resolving();
+    if told.suggestions.iter().any(|s| s.panels < least) {
+        table.row(
+            "note",
+            format!("fewer than about {least} panels are longer than its tightest bends: --adaptive makes them smaller there"),
+        );
+    }
+    table.into_text()
 }
 
 fn table(info: &FileInfo) -> String {

@@ -3,9 +3,11 @@
 mod check;
 mod convert;
 mod deliver;
+mod doctor;
 mod dual;
 mod dupin;
 mod fab;
+mod generate;
 mod info;
 mod koebe;
 mod mesh;
@@ -55,6 +57,8 @@ pub fn run(command: Command) -> Result<Exit, Failure> {
         #[cfg(feature = "studio")]
         Command::Studio(command) => studio::run(&command),
         Command::Terms(command) => terms::run(&command),
+        Command::Doctor(command) => doctor::run(&command),
+        Command::Generate(command) => generate::run(&command),
     }
 }
 

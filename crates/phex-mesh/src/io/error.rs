@@ -66,7 +66,10 @@ pub enum ReadCause {
     #[error("{0} is not supported")]
     Unsupported(String),
     /// A format that is written, but not read.
-    #[error("`.{extension}` files are written, not read (read are .obj, .ply, .stl and .off)")]
+    #[error(
+        "`.{extension}` files are written, not read (read are .obj, .ply, .stl and .off): export the surface in one of \
+         these from the program that holds it"
+    )]
     WrittenOnly {
         /// The format's extension.
         extension: &'static str,
@@ -78,7 +81,10 @@ pub enum ReadCause {
     #[error("the file holds no vertices")]
     NoVertices,
     /// There is no face.
-    #[error("the file holds no faces")]
+    #[error(
+        "the file holds no faces: make a surface of a point cloud first (Poisson reconstruction, in MeshLab or \
+         CloudCompare), and mesh curves and NURBS in the program that made them"
+    )]
     NoFaces,
     /// More vertices than vertex numbers can address.
     #[error("the file holds more than 4294967294 vertices")]
@@ -143,11 +149,31 @@ pub enum ReadCause {
 /// A path whose extension stands for no mesh format.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
-    "unknown extension `{extension}` (supported are .obj, .ply, .stl and .off, for writing also .json, .glb, .dxf and .3mf)"
+    "unknown extension `{extension}` (supported are .obj, .ply, .stl and .off, for writing also .json, .glb, .dxf and .3mf){}",
+    way_out(extension)
 )]
 pub struct UnknownExtension {
     /// The extension, empty where there is none.
     pub extension: String,
+}
+
+/// What to do with a file of a kind that is not read, by its extension.
+fn way_out(extension: &str) -> &'static str {
+    const NURBS: &str = ": exact surfaces (NURBS) are not read. Mesh the surface in the program that made it \
+        (Rhino: `Mesh`; FreeCAD: Mesh workbench) and save the mesh as OBJ";
+    const POINTS: &str = ": a point cloud has no faces. Make a surface of it first (Poisson reconstruction, in \
+        MeshLab or CloudCompare) and save it as PLY";
+    const SCENE: &str =
+        ": open the file in Blender, Rhino or MeshLab and export the surface as OBJ";
+    const PACKED: &str = ": unpack the file first";
+    match extension.to_ascii_lowercase().as_str() {
+        "3dm" | "step" | "stp" | "iges" | "igs" | "sat" | "x_t" | "x_b" | "brep" | "ifc" => NURBS,
+        "xyz" | "pts" | "pcd" | "las" | "laz" | "e57" | "ptx" | "asc" => POINTS,
+        "fbx" | "dae" | "gltf" | "blend" | "3ds" | "skp" | "dwg" | "usd" | "usdz" | "wrl"
+        | "x3d" => SCENE,
+        "zip" | "gz" | "7z" | "rar" | "tar" => PACKED,
+        _ => "",
+    }
 }
 
 impl ReadError {

@@ -1,5 +1,5 @@
 //! What the dials do, and what the paper's own formulation does, measured on two surfaces: the
-//! table of `docs/steering.md`.
+//! table of `docs/book/src/steering.md`.
 
 use phex::optimise::{
     Dials, OptimiseOptions, Optimised, Solver, Steering, SurfaceTarget, Target, refit,

@@ -117,8 +117,23 @@ pub fn curvature_sized(
     }
 }
 
-/// The second fundamental form at some vertices, which is not smoothed.
-pub(crate) fn tensors_at(
+/// The second fundamental form at some vertices, which is not smoothed: tensors as in
+/// [`Curvature::tensor`], in 1 / length, in the order of `vertices`.
+///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let options = TriangulationOptions { triangles: 2000, ..Default::default() };
+/// # let sphere = triangulate(&Shape::from_name("sphere", &[])?, &options)?;
+/// use phex::curvature::{CurvatureOptions, principal, tensors_at};
+/// use phex_mesh::VertexId;
+///
+/// let v = VertexId::new(7);
+/// let found = tensors_at(&sphere, &[v], 0.2, &CurvatureOptions::default());
+/// // Of radius 1.
+/// assert!((principal(sphere.normals()[v], &found[0]).large - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn tensors_at(
     surface: &TriangleSurface,
     vertices: &[VertexId],
     panel_length: f64,
