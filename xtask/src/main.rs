@@ -73,7 +73,7 @@ impl From<String> for Stop {
     }
 }
 
-const CHECK: [Step; 17] = [
+const CHECK: [Step; 18] = [
     Step {
         name: "formatting",
         run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
