@@ -34,7 +34,7 @@ struct JudgedPanel {
 
 /// Figures of a mesh that hold without limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SurfaceKind {
+pub struct SurfaceClass {
     /// Vertices less edges, and faces.
     pub euler_characteristic: i64,
     /// Closed curves that the boundary consists of.
@@ -71,7 +71,7 @@ pub fn torn(mesh: &RawMesh) -> Vec<String> {
 }
 
 /// The kind of surface that the faces of a mesh are, by counting.
-pub fn kind(mesh: &RawMesh) -> SurfaceKind {
+pub fn kind(mesh: &RawMesh) -> SurfaceClass {
     let sides = sides(mesh);
     let edges: BTreeSet<[usize; 2]> = sides.keys().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
     let used: BTreeSet<usize> = mesh.faces.iter().flatten().copied().collect();
@@ -84,7 +84,7 @@ pub fn kind(mesh: &RawMesh) -> SurfaceKind {
             at = after;
         }
     }
-    SurfaceKind {
+    SurfaceClass {
         euler_characteristic: used.len() as i64 - edges.len() as i64 + mesh.faces.len() as i64,
         boundary_loops,
     }

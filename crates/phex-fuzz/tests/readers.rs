@@ -17,8 +17,9 @@ static MEMORY: PeakAlloc = PeakAlloc;
 /// Tests of this file run one after another: the allocator counts for all of them.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// Bytes that may be allocated at one time for each byte of a file. Readers of meshes keep to 64; the
-/// tokens of TOML and the lines of lists of numbers take somewhat more where each is a byte long.
+/// Bytes that may be allocated at one time for each byte of a file. Readers of meshes keep to 64;
+/// the tokens of TOML and the lines of lists of numbers take somewhat more where each is a byte
+/// long.
 const MOST: f64 = 128.0;
 /// Bytes that every file counts as at least: libraries have buffers, and the one for PLY makes room
 /// for a list of 16,384 entries before it reads them.
