@@ -388,7 +388,7 @@ fn a_folder_that_may_not_be_written_is_told_before_the_computation() {
     command
         .current_dir(shop.path(""))
         .args(["--reuid=65534", "--clear-groups", program]);
-    let folder = std::fs::Permissions::from(std::os::unix::fs::PermissionsExt::from_mode(0o755));
+    let folder: std::fs::Permissions = std::os::unix::fs::PermissionsExt::from_mode(0o755);
     std::fs::set_permissions(shop.path(""), folder).expect("it is ours");
     let output = command.args(["convert", "m.obj", "n.ply"]).output();
     let Some(output) = output.ok().filter(|o| o.status.code() != Some(127)) else {

@@ -95,7 +95,11 @@ fn attack_all(step: usize) {
 /// A lattice, and another method, at different boundaries.
 fn attacks(k: usize, surface: &HostileSurface) -> [Attack<'_>; 2] {
     let panels = 20 + 10 * (k % 5);
-    let effort = if k % 3 == 0 { "draft" } else { "normal" };
+    let effort = if k.is_multiple_of(3) {
+        "draft"
+    } else {
+        "normal"
+    };
     let boundary = BOUNDARIES[k % 3];
     let lattice = format!("-n {panels} --effort {effort} --boundary {boundary}");
     let (method, boundary) = (METHODS[k % 9], BOUNDARIES[(k / 3 + 1) % 3]);
