@@ -287,7 +287,6 @@ fn job_file_that_can_not_be_used() {
 fn command_line_that_can_not_be_understood_ends_with_2() {
     let shop = with_square("a.obj");
     for arguments in [
-        "",
         "mesh",
         "mesh a.obj",
         "mesh a.obj -o out.obj --panels many",
