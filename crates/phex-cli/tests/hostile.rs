@@ -41,11 +41,6 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// panels to 0.005 of the smooth surface through the vertices.
 const DEVIATION: f64 = 0.02;
 
-/// Surfaces on which directions take much longer than the time limit, as it is not looked at while
-/// the metric's triangles are split: strips 1,000 times longer than they are wide. A run that is
-/// killed there is counted, and is no failure of the test until that is mended.
-const SLOW: &str = "strips-1-to-1000";
-
 /// One run of the program on a surface.
 struct Attack<'a> {
     surface: &'a HostileSurface,
@@ -199,7 +194,6 @@ impl Attack<'_> {
             Some(3) => complaints.extend(self.untold(&written, &ending.table)),
             Some(4 | 5) if written != b"precious" => complaints.push("it was written".to_owned()),
             Some(4 | 5) => {}
-            None if self.surface.name.contains(SLOW) => {}
             other => complaints.push(format!("exit code {other:?}")),
         }
         if self.surface.refused && ending.code != Some(4) {

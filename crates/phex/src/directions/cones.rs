@@ -11,6 +11,7 @@ use super::guides::Cone;
 use super::intrinsic::IntrinsicMesh;
 use super::rosy::SixFoldField;
 use super::turns::{Route, Turns, cones, routes, settle};
+use crate::progress::Progress;
 use phex_mesh::{FaceId, PerEdge, PerFace, PerVertex, TriangleSurface, Vec3};
 use phex_numeric::NumericError;
 use thiserror::Error;
@@ -50,6 +51,10 @@ pub enum ConeError {
     },
 }
 
+/// Opposite cones next to a cone with which it may cancel: on a surface of slivers there are
+/// thousands within reach.
+const NEAREST: usize = 16;
+
 /// The field with its cones where they should be.
 ///
 /// # Errors
@@ -59,13 +64,14 @@ pub(crate) fn settle_cones(
     mesh: &IntrinsicMesh,
     field: SixFoldField,
     options: &DirectionOptions,
+    progress: &dyn Progress,
 ) -> Result<TurnedField, NumericError> {
     let topology = surface.topology();
     let mut turns = Turns::smallest(topology, mesh, &field.angle);
     let (mut cancelled, mut moved) = (0, 0);
     match prescribed_faces(surface, &options.guides.cones) {
         Ok(wanted) if !wanted.is_empty() => moved = prescribe(surface, mesh, &mut turns, &wanted),
-        _ => cancelled = cancel(surface, mesh, &mut turns, options.cancel_reach),
+        _ => cancelled = cancel(surface, mesh, &mut turns, options.cancel_reach, progress),
     }
     let angle = if cancelled + moved == 0 {
         field.angle
@@ -81,13 +87,20 @@ pub(crate) fn settle_cones(
 }
 
 /// Cancels opposite cones at most `reach` lattice spacings apart, the closest first; how many
-/// pairs.
-fn cancel(surface: &TriangleSurface, mesh: &IntrinsicMesh, turns: &mut Turns, reach: f64) -> usize {
+/// pairs. A surface of slivers has thousands, so it ends early when it is asked to.
+fn cancel(
+    surface: &TriangleSurface,
+    mesh: &IntrinsicMesh,
+    turns: &mut Turns,
+    reach: f64,
+    progress: &dyn Progress,
+) -> usize {
     let topology = surface.topology();
     let cone = turns.cone.clone();
     let positive = topology.faces().filter(|f| cone[*f] > 0);
     let mut pairs: Vec<Route> = positive
-        .flat_map(|f| routes(topology, mesh, f, reach, false, |g| cone[g] < 0))
+        .take_while(|_| !progress.is_cancelled())
+        .flat_map(|f| routes(topology, mesh, f, (reach, NEAREST), false, |g| cone[g] < 0))
         .collect();
     pairs.sort_by(|a, b| a.length.total_cmp(&b.length));
     let mut cancelled = 0;
@@ -148,7 +161,14 @@ fn prescribe(
     while let Some(f) = topology.faces().find(|f| excess[*f] != 0) {
         let sign = excess[f].signum();
         let opposite = |g: FaceId| excess[g].signum() == -sign;
-        let ways = routes(topology, mesh, f, f64::INFINITY, open, opposite);
+        let ways = routes(
+            topology,
+            mesh,
+            f,
+            (f64::INFINITY, usize::MAX),
+            open,
+            opposite,
+        );
         let Some(way) = ways.first() else { break };
         turns.carry(topology, way, sign);
         excess[f] -= sign;

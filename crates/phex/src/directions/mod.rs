@@ -224,7 +224,7 @@ pub fn in_metric(
             options,
             &mut factor,
         )?;
-        cones::settle_cones(surface, intrinsic, field, options)
+        cones::settle_cones(surface, intrinsic, field, options, progress)
     };
     let mut turned = field(&intrinsic, &tensor)?;
     if options.conformal_limit > 0.0 && !progress.is_cancelled() {

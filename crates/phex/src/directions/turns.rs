@@ -66,12 +66,12 @@ pub(crate) struct Route {
 }
 
 /// The shortest ways from a triangle to those within `reach` lattice spacings that `wanted` names,
-/// and, where `leaving`, out of the boundary; the shortest first.
+/// at `most` so many, and, where `leaving`, out of the boundary; the shortest first.
 pub(crate) fn routes(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     from: FaceId,
-    reach: f64,
+    (reach, most): (f64, usize),
     leaving: bool,
     wanted: impl Fn(FaceId) -> bool,
 ) -> Vec<Route> {
@@ -90,6 +90,9 @@ pub(crate) fn routes(
                 to: Some(f),
                 path: path_to(&known, f),
             });
+            if found.len() >= most {
+                break;
+            }
         }
         for h in topology.face_half_edges(f) {
             let Some(twin) = topology.twin(h) else {

@@ -30,7 +30,7 @@ impl Isometry {
     ///
     /// ```
     /// # use phex_mesh::Vec3;
-    /// use phex::pipeline::Isometry;
+    /// use phex::symmetry::Isometry;
     ///
     /// let mirror = Isometry { rows: [[-1., 0., 0.], [0., 1., 0.], [0., 0., 1.]], shift: [0.; 3] };
     /// assert_eq!(mirror.image(Vec3::new(0.1, 0.2, 0.3)), Vec3::new(-0.1, 0.2, 0.3));
