@@ -90,7 +90,8 @@ def solve(job: Dict[str, Any]) -> Row:
 
     >>> import phex
     >>> phex.shape("sphere", triangles=500).save("ball.obj")
-    >>> row = phex.solve({"surface": "ball.obj", "out": "study", "settings": {"panels": 32}})
+    >>> settings = {"panels": 32, "max-deviation": "5%"}
+    >>> row = phex.solve({"surface": "ball.obj", "out": "study", "settings": settings})
     >>> row["in:panels"], row["out:status"], row["img"] == row["key"] + "/picture.png"
     (32, 'pass', True)
     """
