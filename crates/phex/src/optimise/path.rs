@@ -131,19 +131,9 @@ impl<'a> Path<'a> {
         self.outcome.status == Status::Cancelled
     }
 
-    /// From the start to planar panels, with stronger barriers and higher penalties where the
-    /// projection has not arrived.
-    pub(crate) fn settle(&mut self) -> Result<Reached, OptimiseError> {
-        let best = self.arrive()?;
-        match self.is_over() || best.is_planar(self.options) {
-            true => Ok(best),
-            false => Ok(better(best, self.insist()?)),
-        }
-    }
-
     /// All phases from the start and the projection, once more with a weak hold on the start if a
     /// strong one keeps panels from becoming planar.
-    fn arrive(&mut self) -> Result<Reached, OptimiseError> {
+    pub(crate) fn arrive(&mut self) -> Result<Reached, OptimiseError> {
         let gives_way = self.descend_all()?;
         let held = gives_way.then(|| self.project(KEPT_CLEARANCE));
         let is_done = |held: &Reached| held.is_planar(self.options);
@@ -363,7 +353,7 @@ impl<'a> Path<'a> {
 
     /// Begins again without limits, since planar panels come before them; with stronger barriers of
     /// the panels that have come out tight, and then higher penalties.
-    fn insist(&mut self) -> Result<Reached, OptimiseError> {
+    pub(crate) fn insist(&mut self) -> Result<Reached, OptimiseError> {
         self.weights.limits = 0.0;
         self.weights.closeness.limit.elastic.weight = 0.0;
         const TIGHT: f64 = 1.5;

@@ -49,7 +49,12 @@ impl Stage<'_> {
         }
         let setting = self.setting(&start.x);
         let mut path = Path::new(&setting, solvers, &start.x, options, progress)?;
-        let mut best = path.settle()?;
+        let mut best = path.arrive()?;
+        // A place that is tried in other ways is not worth a second run.
+        let insists = kind != StartKind::Local && !path.is_over();
+        if insists && !best.is_planar(options) {
+            best = better(best, path.insist()?);
+        }
         if !path.is_over() && !best.is_planar(options) {
             best = better(best, path.project(options.least_clearance));
         }

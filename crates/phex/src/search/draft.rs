@@ -231,7 +231,8 @@ impl Draft {
         (next.irregularities() < self.irregularities()).then_some(next)
     }
 
-    fn irregularities(&self) -> i64 {
+    /// How irregular the panels are in all.
+    pub fn irregularities(&self) -> i64 {
         let faces = (0..self.faces.len()).filter(|f| !self.faces[*f].is_empty());
         faces
             .map(|f| self.irregularity(f, self.faces[f].len()))

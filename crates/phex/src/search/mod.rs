@@ -2,12 +2,12 @@
 //!
 //! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the
 //! same panels with more weight on what they lack; where that is not enough two of them merged, an
-//! edge turned, a panel split, or all of them. Each
-//! candidate is made regular again by turns of edges (`draft`), made planar by the optimiser with
-//! everything around it at rest, and judged ([`crate::quality::Judge`]) with the same figures as
-//! the whole mesh; the best is kept if it is better than what there was, else nothing has changed.
-//! Places that do not touch are searched side by side. It is one mechanism for closed and open,
-//! uniform and adaptive meshes, whatever made them.
+//! edge turned, a panel split; where panels are too large all of them split. Each candidate is made
+//! regular again by turns of edges (`draft`); the most regular ones are made planar by the
+//! optimiser with everything around it at rest, and judged ([`crate::quality::Judge`]) with the
+//! same figures as the whole mesh; the best is kept if it is better than what there was, else
+//! nothing has changed. Places that do not touch are searched side by side. It is one mechanism for
+//! closed and open, uniform and adaptive meshes, whatever made them.
 //!
 //! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three
 //! panels; outside of the patches that are kept positions are the same to the last bit; the same
@@ -209,10 +209,9 @@ fn chosen(
             .iter()
             .find(|f| (f.place - defect.place).norm() < same);
         let times = before.map_or(0, |f| f.times);
-        // What is allowed is worth one try.
-        let rings = RINGS
-            .get(times)
-            .filter(|_| times == 0 || !defect.is_allowed);
+        // What more panels don't cure is worth one try.
+        let again = defect.needs_more && !defect.is_allowed;
+        let rings = RINGS.get(times).filter(|_| times == 0 || again);
         let Some(rings) = rings else {
             continue;
         };
