@@ -34,6 +34,9 @@ pub(crate) fn turns_after_join(
         return None;
     };
     let gain = patch.join([a, b])?;
+    if gain + patch.most_gain() <= 0 {
+        return None;
+    }
     let mut path = Vec::new();
     let mut found = |steps| patch.search(steps, gain, gain.min(0), &mut path);
     if !(0..=STEPS_AFTER_JOIN).any(&mut found) {
@@ -67,7 +70,8 @@ pub(crate) fn sequences_beside(
     let mut found = Vec::new();
     for f in topology.faces().filter(irregular) {
         let mut patch = DualPatch::around(topology, f, &taken);
-        for steps in 1..=STEPS {
+        let most = if patch.most_gain() > 0 { STEPS } else { 0 };
+        for steps in 1..=most {
             let mut path = Vec::new();
             if patch.search(steps, 0, 0, &mut path) {
                 taken.extend(patch.changed(topology, &path));
@@ -137,6 +141,15 @@ impl DualPatch {
 
     fn irregular(&self) -> impl Iterator<Item = usize> {
         (0..self.ring.len()).filter(|f| self.is_known(*f) && self.corners(*f) != 6)
+    }
+
+    /// What any turns may gain at the most: they leave the sum of the panels' corners as it is,
+    /// and it is least irregular with as many pentagons, or heptagons, as the sum asks for.
+    fn most_gain(&self) -> i32 {
+        let known = (0..self.ring.len()).filter(|f| self.is_known(*f));
+        let odd = known.map(|f| self.corners(f) as i32 - 6);
+        let (now, sum) = odd.fold((0, 0), |(now, sum), x| (now + x * x, sum + x));
+        now - i32::abs(sum)
     }
 
     /// Looks for a sequence of at most `steps` turns more whose gain, with the `gain` so far, is
