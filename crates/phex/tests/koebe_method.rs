@@ -153,7 +153,7 @@ fn inner_edges_of_cut_panels_keep_their_distance() {
 /// they are no shorter than a quarter of the mean.
 #[test]
 fn edges_of_a_wide_cap_are_not_short() {
-    let cap = patch(60, 0.69, PATCHES[1].3);
+    let cap = patch(100, 0.69, PATCHES[1].3);
     let run = run(&cap, &options(500));
     assert!(run.is_sound(), "{:?}", run.violations.first());
     let (measures, t) = (measure(&run.mesh), run.mesh.topology());

@@ -25,7 +25,7 @@
 //! *Fails*: where that is more than allowed ([`OffsetError::NotParallelToKoebe`]).
 
 use super::accuracy::edge_distance_error;
-use super::face_offset::check_planar_mesh;
+use super::face_offset::{MOST_AT_BOUNDARY, check_planar_mesh};
 use super::gauss_image::{GaussImage, OffsetKind};
 use super::inner_edges::inner_edge_image;
 use super::vertex_offset::{check_connected, edges_at, vertex_directions};
@@ -91,7 +91,8 @@ pub fn edge_gauss_image(
     mesh: &HexMesh,
     options: &OffsetOptions,
 ) -> Result<EdgeGaussImage, OffsetError> {
-    check_planar_mesh(mesh, &options.validity)?;
+    // A cut may part a panel in a corner, where a fourth face then ends.
+    check_planar_mesh(mesh, &options.validity, MOST_AT_BOUNDARY + 1)?;
     check_connected(mesh)?;
     let normals = vertex_directions(mesh)?;
     let vertices = mesh.topology().vertices();

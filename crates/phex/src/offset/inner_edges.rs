@@ -9,12 +9,13 @@
 //! phi_f = (theta_fg + theta_fh - theta_gh) / 2          where three of them meet.
 //! ```
 //!
-//! One vertex inside gives all radii, and all other edges check them. What the cut made moves with
-//! that: a vertex with one inner edge at right angles to it, as the touching point says; corners of
-//! the cut within a panel in between, by the length of the way. So every vertex stays in the planes
-//! of its panels, and inner edges have beams without torsion. Edges of the cut turn within their
-//! panels. They can't be kept parallel: the image of a boundary curve would have to move sideways
-//! by the integral of its geodesic torsion, which need not come back to where it started.
+//! One vertex inside gives all radii, and all other edges check them. What the cut made goes with
+//! that: the end of an inner edge moves as the vertex at its other end, so that the edge keeps its
+//! length and no sliver of a panel collapses; corners of the cut within a panel move in between, by
+//! the length of the way. So every vertex stays in the planes of its panels, and inner edges have
+//! beams without torsion. Edges of the cut turn within their panels. They can't all be kept
+//! parallel: the image of a boundary curve would have to move sideways by the integral of its
+//! geodesic torsion, which need not come back to where it started.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -47,7 +48,7 @@ pub(super) fn inner_edge_image(
     };
     let circles = Circles::of(mesh, first)?;
     let contacts = PerEdge::from_fn(t.n_edges(), |e| circles.contact(e));
-    let mut positions = PerVertex::from_fn(t.n_vertices(), |v| meeting(mesh, v, &contacts));
+    let mut positions = PerVertex::from_fn(t.n_vertices(), |v| image_of(mesh, v, &contacts));
     for row in corner_rows(mesh, t.edge_vertices(first)[0]) {
         for (v, share) in row.shares(mesh) {
             positions[v] = positions[row.from].lerp(&positions[row.to], share);
@@ -159,20 +160,29 @@ fn spread(t: &Topology, normals: &PerFace<Vec3>, root: FaceId, radius: f64) -> P
     radii.map(|r| r.unwrap_or(radius))
 }
 
-/// Where the lines of the inner edges at a vertex meet, in the sense of least squares; with one of
-/// them its point on the sphere. Zero without any.
-fn meeting(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<Contact>>) -> Vec3 {
+/// Where the lines of the inner edges at a vertex meet. With one of them the vertex goes with the
+/// other end of that edge or, if it is the only one there, too, to its point on the sphere. Zero
+/// without any.
+fn image_of(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<Contact>>) -> Vec3 {
+    let edges = edges_at(mesh.topology(), v).into_iter();
+    let mut inner = edges.filter_map(|(e, to)| Some((contacts[e]?, to)));
+    meeting(mesh, v, contacts).unwrap_or_else(|| match inner.next() {
+        Some((contact, to)) => meeting(mesh, to, contacts).unwrap_or(contact.point),
+        None => Vec3::zeros(),
+    })
+}
+
+/// The point nearest to the lines of the inner edges at a vertex; `None` with fewer than two.
+fn meeting(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<Contact>>) -> Option<Vec3> {
     let edges = edges_at(mesh.topology(), v).into_iter();
     let lines: Vec<Contact> = edges.filter_map(|(e, _)| contacts[e]).collect();
-    if let [only] = lines[..] {
-        return only.point;
+    if lines.len() < 2 {
+        return None;
     }
     let across = |c: &Contact| Matrix3::identity() - c.along * c.along.transpose();
     let matrix: Matrix3<f64> = lines.iter().map(across).sum();
     let right: Vec3 = lines.iter().map(|c| c.point).sum();
-    matrix
-        .cholesky()
-        .map_or_else(Vec3::zeros, |c| c.solve(&right))
+    matrix.cholesky().map(|c| c.solve(&right))
 }
 
 /// The inner edge whose ends or circles disagree most about where it touches.

@@ -59,7 +59,13 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     let progress = clock.progress;
     let image = clock.timed("koebe", || koebe(&made.graph, &options, progress))?;
     let fitted = clock.timed("parallel", || {
-        fitted(&image.mesh, &made.surface, ground, progress)
+        fitted(
+            &image.mesh,
+            &made.surface,
+            ground,
+            classical.curvature,
+            progress,
+        )
     })?;
     classical.edges_at_bound = Some(fitted.edges_at_bound);
     classical.reversed_edges = Some(fitted.reversed_edges.len());
@@ -80,19 +86,20 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     })
 }
 
-/// Least lengths of edges over the mean, the first that there are panels with: where the radii of
-/// curvature differ by 3 the sign rule has edges without length.
-const LEAST_EDGES: [f64; 2] = [0.25, 0.05];
+/// Least length of an edge over the mean where `K > 0` and there are such panels: where the radii of
+/// curvature differ by 3 the sign rule has edges without length. Where `K < 0` it has none.
+const LEAST_EDGE: f64 = 0.25;
 
 /// The mesh parallel to an image that is closest to the surface.
 fn fitted(
     image: &HexMesh,
     surface: &TriangleSurface,
     ground: &Ground,
+    curvature: CurvatureSign,
     progress: &dyn Progress,
 ) -> Result<Fitted, FitError> {
     let given = ground.given().finest();
-    let with = |least_edge| {
+    let with = |least_edge: f64| {
         let fit = FitOptions {
             signs: EdgeSigns::SignRule,
             fairness: SIGNED_FAIRNESS,
@@ -102,8 +109,12 @@ fn fitted(
         };
         fit_beyond(image, surface, given, &fit, progress)
     };
-    match with(LEAST_EDGES[0]) {
-        Err(FitError::NoneWithSigns { .. }) => with(LEAST_EDGES[1]),
+    let usual = FitOptions::default().least_edge;
+    if curvature == CurvatureSign::Hyperbolic {
+        return with(usual);
+    }
+    match with(LEAST_EDGE) {
+        Err(FitError::NoneWithSigns { .. }) => with(usual),
         made => made,
     }
 }
