@@ -130,7 +130,7 @@ fn inner_edges_of_cut_panels_keep_their_distance() {
         let t = mesh.topology();
         let rim = t.edges().filter(|e| t.is_boundary_edge(*e));
         assert_eq!(found.free_edges, rim.collect::<Vec<_>>(), "{name}");
-        let layers = [0.005, 0.003, -0.003, -0.005].map(|share| {
+        let layers = [0.003, 0.001, -0.001, -0.003].map(|share| {
             let distance = share * mesh.diagonal();
             let moved = layer(mesh, &found.image, distance, &given).unwrap();
             let error = worst_of_edges(mesh, &moved, distance, true);
