@@ -1,5 +1,5 @@
-//! Graphs `z = f(x, y)`: plane, paraboloids, monkey saddle, wave, Scherk's surface. `u = x`, `v = y`; normals point
-//! up.
+//! Graphs `z = f(x, y)`: plane, paraboloids, monkey saddle, wave, Scherk's surface. `u = x`, `v =
+//! y`; normals point up.
 
 use super::domain::ParameterDomain;
 use super::parametric::{ParametricSurface, SurfaceJet};

@@ -86,8 +86,8 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     })
 }
 
-/// Least length of an edge over the mean where `K > 0` and there are such panels: where the radii of
-/// curvature differ by 3 the sign rule has edges without length. Where `K < 0` it has none.
+/// Least length of an edge over the mean where `K > 0` and there are such panels: where the radii
+/// of curvature differ by 3 the sign rule has edges without length. Where `K < 0` it has none.
 const LEAST_EDGE: f64 = 0.25;
 
 /// The mesh parallel to an image that is closest to the surface.
