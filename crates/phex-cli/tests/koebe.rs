@@ -209,6 +209,31 @@ fn a_saddle_gets_edge_offsets_in_one_command() {
     assert!(run.stderr.contains("signs.txt:1"), "{}", run.stderr);
 }
 
+/// Panels that were cut have offsets of their inner edges; the others are named.
+#[test]
+fn cut_panels_have_offsets_of_their_inner_edges() {
+    let shop = Workshop::new();
+    shop.succeed("shape scherk --set side=1.6 -o scherk.obj --triangles 3000");
+    let mesh = "mesh scherk.obj --method koebe --boundary clip -n 80 -o panels.obj --keep-invalid";
+    shop.phex(mesh);
+    let offset = "offset panels.obj --kind edge --distance 0.02,-0.02 -o layers --solids --beams --report offset.json";
+    let run = shop.phex(offset);
+    assert!(
+        run.stdout.contains("inner edges keep their distance")
+            && run.stdout.contains("have no distance of their own"),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+    let report = shop.json("offset.json");
+    let free = report["gauss_image"]["free_edges"].as_array().unwrap();
+    assert!(!free.is_empty());
+    for layer in report["layers"].as_array().unwrap() {
+        assert!(layer["distance_error"].as_f64().unwrap() < 1e-12);
+        assert!(layer["turned"]["edges"].as_u64().unwrap() <= free.len() as u64);
+    }
+}
+
 #[test]
 fn surfaces_without_edge_offsets_are_refused_by_vertex() {
     let shop = Workshop::new();

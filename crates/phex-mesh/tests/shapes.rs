@@ -207,6 +207,10 @@ fn curvatures_agree_with_known_formulas() {
     assert_curvature("enneper", |_, u, v| {
         (-4.0 / (1.0 + u * u + v * v).powi(4), 0.0)
     });
+    assert_curvature("scherk", |_, u, v| {
+        let (x, y) = (1.0 / u.cos().powi(2), 1.0 / v.cos().powi(2));
+        (-x * y / (x + y - 1.0).powi(2), 0.0)
+    });
 }
 
 fn gauss_curvatures(name: &str) -> Vec<f64> {
@@ -275,6 +279,7 @@ fn implicit(name: &str, p: Vec3) -> Option<f64> {
         "hyperbolic-paraboloid" => Some(p.z - 0.5 * (p.x * p.x - p.y * p.y)),
         "elliptic-paraboloid" => Some(p.z + 0.5 * (p.x * p.x / 1.2 + p.y * p.y / 1.8)),
         "monkey-saddle" => Some(p.z - 0.3 * p.x * (p.x * p.x - 3.0 * p.y * p.y)),
+        "scherk" => Some(p.z - (p.y.cos() / p.x.cos()).ln()),
         "wave" => Some(p.z - 0.3 * p.x.sin() - 0.2 * p.y.sin()),
         _ => None,
     }

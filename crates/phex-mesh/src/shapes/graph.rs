@@ -1,5 +1,5 @@
-//! Graphs `z = f(x, y)`: plane, paraboloids, monkey saddle, wave. `u = x`, `v = y`; normals point
-//! up.
+//! Graphs `z = f(x, y)`: plane, paraboloids, monkey saddle, wave, Scherk's surface. `u = x`, `v =
+//! y`; normals point up.
 
 use super::domain::ParameterDomain;
 use super::parametric::{ParametricSurface, SurfaceJet};
@@ -100,6 +100,25 @@ impl HeightField for Wave {
             xx: -a * x.sin(),
             xy: 0.0,
             yy: -b * y.sin(),
+        }
+    }
+}
+
+/// `z = scale log(cos(y / scale) / cos(x / scale))`.
+pub(super) struct Scherk {
+    pub scale: f64,
+}
+
+impl HeightField for Scherk {
+    fn height(&self, x: f64, y: f64) -> HeightJet {
+        let (x, y) = (x / self.scale, y / self.scale);
+        HeightJet {
+            z: self.scale * (y.cos() / x.cos()).ln(),
+            x: x.tan(),
+            y: -y.tan(),
+            xx: 1.0 / (self.scale * x.cos().powi(2)),
+            xy: 0.0,
+            yy: -1.0 / (self.scale * y.cos().powi(2)),
         }
     }
 }

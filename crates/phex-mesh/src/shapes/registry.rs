@@ -4,7 +4,7 @@ use super::ShapeError;
 use super::b_spline::BSplineHeights;
 use super::domain::{Interval, ParameterDomain};
 use super::ellipsoid::EllipsoidSurface;
-use super::graph::{Graph, HeightField, MonkeySaddle, Paraboloid, Wave};
+use super::graph::{Graph, HeightField, MonkeySaddle, Paraboloid, Scherk, Wave};
 use super::minimal::{Enneper, Helicoid};
 use super::parametric::{ParametricSurface, PrincipalCurvatures, SurfaceJet};
 use super::revolution::{Profile, Revolution};
@@ -234,7 +234,7 @@ const MAX_SEED: f64 = 9_007_199_254_740_991.0;
 /// Longest over shortest axis of an ellipsoid: beyond it, its triangles degenerate.
 const MAX_AXIS_RATIO: f64 = 20.0;
 
-static SHAPES: [ShapeInfo; 16] = [
+static SHAPES: [ShapeInfo; 17] = [
     ShapeInfo {
         name: "plane",
         summary: "A flat rectangle.",
@@ -340,6 +340,22 @@ static SHAPES: [ShapeInfo; 16] = [
                 radius: p[0],
                 scale: p[1],
             }))
+        },
+    },
+    ShapeInfo {
+        name: "scherk",
+        summary: "Scherk's doubly periodic minimal surface over a part of one of its squares.",
+        parameters: &[
+            length("side", 2.0, "side of the part, at most 0.9 pi of scale"),
+            length(
+                "scale",
+                1.0,
+                "size factor: the surface repeats after pi times it",
+            ),
+        ],
+        build: |p| {
+            at_most(0, p[0], 0.9 * PI * p[1])?;
+            graph(Scherk { scale: p[1] }, half_sizes(p[0], p[0]))
         },
     },
     ShapeInfo {

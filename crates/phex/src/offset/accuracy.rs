@@ -4,13 +4,13 @@
 use super::OffsetError;
 use super::face_offset::face_normals;
 use super::gauss_image::OffsetKind;
-use phex_mesh::{HexMesh, PerFace, Vec3};
+use phex_mesh::{EdgeId, HexMesh, PerFace, Vec3};
 
 /// Largest error of the distances of faces, edges or vertices (whichever `kind` says) of `moved`
 /// from those of `mesh`, in model units.
 ///
 /// ```
-/// # use phex_mesh::{HexMesh, Vec3};
+/// # use phex_mesh::{EdgeId, HexMesh, Vec3};
 /// # let corner = |k: u32| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
 /// # let faces = [
 /// #     [0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5],
@@ -41,17 +41,29 @@ pub fn distance_error(
             let distances = PerFace::filled(topology.n_faces(), distance);
             face_distance_error(mesh, moved, &distances)?
         }
-        OffsetKind::Edge => largest(topology.edges().flat_map(|e| {
-            let [a, b] = topology.edge_vertices(e);
-            let along = (mesh.position(b) - mesh.position(a)).normalize();
-            [a, b].map(|v| (moved.position(v) - mesh.position(v)).cross(&along).norm() - wish)
-        })),
+        OffsetKind::Edge => edge_distance_error(mesh, moved, distance, |_| true),
         OffsetKind::Vertex => largest(
             topology
                 .vertices()
                 .map(|v| (moved.position(v) - mesh.position(v)).norm() - wish),
         ),
     })
+}
+
+/// Largest error of the distances of some edges, in model units.
+pub(super) fn edge_distance_error(
+    mesh: &HexMesh,
+    moved: &HexMesh,
+    distance: f64,
+    counts: impl Fn(EdgeId) -> bool,
+) -> f64 {
+    let topology = mesh.topology();
+    largest(topology.edges().filter(|e| counts(*e)).flat_map(|e| {
+        let [a, b] = topology.edge_vertices(e);
+        let along = (mesh.position(b) - mesh.position(a)).normalize();
+        let away = |v| (moved.position(v) - mesh.position(v)).cross(&along).norm();
+        [a, b].map(|v| away(v) - distance.abs())
+    }))
 }
 
 /// Largest error of the distances of the faces from those that were asked for, in model units.

@@ -24,12 +24,14 @@
 //! to rounding, at both of its ends; the edges are parallel up to [`EdgeGaussImage::defect`].
 //! *Fails*: where that is more than allowed ([`OffsetError::NotParallelToKoebe`]).
 
-use super::face_offset::check_planar_mesh;
+use super::accuracy::edge_distance_error;
+use super::face_offset::{MOST_AT_BOUNDARY, check_planar_mesh};
 use super::gauss_image::{GaussImage, OffsetKind};
+use super::inner_edges::inner_edge_image;
 use super::vertex_offset::{check_connected, edges_at, vertex_directions};
 use super::{OffsetError, OffsetOptions};
 use phex_mesh::{EdgeId, HalfEdgeId, HexMesh, PerVertex, Vec3, VertexId};
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 /// Touching points up to this far apart are the same.
 const SAME_POINT: f64 = 1e-6;
@@ -46,9 +48,25 @@ pub struct EdgeGaussImage {
     pub edge: EdgeId,
     /// Least cosine between a vertex of the Gauss image and the mean normal of the faces there.
     pub facing: f64,
+    /// Boundary edges without a distance of their own, where the mesh has been cut: all of them or,
+    /// if all edges touch the sphere, none.
+    pub free_edges: Vec<EdgeId>,
 }
 
-/// The Gauss image whose edges touch the unit sphere.
+impl EdgeGaussImage {
+    /// Largest error of the distances of the edges of `moved` from those of `mesh`, model units,
+    /// but for the free ones.
+    ///
+    /// # Panics
+    /// If the connectivity differs.
+    pub fn distance_error(&self, mesh: &HexMesh, moved: &HexMesh, distance: f64) -> f64 {
+        let free: BTreeSet<EdgeId> = self.free_edges.iter().copied().collect();
+        edge_distance_error(mesh, moved, distance, |e| !free.contains(&e))
+    }
+}
+
+/// The Gauss image whose edges touch the unit sphere; where not all can, as in a mesh that has been
+/// cut along a curve, that whose inner edges do (`inner_edges`).
 ///
 /// ```
 /// # use phex_mesh::{HexMesh, Vec3};
@@ -67,12 +85,14 @@ pub struct EdgeGaussImage {
 /// ```
 ///
 /// # Errors
-/// If the mesh is not planar with vertices of degree 3, or no Koebe mesh is parallel to it.
+/// If the mesh is not planar with vertices of degree 3, or no Koebe mesh has inner edges that are
+/// parallel to its.
 pub fn edge_gauss_image(
     mesh: &HexMesh,
     options: &OffsetOptions,
 ) -> Result<EdgeGaussImage, OffsetError> {
-    check_planar_mesh(mesh, &options.validity)?;
+    // A cut may part a panel in a corner, where a fourth face then ends.
+    check_planar_mesh(mesh, &options.validity, MOST_AT_BOUNDARY + 1)?;
     check_connected(mesh)?;
     let normals = vertex_directions(mesh)?;
     let vertices = mesh.topology().vertices();
@@ -88,7 +108,15 @@ pub fn edge_gauss_image(
         };
         if b_is { b } else { a }
     };
-    let (edge, defect) = match images.reduce(better) {
+    let whole = images.reduce(better);
+    let best = match whole {
+        Some(image) if image.defect <= options.closing => return Ok(image),
+        _ => whole
+            .into_iter()
+            .chain(inner_edge_image(mesh, &normals)?)
+            .reduce(better),
+    };
+    let (edge, defect) = match best {
         Some(best) if best.defect <= options.closing => return Ok(best),
         Some(best) => (best.edge, best.defect),
         None => (EdgeId::new(0), f64::INFINITY),
@@ -121,7 +149,7 @@ fn star(mesh: &HexMesh, v: VertexId) -> Vec<Spoke> {
 }
 
 /// Where the line through `x` along a unit vector is closest to the centre.
-fn touching(x: Vec3, along: &Vec3) -> Vec3 {
+pub(super) fn touching(x: Vec3, along: &Vec3) -> Vec3 {
     x - along * x.dot(along)
 }
 
@@ -231,29 +259,31 @@ fn spread(
     }
     let positions = positions.map(|x| x.unwrap_or(start));
     let (edge, defect) = largest_defect(mesh, &positions);
-    let cosine = |(x, n): (&Vec3, &Vec3)| x.dot(n) / (x.norm() * n.norm());
-    let facing = positions
-        .iter()
-        .zip(normals)
-        .map(cosine)
-        .fold(f64::INFINITY, f64::min);
     EdgeGaussImage {
+        facing: facing(&positions, normals),
         image: GaussImage {
             kind: OffsetKind::Edge,
             positions,
         },
         defect,
         edge,
-        facing,
+        free_edges: Vec::new(),
     }
+}
+
+/// Least cosine between the vertices of an image and normals there.
+pub(super) fn facing(positions: &PerVertex<Vec3>, normals: &PerVertex<Vec3>) -> f64 {
+    let cosine = |(x, n): (&Vec3, &Vec3)| x.dot(n) / (x.norm() * n.norm());
+    let cosines = positions.iter().zip(normals).map(cosine);
+    cosines.fold(f64::INFINITY, f64::min)
 }
 
 /// Corners of one face in a row along the boundary, between two vertices that are none (or, for a
 /// face alone, all but one).
-struct CornerRow {
-    from: VertexId,
+pub(super) struct CornerRow {
+    pub from: VertexId,
     corners: Vec<VertexId>,
-    to: VertexId,
+    pub to: VertexId,
     /// The edge between the last of them and `to`.
     last: EdgeId,
 }
@@ -265,7 +295,7 @@ struct PlacedRow {
 }
 
 /// The rows of corners along all boundaries.
-fn corner_rows(mesh: &HexMesh, root: VertexId) -> Vec<CornerRow> {
+pub(super) fn corner_rows(mesh: &HexMesh, root: VertexId) -> Vec<CornerRow> {
     let t = mesh.topology();
     let ends = |v: VertexId| v == root || t.face_degree(v) > 1;
     let along = t
@@ -304,6 +334,19 @@ impl PlacedRow {
 }
 
 impl CornerRow {
+    /// The corners with their shares of the way along the row.
+    pub fn shares<'a>(&'a self, mesh: &HexMesh) -> impl Iterator<Item = (VertexId, f64)> + use<'a> {
+        let mut way = vec![0.0];
+        let (mut length, mut at) = (0.0, self.from);
+        for &v in self.corners.iter().chain([&self.to]) {
+            length += (mesh.position(v) - mesh.position(at)).norm();
+            way.push(length);
+            at = v;
+        }
+        let shares = way.into_iter().skip(1).map(move |w| w / length);
+        self.corners.iter().copied().zip(shares)
+    }
+
     /// At a corner both edges touch to the same side or, where one of them runs against its image,
     /// to opposite sides. Of the choices that meet the end of the row the nearest to the sphere is
     /// taken: an edge between two corners may touch the circle of its face in two points, of which

@@ -91,7 +91,7 @@ pub fn face_offset(
     distances: &PerFace<f64>,
     options: &OffsetOptions,
 ) -> Result<FaceOffset, OffsetError> {
-    check_planar_mesh(mesh, &options.validity)?;
+    check_planar_mesh(mesh, &options.validity, MOST_AT_BOUNDARY)?;
     check_distances(mesh, distances)?;
     let normals = face_normals(mesh)?;
     let largest = distances.iter().fold(0.0f64, |m, d| m.max(d.abs()));
@@ -159,10 +159,14 @@ pub(super) fn newell(mesh: &HexMesh, topology: &Topology, face: phex_mesh::FaceI
     arms.windows(2).map(|w| w[0].cross(&w[1])).sum()
 }
 
+/// Most faces at a vertex of the boundary where all of them say how it moves.
+pub(super) const MOST_AT_BOUNDARY: usize = 3;
+
 /// Checks coordinates, vertex degrees and planarity.
 pub(super) fn check_planar_mesh(
     mesh: &HexMesh,
     limits: &ValidateOptions,
+    most_at_boundary: usize,
 ) -> Result<(), OffsetError> {
     let broken = |p: &Vec3| !p.iter().all(|x| x.is_finite());
     if let Some((vertex, _)) = mesh.positions.enumerate().find(|(_, p)| broken(p)) {
@@ -171,7 +175,11 @@ pub(super) fn check_planar_mesh(
     let topology = mesh.topology();
     for vertex in topology.vertices() {
         let degree = topology.face_degree(vertex);
-        if degree > 3 || (degree != 3 && !topology.is_boundary_vertex(vertex)) {
+        let held = match topology.is_boundary_vertex(vertex) {
+            true => degree <= most_at_boundary,
+            false => degree == 3,
+        };
+        if !held {
             return Err(OffsetError::WrongDegree { vertex, degree });
         }
     }

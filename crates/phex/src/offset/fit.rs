@@ -398,12 +398,7 @@ impl<'a> Program<'a> {
             Some(signed) => (signed.wished.map(|l| l / unit), &signed.waists[..]),
             None => (space.lengths(space.mesh()).map(|l| l / mean_edge), &[][..]),
         };
-        // Where sizes follow the curvature, short edges are meant to be.
-        let scale = |l: &f64| match signed {
-            Some(_) => l.signum() * l.abs().min(1.0),
-            None => 1.0,
-        };
-        let least = natural.map(|l| options.least_edge * scale(l));
+        let least = natural.map(|l| options.least_edge * l.signum());
         let mut equalities = Rows::new(3 * t.n_vertices());
         let parallel = space.parallelism_rows();
         (0..parallel.n_rows()).for_each(|i| equalities.push(entries_of(parallel, i)));

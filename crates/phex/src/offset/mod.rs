@@ -21,6 +21,7 @@
 //! | `gauss_image` | `M'` and `M + d M'` |
 //! | `contact` | when a face first meets itself on its way |
 //! | `edge_gauss_image` | the Koebe mesh that a given mesh is parallel to, if there is one |
+//! | `inner_edges` | the same for a mesh that has been cut: by its inner edges alone |
 //! | [`edge_offset`] | offsets at constant edge distance, of meshes parallel to a Koebe mesh |
 //! | `signs` | which edges of a parallel mesh run against those of its Gauss image, where `K < 0` |
 //! | `space`, `basis`, `fit` | the linear space of parallel meshes, a sparse basis, and those in it close to a surface |
@@ -62,6 +63,7 @@ pub(crate) mod face_offset;
 pub(crate) mod fit;
 pub(crate) mod gauss_image;
 pub(crate) mod inheritance;
+mod inner_edges;
 pub(crate) mod layers;
 mod null_space;
 pub(crate) mod options;

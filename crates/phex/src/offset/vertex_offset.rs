@@ -23,7 +23,7 @@
 //! edges free to turn in the plane of the face, and that edge of an offset is not parallel.
 
 use super::angle_condition::{AngleCondition, angle_conditions};
-use super::face_offset::{check_planar_mesh, face_normals};
+use super::face_offset::{MOST_AT_BOUNDARY, check_planar_mesh, face_normals};
 use super::gauss_image::{GaussImage, OffsetKind};
 use super::{OffsetError, OffsetOptions};
 use crate::optimise::free_edges;
@@ -85,7 +85,7 @@ pub fn vertex_gauss_image(
     mesh: &HexMesh,
     options: &OffsetOptions,
 ) -> Result<SphericalMesh, OffsetError> {
-    check_planar_mesh(mesh, &options.validity)?;
+    check_planar_mesh(mesh, &options.validity, MOST_AT_BOUNDARY)?;
     check_angles(mesh, options.angle)?;
     let spherical = spherical_mesh(mesh)?;
     let holonomy = spherical.holonomy;

@@ -125,7 +125,10 @@ impl Base {
         let image = self.motion.image();
         let moved = layer(&self.mesh, image, distance, &job.options)
             .map_err(|e| self.refusal(job, distance, &e))?;
-        let error = distance_error(&self.mesh, &moved, image.kind, distance);
+        let error = match &self.motion {
+            Motion::Edge(found) => Ok(found.distance_error(&self.mesh, &moved, distance)),
+            _ => distance_error(&self.mesh, &moved, image.kind, distance),
+        };
         let turned = Turned::of(&image.turned_edges(&self.mesh), distance);
         Ok(OffsetLayer::new(
             moved,

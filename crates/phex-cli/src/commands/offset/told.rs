@@ -4,7 +4,7 @@ use super::OffsetJob;
 use super::base::{Base, Motion, MovedVertices, OffsetLayer, Turned, rounded_down};
 use super::files::OffsetFile;
 use crate::summary::SummaryTable;
-use phex::offset::{OffsetKind, SafeDistance, SafeDistances};
+use phex::offset::{SafeDistance, SafeDistances};
 use phex_mesh::Violation;
 use serde_json::{Value, json};
 
@@ -65,10 +65,11 @@ impl Told<'_> {
         let (base, unit) = (self.base, self.job.command.unit);
         let panels = base.mesh.topology().n_faces();
         let edge = base.mesh.mean_edge();
-        let keeps = match base.motion.image().kind {
-            OffsetKind::Face => "faces",
-            OffsetKind::Edge => "edges",
-            OffsetKind::Vertex => "vertices",
+        let keeps = match &base.motion {
+            Motion::Face(..) => "faces",
+            Motion::Edge(found) if !found.free_edges.is_empty() => "inner edges",
+            Motion::Edge(_) => "edges",
+            Motion::Vertex(_) => "vertices",
         };
         table.row(
             "mesh",
@@ -195,6 +196,7 @@ fn motion(motion: &Motion) -> Value {
             "closing_defect": found.defect,
             "worst_edge": found.edge,
             "facing": found.facing,
+            "free_edges": found.free_edges,
         }),
         Motion::Vertex(found) => json!({
             "holonomy": found.holonomy,
@@ -209,10 +211,18 @@ fn certainty(motion: &Motion) -> String {
         Motion::Face(_, (vertex, error)) => {
             format!("node normals certain to {error:.1e}, least so at vertex {vertex}")
         }
-        Motion::Edge(found) => format!(
-            "edges touch the sphere, from both ends to {:.1e}; cosine to the normals at least {:.3}",
-            found.defect, found.facing
-        ),
+        Motion::Edge(found) => {
+            let edges = match found.free_edges.len() {
+                0 => "edges touch the sphere".to_owned(),
+                free => format!(
+                    "inner edges touch the sphere, {free} at the boundary have no distance of their own"
+                ),
+            };
+            format!(
+                "{edges}; from both ends to {:.1e}; cosine to the normals at least {:.3}",
+                found.defect, found.facing
+            )
+        }
         Motion::Vertex(found) => format!(
             "closes to {:.1e} (loops {}, odd faces inside {}); cosine to the normals at least {:.3}",
             found.holonomy.defect, found.holonomy.loops, found.holonomy.odd_faces, found.facing

@@ -6,7 +6,7 @@ use crate::offset::*;
 use crate::optimise::tests::fixtures::planar_paraboloid;
 use crate::progress::Silent;
 use crate::test_meshes::{dual, flipped_icosphere, graph, hexagon_patch, largest_turn};
-use phex_mesh::{HexMesh, PerFace, Vec3};
+use phex_mesh::{EdgeId, HexMesh, PerFace, PerVertex, Vec3, VertexId, measure};
 
 fn koebe_of(mesh: &HexMesh) -> HexMesh {
     koebe(mesh, &KoebeOptions::default(), &Silent).unwrap().mesh
@@ -111,4 +111,57 @@ fn other_meshes_are_refused_by_edge() {
 fn a_cuboid_has_edge_offsets() {
     let koebe = koebe_of(&cuboid(1.0, 1.0, 1.0));
     check("cuboid", &cuboid(1.0, 2.0, 3.0), &koebe);
+}
+
+/// A Koebe patch without its outermost corners' outsides: every panel of the rim is cut at random.
+fn cut(mesh: &HexMesh) -> HexMesh {
+    let t = mesh.topology();
+    let positions = PerVertex::from_fn(t.n_vertices(), |v| {
+        let x = mesh.position(v);
+        let [f] = t.outgoing(v).map(|h| t.face(h)).collect::<Vec<_>>()[..] else {
+            return slid(mesh, v);
+        };
+        // A corner of one panel goes anywhere in its plane.
+        x.lerp(&mesh.centre(f), 0.1 + 0.05 * (v.index() % 4) as f64)
+    });
+    mesh.with_positions(positions)
+}
+
+/// A vertex of the rim with one inner edge, somewhere else on that.
+fn slid(mesh: &HexMesh, v: VertexId) -> Vec3 {
+    let t = mesh.topology();
+    let inner = t.outgoing(v).find(|h| !t.is_boundary_edge(t.edge(*h)));
+    match inner {
+        Some(h) if t.is_boundary_vertex(v) => {
+            let share = 0.1 + 0.1 * (v.index() % 3) as f64;
+            mesh.position(v).lerp(&mesh.position(t.target(h)), share)
+        }
+        _ => mesh.position(v),
+    }
+}
+
+#[test]
+fn a_cut_mesh_has_offsets_of_its_inner_edges() {
+    let koebe = koebe_of(&hexagon_patch(4));
+    let mesh = cut(&koebe);
+    let found = edge_gauss_image(&mesh, &options()).unwrap();
+    let t = mesh.topology();
+    let rim: Vec<EdgeId> = t.edges().filter(|e| t.is_boundary_edge(*e)).collect();
+    assert_eq!(found.free_edges, rim);
+    assert!(
+        found.defect < 1e-12 && found.facing > 0.5,
+        "{}",
+        found.facing
+    );
+    for v in t.vertices().filter(|v| !t.is_boundary_vertex(*v)) {
+        let miss = (found.image.positions[v] - koebe.position(v)).norm();
+        assert!(miss < 1e-12, "the Koebe mesh is found again: {miss:e}");
+    }
+    for d in [0.05, -0.03] {
+        let moved = found.image.offset(&mesh, d);
+        assert!(found.distance_error(&mesh, &moved, d) < 1e-13);
+        let own = distance_error(&mesh, &moved, OffsetKind::Edge, d).unwrap();
+        assert!(own > 1e-3 * d.abs(), "edges of the cut have no distance");
+        assert!(measure(&moved).planarity.max < 1e-12);
+    }
 }

@@ -16,11 +16,12 @@ use crate::layout::domain::{
 };
 use crate::layout::support_function::gauss_lattice;
 use crate::layout::{LayoutError, LayoutStatistics, support_function};
-use crate::offset::fit::{FitOptions, fit_beyond};
+use crate::offset::fit::{FitError, FitOptions, Fitted, fit_beyond};
 use crate::offset::signs::{EdgeSigns, SIGNED_FAIRNESS};
 use crate::pipeline::domain::{Ground, WHOLE_STRIP};
 use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError, panel_length};
+use crate::progress::Progress;
 use crate::trim::Boundary;
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
 use phex_numeric::Outcome;
@@ -57,15 +58,14 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     };
     let progress = clock.progress;
     let image = clock.timed("koebe", || koebe(&made.graph, &options, progress))?;
-    let fit = FitOptions {
-        signs: EdgeSigns::SignRule,
-        fairness: SIGNED_FAIRNESS,
-        minimal: ground.options.dual.minimal,
-        ..FitOptions::default()
-    };
     let fitted = clock.timed("parallel", || {
-        let given = ground.given().finest();
-        fit_beyond(&image.mesh, &made.surface, given, &fit, progress)
+        fitted(
+            &image.mesh,
+            &made.surface,
+            ground,
+            classical.curvature,
+            progress,
+        )
     })?;
     classical.edges_at_bound = Some(fitted.edges_at_bound);
     classical.reversed_edges = Some(fitted.reversed_edges.len());
@@ -84,6 +84,39 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
         optimised: None,
         classical,
     })
+}
+
+/// Least length of an edge over the mean where `K > 0` and there are such panels: where the radii
+/// of curvature differ by 3 the sign rule has edges without length. Where `K < 0` it has none.
+const LEAST_EDGE: f64 = 0.25;
+
+/// The mesh parallel to an image that is closest to the surface.
+fn fitted(
+    image: &HexMesh,
+    surface: &TriangleSurface,
+    ground: &Ground,
+    curvature: CurvatureSign,
+    progress: &dyn Progress,
+) -> Result<Fitted, FitError> {
+    let given = ground.given().finest();
+    let with = |least_edge: f64| {
+        let fit = FitOptions {
+            signs: EdgeSigns::SignRule,
+            fairness: SIGNED_FAIRNESS,
+            minimal: ground.options.dual.minimal,
+            least_edge,
+            ..FitOptions::default()
+        };
+        fit_beyond(image, surface, given, &fit, progress)
+    };
+    let usual = FitOptions::default().least_edge;
+    if curvature == CurvatureSign::Hyperbolic {
+        return with(usual);
+    }
+    match with(LEAST_EDGE) {
+        Err(FitError::NoneWithSigns { .. }) => with(usual),
+        made => made,
+    }
 }
 
 /// Panels about the Gauss sphere: the normals of the surface for places, faces outwards.
