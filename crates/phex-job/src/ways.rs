@@ -46,7 +46,7 @@ fn heading(made: &JobResult) -> String {
         1 => "One way was tried, and there was nothing to choose from: with --effort best all ways of the portfolio are."
             .to_owned(),
         n => format!(
-            "{n} ways were tried and compared before any search; the first picture is the result, the kept one searched."
+            "{n} ways were tried and compared before any search. The first picture is the result: the way that was kept, searched."
         ),
     }
 }
@@ -108,11 +108,11 @@ fn why_not(merit: &Merit, kept: &Merit) -> String {
     let parts = [
         ("more of it is not valid", merit.invalid, kept.invalid),
         ("more of it is outside limits", merit.outside, kept.outside),
-        ("less regular, roomy and even", merit.cost, kept.cost),
+        ("less regular, roomy or even", merit.cost, kept.cost),
     ];
     let worse = parts.into_iter().find(|(_, own, best)| own > best);
     match worse {
-        Some((what, own, best)) => format!("not chosen: {what} ({own:.3} against {best:.3})"),
+        Some((what, own, best)) => format!("not chosen: {what}, {own:.3} against {best:.3}"),
         None => "not chosen: no better by more than chance".to_owned(),
     }
 }
@@ -165,13 +165,13 @@ mod tests {
             cost: 3.0,
             ..kept
         };
-        assert!(told(worse).contains("not valid (1.000 against 0.000)"));
+        assert!(told(worse).contains("not valid, 1.000 against 0.000"));
         let outside = Merit {
             outside: 0.5,
             ..kept
         };
         assert!(told(outside).contains("outside limits"));
-        assert!(told(Merit { cost: 0.1, ..kept }).contains("even (0.100"));
+        assert!(told(Merit { cost: 0.1, ..kept }).contains("even, 0.100"));
         assert!(told(kept).contains("chance"));
     }
 }

@@ -623,6 +623,7 @@ def fabricate(
     text: Any = "25mm",
     tolerance: Any = "1mm",
     angle_tolerance: float = 0.1,
+    limits: Any = None,
     planarity: Any = None,
     threads: Optional[int] = None,
     progress: Any = "auto",
@@ -631,7 +632,7 @@ def fabricate(
     ``phex fab``; writes them into ``folder`` if one is given.
 
     ``sheet`` is ``"1250x2500"`` or a pair, plain numbers are mm; ``rotations`` ``"free"`` or a list
-    of angles in degrees.
+    of angles in degrees; ``limits`` a job file, whose limits get columns in the table of panels.
 
     >>> import phex
     >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
@@ -657,6 +658,7 @@ def fabricate(
         "text": measured("text", text),
         "tolerance": measured("tolerance", tolerance),
         "angle_tolerance": real("angle_tolerance", angle_tolerance),
+        "limits": None if limits is None else path_text(limits, "limits"),
         "planarity": None if planarity is None else measured("planarity", planarity),
     }
     hear = listener(progress, False, False)

@@ -4,6 +4,7 @@
 //! energy, whose weight the caller raises; the weights of all limits rise with it, so that lengths
 //! never buy what a limit forbids.
 
+use super::barrier::clearance;
 use super::edge_lengths::EdgeLengths;
 use super::on_boundary::already_there;
 use super::panels::{FaceShapes, Panels, points, unknowns};
@@ -15,14 +16,20 @@ use super::{
 };
 use crate::layout::VertexKind;
 use crate::progress::Progress;
-use phex_mesh::{HexMesh, PerEdge, PerVertex};
+use phex_mesh::{HexMesh, PerEdge, PerVertex, measure};
 
 /// Last phases that are gone through again.
 const PHASES: usize = 2;
-/// Relative decrease of the energy that ends a phase, and iterations of one at the most: shared
-/// lengths move every vertex, and by little.
-const ENERGY_TOLERANCE: f64 = 1e-3;
+/// Relative decrease of the energy and step, in mean edges, that end a phase, and iterations of one
+/// at the most: shared lengths move every vertex by little, and what limits cost is the most of the
+/// energy where panels have little room.
+const ENERGY_TOLERANCE: f64 = 1e-6;
+const STEP_TOLERANCE: f64 = 1e-5;
 const ITERATIONS: usize = 25;
+
+/// Share of their room and of their sharpest corner that panels keep where they have less than is
+/// wished for: a wish that can't be met would weigh more than all lengths.
+const KEPT: f64 = 0.9;
 
 /// What keeps the vertices of a mesh while its edges are drawn to other lengths.
 pub(crate) struct KeptVertices<'a> {
@@ -57,6 +64,14 @@ impl<'a> LengthStage<'a> {
     ) -> Result<Self, OptimiseError> {
         options.check()?;
         check_mesh(mesh)?;
+        let sharpest = measure(mesh).angle.min;
+        let options = &OptimiseOptions {
+            wished_angle: options.wished_angle.min(KEPT * sharpest),
+            max_iterations: ITERATIONS,
+            energy_tolerance: ENERGY_TOLERANCE,
+            step_tolerance: STEP_TOLERANCE,
+            ..options.clone()
+        };
         let x = unknowns(mesh);
         let kinds = PerVertex::filled(mesh.topology().n_vertices(), VertexKind::Interior);
         let panels = Panels::new(mesh.topology());
@@ -70,6 +85,9 @@ impl<'a> LengthStage<'a> {
             distance: kept.distance,
             ..FaceLimits::of(&stage.panels, &x, options)
         };
+        for (f, wished) in stage.limits.clearance.iter_mut().enumerate() {
+            *wished = wished.min(KEPT * clearance(shape.face(&panels, f)));
+        }
         let held = steering::resolve(kept.steering, mesh)?;
         stage.holds.anchors = held.anchors;
         stage.holds.curves = held.curves;
@@ -83,11 +101,7 @@ impl<'a> LengthStage<'a> {
             mesh,
             solvers: Solvers::new(&stage.panels)?,
             stage,
-            options: OptimiseOptions {
-                max_iterations: ITERATIONS,
-                energy_tolerance: ENERGY_TOLERANCE,
-                ..options.clone()
-            },
+            options: options.clone(),
         })
     }
 
