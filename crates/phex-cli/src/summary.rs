@@ -485,6 +485,7 @@ mod tests {
             element: ElementKind::Face,
             ids: Vec::new(),
             values: Vec::new(),
+            of_face: Vec::new(),
             faces: Vec::new(),
             place: None,
             advice: None,

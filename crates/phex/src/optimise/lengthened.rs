@@ -20,13 +20,13 @@ use phex_mesh::{HexMesh, PerEdge, PerVertex, measure};
 
 /// Last phases that are gone through again.
 const PHASES: usize = 2;
-/// Relative decrease of the energy and step, in mean edges, that end a phase, and iterations of one
-/// at the most: shared lengths move every vertex by little, and what limits cost is the most of the
-/// energy where panels have little room.
-const ENERGY_TOLERANCE: f64 = 1e-6;
-const STEP_TOLERANCE: f64 = 1e-5;
+/// Relative decrease of the energy that ends a phase, and iterations of one at the most: shared
+/// lengths move every vertex, and by little.
+const ENERGY_TOLERANCE: f64 = 1e-4;
 const ITERATIONS: usize = 25;
-
+/// Factor of limits over the weight of lengths: enough that a limit costs more than a length that
+/// is off by a hundredth, and so little that what lies within its limits hardly feels them.
+const LIMITS: f64 = 0.1;
 /// Share of their room and of their sharpest corner that panels keep where they have less than is
 /// wished for: a wish that can't be met would weigh more than all lengths.
 const KEPT: f64 = 0.9;
@@ -69,7 +69,6 @@ impl<'a> LengthStage<'a> {
             wished_angle: options.wished_angle.min(KEPT * sharpest),
             max_iterations: ITERATIONS,
             energy_tolerance: ENERGY_TOLERANCE,
-            step_tolerance: STEP_TOLERANCE,
             ..options.clone()
         };
         let x = unknowns(mesh);
@@ -126,7 +125,7 @@ impl<'a> LengthStage<'a> {
             return Ok(None);
         };
         *place = Some(term);
-        let heavier = (weight / path.weights.closeness.vertex).max(1.0);
+        let heavier = (LIMITS * weight / path.weights.closeness.vertex).max(1.0);
         path.weights.limits *= heavier;
         path.weights.closeness.limit.elastic.weight *= heavier;
         let x = path.again(&x, PHASES)?;
