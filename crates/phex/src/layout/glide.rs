@@ -30,7 +30,10 @@ pub(crate) fn turns_after_join(
     taken: &BTreeSet<FaceId>,
 ) -> Option<(Vec<Sides>, BTreeSet<FaceId>)> {
     let mut patch = DualPatch::around(topology, sides[0], taken);
-    let gain = patch.join(sides)?;
+    let [Some(a), Some(b)] = sides.map(|f| patch.number(f)) else {
+        return None;
+    };
+    let gain = patch.join([a, b])?;
     let mut path = Vec::new();
     let mut found = |steps| patch.search(steps, gain, gain.min(0), &mut path);
     if !(0..=STEPS_AFTER_JOIN).any(&mut found) {
@@ -76,39 +79,64 @@ pub(crate) fn sequences_beside(
     found
 }
 
-/// A piece of the dual triangulation: the neighbours of each panel in the order of its outline.
+/// A piece of the dual triangulation, its panels numbered in their order.
 struct DualPatch {
-    ring: BTreeMap<FaceId, Vec<FaceId>>,
+    names: Vec<FaceId>,
+    /// The neighbours of each panel in the order of its outline; none of those that stay as they
+    /// are.
+    ring: Vec<Vec<usize>>,
 }
+
+/// Numbers of panels on the sides of an edge, or at its ends.
+type Pair = [usize; 2];
 
 impl DualPatch {
     /// The panels inside within reach of `centre`, without those in `taken`.
     fn around(topology: &Topology, centre: FaceId, taken: &BTreeSet<FaceId>) -> Self {
-        let mut ring = BTreeMap::new();
+        let mut around: BTreeMap<FaceId, Vec<FaceId>> = BTreeMap::new();
         let mut front = vec![centre];
         for _ in 0..=REACH {
             let mut next = Vec::new();
             for f in front {
                 let free = !topology.is_boundary_face(f) && !taken.contains(&f);
-                if !free || ring.contains_key(&f) {
+                if !free || around.contains_key(&f) {
                     continue;
                 }
-                let around: Vec<FaceId> = neighbours(topology, f).collect();
-                next.extend(&around);
-                ring.insert(f, around);
+                let ring: Vec<FaceId> = neighbours(topology, f).collect();
+                next.extend(&ring);
+                around.insert(f, ring);
             }
             front = next;
         }
-        Self { ring }
+        let seen = around.iter().flat_map(|(f, ring)| ring.iter().chain([f]));
+        let names: BTreeSet<FaceId> = seen.copied().collect();
+        let names: Vec<FaceId> = names.into_iter().collect();
+        let number = |f: &FaceId| names.binary_search(f).expect("a panel that was seen");
+        let ring = |f: &FaceId| around.get(f).into_iter().flatten().map(number).collect();
+        Self {
+            ring: names.iter().map(ring).collect(),
+            names,
+        }
     }
 
-    fn corners(&self, f: FaceId) -> usize {
-        self.ring[&f].len()
+    fn number(&self, f: FaceId) -> Option<usize> {
+        self.names.binary_search(&f).ok()
     }
 
-    fn irregular(&self) -> Vec<FaceId> {
-        let faces = self.ring.keys().copied();
-        faces.filter(|f| self.corners(*f) != 6).collect()
+    fn name(&self, pair: Pair) -> Sides {
+        pair.map(|f| self.names[f])
+    }
+
+    fn corners(&self, f: usize) -> usize {
+        self.ring[f].len()
+    }
+
+    fn is_known(&self, f: usize) -> bool {
+        !self.ring[f].is_empty()
+    }
+
+    fn irregular(&self) -> impl Iterator<Item = usize> {
+        (0..self.ring.len()).filter(|f| self.is_known(*f) && self.corners(*f) != 6)
     }
 
     /// Looks for a sequence of at most `steps` turns more whose gain, with the `gain` so far, is
@@ -128,7 +156,7 @@ impl DualPatch {
                 continue;
             }
             self.turn(sides, ends);
-            path.push(sides);
+            path.push(self.name(sides));
             if self.search(steps - 1, gain + change, floor, path) {
                 return true;
             }
@@ -139,10 +167,10 @@ impl DualPatch {
     }
 
     /// Edges whose turn takes a corner from a panel with many or gives one to a panel with few.
-    fn candidates(&self) -> Vec<Sides> {
+    fn candidates(&self) -> Vec<Pair> {
         let mut list = Vec::new();
         for f in self.irregular() {
-            let ring = &self.ring[&f];
+            let ring = &self.ring[f];
             for (i, &g) in ring.iter().enumerate() {
                 let next = ring[(i + 1) % ring.len()];
                 list.push(if ring.len() > 6 { [f, g] } else { [g, next] });
@@ -153,20 +181,20 @@ impl DualPatch {
 
     /// The panels at the ends of the edge between two panels, and what its turn gains; `None` if it
     /// can't turn.
-    fn turn_at(&self, [a, b]: Sides) -> Option<(Sides, i32)> {
-        let at = |f: FaceId, g: FaceId| self.ring.get(&f)?.iter().position(|x| *x == g);
+    fn turn_at(&self, [a, b]: Pair) -> Option<(Pair, i32)> {
+        let at = |f: usize, g: usize| self.ring[f].iter().position(|x| *x == g);
         let (i, _) = (at(a, b)?, at(b, a)?);
-        let ring = &self.ring[&a];
+        let ring = &self.ring[a];
         let n = ring.len();
         let ends = [ring[(i + n - 1) % n], ring[(i + 1) % n]];
         let [c, d] = ends;
-        let known = ends.iter().all(|f| self.ring.contains_key(f));
+        let known = ends.iter().all(|f| self.is_known(*f));
         if !known || c == d || at(c, d).is_some() {
             return None;
         }
         // Panels that touch twice are left alone.
         let pairs = [(a, b), (a, c), (a, d), (b, c), (b, d)];
-        let once = |f: FaceId, g: FaceId| self.ring[&f].iter().filter(|x| **x == g).count() == 1;
+        let once = |f: usize, g: usize| self.ring[f].iter().filter(|x| **x == g).count() == 1;
         if !pairs.iter().all(|&(f, g)| once(f, g) && once(g, f)) {
             return None;
         }
@@ -184,32 +212,37 @@ impl DualPatch {
 
     /// Makes `b` part of `a`; what that gains, or `None` if a panel would have too many corners or
     /// too few.
-    fn join(&mut self, [a, b]: Sides) -> Option<i32> {
+    fn join(&mut self, [a, b]: Pair) -> Option<i32> {
         let ([c, d], _) = self.turn_at([a, b])?;
-        let behind = |ring: &[FaceId], f: FaceId| -> Vec<FaceId> {
+        let behind = |ring: &[usize], f: usize| -> Vec<usize> {
             let at = ring.iter().position(|x| *x == f).expect("a neighbour");
             (1..ring.len())
                 .map(|k| ring[(at + k) % ring.len()])
                 .collect()
         };
-        let mut ring = behind(&self.ring[&a], b);
-        let others = behind(&self.ring[&b], a);
+        let mut ring = behind(&self.ring[a], b);
+        let others = behind(&self.ring[b], a);
         let inner = &others[1..others.len() - 1];
         ring.extend(inner);
         let irregular = |n: usize| (n as i32 - 6).pow(2);
-        let sum = |patch: &Self, faces: &[FaceId]| -> i32 {
+        let sum = |patch: &Self, faces: &[usize]| -> i32 {
             faces.iter().map(|f| irregular(patch.corners(*f))).sum()
         };
         let before = sum(self, &[a, b, c, d]);
         for f in inner {
-            let own = self.ring.get_mut(f)?;
-            own.iter_mut().filter(|x| **x == b).for_each(|x| *x = a);
+            if !self.is_known(*f) {
+                return None;
+            }
+            self.ring[*f]
+                .iter_mut()
+                .filter(|x| **x == b)
+                .for_each(|x| *x = a);
         }
         for f in [c, d] {
-            self.ring.get_mut(&f)?.retain(|x| *x != b);
+            self.ring[f].retain(|x| *x != b);
         }
-        self.ring.insert(a, ring);
-        self.ring.remove(&b);
+        self.ring[a] = ring;
+        self.ring[b].clear();
         let allowed = [a, c, d]
             .iter()
             .all(|f| (CORNERS[0]..=CORNERS[1]).contains(&self.corners(*f)));
@@ -218,24 +251,23 @@ impl DualPatch {
 
     /// Parts `a` and `b` and joins the panels at the ends, of which the first precedes `b` round
     /// `a`.
-    fn turn(&mut self, [a, b]: Sides, [c, d]: Sides) {
-        let mut edit = |f: FaceId, change: &mut dyn FnMut(&mut Vec<FaceId>)| {
-            change(self.ring.get_mut(&f).expect("a panel of the patch"));
-        };
-        edit(a, &mut |ring| ring.retain(|x| *x != b));
-        edit(b, &mut |ring| ring.retain(|x| *x != a));
-        edit(c, &mut |ring| insert_after(ring, b, d, a));
-        edit(d, &mut |ring| insert_after(ring, a, c, b));
+    fn turn(&mut self, [a, b]: Pair, [c, d]: Pair) {
+        self.ring[a].retain(|x| *x != b);
+        self.ring[b].retain(|x| *x != a);
+        insert_after(&mut self.ring[c], b, d, a);
+        insert_after(&mut self.ring[d], a, c, b);
     }
 
     /// Panels whose corners or neighbours a sequence changes.
     fn changed(&self, topology: &Topology, path: &[Sides]) -> BTreeSet<FaceId> {
         let sides = path.iter().flatten().copied();
+        let now = |f: FaceId| self.number(f).into_iter().flat_map(|k| &self.ring[k]);
         sides
             .flat_map(|f| {
+                let now = now(f).map(|g| self.names[*g]);
                 neighbours(topology, f)
                     .chain([f])
-                    .chain(self.ring[&f].clone())
+                    .chain(now)
                     .collect::<Vec<_>>()
             })
             .collect()
@@ -243,7 +275,7 @@ impl DualPatch {
 }
 
 /// Puts `new` between `first` and `second`, which follow each other in one order or the other.
-fn insert_after(ring: &mut Vec<FaceId>, first: FaceId, new: FaceId, second: FaceId) {
+fn insert_after(ring: &mut Vec<usize>, first: usize, new: usize, second: usize) {
     let n = ring.len();
     let i = ring.iter().position(|x| *x == first).expect("a neighbour");
     let at = if ring[(i + 1) % n] == second {

@@ -33,28 +33,24 @@ pub(super) struct Draft {
 pub(super) type DirectedEdge = [u32; 2];
 
 impl Draft {
-    /// Panels by the sides that they have.
-    fn owners(&self) -> BTreeMap<DirectedEdge, usize> {
-        let sides = |(f, face): (usize, &Vec<u32>)| {
-            let n = face.len();
-            let side = move |k: usize| [face[k], face[(k + 1) % n]];
-            (0..n).map(|k| (side(k), f)).collect::<Vec<_>>()
-        };
-        self.faces.iter().enumerate().flat_map(sides).collect()
+    /// Panels by their corners.
+    fn incidence(&self) -> Incidence {
+        let mut at = vec![Vec::new(); self.places.len()];
+        for (f, face) in self.faces.iter().enumerate() {
+            for (k, v) in face.iter().enumerate() {
+                at[*v as usize].push((f, face[(k + 1) % face.len()]));
+            }
+        }
+        Incidence(at)
     }
 
     /// The sides of a panel and the panels across them.
     pub fn neighbours(&self, f: usize) -> Vec<(DirectedEdge, usize)> {
-        let owners = self.owners();
+        let incidence = self.incidence();
         let face = &self.faces[f];
         let sides = (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]);
-        let across = |[a, b]: DirectedEdge| owners.get(&[b, a]).map(|g| ([a, b], *g));
+        let across = |[a, b]: DirectedEdge| incidence.owner([b, a]).map(|g| ([a, b], g));
         sides.filter_map(across).collect()
-    }
-
-    fn faces_at(&self, v: u32) -> Vec<usize> {
-        let has = |f: &usize| self.faces[*f].contains(&v);
-        (0..self.faces.len()).filter(has).collect()
     }
 
     /// How irregular a panel with `n` corners is; panels at the boundary may have any number.
@@ -70,7 +66,7 @@ impl Draft {
     /// Turns an edge; `None` if one of the four panels can't take part, or would have too few or
     /// too many corners.
     pub fn turned(&self, [u, v]: DirectedEdge) -> Option<Self> {
-        let turn = self.turn([u, v])?;
+        let turn = self.turn(&self.incidence(), [u, v])?;
         let mut next = self.clone();
         next.faces[turn.left].retain(|x| *x != v);
         next.faces[turn.right].retain(|x| *x != u);
@@ -87,8 +83,8 @@ impl Draft {
     }
 
     /// What a turn does to the sum of irregularities.
-    fn gain(&self, side: DirectedEdge) -> Option<i64> {
-        let turn = self.turn(side)?;
+    fn gain(&self, incidence: &Incidence, side: DirectedEdge) -> Option<i64> {
+        let turn = self.turn(incidence, side)?;
         let change = |f: usize, by: i64| {
             let n = self.faces[f].len();
             self.irregularity(f, n) - self.irregularity(f, (n as i64 + by) as usize)
@@ -101,17 +97,14 @@ impl Draft {
         )
     }
 
-    fn turn(&self, [u, v]: DirectedEdge) -> Option<Turn> {
+    fn turn(&self, incidence: &Incidence, [u, v]: DirectedEdge) -> Option<Turn> {
         if self.on_boundary[u as usize] || self.on_boundary[v as usize] {
             return None;
         }
-        let owners = self.owners();
-        let (left, right) = (*owners.get(&[u, v])?, *owners.get(&[v, u])?);
+        let (left, right) = (incidence.owner([u, v])?, incidence.owner([v, u])?);
         let other = |x: u32| {
-            let all = self.faces_at(x);
-            let mut rest = all.iter().filter(|f| **f != left && **f != right);
-            let found = rest.next().copied();
-            found.filter(|_| all.len() == 3)
+            let mut rest = incidence.faces_at(x).filter(|f| *f != left && *f != right);
+            rest.next().filter(|_| incidence.faces_at(x).count() == 3)
         };
         let (at_u, at_v) = (other(u)?, other(v)?);
         let open = [left, right, at_u, at_v].iter().all(|f| self.open[*f]);
@@ -132,10 +125,11 @@ impl Draft {
 
     /// Takes the edge between two panels away.
     pub(crate) fn merged(&self, [u, v]: DirectedEdge) -> Option<Self> {
-        let owners = self.owners();
-        let (f, g) = (*owners.get(&[u, v])?, *owners.get(&[v, u])?);
+        let incidence = self.incidence();
+        let (f, g) = (incidence.owner([u, v])?, incidence.owner([v, u])?);
         let shared = self.faces[f].iter().filter(|x| self.faces[g].contains(x));
-        let inside = |x: &u32| self.faces_at(*x).len() == 3 && !self.on_boundary[*x as usize];
+        let inside =
+            |x: &u32| incidence.faces_at(*x).count() == 3 && !self.on_boundary[*x as usize];
         if f == g || shared.count() != 2 || !self.open[f] || !self.open[g] {
             return None;
         }
@@ -146,7 +140,7 @@ impl Draft {
         next.faces[f] = ring;
         next.faces[g].clear();
         for x in [u, v].into_iter().filter(inside) {
-            for h in self.faces_at(x) {
+            for h in incidence.faces_at(x) {
                 if h != f && h != g && (!self.open[h] || self.faces[h].len() <= LEAST) {
                     return None;
                 }
@@ -160,7 +154,7 @@ impl Draft {
 
     /// Splits a panel by an edge between the middles of its sides number `i` and `j`.
     pub fn split(&self, f: usize, i: usize, j: usize) -> Option<Self> {
-        let owners = self.owners();
+        let incidence = self.incidence();
         let face = &self.faces[f];
         let n = face.len();
         let side = |k: usize| [face[k % n], face[(k + 1) % n]];
@@ -168,15 +162,15 @@ impl Draft {
         let mut cuts = Vec::new();
         for [a, b] in [side(i), side(j)] {
             let x = next.places.len() as u32;
-            let across = owners.get(&[b, a]);
-            if across.is_some_and(|g| !self.open[*g] || self.faces[*g].len() >= MOST) {
+            let across = incidence.owner([b, a]);
+            if across.is_some_and(|g| !self.open[g] || self.faces[g].len() >= MOST) {
                 return None;
             }
             let middle = (self.places[a as usize] + self.places[b as usize]) * 0.5;
             next.places.push(middle);
             next.on_boundary.push(across.is_none());
             if let Some(g) = across {
-                insert_between(&mut next.faces[*g], b, a, x);
+                insert_between(&mut next.faces[g], b, a, x);
             }
             cuts.push(x);
         }
@@ -263,9 +257,9 @@ impl Draft {
 
     fn turned_greedily(mut self) -> Self {
         for _ in 0..TURNS {
-            let sides: Vec<DirectedEdge> =
-                self.owners().into_keys().filter(|[a, b]| a < b).collect();
-            let gains = sides.iter().filter_map(|s| Some((self.gain(*s)?, *s)));
+            let incidence = self.incidence();
+            let sides = incidence.sides().filter(|[a, b]| a < b);
+            let gains = sides.filter_map(|s| Some((self.gain(&incidence, s)?, s)));
             let best = gains.max_by(|a, b| a.0.cmp(&b.0).then(b.1.cmp(&a.1)));
             let Some((_, side)) = best.filter(|b| b.0 > 0) else {
                 break;
@@ -279,6 +273,26 @@ impl Draft {
     pub fn centre(&self, f: usize) -> Vec3 {
         let corners = self.faces[f].iter().map(|v| self.places[*v as usize]);
         corners.sum::<Vec3>() / self.faces[f].len().max(1) as f64
+    }
+}
+
+/// The panels at each corner, each with the corner that comes next in it.
+struct Incidence(Vec<Vec<(usize, u32)>>);
+
+impl Incidence {
+    /// The panel on the left of a side.
+    fn owner(&self, [a, b]: DirectedEdge) -> Option<usize> {
+        let found = self.0[a as usize].iter().rfind(|(_, next)| *next == b);
+        found.map(|(f, _)| *f)
+    }
+
+    fn faces_at(&self, v: u32) -> impl Iterator<Item = usize> {
+        self.0[v as usize].iter().map(|(f, _)| *f)
+    }
+
+    fn sides(&self) -> impl Iterator<Item = DirectedEdge> {
+        let at = self.0.iter().enumerate();
+        at.flat_map(|(a, faces)| faces.iter().map(move |(_, b)| [a as u32, *b]))
     }
 }
 
