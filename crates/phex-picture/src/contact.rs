@@ -1,4 +1,5 @@
-//! A contact sheet: several meshes side by side, seen from the same side, with what is said of each.
+//! A contact sheet: several meshes side by side, seen from the same side, with what is said of
+//! each.
 
 use crate::camera::Camera;
 use crate::legend::{INK, write};
@@ -76,7 +77,7 @@ pub fn contact_sheet(heading: &str, tiles: &[ContactTile<'_>]) -> Picture {
         })
         .collect();
     let top = GAP + LINE * heading.len() + GAP;
-    let mut sheet = Sheet::new(width, top + heights.iter().sum::<usize>());
+    let mut sheet = Canvas::new(width, top + heights.iter().sum::<usize>());
     sheet.write_lines([GAP, GAP], TEXT, &heading);
     let azimuth = common_azimuth(tiles);
     for (k, (tile, text)) in tiles.iter().zip(&texts).enumerate() {
@@ -113,9 +114,9 @@ fn wrapped(text: &str, height: f64, width: usize) -> Vec<String> {
 }
 
 /// A white picture on which others are put, and texts.
-struct Sheet(Picture);
+struct Canvas(Picture);
 
-impl Sheet {
+impl Canvas {
     fn new(width: usize, height: usize) -> Self {
         let rgba = vec![255; 4 * width * height];
         Self(Picture {

@@ -519,7 +519,8 @@ fn lengths_of_edges_have_their_derivatives() {
         |energy, x, hessian| {
             energy.lengths = term(0.3);
             gradient_agrees(energy, x, hessian, edge);
-            // The Gauss-Newton part is all of the Hessian where edges are as long as they are to be.
+            // The Gauss-Newton part is all of the Hessian where edges are as long as they are to
+            // be.
             energy.lengths = term(0.0);
             hessian_agrees(energy, x, hessian, edge);
         },
