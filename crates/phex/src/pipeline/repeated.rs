@@ -49,6 +49,7 @@ pub(super) fn repeated(
     };
     let task = RepetitionTask {
         site: &site,
+        merit: &|mesh| site.judged(mesh).merit,
         target: &SurfaceTarget::new(close_to),
         quotient: &Quotient::default(),
         steering: &options.steering,
@@ -67,7 +68,7 @@ pub(super) fn made_equal(
     mesh: &HexMesh,
     progress: &dyn Progress,
 ) -> Result<HexMesh, PipelineError> {
-    if task.site.judged(mesh).merit.invalid > 0.0 {
+    if (task.merit)(mesh).invalid > 0.0 {
         let message = "edges are not made equal: panels are not valid".to_owned();
         progress.report(&Event::Note { message });
         return Ok(mesh.clone());

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::optimise::{self, BoundaryHold, Quotient, Steering};
 use crate::progress::Event;
-use crate::quality::{Judge, References};
+use crate::quality::{Judge, Limits, Merit, References};
 use crate::repetition::RepetitionTask;
 use crate::search::{AreaField, Site, search};
 use crate::smooth_surface::{self, boundary_corners};
@@ -297,11 +297,11 @@ impl DomainPanels {
             )
         })?;
         let (mesh, before) = self.finished(
+            (found, whole),
             &parts,
             optimised.mesh.clone(),
             &target,
-            ground,
-            &laid,
+            (ground, &laid),
             clock,
         )?;
         let quotient = symmetry::quotient_of(&mesh, self.group).map_err(NotSymmetric::Symmetry)?;
@@ -325,11 +325,11 @@ impl DomainPanels {
     /// where that is asked for.
     fn finished(
         &self,
+        (found, whole): (&Found, &TriangleSurface),
         parts: &WholePanels,
         mesh: HexMesh,
         target: &FoldedTarget<'_>,
-        ground: &Ground,
-        laid: &LaidOut,
+        (ground, laid): (&Ground, &LaidOut),
         clock: &mut Clock<'_>,
     ) -> Result<(HexMesh, Option<HexMesh>), NotSymmetric> {
         let (options, walls) = (&self.options, self.group.walls());
@@ -388,15 +388,46 @@ impl DomainPanels {
         let Some(tolerance) = options.repeat_rel.filter(|_| !progress.is_cancelled()) else {
             return Ok((now, None));
         };
+        let quotient = symmetry::quotient_of(&now, self.group).map_err(NotSymmetric::Symmetry)?;
+        let around = whole.mapped(|p| found.frame.inside(p) / self.scale);
+        let judge = self.whole_judge(&around);
+        let elements = self.group.elements();
+        let merit = |mesh: &HexMesh| match symmetry::unfolded(&quotient, mesh, &elements) {
+            Ok(all) => {
+                let any = vec![0.0; all.mesh.topology().n_faces()];
+                judge.whole(&all.mesh, &any).merit
+            }
+            Err(_) => Merit {
+                invalid: f64::INFINITY,
+                ..Merit::default()
+            },
+        };
         let task = RepetitionTask {
             site: &site,
+            merit: &merit,
             target,
-            quotient: &symmetry::quotient_of(&now, self.group).map_err(NotSymmetric::Symmetry)?,
+            quotient: &quotient,
             steering: &Steering::default(),
             tolerance,
         };
         let equal = clock.timed("repetition", || made_equal(&task, &now, progress))?;
         Ok((equal, Some(now)))
+    }
+
+    /// The judge of the part with all its images, on the whole surface in the part's coordinates.
+    fn whole_judge<'a>(&self, whole: &'a TriangleSurface) -> Judge<'a> {
+        let references = References {
+            smooth: Some(whole),
+            ..References::default()
+        };
+        let limits = self.options.limits();
+        let of_whole = |share: f64| share * self.scale;
+        let limits = Limits {
+            deviation_rel: limits.deviation_rel.map(of_whole),
+            boundary_rel: limits.boundary_rel.map(of_whole),
+            ..limits
+        };
+        Judge::new(whole, references, limits)
     }
 
     /// The part and all its images, normalised.

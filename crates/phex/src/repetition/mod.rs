@@ -60,6 +60,8 @@ const ROUNDING: f64 = 1e-9;
 pub(crate) struct RepetitionTask<'a> {
     /// The judge, the boundary, and the options.
     pub site: &'a Site<'a>,
+    /// What meshes are compared by: a symmetric one as a whole, and not the part that generates it.
+    pub merit: &'a dyn Fn(&HexMesh) -> Merit,
     /// The surface.
     pub target: &'a dyn Target,
     /// Images that are no unknowns.
@@ -87,7 +89,7 @@ impl RepetitionTask<'_> {
             distance: self.site.judge.largest_distance(),
         };
         let mut stage = LengthStage::new(&mesh, self.target, &kept, self.site.options)?;
-        let before = self.site.judged(&mesh).merit;
+        let before = (self.merit)(&mesh);
         let mut best = mesh.clone();
         let (mut few, mut many) = (0, distinct_lengths(&mesh, self.tolerance));
         for done in 0..TRIALS {
@@ -104,7 +106,7 @@ impl RepetitionTask<'_> {
                 break;
             };
             let found = distinct_lengths(&next, self.tolerance);
-            let is_better = found < many && is_kept(&self.site.judged(&next).merit, &before);
+            let is_better = found < many && is_kept(&(self.merit)(&next), &before);
             if is_better {
                 (best, many) = (next, found);
             }
