@@ -389,7 +389,7 @@ impl DomainPanels {
             return Ok((now, None));
         };
         let quotient = symmetry::quotient_of(&now, self.group).map_err(NotSymmetric::Symmetry)?;
-        let around = whole.mapped(|p| found.frame.inside(p) / self.scale);
+        let around = whole.mapped(|p| found.frame.inside(*p) / self.scale);
         let judge = self.whole_judge(&around);
         let elements = self.group.elements();
         let merit = |mesh: &HexMesh| match symmetry::unfolded(&quotient, mesh, &elements) {
