@@ -22,7 +22,7 @@ use phex_mesh::{HexMesh, PerEdge, PerVertex, measure};
 const PHASES: usize = 2;
 /// Relative decrease of the energy that ends a phase, and iterations of one at the most: shared
 /// lengths move every vertex, and by little.
-const ENERGY_TOLERANCE: f64 = 1e-3;
+const ENERGY_TOLERANCE: f64 = 1e-4;
 const ITERATIONS: usize = 25;
 /// Factor of limits over the weight of lengths: enough that a limit costs more than a length that
 /// is off by a hundredth, and so little that what lies within its limits hardly feels them.
