@@ -41,9 +41,9 @@ fn intervals(shop: &Workshop, name: &str, width: f64) -> usize {
 fn edges_are_made_equal_and_the_figures_are_those_of_the_files() {
     let shop = Workshop::new();
     shop.succeed("shape torus -o torus.obj --triangles 3000 --set major=3 --set minor=1.2");
-    shop.succeed("mesh torus.obj -o plain.obj -n 160");
+    shop.succeed("mesh torus.obj -o plain.obj -n 160 --max-deviation 2%");
     let told = shop.succeed(
-        "mesh torus.obj -o equal.obj -n 160 --repeat 5mm --report run.json --html run.html",
+        "mesh torus.obj -o equal.obj -n 160 --max-deviation 2% --repeat 5mm --report run.json --html run.html",
     );
     let report = shop.json("run.json");
     let repetition = &report["repetition"];
@@ -59,7 +59,10 @@ fn edges_are_made_equal_and_the_figures_are_those_of_the_files() {
     let page = String::from_utf8(shop.read("run.html")).unwrap();
     assert!(page.contains("<h2>Repetition</h2>"));
     // A length with a unit, in a job file, of a model in another unit.
-    shop.write("job.toml", "repeat = '0.5cm'\npanels = 160\n");
+    shop.write(
+        "job.toml",
+        "repeat = '0.5cm'\npanels = 160\nmax-deviation = '2%'\n",
+    );
     shop.succeed("mesh torus.obj -o again.obj --config job.toml");
     assert_eq!(shop.read("again.obj"), shop.read("equal.obj"));
 }
