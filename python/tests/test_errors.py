@@ -168,7 +168,7 @@ def test_random_calls_end_with_typed_errors(ball):
     small = phex.Surface(SQUARE, [[0, 1, 2, 3]])
     pick = lambda: rng.choice(VALUES)  # noqa: E731
     # Options that would make it compute for long, or write, are left out.
-    left_out = {"output", "report", "png", "html", "write_target", "keep_invalid"}
+    left_out = {"output", "report", "png", "html", "write_target", "contact_sheet", "keep_invalid"}
     names = [n for n in options if n not in left_out]
     kinds = {
         "polygons": lambda: phex.Mesh(pick(), pick()),

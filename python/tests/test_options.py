@@ -30,6 +30,7 @@ KINDS = {
     "RUN.HTML": {"path"},
     "PICTURE.PNG": {"path"},
     "SURFACE": {"path"},
+    "SHEET": {"path"},
     "MESH": {"path", "mesh"},
     "HOW": {"choice"},
     "LEVEL": {"choice"},

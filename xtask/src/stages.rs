@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The stages in the order of the data flow.
-const ORDER: [&str; 13] = [
+const ORDER: [&str; 14] = [
     "smooth_surface",
     "curvature",
     "directions",
@@ -14,6 +14,7 @@ const ORDER: [&str; 13] = [
     "trim",
     "quality",
     "search",
+    "repetition",
     "koebe",
     "offset",
     "report",

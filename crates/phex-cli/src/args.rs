@@ -142,6 +142,10 @@ pub struct MeshCommand {
     /// Write the smooth surface through the input's vertices that the panels were fitted to
     #[arg(long, value_name = "SURFACE", help_heading = "Files")]
     pub write_target: Option<PathBuf>,
+    /// Draw the result and all ways that were tried side by side, with their figures: PNG or HTML
+    /// (with `--effort best` there are most of them)
+    #[arg(long, value_name = "SHEET", value_parser = crate::contact::sheet_path, conflicts_with_all = ["start", "until"], help_heading = "Files")]
+    pub contact_sheet: Option<PathBuf>,
     /// Write the mesh even if it is not valid (the exit code is still 5)
     #[arg(long, help_heading = "Files")]
     pub keep_invalid: bool,

@@ -88,6 +88,9 @@ pub struct FabCommand {
     /// Let panels keep the names that they have in this table of an earlier run
     #[arg(long, value_name = "PANELS.CSV", help_heading = "Groups")]
     pub keep_ids: Option<PathBuf>,
+    /// Tell in the table of panels how near each is to the limits of this job file (`[limits]`)
+    #[arg(long, value_name = "JOB.TOML", help_heading = "Tolerances")]
+    pub limits: Option<PathBuf>,
     /// Largest distance of a corner to its panel's plane: a number is mean edges, `0.1mm` a length
     /// [default: 1e-12, or rounding]
     #[arg(long, value_name = "X", help_heading = "Tolerances")]

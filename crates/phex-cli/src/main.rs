@@ -3,6 +3,7 @@
 mod args;
 mod bundle;
 mod commands;
+mod contact;
 mod dual_arguments;
 mod exit;
 mod fab_arguments;

@@ -123,6 +123,37 @@ pub fn of_warning(warning: Option<String>) -> String {
     table.into_text()
 }
 
+/// How many parts are alike, before edges were made equal and now.
+pub fn of_repetition(report: &RunReport) -> String {
+    let mut table = SummaryTable::default();
+    if let Some(told) = &report.repetition {
+        let (before, after) = (&told.before, &told.after);
+        let within = format!("{} {}", figure(told.tolerance), report.unit);
+        table.row(
+            "repetition",
+            format!(
+                "within {within}: {} -> {} edge lengths, {} -> {} panels ({} -> {} where mirrored ones count as equal)",
+                before.edge_lengths,
+                after.edge_lengths,
+                before.panels,
+                after.panels,
+                before.panels_mirrored,
+                after.panels_mirrored,
+            ),
+        );
+        table.row(
+            "",
+            format!(
+                "within {} degrees: {} -> {} angles at nodes",
+                figure(told.angle_tolerance),
+                before.node_angles,
+                after.node_angles,
+            ),
+        );
+    }
+    table.into_text()
+}
+
 /// What came of wishes, by what each is about.
 pub fn of_wishes(told: &[(&'static str, String)]) -> String {
     let mut table = SummaryTable::default();
@@ -454,6 +485,7 @@ mod tests {
             element: ElementKind::Face,
             ids: Vec::new(),
             values: Vec::new(),
+            of_face: Vec::new(),
             faces: Vec::new(),
             place: None,
             advice: None,

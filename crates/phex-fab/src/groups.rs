@@ -1,8 +1,8 @@
 //! Groups of panels, edges and angles, with names.
 
-use crate::cluster::{Cluster, by_value, congruent};
 use crate::options::FabOptions;
 use crate::plate::Plate;
+use phex_mesh::cluster::{Cluster, Congruence, Rings, by_value, congruent};
 use phex_mesh::{EdgeId, FlatFace, HexMesh, PerEdge};
 use std::f64::consts::PI;
 
@@ -54,7 +54,9 @@ impl Groups {
             .flat_map(|(k, p)| (0..p.top.len()).map(move |c| (k, c)))
             .collect();
         let angles: Vec<f64> = plates.iter().flat_map(Plate::angles).collect();
-        let panels = congruent(plates, options.tolerance_mm);
+        let rings = |p: &Plate| vec![p.top.clone(), p.bottom.clone()];
+        let rings: Vec<Rings> = plates.iter().map(rings).collect();
+        let panels = congruent(&rings, options.tolerance_mm, Congruence::Turned);
         Self {
             panel_group: group_of(&panels, plates.len()),
             length_group: group_of(&lengths, topology.n_edges()),

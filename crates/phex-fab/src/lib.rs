@@ -7,7 +7,7 @@
 //! | [`ids`], [`rows`](mod@rows) | names of panels, edges and nodes |
 //! | [`plate`] | thick panels, and each of them flat, with its mitre angles |
 //! | [`labels`] | where text goes on a panel |
-//! | [`cluster`], [`groups`] | congruent panels, equal lengths and angles |
+//! | [`groups`] | congruent panels, equal lengths and angles |
 //! | [`nest`] | panels on sheets |
 //! | [`layer`] | lines of drawings, and their layers |
 //! | [`drawing`] | sheets as DXF and SVG |
@@ -23,7 +23,6 @@
 //! one sheet, and keeps its distance from the others and from the border (checked with every run,
 //! on both faces); equal inputs give equal bytes.
 
-pub mod cluster;
 pub mod drawing;
 pub mod error;
 mod fabricate;

@@ -1,6 +1,6 @@
 //! What the workshop asks for.
 
-use phex_mesh::ValidateOptions;
+use phex_mesh::{PanelLimits, ValidateOptions};
 use serde::{Deserialize, Serialize};
 
 /// Where the given mesh lies in the thick panels.
@@ -78,6 +78,9 @@ pub struct FabOptions {
     pub angle_tolerance: f64,
     /// Largest height of engraved text, in mm. Default 25; it is smaller where a panel is.
     pub text_mm: f64,
+    /// What panels are to keep to, lengths in model units: the schedule of panels has a column for
+    /// each limit that is set. Nothing is refused.
+    pub limits: PanelLimits,
     /// What is asked of the layers.
     pub validity: ValidateOptions,
 }
@@ -96,6 +99,7 @@ impl Default for FabOptions {
             tolerance_mm: 1.0,
             angle_tolerance: 0.1_f64.to_radians(),
             text_mm: 25.0,
+            limits: PanelLimits::default(),
             validity: ValidateOptions::default(),
         }
     }

@@ -11,6 +11,7 @@
 
 mod arrays;
 mod bundle;
+mod contact;
 mod curves;
 mod escape;
 mod layers;
@@ -23,6 +24,7 @@ mod viewer_data;
 
 pub use arrays::{PackedArray, numbers, points, with_arrays};
 pub use bundle::{Viewer, studio_script};
+pub use contact::{SheetKind, contact_file, contact_page};
 pub use curves::conjugate_curves;
 pub use escape::escaped;
 pub use layers::PackedSurface;

@@ -12,11 +12,11 @@ use phex::quality::{Assessment, Verdict};
 use phex_mesh::{FaceId, Vec3};
 use phex_picture::maps::{ColourMap, Map, Range, Subject, principal_at_panels};
 
-const STYLE: &str = include_str!("report.css");
+pub(crate) const STYLE: &str = include_str!("report.css");
 /// The style of the interactive view's parts; colours are variables, which the page sets.
 pub const VIEW_STYLE: &str = include_str!("view.css");
 /// What the page may load: its own scripts, styles and pictures, and nothing from anywhere else.
-const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+pub(crate) const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
 
 /// The report as one HTML file; without a viewer it has pictures and tables, and says so.
 ///
@@ -105,8 +105,8 @@ fn subject<'a>(report: &Report<'a>, assessment: &'a Assessment) -> Subject<'a> {
 fn maps(report: &Report<'_>) -> Vec<ColourMap> {
     let assessment = report.run.assessment();
     let subject = subject(report, &assessment);
-    Map::ALL
-        .into_iter()
+    (Map::ALL.into_iter())
+        .chain(Map::LIMITS)
         .filter_map(|map| ColourMap::over(map, &subject, range(map)))
         .collect()
 }
@@ -211,11 +211,12 @@ fn pictures(report: &Report<'_>, maps: &[ColourMap], interactive: bool) -> Strin
 
 fn sections(report: &Report<'_>) -> String {
     format!(
-        "<section><h2>Checks</h2>\n{}</section>\n{}<section><h2>Figures</h2>\n{}</section>\n\
+        "<section><h2>Checks</h2>\n{}</section>\n{}{}<section><h2>Figures</h2>\n{}</section>\n\
          <section><h2>Repeat</h2>\n<pre class=\"command\"><code>{}</code></pre>\n{}</section>\n\
          <details><summary>All settings</summary>\n{}</details>\n",
         tables::checks(report),
         offender_list(report),
+        tables::repetition(report),
         tables::figures(report),
         escaped(report.command),
         tables::run(report),

@@ -160,6 +160,44 @@ const CHECKS: [(&str, &str, &str); 24] = [
     ),
 ];
 
+/// How many parts are alike, before edges were made equal and now; nothing where that was not
+/// asked for.
+pub fn repetition(report: &Report<'_>) -> String {
+    let Some(told) = &report.run.repetition else {
+        return String::new();
+    };
+    let length = format!("{} {}", figure(told.tolerance), escaped(&report.run.unit));
+    let angle = format!("{}°", figure(told.angle_tolerance));
+    let (before, after) = (&told.before, &told.after);
+    let row = |name: &str, within: &str, counts: [usize; 2]| {
+        let [before, after] = counts.map(|n| n.to_string());
+        vec![name.to_owned(), within.to_owned(), before, after]
+    };
+    let rows = [
+        head(&["Distinct", "Within", "Before", "After"]),
+        row(
+            "Edge lengths",
+            &length,
+            [before.edge_lengths, after.edge_lengths],
+        ),
+        row(
+            "Angles at nodes",
+            &angle,
+            [before.node_angles, after.node_angles],
+        ),
+        row("Panels", &length, [before.panels, after.panels]),
+        row(
+            "Panels that may be turned over",
+            &length,
+            [before.panels_mirrored, after.panels_mirrored],
+        ),
+    ];
+    format!(
+        "<section><h2>Repetition</h2>\n{}</section>\n",
+        table("repetition", &rows)
+    )
+}
+
 /// The checks with figures, limits and offenders.
 pub fn checks(report: &Report<'_>) -> String {
     let mut rows = vec![head(&["", "Check", "Value", "Limit", "Offenders"])];

@@ -160,6 +160,7 @@ pub fn offenders(report: &Report<'_>) -> Vec<FaultyPanels> {
     let mut list: Vec<FaultyPanels> = violations.map(|v| violation(report, v)).collect();
     let far = report.run.checks.iter().find(|c| c.name == "deviation");
     list.extend(far.into_iter().flat_map(too_far));
+    list.extend(report.run.checks.iter().flat_map(beyond_limit));
     list.retain(|o| !o.faces.is_empty());
     list.sort_by_key(|o| (!o.loud, o.kind != "not_simple"));
     list.truncate(MOST_OFFENDERS);
@@ -176,6 +177,25 @@ fn violation(report: &Report<'_>, violation: &Violation) -> FaultyPanels {
         faces: faces.into_iter().map(FaceId::index).collect(),
         text: violation.to_string(),
     }
+}
+
+/// The panels that a limit of a workshop is broken at.
+fn beyond_limit(check: &Check) -> impl Iterator<Item = FaultyPanels> {
+    let faces = check.faces.iter().filter(|f| **f < check.of_face.len());
+    faces.map(move |&face| {
+        let name = check.name.replace('_', "-");
+        let times = check.of_face[face];
+        let text = match check.is_least {
+            true => format!("--{name}: {:.3} of what is asked for", 1.0 / times),
+            false => format!("--{name}: {times:.3} times what is allowed"),
+        };
+        FaultyPanels {
+            kind: check.name,
+            loud: false,
+            faces: vec![face],
+            text,
+        }
+    })
 }
 
 fn too_far(check: &Check) -> impl Iterator<Item = FaultyPanels> {

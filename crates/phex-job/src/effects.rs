@@ -130,6 +130,7 @@ impl MeshSettings {
                 self.boundary == Some(AtBoundary::Snap),
                 movable.clone(),
             ),
+            ("repeat", self.repeat.is_some(), movable.clone()),
             ("held vertices", s.holds(), movable),
             ("fairness", s.fairness.is_some(), dials.clone()),
             ("closeness", s.closeness.is_some(), dials.clone()),

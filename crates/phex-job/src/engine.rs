@@ -26,6 +26,8 @@ pub struct Computed {
     pub start: Option<PolygonSoup>,
     /// The smooth surface that it was fitted to, in model coordinates.
     pub smooth: Option<TriangleSurface>,
+    /// The mesh before its edges were made equal, where that was asked for.
+    pub unrepeated: Option<HexMesh>,
     /// The surface continued beyond its boundary, in model coordinates, if panels were kept whole.
     pub beyond: Option<Beyond>,
     /// How the computation ended.
@@ -76,6 +78,7 @@ pub fn lay_out(
         mesh: preview.mesh,
         start: None,
         smooth: None,
+        unrepeated: None,
         beyond: None,
     })
 }
@@ -106,6 +109,7 @@ fn reached(run: MeshRun) -> Result<Computed, JobError> {
         mesh: run.mesh,
         start: run.start,
         smooth: Some(run.target),
+        unrepeated: run.unrepeated,
         beyond: run.beyond,
     })
 }
@@ -173,6 +177,7 @@ pub fn planarize(
         start: Some(mesh.to_soup()),
         mesh: run.mesh,
         smooth: None,
+        unrepeated: None,
         beyond: None,
     })
 }

@@ -6,7 +6,19 @@ use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, TriangleSurface};
 
 /// The meshes of all parts.
 pub(crate) fn joined_mesh(runs: &[Computed]) -> Result<HexMesh, JobError> {
-    let soup = joined_polygons(runs.iter().map(|run| run.mesh.to_soup()))?;
+    joined_meshes(runs.iter().map(|run| &run.mesh))
+}
+
+/// The meshes of all parts before their edges were made equal; nothing if none were.
+pub(crate) fn joined_unrepeated(runs: &[Computed]) -> Result<Option<HexMesh>, JobError> {
+    let before: Option<Vec<&HexMesh>> = runs.iter().map(|run| run.unrepeated.as_ref()).collect();
+    before
+        .map(|meshes| joined_meshes(meshes.into_iter()))
+        .transpose()
+}
+
+fn joined_meshes<'a>(meshes: impl Iterator<Item = &'a HexMesh>) -> Result<HexMesh, JobError> {
+    let soup = joined_polygons(meshes.map(HexMesh::to_soup))?;
     let mesh = HexMesh::new(soup.positions, &soup.faces);
     mesh.map_err(|e| JobError::internal("joining the parts of a mesh", &e))
 }

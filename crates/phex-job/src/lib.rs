@@ -12,7 +12,7 @@
 //! | `suggestion` | what kind of surface one is, and how many panels suit it |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
 //! | `run`, `join`, `engine`, `deadline`, `surface_session` | the computation |
-//! | `limits`, `wishes`, `portfolio` | what was reached, measured by what was wanted |
+//! | `limits`, `wishes`, `portfolio`, `ways` | what was reached, measured by what was wanted |
 //! | `whole_run` | how much is done |
 //!
 //! Nothing here writes a file, prints, or ends a program; a computation uses the threads of the
@@ -41,6 +41,7 @@ mod steering;
 mod suggestion;
 mod threads;
 mod units;
+mod ways;
 mod whole_run;
 mod wishes;
 
@@ -65,4 +66,5 @@ pub use steering::{SteeringSettings, TypedPlane, TypedSolver, positive};
 pub use suggestion::{Suggestion, SurfaceKind};
 pub use threads::thread_count;
 pub use units::{Area, NoQuantity, NoSize, Quantity, Rectangle, Unit};
+pub use ways::{WayShown, ways};
 pub use whole_run::{WholeProgress, WholeRun};

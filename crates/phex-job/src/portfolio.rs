@@ -1,6 +1,7 @@
 //! What the portfolio tried, in words.
 
 use phex::pipeline::{AttemptSummary, Method};
+use phex::quality::Merit;
 
 /// A sentence on each member of a portfolio of which more than one was tried.
 pub fn members(tried: &[AttemptSummary]) -> Vec<String> {
@@ -10,20 +11,30 @@ pub fn members(tried: &[AttemptSummary]) -> Vec<String> {
         .collect()
 }
 
-fn member(summary: &AttemptSummary) -> String {
+/// How the panels of a member were laid out.
+pub(crate) fn way(summary: &AttemptSummary) -> String {
     let candidate = &summary.candidate;
-    let way = match (candidate.method, candidate.seamless) {
+    match (candidate.method, candidate.seamless) {
         (Method::BrickWall, _) => "brick wall".to_owned(),
         (_, true) => format!("seamless lattice, anisotropy {}", candidate.anisotropy),
         (_, false) => format!("lattice, anisotropy {}", candidate.anisotropy),
-    };
-    let state = match &summary.merit {
+    }
+}
+
+/// What a merit says of a mesh.
+pub(crate) fn state(merit: &Merit) -> &'static str {
+    match merit {
         merit if merit.invalid > 0.0 => "not valid",
         merit if merit.outside > 0.0 => "outside limits",
         _ => "valid",
-    };
+    }
+}
+
+fn member(summary: &AttemptSummary) -> String {
     format!(
-        "{way}: {state}, {} of {} panels irregular without need, clearance {:.3}, angle {:.1}{}",
+        "{}: {}, {} of {} panels irregular without need, clearance {:.3}, angle {:.1}{}",
+        way(summary),
+        state(&summary.merit),
         summary.irregular,
         summary.panels,
         summary.clearance,

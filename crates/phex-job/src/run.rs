@@ -5,7 +5,7 @@ use crate::engine::{self, Computed};
 use crate::error::JobError;
 use crate::given::Given;
 use crate::hexagon::edge_length;
-use crate::join::{joined_beyond, joined_mesh, joined_start, joined_target};
+use crate::join::{joined_beyond, joined_mesh, joined_start, joined_target, joined_unrepeated};
 use crate::limits::TypedLimits;
 use crate::panel_size::{self, shares};
 use crate::portfolio::members;
@@ -16,11 +16,13 @@ use phex::directions::Cone;
 use phex::optimise::led_elsewhere;
 use phex::pipeline::{AttemptSummary, ClassicalStatistics};
 use phex::quality::References;
+use phex::repetition::Repetition;
 use phex::report::{FeatureSizes, InputFile, RunReport, StageTime};
 use phex::{Event, MeshOptions, Progress, Session};
 use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Where a job may end before there is a planar mesh.
@@ -105,6 +107,18 @@ pub struct JobResult {
     pub tried: Vec<Vec<AttemptSummary>>,
     /// What methods by planes and poles met with, for each part of the surface.
     pub classical: Vec<Option<ClassicalStatistics>>,
+}
+
+impl JobResult {
+    /// Name of the surface's file without its folder.
+    pub fn input_name(&self) -> String {
+        let input = self.report.inputs.first();
+        let name = input.and_then(|input| Path::new(&input.path).file_name());
+        name.map_or_else(
+            || "surface".to_owned(),
+            |name| name.to_string_lossy().into_owned(),
+        )
+    }
 }
 
 /// Does a job, on the threads of the pool that it is called in.
@@ -285,6 +299,7 @@ impl<'a> MeshTask<'a> {
         let limits = TypedLimits::from(&self.settings);
         let (extent, whole) = (surface.diagonal(), self.facets.diagonal());
         limits.demand(&mut options.optimise, edge, extent, whole);
+        options.repeat_rel = self.tolerance().map(|length| length / extent);
     }
 
     /// The result, with a report on what was reached.
@@ -315,6 +330,7 @@ impl<'a> MeshTask<'a> {
         let attempts = runs.iter().flat_map(|run| members(&run.tried));
         report.notes = notes.into_iter().chain(attempts).collect();
         let start = joined_start(&runs);
+        report.repetition = self.repetition(&mesh, &runs)?;
         let cones: Vec<Cone> = runs.iter().flat_map(|run| run.cones.clone()).collect();
         let (tried, classical) = runs
             .iter()
@@ -343,6 +359,25 @@ impl<'a> MeshTask<'a> {
             tried,
             classical,
         })
+    }
+
+    /// How many parts are alike, before edges were made equal and now.
+    fn repetition(
+        &self,
+        mesh: &HexMesh,
+        runs: &[Computed],
+    ) -> Result<Option<Repetition>, JobError> {
+        let before = joined_unrepeated(runs)?;
+        let tolerance = self.tolerance();
+        let pair = before.zip(tolerance);
+        Ok(pair.map(|(before, tolerance)| Repetition::new(&before, mesh, tolerance)))
+    }
+
+    /// Difference within which edges count as equal, model units.
+    fn tolerance(&self) -> Option<f64> {
+        let unit = self.settings.unit.unwrap_or_default();
+        let whole = self.facets.diagonal();
+        self.settings.repeat.map(|q| q.length(unit, whole))
     }
 
     fn wishes<'b>(

@@ -77,6 +77,10 @@ pub struct MeshSettings {
     /// planes [default: none]
     #[cfg_attr(feature = "clap", arg(long, value_name = "auto|none|mirror|N"))]
     pub symmetry: Option<Symmetry>,
+    /// Make as many edges equal as can be within a length: `5mm`, or `0.02%` of the bounding-box
+    /// diagonal; vertices move along the surface, and within all limits
+    #[cfg_attr(feature = "clap", arg(long, value_name = "LENGTH"))]
+    pub repeat: Option<Quantity>,
     /// Surface that the panels are kept close to [default: smooth]
     #[cfg_attr(feature = "clap", arg(long, value_enum, value_name = "KIND"))]
     pub target: Option<CloseTo>,
@@ -352,6 +356,11 @@ impl MeshSettings {
                 "`max_deviation` has no effect in `[stages.optimise]`: write `max-deviation` before all tables",
             ));
         }
+        if self.stages.repeat_rel.is_some() {
+            return Err(JobError::input(
+                "`repeat_rel` has no effect in `[stages]`: write `repeat` before all tables",
+            ));
+        }
         if !self.stages.optimise.panels.is_empty() {
             return Err(JobError::input(
                 "`panels` has no effect in `[stages.optimise]`: write a table `[limits]`",
@@ -370,6 +379,7 @@ impl MeshSettings {
             ranges::positive(&[
                 ("adaptive", self.adaptive.unwrap_or(1.0)),
                 ("regularise", self.regularise.unwrap_or(1.0)),
+                ("repeat", self.repeat.map_or(1.0, Quantity::value)),
             ])?;
             ranges::below(180.0, &[("crease", self.guides.crease.unwrap_or(90.0))])?;
             self.steering.check()?;
@@ -399,6 +409,7 @@ impl MeshSettings {
             size_field: self.size_field.or(file.size_field),
             boundary: self.boundary.or(file.boundary),
             symmetry: self.symmetry.or(file.symmetry),
+            repeat: self.repeat.or(file.repeat),
             target: self.target.or(file.target),
             max_deviation: self.max_deviation.or(file.max_deviation),
             planarity: self.planarity.or(file.planarity),

@@ -9,6 +9,7 @@
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
 //! | [`boundary_curve`] | the boundary loops of a surface, with closest points |
 //! | [`hex_mesh`] | the polygon mesh that phex makes |
+//! | [`cluster`] | equal lengths and angles, congruent panels |
 //! | [`polygon`], [`ear_clip`](mod@ear_clip), [`flat_face`] | planar polygons: exact predicates, triangulation, a face in its plane |
 //! | [`LARGEST_COORDINATE`] | how large coordinates may be |
 //! | [`surface_from_soup`] | triangle surfaces from faces as they stand in a file |
@@ -20,6 +21,7 @@
 
 pub mod boundary_curve;
 mod clipped;
+pub mod cluster;
 mod disjoint_sets;
 pub mod ear_clip;
 mod extent;

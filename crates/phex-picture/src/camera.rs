@@ -45,18 +45,23 @@ impl Camera {
     /// The view that `options` ask for; without an azimuth the one in which the panels fill most of
     /// the picture.
     pub fn facing(mesh: &HexMesh, options: &PictureOptions) -> Self {
-        let at = |azimuth: f64| Self::from_direction(mesh, azimuth.to_radians(), options);
+        let azimuth = Self::azimuth(mesh, options);
+        Self::from_direction(mesh, azimuth.to_radians(), options)
+    }
+
+    /// The direction of that view, degrees.
+    pub fn azimuth(mesh: &HexMesh, options: &PictureOptions) -> f64 {
         if let Some(azimuth) = options.azimuth.filter(|a| a.is_finite()) {
-            return at(azimuth);
+            return azimuth;
         }
+        let at = |azimuth: f64| Self::from_direction(mesh, azimuth.to_radians(), options);
         let areas = area_vectors(mesh);
         let scored = AZIMUTHS.map(|a| (at(a).projected_area(&areas), a));
         // A view must be better by more than rounding, so that symmetric models are seen from the
         // front.
         let better =
             |best: (f64, f64), s: (f64, f64)| if s.0 > best.0 * (1.0 + 1e-6) { s } else { best };
-        let (_, best) = scored.into_iter().fold((0.0, AZIMUTHS[0]), better);
-        at(best)
+        scored.into_iter().fold((0.0, AZIMUTHS[0]), better).1
     }
 
     fn from_direction(mesh: &HexMesh, azimuth: f64, options: &PictureOptions) -> Self {

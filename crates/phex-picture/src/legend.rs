@@ -8,6 +8,9 @@ use crate::srgb::{linear, linear_bytes};
 use crate::strokes::{HEIGHT, strokes};
 use phex_mesh::{Vec2, Vec3};
 
+/// Colour of texts, sRGB.
+pub const INK: [f64; 3] = [0.22, 0.22, 0.25];
+
 /// Draws the legend in the corner where it hides least of the model, at best the lower left.
 pub fn draw(sheet: &mut LinearImage, legend: &Legend) {
     let size = Vec2::new(sheet.width as f64, sheet.height as f64);
@@ -33,7 +36,12 @@ fn draw_item(sheet: &mut LinearImage, corner: Vec2, item: &Item) {
         Item::Rectangle { low, high, colour } => {
             rectangle(sheet, [corner + low, corner + high], linear_bytes(*colour));
         }
-        Item::Text { start, unit, text } => write(sheet, corner + start, *unit, text),
+        Item::Text { start, unit, text } => {
+            let ink = linear(INK);
+            write(corner + start, *unit, text, |x, y, opacity| {
+                sheet.blend(x, y, ink, opacity);
+            });
+        }
     }
 }
 
@@ -65,9 +73,9 @@ fn rectangle(sheet: &mut LinearImage, [low, high]: [Vec2; 2], colour: Vec3) {
     }
 }
 
-/// Writes text with its baseline at `start`, `unit` pixels per unit of the alphabet.
-fn write(sheet: &mut LinearImage, start: Vec2, unit: f64, text: &str) {
-    let ink = linear([0.22, 0.22, 0.25]);
+/// Writes text with its baseline at `start`, `unit` pixels per unit of the alphabet; `blend` has
+/// pixels with their share of ink.
+pub fn write(start: Vec2, unit: f64, text: &str, mut blend: impl FnMut(usize, usize, f64)) {
     let radius = (0.32 * unit).max(0.5);
     let place = |p: Vec2| start + Vec2::new(p.x, -p.y) * unit;
     let written = strokes(text, HEIGHT);
@@ -83,7 +91,7 @@ fn write(sheet: &mut LinearImage, start: Vec2, unit: f64, text: &str) {
             .iter()
             .map(|l| segment_distance(p, l))
             .fold(f64::MAX, f64::min);
-        sheet.blend(x, y, ink, (radius + 0.5 - distance).clamp(0.0, 1.0));
+        blend(x, y, (radius + 0.5 - distance).clamp(0.0, 1.0));
     }
 }
 

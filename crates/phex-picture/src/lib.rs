@@ -9,6 +9,7 @@
 //! threads.
 
 mod camera;
+mod contact;
 mod covering;
 mod curves;
 mod framing;
@@ -25,6 +26,7 @@ mod srgb;
 pub mod strokes;
 mod vector;
 
+pub use contact::{ContactTile, common_azimuth, contact_sheet};
 pub use picture::{Picture, write_png};
 
 use crate::light::Shading;

@@ -9,12 +9,14 @@ use phex::offset::{FitOptions, FitStart, ParallelSpace, fit_parallel};
 use phex::quality::References;
 use phex::report::RunReport;
 use phex::{Boundary, continued};
+use phex_html::{SheetKind, contact_file};
 use phex_job::{
-    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, LastStage, LimitSettings, MeshFile,
-    MeshJob, MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit,
-    chain, time_limit,
+    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, JobResult, LastStage, LimitSettings,
+    MeshFile, MeshJob, MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit,
+    TypedLimits, Unit, WayShown, chain, time_limit, ways,
 };
 use phex_mesh::{EdgeId, HexMesh, LARGEST_COORDINATE, PolygonSoup, TriangleSurface};
+use phex_picture::ContactTile;
 use serde::Deserialize;
 use serde_json::json;
 use std::path::PathBuf;
@@ -77,6 +79,8 @@ pub struct MeshRequest {
     keep_best: bool,
     time_limit: Option<String>,
     until: Option<LastStage>,
+    #[serde(default)]
+    contact_sheet: Option<PathBuf>,
 }
 
 /// A surface covered with panels; a second mesh is an earlier one to go on from.
@@ -116,13 +120,32 @@ pub fn mesh(
         ..new
     };
     let made = phex_job::run(&job, progress)?;
-    answer(KeptResult {
+    let sheet = contact_of(request.contact_sheet, &made);
+    let mut parts = answer(KeptResult {
         mesh: made.mesh,
         report: made.report,
         smooth: made.smooth,
         facets: Some(made.facets),
         start: made.start,
-    })
+    })?;
+    parts.extend(sheet.map(|bytes| ("contact_sheet", AnswerPart::Bytes(bytes))));
+    Ok(parts)
+}
+
+/// The contact sheet of the ways that were tried, for a file of a name.
+fn contact_of(path: Option<PathBuf>, made: &JobResult) -> Option<Vec<u8>> {
+    let kind = SheetKind::of(&path?)?;
+    let (heading, shown) = ways(made);
+    let tiles: Vec<ContactTile<'_>> = shown.iter().map(tile).collect();
+    Some(contact_file(kind, &made.input_name(), &heading, &tiles))
+}
+
+fn tile<'a>(way: &'a WayShown<'_>) -> ContactTile<'a> {
+    ContactTile {
+        mesh: way.mesh,
+        title: &way.title,
+        lines: &way.lines,
+    }
 }
 
 /// Settings over those of a job file.

@@ -5,10 +5,11 @@ use crate::inputs::Inputs;
 use phex::Progress;
 use phex_fab::folder::{files, summary};
 use phex_fab::{FabError, FabOptions, PanelIds, Rotations, Side, fabricate, valid_mesh};
-use phex_job::{JobError, Quantity, Unit, chain};
+use phex_job::{JobError, MeshSettings, Quantity, Unit, chain};
 use phex_mesh::ValidateOptions;
 use phex_mesh::measure::diagonal;
 use serde::Deserialize;
+use std::path::PathBuf;
 
 /// Longest side of a sheet, millimetres: a kilometre, which nobody makes.
 const LARGEST_SHEET: f64 = 1e6;
@@ -29,6 +30,7 @@ pub struct WorkshopRequest {
     tolerance: Quantity,
     angle_tolerance: f64,
     planarity: Option<Quantity>,
+    limits: Option<PathBuf>,
 }
 
 /// Workshop files of a valid mesh.
@@ -49,6 +51,9 @@ pub fn fabricated(
     let planarity = request
         .planarity
         .map(|q| q.fraction(unit, mesh.mean_edge()));
+    let limits = request.limits.as_deref().map(MeshSettings::from_file);
+    let limits = limits.transpose()?.unwrap_or_default();
+    limits.check()?;
     let options = FabOptions {
         thickness: request.thickness.length(unit, size),
         gap: request.gap.map_or(0.0, |gap| gap.length(unit, size)),
@@ -63,6 +68,7 @@ pub fn fabricated(
         tolerance_mm: millimetres("tolerance", request.tolerance)?,
         angle_tolerance: request.angle_tolerance.to_radians(),
         text_mm: millimetres("text", request.text)?,
+        limits: limits.limits.in_units(unit, size),
         validity: ValidateOptions {
             planarity,
             ..ValidateOptions::default()

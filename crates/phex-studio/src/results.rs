@@ -299,6 +299,7 @@ impl RunResult {
         let mut options = FabOptions {
             unit_mm: unit.metres() / Unit::Mm.metres(),
             side: wish.side.unwrap_or_default(),
+            limits: self.made.limits.panels.in_units(unit, size),
             ..FabOptions::default()
         };
         let missing = || RefusedRequest::unusable("thickness: a length is needed, 50mm, say");

@@ -3,9 +3,9 @@
 use crate::variant::Variant;
 use phex::quality::Verdict;
 use phex::report::RunReport;
-use phex_fab::cluster::by_value;
 use phex_job::{JobError, JobResult, Unit};
 use phex_mesh::HexMesh;
+use phex_mesh::cluster::by_value;
 use serde_json::{Map, Value, json};
 
 /// A row: `in:` what was wanted, `out:` what came of it, `img`, `threeD` files, `key` the folder.

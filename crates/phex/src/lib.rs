@@ -25,6 +25,7 @@
 //! | [`layout`] | the panelling's connectivity and first positions |
 //! | [`optimise`] | planar, simple panels close to the surface |
 //! | [`trim`] | panels of an extended surface brought back to its boundary |
+//! | [`repetition`] | edges of a valid mesh made equal within a tolerance |
 //! | [`koebe`] | polyhedra and patches whose edges touch the unit sphere |
 //! | [`offset`] | parallel meshes: offsets, Gauss images, layers and solid panels |
 //! | [`report`] | what was reached: figures, checks, verdict |
@@ -47,6 +48,7 @@ pub mod pipeline;
 mod progress;
 pub mod quality;
 pub mod ranges;
+pub mod repetition;
 pub mod report;
 pub mod search;
 pub mod smooth_surface;

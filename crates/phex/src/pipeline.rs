@@ -1,5 +1,5 @@
 //! The whole flow: surface -> smooth_surface -> curvature -> directions -> layout -> optimise ->
-//! trim -> quality -> search.
+//! trim -> quality -> search -> repetition.
 
 mod attempt;
 mod brick_wall;
@@ -16,6 +16,7 @@ mod normalise;
 mod options;
 mod portfolio;
 mod preview;
+mod repeated;
 mod restarts;
 mod rim;
 mod run;

@@ -33,6 +33,7 @@ def mesh(
     size_field: Any = None,
     boundary: Optional[str] = None,
     symmetry: Any = None,
+    repeat: Any = None,
     target: Optional[str] = None,
     unit: Optional[str] = None,
     all_components: bool = False,
@@ -65,6 +66,7 @@ def mesh(
     min_dihedral: Optional[float] = None,
     max_dihedral: Optional[float] = None,
     write_target: Any = None,
+    contact_sheet: Any = None,
     keep_invalid: bool = False,
     report: Any = None,
     png: Any = None,
@@ -181,7 +183,7 @@ class _MeshJob:
         self.threads = _options.threads(options["threads"])
         self.paths = {
             name: path_text(options[name], name)
-            for name in ("output", "write_target", "png", "html", "report")
+            for name in ("output", "write_target", "contact_sheet", "png", "html", "report")
             if options[name] is not None
         }
         time_limit = options["time_limit"]
@@ -202,9 +204,18 @@ class _MeshJob:
             "keep_best": self.keep_best,
             "time_limit": time_limit,
             "until": until,
+            "contact_sheet": self._sheet(earlier is not None or until is not None),
         }
         # What is laid out alone is a picture of what will be, and no invalid result.
         self.keep_invalid = self.keep_invalid or until is not None
+
+    def _sheet(self, is_idle: bool) -> Optional[str]:
+        path = self.paths.get("contact_sheet")
+        if path is not None and not path.lower().endswith((".png", ".html", ".htm")):
+            raise InputError(f"contact_sheet: {path}: a contact sheet is a .png or a .html file")
+        if path is not None and is_idle:
+            raise InputError("contact_sheet: with `start` or `until` no ways are tried: leave it out")
+        return path
 
     def begin(self, preview: bool = False, session: Any = None) -> Any:
         return begin(
@@ -222,6 +233,8 @@ def _delivered(
     made = Panelling._from_answer(answer, surface, keep_invalid)
     if "png" in paths:
         write_whole(paths["png"], made.picture())
+    if "contact_sheet" in paths:
+        write_whole(paths["contact_sheet"], answer["contact_sheet"])
     if "html" in paths:
         made.save(paths["html"])
     if "report" in paths:
@@ -610,6 +623,7 @@ def fabricate(
     text: Any = "25mm",
     tolerance: Any = "1mm",
     angle_tolerance: float = 0.1,
+    limits: Any = None,
     planarity: Any = None,
     threads: Optional[int] = None,
     progress: Any = "auto",
@@ -618,7 +632,7 @@ def fabricate(
     ``phex fab``; writes them into ``folder`` if one is given.
 
     ``sheet`` is ``"1250x2500"`` or a pair, plain numbers are mm; ``rotations`` ``"free"`` or a list
-    of angles in degrees.
+    of angles in degrees; ``limits`` a job file, whose limits get columns in the table of panels.
 
     >>> import phex
     >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
@@ -644,6 +658,7 @@ def fabricate(
         "text": measured("text", text),
         "tolerance": measured("tolerance", tolerance),
         "angle_tolerance": real("angle_tolerance", angle_tolerance),
+        "limits": None if limits is None else path_text(limits, "limits"),
         "planarity": None if planarity is None else measured("planarity", planarity),
     }
     hear = listener(progress, False, False)

@@ -61,6 +61,7 @@ MESH: Dict[str, Option] = {
     "size_field": Option("sizes"),
     "boundary": Option("choice", "snap; with `koebe`: whole", BOUNDARIES),
     "symmetry": Option("symmetry", "none", SYMMETRIES),
+    "repeat": Option("length"),
     "target": Option("choice", "smooth", TARGETS),
     "unit": Option("choice", "m", UNITS),
     "all_components": Option("flag"),
@@ -93,6 +94,7 @@ MESH: Dict[str, Option] = {
     "min_dihedral": Option("positive", table="limits"),
     "max_dihedral": Option("positive", table="limits"),
     "write_target": Option("path"),
+    "contact_sheet": Option("path"),
     "keep_invalid": Option("flag"),
     "report": Option("path"),
     "png": Option("path"),
@@ -106,7 +108,7 @@ MESH: Dict[str, Option] = {
 
 #: Options that are no settings of a job.
 NO_SETTINGS = frozenset(
-    "output config start until write_target keep_invalid report png html keep_best time_limit progress"
+    "output config start until write_target contact_sheet keep_invalid report png html keep_best time_limit progress"
     " quiet verbose".split()
 )
 STEERING = tuple(name for name, option in MESH.items() if option.table == "steering")

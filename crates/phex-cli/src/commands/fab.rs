@@ -10,6 +10,7 @@ use phex_fab::folder::{files, summary};
 use phex_fab::schedule::panel_centres;
 use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mesh};
 use phex_job::MeshFile;
+use phex_job::MeshSettings;
 use phex_job::Unit;
 use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, ValidateOptions};
@@ -24,11 +25,15 @@ use std::path::Path;
 pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     use_threads(command.threads)?;
     let folder = OutputFolder::new(&command.output, "fab", Extent::Whole);
-    let inputs = [Some(&command.input), command.keep_ids.as_ref()];
+    let inputs = [
+        Some(&command.input),
+        command.keep_ids.as_ref(),
+        command.limits.as_ref(),
+    ];
     let inputs: Vec<&Path> = inputs.into_iter().flatten().map(AsRef::as_ref).collect();
     folder.check(&[], &inputs)?;
     let (mesh, _) = MeshFile::read(&command.input)?.polygon_mesh()?;
-    let options = options(command, &mesh);
+    let options = options(command, &mesh)?;
     let ids = ids(command.keep_ids.as_deref(), &mesh, options.unit_mm)?;
     let valid = valid_mesh(mesh, &ids, &options.validity).map_err(failure)?;
     let reporter = Reporter::new(&command.talk);
@@ -41,12 +46,15 @@ pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     Ok(Exit::Success)
 }
 
-fn options(command: &FabCommand, mesh: &HexMesh) -> FabOptions {
+fn options(command: &FabCommand, mesh: &HexMesh) -> Result<FabOptions, Failure> {
     let (unit, size) = (command.unit, diagonal(mesh));
     let planarity = command
         .planarity
         .map(|q| q.fraction(unit, mesh.mean_edge()));
-    FabOptions {
+    let limits = command.limits.as_deref().map(MeshSettings::from_file);
+    let limits = limits.transpose()?.unwrap_or_default();
+    limits.check()?;
+    Ok(FabOptions {
         thickness: command.thickness.length(unit, size),
         gap: command.gap.map_or(0.0, |gap| gap.length(unit, size)),
         side: command.side.into(),
@@ -58,11 +66,12 @@ fn options(command: &FabCommand, mesh: &HexMesh) -> FabOptions {
         tolerance_mm: millimetres(command.tolerance),
         angle_tolerance: command.angle_tolerance.to_radians(),
         text_mm: millimetres(command.text),
+        limits: limits.limits.in_units(unit, size),
         validity: ValidateOptions {
             planarity,
             ..Default::default()
         },
-    }
+    })
 }
 
 fn ids(previous: Option<&Path>, mesh: &HexMesh, unit_mm: f64) -> Result<PanelIds, Failure> {

@@ -3,6 +3,7 @@
 use super::deliver::Delivery;
 use super::use_threads;
 use crate::args::MeshCommand;
+use crate::contact;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::method_summary::{of_method, of_portfolio};
@@ -61,7 +62,11 @@ fn job(
     })
 }
 
-fn deliver(command: &MeshCommand, made: JobResult) -> Result<Exit, Failure> {
+fn deliver(command: &MeshCommand, mut made: JobResult) -> Result<Exit, Failure> {
+    if let Some(path) = &command.contact_sheet {
+        contact::write(path, &made)?;
+        made.report.outputs.push(written("contact_sheet", path));
+    }
     let ways = made.tried.iter().zip(&made.classical);
     let methods =
         ways.map(|(tried, classical)| of_portfolio(tried) + &of_method(classical.as_ref()));
@@ -92,7 +97,9 @@ fn deliver(command: &MeshCommand, made: JobResult) -> Result<Exit, Failure> {
         talk: &command.talk,
         limits: made.limits,
         before,
-        after: summary::of_wishes(&made.wishes) + &summary::of_warning(made.warning),
+        after: summary::of_repetition(&report)
+            + &summary::of_wishes(&made.wishes)
+            + &summary::of_warning(made.warning),
         report,
     }
     .send()
@@ -135,8 +142,11 @@ fn outputs(command: &MeshCommand) -> Vec<(&Path, Content)> {
         .write_target
         .as_deref()
         .map(|path| (path, Content::Mesh));
+    let sheet = command.contact_sheet.as_deref();
+    let sheet = sheet.map(|path| (path, Content::Other));
     std::iter::once((command.output.as_path(), Content::Mesh))
         .chain(target)
+        .chain(sheet)
         .chain(command.extras.outputs())
         .collect()
 }

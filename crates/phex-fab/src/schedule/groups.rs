@@ -1,9 +1,9 @@
 //! The table of groups: congruent panels, equal lengths, equal angles.
 
 use super::{Cell, Table, list};
-use crate::cluster::Cluster;
 use crate::fabricate::Fabrication;
 use crate::ids::edge_name;
+use phex_mesh::cluster::Cluster;
 use phex_mesh::{EdgeId, ElementId};
 
 pub(super) fn table(fabrication: &Fabrication) -> Table {

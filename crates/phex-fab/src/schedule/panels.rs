@@ -4,10 +4,12 @@ use super::{Cell, Table, list};
 use crate::fabricate::Fabrication;
 use crate::ids::{edge_name, node_name};
 use crate::outline::least_rectangle;
-use phex_mesh::FlatFace;
+use phex::quality::{Assessment, Check, Limits, References};
+use phex_mesh::{FlatFace, PanelLimit};
 
 pub(super) fn table(fabrication: &Fabrication) -> Table {
-    let head = vec![
+    let limits = limits(fabrication);
+    let mut head = vec![
         "id",
         "type",
         "corners",
@@ -33,13 +35,56 @@ pub(super) fn table(fabrication: &Fabrication) -> Table {
         "centre_z_mm",
         "labels_left_out",
     ];
+    head.extend(limits.iter().map(|(column, _)| *column));
+    let of_limits = |k: usize| {
+        let face = fabrication.plates[k].face.index();
+        limits
+            .iter()
+            .map(move |(_, check)| Cell::from(check.of_face[face].max(0.0)))
+    };
     let rows = (0..fabrication.plates.len())
-        .map(|k| row(fabrication, k))
+        .map(|k| {
+            row(fabrication, k)
+                .into_iter()
+                .chain(of_limits(k))
+                .collect()
+        })
         .collect();
     Table {
         name: "panels",
         head,
         rows,
+    }
+}
+
+/// The limits that are set, with their columns: how near each panel is, beyond 1 it is outside.
+fn limits(fabrication: &Fabrication) -> Vec<(&'static str, Check)> {
+    let set = Limits {
+        panels: fabrication.options.limits,
+        ..Limits::default()
+    };
+    if set.panels.is_empty() {
+        return Vec::new();
+    }
+    let assessment = Assessment::new(&fabrication.mesh, References::default(), &set);
+    let named = |check: Check| {
+        let mut kinds = set.panels.set().map(|(kind, _)| kind);
+        let kind = kinds.find(|kind| kind.name() == check.name)?;
+        Some((column(kind), check))
+    };
+    assessment.checks.into_iter().filter_map(named).collect()
+}
+
+fn column(kind: PanelLimit) -> &'static str {
+    match kind {
+        PanelLimit::MaxPanel => "max_panel_used",
+        PanelLimit::MinEdge => "min_edge_used",
+        PanelLimit::MaxEdge => "max_edge_used",
+        PanelLimit::MinAngle => "min_angle_used",
+        PanelLimit::MaxArea => "max_area_used",
+        PanelLimit::MaxAspect => "max_aspect_used",
+        PanelLimit::MinDihedral => "min_dihedral_used",
+        PanelLimit::MaxDihedral => "max_dihedral_used",
     }
 }
 

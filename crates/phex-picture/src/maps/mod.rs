@@ -17,6 +17,7 @@
 //! | [`Map::FeatureSize`] | face | distance of two corners times the curvature under it in that direction, the largest ([`FeatureSizes`]) | 0 to 2 |
 //! | [`Map::Valence`] | face | number of corners, hexagons convex or concave | classes |
 //! | [`Map::Validity`] | face | what holds of the panel | classes |
+//! | [`Map::MaxPanel`] and the other limits of a workshop | face | the panel's worst figure over the limit, or the limit over it where it is a smallest one: beyond 1 it is outside | 0 to 2 |
 
 mod panel_kinds;
 mod ramps;
@@ -51,10 +52,26 @@ pub enum Map {
     Valence,
     /// Which panels hold all checks.
     Validity,
+    /// The rectangle that each panel is to fit against the limit.
+    MaxPanel,
+    /// Shortest edges against the limit.
+    MinEdge,
+    /// Longest edges against the limit.
+    MaxEdge,
+    /// Sharpest corners against the limit.
+    MinAngle,
+    /// Areas against the limit.
+    MaxArea,
+    /// Lengths over widths against the limit.
+    MaxAspect,
+    /// Sharpest joints with neighbours against the limit.
+    MinDihedral,
+    /// Flattest joints with neighbours against the limit.
+    MaxDihedral,
 }
 
 impl Map {
-    /// All maps, in the order in which they are offered.
+    /// All maps of any mesh, in the order in which they are offered.
     pub const ALL: [Self; 8] = [
         Self::Valence,
         Self::Validity,
@@ -64,6 +81,18 @@ impl Map {
         Self::Dihedral,
         Self::Curvature,
         Self::FeatureSize,
+    ];
+
+    /// The maps of a workshop's limits: those that were set have one.
+    pub const LIMITS: [Self; 8] = [
+        Self::MaxPanel,
+        Self::MinEdge,
+        Self::MaxEdge,
+        Self::MinAngle,
+        Self::MaxArea,
+        Self::MaxAspect,
+        Self::MinDihedral,
+        Self::MaxDihedral,
     ];
 
     /// Name as it is typed.
@@ -77,6 +106,14 @@ impl Map {
             Self::FeatureSize => "feature-size",
             Self::Valence => "valence",
             Self::Validity => "validity",
+            Self::MaxPanel => "max-panel",
+            Self::MinEdge => "min-edge",
+            Self::MaxEdge => "max-edge",
+            Self::MinAngle => "min-angle",
+            Self::MaxArea => "max-area",
+            Self::MaxAspect => "max-aspect",
+            Self::MinDihedral => "min-dihedral",
+            Self::MaxDihedral => "max-dihedral",
         }
     }
 
@@ -91,6 +128,14 @@ impl Map {
             Self::FeatureSize => "Feature size",
             Self::Valence => "Valence",
             Self::Validity => "Pass or fail",
+            Self::MaxPanel => "Sheet",
+            Self::MinEdge => "Shortest edge",
+            Self::MaxEdge => "Longest edge",
+            Self::MinAngle => "Sharpest corner",
+            Self::MaxArea => "Largest area",
+            Self::MaxAspect => "Aspect",
+            Self::MinDihedral => "Sharpest joint",
+            Self::MaxDihedral => "Flattest joint",
         }
     }
 
@@ -105,7 +150,13 @@ impl Map {
             Self::FeatureSize => "panel length times largest curvature",
             Self::Valence => "number of corners",
             Self::Validity => "what the checks say of each panel",
+            _ => "how near to the limit, 1 is at it, more is outside",
         }
+    }
+
+    /// The limit of a workshop that it shows, by the name of its check.
+    fn limit(self) -> Option<String> {
+        (Self::LIMITS.contains(&self)).then(|| self.name().replace('-', "_"))
     }
 }
 
@@ -134,8 +185,8 @@ pub struct ColourMap {
 }
 
 impl ColourMap {
-    /// The map of a mesh, over the range of its own values; `None` if it needs a surface and there
-    /// is none.
+    /// The map of a mesh, over the range of its own values; `None` if it needs a surface, or a
+    /// limit, and there is none.
     ///
     /// ```
     /// # use phex_mesh::{HexMesh, Vec3};
@@ -230,6 +281,10 @@ fn scale(map: Map, subject: &Subject<'_>) -> ColourScale {
         }),
         Map::Valence => ColourScale::Classes(panel_kinds::classes()),
         Map::Validity => ColourScale::Classes(values::VALIDITY.to_vec()),
+        _ => ColourScale::Continuous(Continuous {
+            limit: Some(1.0),
+            ..continuous(0.0, 2.0, false, ramps::SEQUENTIAL)
+        }),
     }
 }
 

@@ -32,7 +32,7 @@ const fn class(label: &'static str, colour: [u8; 3]) -> Class {
     Class { label, colour }
 }
 
-/// One value per element; `None` if the map needs a surface and there is none.
+/// One value per element; `None` if the map needs a surface, or a limit, and there is none.
 pub fn values(map: Map, subject: &Subject<'_>) -> Option<(Coloured, Vec<f64>)> {
     use Coloured::{Edge, Face};
     let measures = &subject.assessment.measures;
@@ -59,7 +59,17 @@ pub fn values(map: Map, subject: &Subject<'_>) -> Option<(Coloured, Vec<f64>)> {
         }
         Map::Valence => (Face, panel_kinds::class_numbers(subject.mesh)),
         Map::Validity => (Face, validity(subject)),
+        _ => (Face, limited(map, subject)?),
     })
+}
+
+/// How near each panel is to a limit of a workshop; `None` where that is not set.
+fn limited(map: Map, subject: &Subject<'_>) -> Option<Vec<f64>> {
+    let name = map.limit()?;
+    let mut checks = subject.assessment.checks.iter();
+    let check = checks.find(|c| c.name == name)?;
+    let finite = |x: &f64| if x.is_finite() { *x } else { f64::NAN };
+    Some(check.of_face.iter().map(finite).collect())
 }
 
 /// Largest distance of a panel's corners and centre to the surface, in % of the surface's diagonal.

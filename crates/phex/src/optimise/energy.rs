@@ -8,6 +8,7 @@ use super::areas::AreaWish;
 use super::barrier::{self, Barrier, HEXAGON, barriers};
 use super::closeness::{ClosenessWeights, DistanceLimit, Feet};
 use super::concavity::ConcavityTerm;
+use super::edge_lengths::EdgeLengths;
 use super::folds::FoldTerm;
 use super::guard::Armed;
 use super::holds::Holds;
@@ -91,6 +92,8 @@ pub(super) struct PanelEnergy<'a> {
     pub folds: Option<FoldTerm>,
     /// What re-entrant corners pay, where they are to go.
     pub concavity: Option<ConcavityTerm>,
+    /// Lengths that edges are to have, where some are to be equal.
+    pub lengths: Option<EdgeLengths>,
     /// Areas that faces are to have.
     pub areas: Vec<AreaWish>,
     /// Limits of panels.
@@ -133,6 +136,7 @@ impl<'a> PanelEnergy<'a> {
             angles: None,
             folds: None,
             concavity: None,
+            lengths: None,
             areas: setting.areas.to_vec(),
             limits: ShapeLimits::new(setting.limits, panels, &shape),
             multipliers: None,
@@ -235,7 +239,7 @@ impl<'a> PanelEnergy<'a> {
         let (panels, shape) = (self.setting.panels, &self.shape);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
         let (angles, concavity) = (&self.angles, &self.concavity);
-        let (areas, limits) = (&self.areas, &self.limits);
+        let (areas, lengths, limits) = (&self.areas, &self.lengths, &self.limits);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -257,6 +261,9 @@ impl<'a> PanelEnergy<'a> {
             }
             if let Some(concavity) = concavity {
                 *energy += concavity.energy(f, corners);
+            }
+            if let Some(lengths) = lengths {
+                *energy += lengths.energy(panels, f, corners);
             }
             *energy += areas[f].energy(corners);
             *energy += limits.energy(f, corners, &shape.frames[f], weights.limits);
@@ -293,7 +300,7 @@ impl<'a> PanelEnergy<'a> {
         let (panels, shape, feet) = (self.setting.panels, &self.shape, &self.feet);
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
         let (angles, concavity) = (&self.angles, &self.concavity);
-        let (areas, limits) = (&self.areas, &self.limits);
+        let (areas, lengths, limits) = (&self.areas, &self.lengths, &self.limits);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             let corners = shape.face(panels, f);
@@ -325,6 +332,9 @@ impl<'a> PanelEnergy<'a> {
             }
             if let Some(concavity) = concavity {
                 concavity.add(f, frame, corners, gradient, block);
+            }
+            if let Some(lengths) = lengths {
+                lengths.add(panels, f, corners, gradient, block);
             }
             areas[f].add(frame, corners, gradient, block);
             limits.add(f, (corners, frame), weights.limits, gradient, block);

@@ -9,6 +9,7 @@
 //!   + w_s/2 sum |x_a + x_(a+m) - M|^2    fairness: central symmetry of each panel
 //!   + w_a/2 sum (a - A)^2 / a            evenness: areas of inner panels
 //!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
+//!   + w_e/2 sum (l - L)^2                 lengths of edges, where some are to be equal
 //!   + sum e(c)                            limits of panels, edges and corners, inequalities with slack
 //!   + w_t/2 sum |x - x_0|^2              anchor, w_k at the corners of the boundary
 //! ```
@@ -68,6 +69,7 @@ mod closeness;
 mod components;
 mod concavity;
 mod constraints;
+mod edge_lengths;
 mod emphasis;
 mod endgame;
 mod energy;
@@ -82,6 +84,7 @@ mod images;
 mod inequality;
 mod inspect;
 mod jacobian;
+mod lengthened;
 mod local;
 mod on_boundary;
 mod options;
@@ -130,6 +133,7 @@ pub(crate) use angle_term::walks::free_edges;
 pub(crate) use emphasis::EMPHASES;
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
+pub(crate) use lengthened::{KeptVertices, LengthStage};
 pub(crate) use local::LocalPart;
 pub use on_boundary::BoundaryHold;
 pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};

@@ -3,6 +3,7 @@
 
 use super::barrier::{Barrier, barriers, clearance};
 use super::concavity::ConcavityTerm;
+use super::edge_lengths::EdgeLengths;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Weights};
 use super::error::OptimiseError;
@@ -123,6 +124,14 @@ impl<'a> Path<'a> {
     pub(crate) fn concavity(&mut self) -> Option<&mut Option<ConcavityTerm>> {
         match &mut self.descent {
             Descent::Whole(whole) => Some(&mut whole.energy.concavity),
+            Descent::Parts => None,
+        }
+    }
+
+    /// Lengths that edges are to have. Meshes in parts do without.
+    pub(crate) fn lengths(&mut self) -> Option<&mut Option<EdgeLengths>> {
+        match &mut self.descent {
+            Descent::Whole(whole) => Some(&mut whole.energy.lengths),
             Descent::Parts => None,
         }
     }

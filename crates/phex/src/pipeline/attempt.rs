@@ -2,7 +2,7 @@
 
 use super::options::{Candidate, MeshOptions};
 use crate::quality::{Merit, USUAL_DEVIATION};
-use phex_mesh::HexMesh;
+use phex_mesh::{HexMesh, Vec3};
 use serde::Serialize;
 
 /// Excess over limits, in limits and summed over panels, that is left to the search.
@@ -33,8 +33,15 @@ pub struct AttemptSummary {
     pub clearance: f64,
     /// Least angle at a corner, degrees.
     pub least_angle: f64,
+    /// Largest distance between panels and surface, over the diagonal.
+    pub distance_rel: f64,
+    /// 95 % over 5 % quantile of the areas of the panels inside; `None` where there are none.
+    pub area_spread: Option<f64>,
     /// Whether it is the one that was kept.
     pub kept: bool,
+    /// The panels as they were compared, before any search; model units.
+    #[serde(skip)]
+    pub mesh: HexMesh,
 }
 
 impl AttemptSummary {
@@ -43,6 +50,7 @@ impl AttemptSummary {
         mesh: &HexMesh,
         merit: Merit,
         regular_possible: bool,
+        options: &MeshOptions,
     ) -> Self {
         let measures = phex_mesh::measure(mesh);
         let panels = mesh.topology().n_faces();
@@ -60,8 +68,18 @@ impl AttemptSummary {
             regular_possible,
             clearance: measures.clearance.min,
             least_angle: measures.angle.min,
+            distance_rel: merit.off * options.limits().deviation_rel.unwrap_or(USUAL_DEVIATION),
+            area_spread: measures.evenness.map(|e| e.area_spread),
             kept: false,
+            mesh: mesh.clone(),
         }
+    }
+
+    /// The same with the panels in model coordinates.
+    pub(super) fn restored(mut self, restore: impl Fn(Vec3) -> Vec3) -> Self {
+        let positions = self.mesh.positions.map(|p| restore(*p));
+        self.mesh = self.mesh.with_positions(positions);
+        self
     }
 
     /// What else is worth a try: a lattice without dislocations where one can be, or with sizes

@@ -143,6 +143,7 @@ pub(super) fn mesh_with_panels(
         target: reported.clone(),
         beyond: ground.beyond(&site.surface),
         orbits: None,
+        unrepeated: None,
         outcome: result.outcome,
         violations,
         statistics,

@@ -33,6 +33,9 @@ impl MeshOptions {
         ];
         positive(&densities)?;
         within(0.0..=LARGEST_RATIO, &densities)?;
+        let repeat = [("repeat_rel", self.repeat_rel.unwrap_or(1.0))];
+        positive(&repeat)?;
+        within(0.0..=1.0, &repeat)?;
         let sizes = self.size_field.iter().flatten();
         sizes
             .map(|&x| ("size_field", x))

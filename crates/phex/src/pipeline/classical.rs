@@ -73,6 +73,7 @@ pub(super) fn mesh_with_panels(
         target: made.reported,
         beyond,
         orbits: None,
+        unrepeated: None,
         outcome: made.outcome,
         violations,
         statistics,

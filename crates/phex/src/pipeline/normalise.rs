@@ -21,6 +21,7 @@ pub(super) fn normalised(
     options.optimise.panels = (given.optimise.panels)
         .scaled(1.0 / model.similarity.scale)
         .with_sizes(without_unit, without_unit);
+    options.repeat_rel = given.repeat_rel.map(without_unit);
     if let Some(values) = &given.size_field {
         check_size_field(values, model.surface.positions().len())?;
         options.size_field = Some(relative_sizes(values));

@@ -102,6 +102,9 @@ pub struct MeshOptions {
     /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are
     /// kept close.
     pub cell_density: f64,
+    /// Difference within which edges count as equal, over the diagonal of the surface, where as
+    /// many as possible are to be made so in the end; `None` leaves them as they are.
+    pub repeat_rel: Option<f64>,
     /// Which symmetries of the surface panels have.
     pub symmetry: Symmetry,
     /// How much is tried.
@@ -127,6 +130,7 @@ impl Default for MeshOptions {
             steering: Steering::default(),
             field_density: 8.0,
             cell_density: 25.0,
+            repeat_rel: None,
             symmetry: Symmetry::default(),
             effort: Effort::default(),
         }

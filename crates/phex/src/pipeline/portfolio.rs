@@ -161,7 +161,13 @@ impl Task<'_> {
         let merit = made.judgement.merit;
         let summary = AttemptSummary {
             dislocations: made.layout.annihilation.kept,
-            ..AttemptSummary::new(candidate, &made.mesh, merit, made.regular_possible)
+            ..AttemptSummary::new(
+                candidate,
+                &made.mesh,
+                merit,
+                made.regular_possible,
+                self.options,
+            )
         };
         Ok(Member {
             summary,
@@ -230,6 +236,7 @@ impl Task<'_> {
             target: surfaces.reported,
             beyond: surfaces.beyond,
             orbits: None,
+            unrepeated: None,
             outcome,
             statistics,
             stages: Vec::new(),
@@ -242,7 +249,7 @@ impl Task<'_> {
         let run = brick_wall::mesh_with_panels(self.surface, self.panels, self.options, clock)?;
         let merit = brick_wall::merit(&run, self.ground);
         Ok(Member {
-            summary: AttemptSummary::new(candidate, &run.mesh, merit, false),
+            summary: AttemptSummary::new(candidate, &run.mesh, merit, false, self.options),
             clock: run.stages.clone(),
             made: AttemptMesh::Wall(Box::new(run)),
         })

@@ -85,6 +85,8 @@ pub struct MeshRun {
     pub start: Option<PolygonSoup>,
     /// The surface that the panels were kept close to, in model coordinates.
     pub target: TriangleSurface,
+    /// The panelling before its edges were made equal, where that was asked for.
+    pub unrepeated: Option<HexMesh>,
     /// That surface continued beyond its boundary, in model coordinates, if panels were kept whole
     /// and may stick out.
     pub beyond: Option<Beyond>,
@@ -115,11 +117,16 @@ impl MeshRun {
             }
         }
         self.mesh = self.mesh.with_positions(positions);
+        let before = self.unrepeated.take();
+        self.unrepeated =
+            before.map(|mesh| mesh.with_positions(mesh.positions.map(|p| restore(*p))));
         for p in self.start.iter_mut().flat_map(|s| &mut s.positions) {
             *p = restore(*p);
         }
         self.target = moved(&self.target, restore);
         self.beyond = self.beyond.map(|b| b.moved(restore));
+        let tried = std::mem::take(&mut self.statistics.tried).into_iter();
+        self.statistics.tried = tried.map(|t| t.restored(restore)).collect();
         for cone in &mut self.statistics.cones {
             cone.position = restore(cone.position.into()).into();
         }

@@ -6,7 +6,7 @@ use super::preview::{LatticePreview, lay_out};
 use super::symmetric;
 use super::watched::InModel;
 use super::{Clock, MeshRun, PipelineError};
-use super::{brick_wall, classical, normalise, portfolio, size, steered};
+use super::{brick_wall, classical, normalise, portfolio, repeated, size, steered};
 use crate::progress::Progress;
 use crate::smooth_surface::{Normalised, TargetOptions};
 use crate::symmetry::Symmetry;
@@ -153,7 +153,8 @@ impl Session {
             _ => classical::mesh_with_panels(model, panels, &options, clock),
         };
         let held = made.and_then(|run| steered::steered(run, &options, progress));
-        match held {
+        let equal = held.and_then(|run| repeated::repeated(run, surface, &options, progress));
+        match equal {
             Ok(run) => Ok(run.restored(&model.similarity, &given.steering)),
             Err(error) => Err(error.in_model(model)),
         }

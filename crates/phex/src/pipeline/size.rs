@@ -37,6 +37,7 @@ fn corrected_count(
     let options = &MeshOptions {
         effort: Effort::Draft,
         steering: Steering::default(),
+        repeat_rel: None,
         ..options.clone()
     };
     let mut best: Option<(f64, usize)> = None;

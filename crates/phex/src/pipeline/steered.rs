@@ -6,7 +6,7 @@
 //! the user nor planarity wants them elsewhere.
 
 use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics};
-use super::{between_panels, normalise, rim};
+use super::{between_panels, normalise, repeated, rim};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::smooth_surface::{self, Normalised, TargetKind};
@@ -69,12 +69,15 @@ pub fn refit_surface(
         target: close_to.clone(),
         beyond: None,
         orbits: None,
+        unrepeated: None,
         outcome: refitted.outcome.clone(),
         violations: Vec::new(),
         statistics: Statistics::of(&smooth, panels),
         stages: Vec::new(),
     };
-    let mut run = with_result(run, refitted, clock).restored(&model.similarity, &options.steering);
+    let run = with_result(run, refitted, clock);
+    let run = repeated::repeated(run, &model.surface, &normalised, progress)?;
+    let mut run = run.restored(&model.similarity, &options.steering);
     for &v in &options.steering.fixed_vertices {
         let v = VertexId::new(v);
         run.mesh.positions[v] = earlier.positions[v];

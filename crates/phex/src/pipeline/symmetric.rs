@@ -8,13 +8,15 @@
 use super::domain::Ground;
 use super::field::LatticeFreedom;
 use super::preview::LaidOut;
+use super::repeated::made_equal;
 use super::sized::mean_length;
 use super::{
     Candidate, Clock, Effort, MeshOptions, MeshRun, PipelineError, Statistics, between_panels,
 };
-use crate::optimise::{self, BoundaryHold, Quotient};
+use crate::optimise::{self, BoundaryHold, Quotient, Steering};
 use crate::progress::Event;
-use crate::quality::{Judge, References};
+use crate::quality::{Judge, Limits, Merit, References};
+use crate::repetition::RepetitionTask;
 use crate::search::{AreaField, Site, search};
 use crate::smooth_surface::{self, boundary_corners};
 use crate::symmetry::{
@@ -258,6 +260,7 @@ impl DomainPanels {
         let deviation = &mut options.optimise.max_deviation;
         *deviation = deviation.map(|d| d / scale);
         options.optimise.panels = options.optimise.panels.scaled(1.0 / scale);
+        options.repeat_rel = options.repeat_rel.map(|r| r * whole.diagonal() / scale);
         Ok(Self {
             group,
             surface,
@@ -293,12 +296,12 @@ impl DomainPanels {
                 progress,
             )
         })?;
-        let mesh = self.finished(
+        let (mesh, before) = self.finished(
+            (found, whole),
             &parts,
             optimised.mesh.clone(),
             &target,
-            ground,
-            &laid,
+            (ground, &laid),
             clock,
         )?;
         let quotient = symmetry::quotient_of(&mesh, self.group).map_err(NotSymmetric::Symmetry)?;
@@ -311,23 +314,24 @@ impl DomainPanels {
         self.assembled(
             found,
             whole,
-            (&mesh, &quotient),
+            (&mesh, before.as_ref(), &quotient),
             statistics,
             optimised.outcome,
             clock,
         )
     }
 
-    /// Panels brought to the boundary, and searched.
+    /// Panels brought to the boundary, and searched; and as they were before edges were made equal,
+    /// where that is asked for.
     fn finished(
         &self,
+        (found, whole): (&Found, &TriangleSurface),
         parts: &WholePanels,
         mesh: HexMesh,
         target: &FoldedTarget<'_>,
-        ground: &Ground,
-        laid: &LaidOut,
+        (ground, laid): (&Ground, &LaidOut),
         clock: &mut Clock<'_>,
-    ) -> Result<HexMesh, NotSymmetric> {
+    ) -> Result<(HexMesh, Option<HexMesh>), NotSymmetric> {
         let (options, walls) = (&self.options, self.group.walls());
         let reported = ground.reported(&laid.fine.surface);
         let facets = ground.given_facets();
@@ -381,7 +385,49 @@ impl DomainPanels {
         if options.effort != Effort::Draft && !progress.is_cancelled() {
             now = clock.timed("search", || search(now, &site, progress)).mesh;
         }
-        Ok(now)
+        let Some(tolerance) = options.repeat_rel.filter(|_| !progress.is_cancelled()) else {
+            return Ok((now, None));
+        };
+        let quotient = symmetry::quotient_of(&now, self.group).map_err(NotSymmetric::Symmetry)?;
+        let around = whole.mapped(|p| found.frame.inside(*p) / self.scale);
+        let judge = self.whole_judge(&around);
+        let elements = self.group.elements();
+        let merit = |mesh: &HexMesh| match symmetry::unfolded(&quotient, mesh, &elements) {
+            Ok(all) => {
+                let any = vec![0.0; all.mesh.topology().n_faces()];
+                judge.whole(&all.mesh, &any).merit
+            }
+            Err(_) => Merit {
+                invalid: f64::INFINITY,
+                ..Merit::default()
+            },
+        };
+        let task = RepetitionTask {
+            site: &site,
+            merit: &merit,
+            target,
+            quotient: &quotient,
+            steering: &Steering::default(),
+            tolerance,
+        };
+        let equal = clock.timed("repetition", || made_equal(&task, &now, progress))?;
+        Ok((equal, Some(now)))
+    }
+
+    /// The judge of the part with all its images, on the whole surface in the part's coordinates.
+    fn whole_judge<'a>(&self, whole: &'a TriangleSurface) -> Judge<'a> {
+        let references = References {
+            smooth: Some(whole),
+            ..References::default()
+        };
+        let limits = self.options.limits();
+        let of_whole = |share: f64| share * self.scale;
+        let limits = Limits {
+            deviation_rel: limits.deviation_rel.map(of_whole),
+            boundary_rel: limits.boundary_rel.map(of_whole),
+            ..limits
+        };
+        Judge::new(whole, references, limits)
     }
 
     /// The part and all its images, normalised.
@@ -389,7 +435,7 @@ impl DomainPanels {
         &self,
         found: &Found,
         whole: &TriangleSurface,
-        (part, quotient): (&HexMesh, &Quotient),
+        (part, before, quotient): (&HexMesh, Option<&HexMesh>, &Quotient),
         statistics: Statistics,
         outcome: Outcome,
         clock: &mut Clock<'_>,
@@ -398,7 +444,13 @@ impl DomainPanels {
         let all = symmetry::unfolded(quotient, part, &elements)
             .map_err(|e| NotSymmetric::Symmetry(e.to_string()))?;
         let frame = &found.frame;
-        let positions = all.mesh.positions.map(|p| frame.outside(p * self.scale));
+        let outside = |mesh: &HexMesh| {
+            mesh.with_positions(mesh.positions.map(|p| frame.outside(p * self.scale)))
+        };
+        let before = before.map(|mesh| symmetry::unfolded(quotient, mesh, &elements));
+        let before = before
+            .transpose()
+            .map_err(|e| NotSymmetric::Symmetry(e.to_string()))?;
         let operation = |e: &Matrix3<f64>| {
             let map = frame.axes.transpose() * e * frame.axes;
             Isometry::new(&map, frame.origin - map * frame.origin)
@@ -408,7 +460,7 @@ impl DomainPanels {
             vertices: all.vertices,
             panels: all.panels,
         };
-        let mesh = all.mesh.with_positions(positions);
+        let mesh = outside(&all.mesh);
         let distinct = part.topology().n_faces();
         let statistics = Statistics {
             symmetry: Some(SymmetrySummary {
@@ -432,6 +484,7 @@ impl DomainPanels {
             outcome,
             statistics,
             orbits: Some(orbits),
+            unrepeated: before.map(|b| outside(&b.mesh)),
             stages: std::mem::take(&mut clock.stages),
         })
     }

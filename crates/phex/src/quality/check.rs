@@ -83,6 +83,11 @@ pub struct Check {
     pub ids: Vec<usize>,
     /// The figure of each of them, where a limit of panels is checked; else empty.
     pub values: Vec<f64>,
+    /// How near each face is to a limit of panels: its worst figure over a largest limit, a
+    /// smallest limit over its worst figure, so that 1 is at the limit and more beyond it; NaN for
+    /// a face without a figure, empty for other checks.
+    #[serde(skip)]
+    pub of_face: Vec<f64>,
     /// The faces that take part in a failure, in order: the offenders, those that hold them, or
     /// those closest to the place.
     pub faces: Vec<usize>,
@@ -117,6 +122,7 @@ impl Check {
             element: ElementKind::Face,
             ids: Vec::new(),
             values: Vec::new(),
+            of_face: Vec::new(),
             faces: Vec::new(),
             place: None,
             advice: None,

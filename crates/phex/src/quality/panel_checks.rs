@@ -43,6 +43,12 @@ fn panel_check(
     named.sort_by_key(|(element, _)| *element);
     let (ids, values) = named.into_iter().unzip();
     let panels = mesh.topology().n_faces();
+    let mut of_face = vec![f64::NAN; panels];
+    for figure in figures {
+        for f in figure.faces.into_iter().flatten() {
+            of_face[f.index()] = of_face[f.index()].max(badness(figure));
+        }
+    }
     Check {
         is_least: kind.is_least(),
         element: match kind.is_of_edges() {
@@ -51,6 +57,7 @@ fn panel_check(
         },
         ids,
         values,
+        of_face,
         ..check
     }
     .advised(&advice(kind, worst.map_or(1.0, |f| badness(f)), panels))

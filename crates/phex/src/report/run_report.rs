@@ -2,6 +2,7 @@
 
 use super::FeatureSizes;
 use crate::quality::{Assessment, Check, Omitted, Verdict};
+use crate::repetition::Repetition;
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures};
 use phex_mesh::validate::Violation;
 use serde::Serialize;
@@ -104,6 +105,9 @@ pub struct RunReport {
     pub boundary: Option<BoundaryFit>,
     /// How large panels are for the surface's curvature; `null` without a surface.
     pub feature_sizes: Option<FeatureSizes>,
+    /// How many parts are alike, before edges were made equal and now; `null` where that was not
+    /// asked for.
+    pub repetition: Option<Repetition>,
     /// Everything that is wrong, located.
     pub violations: Vec<Violation>,
     /// What was noticed on the way.
@@ -149,6 +153,7 @@ impl RunReport {
             deviation_facets: assessment.deviation_facets,
             boundary: assessment.boundary,
             feature_sizes: None,
+            repetition: None,
             violations: assessment.violations,
             notes: Vec::new(),
             outputs: Vec::new(),

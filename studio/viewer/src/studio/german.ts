@@ -70,6 +70,7 @@ export const GERMAN: Record<string, string> = {
   "panel length times largest curvature": "Plattenlänge mal größte Krümmung",
   "number of corners": "Anzahl der Ecken",
   "what the checks say of each panel": "was die Prüfungen von jeder Platte sagen",
+  "how near to the limit, 1 is at it, more is outside": "wie nah an der Grenze: 1 ist daran, mehr ist außerhalb",
   "convex, valid": "konvex, gültig",
   "concave, valid": "konkav, gültig",
   "outside a tolerance": "außerhalb einer Grenze",
@@ -170,6 +171,10 @@ export const GERMAN: Record<string, string> = {
   Rotation: "Drehung",
   "Turns the pattern from the directions that curvature suggests.": "Dreht das Muster gegen die Richtungen, die die Krümmung nahelegt.",
   "0°": "0°",
+  Repetition: "Wiederholung",
+  "Equal edges": "Gleiche Kanten",
+  "As many edges as can be are made equal within this length, inside all limits: 5mm.":
+    "So viele Kanten wie möglich werden innerhalb dieser Länge gleich, innerhalb aller Grenzen: 5mm.",
   Symmetry: "Symmetrie",
   "Panels get the symmetries of the surface: none, auto, mirror, or a number of rotations such as 6.":
     "Die Platten erhalten die Symmetrien der Fläche: none, auto, mirror oder eine Zahl von Drehungen wie 6.",

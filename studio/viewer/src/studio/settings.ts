@@ -160,6 +160,19 @@ export const GROUPS: Group[] = [
     ],
   },
   {
+    title: "Repetition",
+    closed: true,
+    settings: [
+      {
+        path: "repeat",
+        label: "Equal edges",
+        sentence: "As many edges as can be are made equal within this length, inside all limits: 5mm.",
+        fallback: "off",
+        text: true,
+      },
+    ],
+  },
+  {
     title: "Limits of a workshop",
     closed: true,
     settings: [

@@ -8,6 +8,7 @@ use crate::optimise::barrier::Barrier;
 use crate::optimise::closeness::{ClosenessWeights, DistanceLimit};
 use crate::optimise::concavity::ConcavityTerm;
 use crate::optimise::constraints::PlanarityConstraints;
+use crate::optimise::edge_lengths::EdgeLengths;
 use crate::optimise::energy::{PanelEnergy, Weights};
 use crate::optimise::guard::Guard;
 use crate::optimise::holds::Holds;
@@ -17,7 +18,7 @@ use crate::optimise::panels::{Panels, unknowns};
 use crate::optimise::reference::Reference;
 use crate::optimise::setting::Setting;
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, PanelLimits, Vec3};
+use phex_mesh::{EdgeId, HexMesh, PanelLimits, PerEdge, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
 
 pub(super) const NOTHING: Weights = Weights {
@@ -499,4 +500,29 @@ fn gradient_of_the_largest_distance() {
         };
         gradient_is_right(weights, NO_BARRIER, Shape::Wave, &mesh);
     }
+}
+
+#[test]
+fn lengths_of_edges_have_their_derivatives() {
+    let mesh = rough(Shape::Wave);
+    let (topology, edge) = (mesh.topology(), mesh.mean_edge());
+    let lengths = |share: f64| {
+        let length = |e: EdgeId| mesh.edge_length(e) + share * edge * (e.index() as f64).sin();
+        PerEdge::from_fn(topology.n_edges(), length)
+    };
+    let term = |share| Some(EdgeLengths::new(topology, &lengths(share), 3.0));
+    with_energy(
+        &mesh,
+        Shape::Wave,
+        NOTHING,
+        NO_BARRIER,
+        |energy, x, hessian| {
+            energy.lengths = term(0.3);
+            gradient_agrees(energy, x, hessian, edge);
+            // The Gauss-Newton part is all of the Hessian where edges are as long as they are to
+            // be.
+            energy.lengths = term(0.0);
+            hessian_agrees(energy, x, hessian, edge);
+        },
+    );
 }
