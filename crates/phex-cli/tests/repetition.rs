@@ -73,12 +73,10 @@ fn tolerances_without_meaning_are_refused() {
     shop.succeed("shape torus -o torus.obj --triangles 2000");
     shop.phex("mesh torus.obj -o o.obj -n 60 --repeat 0")
         .refuses(4, &["repeat"]);
-    for wrong in ["-1mm", "nan", "inf"] {
+    for wrong in ["-1mm", "nan", "inf", "1km"] {
         shop.phex(&format!("mesh torus.obj -o o.obj -n 60 --repeat={wrong}"))
             .refuses(2, &["repeat"]);
     }
-    shop.phex("mesh torus.obj -o o.obj -n 60 --repeat 1km")
-        .refuses(4, &["repeat"]);
     shop.phex("mesh torus.obj -o o.obj --method koebe --repeat 1mm")
         .refuses(4, &["`repeat` has no effect with `koebe`"]);
     shop.write("job.toml", "[stages]\nrepeat_rel = 0.1\n");
@@ -126,7 +124,7 @@ fn the_table_of_panels_says_how_near_each_is_to_the_limits() {
     let limit = 0.9 * longest * mean;
     shop.write(
         "job.toml",
-        &format!("[limits]\nmax-edge = {limit}\nmin-angle = 10\n"),
+        format!("[limits]\nmax-edge = {limit}\nmin-angle = 10\n"),
     );
     shop.succeed(
         "fab a.obj -o parts --thickness 1mm --sheet 9000x9000 --nest-effort 0 --limits job.toml",

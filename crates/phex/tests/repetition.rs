@@ -121,7 +121,12 @@ fn images_of_symmetric_panels_stay_equal() {
         "{told:?}"
     );
     let orbits = run.orbits.as_ref().unwrap();
-    for (v, (source, operation)) in orbits.vertices.iter().enumerate() {
+    for (v, (source, operation)) in orbits
+        .vertices
+        .iter()
+        .enumerate()
+        .filter(|(_, (_, k))| *k > 0)
+    {
         let places = run.mesh.positions.as_slice();
         let image = orbits.operations[*operation as usize].image(places[*source as usize]);
         assert_eq!(image, places[v]);

@@ -346,7 +346,7 @@ static SHAPES: [ShapeInfo; 17] = [
         name: "scherk",
         summary: "Scherk's doubly periodic minimal surface over a part of one of its squares.",
         parameters: &[
-            length("side", 2.0, "side of the part, at most 0.9 pi of scale"),
+            length("side", 1.8, "side of the part, at most 0.9 pi of scale"),
             length(
                 "scale",
                 1.0,

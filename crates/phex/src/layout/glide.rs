@@ -92,7 +92,7 @@ struct DualPatch {
 }
 
 /// Numbers of panels on the sides of an edge, or at its ends.
-type Pair = [usize; 2];
+type DualEdge = [usize; 2];
 
 impl DualPatch {
     /// The panels inside within reach of `centre`, without those in `taken`.
@@ -127,7 +127,7 @@ impl DualPatch {
         self.names.binary_search(&f).ok()
     }
 
-    fn name(&self, pair: Pair) -> Sides {
+    fn name(&self, pair: DualEdge) -> Sides {
         pair.map(|f| self.names[f])
     }
 
@@ -180,7 +180,7 @@ impl DualPatch {
     }
 
     /// Edges whose turn takes a corner from a panel with many or gives one to a panel with few.
-    fn candidates(&self) -> Vec<Pair> {
+    fn candidates(&self) -> Vec<DualEdge> {
         let mut list = Vec::new();
         for f in self.irregular() {
             let ring = &self.ring[f];
@@ -194,7 +194,7 @@ impl DualPatch {
 
     /// The panels at the ends of the edge between two panels, and what its turn gains; `None` if it
     /// can't turn.
-    fn turn_at(&self, [a, b]: Pair) -> Option<(Pair, i32)> {
+    fn turn_at(&self, [a, b]: DualEdge) -> Option<(DualEdge, i32)> {
         let at = |f: usize, g: usize| self.ring[f].iter().position(|x| *x == g);
         let (i, _) = (at(a, b)?, at(b, a)?);
         let ring = &self.ring[a];
@@ -225,7 +225,7 @@ impl DualPatch {
 
     /// Makes `b` part of `a`; what that gains, or `None` if a panel would have too many corners or
     /// too few.
-    fn join(&mut self, [a, b]: Pair) -> Option<i32> {
+    fn join(&mut self, [a, b]: DualEdge) -> Option<i32> {
         let ([c, d], _) = self.turn_at([a, b])?;
         let behind = |ring: &[usize], f: usize| -> Vec<usize> {
             let at = ring.iter().position(|x| *x == f).expect("a neighbour");
@@ -264,7 +264,7 @@ impl DualPatch {
 
     /// Parts `a` and `b` and joins the panels at the ends, of which the first precedes `b` round
     /// `a`.
-    fn turn(&mut self, [a, b]: Pair, [c, d]: Pair) {
+    fn turn(&mut self, [a, b]: DualEdge, [c, d]: DualEdge) {
         self.ring[a].retain(|x| *x != b);
         self.ring[b].retain(|x| *x != a);
         insert_after(&mut self.ring[c], b, d, a);

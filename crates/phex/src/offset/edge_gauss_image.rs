@@ -24,12 +24,14 @@
 //! to rounding, at both of its ends; the edges are parallel up to [`EdgeGaussImage::defect`].
 //! *Fails*: where that is more than allowed ([`OffsetError::NotParallelToKoebe`]).
 
+mod inner_edges;
+
 use super::accuracy::edge_distance_error;
 use super::face_offset::{MOST_AT_BOUNDARY, check_planar_mesh};
 use super::gauss_image::{GaussImage, OffsetKind};
-use super::inner_edges::inner_edge_image;
 use super::vertex_offset::{check_connected, edges_at, vertex_directions};
 use super::{OffsetError, OffsetOptions};
+use inner_edges::inner_edge_image;
 use phex_mesh::{EdgeId, HalfEdgeId, HexMesh, PerVertex, Vec3, VertexId};
 use std::collections::{BTreeSet, VecDeque};
 

@@ -63,7 +63,7 @@ pub(crate) mod face_offset;
 pub(crate) mod fit;
 pub(crate) mod gauss_image;
 pub(crate) mod inheritance;
-mod inner_edges;
+
 pub(crate) mod layers;
 mod null_space;
 pub(crate) mod options;

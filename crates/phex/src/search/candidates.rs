@@ -9,14 +9,11 @@ const WORST: usize = 2;
 const SPLITS: usize = 2;
 const MERGES: usize = 4;
 
-/// Drafts that are tried at a place, those with the most regular panels.
+/// Mild changes that are tried at a place, those with the most regular panels.
 const MOST: usize = 8;
-/// Rings of panels that are split where mild changes have failed.
-const SPLIT_RINGS: usize = 3;
 
-/// The drafts that are tried, the most regular first, and mild changes before others.
-/// `needs_more` tells that panels are too large, `wide` that mild changes have failed: then more
-/// panels are all that is left to try.
+/// The drafts that are tried, mild changes first, of these the most regular. `needs_more` tells that
+/// panels are too large, `wide` that mild changes have failed.
 pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Draft> {
     let draft = &patch.draft;
     let worst = &patch.core[..patch.core.len().min(WORST)];
@@ -28,16 +25,25 @@ pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Dra
     let merges = || worst.iter().flat_map(|f| merges(draft, *f));
     let same = || std::iter::once(draft.clone());
     let all: Vec<Draft> = match (needs_more, wide) {
-        (true, false) => halves().chain(same()).chain(merges()).collect(),
+        (true, false) => halves()
+            .chain(finer(patch, 1))
+            .chain(same())
+            .chain(merges())
+            .collect(),
         (false, false) => (same()
             .chain(merges())
             .chain(turns(draft, worst))
             .chain(halves()))
         .collect(),
-        (true, true) => (finer(patch).into_iter())
+        (true, true) => (finer(patch, 1).into_iter())
+            .chain(finer(patch, 2))
+            .chain(finer(patch, 3))
             .chain(turns(draft, worst))
             .collect(),
-        (false, true) => Vec::new(),
+        (false, true) => (finer(patch, 1).into_iter())
+            .chain(anew(patch))
+            .chain(finer(patch, 2))
+            .collect(),
     };
     let mut calmed: Vec<Draft> = Vec::new();
     for draft in all {
@@ -46,8 +52,10 @@ pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Dra
             calmed.push(draft);
         }
     }
-    calmed.sort_by_key(Draft::irregularities);
-    calmed.truncate(MOST);
+    if !wide {
+        calmed.sort_by_key(Draft::irregularities);
+        calmed.truncate(MOST);
+    }
     calmed
 }
 
@@ -67,10 +75,10 @@ fn turns(draft: &Draft, faces: &[usize]) -> Vec<Draft> {
     sides.filter_map(|(side, _)| draft.turned(side)).collect()
 }
 
-/// The panels within [`SPLIT_RINGS`] of the defect split, one after the other.
-fn finer(patch: &Patch) -> Option<Draft> {
+/// The panels within some rings of the defect split, one after the other.
+fn finer(patch: &Patch, rings: usize) -> Option<Draft> {
     let mut faces = patch.core.clone();
-    for _ in 1..SPLIT_RINGS {
+    for _ in 1..rings {
         let around: Vec<usize> = (faces.iter())
             .flat_map(|f| patch.draft.neighbours(*f))
             .map(|(_, g)| g)
@@ -86,4 +94,25 @@ fn finer(patch: &Patch) -> Option<Draft> {
         }
     }
     (draft.faces.len() > patch.draft.faces.len()).then_some(draft)
+}
+
+/// A panel of the defect merged with a neighbour, and a neighbour of these split.
+fn anew(patch: &Patch) -> Vec<Draft> {
+    let f = patch.core[0];
+    let merged = merges(&patch.draft, f).into_iter().map(Draft::calmed);
+    let split = |draft: Draft| {
+        let beside = draft.neighbours(if draft.faces[f].is_empty() {
+            return Vec::new();
+        } else {
+            f
+        });
+        let mut large: Vec<usize> = beside.into_iter().map(|(_, g)| g).collect();
+        large.sort_by_key(|g| std::cmp::Reverse(draft.faces[*g].len()));
+        let halves = large
+            .iter()
+            .take(2)
+            .filter_map(|g| draft.halves(*g).into_iter().next());
+        halves.collect::<Vec<Draft>>()
+    };
+    merged.flat_map(split).collect()
 }

@@ -209,9 +209,9 @@ fn chosen(
             .iter()
             .find(|f| (f.place - defect.place).norm() < same);
         let times = before.map_or(0, |f| f.times);
-        // What more panels don't cure is worth one try.
-        let again = defect.needs_more && !defect.is_allowed;
-        let rings = RINGS.get(times).filter(|_| times == 0 || again);
+        // What is allowed is worth one try.
+        let again = |_: &&usize| times == 0 || !defect.is_allowed;
+        let rings = RINGS.get(times).filter(again);
         let Some(rings) = rings else {
             continue;
         };

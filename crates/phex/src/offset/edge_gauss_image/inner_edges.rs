@@ -25,11 +25,11 @@
 //! *Guaranteed*: inner edges keep their distance to rounding, panels stay planar and parallel.
 //! *Fails*: where an inner edge does not close, and where the Koebe mesh is not convex.
 
-use super::OffsetError;
-use super::edge_gauss_image::{EdgeGaussImage, corner_rows, facing, touching};
-use super::face_offset::face_normals;
-use super::gauss_image::{GaussImage, OffsetKind};
-use super::vertex_offset::edges_at;
+use super::{EdgeGaussImage, corner_rows, facing, touching};
+use crate::offset::OffsetError;
+use crate::offset::face_offset::face_normals;
+use crate::offset::gauss_image::{GaussImage, OffsetKind};
+use crate::offset::vertex_offset::edges_at;
 use nalgebra::Matrix3;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerFace, PerVertex, Topology, Vec3, VertexId};
 use std::collections::VecDeque;
@@ -46,7 +46,7 @@ pub(super) fn inner_edge_image(
     let Some(first) = t.edges().find(|&e| !t.is_boundary_edge(e)) else {
         return Ok(None);
     };
-    let circles = Circles::of(mesh, first)?;
+    let circles = PanelCircles::of(mesh, first)?;
     let contacts = PerEdge::from_fn(t.n_edges(), |e| circles.contact(e));
     let mut positions = PerVertex::from_fn(t.n_vertices(), |v| image_of(mesh, v, &contacts));
     for row in corner_rows(mesh, t.edge_vertices(first)[0]) {
@@ -68,7 +68,7 @@ pub(super) fn inner_edge_image(
 }
 
 /// The circles in which the panels of the image meet the unit sphere.
-struct Circles<'a> {
+struct PanelCircles<'a> {
     mesh: &'a HexMesh,
     normals: PerFace<Vec3>,
     /// Angular radii.
@@ -77,7 +77,7 @@ struct Circles<'a> {
 
 /// Where two circles touch each other.
 #[derive(Clone, Copy)]
-struct Contact {
+struct InnerEdge {
     point: Vec3,
     /// Unit direction of the edge.
     along: Vec3,
@@ -85,7 +85,7 @@ struct Contact {
     gap: f64,
 }
 
-impl<'a> Circles<'a> {
+impl<'a> PanelCircles<'a> {
     /// Radii spread from a vertex inside; without one the first two circles are of one size.
     fn of(mesh: &'a HexMesh, first: EdgeId) -> Result<Self, OffsetError> {
         let t = mesh.topology();
@@ -111,7 +111,7 @@ impl<'a> Circles<'a> {
     }
 
     /// Where an edge touches the sphere: where the circles of its panels say, in the middle.
-    fn contact(&self, e: EdgeId) -> Option<Contact> {
+    fn contact(&self, e: EdgeId) -> Option<InnerEdge> {
         let t = self.mesh.topology();
         let [f, g] = sides(t, e)?;
         let [a, b] = t.edge_vertices(e);
@@ -123,7 +123,7 @@ impl<'a> Circles<'a> {
         };
         let [p, q] = [towards(f, g), towards(g, f)];
         let middle = touching(p + q, &along);
-        Some(Contact {
+        Some(InnerEdge {
             point: middle.normalize(),
             along,
             gap: (p - q).norm(),
@@ -163,7 +163,7 @@ fn spread(t: &Topology, normals: &PerFace<Vec3>, root: FaceId, radius: f64) -> P
 /// Where the lines of the inner edges at a vertex meet. With one of them the vertex goes with the
 /// other end of that edge or, if it is the only one there, too, to its point on the sphere. Zero
 /// without any.
-fn image_of(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<Contact>>) -> Vec3 {
+fn image_of(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<InnerEdge>>) -> Vec3 {
     let edges = edges_at(mesh.topology(), v).into_iter();
     let mut inner = edges.filter_map(|(e, to)| Some((contacts[e]?, to)));
     meeting(mesh, v, contacts).unwrap_or_else(|| match inner.next() {
@@ -173,13 +173,13 @@ fn image_of(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<Contact>>) ->
 }
 
 /// The point nearest to the lines of the inner edges at a vertex; `None` with fewer than two.
-fn meeting(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<Contact>>) -> Option<Vec3> {
+fn meeting(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<InnerEdge>>) -> Option<Vec3> {
     let edges = edges_at(mesh.topology(), v).into_iter();
-    let lines: Vec<Contact> = edges.filter_map(|(e, _)| contacts[e]).collect();
+    let lines: Vec<InnerEdge> = edges.filter_map(|(e, _)| contacts[e]).collect();
     if lines.len() < 2 {
         return None;
     }
-    let across = |c: &Contact| Matrix3::identity() - c.along * c.along.transpose();
+    let across = |c: &InnerEdge| Matrix3::identity() - c.along * c.along.transpose();
     let matrix: Matrix3<f64> = lines.iter().map(across).sum();
     let right: Vec3 = lines.iter().map(|c| c.point).sum();
     matrix.cholesky().map(|c| c.solve(&right))
@@ -189,7 +189,7 @@ fn meeting(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<Contact>>) -> 
 fn largest_gap(
     mesh: &HexMesh,
     positions: &PerVertex<Vec3>,
-    contacts: &PerEdge<Option<Contact>>,
+    contacts: &PerEdge<Option<InnerEdge>>,
     first: EdgeId,
 ) -> (EdgeId, f64) {
     let mut largest = (first, 0.0);
