@@ -12,8 +12,8 @@ const MERGES: usize = 4;
 /// Mild changes that are tried at a place, those with the most regular panels.
 const MOST: usize = 8;
 
-/// The drafts that are tried, mild changes first, of these the most regular. `needs_more` tells that
-/// panels are too large, `wide` that mild changes have failed.
+/// The drafts that are tried, mild changes first, of these the most regular. `needs_more` tells
+/// that panels are too large, `wide` that mild changes have failed.
 pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Draft> {
     let draft = &patch.draft;
     let worst = &patch.core[..patch.core.len().min(WORST)];
