@@ -28,7 +28,7 @@ mod verdict;
 use args::Arguments;
 use clap::Parser;
 use exit::{Exit, Failure, OrExit};
-use printable::printable;
+use printable::tell;
 use shared_arguments::{ProgressMode, Talk};
 use start::START;
 use std::process::ExitCode;
@@ -74,8 +74,8 @@ fn say(failure: &Failure, talk: &Talk) {
         let exit = failure.exit as u8;
         let message = failure.to_string();
         let event = serde_json::json!({ "event": "error", "exit_code": exit, "message": message });
-        eprintln!("{}", printable(&event.to_string()));
+        tell(&event.to_string());
     } else {
-        eprintln!("error: {}", printable(&failure.to_string()));
+        tell(&format!("error: {failure}"));
     }
 }

@@ -1,7 +1,8 @@
 //! Texts that do not steer the terminal that they are shown on.
 
 use std::borrow::Cow;
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 
 /// A text as it may be shown on a terminal: characters of file names and files that would steer it
 /// are told instead, as JSON writes them, so that JSON stays what it is.
@@ -22,6 +23,12 @@ pub fn printable(text: &str) -> Cow<'_, str> {
         }
     }
     Cow::Owned(safe)
+}
+
+/// Writes a line to the standard error. Where that can't be done, on a full disc for instance, what
+/// was to be said is lost, and the exit code is not.
+pub fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", printable(line));
 }
 
 #[cfg(test)]

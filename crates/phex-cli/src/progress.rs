@@ -1,6 +1,6 @@
 //! Progress on standard error, and interruption.
 
-use crate::printable::printable;
+use crate::printable::{printable, tell};
 use crate::shared_arguments::{ProgressMode, Talk};
 use indicatif::{ProgressBar, ProgressStyle};
 use phex::{Event, Progress};
@@ -54,7 +54,7 @@ pub fn install_interrupt_handler() -> Result<(), ctrlc::Error> {
         }
         std::thread::sleep(GRACE);
         while_writing(|| {
-            eprintln!("interrupted");
+            tell("interrupted");
             std::process::exit(crate::exit::Exit::Interrupted as i32)
         })
     })
@@ -129,10 +129,9 @@ impl Reporter {
     }
 
     fn line(&self, text: &str) {
-        let text = printable(text);
         match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
-            None => eprintln!("{text}"),
+            Some(bar) => bar.suspend(|| tell(text)),
+            None => tell(text),
         }
     }
 }
@@ -157,7 +156,7 @@ impl Progress for Reporter {
         let whole = self.whole().take(event, self.most_left());
         if self.json {
             if let Ok(line) = serde_json::to_string(event) {
-                eprintln!("{}", printable(&line));
+                tell(&line);
             }
             whole.into_iter().for_each(say);
             return;
@@ -182,7 +181,7 @@ impl Progress for Reporter {
 
 fn say(whole: WholeProgress) {
     if let Ok(line) = serde_json::to_string(&whole) {
-        eprintln!("{line}");
+        tell(&line);
     }
 }
 

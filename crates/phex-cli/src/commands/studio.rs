@@ -3,6 +3,7 @@
 use crate::args::StudioCommand;
 use crate::exit::{Exit, Failure};
 use crate::output;
+use crate::printable::tell;
 use crate::progress::{is_interrupted, keep_best};
 use phex_studio::{StudioOptions, serve};
 
@@ -21,7 +22,7 @@ pub fn run(command: &StudioCommand) -> Result<Exit, Failure> {
         // A closed pipe, or a desktop without a browser, is no reason not to serve.
         let _ = output::print(&format!("phex studio: {address}\n"));
         if !command.talk.quiet {
-            eprintln!("Ctrl-C ends it.");
+            tell("Ctrl-C ends it.");
         }
         if !command.no_open {
             let _ = open::that_detached(address);
