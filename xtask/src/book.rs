@@ -1,7 +1,7 @@
 //! The book in `docs/book`: every command that it shows is run, every link leads somewhere, and the
 //! reference of commands is the program's own.
 
-use crate::{Stop, program_as_tested, read, succeed, verdict, viewer::program, write};
+use crate::{Stop, copied, program_as_tested, read, succeed, verdict, viewer::program, write};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -137,14 +137,6 @@ impl BookFolder {
             )),
         }
     }
-}
-
-fn copied(from: &Path, to: &Path) -> Result<(), String> {
-    let failed = |e: std::io::Error| format!("{}: {e}", to.display());
-    to.parent()
-        .map_or(Ok(()), std::fs::create_dir_all)
-        .map_err(failed)?;
-    std::fs::copy(from, to).map(drop).map_err(failed)
 }
 
 /// The chapters in the order of their names.

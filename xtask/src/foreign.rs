@@ -4,6 +4,14 @@ use crate::{Stop, program_as_tested, viewer};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// How packages are installed.
+const PIP: [&str; 5] = [
+    "-m",
+    "pip",
+    "install",
+    "--quiet",
+    "--disable-pip-version-check",
+];
 const TEST: &str = "crates/phex-fab/tests/foreign";
 /// The packages that open the program's files.
 pub const REQUIREMENTS: &str = "crates/phex-fab/tests/foreign/requirements.txt";
@@ -36,6 +44,14 @@ pub fn check(root: &Path) -> Result<(), Stop> {
     )?)
 }
 
+/// Adds a package to the environment, which stays as it is where the package is there.
+pub fn add(python: &Path, package: &str) -> Result<(), Stop> {
+    let mut install = Command::new(python);
+    install.args(PIP).arg(package);
+    crate::succeed(&mut install)
+        .map_err(|cause| Stop::skipped(format!("{package} can't be installed: {cause}")))
+}
+
 /// The Python of an environment with the packages that some lists name, which is made where it is
 /// missing or out of date. Packages are added for a list that was not asked for before.
 pub fn environment(root: &Path, lists: &[&str]) -> Result<PathBuf, Stop> {
@@ -55,8 +71,7 @@ pub fn environment(root: &Path, lists: &[&str]) -> Result<PathBuf, Stop> {
     make.args(["-m", "venv", "--clear"]).arg(&venv);
     crate::succeed(&mut make).map_err(skipped)?;
     let mut install = Command::new(&python);
-    let quietly = ["--quiet", "--disable-pip-version-check"];
-    install.args(["-m", "pip", "install"]).args(quietly);
+    install.args(PIP);
     for list in lists {
         install.arg("-r").arg(root.join(list));
     }

@@ -9,10 +9,12 @@ mod figures;
 mod foreign;
 mod ledger;
 mod measured;
+mod old_linux;
 mod package;
 mod paths;
 mod performance;
 mod python;
+mod release;
 mod stages;
 mod types;
 mod viewer;
@@ -23,7 +25,7 @@ use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] | foreign | python | wheel
                         | book [--write] [CHAPTER.md...] | viewer | browse | figures [NUMBER...] | obj STEP...
-                        | package [--no-verify] | fuzz [--minutes N] | hostile | faults
+                        | package [--no-verify] | release | notes [TAG] | fuzz [--minutes N] | hostile | faults
 
 check   formatting, house rules, clippy and documentation without warnings, all tests, examples build;
         stops at the first step that fails
@@ -43,7 +45,10 @@ hostile all hostile surfaces through `phex mesh`; in the tests there are some of
 faults  kills, full discs and vanished files in all commands that write, 500 times; PHEX_FAULTS: so many times
 figures the gallery in docs/gallery: the paper's figures and the table of methods and surfaces; with numbers only those
 package packs the crates as they are published, in target/package, with the viewer inside (needs npm), and builds each from its
-        package, but with --no-verify; `phex generate` writes manual pages and completions
+        package, but with --no-verify
+release makes the archive of the program for machines without Rust, in target/release-files, with manual pages, completions and
+        licences (needs npm; on Linux Python and pip, from which the linker for old systems comes)
+notes   prints what the changelog says of this version; with a tag it checks that the tag names it
 obj     cuts and joins OBJ files, as the gallery's commands need it";
 
 /// One step of the check: its name, and what it runs.
@@ -178,6 +183,8 @@ fn main() -> ExitCode {
         ["hostile"] => exit(attacks::hostile(&root()).map_err(Stop::from)),
         ["faults"] => exit(attacks::faults(&root()).map_err(Stop::from)),
         ["package", ref words @ ..] => exit(package::package(&root(), words)),
+        ["release"] => exit(release::release(&root())),
+        ["notes", ref words @ ..] => exit(release::notes(&root(), words)),
         ["obj", ref step @ ..] => exit(figures::steps::run(&root(), step).map_err(Stop::from)),
         ["figures", ref only @ ..] => exit(figures::figures(&root(), only).map_err(Stop::from)),
         _ => {
@@ -320,6 +327,15 @@ fn read(path: &Path) -> Result<String, String> {
 
 fn write(path: &Path, text: &str) -> Result<(), String> {
     std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// Copies a file into a folder, which is made where it is missing.
+fn copied(from: &Path, to: &Path) -> Result<(), String> {
+    let failed = |e: std::io::Error| format!("{}: {e}", to.display());
+    to.parent()
+        .map_or(Ok(()), std::fs::create_dir_all)
+        .map_err(failed)?;
+    std::fs::copy(from, to).map(drop).map_err(failed)
 }
 
 /// `Ok` without complaints, else all of them.

@@ -1,13 +1,11 @@
 //! The Python package: built, tested from Python, and packed as a wheel.
 
-use crate::{Stop, cargo, cargo_program, foreign, succeed, target_folder};
+use crate::{Stop, cargo, cargo_program, copied, foreign, old_linux, succeed, target_folder};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What builds wheels, from PyPI: the second brings a linker for old systems.
-const WHEEL_TOOLS: [&str; 2] = ["maturin==1.16.*", "ziglang==0.16.*"];
-/// The oldest glibc that wheels run on, that of manylinux2014.
-const GLIBC: &str = "2.17";
+/// What builds wheels, from PyPI.
+const MATURIN: &str = "maturin==1.16.*";
 /// What the tests need besides what reads the program's files.
 const TESTED_WITH: &str = "python/tests/requirements.txt";
 
@@ -78,28 +76,10 @@ fn names() -> (String, &'static str) {
     (format!("{prefix}_phex{suffix}"), module)
 }
 
-fn copied(from: &Path, to: &Path) -> Result<(), String> {
-    let failed = |e: std::io::Error| format!("{}: {e}", to.display());
-    to.parent().map_or(Ok(()), |folder| {
-        std::fs::create_dir_all(folder).map_err(failed)
-    })?;
-    std::fs::copy(from, to).map(drop).map_err(failed)
-}
-
 /// Makes a wheel in `target/wheels`; on Linux only the last link step is zig's, for old systems.
 pub fn wheel(root: &Path) -> Result<(), Stop> {
     let python = foreign::environment(root, &[])?;
-    let mut install = Command::new(&python);
-    install.args([
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-    ]);
-    succeed(install.args(WHEEL_TOOLS)).map_err(|cause| {
-        Stop::skipped(format!("what builds wheels can't be installed: {cause}"))
-    })?;
+    foreign::add(&python, MATURIN)?;
     let out = target_folder(root).join("wheels");
     let mut build = Command::new(&python);
     build
@@ -108,23 +88,8 @@ pub fn wheel(root: &Path) -> Result<(), Stop> {
         .args(["-m", "maturin", "build", "--release", "--locked", "--out"])
         .arg(&out);
     if cfg!(target_os = "linux") {
-        let linker = zig_linker(root, &python)?;
         build.args(["--compatibility", "manylinux2014", "--"]);
-        build.arg("-C").arg(format!("linker={}", linker.display()));
+        build.args(old_linux::linking(root)?);
     }
     Ok(succeed(&mut build)?)
-}
-
-/// A program that links as a C compiler does, for old systems.
-fn zig_linker(root: &Path, python: &Path) -> Result<PathBuf, String> {
-    let path = target_folder(root).join("zigcc.sh");
-    let arch = std::env::consts::ARCH;
-    let python = std::path::absolute(python).map_err(|e| e.to_string())?;
-    let text = format!(
-        "#!/bin/sh\nexec \"{}\" -m ziglang cc -target {arch}-linux-gnu.{GLIBC} \"$@\"\n",
-        python.display()
-    );
-    crate::write(&path, &text)?;
-    let mut make = Command::new("chmod");
-    succeed(make.arg("+x").arg(&path)).map(|()| path)
 }
