@@ -43,7 +43,7 @@ fn reference() -> String {
     let mut all = Arguments::command();
     all.build();
     let mut text = "# Commands\n\n\
-        What `phex help COMMAND` says of each command. `phex generate reference` writes this page, and the tests hold it to the program.\n"
+        This chapter has what `phex help COMMAND` says of each command. `phex generate reference` writes this page, and the tests hold it to the program.\n"
         .to_owned();
     for command in all.get_subcommands().filter(|c| !c.is_hide_set()) {
         if command.get_name() != "help" {
