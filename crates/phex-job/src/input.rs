@@ -6,6 +6,7 @@ use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup, shown};
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, SurfaceParts, TriangleSurface, Vec3};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A mesh file: its elements, and what the report says about it.
 pub struct MeshFile {
@@ -135,13 +136,15 @@ pub fn read_text(path: &Path) -> Result<String, JobError> {
 pub struct NumberLine {
     /// The numbers.
     pub numbers: Vec<f64>,
-    place: String,
+    path: Arc<Path>,
+    line: usize,
 }
 
 impl NumberLine {
     /// The line does not hold what is wanted.
     pub fn wrong(&self, wanted: &str) -> JobError {
-        JobError::input(format!("{}: {wanted} is wanted on each line", self.place))
+        let (path, line) = (self.path.display(), self.line);
+        JobError::input(format!("{path}:{line}: {wanted} is wanted on each line"))
     }
 }
 
@@ -150,17 +153,27 @@ impl NumberLine {
 /// # Errors
 /// If the file can't be read, or a word is no [`number`].
 pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, JobError> {
-    let mut lines = Vec::new();
-    for (index, line) in read_text(path)?.lines().enumerate() {
-        let place = format!("{}:{}", path.display(), index + 1);
-        let data = line.split('#').next().unwrap_or_default();
+    let text = read_text(path)?;
+    let path: Arc<Path> = path.into();
+    // A list that grew by doubling would take more than 64 bytes for each byte of short lines.
+    let mut lines = Vec::with_capacity(text.lines().count());
+    for (index, text) in text.lines().enumerate() {
+        let (path, line) = (path.clone(), index + 1);
+        let data = text.split('#').next().unwrap_or_default();
         let words = data.split(|c: char| c.is_whitespace() || c == ',');
         let numbers: Result<Vec<f64>, String> =
             words.filter(|w| !w.is_empty()).map(number).collect();
-        let wrong = |e| JobError::input(format!("{place}: {e} in `{}`", shown(line.trim())));
+        let wrong = |e| {
+            let place = format!("{}:{line}", path.display());
+            JobError::input(format!("{place}: {e} in `{}`", shown(text.trim())))
+        };
         let numbers = numbers.map_err(wrong)?;
         if !numbers.is_empty() {
-            lines.push(NumberLine { numbers, place });
+            lines.push(NumberLine {
+                numbers,
+                path,
+                line,
+            });
         }
     }
     Ok(lines)

@@ -7,7 +7,7 @@
 //! | `settings`, `steering`, `guides`, `panel_limits` | what is wanted, by the names of options and job files |
 //! | `command_line` | a job as it is typed |
 //! | `units`, `number_lists` | lengths, areas and lists of numbers as they are typed |
-//! | `input`, `given` | what files hold, or a caller's memory |
+//! | `input`, `toml_text`, `given` | what files hold, or a caller's memory |
 //! | `file_info` | what is in a file, and what is wrong with it |
 //! | `suggestion` | what kind of surface one is, and how many panels suit it |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
@@ -40,6 +40,7 @@ mod size_field;
 mod steering;
 mod suggestion;
 mod threads;
+mod toml_text;
 mod units;
 mod ways;
 mod whole_run;
@@ -65,6 +66,7 @@ pub use settings::{
 pub use steering::{SteeringSettings, TypedPlane, TypedSolver, positive};
 pub use suggestion::{Suggestion, SurfaceKind};
 pub use threads::thread_count;
+pub use toml_text::{LONGEST_TOML, from_toml};
 pub use units::{Area, NoQuantity, NoSize, Quantity, Rectangle, Unit};
 pub use ways::{WayShown, ways};
 pub use whole_run::{WholeProgress, WholeRun};

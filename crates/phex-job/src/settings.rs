@@ -5,6 +5,7 @@ use crate::guides::GuideSettings;
 use crate::input::read_text;
 use crate::panel_limits::LimitSettings;
 use crate::steering::SteeringSettings;
+use crate::toml_text::from_toml;
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
 use phex::MeshOptions;
@@ -287,26 +288,6 @@ impl From<CloseTo> for TargetKind {
     }
 }
 
-/// Characters of the parser's message that are shown: it quotes names and values of any length.
-const SHOWN: usize = 1000;
-
-/// The parser's message in one line, with the line of the file.
-fn located(error: &toml::de::Error, text: &str) -> String {
-    let message: String = error
-        .message()
-        .replace('\n', ", ")
-        .chars()
-        .take(SHOWN)
-        .collect();
-    match error.span() {
-        Some(span) => {
-            let line = 1 + text[..span.start].matches('\n').count();
-            format!("line {line}: {message}")
-        }
-        None => message,
-    }
-}
-
 /// How fine the panelling is to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TypedPanelSize {
@@ -329,10 +310,9 @@ impl MeshSettings {
     /// Settings of the text of a job file.
     ///
     /// # Errors
-    /// If it is no TOML, or sets something unknown.
+    /// As [`from_toml`], or if two settings exclude each other.
     pub fn from_toml(text: &str) -> Result<Self, JobError> {
-        let settings: Self =
-            toml::from_str(text).map_err(|e| JobError::Input(located(&e, text)))?;
+        let settings: Self = from_toml(text)?;
         settings.check_job().map(|()| settings)
     }
 

@@ -4,7 +4,7 @@ use crate::limits::{VariantLimits, memory_limit};
 use crate::solve::SolveOptions;
 use crate::variant::Variant;
 use crate::workshop::Workshop;
-use phex_job::{JobError, MeshSettings, read_text, time_limit};
+use phex_job::{JobError, MeshSettings, from_toml, read_text, time_limit};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ impl StudyFile {
     /// # Errors
     /// As [`StudyFile::read`].
     pub fn from_toml(text: &str) -> Result<Self, JobError> {
-        let study: Self = toml::from_str(text).map_err(|e| JobError::input(e.message()))?;
+        let study: Self = from_toml(text)?;
         if study.surfaces.is_empty() {
             return Err(JobError::input("`surfaces` names no file"));
         }
