@@ -185,19 +185,20 @@ pub fn of_files(report: &RunReport) -> String {
 
 fn panels(measures: &MeshMeasures) -> String {
     let name = |corners: usize| match corners {
-        3 => "triangles".to_owned(),
-        4 => "quads".to_owned(),
-        5 => "pentagons".to_owned(),
-        6 => "hexagons".to_owned(),
-        7 => "heptagons".to_owned(),
-        8 => "octagons".to_owned(),
-        n => format!("{n}-gons"),
+        3 => "triangle".to_owned(),
+        4 => "quad".to_owned(),
+        5 => "pentagon".to_owned(),
+        6 => "hexagon".to_owned(),
+        7 => "heptagon".to_owned(),
+        8 => "octagon".to_owned(),
+        n => format!("{n}-gon"),
     };
+    let plural = |count: &usize| if *count == 1 { "" } else { "s" };
     let mut sizes: Vec<_> = measures.face_sizes.iter().collect();
     sizes.sort_by(|a, b| b.1.cmp(a.1).then(a.0.cmp(b.0)));
     let list: Vec<String> = sizes
         .iter()
-        .map(|&(&corners, count)| format!("{count} {}", name(corners)))
+        .map(|&(&corners, count)| format!("{count} {}{}", name(corners), plural(count)))
         .collect();
     format!(
         "{} ({}; {} concave)",

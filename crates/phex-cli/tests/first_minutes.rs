@@ -37,6 +37,8 @@ fn files_of_other_kinds_are_refused_with_a_way_out() {
         ("scan.laz", "Poisson"),
         ("hall.fbx", "export the surface as OBJ"),
         ("hall.zip", "unpack"),
+        ("hall.xyzzy", "export the surface as OBJ"),
+        ("hall", "the name has none"),
     ] {
         shop.write(name, "anything");
         for command in ["info", "mesh -o a.obj"] {
@@ -44,6 +46,14 @@ fn files_of_other_kinds_are_refused_with_a_way_out() {
             run.refuses(4, &[name, "unknown extension", way]);
         }
     }
+    // What a file to be written lacks is not told as what one to be read lacks.
+    shop.write(
+        "square.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n",
+    );
+    let run = shop.phex("convert square.obj hall.3dm");
+    run.refuses(4, &["unknown extension `3dm`"]);
+    assert!(!run.stderr.contains("NURBS"), "{}", run.stderr);
     shop.write("cloud.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
     shop.phex("info cloud.obj")
         .refuses(4, &["no faces", "Poisson"]);

@@ -49,8 +49,8 @@ pub enum ReadCause {
     #[error("can't be read: {0}")]
     Io(#[from] io::Error),
     /// The extension stands for no format.
-    #[error(transparent)]
-    UnknownExtension(#[from] UnknownExtension),
+    #[error("{}{}", .0, way_out(&.0.extension))]
+    UnknownExtension(UnknownExtension),
     /// Nothing but white space.
     #[error("the file is empty")]
     Empty,
@@ -149,12 +149,19 @@ pub enum ReadCause {
 /// A path whose extension stands for no mesh format.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
-    "unknown extension `{extension}` (supported are .obj, .ply, .stl and .off, for writing also .json, .glb, .dxf and .3mf){}",
-    way_out(extension)
+    "{} (supported are .obj, .ply, .stl and .off, for writing also .json, .glb, .dxf and .3mf)",
+    called(extension)
 )]
 pub struct UnknownExtension {
     /// The extension, empty where there is none.
     pub extension: String,
+}
+
+fn called(extension: &str) -> String {
+    match extension {
+        "" => "unknown extension: the name has none".to_owned(),
+        known => format!("unknown extension `{known}`"),
+    }
 }
 
 /// What to do with a file of a kind that is not read, by its extension.
@@ -166,13 +173,14 @@ fn way_out(extension: &str) -> &'static str {
     const SCENE: &str =
         ": open the file in Blender, Rhino or MeshLab and export the surface as OBJ";
     const PACKED: &str = ": unpack the file first";
+    const ANY: &str = ": export the surface as OBJ from the program that holds it";
     match extension.to_ascii_lowercase().as_str() {
         "3dm" | "step" | "stp" | "iges" | "igs" | "sat" | "x_t" | "x_b" | "brep" | "ifc" => NURBS,
         "xyz" | "pts" | "pcd" | "las" | "laz" | "e57" | "ptx" | "asc" => POINTS,
         "fbx" | "dae" | "gltf" | "blend" | "3ds" | "skp" | "dwg" | "usd" | "usdz" | "wrl"
         | "x3d" => SCENE,
         "zip" | "gz" | "7z" | "rar" | "tar" => PACKED,
-        _ => "",
+        _ => ANY,
     }
 }
 
@@ -193,6 +201,12 @@ impl ReadCause {
             place,
             cause: self,
         }
+    }
+}
+
+impl From<UnknownExtension> for ReadCause {
+    fn from(unknown: UnknownExtension) -> Self {
+        Self::UnknownExtension(unknown)
     }
 }
 
