@@ -5,7 +5,8 @@
 //! plane. Without it nothing holds areas, and panels slide along the surface until the largest
 //! inner ones have three times the area of the smallest.
 //!
-//! Faces at the boundary are cut by it and wish for no area, unless they are to grow.
+//! Faces at the boundary, which cuts the lattice anywhere, want the same area as the others with
+//! less weight: what the lattice has too much or too little there is shared by the rows behind.
 
 use super::barrier::add_turning;
 use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
@@ -63,19 +64,22 @@ impl AreaWish {
     }
 }
 
+/// Weight of the area of a face at the boundary over that of an inner one. Without it the largest
+/// of them have three times the mean area; with 1 the rows behind give way too far.
+const RIM_SHARE: f64 = 0.3;
+
 /// No wishes.
 pub(super) fn any(faces: usize) -> Vec<AreaWish> {
     vec![AreaWish::default(); faces]
 }
 
-/// Wishes of the inner faces of a layout that lies at `x`: in the proportions that it asks for, and
-/// as much in all as they have.
+/// Wishes of the faces of a layout that lies at `x`: in the proportions that it asks for, and as
+/// much in all as they have.
 pub(super) fn of_layout(layout: &Layout, panels: &Panels, x: &[f64], weight: f64) -> Vec<AreaWish> {
     let topology = layout.mesh.topology();
     let shape = FaceShapes::at(panels, x);
-    let inner = |f: &usize| is_inner(topology, *f) && layout.face_wish.as_slice()[*f].share > 0.0;
     let wish = |f: usize| layout.face_wish.as_slice()[f];
-    let faces = || (0..panels.n_faces()).filter(inner);
+    let faces = || (0..panels.n_faces()).filter(|f| wish(*f).share > 0.0);
     let has: f64 = faces().map(|f| area(shape.face(panels, f)).abs()).sum();
     let scale = has / faces().map(|f| wish(f).area).sum::<f64>();
     let mut wishes = any(panels.n_faces());
@@ -83,13 +87,13 @@ pub(super) fn of_layout(layout: &Layout, panels: &Panels, x: &[f64], weight: f64
         let WishedArea { area, share } = wish(f);
         wishes[f] = AreaWish {
             area: scale * area,
-            weight: weight * share,
+            weight: weight * share * share_of(topology, f),
         };
     }
     wishes
 }
 
-/// Wishes of the inner faces of a mesh to keep the areas that they have at `x`.
+/// Wishes of the faces of a mesh to keep the areas that they have at `x`.
 pub(super) fn as_they_are(
     topology: &Topology,
     panels: &Panels,
@@ -98,14 +102,21 @@ pub(super) fn as_they_are(
 ) -> Vec<AreaWish> {
     let shape = FaceShapes::at(panels, x);
     let wish = |f: usize| match area(shape.face(panels, f)) {
-        area if area > 0.0 && is_inner(topology, f) => AreaWish { area, weight },
+        area if area > 0.0 => AreaWish {
+            area,
+            weight: weight * share_of(topology, f),
+        },
         _ => AreaWish::default(),
     };
     (0..panels.n_faces()).map(wish).collect()
 }
 
-fn is_inner(topology: &Topology, f: usize) -> bool {
-    !topology.is_boundary_face(phex_mesh::FaceId::new(f as u32))
+/// How much the area of a face counts where it lies.
+fn share_of(topology: &Topology, f: usize) -> f64 {
+    match topology.is_boundary_face(phex_mesh::FaceId::new(f as u32)) {
+        true => RIM_SHARE,
+        false => 1.0,
+    }
 }
 
 /// Derivatives of the area by the corners, in the plane.

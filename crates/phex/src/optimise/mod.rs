@@ -7,7 +7,7 @@
 //! E = w_p/2 sum h^2                      planarity, a penalty that rises: 1, 30, 1e3, 1e4
 //!   + w_c/2 sum |x - p(x)|^2             closeness of vertices, w_cf of face centres, w_bd of the rim to the boundary curve
 //!   + w_s/2 sum |x_a + x_(a+m) - M|^2    fairness: central symmetry of each panel
-//!   + w_a/2 sum (a - A)^2 / a            evenness: areas of inner panels
+//!   + w_a/2 sum (a - A)^2 / a            evenness: areas of panels
 //!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
 //!   + w_e/2 sum (l - L)^2                 lengths of edges, where some are to be equal
 //!   + sum e(c)                            limits of panels, edges and corners, inequalities with slack
@@ -476,7 +476,7 @@ impl Stage<'_> {
         self.panels = self.panels.clone().with_images(&quotient.images);
     }
 
-    /// From now on inner faces keep the areas that they have at `x`.
+    /// From now on faces keep the areas that they have at `x`.
     fn keep_areas(&mut self, x: &[f64], options: &OptimiseOptions) {
         self.areas = areas::as_they_are(self.topology, &self.panels, x, options.evenness);
     }

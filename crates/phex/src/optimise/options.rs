@@ -67,7 +67,7 @@ pub struct OptimiseOptions {
     /// `w_s`: central symmetry of panels with an even number of corners, >= 0. From 1e-2 on
     /// clearances suffer, 0 costs three degrees in the sharpest corners.
     pub fairness: f64,
-    /// `w_a`: areas of inner panels as they are wished for, >= 0. From 5e-2 on clearances suffer, 0
+    /// `w_a`: areas of panels as they are wished for, >= 0. From 5e-2 on clearances suffer, 0
     /// lets areas differ by a factor of three.
     pub evenness: f64,
     /// `w_t`: hold on the start, > 0; it decides where nothing else does, as along the surface.
