@@ -70,12 +70,14 @@ pub fn environment(root: &Path, lists: &[&str]) -> Result<PathBuf, Stop> {
     let mut make = Command::new(system);
     make.args(["-m", "venv", "--clear"]).arg(&venv);
     crate::succeed(&mut make).map_err(skipped)?;
-    let mut install = Command::new(&python);
-    install.args(PIP);
-    for list in lists {
-        install.arg("-r").arg(root.join(list));
+    if !lists.is_empty() {
+        let mut install = Command::new(&python);
+        install.args(PIP);
+        for list in lists {
+            install.arg("-r").arg(root.join(list));
+        }
+        crate::succeed(&mut install).map_err(skipped)?;
     }
-    crate::succeed(&mut install).map_err(skipped)?;
     std::fs::write(&stamp, &wanted).map_err(|e| format!("{}: {e}", stamp.display()))?;
     Ok(python)
 }
