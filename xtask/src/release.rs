@@ -70,7 +70,7 @@ fn fill(root: &Path, folder: &Path, program: &Path) -> Result<(), Stop> {
         succeed(generate.args(["generate", what, "-o"]).arg(place))
     };
     generate("man", &folder.join("share/man/man1"))?;
-    let completions = folder.with_extension("completions");
+    let completions = folder.with_file_name("completions");
     generate("completions", &completions)?;
     for (made, place) in COMPLETIONS {
         crate::copied(&completions.join(made), &folder.join(place))?;
