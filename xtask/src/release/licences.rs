@@ -64,7 +64,10 @@ pub fn of_program(root: &Path) -> Result<String, String> {
     }
     let gathered: Gathered =
         serde_json::from_slice(&gathered.stdout).map_err(|e| format!("{tool}: {e}"))?;
-    as_text(&gathered.third_party_libraries)
+    let mut libraries = gathered.third_party_libraries;
+    // The crates of the workspace have the licences of phex.
+    libraries.retain(|l| l.package_name.split('-').next() != Some("phex"));
+    as_text(&libraries)
 }
 
 /// Packages with their licences, then every text once.
