@@ -13,8 +13,8 @@ use crate::layout::{Layout, LayoutStatistics, WishedArea};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::quality::{Judge, Judgement, References};
 use crate::search::{AreaField, Searched, Site, search};
-use crate::trim::{Trimmed, folds};
-use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, PolygonSoup, TriangleSurface, Violation};
+use crate::trim::Trimmed;
+use phex_mesh::{FaceId, HexMesh, PerVertex, PolygonSoup, TriangleSurface, Violation};
 use std::collections::BTreeSet;
 
 /// A panelling made in one way.
@@ -135,7 +135,7 @@ impl Pass {
     /// Searches the mesh where something is wrong.
     pub(crate) fn searched(&self, ground: &Ground, clock: &mut Clock<'_>) -> Searched {
         let progress = clock.progress;
-        let work = |site: &Site<'_>| unfolded(search(self.mesh.clone(), site, progress), site);
+        let work = |site: &Site<'_>| search(self.mesh.clone(), site, progress);
         clock.timed("search", || self.surfaces.with_site(&ground.options, work))
     }
 
@@ -143,25 +143,6 @@ impl Pass {
     pub(crate) fn into_surfaces(self) -> Surfaces {
         self.surfaces
     }
-}
-
-/// A mesh after its search without folds that are left: panels are turned a little, or edges cut
-/// off, where that makes it better.
-fn unfolded(mut searched: Searched, site: &Site<'_>) -> Searched {
-    if searched.judgement.of_face.iter().all(|f| f.folded == 0.0) {
-        return searched;
-    }
-    let trimmed = Trimmed {
-        parent: PerFace::from_vec(searched.mesh.topology().faces().collect()),
-        mesh: searched.mesh.clone(),
-    };
-    if let Some(next) = folds::without_folds(&trimmed, Some(site.judge.surface())) {
-        let judgement = site.judged(&next.mesh);
-        if judgement.merit.is_less(&searched.judgement.merit) {
-            (searched.mesh, searched.judgement) = (next.mesh, judgement);
-        }
-    }
-    searched
 }
 
 /// The panels of a layout of which something is left.

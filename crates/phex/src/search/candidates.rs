@@ -1,5 +1,6 @@
 //! What is tried at a defect, mild changes first.
 
+use super::chamfer::chamfered;
 use super::draft::{DirectedEdge, Draft};
 use super::patch::Patch;
 
@@ -12,8 +13,8 @@ const MERGES: usize = 4;
 /// Mild changes that are tried at a place, those with the most regular panels.
 const MOST: usize = 8;
 
-/// The drafts that are tried, mild changes first, of these the most regular. `needs_more` tells
-/// that panels are too large, `wide` that mild changes have failed.
+/// The drafts that are tried: folds cut off, then mild changes, of these the most regular, then
+/// others. `needs_more` tells that panels are too large, `wide` that mild changes have failed.
 pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Draft> {
     let draft = &patch.draft;
     let worst = &patch.core[..patch.core.len().min(WORST)];
@@ -56,7 +57,8 @@ pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Dra
         calmed.sort_by_key(Draft::irregularities);
         calmed.truncate(MOST);
     }
-    calmed
+    let cut = [Some(&patch.core[..]), None].map(|core| chamfered(draft, core));
+    cut.into_iter().flatten().chain(calmed).collect()
 }
 
 /// A panel merged with one of its neighbours, those with the fewest corners first.

@@ -34,7 +34,7 @@ pub(super) type DirectedEdge = [u32; 2];
 
 impl Draft {
     /// Panels by their corners.
-    fn incidence(&self) -> Incidence {
+    pub(super) fn incidence(&self) -> Incidence {
         let mut at = vec![Vec::new(); self.places.len()];
         for (f, face) in self.faces.iter().enumerate() {
             for (k, v) in face.iter().enumerate() {
@@ -278,7 +278,7 @@ impl Draft {
 }
 
 /// The panels at each corner, each with the corner that comes next in it.
-struct Incidence(Vec<Vec<(usize, u32)>>);
+pub(super) struct Incidence(Vec<Vec<(usize, u32)>>);
 
 impl Incidence {
     /// The panel on the left of a side.
@@ -287,11 +287,16 @@ impl Incidence {
         found.map(|(f, _)| *f)
     }
 
-    fn faces_at(&self, v: u32) -> impl Iterator<Item = usize> {
+    /// The panels on the left and right of a side.
+    pub fn beside(&self, [a, b]: DirectedEdge) -> Option<[usize; 2]> {
+        Some([self.owner([a, b])?, self.owner([b, a])?])
+    }
+
+    pub fn faces_at(&self, v: u32) -> impl Iterator<Item = usize> {
         self.0[v as usize].iter().map(|(f, _)| *f)
     }
 
-    fn sides(&self) -> impl Iterator<Item = DirectedEdge> {
+    pub fn sides(&self) -> impl Iterator<Item = DirectedEdge> {
         let at = self.0.iter().enumerate();
         at.flat_map(|(a, faces)| faces.iter().map(move |(_, b)| [a as u32, *b]))
     }

@@ -1,8 +1,8 @@
 //! Search: local changes of a finished mesh, each kept if the judge says that it is better.
 //!
 //! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the
-//! same panels with more weight on what they lack; where that is not enough two of them merged, an
-//! edge turned, a panel split; where panels are too large all of them split. Each candidate is made
+//! same panels with more weight on what they lack; where that is not enough edges that fold cut off
+//! (`chamfer`), two of them merged, an edge turned, a panel split; where panels are too large all of them split. Each candidate is made
 //! regular again by turns of edges (`draft`); the most regular ones are made planar by the
 //! optimiser with everything around it at rest, and judged ([`crate::quality::Judge`]) with the
 //! same figures as the whole mesh; the best is kept if it is better than what there was, else
@@ -17,6 +17,7 @@
 //! named.
 
 mod candidates;
+mod chamfer;
 mod draft;
 mod patch;
 mod site;

@@ -15,9 +15,6 @@
 //! Small holes are closed before panels are laid out, and cut out of them like that in the end,
 //! with `snap` too; a panel that holds all of one is parted first (`holes`).
 //!
-//! In the end, on all surfaces, panels that fold against each other by more than a right angle are
-//! turned a little, or the edge between them is cut off (`folds`).
-//!
 //! A point is inside if its foot point on the extended surface lies on a triangle of the input's
 //! part.
 //!
@@ -25,13 +22,10 @@
 //! connected manifold. Fails, with an error, where nothing is left. Clipping can leave panels that
 //! are too small: [`phex_mesh::small_rim_faces`] lists them, and the search joins them to others.
 
-mod chamfer;
 mod clip;
 mod curve;
-pub(crate) mod folds;
 pub(crate) mod follow;
 mod holes;
-mod turn;
 mod whole;
 
 use crate::smooth_surface::extend::Extension;
