@@ -2,12 +2,13 @@
 //!
 //! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the
 //! same panels with more weight on what they lack; where that is not enough edges that fold cut off
-//! (`chamfer`), two of them merged, an edge turned, a panel split; where panels are too large all of them split. Each candidate is made
-//! regular again by turns of edges (`draft`); the most regular ones are made planar by the
-//! optimiser with everything around it at rest, and judged ([`crate::quality::Judge`]) with the
-//! same figures as the whole mesh; the best is kept if it is better than what there was, else
-//! nothing has changed. Places that do not touch are searched side by side. It is one mechanism for
-//! closed and open, uniform and adaptive meshes, whatever made them.
+//! (`chamfer`), two of them merged, an edge turned, a panel split; where panels are too large all
+//! of them split. Each candidate is made regular again by turns of edges (`draft`); the most
+//! regular ones are made planar by the optimiser with everything around it at rest, and judged
+//! ([`crate::quality::Judge`]) with the same figures as the whole mesh; the best is kept if it is
+//! better than what there was, else nothing has changed. Places that do not touch are searched side
+//! by side. It is one mechanism for closed and open, uniform and adaptive meshes, whatever made
+//! them.
 //!
 //! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three
 //! panels; outside of the patches that are kept positions are the same to the last bit; the same
