@@ -10,11 +10,11 @@ const WORST: usize = 2;
 const SPLITS: usize = 2;
 const MERGES: usize = 4;
 
-/// Mild changes that are tried at a place, those with the most regular panels.
+/// Changes that are tried at a place, those with the most regular panels, besides cuts.
 const MOST: usize = 8;
 
-/// The drafts that are tried: folds cut off, then mild changes, of these the most regular, then
-/// others. `needs_more` tells that panels are too large, `wide` that mild changes have failed.
+/// The drafts that are tried: folds cut off, then other changes, the most regular ones first.
+/// `needs_more` tells that panels are too large, `wide` that mild changes have failed.
 pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Draft> {
     let draft = &patch.draft;
     let worst = &patch.core[..patch.core.len().min(WORST)];
@@ -53,10 +53,8 @@ pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Dra
             calmed.push(draft);
         }
     }
-    if !wide {
-        calmed.sort_by_key(Draft::irregularities);
-        calmed.truncate(MOST);
-    }
+    calmed.sort_by_key(Draft::irregularities);
+    calmed.truncate(MOST);
     let cut = [Some(&patch.core[..]), None].map(|core| chamfered(draft, core));
     cut.into_iter().flatten().chain(calmed).collect()
 }
