@@ -89,16 +89,16 @@ class Future:
         self._events: List[Event] = []
 
     def done(self) -> bool:
-        """Whether there is a result, or an error."""
-        return self._computation.wait(0.0)
+        """Whether there is a result, or an error; at once after :meth:`cancel`."""
+        return self._was_cancelled or self._computation.wait(0.0)
 
     def running(self) -> bool:
         """Whether it computes still."""
         return not self.done()
 
     def cancel(self) -> bool:
-        """Asks the computation to end; ``False`` if it had ended."""
-        if self.done():
+        """Ends it; ``False`` if it had ended. What computes still stops by itself, soon."""
+        if self._computation.wait(0.0):
             return False
         self._was_cancelled = True
         self._computation.cancel()
@@ -142,7 +142,7 @@ class Future:
 
         Raises :class:`TimeoutError`, or what the computation ended with."""
         until = None if timeout is None else time.monotonic() + timeout
-        while not self._computation.wait(TICK):
+        while not (self._was_cancelled or self._computation.wait(TICK)):
             if until is not None and time.monotonic() >= until:
                 raise TimeoutError(f"the computation takes more than {timeout} s")
         with self._lock:
