@@ -7,10 +7,10 @@
 
 use crate::ids::written;
 use crate::layer::{Layer, Stroke};
-use crate::outline::{bounds, holds, outward, sides};
+use crate::outline::{bounds, outward, sides};
 use crate::plate::Plate;
 use phex_mesh::Vec2;
-use phex_mesh::polygon::{point_segment_distance, segments_touch};
+use phex_mesh::polygon::{contains, point_segment_distance, segments_touch};
 use phex_picture::strokes;
 
 /// Height of a side's text over that of the name.
@@ -80,7 +80,9 @@ fn spots(polygon: &[Vec2]) -> Vec<(f64, Vec2)> {
             .map(|[a, b]| point_segment_distance(p, a, b))
             .fold(f64::INFINITY, f64::min)
     };
-    let inside = (0..GRID * GRID).map(point).filter(|&p| holds(polygon, p));
+    let inside = (0..GRID * GRID)
+        .map(point)
+        .filter(|&p| contains(polygon, p));
     let mut spots: Vec<(f64, Vec2)> = inside.map(|p| (depth(p), p)).collect();
     spots.sort_by(|a, b| b.0.total_cmp(&a.0));
     spots
@@ -230,7 +232,7 @@ fn is_free(frame: &TextBox, margin: f64, polygon: &[Vec2], others: &[[Vec2; 4]])
     let wide = frame.corners(margin);
     let inside = || {
         let crosses = |[a, b]: [Vec2; 2]| sides(&wide).any(|[c, d]| segments_touch(a, b, c, d));
-        holds(polygon, frame.centre) && !sides(polygon).any(crosses)
+        contains(polygon, frame.centre) && !sides(polygon).any(crosses)
     };
     others.iter().all(|other| apart(&wide, other)) && inside()
 }

@@ -1,7 +1,7 @@
 //! Polygons whose sides move outwards.
 
 use phex_mesh::Vec2;
-use phex_mesh::polygon::{is_simple, orientation, point_segment_distance};
+use phex_mesh::polygon::{contains, is_simple, orientation, point_segment_distance};
 
 /// Sine of a corner's turn below which its two sides count as one line.
 const STRAIGHT: f64 = 1e-6;
@@ -57,20 +57,13 @@ pub fn enclosing(first: &[Vec2], second: &[Vec2], distances: &[f64]) -> Vec<Vec2
             .into_iter()
             .fold(0.0, f64::max);
     let inside = |p: &Vec2| {
-        holds(&around, *p) || sides(&around).any(|[a, b]| point_segment_distance(*p, a, b) <= slack)
+        contains(&around, *p)
+            || sides(&around).any(|[a, b]| point_segment_distance(*p, a, b) <= slack)
     };
     if is_simple(&around) && first.iter().chain(second).all(inside) {
         return around;
     }
     convex_hull(&[first, second].concat())
-}
-
-/// Whether a point is inside a polygon (crossings of a ray).
-pub fn holds(polygon: &[Vec2], p: Vec2) -> bool {
-    let crosses = |[a, b]: &[Vec2; 2]| {
-        (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)
-    };
-    sides(polygon).filter(crosses).count() % 2 == 1
 }
 
 fn moved(polygon: &[Vec2], distances: &[f64]) -> Vec<Vec2> {
@@ -244,7 +237,7 @@ mod tests {
             let (s, c) = f64::sin_cos(turn);
             for p in star {
                 let q = p + Vec2::new(c, s) * (distance * (1.0 - 1e-9));
-                let inside = holds(&out, q) || sides(&out).any(|[a, b]| point_segment_distance(q, a, b) < 1e-9);
+                let inside = contains(&out, q) || sides(&out).any(|[a, b]| point_segment_distance(q, a, b) < 1e-9);
                 prop_assert!(inside, "{q}");
             }
         }

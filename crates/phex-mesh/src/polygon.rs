@@ -91,6 +91,24 @@ pub fn signed_area(polygon: &[Vec2]) -> f64 {
     0.5 * polygon.windows(2).map(triangle).sum::<f64>()
 }
 
+/// Whether a point lies in a polygon, whichever way that runs: a ray crosses it an odd number of
+/// times. On the outline itself either answer may come.
+///
+/// ```
+/// use phex_mesh::{Vec2, polygon};
+/// let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| Vec2::new(x, y));
+/// assert!(polygon::contains(&square, Vec2::new(0.4, 0.7)));
+/// assert!(!polygon::contains(&square, Vec2::new(1.4, 0.7)));
+/// ```
+pub fn contains(polygon: &[Vec2], p: Vec2) -> bool {
+    let n = polygon.len();
+    let crosses = |i: &usize| {
+        let (a, b) = (polygon[*i], polygon[(i + 1) % n]);
+        (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)
+    };
+    (0..n).filter(crosses).count() % 2 == 1
+}
+
 /// Distance of the point `p` to the closed segment `ab`.
 pub fn point_segment_distance(p: Vec2, a: Vec2, b: Vec2) -> f64 {
     let (edge, d) = (b - a, p - a);

@@ -2,10 +2,10 @@
 
 use super::{Placement, SheetLayout};
 use crate::options::FabOptions;
-use crate::outline::{bounds, holds, sides};
+use crate::outline::{bounds, sides};
 use crate::plate::Plate;
 use phex_mesh::Vec2;
-use phex_mesh::polygon::{point_segment_distance, segments_touch};
+use phex_mesh::polygon::{contains, point_segment_distance, segments_touch};
 use std::fmt;
 
 /// What is wrong with a panel on a sheet.
@@ -92,6 +92,6 @@ fn closer(a: &[Vec2], b: &[Vec2], distance: f64) -> bool {
     touch
         || a.iter().any(|p| sides(b).any(|s| near(p, s)))
         || b.iter().any(|p| sides(a).any(|s| near(p, s)))
-        || holds(a, b[0])
-        || holds(b, a[0])
+        || contains(a, b[0])
+        || contains(b, a[0])
 }

@@ -93,7 +93,9 @@ impl Parting {
             }
             let plane = FacePlane::fit(&corners);
             let outline: Vec<Vec2> = corners.iter().map(|p| plane.project(*p)).collect();
-            let inside = hole.iter().all(|p| contains(&outline, plane.project(*p)));
+            let inside = hole
+                .iter()
+                .all(|p| polygon::contains(&outline, plane.project(*p)));
             inside.then_some((plane.height(middle).abs(), f, plane))
         };
         let holders = (0..self.faces.len()).filter_map(holds);
@@ -170,18 +172,6 @@ fn ahead(outline: &[Vec2], from: Vec2, way: Vec2) -> Option<End> {
         .filter_map(hit)
         .min_by(|a, b| a.distance.total_cmp(&b.distance));
     nearest.filter(|e| (MARGIN..=1.0 - MARGIN).contains(&e.along))
-}
-
-/// Whether a point lies in a polygon: a ray to the right crosses its outline an odd number of
-/// times.
-fn contains(outline: &[Vec2], p: Vec2) -> bool {
-    let n = outline.len();
-    let crossings = (0..n).filter(|&i| {
-        let (a, b) = (outline[i], outline[(i + 1) % n]);
-        let right = |a: Vec2, b: Vec2| polygon::orientation(a, b, p) > 0.0;
-        (a.y <= p.y && b.y > p.y && right(a, b)) || (b.y <= p.y && a.y > p.y && right(b, a))
-    });
-    crossings.count() % 2 == 1
 }
 
 #[cfg(test)]

@@ -12,8 +12,9 @@
 //! iterated conditional modes, 1986). Where too little is covered, the threshold falls.
 
 use super::{Domain, TrimError, Trimmed, compact, near_boundary};
-use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, Vec3, ear_clip};
+use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, PerVertex, Vec3, ear_clip};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// A panel is kept if at least this share of it lies inside.
 const KEEP: f64 = 0.5;
@@ -27,16 +28,30 @@ const THRESHOLD_STEP: f64 = 0.05;
 /// Each triangle of a panel is sampled at the square of this number of points.
 const SAMPLES: usize = 5;
 
+/// How a panel lies.
+struct Lie {
+    area: f64,
+    /// Share of it that lies inside.
+    inside: f64,
+    /// The loop of the boundary beyond which most of the rest lies.
+    beyond: Option<usize>,
+}
+
 /// The panels that are kept whole.
 pub(super) fn whole_panels(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimmed, TrimError> {
     let near = near_boundary(mesh, domain.original);
     let faces: Vec<FaceId> = mesh.topology().faces().collect();
-    // Area and share inside.
-    let shares: Vec<(f64, f64)> = faces
+    let loops = domain.original.boundary_loops();
+    let vertices = domain.original.topology().n_vertices();
+    let mut loop_of = PerVertex::filled(vertices, 0);
+    for (k, vertices) in loops.iter().enumerate() {
+        vertices.iter().for_each(|v| loop_of[*v] = k);
+    }
+    let lies: Vec<Lie> = faces
         .par_iter()
-        .map(|&f| share_inside(mesh, domain, f, near[f.index()]))
+        .map(|&f| lie(mesh, domain, f, near[f.index()], &loop_of))
         .collect();
-    let keep = calm_outline(mesh, &shares, &near);
+    let keep = calm_outline(mesh, &lies, &near, loops.len());
     let kept: Vec<FaceId> = faces.into_iter().filter(|f| keep[f.index()]).collect();
     let lists = mesh.topology().face_lists();
     let lists: Vec<Vec<u32>> = kept.iter().map(|f| lists[f.index()].clone()).collect();
@@ -46,13 +61,37 @@ pub(super) fn whole_panels(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimme
     })
 }
 
-/// Which panels are kept.
-fn calm_outline(mesh: &HexMesh, shares: &[(f64, f64)], near: &[bool]) -> Vec<bool> {
-    let total = covered(shares, |_| true);
-    let mut threshold = threshold(shares);
+/// Leaves out the panel that covers most of a hole in which none is left out. One with others left
+/// out beside it would join two holes, and stays while there is another.
+fn open(hole: usize, mesh: &HexMesh, lies: &[Lie], keep: &mut [bool]) {
+    let over = |i: &usize| lies[*i].beyond == Some(hole);
+    if (0..lies.len()).any(|i| over(&i) && !keep[i]) {
+        return;
+    }
+    let topology = mesh.topology();
+    let is_inner = |i: usize| {
+        let f = FaceId::new(i as u32);
+        let mut beside = topology.face_half_edges(f).map(|h| topology.twin(h));
+        beside.all(|t| t.is_some_and(|t| keep[topology.face(t).index()]))
+    };
+    let outside = |i: usize| lies[i].area * (1.0 - lies[i].inside);
+    let covers = (0..lies.len())
+        .filter(over)
+        .map(|i| (is_inner(i), outside(i), i));
+    let most = covers.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    if let Some((_, _, i)) = most {
+        keep[i] = false;
+    }
+}
+
+/// Which panels are kept, so that every hole of the surface's `loops` is open.
+fn calm_outline(mesh: &HexMesh, lies: &[Lie], near: &[bool], loops: usize) -> Vec<bool> {
+    let total = covered(lies, |_| true);
+    let mut threshold = threshold(lies);
     loop {
-        let keep = least_energy(mesh, shares, near, threshold);
-        let enough = covered(shares, |i| keep[i]) >= COVERAGE * total;
+        let mut keep = least_energy(mesh, lies, near, threshold);
+        (0..loops).for_each(|hole| open(hole, mesh, lies, &mut keep));
+        let enough = covered(lies, |i| keep[i]) >= COVERAGE * total;
         if enough || threshold <= THRESHOLD_STEP {
             return keep;
         }
@@ -61,21 +100,21 @@ fn calm_outline(mesh: &HexMesh, shares: &[(f64, f64)], near: &[bool]) -> Vec<boo
 }
 
 /// Area inside of some of the panels.
-fn covered(shares: &[(f64, f64)], some: impl Fn(usize) -> bool) -> f64 {
-    let inside = shares.iter().enumerate().filter(|(i, _)| some(*i));
-    inside.map(|(_, (area, share))| area * share).sum()
+fn covered(lies: &[Lie], some: impl Fn(usize) -> bool) -> f64 {
+    let inside = lies.iter().enumerate().filter(|(i, _)| some(*i));
+    inside.map(|(_, lie)| lie.area * lie.inside).sum()
 }
 
 /// The panels above the threshold, changed one by one as long as that lowers the energy; only those
 /// near the boundary may change.
-fn least_energy(mesh: &HexMesh, shares: &[(f64, f64)], near: &[bool], threshold: f64) -> Vec<bool> {
+fn least_energy(mesh: &HexMesh, lies: &[Lie], near: &[bool], threshold: f64) -> Vec<bool> {
     let topology = mesh.topology();
-    let mean = shares.iter().map(|s| s.0).sum::<f64>() / shares.len() as f64;
+    let mean = lies.iter().map(|l| l.area).sum::<f64>() / lies.len() as f64;
     let lambda = OUTLINE * mean.sqrt();
-    let mut keep: Vec<bool> = shares.iter().map(|s| s.1 >= threshold).collect();
+    let mut keep: Vec<bool> = lies.iter().map(|l| l.inside >= threshold).collect();
     // What a panel's joining or leaving adds to the energy.
     let change = |keep: &[bool], f: FaceId| {
-        let (area, share) = shares[f.index()];
+        let Lie { area, inside, .. } = lies[f.index()];
         let outline = |h| {
             let [a, b] = [topology.origin(h), topology.target(h)].map(|v| mesh.positions[v]);
             let beside = topology.twin(h).map(|t| topology.face(t));
@@ -83,7 +122,7 @@ fn least_energy(mesh: &HexMesh, shares: &[(f64, f64)], near: &[bool], threshold:
             (b - a).norm() * if shared { -1.0 } else { 1.0 }
         };
         let longer: f64 = topology.face_half_edges(f).map(outline).sum();
-        let join = 2.0 * area * (threshold - share) + lambda * longer;
+        let join = 2.0 * area * (threshold - inside) + lambda * longer;
         if keep[f.index()] { -join } else { join }
     };
     let loose: Vec<FaceId> = topology.faces().filter(|f| near[f.index()]).collect();
@@ -99,39 +138,63 @@ fn least_energy(mesh: &HexMesh, shares: &[(f64, f64)], near: &[bool], threshold:
 }
 
 /// Least share inside of a panel that is kept.
-fn threshold(shares: &[(f64, f64)]) -> f64 {
-    let total: f64 = shares.iter().map(|(area, share)| area * share).sum();
-    let mut sorted = shares.to_vec();
-    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut covered = 0.0;
-    for (area, share) in sorted {
-        covered += area * share;
-        if covered >= COVERAGE * total {
-            return share.clamp(1e-9, KEEP);
+fn threshold(lies: &[Lie]) -> f64 {
+    let total = covered(lies, |_| true);
+    let mut sorted: Vec<&Lie> = lies.iter().collect();
+    sorted.sort_by(|a, b| b.inside.total_cmp(&a.inside));
+    let mut reached = 0.0;
+    for lie in sorted {
+        reached += lie.area * lie.inside;
+        if reached >= COVERAGE * total {
+            return lie.inside.clamp(1e-9, KEEP);
         }
     }
     KEEP
 }
 
-fn share_inside(mesh: &HexMesh, domain: &Domain<'_>, f: FaceId, near: bool) -> (f64, f64) {
+/// How a panel lies; `near` tells whether the boundary may cross it.
+fn lie(
+    mesh: &HexMesh,
+    domain: &Domain<'_>,
+    f: FaceId,
+    near: bool,
+    loop_of: &PerVertex<usize>,
+) -> Lie {
     let corners: Vec<Vec3> = mesh.corners(f).collect();
     let flat = FlatFace::new(&corners);
-    if !near {
-        let inside = domain.contains(mesh.centre(f));
-        return (flat.area(), f64::from(u8::from(inside)));
-    }
     let (mut inside, mut total) = (0.0, 0.0);
-    for [a, b, c] in ear_clip(&flat.polygon).unwrap_or_default() {
-        let [a, b, c] = [corners[a], corners[b], corners[c]];
-        let area = (b - a).cross(&(c - a)).norm();
-        let points = samples();
-        let hits = points
-            .iter()
-            .filter(|[u, v]| domain.contains(a + (b - a) * *u + (c - a) * *v));
-        inside += area * hits.count() as f64 / points.len() as f64;
-        total += area;
+    let mut beyond: BTreeMap<usize, f64> = BTreeMap::new();
+    let samples = match near {
+        true => samples_of(&flat, &corners),
+        false => vec![(mesh.centre(f), 1.0)],
+    };
+    for (p, weight) in samples {
+        total += weight;
+        match domain.beyond(p) {
+            Some(v) => *beyond.entry(loop_of[v]).or_default() += weight,
+            None => inside += weight,
+        }
     }
-    (flat.area(), if total > 0.0 { inside / total } else { 0.0 })
+    let most = beyond.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    Lie {
+        area: flat.area(),
+        inside: if total > 0.0 { inside / total } else { 0.0 },
+        beyond: most.map(|(k, _)| k),
+    }
+}
+
+/// Points spread evenly over a panel, each with the area that it stands for.
+fn samples_of(flat: &FlatFace, corners: &[Vec3]) -> Vec<(Vec3, f64)> {
+    let triangles = ear_clip(&flat.polygon).unwrap_or_default();
+    let points = samples();
+    let of_triangle = |t: &[usize; 3]| {
+        let [a, b, c] = t.map(|i| corners[i]);
+        let (u, v) = (b - a, c - a);
+        let weight = u.cross(&v).norm() / points.len() as f64;
+        let at = |[s, t]: &[f64; 2]| (a + u * *s + v * *t, weight);
+        points.iter().map(at).collect::<Vec<(Vec3, f64)>>()
+    };
+    triangles.iter().flat_map(of_triangle).collect()
 }
 
 /// Centroids of the triangles into which a triangle is divided.
@@ -154,6 +217,14 @@ fn samples() -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
+    fn panel(inside: f64, beyond: Option<usize>) -> Lie {
+        Lie {
+            area: 0.866,
+            inside,
+            beyond,
+        }
+    }
+
     #[test]
     fn samples_fill_the_triangle() {
         let points = samples();
@@ -175,16 +246,16 @@ mod tests {
     fn a_tooth_goes_and_a_notch_is_filled() {
         let mesh = crate::layout::tests::lattice_patch(9).mesh;
         let near = vec![true; 81];
-        let share = |tooth: f64, notch: f64| -> Vec<(f64, f64)> {
+        let share = |tooth: f64, notch: f64| -> Vec<Lie> {
             let of = |i: usize| match (i / 9, i % 9) {
                 (4, 4) => tooth,
                 (3, 4) => notch,
                 (row, _) => f64::from(u8::from(row < 4)),
             };
-            (0..81).map(|i| (0.866, of(i))).collect()
+            (0..81).map(|i| panel(of(i), None)).collect()
         };
-        let kept = |shares: &[(f64, f64)]| {
-            let keep = least_energy(&mesh, shares, &near, KEEP);
+        let kept = |lies: &[Lie]| {
+            let keep = least_energy(&mesh, lies, &near, KEEP);
             (keep[4 * 9 + 4], keep[3 * 9 + 4])
         };
         assert_eq!(kept(&share(0.55, 1.0)), (false, true));
@@ -196,10 +267,29 @@ mod tests {
 
     #[test]
     fn threshold_falls_until_enough_is_covered() {
-        let inside = (1.0, 1.0);
-        assert_eq!(threshold(&[inside; 100]), KEEP);
+        let some = |n: usize, inside: f64| (0..n).map(move |_| panel(inside, None));
+        assert_eq!(threshold(&some(100, 1.0).collect::<Vec<Lie>>()), KEEP);
         // A quarter of what there is lies in panels that are inside by 0.3 only.
-        let shares: Vec<(f64, f64)> = (0..90).map(|_| inside).chain([(1.0, 0.3); 100]).collect();
-        assert_eq!(threshold(&shares), 0.3);
+        let lies: Vec<Lie> = some(90, 1.0).chain(some(100, 0.3)).collect();
+        assert_eq!(threshold(&lies), 0.3);
+    }
+
+    /// A hole that panels cover by less than a half each: the one that covers most of it goes,
+    /// unless that would join the hole to another.
+    #[test]
+    fn a_hole_is_opened_by_the_panel_that_covers_most_of_it() {
+        let mesh = crate::layout::tests::lattice_patch(9).mesh;
+        let mut lies: Vec<Lie> = (0..81).map(|_| panel(1.0, None)).collect();
+        lies[40] = panel(0.6, Some(1));
+        lies[41] = panel(0.7, Some(1));
+        let opened = |left_out: &[usize]| -> Vec<usize> {
+            let mut keep = vec![true; 81];
+            left_out.iter().for_each(|i| keep[*i] = false);
+            open(1, &mesh, &lies, &mut keep);
+            (0..81).filter(|i| !keep[*i]).collect()
+        };
+        assert_eq!(opened(&[]), [40]);
+        assert_eq!(opened(&[39]), [39, 41]);
+        assert_eq!(opened(&[41]), [41]);
     }
 }
