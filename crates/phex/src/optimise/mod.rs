@@ -69,6 +69,7 @@ mod closeness;
 mod components;
 mod concavity;
 mod constraints;
+mod coverage;
 mod edge_lengths;
 mod emphasis;
 mod endgame;

@@ -11,11 +11,13 @@
 //! | least area | `A / least - 1` |
 //! | largest area | `1 - A / largest`, `A` the length of the vector area |
 //! | sheet | `1 - (x_i - x_j) . u / side` for all corners, `u` the sheet's sides where it fits best, fixed for a phase |
+//! | coverage | `1 - (|q - y| / largest)^2`, `y` the point of the panel nearest to a point `q` of the surface, see [`super::coverage`] |
 //! | aspect | `1 - sqrt(l_1 / l_2) / largest`, `l` the second moments of the area about its principal axes |
 //!
 //! Derivatives are exact on planar panels; Hessians are their Gauss-Newton part `c' c'^T`. How
 //! faces meet is the matter of [`super::folds`].
 
+use super::coverage::covered;
 use super::inequality::Elastic;
 use super::options::OptimiseOptions;
 use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block, extent};
@@ -26,9 +28,9 @@ use phex_mesh::measure::wanted_clearance;
 use phex_mesh::{PanelLimits, Vec2, Vec3, rectangle_fit};
 
 /// An inequality of some corners of a face: `c`, and its derivatives by them.
-struct Inequality {
-    c: f64,
-    rows: Vec<(usize, Vec3)>,
+pub(super) struct Inequality {
+    pub c: f64,
+    pub rows: Vec<(usize, Vec3)>,
 }
 
 impl Inequality {
@@ -62,6 +64,8 @@ pub(crate) struct FaceLimits {
     pub area: Vec<f64>,
     /// Largest distance to the surface; infinite for any.
     pub distance: f64,
+    /// Points of the surface that each face is to lie as near to.
+    pub cover: Vec<Vec<Vec3>>,
 }
 
 impl FaceLimits {
@@ -72,6 +76,7 @@ impl FaceLimits {
             clearance: vec![0.0; faces],
             area: vec![0.0; faces],
             distance: f64::INFINITY,
+            cover: vec![Vec::new(); faces],
         }
     }
 
@@ -90,6 +95,7 @@ impl FaceLimits {
                 .collect(),
             area: vec![0.0; areas.len()],
             distance: limit.map_or(f64::INFINITY, |share| share * extent(x)),
+            cover: vec![Vec::new(); areas.len()],
         }
     }
 
@@ -99,6 +105,10 @@ impl FaceLimits {
         Self {
             clearance: of(&self.clearance),
             area: of(&self.area),
+            cover: faces
+                .iter()
+                .map(|&f| self.cover[f as usize].clone())
+                .collect(),
             ..*self
         }
     }
@@ -221,6 +231,10 @@ impl<'a> ShapeLimits<'a> {
         for_each_approach(corners, 2.0 * self.limits.clearance[f], |a| {
             visit(&roomy(a, self.limits.clearance[f]));
         });
+        for q in &self.limits.cover[f] {
+            let inequality = covered(*q, corners, frame, self.limits.distance);
+            inequality.iter().for_each(&mut visit);
+        }
         if let Some(most) = limits.max_area {
             let (area, rows) = area_and_rows(corners);
             visit(&Inequality::at_most(area, most, &rows));

@@ -226,6 +226,27 @@ impl<'a> Judge<'a> {
         }
     }
 
+    /// Points of the surface that are farther from a mesh than a share of the largest distance, by
+    /// the face that is nearest to each; those near the boundary do not count.
+    pub fn far_points(
+        &self,
+        mesh: &HexMesh,
+        points: &[VertexId],
+        (mean_edge, share): (f64, f64),
+    ) -> Vec<Vec<Vec3>> {
+        let counts = |v: &&VertexId| self.to_boundary[**v] > RIM * mean_edge;
+        let place = |v: &VertexId| self.surface.positions()[*v];
+        let places: Vec<Vec3> = points.iter().filter(counts).map(place).collect();
+        let mut far = vec![Vec::new(); mesh.topology().n_faces()];
+        let closest = closest_faces(mesh, &places);
+        for (p, (f, distance)) in places.into_iter().zip(closest) {
+            if distance > share * self.largest_distance() {
+                far[f.index()].push(p);
+            }
+        }
+        far
+    }
+
     fn add_coverage(
         &self,
         scope: &Scope<'_>,

@@ -257,7 +257,7 @@ impl DefectPatch {
         let improved = |mut next: Settled| {
             for round in 0..EMPHASES {
                 let step = LocalStep::Improve(round);
-                let Some(mesh) = site.settled(&next.built, whole, step, progress) else {
+                let Some(mesh) = site.settled(&next.built, (whole, &points), step, progress) else {
                     continue;
                 };
                 let judgement = judged(&next.built, &mesh);
@@ -287,7 +287,8 @@ impl DefectPatch {
                 continue;
             };
             tried += 1;
-            if let Some(mesh) = site.settled(&built, whole, LocalStep::Settle, progress) {
+            if let Some(mesh) = site.settled(&built, (whole, &points), LocalStep::Settle, progress)
+            {
                 let judgement = judged(&built, &mesh);
                 let next = Settled {
                     merit: judgement.merit,

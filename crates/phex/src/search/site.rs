@@ -12,6 +12,9 @@ use std::collections::BTreeSet;
 /// Area that small panels at the boundary are to have, over what does not count as small.
 const SAFE: f64 = 1.02;
 
+/// Share of the largest distance beyond which points of the surface are drawn to panels.
+const FAR: f64 = 0.7;
+
 /// Areas that panels are to have, at the vertices of a surface.
 pub struct AreaField<'a> {
     /// The surface.
@@ -125,7 +128,7 @@ impl Site<'_> {
     }
 
     /// What the panels of a part are to have.
-    fn limits(&self, part: &HexMesh, whole: &Whole) -> FaceLimits {
+    fn limits(&self, part: &HexMesh, whole: &Whole, points: &[VertexId]) -> FaceLimits {
         let (topology, yardstick) = (part.topology(), &whole.yardstick);
         let areas = FlatFace::all(part).map(FlatFace::area);
         let unit = self.options.wished_clearance * yardstick.mean_edge;
@@ -139,6 +142,7 @@ impl Site<'_> {
             clearance: areas.iter().map(clearance).collect(),
             area: topology.faces().map(least).collect(),
             distance: self.judge.largest_distance(),
+            cover: (self.judge).far_points(part, points, (yardstick.mean_edge, FAR)),
         }
     }
 
@@ -146,7 +150,7 @@ impl Site<'_> {
     pub(super) fn settled(
         &self,
         built: &Built,
-        whole: &Whole,
+        (whole, points): (&Whole, &[VertexId]),
         step: LocalStep,
         progress: &dyn Progress,
     ) -> Option<HexMesh> {
@@ -154,7 +158,7 @@ impl Site<'_> {
             layout: &self.layout(&built.mesh),
             free: &built.free,
             hold: self.hold.as_ref(),
-            limits: &self.limits(&built.mesh, whole),
+            limits: &self.limits(&built.mesh, whole, points),
             diagonal: whole.diagonal,
         };
         let target = SurfaceTarget::new(self.close_to);

@@ -18,7 +18,7 @@ use crate::optimise::panels::{Panels, unknowns};
 use crate::optimise::reference::Reference;
 use crate::optimise::setting::Setting;
 use nalgebra::Matrix3;
-use phex_mesh::{EdgeId, HexMesh, PanelLimits, PerEdge, Vec3};
+use phex_mesh::{EdgeId, FaceId, HexMesh, PanelLimits, PerEdge, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
 
 pub(super) const NOTHING: Weights = Weights {
@@ -469,6 +469,18 @@ fn gradient_of_limits() {
         ..any
     });
     gradient_of_limit(&flat, Shape::Square, &long);
+    // Points above the inside of a panel and beyond one of its edges.
+    let beside = |f: FaceId, share: f64| {
+        let corner = flat.corners(f).next().unwrap();
+        flat.centre(f) + (corner - flat.centre(f)) * share + Vec3::z() * (0.2 * edge)
+    };
+    let points = |f: FaceId| vec![beside(f, 0.3), beside(f, 1.2)];
+    let covering = FaceLimits {
+        distance: 0.3 * edge,
+        cover: flat.topology().faces().map(points).collect(),
+        ..none()
+    };
+    gradient_of_limit(&flat, Shape::Square, &covering);
 }
 
 fn gradient_of_limit(mesh: &HexMesh, target: Shape, limits: &FaceLimits) {
