@@ -74,8 +74,21 @@ impl TriangleSurface {
     }
 
     /// The same triangles between other places.
+    ///
+    /// # Panics
+    /// If the number of places differs.
+    pub fn with_positions(&self, positions: PerVertex<Vec3>) -> Self {
+        assert_eq!(
+            positions.len(),
+            self.positions.len(),
+            "one place per vertex"
+        );
+        Self::of(positions, Arc::clone(&self.topology))
+    }
+
+    /// The same triangles with every place moved by a map.
     pub fn mapped(&self, place: impl Fn(&Vec3) -> Vec3) -> Self {
-        Self::of(self.positions.map(place), Arc::clone(&self.topology))
+        self.with_positions(self.positions.map(place))
     }
 
     /// The same surface with other unit vertex normals (those of a fitted jet, say).

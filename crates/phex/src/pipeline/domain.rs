@@ -3,7 +3,9 @@
 use super::options::{MeshOptions, Method};
 use super::sized::{KnownCurvature, mean_length};
 use crate::layout::lattice::CELL;
+use crate::quality::USUAL_DEVIATION;
 use crate::smooth_surface::extend::{self, Extension};
+use crate::smooth_surface::teeth::without_teeth;
 use crate::smooth_surface::{self, Coarsened, SmoothTarget, TargetKind, boundary_corners};
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
 use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
@@ -24,6 +26,10 @@ const SMALL_HOLE: f64 = 7.0;
 const FINE: f64 = 1.3;
 /// Vertices that are left then, over the same.
 const ENOUGH: f64 = 1.1;
+
+/// Share of the largest distance between panels and surface by which teeth of its boundary are
+/// moved to make that calm.
+const LARGEST_TOOTH: f64 = 0.5;
 
 /// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a
 /// strip beyond it; with fewer vertices where the input is finer than panels need.
@@ -113,13 +119,16 @@ impl Ground {
         };
         let given = facets;
         let coarse = with_fewer_vertices(given, density * panels as f64, options);
-        let facets = coarse.as_ref().map_or(given, |c| &c.surface);
+        let raw = coarse.as_ref().map_or(given, |c| &c.surface);
+        let most = LARGEST_TOOTH * options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
+        let calm = without_teeth(raw, most);
+        let facets = calm.as_ref().unwrap_or(raw);
         let length = mean_length(given, panels);
         let extended = |surface| extend::extend(surface, width, SMALL_HOLE * length);
         // Without a strip, or with one that is as fine as the input.
         let near = |extension: &TriangleSurface| match &coarse {
             Some(_) => extended(given).map_or_else(|| given.clone(), |e| e.surface),
-            None => extension.clone(),
+            None => with_first_places(extension, raw),
         };
         let finer = coarse.as_ref().map(|coarse| Finer {
             given: given.clone(),
@@ -149,7 +158,7 @@ impl Ground {
             options: options.clone(),
             trimming: Some(Arc::new(Trimming {
                 smooth: smooth(facets, panels),
-                facets: facets.clone(),
+                facets: raw.clone(),
                 extension,
             })),
         }
@@ -255,6 +264,14 @@ impl Ground {
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }
+}
+
+/// A surface whose first vertices lie where those of another do.
+fn with_first_places(surface: &TriangleSurface, first: &TriangleSurface) -> TriangleSurface {
+    let count = first.positions().len();
+    let places = first.positions().iter();
+    let places = places.chain(surface.positions().iter().skip(count));
+    surface.with_positions(PerVertex::from_vec(places.copied().collect()))
 }
 
 /// A surface with its points mapped by a similarity.

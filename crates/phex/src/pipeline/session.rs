@@ -47,6 +47,7 @@ struct GroundKey {
     panels: usize,
     boundary: Boundary,
     target: TargetOptions,
+    max_deviation: Option<f64>,
     densities: [f64; 2],
 }
 
@@ -56,6 +57,7 @@ impl GroundKey {
             panels,
             boundary: options.boundary,
             target: options.target.clone(),
+            max_deviation: options.optimise.max_deviation,
             densities: [options.field_density, options.cell_density],
         }
     }

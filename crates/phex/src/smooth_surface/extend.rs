@@ -7,6 +7,9 @@
 //! concave, as round a hole, arcs end before they could meet: no longer than `CLEAR` of the largest
 //! circle that touches the boundary there and holds no other point of it.
 //!
+//! Teeth ([`super::teeth`]) are no corners: arcs begin on a line through them, and the strip joins
+//! them to it.
+//!
 //! Holes that are small against panels are closed instead: rings of vertices follow such arcs and
 //! meet in the middle.
 //!
@@ -14,10 +17,13 @@
 //! same but for holes that are closed. Fails where the input is not an embedded surface; the strip
 //! may then cross itself, as the input does.
 
+use super::teeth::{SHARP, line_through_teeth};
 use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId};
 
 /// Share of the radius of the largest empty circle that an arc may have as its length.
 const CLEAR: f64 = 0.7;
+/// Length of an arc, over how far a tooth stands out, at the least: it has to pass the tip.
+const PAST: f64 = 2.0;
 /// Longest mitre, in widths.
 const MITRE: f64 = 1.6;
 /// Passes of averaging along the boundary.
@@ -61,11 +67,10 @@ impl Extension {
 /// longer round than `hole`; `None` where that changes nothing.
 pub fn extend(surface: &TriangleSurface, width: f64, hole: f64) -> Option<Extension> {
     let loops = surface.boundary_loops();
-    let rim: Vec<Vec3> = loops
+    let lines = loops
         .iter()
-        .flatten()
-        .map(|&v| surface.positions()[v])
-        .collect();
+        .map(|boundary| line_through_teeth(surface, boundary).0);
+    let rim: Vec<Vec3> = lines.flatten().collect();
     let mut strip = Strip::new(surface);
     let mut open = loops.len();
     for boundary in &loops {
@@ -100,6 +105,8 @@ fn round(surface: &TriangleSurface, boundary: &[VertexId]) -> f64 {
 #[derive(Clone, Copy)]
 struct Arc {
     start: Vec3,
+    /// From the start to the vertex, if that is a tooth.
+    tooth: Vec3,
     /// Unit tangent at the start, outwards.
     direction: Vec3,
     /// Curvature vector at the start.
@@ -110,6 +117,11 @@ struct Arc {
 
 impl Arc {
     fn at(&self, s: f64) -> Vec3 {
+        let left = 1.0 - s / self.length.max(f64::MIN_POSITIVE);
+        self.on_arc(s) + self.tooth * left
+    }
+
+    fn on_arc(&self, s: f64) -> Vec3 {
         let bend = self.curvature - self.direction * self.direction.dot(&self.curvature);
         let k = bend
             .norm()
@@ -124,7 +136,8 @@ impl Arc {
 
 fn arcs(surface: &TriangleSurface, boundary: &[VertexId], width: f64) -> Vec<Arc> {
     let n = boundary.len();
-    let at = |i: usize| surface.positions()[boundary[i % n]];
+    let (line, is_tooth) = line_through_teeth(surface, boundary);
+    let at = |i: usize| line[i % n];
     let raw = (0..n).map(|i| {
         let here = at(i);
         // Vertices may lie on one another: the nearest one that does not tells the way.
@@ -144,7 +157,8 @@ fn arcs(surface: &TriangleSurface, boundary: &[VertexId], width: f64) -> Vec<Arc
             } else {
                 1.0
             };
-        arc.corner = half > 0.3;
+        arc.corner = half > SHARP && !is_tooth[i];
+        arc.tooth = surface.positions()[boundary[i]] - here;
         arc
     });
     let mut arcs: Vec<Arc> = raw.collect();
@@ -158,6 +172,7 @@ fn arcs(surface: &TriangleSurface, boundary: &[VertexId], width: f64) -> Vec<Arc
 fn continued(surface: &TriangleSurface, here: Vec3, outward: Vec3, step: f64) -> Arc {
     let mut arc = Arc {
         start: here,
+        tooth: Vec3::zeros(),
         direction: outward,
         curvature: Vec3::zeros(),
         length: 0.0,
@@ -234,6 +249,9 @@ fn shorten(arcs: &mut [Arc], rim: &[Vec3], width: f64) {
             .length
             .min(arcs[i].length + 0.7 * distance)
             .max(least);
+    }
+    for arc in arcs {
+        arc.length = arc.length.max(PAST * arc.tooth.dot(&arc.direction));
     }
 }
 
@@ -490,5 +508,30 @@ mod tests {
                 assert!(coordinates.all(|x| x.is_finite()), "{width} {hole}");
             }
         }
+    }
+
+    /// Arcs of a row of tips would fan out and cross; on a line through the tips they do not.
+    #[test]
+    fn the_strip_of_a_toothed_boundary_does_not_fold() {
+        let toothed = crate::smooth_surface::teeth::tests::rhomb(true);
+        let extension = extend(&toothed, 3.0, 0.0).unwrap();
+        let surface = &extension.surface;
+        let normal = |f: FaceId| {
+            let [a, b, c] = std::array::from_fn(|k| {
+                surface.positions()[surface.topology().face_vertices(f)[k]]
+            });
+            (b - a).cross(&(c - a)).z
+        };
+        // Away from the corners of the rhomb.
+        let beyond_teeth = |f: &FaceId| {
+            let corners = surface.topology().face_vertices(*f).iter();
+            let mut from = corners.map(|v| toothed.positions()[extension.origin[v.index()]]);
+            from.all(|p| p.y < 1.5 && (2.0..7.0).contains(&p.x))
+        };
+        let added = surface.topology().faces().skip(extension.n_original);
+        let added: Vec<FaceId> = added.filter(beyond_teeth).collect();
+        assert!(added.len() > 20);
+        let folded = added.iter().filter(|f| normal(**f) <= 0.0).count();
+        assert_eq!(folded, 0);
     }
 }

@@ -22,6 +22,7 @@ pub(crate) mod extend;
 mod local;
 mod normalise;
 pub(crate) mod subdivide;
+pub(crate) mod teeth;
 
 pub use coarsen::{Coarsened, coarsened};
 pub use extend::{Extension, extend};
@@ -234,15 +235,17 @@ fn interpolating_control(
     best
 }
 
-/// Boundary vertices where the boundary turns by more than `angle` (radians), sharpest first.
+/// Boundary vertices where the boundary turns by more than `angle` (radians), sharpest first; where
+/// it turns to and fro from one vertex to the next they are none.
 pub fn boundary_corners(surface: &TriangleSurface, angle: f64) -> Vec<VertexId> {
     let mut corners = Vec::new();
     for boundary in surface.topology().boundary_loops() {
         let n = boundary.len();
         let at = |i: usize| surface.positions()[boundary[i % n]];
+        let is_tooth = teeth::line_through_teeth(surface, &boundary).1;
         for (i, &corner) in boundary.iter().enumerate() {
             let turning = (at(i + n) - at(i + n - 1)).angle(&(at(i + 1) - at(i)));
-            if turning > angle {
+            if turning > angle && !is_tooth[i] {
                 corners.push((turning, corner));
             }
         }

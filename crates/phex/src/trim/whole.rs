@@ -61,14 +61,15 @@ pub(super) fn whole_panels(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimme
     })
 }
 
-/// Leaves out the panel that covers most of a hole in which none is left out. One with others left
-/// out beside it would join two holes, and stays while there is another.
+/// Leaves out the panel that covers most of a hole which panels close. One with others left out
+/// beside it would join two holes, and stays while there is another.
 fn open(hole: usize, mesh: &HexMesh, lies: &[Lie], keep: &mut [bool]) {
+    let topology = mesh.topology();
     let over = |i: &usize| lies[*i].beyond == Some(hole);
-    if (0..lies.len()).any(|i| over(&i) && !keep[i]) {
+    let ends = |i: usize| topology.is_boundary_face(FaceId::new(i as u32));
+    if (0..lies.len()).any(|i| over(&i) && (!keep[i] || ends(i))) {
         return;
     }
-    let topology = mesh.topology();
     let is_inner = |i: usize| {
         let f = FaceId::new(i as u32);
         let mut beside = topology.face_half_edges(f).map(|h| topology.twin(h));
@@ -282,14 +283,17 @@ mod tests {
         let mut lies: Vec<Lie> = (0..81).map(|_| panel(1.0, None)).collect();
         lies[40] = panel(0.6, Some(1));
         lies[41] = panel(0.7, Some(1));
-        let opened = |left_out: &[usize]| -> Vec<usize> {
+        let opened = |lies: &[Lie], left_out: &[usize]| -> Vec<usize> {
             let mut keep = vec![true; 81];
             left_out.iter().for_each(|i| keep[*i] = false);
-            open(1, &mesh, &lies, &mut keep);
+            open(1, &mesh, lies, &mut keep);
             (0..81).filter(|i| !keep[*i]).collect()
         };
-        assert_eq!(opened(&[]), [40]);
-        assert_eq!(opened(&[39]), [39, 41]);
-        assert_eq!(opened(&[41]), [41]);
+        assert_eq!(opened(&lies, &[]), [40]);
+        assert_eq!(opened(&lies, &[39]), [39, 41]);
+        assert_eq!(opened(&lies, &[41]), [41]);
+        // A hole at which panels end anyway is open.
+        lies[8] = panel(0.6, Some(1));
+        assert!(opened(&lies, &[]).is_empty());
     }
 }

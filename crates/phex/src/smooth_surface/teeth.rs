@@ -1,0 +1,98 @@
+//! Teeth of a boundary: where sharp turns to either side alternate.
+//!
+//! They come from a line along which triangles have been cut away whole, and nobody wants panels
+//! cut like that. A sharp turn with none near that turns the other way is a corner, and stays.
+
+use phex_mesh::{TriangleSurface, Vec3, VertexId};
+
+/// Half of the turning angle, radians, above which a vertex of the boundary is a corner or a tooth.
+pub(super) const SHARP: f64 = 0.3;
+/// Edges of the boundary within which sharp turns to either side are teeth.
+const NEAR: usize = 2;
+/// Share of a turn that an opposite one has at least: smaller ones are waves beside a corner.
+const ALIKE: f64 = 0.5;
+/// Passes of averaging along the boundary.
+const SMOOTHING: usize = 6;
+
+/// The surface with each tooth of its boundary moved towards a calm line, as far as `most` (a
+/// length); `None` where there are none.
+pub(crate) fn without_teeth(surface: &TriangleSurface, most: f64) -> Option<TriangleSurface> {
+    let mut positions = surface.positions().clone();
+    let mut any = false;
+    for boundary in surface.boundary_loops() {
+        let (line, is_tooth) = line_through_teeth(surface, &boundary);
+        any |= is_tooth.contains(&true);
+        for (v, calm) in boundary.iter().zip(line) {
+            let way = calm - positions[*v];
+            positions[*v] += way * (most / way.norm().max(most));
+        }
+    }
+    any.then(|| surface.with_positions(positions))
+}
+
+/// Places along a loop of the boundary with teeth averaged, and which vertices are teeth.
+pub(super) fn line_through_teeth(
+    surface: &TriangleSurface,
+    boundary: &[VertexId],
+) -> (Vec<Vec3>, Vec<bool>) {
+    let n = boundary.len();
+    let mut line: Vec<Vec3> = boundary.iter().map(|v| surface.positions()[*v]).collect();
+    let turn = |i: usize| {
+        let (a, b) = (line[i] - line[(i + n - 1) % n], line[(i + 1) % n] - line[i]);
+        let way = a.cross(&b).dot(&surface.normals()[boundary[i]]).signum();
+        let half = 0.5 * a.angle(&b);
+        if half > SHARP { half * way } else { 0.0 }
+    };
+    let turns: Vec<f64> = (0..n).map(turn).collect();
+    let is_opposite = |a: f64, b: f64| a * b < 0.0 && b.abs() >= ALIKE * a.abs();
+    let has_opposite =
+        |i: usize| (n - NEAR..=n + NEAR).any(|k| is_opposite(turns[i], turns[(i + k) % n]));
+    let is_tooth: Vec<bool> = (0..n).map(|i| n > 2 * NEAR && has_opposite(i)).collect();
+    for _ in 0..SMOOTHING {
+        let average = |i: usize| match is_tooth[i] {
+            true => (line[(i + n - 1) % n] + line[i] * 2.0 + line[(i + 1) % n]) / 4.0,
+            false => line[i],
+        };
+        line = (0..n).map(average).collect();
+    }
+    (line, is_tooth)
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A flat rhomb of rows of triangles; of its lowest row those with a side on the edge may be
+    /// missing, so that tips are left.
+    pub fn rhomb(is_toothed: bool) -> TriangleSurface {
+        let (n, row) = (8, 9);
+        let place = |v: u32| {
+            let (i, j) = (f64::from(v % row), f64::from(v / row));
+            Vec3::new(i + 0.5 * j, j, 0.0)
+        };
+        let first = u32::from(is_toothed);
+        let cells = (0..n * n).map(|c| c % n + (c / n) * row);
+        let triangles = cells.flat_map(|a| [[a, a + 1, a + row], [a + 1, a + row + 1, a + row]]);
+        let has_tip = |t: &[u32; 3]| t.iter().filter(|v| **v < row).count() < 2;
+        let kept = triangles.filter(|t| !is_toothed || has_tip(t));
+        let kept: Vec<[u32; 3]> = kept.map(|t| t.map(|v| v - first)).collect();
+        let places = (first..row * row).map(place).collect();
+        TriangleSurface::new(places, &kept).unwrap()
+    }
+
+    #[test]
+    fn corners_stay_and_teeth_go_as_far_as_they_may() {
+        assert!(without_teeth(&rhomb(false), 1.0).is_none());
+        let toothed = rhomb(true);
+        for most in [0.1, 1.0] {
+            let calm = without_teeth(&toothed, most).unwrap();
+            let moves = toothed.positions().iter().zip(calm.positions().iter());
+            let moves: Vec<Vec3> = moves.map(|(p, q)| q - p).collect();
+            // A tip in the middle of the edge, and the corner at the far end.
+            let [tip, corner] = [moves[4], moves[moves.len() - 1]];
+            let goes = tip.y.min(0.5);
+            assert!(goes > 0.35_f64.min(0.99 * most), "{tip}");
+            assert!(tip.norm() <= most * (1.0 + 1e-12) && corner.norm() == 0.0);
+        }
+    }
+}
