@@ -11,8 +11,8 @@
 //! change the distance at first order, so the derivative by corner `i` is `2 l_i (q - y) / d^2`
 //! with its weight `l_i` at rest, exactly where the panel is planar.
 
+use super::inequality::Inequality;
 use super::panels::{Corner, FaceFrame};
-use super::shape_limits::Inequality;
 use phex_mesh::{Vec2, Vec3, polygon};
 
 /// The inequality of a point; `None` where the panel has no area.

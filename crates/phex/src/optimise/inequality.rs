@@ -15,6 +15,8 @@
 //! Saunders, "SNOPT" 2005, section 1.1; Nocedal and Wright, "Numerical optimization" 2006, section
 //! 19.6), with the slack eliminated.
 
+use phex_mesh::Vec3;
+
 /// `mu / rho`: share of a limit within which an inequality is felt.
 const SHARPNESS: f64 = 2e-3;
 
@@ -76,6 +78,32 @@ impl Elastic {
             self.weight * slope,
             self.weight * SHARPNESS * share / (gap * gap),
         ]
+    }
+}
+
+/// An inequality of some corners of a face: `c`, and its derivatives by them.
+pub(super) struct Inequality {
+    pub c: f64,
+    pub rows: Vec<(usize, Vec3)>,
+}
+
+impl Inequality {
+    /// A figure that is to be at least `limit`, with its derivatives by all corners.
+    pub fn at_least(value: f64, limit: f64, rows: &[Vec3]) -> Self {
+        let rows = rows.iter().map(|row| row / limit).enumerate();
+        Self {
+            c: value / limit - 1.0,
+            rows: rows.collect(),
+        }
+    }
+
+    /// The same for one that is to be at most `limit`.
+    pub fn at_most(value: f64, limit: f64, rows: &[Vec3]) -> Self {
+        let rows = rows.iter().map(|row| row / -limit).enumerate();
+        Self {
+            c: 1.0 - value / limit,
+            rows: rows.collect(),
+        }
     }
 }
 

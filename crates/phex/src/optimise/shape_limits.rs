@@ -18,7 +18,7 @@
 //! faces meet is the matter of [`super::folds`].
 
 use super::coverage::covered;
-use super::inequality::Elastic;
+use super::inequality::{Elastic, Inequality};
 use super::options::OptimiseOptions;
 use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block, extent};
 use super::simple::area;
@@ -26,32 +26,6 @@ use super::spatial_barrier::{SpatialApproach, for_each_approach};
 use nalgebra::Matrix2;
 use phex_mesh::measure::wanted_clearance;
 use phex_mesh::{PanelLimits, Vec2, Vec3, rectangle_fit};
-
-/// An inequality of some corners of a face: `c`, and its derivatives by them.
-pub(super) struct Inequality {
-    pub c: f64,
-    pub rows: Vec<(usize, Vec3)>,
-}
-
-impl Inequality {
-    /// A figure that is to be at least `limit`, with its derivatives by all corners.
-    fn at_least(value: f64, limit: f64, rows: &[Vec3]) -> Self {
-        let rows = rows.iter().map(|row| row / limit).enumerate();
-        Self {
-            c: value / limit - 1.0,
-            rows: rows.collect(),
-        }
-    }
-
-    /// The same for one that is to be at most `limit`.
-    fn at_most(value: f64, limit: f64, rows: &[Vec3]) -> Self {
-        let rows = rows.iter().map(|row| row / -limit).enumerate();
-        Self {
-            c: 1.0 - value / limit,
-            rows: rows.collect(),
-        }
-    }
-}
 
 /// What faces are to have; lengths in the unit of the mesh.
 #[derive(Clone, Debug)]
