@@ -7,6 +7,8 @@ use phex_mesh::{TriangleSurface, Vec3, VertexId};
 
 /// Half of the turning angle, radians, above which a vertex of the boundary is a corner or a tooth.
 pub(super) const SHARP: f64 = 0.3;
+/// Edges of a loop below which its turns are its shape, and no teeth.
+const FEWEST: usize = 20;
 /// Edges of the boundary within which sharp turns to either side are teeth.
 const NEAR: usize = 2;
 /// Share of a turn that an opposite one has at least: smaller ones are waves beside a corner.
@@ -47,7 +49,7 @@ pub(super) fn line_through_teeth(
     let is_opposite = |a: f64, b: f64| a * b < 0.0 && b.abs() >= ALIKE * a.abs();
     let has_opposite =
         |i: usize| (n - NEAR..=n + NEAR).any(|k| is_opposite(turns[i], turns[(i + k) % n]));
-    let is_tooth: Vec<bool> = (0..n).map(|i| n > 2 * NEAR && has_opposite(i)).collect();
+    let is_tooth: Vec<bool> = (0..n).map(|i| n >= FEWEST && has_opposite(i)).collect();
     for _ in 0..SMOOTHING {
         let average = |i: usize| match is_tooth[i] {
             true => (line[(i + n - 1) % n] + line[i] * 2.0 + line[(i + 1) % n]) / 4.0,
