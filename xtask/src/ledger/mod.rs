@@ -85,7 +85,7 @@ pub fn ledger(root: &Path, words: &[&str]) -> Result<(), String> {
     let wanted = WantedRows::parse(root, words)?;
     let program = match &wanted.program {
         Some(program) => program.clone(),
-        None => built(root, "release")?,
+        None => released(root)?,
     };
     let made = make(root, program, &wanted)?;
     let kept = Ledger::read(&root.join(KEPT)).ok();
@@ -112,7 +112,7 @@ pub fn ledger(root: &Path, words: &[&str]) -> Result<(), String> {
 /// which depends on how the program was built.
 pub fn check(root: &Path) -> Result<(), String> {
     let wanted = WantedRows::parse(root, &["--quick"])?;
-    let made = make(root, built(root, "debug")?, &wanted)?;
+    let made = make(root, crate::program_as_tested(root)?, &wanted)?;
     let kept = Ledger::read(&root.join(KEPT))?;
     print!("{}", table::comparison(&kept, &made));
     slipped(&kept, &made, figures::FigureScope::WithoutCost)
@@ -126,16 +126,11 @@ fn make(root: &Path, program: PathBuf, wanted: &WantedRows) -> Result<Ledger, St
     Ok(made)
 }
 
-/// The program of this tree, built.
-fn built(root: &Path, profile: &str) -> Result<PathBuf, String> {
-    let release: &[&str] = match profile {
-        "release" => &["--release"],
-        _ => &[],
-    };
-    let words = [&["build", "--package", "phex-cli"], release].concat();
-    crate::cargo(root, &words)?;
+/// The program of this tree, built with all optimisations.
+fn released(root: &Path) -> Result<PathBuf, String> {
+    crate::cargo(root, &["build", "--package", "phex-cli", "--release"])?;
     let name = format!("phex{}", std::env::consts::EXE_SUFFIX);
-    Ok(root.join("target").join(profile).join(name))
+    Ok(crate::target_folder(root).join("release").join(name))
 }
 
 /// An error that names the rows that are worse than the yardstick.
