@@ -96,7 +96,9 @@ const DEEDS = [
   (page) => press(page, '.choices input, [data-setting="all-components"] input'),
 ];
 
-const child = spawn(phex, ["studio", "--no-open", "--quiet"], { stdio: ["ignore", "pipe", "pipe"] });
+// With one arena the allocator gives back what is freed: what is seen is what the program holds.
+const env = { ...process.env, MALLOC_ARENA_MAX: "1" };
+const child = spawn(phex, ["studio", "--no-open", "--quiet"], { stdio: ["ignore", "pipe", "pipe"], env });
 const wrong = [];
 child.stderr.on("data", (data) => wrong.push(String(data)));
 const address = await new Promise((resolve) => child.stdout.on("data", (data) => resolve(/http:\S+/.exec(String(data))[0])));

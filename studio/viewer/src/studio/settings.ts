@@ -322,7 +322,7 @@ function fromPlace({ low, high, step, logarithmic }: NonNullable<Setting["slider
 }
 
 export class Settings {
-  private readonly updates: (() => void)[] = [];
+  private updates: (() => void)[] = [];
 
   constructor(
     private readonly state: State,
@@ -330,8 +330,9 @@ export class Settings {
     private readonly hint: (text: string) => void,
   ) {}
 
-  /** All groups. */
+  /** All groups, anew; those that were built before are forgotten. */
   build(): HTMLElement[] {
+    this.updates = [];
     return GROUPS.map((group) => {
       const attributes: Record<string, string> = group.closed ? { class: "group" } : { class: "group", open: "" };
       const box = h("details", attributes, h("summary", {}, say(group.title)));
