@@ -91,6 +91,20 @@ impl TriangleSurface {
         self.with_positions(self.positions.map(place))
     }
 
+    /// The same triangles with every place moved by a similarity that turns nothing: normals stay.
+    pub fn moved(&self, place: impl Fn(&Vec3) -> Vec3) -> Self {
+        Self {
+            positions: Arc::new(self.positions.map(place)),
+            hierarchy: Arc::default(),
+            ..self.clone()
+        }
+    }
+
+    /// Whether this is a clone of another surface.
+    pub fn is_clone_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.positions, &other.positions) && Arc::ptr_eq(&self.normals, &other.normals)
+    }
+
     /// The same surface with other unit vertex normals (those of a fitted jet, say).
     ///
     /// # Panics

@@ -136,6 +136,10 @@ impl TriangleSurface {
     /// # Errors
     /// If there is no part, or they together have more elements than can be addressed.
     pub fn joined<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Result<Self, TopologyError> {
+        let parts: Vec<&Self> = parts.into_iter().collect();
+        if let [whole] = parts[..] {
+            return Ok(whole.clone());
+        }
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for part in parts {
             let first = positions.len() as u32;

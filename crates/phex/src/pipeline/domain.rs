@@ -6,9 +6,11 @@ use crate::layout::lattice::CELL;
 use crate::quality::USUAL_DEVIATION;
 use crate::smooth_surface::extend::{self, Extension};
 use crate::smooth_surface::teeth::without_teeth;
-use crate::smooth_surface::{self, Coarsened, SmoothTarget, TargetKind, boundary_corners};
+use crate::smooth_surface::{
+    self, Coarsened, Normalised, SmoothTarget, TargetKind, boundary_corners,
+};
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
-use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, VertexId};
 use std::sync::Arc;
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
@@ -68,11 +70,11 @@ pub fn continued(surface: &TriangleSurface, panels: usize) -> Option<TriangleSur
 }
 
 impl Beyond {
-    /// The same with all points mapped by a similarity.
-    pub(crate) fn moved(&self, map: impl Fn(Vec3) -> Vec3) -> Self {
+    /// The same in model coordinates.
+    pub(crate) fn restored(&self, model: &Normalised) -> Self {
         Self {
-            smooth: moved(&self.smooth, &map),
-            facets: moved(&self.facets, &map),
+            smooth: model.restored(&self.smooth),
+            facets: model.restored(&self.facets),
         }
     }
 }
@@ -272,12 +274,6 @@ fn with_first_places(surface: &TriangleSurface, first: &TriangleSurface) -> Tria
     let places = first.positions().iter();
     let places = places.chain(surface.positions().iter().skip(count));
     surface.with_positions(PerVertex::from_vec(places.copied().collect()))
-}
-
-/// A surface with its points mapped by a similarity.
-pub(crate) fn moved(surface: &TriangleSurface, f: impl Fn(Vec3) -> Vec3) -> TriangleSurface {
-    let normals = surface.normals().clone();
-    surface.mapped(|p| f(*p)).with_normals(normals)
 }
 
 /// The input with fewer vertices, where it has many more than are `needed`.

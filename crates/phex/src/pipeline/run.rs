@@ -3,13 +3,13 @@
 use super::attempt::AttemptSummary;
 use super::classical_statistics::ClassicalStatistics;
 use super::clock::StageSeconds;
-use super::domain::{Beyond, moved};
+use super::domain::Beyond;
 use crate::directions::guides::Cone;
 use crate::layout::LayoutStatistics;
 use crate::layout::brick_wall::BrickWallStatistics;
 use crate::optimise::{RunSummary, Steering};
 use crate::search::SearchSummary;
-use crate::smooth_surface::{Similarity, SmoothTarget};
+use crate::smooth_surface::{Normalised, SmoothTarget};
 use crate::symmetry::{Orbits, SymmetrySummary};
 use phex_mesh::validate::ValidateOptions;
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Vec3, Violation};
@@ -105,7 +105,8 @@ pub struct MeshRun {
 
 impl MeshRun {
     /// The same in model coordinates, with vertices where they are held there.
-    pub(super) fn restored(mut self, similarity: &Similarity, held: &Steering) -> Self {
+    pub(super) fn restored(mut self, model: &Normalised, held: &Steering) -> Self {
+        let similarity = &model.similarity;
         let restore = |p: Vec3| similarity.restore(p);
         let mut positions = self.mesh.positions.map(|p| restore(*p));
         held.put_exactly(&mut positions, similarity.scale);
@@ -123,8 +124,8 @@ impl MeshRun {
         for p in self.start.iter_mut().flat_map(|s| &mut s.positions) {
             *p = restore(*p);
         }
-        self.target = moved(&self.target, restore);
-        self.beyond = self.beyond.map(|b| b.moved(restore));
+        self.target = model.restored(&self.target);
+        self.beyond = self.beyond.map(|b| b.restored(model));
         let tried = std::mem::take(&mut self.statistics.tried).into_iter();
         self.statistics.tried = tried.map(|t| t.restored(restore)).collect();
         for cone in &mut self.statistics.cones {

@@ -145,7 +145,7 @@ impl Session {
                     let made =
                         symmetric::mesh_with_panels((surface, panels), &options, &mut clock)?;
                     if let Some(run) = made {
-                        return Ok(run.restored(&model.similarity, &given.steering));
+                        return Ok(run.restored(model, &given.steering));
                     }
                 }
                 let ground = clock.stage("target", || self.ground(panels, &options))?;
@@ -157,7 +157,7 @@ impl Session {
         let held = made.and_then(|run| steered::steered(run, &options, progress));
         let equal = held.and_then(|run| repeated::repeated(run, surface, &options, progress));
         match equal {
-            Ok(run) => Ok(run.restored(&model.similarity, &given.steering)),
+            Ok(run) => Ok(run.restored(model, &given.steering)),
             Err(error) => Err(error.in_model(model)),
         }
     }

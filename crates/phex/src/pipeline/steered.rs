@@ -77,7 +77,7 @@ pub fn refit_surface(
     };
     let run = with_result(run, refitted, clock);
     let run = repeated::repeated(run, &model.surface, &normalised, progress)?;
-    let mut run = run.restored(&model.similarity, &options.steering);
+    let mut run = run.restored(&model, &options.steering);
     for &v in &options.steering.fixed_vertices {
         let v = VertexId::new(v);
         run.mesh.positions[v] = earlier.positions[v];

@@ -34,13 +34,11 @@ pub fn subdivide(
     options: &OptimiseOptions,
     progress: &dyn Progress,
 ) -> Result<Vec<Level>, PipelineError> {
-    let Normalised {
-        surface: normalised,
-        similarity,
-    } = Normalised::of(surface);
+    let model = Normalised::of(surface);
+    let similarity = &model.similarity;
     let panels = mesh.topology().n_faces() << (2 * levels);
     let smooth = smooth_surface::smooth_target(
-        &normalised,
+        &model.surface,
         TARGET_DENSITY * panels,
         &TargetOptions::default(),
     );

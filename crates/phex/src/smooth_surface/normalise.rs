@@ -16,6 +16,8 @@ const STEPS: f64 = (1_u64 << 32) as f64;
 /// A surface in normalised coordinates.
 #[derive(Clone)]
 pub struct Normalised {
+    /// The surface as it was given.
+    pub given: TriangleSurface,
     /// The surface, with the numbers that it has in the input.
     pub surface: TriangleSurface,
     /// What brings the given surface there, up to the grid.
@@ -27,8 +29,17 @@ impl Normalised {
     pub fn of(surface: &TriangleSurface) -> Self {
         let similarity = Similarity::normalising(surface);
         Self {
+            given: surface.clone(),
             surface: surface.mapped(|p| on_grid(similarity.normalise(*p))),
             similarity,
+        }
+    }
+
+    /// A surface in model coordinates; the given one as it was given.
+    pub fn restored(&self, surface: &TriangleSurface) -> TriangleSurface {
+        match surface.is_clone_of(&self.surface) {
+            true => self.given.clone(),
+            false => surface.moved(|p| self.similarity.restore(*p)),
         }
     }
 
