@@ -103,8 +103,7 @@ impl AttemptSummary {
 impl AttemptSummary {
     /// The same with sizes that resolve the surface, where the options leave sizes free.
     pub(super) fn resolving(&self, options: &MeshOptions) -> Option<Candidate> {
-        let free = options.sizes.adaptive.is_none() && options.size_field.is_none();
-        free.then_some(Candidate {
+        (!options.varies_sizes()).then_some(Candidate {
             resolving: true,
             ..self.candidate
         })

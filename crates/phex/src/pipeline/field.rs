@@ -236,7 +236,7 @@ const SIZED_SCREENING: f64 = 0.5;
 pub(super) fn direction_options(options: &MeshOptions, anisotropy: f64) -> DirectionOptions {
     let mut settings = options.directions.clone();
     settings.anisotropy = anisotropy;
-    if options.sizes.adaptive.is_some() || options.size_field.is_some() {
+    if options.varies_sizes() {
         settings.conformal_screening = settings.conformal_screening.max(SIZED_SCREENING);
     }
     settings

@@ -97,7 +97,8 @@ pub struct MeshOptions {
     pub optimise: OptimiseOptions,
     /// Vertices that are held in the end; numbers of vertices make sense for a warm start only.
     pub steering: Steering,
-    /// Vertices per panel, at least, of the mesh on which directions and lattice are computed.
+    /// Vertices per panel, at least, of the mesh on which directions and lattice are computed; twice
+    /// as many where sizes vary, for the small panels.
     pub field_density: f64,
     /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are
     /// kept close.
@@ -128,7 +129,7 @@ impl Default for MeshOptions {
             dual: DualOptions::default(),
             optimise: OptimiseOptions::default(),
             steering: Steering::default(),
-            field_density: 8.0,
+            field_density: 4.0,
             cell_density: 25.0,
             repeat_rel: None,
             symmetry: Symmetry::default(),
@@ -138,6 +139,11 @@ impl Default for MeshOptions {
 }
 
 impl MeshOptions {
+    /// Whether panels are to be smaller at some places than at others.
+    pub(super) fn varies_sizes(&self) -> bool {
+        self.sizes.adaptive.is_some() || self.size_field.is_some()
+    }
+
     /// What a mesh must keep to.
     pub fn limits(&self) -> Limits {
         let deviation = self.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
