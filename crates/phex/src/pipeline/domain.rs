@@ -29,10 +29,6 @@ const FINE: f64 = 1.3;
 /// Vertices that are left then, over the same.
 const ENOUGH: f64 = 1.1;
 
-/// Vertices of the level that directions are computed on, where sizes vary, over those where all
-/// panels are alike: with as many as there a penguin's panels lie three times as far off.
-const SMALL_PANELS: f64 = 2.0;
-
 /// Share of the largest distance between panels and surface by which teeth of its boundary are
 /// moved to make that calm.
 const LARGEST_TOOTH: f64 = 0.5;
@@ -206,13 +202,7 @@ impl Ground {
 
     /// The level on which directions and lattice are computed.
     pub(crate) fn field_level(&self, options: &MeshOptions) -> usize {
-        let small = if options.varies_sizes() {
-            SMALL_PANELS
-        } else {
-            1.0
-        };
-        let vertices = small * options.field_density * self.panels as f64;
-        self.smooth.level_with(vertices)
+        self.smooth.level_with(options.field_vertices(self.panels))
     }
 
     /// The smooth surface without the strip.

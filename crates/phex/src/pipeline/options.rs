@@ -64,6 +64,11 @@ pub enum Effort {
     Best,
 }
 
+/// Vertices under panels of many sizes, and under planes, over those under a lattice of panels that
+/// are alike: with no more than there a penguin's panels lie twice as far off, and ten of 250
+/// tangent planes of a torus cross themselves.
+const EXACT: f64 = 2.0;
+
 /// Options of [`mesh_surface`](super::mesh_surface): one struct per stage, and what concerns the
 /// whole flow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -97,8 +102,8 @@ pub struct MeshOptions {
     pub optimise: OptimiseOptions,
     /// Vertices that are held in the end; numbers of vertices make sense for a warm start only.
     pub steering: Steering,
-    /// Vertices per panel, at least, of the mesh on which directions and lattice are computed; twice
-    /// as many where sizes vary, for the small panels.
+    /// Vertices per panel, at least, of the mesh on which directions and lattice are computed;
+    /// twice as many where sizes vary or planes come from its curvature.
     pub field_density: f64,
     /// Vertices per panel, at least, of the mesh on which cells are drawn and to which panels are
     /// kept close.
@@ -142,6 +147,13 @@ impl MeshOptions {
     /// Whether panels are to be smaller at some places than at others.
     pub(super) fn varies_sizes(&self) -> bool {
         self.sizes.adaptive.is_some() || self.size_field.is_some()
+    }
+
+    /// Vertices of the level that directions and lattice are computed on.
+    pub(super) fn field_vertices(&self, panels: usize) -> f64 {
+        let is_usual = self.method == Method::Lattice && !self.varies_sizes();
+        let share = if is_usual { 1.0 } else { EXACT };
+        share * self.field_density * panels as f64
     }
 
     /// What a mesh must keep to.

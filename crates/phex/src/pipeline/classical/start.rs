@@ -34,7 +34,7 @@ impl<'a> CurvedGround<'a> {
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
         // Of this surface, which may have other levels than that of the ground.
-        let level = smooth.level_with(ground.options.field_density * ground.panels as f64);
+        let level = smooth.level_with(ground.options.field_vertices(ground.panels));
         let surface = &smooth.levels[level];
         let length = panel_length(surface, ground.panels);
         let curvature = clock.stage("curvature", || {
