@@ -95,8 +95,9 @@ impl Field {
 /// Longest edge of the surface on which a seamless lattice is computed, in lattice spacings:
 /// between vertices farther apart lattice points get lost.
 const LONGEST_EDGE: f64 = 0.35;
-/// Local refinements for that at the most.
-const LOCAL_REFINEMENTS: usize = 4;
+/// Vertices of the refined surface over those before, at the most: bodies with ears need up to 2.7,
+/// and on a needle, on which every lattice is finer than the triangles, no refinement is enough.
+const LOCAL_REFINEMENT: usize = 4;
 
 /// The ground of a seamless lattice, refined where the surface bends so fast that the lattice is
 /// finer than the triangles, and the level to compute it on. `None` where triangles are small
@@ -122,10 +123,13 @@ pub(super) fn finer_ground(
     })??;
     let mut finest: Option<SmoothTarget> = None;
     let mut level = first;
-    while level < first + LOCAL_REFINEMENTS {
+    loop {
         let now = finest.as_ref().unwrap_or(smooth);
         let length = IntrinsicMesh::new(&now.levels[level], &metric).length;
-        let Some(finer) = now.split_longer(level, &length, LONGEST_EDGE) else {
+        let few = |finer: &SmoothTarget| {
+            finer.finest().positions().len() <= LOCAL_REFINEMENT * surface.positions().len()
+        };
+        let Some(finer) = now.split_longer(level, &length, LONGEST_EDGE).filter(few) else {
             break;
         };
         metric = finer.refinements[level].apply(&metric);
@@ -328,4 +332,31 @@ pub(super) fn spaced_corners(
         }
     }
     kept.into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Silent;
+
+    #[test]
+    fn a_needle_is_not_refined_without_end() {
+        let tip = |x, y| Vec3::new(x, y, 0.0);
+        let corners = vec![tip(0.0, 0.0), tip(1e4, 0.0), tip(5e3, 1.0)];
+        let needle = TriangleSurface::new(corners, &[[0, 1, 2]]).unwrap();
+        let way = LatticeFreedom {
+            anisotropy: 1.0,
+            seamless: true,
+            resolving: false,
+            usual_deviation: false,
+        };
+        let options = way.options(&MeshOptions::default());
+        let ground = Ground::new(&needle, 50, &options);
+        let settings = direction_options(&options, way.anisotropy);
+        let (finer, _) = finer_ground(&ground, &options, &settings, &mut Clock::new(&Silent))
+            .unwrap()
+            .expect("the lattice is finer than the triangles");
+        let vertices = |of: &Ground| of.smooth.finest().positions().len();
+        assert!(vertices(&finer) <= LOCAL_REFINEMENT * vertices(&ground));
+    }
 }
