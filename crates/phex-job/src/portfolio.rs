@@ -14,11 +14,14 @@ pub fn members(tried: &[AttemptSummary]) -> Vec<String> {
 /// How the panels of a member were laid out.
 pub(crate) fn way(summary: &AttemptSummary) -> String {
     let candidate = &summary.candidate;
-    match (candidate.method, candidate.seamless) {
-        (Method::BrickWall, _) => "brick wall".to_owned(),
-        (_, true) => format!("seamless lattice, anisotropy {}", candidate.anisotropy),
-        (_, false) => format!("lattice, anisotropy {}", candidate.anisotropy),
-    }
+    let kind = match candidate {
+        c if c.method == Method::BrickWall => return "brick wall".to_owned(),
+        c if c.seamless => "seamless lattice",
+        c if c.resolving => "lattice with sizes that resolve the surface",
+        c if c.usual_deviation => "lattice for the usual deviation",
+        _ => "lattice",
+    };
+    format!("{kind}, anisotropy {}", candidate.anisotropy)
 }
 
 /// What a merit says of a mesh.

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{figures, mapped, rotation, shape, two_components};
-use phex::pipeline::Method;
+use phex::pipeline::{Candidate, Method};
 use phex::{
     Effort, Event, MeshOptions, MeshRun, PanelSize, PipelineError, Progress, Silent, mesh_surface,
 };
@@ -151,12 +151,10 @@ fn the_best_of_the_portfolio_is_kept() {
     };
     let run = mesh_surface(&torus, &options, &Silent).unwrap();
     let tried = &run.statistics.tried;
-    assert_eq!(tried.len(), 1 + options.portfolio.len());
-    assert!(
-        tried
-            .iter()
-            .any(|t| t.candidate.method == Method::BrickWall)
-    );
+    assert_eq!(tried.len(), 2 + options.portfolio.len());
+    let is_tried = |what: fn(&Candidate) -> bool| tried.iter().any(|t| what(&t.candidate));
+    assert!(is_tried(|c| c.method == Method::BrickWall));
+    assert!(is_tried(|c| c.resolving));
     let kept: Vec<_> = tried.iter().filter(|t| t.kept).collect();
     assert_eq!(kept.len(), 1);
     assert_eq!(kept[0].panels, run.mesh.topology().n_faces());

@@ -90,21 +90,11 @@ impl AttemptSummary {
         let seamless = self.regular_possible && self.irregular > 0;
         let usual_deviation = !within && is_tight(options);
         let much = self.merit.invalid > 0.0 || self.merit.outside > CURABLE;
-        let resolving = self.resolving(options).is_some() && much && !usual_deviation;
+        let resolving = self.candidate.resolving(options).is_some() && much && !usual_deviation;
         (seamless || resolving || usual_deviation).then_some(Candidate {
             seamless: seamless && within,
             resolving,
             usual_deviation,
-            ..self.candidate
-        })
-    }
-}
-
-impl AttemptSummary {
-    /// The same with sizes that resolve the surface, where the options leave sizes free.
-    pub(super) fn resolving(&self, options: &MeshOptions) -> Option<Candidate> {
-        (!options.varies_sizes()).then_some(Candidate {
-            resolving: true,
             ..self.candidate
         })
     }
@@ -114,7 +104,27 @@ impl AttemptSummary {
         let limit = options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
         let misses = self.merit.off * limit > USUAL_DEVIATION || self.merit.invalid > 0.0;
         let is_usual = self.candidate.usual_deviation && !self.candidate.resolving;
-        self.resolving(options).filter(|_| is_usual && misses)
+        let resolving = self.candidate.resolving(options);
+        resolving.filter(|_| is_usual && misses)
+    }
+}
+
+impl Candidate {
+    /// The same with sizes that resolve the surface, where the options leave sizes free.
+    pub(super) fn resolving(self, options: &MeshOptions) -> Option<Self> {
+        (!options.varies_sizes()).then_some(Self {
+            resolving: true,
+            ..self
+        })
+    }
+
+    /// The other lattices that may be tried where this one is not enough.
+    pub(super) fn alternatives(self, options: &MeshOptions) -> impl Iterator<Item = Self> {
+        let usual = is_tight(options).then_some(Self {
+            usual_deviation: true,
+            ..self
+        });
+        usual.into_iter().chain(self.resolving(options))
     }
 }
 

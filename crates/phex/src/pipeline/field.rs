@@ -208,8 +208,7 @@ const SEAMLESS_SCREENING: f64 = 0.025;
 const SEAMLESS_LIMIT: f64 = 2.0;
 
 impl LatticeFreedom {
-    /// Options for a lattice of this kind. A seamless one is computed on a fine level: about cones
-    /// it must be exact.
+    /// Options for a lattice of this kind.
     pub fn options(self, options: &MeshOptions) -> MeshOptions {
         let mut options = options.clone();
         options.directions.anisotropy = self.anisotropy;
@@ -221,7 +220,6 @@ impl LatticeFreedom {
         }
         if self.seamless {
             allow_sizes(&mut options);
-            options.field_density = options.field_density.max(options.cell_density);
         }
         options
     }

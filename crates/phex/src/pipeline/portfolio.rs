@@ -1,5 +1,5 @@
 //! The portfolio: ways of laying panels out, compared after a single pass; only the best is
-//! searched.
+//! searched, and the next where that is not enough.
 //!
 //! No single layout is best on every surface. A strongly anisotropic lattice follows the curvature
 //! closely, a less anisotropic one has calmer panels, a seamless one changes its size smoothly
@@ -7,7 +7,7 @@
 //! for them. By default one other lattice is laid out, and only where the first is far outside its
 //! limits, or its search leaves something outside (then panels are smaller where the surface
 //! bends), or where it is less regular than it could be; with [`Effort::Best`] all of them are,
-//! side by side.
+//! side by side. They are searched one after the other until one is within its limits.
 
 use super::attempt::{AttemptSummary, is_tight};
 use super::domain::Ground;
@@ -31,6 +31,14 @@ struct Member {
 enum AttemptMesh {
     Lattice(Box<Pass>),
     Wall(Box<MeshRun>),
+}
+
+/// A member as a run, searched.
+struct SearchedMember {
+    /// Which of those that were tried it is.
+    number: usize,
+    run: MeshRun,
+    merit: Merit,
 }
 
 /// What is made, of what, and how large, all normalised.
@@ -58,36 +66,25 @@ pub(super) fn mesh_with_panels(
         options,
         ground,
     };
-    let mut members = match options.effort {
+    let members = match options.effort {
         Effort::Best => task.all(progress),
         _ => task.one_or_two(progress),
     }?;
     clock.unless_unwanted()?;
-    let best = (0..members.len()).reduce(|a, b| {
-        let [first, second] = [a, b].map(|k| &members[k].summary.merit);
-        // Of two that miss a tight limit the nearer one is better: it is no worse than what the
-        // usual limit gives.
-        let misses =
-            is_tight(options) && first.invalid == second.invalid && first.off.max(second.off) > 1.0;
-        let better = if misses {
-            second.off < first.off
-        } else {
-            second.is_better(first)
-        };
-        if better { b } else { a }
-    });
-    let best = best.ok_or(PipelineError::Cancelled)?;
-    members[best].summary.kept = true;
-    let mut tried: Vec<AttemptSummary> = members.iter().map(|m| m.summary.clone()).collect();
     members.iter().for_each(|m| clock.add(&m.clock));
-    let mut run = match members.swap_remove(best).made {
-        AttemptMesh::Lattice(pass) => {
-            let searched = task.searched(*pass, &mut clock);
-            task.cured(searched, &mut tried, &mut clock).0
+    let mut tried: Vec<AttemptSummary> = members.iter().map(|m| m.summary.clone()).collect();
+    let mut left: Vec<(usize, Member)> = members.into_iter().enumerate().collect();
+    let best = task.taken(&mut left).ok_or(PipelineError::Cancelled)?;
+    let mut found = task.finished(best, &mut clock);
+    while let Some(next) = task.next(&found, &mut left, &mut tried, &mut clock) {
+        let other = task.finished(next, &mut clock);
+        if task.is_better([&found.merit, &other.merit]) {
+            found = other;
         }
-        AttemptMesh::Wall(wall) => *wall,
-    };
+    }
     clock.unless_unwanted()?;
+    tried[found.number].kept = true;
+    let mut run = found.run;
     run.statistics.tried = tried;
     run.stages = clock.stages;
     Ok(run)
@@ -118,12 +115,9 @@ impl Task<'_> {
     fn all(&self, progress: &dyn Progress) -> Result<Vec<Member>, PipelineError> {
         let one_at_a_time = OneAtATime(Mutex::new(()), progress);
         let first = Candidate::first(&self.ground.options);
-        let others = self
-            .options
-            .portfolio
-            .iter()
-            .copied()
-            .filter(|c| *c != first);
+        let others = self.options.portfolio.iter().copied();
+        let others = first.alternatives(self.options).chain(others);
+        let others = others.filter(|c| *c != first);
         let all: Vec<Candidate> = std::iter::once(first).chain(others).collect();
         let one = |c: &Candidate| self.member(*c, &one_at_a_time);
         let results: Vec<_> = all.par_iter().with_max_len(1).map(one).collect();
@@ -176,34 +170,58 @@ impl Task<'_> {
         })
     }
 
-    /// Where the search has left something outside limits, the other lattice that was not tried
-    /// before, if it comes out better.
-    fn cured(
+    /// Whether the second of two is better. Of two that miss a tight limit the nearer one is: it is
+    /// no worse than what the usual limit gives.
+    fn is_better(&self, [first, second]: [&Merit; 2]) -> bool {
+        let misses = is_tight(self.options)
+            && first.invalid == second.invalid
+            && first.off.max(second.off) > 1.0;
+        match misses {
+            true => second.off < first.off,
+            false => second.is_better(first),
+        }
+    }
+
+    /// Takes the best of those that are left.
+    fn taken(&self, left: &mut Vec<(usize, Member)>) -> Option<(usize, Member)> {
+        let merit = |k: usize| &left[k].1.summary.merit;
+        let better = |a, b| match self.is_better([merit(a), merit(b)]) {
+            true => b,
+            false => a,
+        };
+        let best = (0..left.len()).reduce(better)?;
+        Some(left.remove(best))
+    }
+
+    /// What is searched next, where the search has left something outside limits: the best of those
+    /// that are left, or the other lattice if only one was tried.
+    fn next(
         &self,
-        first: (MeshRun, Merit),
+        found: &SearchedMember,
+        left: &mut Vec<(usize, Member)>,
         tried: &mut Vec<AttemptSummary>,
         clock: &mut Clock<'_>,
-    ) -> (MeshRun, Merit) {
-        let [only] = &mut tried[..] else {
-            return first;
+    ) -> Option<(usize, Member)> {
+        if found.merit.is_within() || !self.searches() || clock.progress.is_cancelled() {
+            return None;
+        }
+        let [only] = &tried[..] else {
+            return self.taken(left);
         };
-        let again = only.resolving(self.options);
-        let again = again.filter(|_| self.searches() && !first.1.is_within());
-        let Some(candidate) = again.filter(|_| !clock.progress.is_cancelled()) else {
-            return first;
-        };
-        let Ok(mut member) = self.member(candidate, clock.progress) else {
-            return first;
-        };
+        let candidate = only.candidate.resolving(self.options)?;
+        let member = self.member(candidate, clock.progress).ok()?;
         clock.add(&member.clock);
-        let AttemptMesh::Lattice(pass) = member.made else {
-            return first;
+        tried.push(member.summary.clone());
+        Some((1, member))
+    }
+
+    /// A member as a run, searched if it is a lattice.
+    fn finished(&self, (number, member): (usize, Member), clock: &mut Clock<'_>) -> SearchedMember {
+        let (run, merit) = match member.made {
+            AttemptMesh::Lattice(pass) => self.searched(*pass, clock),
+            AttemptMesh::Wall(wall) => (*wall, member.summary.merit),
         };
-        let second = self.searched(*pass, clock);
-        let is_better = second.1.is_better(&first.1);
-        (only.kept, member.summary.kept) = (!is_better, is_better);
-        tried.push(member.summary);
-        if is_better { second } else { first }
+        SearchedMember { number, run, merit }
     }
 
     /// The pass searched, as a run, and what it is compared by.
