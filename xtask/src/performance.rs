@@ -101,7 +101,7 @@ pub fn performance(root: &Path, words: &[&str]) -> Result<(), String> {
 
 const HEAD: &str = "# What runs cost
 
-`cargo xtask performance` writes this file; `--large` adds the run with 100,000 panels, which takes ten minutes and up to 9 GB. Seconds are those of one shared machine with two
+`cargo xtask performance` writes this file; `--large` adds the run with 100,000 panels, which takes six to eight minutes and up to 5.2 GB. Seconds are those of one shared machine with two
 cores, the shortest of three runs: compare rows, not days.
 ";
 

@@ -217,8 +217,8 @@ pub enum TypedEffort {
     /// The most regular of a few lattices, another where it may be better, and a search where
     /// something is wrong
     Normal,
-    /// All ways of the portfolio side by side, lattices and a brick wall; the best is kept and
-    /// searched
+    /// All ways of the portfolio side by side, lattices and a brick wall; the best is searched, and
+    /// the next one while something is outside limits
     Best,
 }
 
