@@ -92,8 +92,9 @@ impl Field {
     }
 }
 
-/// Longest edge of the surface on which a seamless lattice is computed, in lattice spacings: that of
-/// the fewest vertices under other lattices. Between vertices farther apart lattice points get lost.
+/// Longest edge of the surface on which a seamless lattice is computed, in lattice spacings: that
+/// of the fewest vertices under other lattices. Between vertices farther apart lattice points get
+/// lost.
 const LONGEST_EDGE: f64 = 0.5;
 /// Vertices of the refined surface over those before, at the most: bodies with ears need up to 2.7,
 /// and on a needle, on which every lattice is finer than the triangles, no refinement is enough.
