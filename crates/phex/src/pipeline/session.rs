@@ -27,7 +27,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 ///
 /// let session = Session::new(torus);
 /// let mut options = MeshOptions { size: PanelSize::Panels(60), ..Default::default() };
-/// for degrees in [0.0_f64, 10.0] {
+/// for degrees in [10.0_f64, 0.0] {
 ///     options.directions.rotate = degrees.to_radians();
 ///     let preview = session.lay_out(&options, &Silent)?;
 ///     assert!(preview.mesh.topology().n_faces() > 50);
