@@ -22,11 +22,14 @@ const ON_CURVE: f64 = 1e-10;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Feet {
     points: Vec<Vec3>,
+    /// Where foot points were found last, and these.
+    found_at: Vec<Vec3>,
     feet: Vec<TargetPoint>,
     rim_points: Vec<Vec3>,
     rim: Vec<CurvePoint>,
-    /// What stands in for surface and boundary curve, if anything does.
+    /// What stands in for surface and boundary curve while it is frozen.
     osculating: Option<Osculating>,
+    is_frozen: bool,
     /// Distance to the boundary curve up to which a point lies on it: rounding decides nothing.
     on_curve: f64,
 }
@@ -87,27 +90,35 @@ impl Feet {
         self.on_curve = ON_CURVE * extent(x);
         let centres = shape.frames.iter().map(|frame| frame.plane.centre);
         self.points.extend(centres);
-        if self.osculating.is_some() {
+        if self.is_frozen {
             return;
         }
-        self.feet = reference.feet(&self.points, &self.feet);
+        self.feet = reference.feet(&self.points, (&self.found_at, &self.feet));
+        self.found_at.clone_from(&self.points);
         self.rim = reference.on_boundary(&self.rim_points).unwrap_or_default();
     }
 
     /// From now on a smooth stand-in at the foot points found last takes the place of surface and
     /// boundary curve.
     pub(crate) fn freeze(&mut self, reference: &Reference<'_>, mean_edge: f64) {
-        self.osculating = Some(Osculating::new(reference, &self.feet, &self.rim, mean_edge));
+        let last = self.osculating.take();
+        let now = Osculating::new(reference, &self.feet, &self.rim, mean_edge, last);
+        self.osculating = Some(now);
+        self.is_frozen = true;
+    }
+
+    fn stand_in(&self) -> Option<&Osculating> {
+        self.osculating.as_ref().filter(|_| self.is_frozen)
     }
 
     /// Goes back to surface and boundary curve themselves.
     pub(crate) fn thaw(&mut self) {
-        self.osculating = None;
+        self.is_frozen = false;
     }
 
     /// From the foot point to the point: vertices, then face centres.
     pub fn residual(&self, k: usize) -> Vec3 {
-        match &self.osculating {
+        match self.stand_in() {
             Some(o) => o.residual(k, self.points[k]),
             None => self.points[k] - self.feet[k].position,
         }
@@ -115,7 +126,7 @@ impl Feet {
 
     /// From the boundary curve to the `k`-th vertex of the rim; `None` without a curve.
     fn rim_residual(&self, k: usize) -> Option<Vec3> {
-        match &self.osculating {
+        match self.stand_in() {
             Some(o) => o.rim_residual(k, self.rim_points[k]),
             None => Some(self.rim_points[k] - self.rim.get(k)?.position),
         }
@@ -142,7 +153,7 @@ impl Feet {
 
     /// Surface term of a vertex.
     pub fn vertex(&self, v: usize, weight: f64) -> PointTerm {
-        if let Some(o) = &self.osculating {
+        if let Some(o) = self.stand_in() {
             return o.term(v, self.points[v], weight);
         }
         let normal = self.feet[v].normal;
@@ -169,7 +180,7 @@ impl Feet {
     /// Surface and boundary term of the `k`-th rim vertex `v`.
     pub(crate) fn rim_vertex(&self, k: usize, v: usize, weights: &ClosenessWeights) -> PointTerm {
         let mut term = self.limited(v, weights.vertex, &weights.limit);
-        if let Some(o) = &self.osculating {
+        if let Some(o) = self.stand_in() {
             o.add_rim(k, self.points[v], weights.rim, &mut term);
             return term;
         }

@@ -242,6 +242,9 @@ impl<'a> PanelEnergy<'a> {
         let (areas, lengths, limits) = (&self.areas, &self.lengths, &self.limits);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
+            if panels.rests(f) {
+                return;
+            }
             let corners = shape.face(panels, f);
             *energy = planarity::energy(&shape.frames[f], weights.planarity)
                 + fairness::energy(corners, weights.fairness);
@@ -303,6 +306,9 @@ impl<'a> PanelEnergy<'a> {
         let (areas, lengths, limits) = (&self.areas, &self.lengths, &self.limits);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
+            if panels.rests(f) {
+                return;
+            }
             let corners = shape.face(panels, f);
             let (frame, k) = (&shape.frames[f], corners.len() as f64);
             block.fill(0.0);

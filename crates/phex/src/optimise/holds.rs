@@ -59,6 +59,11 @@ impl Holds {
         self.rim = Some(curves.clone());
     }
 
+    /// Whether a vertex does not move at all.
+    pub(crate) fn fixes(&self, vertex: u32) -> bool {
+        matches!(self.held.get(&vertex), Some(Hold::At(_)))
+    }
+
     /// Lets vertices go that slide on curves or in planes.
     pub fn release(&mut self, loose: &BTreeSet<u32>) {
         let slides =
@@ -156,6 +161,9 @@ impl Holds {
             gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
             for &c in panels.corners_at(v) {
                 let f = panels.face_of(c);
+                if panels.rests(f) {
+                    continue;
+                }
                 let i = c as usize - panels.corners(f).start;
                 let block = &mut blocks[assembly.block(f)];
                 restrict_block(block, i, panels.valence(f), &freedom);

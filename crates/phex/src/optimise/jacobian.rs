@@ -52,7 +52,8 @@ impl<'a> Jacobian<'a> {
         let f = self.panels.face_of(corner);
         let local = corner as usize - self.panels.corners(f).start;
         let k = self.panels.valence(f);
-        (0..k - 3).map(move |a| self.bases.row(f, a, k)[local])
+        let equations = self.bases.of_face(f).len();
+        (0..equations).map(move |a| self.bases.row(f, a, k)[local])
     }
 
     /// `S = J W J^T`.

@@ -43,16 +43,29 @@ pub(super) struct Osculating {
 }
 
 impl Osculating {
-    /// Takes it at the foot points of some points.
+    /// Takes it at the foot points of some points. Of the `last` one what has the same foot stays.
     pub fn new(
         reference: &Reference<'_>,
         feet: &[TargetPoint],
         rim: &[CurvePoint],
         mean_edge: f64,
+        last: Option<Self>,
     ) -> Self {
         let apart = APART * mean_edge;
+        let mut quadrics = last.map_or_else(Vec::new, |last| last.quadrics);
+        quadrics.truncate(feet.len());
+        let is_known = |k: &usize| quadrics.get(*k).is_some_and(|q| q.foot == feet[*k]);
+        let new: Vec<usize> = (0..feet.len()).filter(|k| !is_known(k)).collect();
+        let new_feet: Vec<TargetPoint> = new.iter().map(|k| feet[*k]).collect();
+        let found = quadrics_at(reference, &new_feet, apart);
+        for (k, quadric) in new.into_iter().zip(found) {
+            match quadrics.get_mut(k) {
+                Some(place) => *place = quadric,
+                None => quadrics.push(quadric),
+            }
+        }
         Self {
-            quadrics: quadrics(reference, feet, apart),
+            quadrics,
             arcs: arcs(reference, rim, apart),
         }
     }
@@ -106,14 +119,18 @@ const AXES: usize = 3;
 
 /// Shape operators `2 / m sum dn t^T` from differences `dn` of normals along `m` axes `t` around
 /// each foot point.
-fn quadrics(reference: &Reference<'_>, feet: &[TargetPoint], apart: f64) -> Vec<OsculatingQuadric> {
+fn quadrics_at(
+    reference: &Reference<'_>,
+    feet: &[TargetPoint],
+    apart: f64,
+) -> Vec<OsculatingQuadric> {
     let mut shapes = vec![Matrix3::zeros(); feet.len()];
     for axis in 0..AXES {
         let axes: Vec<Vec3> = feet.iter().map(|f| tangent(f.normal, axis)).collect();
         let around = |sign: f64| {
             let moved = |(f, t): (&TargetPoint, &Vec3)| f.position + t * (sign * apart);
             let points: Vec<Vec3> = feet.iter().zip(&axes).map(moved).collect();
-            reference.feet(&points, feet)
+            reference.feet(&points, (&[], feet))
         };
         let (ahead, behind) = (around(1.0), around(-1.0));
         for (k, shape) in shapes.iter_mut().enumerate() {

@@ -28,6 +28,8 @@ pub(super) struct Panels {
     edges: Vec<[u32; 2]>,
     /// The vertex that each is an image of, itself for most.
     source: Vec<u32>,
+    /// Whether each face rests: none of its vertices can move.
+    rests: Vec<bool>,
 }
 
 impl Panels {
@@ -68,6 +70,7 @@ impl Panels {
             corner_face.resize(corner_vertex.len(), f as u32);
         }
         let (vertex_start, vertex_corner) = invert(&corner_vertex, n_vertices);
+        let faces = corner_start.len() - 1;
         Self {
             corner_start,
             corner_vertex,
@@ -76,6 +79,7 @@ impl Panels {
             vertex_corner,
             edges,
             source: (0..n_vertices as u32).collect(),
+            rests: vec![false; faces],
         }
     }
 
@@ -87,14 +91,27 @@ impl Panels {
         self
     }
 
+    /// The same where some vertices can't move. Faces that rest have no energy, no equations and no
+    /// place in the matrices; they are there for what is demanded between faces.
+    pub fn with_rest(mut self, fixed: impl Fn(u32) -> bool) -> Self {
+        let rests = |f| self.vertices(f).iter().all(|v| fixed(*v));
+        self.rests = (0..self.n_faces()).map(rests).collect();
+        self
+    }
+
+    /// Whether none of a face's vertices can move.
+    pub fn rests(&self, face: usize) -> bool {
+        self.rests[face]
+    }
+
     /// The vertex that a vertex is the image of, itself for most.
     pub(crate) fn source(&self, vertex: u32) -> u32 {
         self.source[vertex as usize]
     }
 
-    /// Whether a face has a corner that is the image of another one.
+    /// Whether a face that moves has a corner that is the image of another one.
     pub(crate) fn has_image(&self, face: usize) -> bool {
-        self.vertices(face).iter().any(|v| self.source(*v) != *v)
+        !self.rests(face) && self.vertices(face).iter().any(|v| self.source(*v) != *v)
     }
 
     pub fn n_faces(&self) -> usize {
@@ -347,10 +364,15 @@ impl FaceShapes {
 
     pub(crate) fn update(&mut self, panels: &Panels, x: &[f64]) {
         let work = |f: usize, frame: &mut FaceFrame, corners: &mut [Corner], _: &mut [f64]| {
+            let mut has_moved = false;
             for (corner, &v) in corners.iter_mut().zip(panels.vertices(f)) {
-                corner.position = point(x, v as usize);
+                let p = point(x, v as usize);
+                has_moved |= corner.position != p;
+                corner.position = p;
             }
-            *frame = FaceFrame::fit(corners);
+            if has_moved {
+                *frame = FaceFrame::fit(corners);
+            }
         };
         let (frames, corners) = (&mut self.frames, &mut self.corners);
         panels.for_each_face(frames, corners, &mut [], &|_| 0, &work);

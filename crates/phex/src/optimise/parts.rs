@@ -68,7 +68,7 @@ impl<'a> Part<'a> {
             }
         }
         Self {
-            panels: whole.panels.part(&faces, &vertices),
+            panels: (whole.panels.part(&faces, &vertices)).with_rest(|v| holds.fixes(v)),
             guard: whole.guard.part(&faces, &vertices),
             reference: whole
                 .reference

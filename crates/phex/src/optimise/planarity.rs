@@ -89,8 +89,9 @@ impl ConstraintBases {
         let (mut start, mut entry_start) = (vec![0], vec![0]);
         for f in 0..panels.n_faces() {
             let k = panels.valence(f);
-            start.push(start[f] + k - 3);
-            entry_start.push(entry_start[f] + k * (k - 3));
+            let equations = if panels.rests(f) { 0 } else { k - 3 };
+            start.push(start[f] + equations);
+            entry_start.push(entry_start[f] + k * equations);
         }
         Self {
             entries: vec![0.0; entry_start[panels.n_faces()]],
@@ -116,7 +117,7 @@ impl ConstraintBases {
 
     /// Recomputes the bases for a shape.
     pub(crate) fn update(&mut self, panels: &Panels, shape: &FaceShapes) {
-        for f in 0..panels.n_faces() {
+        for f in (0..panels.n_faces()).filter(|f| !panels.rests(*f)) {
             let range = self.entry_start[f]..self.entry_start[f + 1];
             let corners = shape.face(panels, f);
             let rows = &mut self.entries[range];

@@ -63,7 +63,7 @@ pub(super) fn collision_bound(
 ) -> f64 {
     let panels = setting.panels;
     let mut bound: f64 = 1.0;
-    for f in (0..panels.n_faces()).filter(|&f| armed.is_simple(f)) {
+    for f in (0..panels.n_faces()).filter(|&f| armed.is_simple(f) && !panels.rests(f)) {
         let motion = &mut corner_motion[panels.corners(f)];
         for (m, &v) in motion.iter_mut().zip(panels.vertices(f)) {
             *m = shape.frames[f]

@@ -86,9 +86,11 @@ pub(super) fn energy_assembly_with(
     more: impl IntoIterator<Item = Vec<u32>>,
 ) -> Assembly {
     let unknowns = |v: u32| [3 * v, 3 * v + 1, 3 * v + 2];
-    let face = |f| {
-        let vertices = panels.vertices(f).iter();
-        vertices.flat_map(|&v| unknowns(v)).collect()
+    let face = |f| match panels.rests(f) {
+        true => Vec::new(),
+        false => (panels.vertices(f).iter())
+            .flat_map(|&v| unknowns(v))
+            .collect(),
     };
     let faces = (0..panels.n_faces()).map(face);
     let vertices = (0..panels.n_vertices() as u32).map(|v| unknowns(v).to_vec());

@@ -2,7 +2,7 @@
 //! fine surface for its cells.
 
 use super::domain::Ground;
-use super::sized::{panel_length, panel_lengths};
+use super::sized::{Sizes, panel_length};
 use super::{Candidate, Clock, MeshOptions, PipelineError};
 use crate::curvature::{self, Curvature, Principal};
 use crate::directions::cones;
@@ -50,7 +50,7 @@ impl Field {
         cones::prescribed_faces(surface, &settings.guides.cones)?;
         let sized = clock.stage("curvature", || {
             ground.known.at(smooth, level, panels, options)
-        })??;
+        })?;
         let (curvature, mut length) = (sized.curvature, sized.length);
         let (directions, placed) = counted_lattice(panels, |ratio| {
             length.iter_mut().for_each(|l| *l *= ratio.sqrt());
@@ -118,7 +118,7 @@ pub(super) fn finer_ground(
     let uniform = panel_length(surface, panels);
     let mut metric = clock.stage("directions", || {
         let curvature = curvature::curvature(surface, uniform, &options.curvature);
-        let length = panel_lengths(smooth, first, &curvature, uniform, panels, options)?;
+        let length = Sizes::new(smooth, first, panels, options).with(&curvature);
         let found = directions::directions_sized(surface, &curvature, &length, settings, progress)?;
         Ok::<_, PipelineError>(found.metric)
     })??;

@@ -1,6 +1,6 @@
 //! Curvature at the scale of the panels, and how long panels are.
 
-use super::{MeshOptions, PipelineError};
+use super::MeshOptions;
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::size::{self, Demands, SizeOptions};
 use crate::directions::thickness::thickness;
@@ -46,7 +46,7 @@ impl KnownCurvature {
         level: usize,
         panels: usize,
         options: &MeshOptions,
-    ) -> Result<SizedCurvature, PipelineError> {
+    ) -> SizedCurvature {
         let key = CurvatureKey {
             level,
             panels,
@@ -58,33 +58,28 @@ impl KnownCurvature {
         let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = known().iter().find(|(k, _)| *k == key).map(|f| f.1.clone());
         if let Some(found) = found {
-            return Ok(found);
+            return found;
         }
-        let made = SizedCurvature::new(smooth, level, panels, options)?;
+        let made = SizedCurvature::new(smooth, level, panels, options);
         known().push((key, made.clone()));
-        Ok(made)
+        made
     }
 }
 
 impl SizedCurvature {
     /// Where curvature makes panels smaller, it is estimated again at their scale: at that of large
     /// panels the tip of a horn is smoothed away.
-    fn new(
-        smooth: &SmoothTarget,
-        level: usize,
-        panels: usize,
-        options: &MeshOptions,
-    ) -> Result<Self, PipelineError> {
-        let surface = &smooth.levels[level];
-        let uniform = panel_length(surface, panels);
+    fn new(smooth: &SmoothTarget, level: usize, panels: usize, options: &MeshOptions) -> Self {
+        let sizes = Sizes::new(smooth, level, panels, options);
+        let (surface, uniform) = (sizes.surface, sizes.uniform);
         let mut curvature = curvature::curvature(surface, uniform, &options.curvature);
-        let mut length = panel_lengths(smooth, level, &curvature, uniform, panels, options)?;
+        let mut length = sizes.with(&curvature);
         let rounds = options.sizes.adaptive.map_or(0, |_| NEARER);
         for _ in 0..rounds {
             curvature = curvature::curvature_sized(surface, &length, &options.curvature);
-            length = panel_lengths(smooth, level, &curvature, uniform, panels, options)?;
+            length = sizes.with(&curvature);
         }
-        Ok(Self { curvature, length })
+        Self { curvature, length }
     }
 }
 
@@ -92,43 +87,63 @@ impl SizedCurvature {
 /// matter: no panel becomes that long.
 const THICK: f64 = 4.0;
 
-/// Panel length at each vertex of a level.
-pub(super) fn panel_lengths(
-    smooth: &SmoothTarget,
-    level: usize,
-    curvature: &Curvature,
-    uniform: f64,
+/// What panel lengths on a level depend on besides its curvature.
+pub(super) struct Sizes<'a> {
+    surface: &'a TriangleSurface,
     panels: usize,
-    options: &MeshOptions,
-) -> Result<PerVertex<f64>, PipelineError> {
-    let surface = &smooth.levels[level];
-    let field = options.size_field.as_deref();
-    let field = field.map(|values| refined_sizes(smooth, level, values));
-    let principal = curvature.principal();
-    let adapts = options.sizes.adaptive.is_some();
-    let thickness = adapts.then(|| thickness(surface, THICK * uniform));
-    let demands = Demands {
-        principal: &principal,
-        thickness: thickness.as_ref(),
-        field: field.as_ref(),
-    };
-    let mut base = uniform;
-    // The largest length depends on how much of the surface is finer, and that on the largest
-    // length.
-    for _ in 0..8 {
-        let sizes = size::relative_sizes(surface, &demands, base, &options.sizes);
-        let Some(relative) = sizes else { break };
-        let next = size::base_length(surface, &relative, CELL, panels);
-        if (next / base).ln().abs() < 1e-3 {
-            return Ok(relative.map(|r| r * next));
+    /// Length of the panels if all are alike.
+    uniform: f64,
+    options: &'a SizeOptions,
+    thickness: Option<PerVertex<f64>>,
+    field: Option<PerVertex<f64>>,
+}
+
+impl<'a> Sizes<'a> {
+    pub fn new(
+        smooth: &'a SmoothTarget,
+        level: usize,
+        panels: usize,
+        options: &'a MeshOptions,
+    ) -> Self {
+        let surface = &smooth.levels[level];
+        let uniform = panel_length(surface, panels);
+        let adaptive = options.sizes.adaptive;
+        let field = options.size_field.as_deref();
+        Self {
+            thickness: adaptive.map(|_| thickness(surface, THICK * uniform)),
+            field: field.map(|values| refined_sizes(smooth, level, values)),
+            options: &options.sizes,
+            surface,
+            panels,
+            uniform,
         }
-        base = next;
     }
-    let sizes = size::relative_sizes(surface, &demands, base, &options.sizes);
-    Ok(sizes.map_or_else(
-        || PerVertex::filled(surface.positions().len(), uniform),
-        |r| r.map(|r| r * base),
-    ))
+
+    /// Panel length at each vertex.
+    pub fn with(&self, curvature: &Curvature) -> PerVertex<f64> {
+        let principal = curvature.principal();
+        let demands = Demands {
+            principal: &principal,
+            thickness: self.thickness.as_ref(),
+            field: self.field.as_ref(),
+        };
+        let relative = |base| size::relative_sizes(self.surface, &demands, base, self.options);
+        let mut base = self.uniform;
+        // The largest length depends on how much of the surface is finer, and that on the largest
+        // length.
+        for _ in 0..8 {
+            let Some(relative) = relative(base) else {
+                break;
+            };
+            let next = size::base_length(self.surface, &relative, CELL, self.panels);
+            if (next / base).ln().abs() < 1e-3 {
+                return relative.map(|r| r * next);
+            }
+            base = next;
+        }
+        let uniform = || PerVertex::filled(self.surface.positions().len(), self.uniform);
+        relative(base).map_or_else(uniform, |r| r.map(|r| r * base))
+    }
 }
 
 fn refined_sizes(smooth: &SmoothTarget, level: usize, values: &[f64]) -> PerVertex<f64> {

@@ -17,7 +17,7 @@ pub struct Defect {
     pub is_allowed: bool,
     /// Whether more room is all that is lacking, and not much of it.
     pub is_slight: bool,
-    /// Whether a panel is no panel, not planar, or folded against another.
+    /// Whether a panel is no panel, not planar, folded against another, or too narrow.
     pub is_broken: bool,
     /// How bad it is, to compare defects.
     pub amount: f64,

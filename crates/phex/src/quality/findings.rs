@@ -55,9 +55,9 @@ impl Findings {
         self.crossed.is_some() || self.bare > 0.0 || self.far > 0.0 || self.too_large
     }
 
-    /// Whether it is no panel, not planar, or folded against another.
+    /// Whether it is no panel, not planar, folded against another, or too narrow.
     pub(super) fn is_broken(&self) -> bool {
-        self.invalid + self.folded > 0.0
+        self.invalid + self.folded + self.narrow > 0.0
     }
 
     /// Whether nothing is invalid or outside limits.

@@ -39,7 +39,7 @@ use site::{LocalStep, Whole};
 use std::collections::BTreeSet;
 
 /// Rings of panels around a defect that may be joined anew, at first and where that has failed.
-const RINGS: [usize; 2] = [2, 4];
+const RINGS: [usize; 3] = [1, 2, 4];
 /// Sweeps over all defects at the most.
 const SWEEPS: usize = 60;
 /// Share of a defect with which it counts as cured: nothing else is tried then.

@@ -103,6 +103,7 @@ impl LocalPart<'_> {
             let hold = Hold::At(mesh.position(v));
             stage.holds.held.insert(v.index() as u32, hold);
         }
+        stage.panels = stage.panels.with_rest(|v| stage.holds.fixes(v));
         Ok(stage)
     }
 }

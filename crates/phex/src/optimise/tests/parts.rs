@@ -5,6 +5,7 @@ use super::whole::{all_simple, assert_sound};
 use crate::optimise::barrier::barriers;
 use crate::optimise::energy::PanelEnergy;
 use crate::optimise::energy::{Weights, panel_energy};
+use crate::optimise::holds::Hold;
 use crate::optimise::panels::{points, unknowns};
 use crate::optimise::parts::{Cuts, minimise_in_parts};
 use crate::optimise::reference::Reference;
@@ -12,7 +13,7 @@ use crate::optimise::solvers::{StepReporter, energy_assembly};
 use crate::optimise::{Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, planarize};
 use crate::progress::Silent;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};
-use phex_numeric::{DampedOptions, DampedProblem};
+use phex_numeric::{DampedOptions, DampedProblem, SymmetricMatrix};
 use std::f64::consts::PI;
 
 /// The rest is at rest while a part moves, and nothing ever gets worse for the whole.
@@ -65,6 +66,39 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
         shape.max_height() / setting.mean_edge
     };
     assert!(planarity(&x) < 1e-3 && planarity(&x) < 0.1 * planarity(&start));
+}
+
+/// Faces whose vertices are all fixed have no place in the matrices, and the others feel no
+/// difference.
+#[test]
+fn faces_at_rest_are_felt_by_none() {
+    let shape = Shape::Wave;
+    let wall = brick_wall(shape, 12, 9);
+    let (options, x) = (OptimiseOptions::default(), unknowns(&wall));
+    let linearised = |with_rest: bool| {
+        let reference = Reference::Surface(&shape);
+        let mut stage = Stage::new(&wall, reference, None, &kinds_of(&wall), &options);
+        for (v, p) in wall.positions.enumerate().filter(|(_, p)| p.x < 0.0) {
+            stage.holds.held.insert(v.index() as u32, Hold::At(*p));
+        }
+        if with_rest {
+            stage.panels = (stage.panels.clone()).with_rest(|v| stage.holds.fixes(v));
+        }
+        let setting = stage.setting(&x);
+        let assembly = energy_assembly(setting.panels);
+        let mut energy = panel_energy(&setting, &assembly, &x, &options);
+        energy.weights.planarity = 30.0;
+        let mut hessian = SymmetricMatrix::zeros(assembly.pattern().clone());
+        let (mut gradient, mut product) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        energy.linearise(&x, &mut gradient, &mut hessian);
+        let direction: Vec<f64> = (0..x.len()).map(|k| (1.3 * k as f64).sin()).collect();
+        hessian.mul(&direction, &mut product);
+        (assembly.n_block_entries(), [gradient, product].concat())
+    };
+    let ((some, with), (all, without)) = (linearised(true), linearised(false));
+    assert!(2 * some < 3 * all / 2, "{some} of {all} entries");
+    let differs = |(a, b): (&f64, &f64)| (a - b).abs() > 1e-12 * (1.0 + b.abs());
+    assert!(!with.iter().zip(&without).any(differs));
 }
 
 /// A bound on the deviation that the default misses is met, or at least approached, with panels as
