@@ -56,6 +56,15 @@ impl BoundaryCurve {
         })
     }
 
+    /// Whether a point is nearer than a distance; it takes less time than to find where.
+    pub fn is_within(&self, p: Vec3, distance: f64) -> bool {
+        let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
+        let found = self
+            .hierarchy
+            .project_local_point_and_get_location_with_max_dist(query, false, distance);
+        found.is_some()
+    }
+
     /// The point of the boundary that is closest to `p`.
     pub fn closest_point(&self, p: Vec3) -> BoundaryPoint {
         let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
@@ -85,6 +94,9 @@ mod tests {
         let foot = curve.closest_point(Vec3::new(1.9, 0.7, 3.0));
         assert!((foot.position - Vec3::new(2.0, 0.7, 0.0)).norm() < 1e-15);
         assert!((foot.tangent - Vec3::y()).norm() < 1e-15);
+        let distances = [0.2, 0.3, 0.4];
+        let within = distances.map(|d| curve.is_within(Vec3::new(0.5, 0.3, 0.0), d));
+        assert_eq!(within, [false, false, true]);
         let corners = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
         let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
         let closed = TriangleSurface::new(corners.to_vec(), &faces).unwrap();

@@ -1,6 +1,7 @@
 //! The mesh with its faces ear-clipped, under a bounding volume hierarchy.
 
 use crate::ear_clip::ear_clip_or_fan;
+use crate::surface::in_runs;
 use crate::{FaceId, FlatFace, HexMesh, PerFace, Vec3};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::{PointQuery, PointQueryWithLocation};
@@ -16,6 +17,9 @@ pub(crate) struct ClippedMesh {
     /// face.
     pub diagonal: Vec<[bool; 3]>,
 }
+
+/// A triangle and a place on it.
+type Foot = (u32, Vec3);
 
 impl ClippedMesh {
     pub fn new(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Self {
@@ -39,11 +43,32 @@ impl ClippedMesh {
 
     /// The face closest to a point, and its distance in model units.
     pub fn closest(&self, p: Vec3) -> (FaceId, f64) {
-        let (found, (triangle, _)) =
-            (self.hierarchy).project_local_point_and_get_location(to_parry(p), false);
-        let closest = found.point;
-        let distance = (Vec3::new(closest.x, closest.y, closest.z) - p).norm();
-        (self.owner[triangle as usize], distance)
+        self.face_at(p, self.foot(p, None))
+    }
+
+    /// The same of many points.
+    pub fn closest_of(&self, points: &[Vec3]) -> Vec<(FaceId, f64)> {
+        let feet = in_runs(points, |p, last| self.foot(p, last));
+        let both = points.iter().zip(feet);
+        both.map(|(p, foot)| self.face_at(*p, foot)).collect()
+    }
+
+    fn face_at(&self, p: Vec3, (triangle, foot): Foot) -> (FaceId, f64) {
+        (self.owner[triangle as usize], (foot - p).norm())
+    }
+
+    /// The triangle closest to a point and the place there, sought no farther away than `near` is.
+    fn foot(&self, p: Vec3, near: Option<&Foot>) -> Foot {
+        let (query, hierarchy) = (to_parry(p), &self.hierarchy);
+        // Rounding must not exclude `near` itself.
+        let bound = near.map(|(_, foot)| (p - foot).norm() * (1.0 + 1e-6));
+        let found = bound.and_then(|bound| {
+            hierarchy.project_local_point_and_get_location_with_max_dist(query, false, bound)
+        });
+        let anywhere = || hierarchy.project_local_point_and_get_location(query, false);
+        let (found, (triangle, _)) = found.unwrap_or_else(anywhere);
+        let place = found.point;
+        (triangle, Vec3::new(place.x, place.y, place.z))
     }
 
     /// Distance of a point to the closest triangle, in model units.

@@ -208,9 +208,13 @@ impl TriangleSurface {
         Some(self.at(FaceId::new(triangle), barycentric(location)))
     }
 
-    /// Closest points of many, in their order; the same for any number of threads.
+    /// Closest points of many, in their order; the same for any number of threads. It takes least
+    /// time where points that follow one another are near one another.
     pub fn closest_points(&self, points: &[Vec3]) -> Vec<SurfacePoint> {
-        points.par_iter().map(|&p| self.closest_point(p)).collect()
+        in_runs(points, |p, last: Option<&SurfacePoint>| match last {
+            Some(last) => self.closest_point_near(p, last.position),
+            None => self.closest_point(p),
+        })
     }
 
     /// The point with barycentric coordinates `b` in a triangle.
@@ -230,6 +234,24 @@ impl TriangleSurface {
             normal,
         }
     }
+}
+
+/// Points in a run, in which each is sought from what was found for the one before.
+const RUN: usize = 64;
+
+/// What is found for each of many points, given what was found for the one before it in its run.
+pub(crate) fn in_runs<T: Send>(
+    points: &[Vec3],
+    find: impl Fn(Vec3, Option<&T>) -> T + Sync,
+) -> Vec<T> {
+    let run = |points: &[Vec3]| {
+        let mut found: Vec<T> = Vec::with_capacity(points.len());
+        for p in points {
+            found.push(find(*p, found.last()));
+        }
+        found
+    };
+    points.par_chunks(RUN).flat_map_iter(run).collect()
 }
 
 fn barycentric(location: TrianglePointLocation) -> [f64; 3] {

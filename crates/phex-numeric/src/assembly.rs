@@ -31,9 +31,8 @@ impl Assembly {
     /// Builds the map for elements given by their unknowns (each below `dimension`, none repeated
     /// in an element).
     pub fn new(dimension: usize, elements: &[Vec<u32>]) -> Self {
-        let mut columns = vec![Vec::new(); dimension];
-        for_each_entry(elements, |row, column| columns[column as usize].push(row));
-        let pattern = Arc::new(Pattern::from_columns(&mut columns));
+        let pattern = Pattern::visited(dimension, |visit| for_each_entry(elements, visit));
+        let pattern = Arc::new(pattern);
         let mut target = Vec::new();
         for_each_entry(elements, |row, column| {
             // Present by construction.

@@ -326,12 +326,13 @@ fn spell_out(blocks: &[u32], block: usize) -> Vec<u32> {
 }
 
 fn quotient(pattern: &Pattern, block: usize) -> Pattern {
-    let mut columns = vec![Vec::new(); pattern.dimension() / block];
-    for j in 0..pattern.dimension() {
-        let rows = &pattern.rows()[pattern.column(j)];
-        columns[j / block].extend(rows.iter().map(|&i| i / block as u32));
-    }
-    Pattern::from_columns(&mut columns)
+    Pattern::visited(pattern.dimension() / block, |visit| {
+        for j in 0..pattern.dimension() {
+            let rows = &pattern.rows()[pattern.column(j)];
+            let column = (j / block) as u32;
+            rows.iter().for_each(|i| visit(i / block as u32, column));
+        }
+    })
 }
 
 #[cfg(test)]

@@ -12,19 +12,45 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// The pattern that holds the given lower-triangle positions and the diagonal.
-    /// `columns[j]` lists rows `i >= j`, in any order, repeats allowed.
-    pub(crate) fn from_columns(columns: &mut [Vec<u32>]) -> Self {
-        let mut column_start = vec![0];
-        let mut row = Vec::new();
-        for (j, rows) in columns.iter_mut().enumerate() {
-            rows.push(j as u32);
-            rows.sort_unstable();
-            rows.dedup();
-            row.extend_from_slice(rows);
-            column_start.push(row.len() as u32);
+    /// The pattern that holds the diagonal and the positions of the lower triangle that `each`
+    /// visits, row first, as often as it is called; in any order, repeats allowed.
+    pub(crate) fn visited(dimension: usize, each: impl Fn(&mut dyn FnMut(u32, u32))) -> Self {
+        let mut column_start = vec![0u32; dimension + 2];
+        let counts = &mut column_start[2..];
+        counts.fill(1);
+        each(&mut |_, column| counts[column as usize] += 1);
+        (2..dimension + 2).for_each(|j| column_start[j] += column_start[j - 1]);
+        let mut row = vec![0; column_start[dimension + 1] as usize];
+        let mut put = |i: u32, j: u32| {
+            let place = &mut column_start[j as usize + 1];
+            row[*place as usize] = i;
+            *place += 1;
+        };
+        (0..dimension as u32).for_each(|j| put(j, j));
+        each(&mut put);
+        column_start.pop();
+        let mut pattern = Self { column_start, row };
+        pattern.sort_columns();
+        pattern
+    }
+
+    /// Sorts the rows of each column, of repeats only one.
+    fn sort_columns(&mut self) {
+        let (mut first, mut end) = (0, 0);
+        for next in &mut self.column_start[1..] {
+            let last = *next as usize;
+            self.row[first..last].sort_unstable();
+            let start = end;
+            for k in first..last {
+                if end == start || self.row[end - 1] != self.row[k] {
+                    self.row[end] = self.row[k];
+                    end += 1;
+                }
+            }
+            (first, *next) = (last, end as u32);
         }
-        Self { column_start, row }
+        self.row.truncate(end);
+        self.row.shrink_to_fit();
     }
 
     /// Number of rows, and of columns.
@@ -91,22 +117,26 @@ impl SymmetricMatrix {
         n: usize,
         triplets: impl Iterator<Item = (u32, u32, f64)>,
     ) -> Result<Self, NumericError> {
-        let mut columns: Vec<Vec<u32>> = vec![Vec::new(); n];
-        let mut lower = Vec::with_capacity(triplets.size_hint().0);
-        for (row, column, value) in triplets {
+        let mut outside = None;
+        let lower = triplets.filter(|&(row, column, _)| {
             if row.max(column) as usize >= n {
-                return Err(NumericError::IndexOutOfRange {
-                    row,
-                    column,
-                    dimension: n,
-                });
+                outside.get_or_insert((row, column));
             }
-            if row >= column {
-                columns[column as usize].push(row);
-                lower.push((row, column, value));
-            }
+            row >= column
+        });
+        let lower: Vec<(u32, u32, f64)> = lower.collect();
+        if let Some((row, column)) = outside {
+            return Err(NumericError::IndexOutOfRange {
+                row,
+                column,
+                dimension: n,
+            });
         }
-        let pattern = Pattern::from_columns(&mut columns);
+        let pattern = Pattern::visited(n, |visit| {
+            lower
+                .iter()
+                .for_each(|(row, column, _)| visit(*row, *column));
+        });
         let mut values = vec![0.0; pattern.n_entries()];
         for (row, column, value) in lower {
             if let Some(at) = pattern.position(row, column) {

@@ -181,7 +181,7 @@ fn covered(
         .map(|f| surface.corners(f))
         .collect();
     let (share, outside) = share_of(&triangles, rim, |p| {
-        distance(rim, p) > panels.distance(p) + rounding
+        !rim.is_within(p, panels.distance(p) + rounding)
     });
     let bare = |&point: &Vec3| {
         let (face, distance) = panels.closest(point);
@@ -202,7 +202,7 @@ fn overhang(panels: &ClippedMesh, surface: &TriangleSurface, curve: &BoundaryCur
         .collect();
     let beyond = |p: Vec3| {
         let foot = surface.closest_point(p).position;
-        distance(curve, p) <= (foot - p).norm() + rounding
+        curve.is_within(p, (foot - p).norm() + rounding)
     };
     share_of(&triangles, curve, beyond).0
 }
@@ -217,7 +217,7 @@ fn share_of(
     let part = |&[a, b, c]: &[Vec3; 3]| {
         let centre = (a + b + c) / 3.0;
         let reach = [a, b, c].map(|p| (p - centre).norm());
-        let near = distance(curve, centre) < reach.into_iter().fold(0.0, f64::max);
+        let near = curve.is_within(centre, reach.into_iter().fold(0.0, f64::max));
         let mut points = spread([a, b, c], if near { ROWS } else { 1 });
         let all = points.len() as f64;
         points.retain(|p| !holds(*p));

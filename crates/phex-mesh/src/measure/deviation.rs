@@ -2,13 +2,11 @@
 
 use super::Metric;
 use super::metric::quantile;
-use crate::clipped::{ClippedMesh, to_parry};
+use crate::clipped::ClippedMesh;
 use crate::{
-    ElementId, FaceId, FlatFace, HexMesh, PerElement, PerFace, PerVertex, TriangleSurface, Vec3,
-    VertexId,
+    BoundaryCurve, ElementId, FaceId, FlatFace, HexMesh, PerElement, PerFace, PerVertex,
+    TriangleSurface, Vec3, VertexId,
 };
-use parry3d_f64::query::PointQuery;
-use parry3d_f64::shape::Polyline;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -125,8 +123,7 @@ fn to_mesh(surface: &TriangleSurface, mesh: &HexMesh) -> (PerVertex<FaceId>, Per
 /// The face of the mesh closest to each point, and its distance, in model units. Faces count as
 /// their ear-clipped triangles.
 pub fn closest_faces(mesh: &HexMesh, points: &[Vec3]) -> Vec<(FaceId, f64)> {
-    let clipped = ClippedMesh::new(mesh, &FlatFace::all(mesh));
-    points.par_iter().map(|&p| clipped.closest(p)).collect()
+    ClippedMesh::new(mesh, &FlatFace::all(mesh)).closest_of(points)
 }
 
 fn sorted_quantile(values: &PerVertex<f64>, q: f64) -> f64 {
@@ -137,23 +134,10 @@ fn sorted_quantile(values: &PerVertex<f64>, q: f64) -> f64 {
 
 /// Surface vertices farther than `margin` from the boundary.
 fn inside(surface: &TriangleSurface, margin: f64) -> PerVertex<bool> {
-    let boundary = boundary_polyline(surface);
-    let far = |p: &Vec3| match &boundary {
-        Some(b) => b.distance_to_local_point(to_parry(*p), false) > margin,
-        None => true,
-    };
+    let boundary = BoundaryCurve::of(surface);
+    let far = |p: &Vec3| !boundary.as_ref().is_some_and(|b| b.is_within(*p, margin));
     let points = surface.positions().as_slice();
     PerVertex::from_vec(points.par_iter().map(far).collect())
-}
-
-fn boundary_polyline(surface: &TriangleSurface) -> Option<Polyline> {
-    let topology = surface.topology();
-    let boundary = topology.edges().filter(|&e| topology.is_boundary_edge(e));
-    let segments: Vec<[u32; 2]> = boundary
-        .map(|e| topology.edge_vertices(e).map(|v| v.index() as u32))
-        .collect();
-    let points = || surface.positions().iter().map(|&p| to_parry(p)).collect();
-    (!segments.is_empty()).then(|| Polyline::new(points(), Some(segments)))
 }
 
 fn topology_key(topology: &crate::Topology) -> (i64, usize) {

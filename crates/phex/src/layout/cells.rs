@@ -65,8 +65,11 @@ pub(crate) fn disc_cells(
         panels: Vec::new(),
     };
     let mut remaining = 0;
+    let mut outlines = Vec::new();
+    let mut changed = vec![true; complex.seed.len()];
     for _ in 0..ROUNDS {
-        let outlines = outlines(topology, corners, &complex.label, complex.seed.len());
+        outlines.resize_with(complex.seed.len(), Outline::default);
+        outline_again(topology, corners, &complex.label, &changed, &mut outlines);
         let area = areas(mesh, &complex.label, complex.seed.len());
         let faults = faults(topology, &outlines, &area);
         remaining = faults.len();
@@ -74,11 +77,26 @@ pub(crate) fn disc_cells(
             complex.panels = panels(outlines);
             return Ok(complex);
         }
+        let before = complex.label.clone();
         mend(topology, mesh, &mut complex, &faults);
+        changed = changed_cells(topology, &before, &complex);
     }
     Err(format!(
         "{remaining} panels could not be made discs; the panels are too large for the surface's features"
     ))
+}
+
+/// Which cells have other vertices, or other cells beside them, than before.
+fn changed_cells(topology: &Topology, before: &PerVertex<u32>, complex: &CellComplex) -> Vec<bool> {
+    let mut changed = vec![false; complex.seed.len()];
+    let moved = before.enumerate().filter(|(v, l)| complex.label[*v] != **l);
+    for (v, _) in moved {
+        for w in topology.neighbours(v).into_iter().chain([v]) {
+            changed[before[w] as usize] = true;
+            changed[complex.label[w] as usize] = true;
+        }
+    }
+    changed
 }
 
 fn panels(outlines: Vec<Outline>) -> Vec<(u32, Vec<Node>)> {
@@ -292,28 +310,37 @@ fn split(
     true
 }
 
-/// Successor of each node on the outline of each cell.
-#[derive(Default)]
-struct OutlineWalk {
+/// Successor of each node on the outline of each cell that is wanted.
+struct OutlineWalk<'a> {
+    wanted: &'a [bool],
     next: IdMap<(u32, Node), Node>,
     order: Vec<(u32, Node)>,
 }
 
-impl OutlineWalk {
+impl OutlineWalk<'_> {
     fn link(&mut self, cell: u32, from: Node, to: Node) {
-        if self.next.insert((cell, from), to).is_none() {
+        let wanted = self.wanted[cell as usize];
+        if wanted && self.next.insert((cell, from), to).is_none() {
             self.order.push((cell, from));
         }
     }
 }
 
-fn outlines(
+/// Outlines the cells that are wanted; the others stay as they are.
+fn outline_again(
     topology: &Topology,
     corners: &HashSet<VertexId>,
     label: &PerVertex<u32>,
-    count: usize,
-) -> Vec<Outline> {
-    let mut walk = OutlineWalk::default();
+    wanted: &[bool],
+    outlines: &mut [Outline],
+) {
+    let again = outlines.iter_mut().zip(wanted).filter(|(_, w)| **w);
+    again.for_each(|(outline, _)| *outline = Outline::default());
+    let mut walk = OutlineWalk {
+        wanted,
+        next: IdMap::default(),
+        order: Vec::new(),
+    };
     for f in topology.faces() {
         link_triangle(topology, label, f, &mut walk);
     }
@@ -322,10 +349,15 @@ fn outlines(
             link_boundary(topology, corners, label, h, &mut walk);
         }
     }
-    closed_loops(topology, &walk, count)
+    add_closed_loops(topology, &walk, outlines);
 }
 
-fn link_triangle(topology: &Topology, label: &PerVertex<u32>, f: FaceId, walk: &mut OutlineWalk) {
+fn link_triangle(
+    topology: &Topology,
+    label: &PerVertex<u32>,
+    f: FaceId,
+    walk: &mut OutlineWalk<'_>,
+) {
     let (mut leaves, mut enters) = (Vec::with_capacity(3), Vec::with_capacity(3));
     for h in topology.face_half_edges(f) {
         let (a, b) = (label[topology.origin(h)], label[topology.target(h)]);
@@ -355,7 +387,7 @@ fn link_boundary(
     corners: &HashSet<VertexId>,
     label: &PerVertex<u32>,
     h: HalfEdgeId,
-    walk: &mut OutlineWalk,
+    walk: &mut OutlineWalk<'_>,
 ) {
     let mut at = topology.target(h);
     let cell = label[at];
@@ -377,12 +409,11 @@ fn link_boundary(
     }
 }
 
-fn closed_loops(topology: &Topology, walk: &OutlineWalk, count: usize) -> Vec<Outline> {
+fn add_closed_loops(topology: &Topology, walk: &OutlineWalk<'_>, outlines: &mut [Outline]) {
     let is_vertex = |n: &Node| match n {
         Node::Edge(e) => topology.is_boundary_edge(*e),
         _ => true,
     };
-    let mut outlines = vec![Outline::default(); count];
     let mut seen = IdSet::with_capacity_and_hasher(walk.order.len(), Default::default());
     for &(cell, start) in &walk.order {
         let (mut nodes, mut at) = (Vec::new(), start);
@@ -398,7 +429,6 @@ fn closed_loops(topology: &Topology, walk: &OutlineWalk, count: usize) -> Vec<Ou
             outlines[cell as usize].loops.push(nodes);
         }
     }
-    outlines
 }
 
 /// Number of vertices of the panelling, for building arrays.

@@ -2,10 +2,9 @@
 //! has been repaired.
 
 use super::domain::{Beyond, Ground};
-use super::field::{FineSurface, LatticeFreedom};
+use super::field::LatticeFreedom;
 use super::finish::finished;
 use super::preview::LaidOut;
-use super::restarts::Drawn;
 use super::rim::Rim;
 use super::{Clock, MeshOptions, PipelineError, between_panels};
 use crate::directions::guides::Cone;
@@ -43,13 +42,13 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    fn new(ground: &Ground, fine: &FineSurface) -> Self {
+    fn new(ground: &Ground, fine: TriangleSurface, wish: PerVertex<WishedArea>) -> Self {
         Self {
-            reported: ground.reported(&fine.surface).clone(),
+            reported: ground.reported(&fine).clone(),
             facets: ground.given_facets().clone(),
-            beyond: ground.beyond(&fine.surface),
-            fine: fine.surface.clone(),
-            wish: fine.wish.clone(),
+            beyond: ground.beyond(&fine),
+            fine,
+            wish,
         }
     }
 
@@ -97,21 +96,20 @@ pub(super) fn pass(
 ) -> Result<Pass, PipelineError> {
     let (options, progress) = (&way.options(&ground.options), clock.progress);
     let laid = LaidOut::new(ground, way, options, clock)?;
-    let (ground, field, fine) = (laid.ground(ground), &laid.field, &laid.fine);
-    let Drawn { placed, layout, .. } = &laid.drawn;
+    let (ground, layout, fine) = (laid.ground(ground), &laid.layout, &laid.surface);
     clock.unless_unwanted()?;
     progress.preview("layout", &|| layout.mesh.to_soup());
     let optimised = {
-        let target = SurfaceTarget::new(ground.close_to(&fine.surface));
+        let target = SurfaceTarget::new(ground.close_to(fine));
         let made = || optimise::optimise(layout, &target, &options.optimise, progress);
         clock.timed("optimise", made)?
     };
     clock.unless_unwanted()?;
     progress.preview("optimise", &|| optimised.mesh.to_soup());
-    let trimmed = clock.timed("trim", || ground.trimmed(&optimised.mesh, &fine.surface))?;
+    let trimmed = clock.timed("trim", || ground.trimmed(&optimised.mesh, fine))?;
     clock.unless_unwanted()?;
     let start = kept_panels(layout, &trimmed);
-    let surfaces = Surfaces::new(ground, fine);
+    let surfaces = Surfaces::new(ground, fine.clone(), laid.wish.clone());
     let made = surfaces.with_site(options, |site| finished(trimmed.mesh, site, ground, clock));
     let (mesh, mut judgement) = made?;
     clock.unless_unwanted()?;
@@ -122,9 +120,9 @@ pub(super) fn pass(
     Ok(Pass {
         mesh,
         start,
-        layout: placed.statistics,
-        cones: field.cones(&ground.smooth),
-        regular_possible: field.regular_possible(&ground.smooth),
+        layout: laid.statistics,
+        cones: laid.cones,
+        regular_possible: laid.regular_possible,
         optimised,
         judgement,
         surfaces,

@@ -3,12 +3,12 @@
 use super::domain::Ground;
 use super::field::{Field, FineSurface, LatticeFreedom, direction_options, finer_ground};
 use super::options::{Candidate, MeshOptions};
-use super::restarts::{Drawn, most_regular};
+use super::restarts::most_regular;
 use super::{Clock, PipelineError, StageSeconds};
 use crate::directions::guides::Cone;
-use crate::layout::LayoutStatistics;
+use crate::layout::{Layout, LayoutStatistics, WishedArea};
 use crate::smooth_surface::Similarity;
-use phex_mesh::HexMesh;
+use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
 
 /// The panels of a lattice as they are laid out, on the surface and not planar.
 #[derive(Clone)]
@@ -38,13 +38,21 @@ impl LatticePreview {
 pub(super) struct LaidOut {
     /// The ground where it was refined for this lattice.
     finer: Option<Ground>,
-    pub field: Field,
-    pub fine: FineSurface,
-    pub drawn: Drawn,
+    /// The surface on which cells were drawn.
+    pub surface: TriangleSurface,
+    /// Area that a panel is to have at each of its vertices.
+    pub wish: PerVertex<WishedArea>,
+    pub layout: Layout,
+    pub statistics: LayoutStatistics,
+    /// Cones of the direction field, normalised.
+    pub cones: Vec<Cone>,
+    /// See [`Field::regular_possible`].
+    pub regular_possible: bool,
 }
 
 impl LaidOut {
-    /// Lays out a lattice of one kind, whose `options` these are.
+    /// Lays out a lattice of one kind, whose `options` these are. Field and metric, the largest
+    /// things of a run, end here.
     pub fn new(
         ground: &Ground,
         way: LatticeFreedom,
@@ -69,10 +77,13 @@ impl LaidOut {
             clock,
         )?;
         Ok(Self {
+            cones: field.cones(&ground.smooth),
+            regular_possible: field.regular_possible(&ground.smooth),
             finer,
-            field,
-            fine,
-            drawn,
+            surface: fine.surface,
+            wish: fine.wish,
+            layout: drawn.layout,
+            statistics: drawn.placed.statistics,
         })
     }
 
@@ -90,9 +101,9 @@ pub(super) fn lay_out(
     let way = LatticeFreedom::from(Candidate::first(&ground.options));
     let laid = LaidOut::new(ground, way, &way.options(&ground.options), clock)?;
     Ok(LatticePreview {
-        cones: laid.field.cones(&laid.ground(ground).smooth),
-        mesh: laid.drawn.layout.mesh,
-        statistics: laid.drawn.placed.statistics,
+        cones: laid.cones,
+        mesh: laid.layout.mesh,
+        statistics: laid.statistics,
         stages: std::mem::take(&mut clock.stages),
     })
 }

@@ -283,9 +283,9 @@ impl DomainPanels {
         let options = way.options(&self.options);
         let laid = LaidOut::new(&ground, way, &options, clock)?;
         let ground = laid.ground(&ground);
-        let layout = &laid.drawn.layout;
+        let layout = &laid.layout;
         let parts = symmetry::completed(layout, self.group).map_err(NotSymmetric::Symmetry)?;
-        let target = FoldedTarget::new(ground.close_to(&laid.fine.surface), self.group.walls());
+        let target = FoldedTarget::new(ground.close_to(&laid.surface), self.group.walls());
         let progress = clock.progress;
         let optimised = clock.timed("optimise", || {
             optimise::optimise_quotient(
@@ -306,7 +306,7 @@ impl DomainPanels {
         )?;
         let quotient = symmetry::quotient_of(&mesh, self.group).map_err(NotSymmetric::Symmetry)?;
         let statistics = Statistics {
-            layout: laid.drawn.placed.statistics,
+            layout: laid.statistics,
             factorisations: optimised.runs.iter().map(|r| r.factorisations).sum(),
             runs: optimised.runs.clone(),
             ..Statistics::empty()
@@ -333,7 +333,7 @@ impl DomainPanels {
         clock: &mut Clock<'_>,
     ) -> Result<(HexMesh, Option<HexMesh>), NotSymmetric> {
         let (options, walls) = (&self.options, self.group.walls());
-        let reported = ground.reported(&laid.fine.surface);
+        let reported = ground.reported(&laid.surface);
         let facets = ground.given_facets();
         let references = References {
             smooth: Some(reported),
@@ -357,8 +357,8 @@ impl DomainPanels {
             hold,
             mirrors: &walls,
             areas: Some(AreaField {
-                surface: &laid.fine.surface,
-                wish: &laid.fine.wish,
+                surface: &laid.surface,
+                wish: &laid.wish,
             }),
             options: &options.optimise,
         };

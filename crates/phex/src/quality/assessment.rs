@@ -51,6 +51,12 @@ impl<'a> References<'a> {
     fn judge(&self) -> Option<&'a TriangleSurface> {
         self.smooth.or(self.facets)
     }
+
+    /// Whether the smooth surface and the facets are the same surface, and end where it ends.
+    fn are_one(&self) -> bool {
+        let same = |a: &TriangleSurface| self.facets.is_some_and(|b| a.is_clone_of(b));
+        self.beyond.is_none() && self.smooth.is_some_and(same)
+    }
 }
 
 /// What the checks amount to.
@@ -111,7 +117,10 @@ impl Assessment {
         }
         let away = |s, k: usize| deviation_beyond(mesh, s, references.beyond.map_or(s, |b| b[k]));
         let deviation_smooth = references.smooth.map(|s| away(s, 0));
-        let deviation_facets = references.facets.map(|s| away(s, 1));
+        let deviation_facets = match references.are_one() {
+            true => deviation_smooth.clone(),
+            false => references.facets.map(|s| away(s, 1)),
+        };
         let boundary = references.judge().and_then(|s| boundary_fit(mesh, s));
         let mut checks = validity_checks(mesh, &measures, &violations, &limits.validity);
         checks.extend(panel_checks(mesh, &limits.panels));

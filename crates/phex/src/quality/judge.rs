@@ -79,8 +79,6 @@ pub struct Judge<'a> {
     surface: &'a TriangleSurface,
     limits: Limits,
     curve: Option<BoundaryCurve>,
-    /// Distance of each vertex of the surface to its boundary; infinite where there is none.
-    to_boundary: PerVertex<f64>,
     on_boundary: PerVertex<bool>,
     diagonal: f64,
 }
@@ -88,19 +86,13 @@ pub struct Judge<'a> {
 impl<'a> Judge<'a> {
     /// The judge of meshes that stand for a surface.
     pub fn new(surface: &'a TriangleSurface, references: References<'a>, limits: Limits) -> Self {
-        let curve = BoundaryCurve::of(surface);
-        let distance = |p: &Vec3| match &curve {
-            Some(curve) => (curve.closest_point(*p).position - p).norm(),
-            None => f64::INFINITY,
-        };
         let topology = surface.topology();
         Self {
-            to_boundary: surface.positions().map(distance),
             on_boundary: PerVertex::from_fn(topology.n_vertices(), |v| {
                 topology.is_boundary_vertex(v)
             }),
             diagonal: surface.diagonal(),
-            curve,
+            curve: BoundaryCurve::of(surface),
             references,
             surface,
             limits,
@@ -234,17 +226,22 @@ impl<'a> Judge<'a> {
         points: &[VertexId],
         (mean_edge, share): (f64, f64),
     ) -> Vec<Vec<Vec3>> {
-        let counts = |v: &&VertexId| self.to_boundary[**v] > RIM * mean_edge;
         let place = |v: &VertexId| self.surface.positions()[*v];
-        let places: Vec<Vec3> = points.iter().filter(counts).map(place).collect();
+        let places: Vec<Vec3> = points.iter().map(place).collect();
         let mut far = vec![Vec::new(); mesh.topology().n_faces()];
         let closest = closest_faces(mesh, &places);
         for (p, (f, distance)) in places.into_iter().zip(closest) {
-            if distance > share * self.largest_distance() {
+            if distance > share * self.largest_distance() && self.is_inside(p, mean_edge) {
                 far[f.index()].push(p);
             }
         }
         far
+    }
+
+    /// Whether a point of the surface is so far from its boundary that it is to be covered.
+    fn is_inside(&self, p: Vec3, mean_edge: f64) -> bool {
+        let curve = self.curve.as_ref();
+        curve.is_none_or(|c| !c.is_within(p, RIM * mean_edge))
     }
 
     fn add_coverage(
@@ -256,13 +253,14 @@ impl<'a> Judge<'a> {
         let place = |v: &VertexId| self.surface.positions()[*v];
         let places: Vec<Vec3> = scope.points.iter().map(place).collect();
         let closest = closest_faces(scope.mesh, &places);
-        for (v, &(f, distance)) in scope.points.iter().zip(&closest) {
-            if self.to_boundary[*v] > RIM * yardstick.mean_edge {
-                let face = &mut of_face[f];
-                face.off = face.off.max(distance / self.largest_distance());
-                face.bare = face
-                    .bare
-                    .max(self.excess(self.limits.deviation_rel, distance));
+        for (p, &(f, distance)) in places.into_iter().zip(&closest) {
+            let face = &mut of_face[f];
+            let off = distance / self.largest_distance();
+            let bare = self.excess(self.limits.deviation_rel, distance);
+            let adds = off > face.off || bare > face.bare;
+            if adds && self.is_inside(p, yardstick.mean_edge) {
+                face.off = face.off.max(off);
+                face.bare = face.bare.max(bare);
             }
         }
         closest.into_iter().map(|c| c.0).collect()

@@ -37,17 +37,70 @@ pub(super) fn collapse_short(mesh: &mut ChangingMesh, wanted: usize) {
     }
 }
 
-type Queue = BinaryHeap<Reverse<(u64, u32)>>;
+/// Edges by their lengths, the shortest first. Those that a round begins with are sorted once: in a
+/// heap of millions every step would wait for memory.
+struct Queue {
+    /// The first edges, the shortest last.
+    first: Vec<(u64, u32)>,
+    /// Those whose length has changed since.
+    changed: BinaryHeap<Reverse<(u64, u32)>>,
+    /// The length with which each edge waits, as bits; [`TAKEN`] for none.
+    waits: Vec<u64>,
+}
+
+/// The bits of no length.
+const TAKEN: u64 = u64::MAX;
+
+impl Queue {
+    fn of(mesh: &ChangingMesh) -> Self {
+        let edges = mesh.table.edges();
+        let mut first: Vec<(u64, u32)> = edges.map(|h| (key(mesh, h), h)).collect();
+        let mut waits = vec![TAKEN; mesh.table.n_half_edges()];
+        first.iter().for_each(|(k, h)| waits[*h as usize] = *k);
+        first.sort_unstable_by_key(|e| Reverse(*e));
+        Self {
+            first,
+            changed: BinaryHeap::new(),
+            waits,
+        }
+    }
+
+    /// Puts an edge with its length of now.
+    fn push(&mut self, mesh: &ChangingMesh, h: u32) {
+        let key = key(mesh, h);
+        let waits = &mut self.waits[h as usize];
+        if *waits != key {
+            *waits = key;
+            self.changed.push(Reverse((key, h)));
+        }
+    }
+
+    /// The shortest edge that waits with the length that it has.
+    fn pop(&mut self) -> Option<u32> {
+        loop {
+            let next = self.changed.peek().map(|e| e.0);
+            let (key, h) = match (self.first.last(), next) {
+                (Some(a), Some(b)) if *a > b => self.changed.pop().map(|e| e.0),
+                (Some(_), _) => self.first.pop(),
+                (None, _) => self.changed.pop().map(|e| e.0),
+            }?;
+            let waits = &mut self.waits[h as usize];
+            if *waits == key {
+                *waits = TAKEN;
+                return Some(h);
+            }
+        }
+    }
+}
 
 fn collapse_to(mesh: &mut ChangingMesh, wanted: usize) {
-    let edges = mesh.table.edges();
-    let mut queue: Queue = edges.map(|h| Reverse((key(mesh, h), h))).collect();
+    let mut queue = Queue::of(mesh);
     while mesh.table.n_vertices() > wanted {
-        let Some(Reverse((bits, h))) = queue.pop() else {
+        let Some(h) = queue.pop() else {
             return;
         };
-        let stale = !mesh.table.is_there(h) || mesh.table.edge(h) != h || key(mesh, h) != bits;
-        if stale || !mesh.table.can_collapse(h) {
+        let names = mesh.table.is_there(h) && mesh.table.edge(h) == h;
+        if !names || !mesh.table.can_collapse(h) {
             continue;
         }
         let [u, v] = mesh.table.ends(h);
@@ -60,7 +113,7 @@ fn collapse_to(mesh: &mut ChangingMesh, wanted: usize) {
         mesh.table.collapse(h, removed, kept);
         mesh.gone[removed as usize] = true;
         for edge in mesh.table.edges_at(kept) {
-            queue.push(Reverse((key(mesh, edge), edge)));
+            queue.push(mesh, edge);
         }
     }
 }

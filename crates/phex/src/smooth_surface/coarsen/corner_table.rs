@@ -51,6 +51,11 @@ impl CornerTable {
         self.n_vertices
     }
 
+    /// Number of half-edges, with those that are gone.
+    pub fn n_half_edges(&self) -> usize {
+        self.origin.len()
+    }
+
     pub fn origin(&self, h: u32) -> u32 {
         self.origin[h as usize]
     }

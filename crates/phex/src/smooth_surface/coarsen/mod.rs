@@ -15,7 +15,7 @@ mod corner_table;
 mod flips;
 
 use corner_table::{CornerTable, NONE};
-use phex_mesh::{HalfEdgeId, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{HalfEdgeId, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
 
 /// A surface with fewer vertices.
 #[derive(Clone)]
@@ -66,10 +66,11 @@ struct ChangingMesh {
 impl ChangingMesh {
     fn of(surface: &TriangleSurface, corners: &[VertexId], wanted: usize) -> Self {
         let topology = surface.topology();
+        let area = PerFace::from_fn(topology.n_faces(), |f| surface.area_vector(f));
         let is_crease = |h: HalfEdgeId| {
             let across = topology.twin(h).map(|t| topology.face(t));
             across.is_some_and(|g| {
-                let [m, n] = [topology.face(h), g].map(|f| surface.area_vector(f));
+                let [m, n] = [area[topology.face(h)], area[g]];
                 m.dot(&n) < CREASE * m.norm() * n.norm()
             })
         };
