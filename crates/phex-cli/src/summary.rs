@@ -353,7 +353,15 @@ fn areas(measures: &MeshMeasures) -> String {
             listed("faces", &ids)
         );
     }
-    text
+    text + &over_wished(measures).unwrap_or_default()
+}
+
+/// How even the areas of inner panels are, where they are to differ.
+fn over_wished(measures: &MeshMeasures) -> Option<String> {
+    let evenness = measures.evenness?;
+    let (plain, wished) = (evenness.area_spread, evenness.over_wished?.spread);
+    let [plain, wished] = [plain, wished].map(|spread| format!("{spread:.2}"));
+    (plain != wished).then(|| format!("; inner p95/p5 {plain}, {wished} over the wished"))
 }
 
 fn percent(fraction: f64) -> String {

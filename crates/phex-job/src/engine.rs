@@ -12,7 +12,7 @@ use phex::optimise::{
 use phex::pipeline::{self, AttemptSummary, ClassicalStatistics, NetworkCurves, network_curves};
 use phex::report::StageTime;
 use phex::{Beyond, MeshOptions, MeshRun, PipelineError, Progress, Session};
-use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface};
+use phex_mesh::{HexMesh, PerFace, PolygonSoup, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
 use serde_json::Value;
@@ -22,6 +22,9 @@ use std::time::Instant;
 pub struct Computed {
     /// The mesh, in model coordinates; valid or not.
     pub mesh: HexMesh,
+    /// Area that each panel is to have, squares of the model's unit; only the proportions count, and
+    /// 0 stands for any.
+    pub wished: PerFace<f64>,
     /// The panels before the optimiser, where there were any, in model coordinates.
     pub start: Option<PolygonSoup>,
     /// The smooth surface that it was fitted to, in model coordinates.
@@ -75,6 +78,7 @@ pub fn lay_out(
         cones: preview.cones,
         classical: None,
         tried: Vec::new(),
+        wished: any_area(&preview.mesh),
         mesh: preview.mesh,
         start: None,
         smooth: None,
@@ -106,12 +110,18 @@ fn reached(run: MeshRun) -> Result<Computed, JobError> {
         cones: run.statistics.cones,
         classical: run.statistics.classical,
         tried: run.statistics.tried,
+        wished: run.wished,
         mesh: run.mesh,
         start: run.start,
         smooth: Some(run.target),
         unrepeated: run.unrepeated,
         beyond: run.beyond,
     })
+}
+
+/// Wishes of panels that may have any area.
+fn any_area(mesh: &HexMesh) -> PerFace<f64> {
+    PerFace::filled(mesh.topology().n_faces(), 0.0)
 }
 
 /// A conjugate curve network of a connected surface.
@@ -175,6 +185,7 @@ pub fn planarize(
         classical: None,
         tried: Vec::new(),
         start: Some(mesh.to_soup()),
+        wished: any_area(mesh),
         mesh: run.mesh,
         smooth: None,
         unrepeated: None,

@@ -2,7 +2,7 @@
 
 use crate::engine::Computed;
 use crate::error::JobError;
-use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, TriangleSurface};
+use phex_mesh::{HexMesh, PerFace, PolygonSoup, SurfaceComponent, TriangleSurface};
 
 /// The meshes of all parts.
 pub(crate) fn joined_mesh(runs: &[Computed]) -> Result<HexMesh, JobError> {
@@ -42,6 +42,16 @@ fn joined_polygons(parts: impl Iterator<Item = PolygonSoup>) -> Result<PolygonSo
         );
     }
     Ok(soup)
+}
+
+/// Areas that the panels of all parts are to have.
+pub(crate) fn joined_wished(runs: &[Computed]) -> PerFace<f64> {
+    PerFace::from_vec(
+        runs.iter()
+            .flat_map(|run| run.wished.iter())
+            .copied()
+            .collect(),
+    )
 }
 
 pub(crate) fn joined_target(runs: &[Computed]) -> Result<Option<TriangleSurface>, JobError> {

@@ -5,7 +5,9 @@ use crate::engine::{self, Computed};
 use crate::error::JobError;
 use crate::given::Given;
 use crate::hexagon::edge_length;
-use crate::join::{joined_beyond, joined_mesh, joined_start, joined_target, joined_unrepeated};
+use crate::join::{
+    joined_beyond, joined_mesh, joined_start, joined_target, joined_unrepeated, joined_wished,
+};
 use crate::limits::TypedLimits;
 use crate::panel_size::{self, shares};
 use crate::portfolio::members;
@@ -318,7 +320,8 @@ impl<'a> MeshTask<'a> {
             beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
             elsewhere: &elsewhere,
         };
-        let assessment = self.limits.judge(&mesh, references);
+        let mut assessment = self.limits.judge(&mesh, references);
+        assessment.measures = (assessment.measures).over_wished(&mesh, &joined_wished(&runs));
         let mut limits = self.limits;
         if !elsewhere.is_empty() {
             // A later judge does not know where the boundary was to go.

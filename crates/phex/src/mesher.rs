@@ -201,7 +201,9 @@ impl Panelling {
             beyond: self.run.beyond.as_ref().map(|b| [&b.smooth, &b.facets]),
             elsewhere: &elsewhere,
         };
-        Assessment::new(&self.run.mesh, references, &self.limits())
+        let mut found = Assessment::new(&self.run.mesh, references, &self.limits());
+        found.measures = (found.measures).over_wished(&self.run.mesh, &self.run.wished);
+        found
     }
 
     /// Figures, checks, options and times, for people and as JSON.

@@ -46,7 +46,7 @@ use crate::progress::Progress;
 use clock::Clock;
 
 use phex_mesh::TriangleSurface;
-use run::between_panels;
+use run::{any_area, between_panels};
 use size::panel_count;
 use sized::panel_length;
 

@@ -236,10 +236,15 @@ fn a_size_field_makes_panels_small_where_it_is_small() {
         size_field: Some(surface.positions().iter().map(size).collect()),
         ..panels(60)
     };
-    let mesh = mesh_surface(&surface, &options, &Silent).unwrap().mesh;
+    let run = mesh_surface(&surface, &options, &Silent).unwrap();
+    let mesh = run.mesh;
     let right = |f: &phex_mesh::FaceId| mesh.centre(*f).x > 0.0;
     let count = mesh.topology().faces().filter(right).count();
     assert!(2 * count + 4 < mesh.topology().n_faces(), "{count}");
+    let evenness = phex_mesh::measure(&mesh).over_wished(&mesh, &run.wished);
+    let evenness = evenness.evenness.expect("panels inside");
+    let wished = evenness.over_wished.expect("sizes are wished for");
+    assert!(wished.spread < 0.6 * evenness.area_spread, "{evenness:?}");
 }
 
 /// A tighter limit never ends farther from the surface.

@@ -185,11 +185,14 @@ pub const FIGURES: [Figure; 23] = [
     figure(
         "spread",
         "p95/p5",
-        "95 % over 5 % quantile of the inner panels' areas",
+        "95 % over 5 % quantile of the inner panels' areas over the wished ones",
         Low,
         (0.08, 0.05),
         2,
-        |r| at(r, "/measures/evenness/area_spread"),
+        |r| {
+            at(r, "/measures/evenness/over_wished/spread")
+                .or_else(|| at(r, "/measures/evenness/area_spread"))
+        },
     ),
     figure(
         "longest",

@@ -5,7 +5,7 @@
 
 use super::interior_faces;
 use super::metric::quantile;
-use crate::{FaceId, FlatFace, HexMesh, PerFace, Vec2};
+use crate::{FaceId, FlatFace, HexMesh, PerFace, Topology, Vec2};
 use nalgebra::Matrix2;
 use serde::Serialize;
 
@@ -24,6 +24,45 @@ pub struct Evenness {
     pub longest_edge: f64,
     /// 95 % quantile of the faces' [aspects](aspect).
     pub aspect_p95: f64,
+    /// The same of the areas over those that the faces are to have; `None` where that is not known.
+    pub over_wished: Option<AreasOverWished>,
+}
+
+/// Areas of the inner faces of a mesh over the areas that they are to have, which differ on purpose
+/// where a field of sizes or the curvature asks for it. Only the proportions of the wished areas
+/// count: they are scaled to the sum that the faces have.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AreasOverWished {
+    /// Their 5 % quantile.
+    pub p05: f64,
+    /// Their median.
+    pub p50: f64,
+    /// Their 95 % quantile.
+    pub p95: f64,
+    /// 95 % over 5 % quantile: 1 where all faces are as large as they are to be.
+    pub spread: f64,
+}
+
+impl AreasOverWished {
+    /// Compares areas with those that are wished for, 0 where any will do; `None` if no face inside
+    /// is to have one.
+    pub fn of(topology: &Topology, areas: &PerFace<f64>, wished: &PerFace<f64>) -> Option<Self> {
+        let inner = interior_faces(topology).filter(|f| wished[*f] > 0.0);
+        let inner: Vec<FaceId> = inner.collect();
+        if inner.is_empty() {
+            return None;
+        }
+        let sum = |values: &PerFace<f64>| inner.iter().map(|f| values[*f]).sum::<f64>();
+        let scale = sum(wished) / sum(areas);
+        let ratios = sorted(inner.iter().map(|f| scale * areas[*f] / wished[*f]));
+        let [p05, p50, p95] = [0.05, 0.5, 0.95].map(|q| quantile(&ratios, q));
+        Some(Self {
+            p05,
+            p50,
+            p95,
+            spread: p95 / p05,
+        })
+    }
 }
 
 impl Evenness {
@@ -48,6 +87,7 @@ impl Evenness {
             area_spread: area(0.95) / area(0.05),
             longest_edge: quantile(&lengths, 1.0) / mean_length,
             aspect_p95: quantile(&aspects, 0.95),
+            over_wished: None,
         })
     }
 }
@@ -145,6 +185,30 @@ mod tests {
         assert_relative_eq!(uneven.area_spread, 4.0, epsilon = 1e-9);
         assert_relative_eq!(uneven.aspect_p95, 4.0, epsilon = 1e-9);
         assert!(uneven.longest_edge > 3.0);
+    }
+
+    #[test]
+    fn areas_as_they_are_wished_for_are_even() {
+        let mut widths = [1.0; 41];
+        (widths[3], widths[9], widths[20]) = (4.0, 4.0, 4.0);
+        let mesh = bricks(&widths);
+        let topology = mesh.topology();
+        let areas = FlatFace::all(&mesh).map(FlatFace::area);
+        let over = |wished: &PerFace<f64>| AreasOverWished::of(topology, &areas, wished);
+        let even = over(&areas.map(|a| 7.0 * a)).unwrap();
+        assert_relative_eq!(even.p05, 1.0, epsilon = 1e-12);
+        assert_relative_eq!(even.spread, 1.0, epsilon = 1e-12);
+        let any = PerFace::filled(topology.n_faces(), 0.0);
+        assert_eq!(over(&any), None);
+        let alike = over(&any.map(|_| 5.0)).unwrap();
+        assert_relative_eq!(alike.spread, 4.0, epsilon = 1e-9);
+        // Faces that may have any area do not count.
+        let narrow = |a: &f64| if *a < 2.0 { 1.0 } else { 0.0 };
+        assert_relative_eq!(
+            over(&areas.map(narrow)).unwrap().spread,
+            1.0,
+            epsilon = 1e-9
+        );
     }
 
     #[test]

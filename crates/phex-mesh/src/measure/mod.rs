@@ -32,7 +32,7 @@ pub use boundary_fit::{
     BoundaryFit, LEAST_RIM_AREA, Spot, boundary_fit, points_on_boundary, small_rim_faces,
 };
 pub use deviation::{Deviation, closest_faces, deviation, deviation_beyond};
-pub use evenness::{Evenness, aspect};
+pub use evenness::{AreasOverWished, Evenness, aspect};
 pub use metric::{BINS, Histogram, Metric, WORST};
 
 use crate::polygon::{interior_angles, is_simple};
@@ -45,6 +45,9 @@ use serde::Serialize;
 const ROOMY_CLEARANCE: f64 = 0.31;
 /// Area, over the mean, below which a panel needs less.
 const NEEDS_LESS: f64 = 0.4;
+
+/// Angle, degrees, that corners should have at least: sharper ones are allowed and not liked.
+pub const BLUNT_ANGLE: f64 = 20.0;
 
 /// Clearance, in mean edges, that a panel should have, by its area over the mean: below it is
 /// tight, which is allowed and not liked.
@@ -211,6 +214,17 @@ pub fn measure(mesh: &HexMesh) -> MeshMeasures {
         area_ratio: Metric::small_is_bad(scaled(&values.area, over_mean)),
         small_faces: small.map(|a| a.0).collect(),
         per_element: values,
+    }
+}
+
+impl MeshMeasures {
+    /// The same, with the areas of the inner faces compared with those that they are to have.
+    pub fn over_wished(mut self, mesh: &HexMesh, wished: &PerFace<f64>) -> Self {
+        if let Some(evenness) = &mut self.evenness {
+            let areas = &self.per_element.area;
+            evenness.over_wished = AreasOverWished::of(mesh.topology(), areas, wished);
+        }
+        self
     }
 }
 

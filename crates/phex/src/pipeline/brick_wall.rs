@@ -5,7 +5,7 @@ use super::domain::Ground;
 use super::field::spaced_corners;
 use super::preview::LatticePreview;
 use super::{
-    Clock, MeshOptions, MeshRun, PipelineError, Statistics, between_panels, panel_count,
+    Clock, MeshOptions, MeshRun, PipelineError, Statistics, any_area, between_panels, panel_count,
     panel_length,
 };
 use crate::curvature::{self, Curvature};
@@ -138,6 +138,7 @@ pub(super) fn mesh_with_panels(
         ..Statistics::of(&ground.smooth, panels)
     };
     Ok(MeshRun {
+        wished: any_area(&mesh),
         start: Some(layout.mesh.to_soup()),
         mesh,
         target: reported.clone(),

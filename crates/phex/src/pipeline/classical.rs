@@ -17,7 +17,7 @@ use super::domain::Ground;
 use super::field::{Field, FineSurface};
 use super::sized::{boundary_length, panel_length};
 use super::{
-    ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics,
+    ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, any_area,
     between_panels,
 };
 use crate::directions::guides::{Cone, Guides};
@@ -68,6 +68,7 @@ pub(super) fn mesh_with_panels(
         ..Statistics::of(&ground.smooth, panels)
     };
     Ok(MeshRun {
+        wished: any_area(&mesh),
         start: None,
         mesh,
         target: made.reported,

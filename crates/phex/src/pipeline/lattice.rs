@@ -59,6 +59,14 @@ impl Surfaces {
         violations
     }
 
+    /// Areas that panels are to have.
+    pub fn areas(&self) -> AreaField<'_> {
+        AreaField {
+            surface: &self.fine,
+            wish: &self.wish,
+        }
+    }
+
     /// Does something with the site of these surfaces.
     pub(crate) fn with_site<T>(
         &self,
@@ -79,10 +87,7 @@ impl Surfaces {
             close_to: beyond.map_or(&self.reported, |b| b[0]),
             hold: rim.as_ref().map(Rim::hold),
             mirrors: &[],
-            areas: Some(AreaField {
-                surface: &self.fine,
-                wish: &self.wish,
-            }),
+            areas: Some(self.areas()),
             options: &options.optimise,
         })
     }

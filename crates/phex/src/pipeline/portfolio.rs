@@ -250,6 +250,7 @@ impl Task<'_> {
         let run = MeshRun {
             start: Some(start),
             violations: clock.timed("validate", || surfaces.violations(&mesh)),
+            wished: surfaces.areas().wished(&mesh),
             mesh,
             target: surfaces.reported,
             beyond: surfaces.beyond,

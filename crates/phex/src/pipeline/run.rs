@@ -12,7 +12,7 @@ use crate::search::SearchSummary;
 use crate::smooth_surface::{Normalised, SmoothTarget};
 use crate::symmetry::{Orbits, SymmetrySummary};
 use phex_mesh::validate::ValidateOptions;
-use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Vec3, Violation};
+use phex_mesh::{HexMesh, PerFace, PolygonSoup, TriangleSurface, Vec3, Violation};
 use phex_numeric::Outcome;
 use serde::Serialize;
 
@@ -80,6 +80,9 @@ impl Statistics {
 pub struct MeshRun {
     /// The panelling in model coordinates.
     pub mesh: HexMesh,
+    /// Area that each panel is to have, squares of the model's unit; only the proportions count,
+    /// and 0 stands for any.
+    pub wished: PerFace<f64>,
     /// The panels as they were laid out, before the optimiser, in model coordinates; those that
     /// trimming removed are left out.
     pub start: Option<PolygonSoup>,
@@ -118,6 +121,7 @@ impl MeshRun {
             }
         }
         self.mesh = self.mesh.with_positions(positions);
+        self.wished = self.wished.map(|area| area * similarity.scale.powi(2));
         let before = self.unrepeated.take();
         self.unrepeated =
             before.map(|mesh| mesh.with_positions(mesh.positions.map(|p| restore(*p))));
@@ -141,6 +145,11 @@ impl MeshRun {
     pub fn is_sound(&self) -> bool {
         self.violations.is_empty()
     }
+}
+
+/// Wishes of panels that may have any area.
+pub(super) fn any_area(mesh: &HexMesh) -> PerFace<f64> {
+    PerFace::filled(mesh.topology().n_faces(), 0.0)
 }
 
 /// What is wrong with a mesh in itself, and with the sides that its panels show.

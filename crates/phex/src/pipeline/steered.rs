@@ -6,7 +6,7 @@
 //! the user nor planarity wants them elsewhere.
 
 use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics};
-use super::{between_panels, normalise, repeated, rim};
+use super::{any_area, between_panels, normalise, repeated, rim};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::smooth_surface::{self, Normalised, TargetKind};
@@ -64,6 +64,7 @@ pub fn refit_surface(
         optimise::refit(&start, close, steering, settings, progress)
     })??;
     let run = MeshRun {
+        wished: any_area(&start),
         start: Some(start.to_soup()),
         mesh: start,
         target: close_to.clone(),

@@ -25,7 +25,7 @@ use crate::symmetry::{
 };
 use crate::trim::Boundary;
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, TriangleSurface, Vec3};
+use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 use phex_numeric::Outcome;
 
 /// Numbers of panels, over the one that is asked for, that are tried until panels are valid: it is
@@ -213,6 +213,14 @@ fn turns_of_revolution(found: &Found, surface: &TriangleSurface, panels: usize) 
     (round / PANELS_A_TURN).round().clamp(2.0, 24.0) as u32
 }
 
+/// Areas that panels are to have.
+fn areas_of(laid: &LaidOut) -> AreaField<'_> {
+    AreaField {
+        surface: &laid.fine.surface,
+        wish: &laid.fine.wish,
+    }
+}
+
 /// A fundamental domain on its way to panels, scaled to diagonal 1 about a point of all planes.
 struct DomainPanels {
     group: Group,
@@ -315,6 +323,7 @@ impl DomainPanels {
             found,
             whole,
             (&mesh, before.as_ref(), &quotient),
+            &areas_of(&laid).wished(&mesh),
             statistics,
             optimised.outcome,
             clock,
@@ -356,10 +365,7 @@ impl DomainPanels {
             close_to: reported,
             hold,
             mirrors: &walls,
-            areas: Some(AreaField {
-                surface: &laid.surface,
-                wish: &laid.wish,
-            }),
+            areas: Some(areas_of(laid)),
             options: &options.optimise,
         };
         let progress = clock.progress;
@@ -436,6 +442,7 @@ impl DomainPanels {
         found: &Found,
         whole: &TriangleSurface,
         (part, before, quotient): (&HexMesh, Option<&HexMesh>, &Quotient),
+        wished: &PerFace<f64>,
         statistics: Statistics,
         outcome: Outcome,
         clock: &mut Clock<'_>,
@@ -475,7 +482,10 @@ impl DomainPanels {
             ..statistics
         };
         let target = whole.clone();
+        let wish = |(source, _): &(u32, u32)| wished.as_slice()[*source as usize];
+        let wished = PerFace::from_vec(orbits.panels.iter().map(wish).collect());
         Ok(MeshRun {
+            wished: wished.map(|area| area * self.scale.powi(2)),
             start: None,
             violations: clock.timed("validate", || between_panels(&mesh, &target)),
             mesh,

@@ -23,6 +23,20 @@ pub struct AreaField<'a> {
     pub wish: &'a PerVertex<WishedArea>,
 }
 
+impl AreaField<'_> {
+    /// Area that a panel with its middle at a point is to have.
+    fn at(&self, p: Vec3) -> WishedArea {
+        let foot = self.surface.closest_point(p);
+        self.wish[self.surface.topology().face_vertices(foot.triangle)[0]]
+    }
+
+    /// Areas that the panels of a mesh are to have, in any unit.
+    pub fn wished(&self, mesh: &HexMesh) -> PerFace<f64> {
+        let n_faces = mesh.topology().n_faces();
+        PerFace::from_fn(n_faces, |f| self.at(mesh.centre(f)).area)
+    }
+}
+
 /// What a mesh is searched with.
 pub struct Site<'a> {
     /// The judge.
@@ -56,11 +70,7 @@ impl Site<'_> {
 
     /// Area that a panel with its middle at a point is to have.
     pub(super) fn wished(&self, p: Vec3) -> WishedArea {
-        let Some(field) = &self.areas else {
-            return WishedArea::ANY;
-        };
-        let foot = field.surface.closest_point(p);
-        field.wish[field.surface.topology().face_vertices(foot.triangle)[0]]
+        (self.areas.as_ref()).map_or(WishedArea::ANY, |field| field.at(p))
     }
 
     /// Areas that panels are to have, as much in all as they have; 0 for any.
@@ -75,9 +85,9 @@ impl Site<'_> {
         let wants: f64 = (topology.faces().filter(inner))
             .map(|f| wishes[f.index()].area)
             .sum();
-        let area = |f: FaceId| match inner(&f) {
-            true => wishes[f.index()].area * has / wants,
-            false => 0.0,
+        let area = |f: FaceId| match wishes[f.index()] {
+            WishedArea { area, share } if share > 0.0 => area * has / wants,
+            _ => 0.0,
         };
         topology.faces().map(area).collect()
     }
@@ -140,6 +150,7 @@ impl Site<'_> {
         FaceLimits {
             panels: self.options.panel_limits(),
             clearance: areas.iter().map(clearance).collect(),
+            edge: vec![f64::INFINITY; areas.len()],
             area: topology.faces().map(least).collect(),
             distance: self.judge.largest_distance(),
             cover: (self.judge).far_points(part, points, (yardstick.mean_edge, FAR)),
