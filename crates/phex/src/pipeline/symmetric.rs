@@ -216,8 +216,8 @@ fn turns_of_revolution(found: &Found, surface: &TriangleSurface, panels: usize) 
 /// Areas that panels are to have.
 fn areas_of(laid: &LaidOut) -> AreaField<'_> {
     AreaField {
-        surface: &laid.fine.surface,
-        wish: &laid.fine.wish,
+        surface: &laid.surface,
+        wish: &laid.wish,
     }
 }
 
