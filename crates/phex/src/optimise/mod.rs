@@ -117,7 +117,6 @@ pub(crate) mod tests;
 use crate::layout::{Layout, VertexKind};
 use crate::progress::{Event, Progress};
 use areas::AreaWish;
-use barrier::HEXAGON;
 use guard::Guard;
 use holds::{Hold, Holds};
 use panels::{FaceShapes, Panels, points, unknowns};
@@ -263,8 +262,8 @@ pub(crate) fn optimise_quotient(
         stage.holds.retract(&mut cells.x);
         cells = stage.start_at(&cells.x);
     }
+    stage.areas = areas::of_layout(layout, &stage.panels, &cells.x, options.evenness);
     stage.limits = FaceLimits::of(&stage.panels, &cells.x, options);
-    stage.wish_areas(layout, &cells.x, options);
     let mut solvers = Solvers::new(&stage.panels)?;
     let kind = StartKind::SmoothedCells;
     let run = stage.run(&mut solvers, kind, &cells, options, progress)?;
@@ -476,17 +475,6 @@ impl Stage<'_> {
     fn divide(&mut self, quotient: &Quotient) {
         self.holds = quotient.holds();
         self.panels = self.panels.clone().with_images(&quotient.images);
-    }
-
-    /// From now on faces are to have the areas that a layout asks for, and no longer edges than fit
-    /// these.
-    fn wish_areas(&mut self, layout: &Layout, x: &[f64], options: &OptimiseOptions) {
-        self.areas = areas::of_layout(layout, &self.panels, x, options.evenness);
-        let longest = |wish: &AreaWish| match wish.weight > 0.0 {
-            true => options.wished_edge * (wish.area / HEXAGON).sqrt(),
-            false => f64::INFINITY,
-        };
-        self.limits.edge = self.areas.iter().map(longest).collect();
     }
 
     /// From now on faces keep the areas that they have at `x`.

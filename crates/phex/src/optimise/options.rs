@@ -2,7 +2,6 @@
 
 use crate::ranges::{self, BadOption};
 use phex_mesh::PanelLimits;
-use phex_mesh::measure::BLUNT_ANGLE;
 use serde::{Deserialize, Serialize};
 
 /// How panels are made planar.
@@ -108,10 +107,6 @@ pub struct OptimiseOptions {
     /// Least angle at corners, degrees, in [0, 180): an inequality, too, which sharp corners of the
     /// boundary and asymptotic rows can't meet.
     pub wished_angle: f64,
-    /// Longest edge of panels, over the edge of a regular hexagon of the area that they are to
-    /// have, positive: an inequality, too, for panels of a layout. 2.6 is 1.9 (bow-ties) to 2.3
-    /// (convex panels) mean edges; with less areas give way to it.
-    pub wished_edge: f64,
     /// Clearance, in mean edges, below which a panel is an offender.
     pub least_clearance: f64,
     /// Cosine between the normals of a panel and of the surface at its cell below which it counts
@@ -135,7 +130,7 @@ impl Default for OptimiseOptions {
             barrier: 5e-2,
             barrier_reach: 0.3,
             max_iterations: 15,
-            energy_tolerance: 1e-2,
+            energy_tolerance: 3e-2,
             step_tolerance: 1e-3,
             newton_iterations: None,
             planarity_tolerance: 1e-12,
@@ -143,8 +138,7 @@ impl Default for OptimiseOptions {
             panels: PanelLimits::default(),
             limits: 2e-2,
             wished_clearance: 1.15,
-            wished_angle: BLUNT_ANGLE,
-            wished_edge: 2.6,
+            wished_angle: 20.0,
             least_clearance: 0.05,
             least_side: 0.1,
             smoothing: [3, 40],
@@ -277,7 +271,6 @@ impl OptimiseOptions {
             ("barrier", self.barrier),
             ("barrier_reach", self.barrier_reach),
             ("planarity_tolerance", self.planarity_tolerance),
-            ("wished_edge", self.wished_edge),
         ])?;
         ranges::not_negative(&[
             ("centre_closeness", self.centre_closeness),

@@ -5,7 +5,7 @@
 //!
 //! | limit | `c` |
 //! |---|---|
-//! | least, largest edge | `l / least - 1`, `largest / l - 1`, which half as long ones do not feel |
+//! | least, largest edge | `l / least - 1`, `1 - l / largest` |
 //! | least angle | `a / least - 1` at each corner that is not re-entrant |
 //! | clearance | `d / least - 1` for each corner and edge that does not hold it |
 //! | least area | `A / least - 1` |
@@ -34,8 +34,6 @@ pub(crate) struct FaceLimits {
     pub panels: PanelLimits,
     /// Least clearance of each face.
     pub clearance: Vec<f64>,
-    /// Largest edge of each face; infinite for any.
-    pub edge: Vec<f64>,
     /// Least area of each face; 0 for any.
     pub area: Vec<f64>,
     /// Largest distance to the surface; infinite for any.
@@ -50,7 +48,6 @@ impl FaceLimits {
         Self {
             panels: PanelLimits::default(),
             clearance: vec![0.0; faces],
-            edge: vec![f64::INFINITY; faces],
             area: vec![0.0; faces],
             distance: f64::INFINITY,
             cover: vec![Vec::new(); faces],
@@ -70,7 +67,6 @@ impl FaceLimits {
             clearance: (areas.iter())
                 .map(|a| unit * wanted_clearance(a / mean))
                 .collect(),
-            edge: vec![f64::INFINITY; areas.len()],
             area: vec![0.0; areas.len()],
             distance: limit.map_or(f64::INFINITY, |share| share * extent(x)),
             cover: vec![Vec::new(); areas.len()],
@@ -82,7 +78,6 @@ impl FaceLimits {
         let of = |values: &[f64]| faces.iter().map(|&f| values[f as usize]).collect();
         Self {
             clearance: of(&self.clearance),
-            edge: of(&self.edge),
             area: of(&self.area),
             cover: faces
                 .iter()
@@ -186,8 +181,6 @@ impl<'a> ShapeLimits<'a> {
         let limits = &self.limits.panels;
         let k = corners.len();
         let at = |i: usize| corners[i % k].position;
-        let longest = limits.max_edge.unwrap_or(f64::INFINITY);
-        let longest = longest.min(self.limits.edge[f]);
         for i in 0..k {
             let along = at(i + 1) - at(i);
             let length = along.norm().max(f64::MIN_POSITIVE);
@@ -199,9 +192,8 @@ impl<'a> ShapeLimits<'a> {
                 let (c, rows) = (length / least - 1.0, rows(1.0 / least));
                 visit(&Inequality { c, rows });
             }
-            if longest.is_finite() {
-                let ratio = longest / length;
-                let (c, rows) = (ratio - 1.0, rows(-ratio / length));
+            if let Some(most) = limits.max_edge {
+                let (c, rows) = (1.0 - length / most, rows(-1.0 / most));
                 visit(&Inequality { c, rows });
             }
             if let Some(least) = limits.min_angle {

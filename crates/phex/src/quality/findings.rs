@@ -28,12 +28,10 @@ pub struct Findings {
     pub too_large: bool,
     /// Distance to the surface, in limits.
     pub off: f64,
-    /// What a panel costs that is tight or has a sharp corner.
+    /// What a tight panel costs.
     pub tight: f64,
     /// What a small panel at the boundary costs.
     pub small: f64,
-    /// What a large panel at the boundary costs.
-    pub large: f64,
     /// Square of the logarithm of its area over the area that it is to have.
     pub uneven: f64,
     /// Whether it is an inner panel without six corners.
@@ -46,15 +44,10 @@ impl Findings {
         self.folded + self.narrow + self.far + self.bare + self.rim + self.unfit
     }
 
-    /// What is allowed and not liked in its size and room.
-    pub(super) fn disliked(&self) -> f64 {
-        self.tight + self.small + self.large
-    }
-
     /// How bad it is, to compare faces: what is invalid counts before what is outside, and that
     /// before what is not liked.
     pub(super) fn amount(&self) -> f64 {
-        1e3 * self.invalid + self.outside() + 1e-3 * self.disliked()
+        1e3 * self.invalid + self.outside() + 1e-3 * (self.tight + self.small)
     }
 
     /// Whether smaller panels would help.
@@ -72,13 +65,13 @@ impl Findings {
         self.invalid + self.outside() == 0.0
     }
 
-    /// Whether nothing but a little room is lacking, or a corner is a little too sharp.
+    /// Whether nothing but a little room is lacking.
     pub(super) fn is_slight(&self) -> bool {
-        self.is_within() && self.small + self.large == 0.0 && self.tight < MUCH
+        self.is_within() && self.small == 0.0 && self.tight < MUCH
     }
 
     /// Whether something is to be done there.
     pub fn is_defect(&self) -> bool {
-        self.invalid + self.outside() + self.disliked() > 0.0
+        self.invalid + self.outside() + self.tight + self.small > 0.0
     }
 }

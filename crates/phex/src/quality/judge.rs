@@ -3,8 +3,7 @@
 use super::findings::Findings;
 use super::merit::Merit;
 use super::{Limits, References, USUAL_DEVIATION};
-use phex_mesh::measure::{BLUNT_ANGLE, LEAST_RIM_AREA, points_on_boundary, wanted_clearance};
-use phex_mesh::polygon::interior_angles;
+use phex_mesh::measure::{LEAST_RIM_AREA, points_on_boundary, wanted_clearance};
 use phex_mesh::validate::{ValidateOptions, Violation, add_flips, violations};
 use phex_mesh::{
     BoundaryCurve, FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId,
@@ -13,9 +12,6 @@ use phex_mesh::{
 
 /// Excess over a limit, in limits, above which it does not matter how far it is exceeded.
 const LARGEST_EXCESS: f64 = 10.0;
-/// Area of a panel at the boundary, over the one that it is to have, above which it counts as
-/// large.
-const LARGEST_RIM_AREA: f64 = 2.0;
 /// Mean edges from the boundary within which the surface need not be covered.
 const RIM: f64 = 2.0;
 
@@ -340,10 +336,7 @@ fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Fi
         let (area, at_rim) = (flat.area(), topology.is_boundary_face(f));
         let clearance = flat.clearance().distance / yardstick.mean_edge;
         let wanted = wanted_clearance(area / yardstick.mean_area);
-        let sharpest = interior_angles(&flat.polygon).fold(f64::INFINITY, f64::min);
-        let lacking = |share: f64| (1.0 - share).max(0.0);
-        face.tight =
-            lacking(clearance / wanted).powi(2) + lacking(sharpest.to_degrees() / BLUNT_ANGLE);
+        face.tight = (1.0 - clearance / wanted).max(0.0).powi(2);
         face.irregular = !at_rim && topology.valence(f) != 6;
         let wished = scope.wished[f.index()];
         if !at_rim && wished > 0.0 && area > 0.0 {
@@ -352,9 +345,6 @@ fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Fi
         if at_rim {
             let share = area / yardstick.mean_area / LEAST_RIM_AREA;
             face.small = if share < 1.0 { 1.5 - share } else { 0.0 };
-            if wished > 0.0 {
-                face.large = (area / wished / LARGEST_RIM_AREA - 1.0).max(0.0);
-            }
         }
     }
 }
@@ -442,40 +432,6 @@ mod tests {
         assert!(around.iter().all(|f| named.contains(f)), "{named:?}");
         let near = |f: &FaceId| (mesh.centre(*f) - mesh.position(v)).norm() < 3.0 * edge;
         assert!(named.iter().all(near), "{found:?}");
-    }
-
-    #[test]
-    fn large_panels_count_at_the_boundary_alone() {
-        let (surface, wall) = wall();
-        let areas = FlatFace::all(&wall).map(FlatFace::area);
-        let large = |over: f64| {
-            let wished: Vec<f64> = areas.iter().map(|a| a / over).collect();
-            judge(&surface).whole(&wall, &wished).of_face
-        };
-        assert!(large(1.9).iter().all(|f| f.large == 0.0));
-        for (f, found) in large(3.0).enumerate() {
-            let at_rim = wall.topology().is_boundary_face(f);
-            assert_eq!(found.large > 0.4, at_rim, "{f}: {found:?}");
-        }
-    }
-
-    #[test]
-    fn sharp_corners_are_not_liked() {
-        let kite = |angle: f64| {
-            let high = 10.0 * (angle / 2.0).to_radians().tan();
-            let corners = [[0.0, 0.0], [10.0, -high], [20.0, 0.0], [10.0, high]];
-            let corners = corners.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
-            let mesh = HexMesh::new(corners, &[[0, 1, 2, 3]]).unwrap();
-            let (surface, _) = wall();
-            let found = judge(&surface).whole(&mesh, &[0.0]);
-            found.of_face.as_slice()[0].tight
-        };
-        assert_eq!(kite(1.1 * BLUNT_ANGLE), 0.0);
-        let [blunter, sharper] = [0.9, 0.8].map(|share| kite(share * BLUNT_ANGLE));
-        assert!(
-            blunter > 0.099 && sharper > blunter + 0.099,
-            "{blunter} {sharper}"
-        );
     }
 
     #[test]

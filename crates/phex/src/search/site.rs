@@ -85,9 +85,9 @@ impl Site<'_> {
         let wants: f64 = (topology.faces().filter(inner))
             .map(|f| wishes[f.index()].area)
             .sum();
-        let area = |f: FaceId| match wishes[f.index()] {
-            WishedArea { area, share } if share > 0.0 => area * has / wants,
-            _ => 0.0,
+        let area = |f: FaceId| match inner(&f) {
+            true => wishes[f.index()].area * has / wants,
+            false => 0.0,
         };
         topology.faces().map(area).collect()
     }
@@ -150,7 +150,6 @@ impl Site<'_> {
         FaceLimits {
             panels: self.options.panel_limits(),
             clearance: areas.iter().map(clearance).collect(),
-            edge: vec![f64::INFINITY; areas.len()],
             area: topology.faces().map(least).collect(),
             distance: self.judge.largest_distance(),
             cover: (self.judge).far_points(part, points, (yardstick.mean_edge, FAR)),

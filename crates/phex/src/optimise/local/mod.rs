@@ -8,7 +8,7 @@ use super::panels::{FaceShapes, unknowns};
 use super::solvers::Solvers;
 use super::{
     BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Optimised, Reference, Stage,
-    StartKind, Target, check_layout, check_mesh, finished,
+    StartKind, Target, areas, check_layout, check_mesh, finished,
 };
 use crate::layout::Layout;
 use crate::progress::Progress;
@@ -48,7 +48,7 @@ impl LocalPart<'_> {
         let places = mesh.positions.as_slice().to_vec();
         let moves = |v: usize| self.free[v] && inside(v);
         let start = smoothing.from(places, moves, || progress.is_cancelled());
-        stage.wish_areas(self.layout, &start.x, options);
+        stage.areas = areas::of_layout(self.layout, &stage.panels, &start.x, options.evenness);
         let mut solvers = Solvers::new(&stage.panels)?;
         let run = stage.run(&mut solvers, StartKind::Local, &start, options, progress)?;
         Ok(finished(mesh, run))
@@ -69,7 +69,7 @@ impl LocalPart<'_> {
         let (mesh, options) = (&self.layout.mesh, &self.scaled(options));
         let mut stage = self.stage(target, options)?;
         let x = unknowns(mesh);
-        stage.wish_areas(self.layout, &x, options);
+        stage.areas = areas::of_layout(self.layout, &stage.panels, &x, options.evenness);
         let run = stage.emphasised(&x, round, options, progress)?;
         Ok(finished(mesh, run))
     }

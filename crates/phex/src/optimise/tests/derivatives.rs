@@ -456,10 +456,6 @@ fn gradient_of_limits() {
             area: vec![3.0 * area; faces],
             ..none()
         },
-        FaceLimits {
-            edge: vec![0.9 * edge; faces],
-            ..none()
-        },
     ];
     for limits in &limits {
         gradient_of_limit(&mesh, Shape::Wave, limits);
