@@ -23,7 +23,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] | foreign | python | wheel
+const USAGE: &str = "usage: cargo xtask check | ledger [--compare] [ROW...] | performance [--large] [--models FOLDER] | foreign | python | wheel
                         | book [--write] [CHAPTER.md...] | viewer | browse | figures [NUMBER...] | obj STEP...
                         | package [--no-verify] | release | notes [TAG] | fuzz [--minutes N] | hostile | faults
 
