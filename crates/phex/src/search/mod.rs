@@ -41,7 +41,7 @@ use std::collections::BTreeSet;
 /// Rings of panels around a defect that may be joined anew, at first and where that has failed.
 const RINGS: [usize; 3] = [1, 2, 4];
 /// Sweeps over all defects at the most.
-const SWEEPS: usize = 60;
+const SWEEPS: usize = 30;
 /// Share of a defect with which it counts as cured: nothing else is tried then.
 const CURED: f64 = 0.99;
 /// Candidates that are tried again with all that the optimiser can do for them.
@@ -211,9 +211,10 @@ fn chosen(
             .iter()
             .find(|f| (f.place - defect.place).norm() < same);
         let times = before.map_or(0, |f| f.times);
-        // What is allowed is worth one try.
+        // What is allowed is worth one try, in which its neighbours can give way, too.
         let again = |_: &&usize| times == 0 || !defect.is_allowed;
-        let rings = RINGS.get(times).filter(again);
+        let rings = RINGS.get(times + usize::from(defect.is_allowed));
+        let rings = rings.filter(again);
         let Some(rings) = rings else {
             continue;
         };
