@@ -22,8 +22,8 @@ use std::time::Instant;
 pub struct Computed {
     /// The mesh, in model coordinates; valid or not.
     pub mesh: HexMesh,
-    /// Area that each panel is to have, squares of the model's unit; only the proportions count, and
-    /// 0 stands for any.
+    /// Area that each panel is to have, squares of the model's unit; only the proportions count,
+    /// and 0 stands for any.
     pub wished: PerFace<f64>,
     /// The panels before the optimiser, where there were any, in model coordinates.
     pub start: Option<PolygonSoup>,
