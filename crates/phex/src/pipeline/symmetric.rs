@@ -322,10 +322,9 @@ impl DomainPanels {
         self.assembled(
             found,
             whole,
-            (&mesh, before.as_ref(), &quotient),
-            &areas_of(&laid).wished(&mesh),
-            statistics,
-            optimised.outcome,
+            (&mesh, &areas_of(&laid).wished(&mesh)),
+            (before.as_ref(), &quotient),
+            (statistics, optimised.outcome),
             clock,
         )
     }
@@ -441,10 +440,9 @@ impl DomainPanels {
         &self,
         found: &Found,
         whole: &TriangleSurface,
-        (part, before, quotient): (&HexMesh, Option<&HexMesh>, &Quotient),
-        wished: &PerFace<f64>,
-        statistics: Statistics,
-        outcome: Outcome,
+        (part, wished): (&HexMesh, &PerFace<f64>),
+        (before, quotient): (Option<&HexMesh>, &Quotient),
+        (statistics, outcome): (Statistics, Outcome),
         clock: &mut Clock<'_>,
     ) -> Result<MeshRun, NotSymmetric> {
         let elements = self.group.elements();
