@@ -8,6 +8,7 @@ use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use std::collections::HashSet;
 
 /// Changes that are tried side by side; a fixed number, so that the result does not depend on that
 /// of threads.
@@ -60,8 +61,9 @@ impl Exchange<'_> {
                 .reduce(|a, b| if b.0 > a.0 { b } else { a });
             if let Some((_, better)) = best {
                 left.extend(sheet.iter().map(|p| p.plate));
-                left.retain(|k| better.iter().all(|p| p.plate != *k));
                 left.sort_unstable();
+                let lies: HashSet<usize> = better.iter().map(|p| p.plate).collect();
+                left.retain(|k| !lies.contains(k));
                 sheet = better;
             }
         }

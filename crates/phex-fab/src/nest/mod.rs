@@ -25,6 +25,7 @@ mod engine;
 mod exchange;
 mod grow;
 mod left;
+mod neighbours;
 mod separate;
 mod shape;
 mod smallest;

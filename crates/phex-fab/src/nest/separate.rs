@@ -4,11 +4,15 @@
 //! for particles). Where that gets stuck the panel that overlaps most is taken out and put back
 //! where it overlaps least, among random places.
 //!
+//! Only bodies that have been moved, or have a neighbour that was, are looked at again, and only
+//! neighbours ([`Neighbours`]): a change of a few panels costs what they touch, not the sheet.
+//!
 //! *Guaranteed*: `true` means that no overlap is deeper than the tolerance. *Fails* where the
 //! panels have no place, and now and then where they have one.
 
 use super::Border;
 use super::body::{Body, Posed};
+use super::neighbours::Neighbours;
 use phex_mesh::Vec2;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -34,6 +38,10 @@ pub struct Crowd<'a> {
     low: Vec2,
     high: Vec2,
     tolerance: f64,
+    /// Who may touch whom.
+    neighbours: Neighbours,
+    /// Bodies whose contacts may have changed since they were last looked at.
+    stirred: Vec<bool>,
 }
 
 impl<'a> Crowd<'a> {
@@ -45,6 +53,8 @@ impl<'a> Crowd<'a> {
             low: border.low,
             high: border.high,
             tolerance,
+            neighbours: Neighbours::default(),
+            stirred: Vec::new(),
         }
     }
 
@@ -67,6 +77,8 @@ impl<'a> Crowd<'a> {
 
     /// Pushes all apart; whether that succeeded.
     pub fn separate(&mut self, random: &mut ChaCha8Rng) -> bool {
+        self.stirred = vec![true; self.bodies.len()];
+        self.find_neighbours();
         let moves = 1 + self.bodies.len() / PANELS_PER_MOVE;
         for again in 0..=moves {
             if self.relax() {
@@ -104,14 +116,27 @@ impl<'a> Crowd<'a> {
             all += depth;
         };
         for i in 0..self.bodies.len() {
+            if !std::mem::replace(&mut self.stirred[i], false) {
+                continue;
+            }
+            if self.neighbours.are_stale() {
+                self.find_neighbours();
+            }
             self.keep_inside(i, &mut met);
-            for j in 0..i {
+            for k in 0..self.neighbours.before(i).len() {
+                let j = self.neighbours.before(i)[k];
                 if self.are_near(i, j) {
                     self.push_apart(i, j, &mut met);
                 }
             }
         }
         (deepest, all)
+    }
+
+    fn find_neighbours(&mut self) {
+        let centres = self.posed.iter().map(|p| p.centre).collect();
+        let radii: Vec<f64> = self.bodies.iter().map(|b| b.radius).collect();
+        self.neighbours = Neighbours::new(centres, &radii);
     }
 
     fn are_near(&self, i: usize, j: usize) -> bool {
@@ -170,22 +195,33 @@ impl<'a> Crowd<'a> {
         let posed = &mut self.posed[i];
         let (centre, angle) = (posed.centre + by, posed.angle + turn);
         self.bodies[i].pose(posed, centre, angle);
+        self.stir(i);
+    }
+
+    /// A body has moved: it, and those whose contacts with it are counted as theirs, are looked at
+    /// again.
+    fn stir(&mut self, i: usize) {
+        self.neighbours.moved(i, self.posed[i].centre);
+        self.stirred[i] = true;
+        for &k in self.neighbours.after(i) {
+            self.stirred[k] = true;
+        }
     }
 
     /// Takes out the body that overlaps most and puts it where it overlaps least.
     fn replace_worst(&mut self, random: &mut ChaCha8Rng) {
+        self.find_neighbours();
         let overlap = |i: usize| {
-            self.overlap(
-                &self.posed[i],
-                self.bodies[i].radius,
-                Some(i),
-                f64::INFINITY,
-            )
+            let (posed, radius) = (&self.posed[i], self.bodies[i].radius);
+            let others = self.neighbours.of(i).iter().copied();
+            self.overlap(posed, radius, others, f64::INFINITY)
         };
         let worst = (0..self.bodies.len()).map(|i| (overlap(i), i));
         let worst = worst.reduce(|a, b| if b.0 > a.0 { b } else { a });
         if let Some((_, i)) = worst {
             self.posed[i] = self.least_overlap(self.bodies[i], Some(i), random);
+            self.find_neighbours();
+            self.stir(i);
         }
     }
 
@@ -202,7 +238,8 @@ impl<'a> Crowd<'a> {
                 None => TAU * random.random::<f64>(),
             };
             body.pose(&mut scratch, centre, angle);
-            let overlap = self.overlap(&scratch, body.radius, own, best.0);
+            let others = (0..self.bodies.len()).filter(|&k| own != Some(k));
+            let overlap = self.overlap(&scratch, body.radius, others, best.0);
             if overlap < best.0 {
                 best = (overlap, centre, angle);
             }
@@ -210,17 +247,24 @@ impl<'a> Crowd<'a> {
         body.posed(best.1, best.2)
     }
 
-    /// Sum of the depths of a body in the others and beyond the border; stops where that is more
+    /// Sum of the depths of a body in some others and beyond the border; stops where that is more
     /// than `most`.
-    fn overlap(&self, posed: &Posed, radius: f64, own: Option<usize>, most: f64) -> f64 {
+    fn overlap(
+        &self,
+        posed: &Posed,
+        radius: f64,
+        others: impl Iterator<Item = usize>,
+        most: f64,
+    ) -> f64 {
         let beyond = |p: &Vec2| (self.low - p).sup(&(p - self.high)).max();
         let mut sum = posed.corners().map(beyond).fold(0.0, f64::max);
-        for (k, (body, other)) in self.bodies.iter().zip(&self.posed).enumerate() {
+        for k in others {
             if sum > most {
                 break;
             }
+            let (body, other) = (self.bodies[k], &self.posed[k]);
             let reach = radius + body.radius;
-            if own != Some(k) && (posed.centre - other.centre).norm_squared() < reach * reach {
+            if (posed.centre - other.centre).norm_squared() < reach * reach {
                 sum += posed.contacts(other).map(|c| c.depth).sum::<f64>();
             }
         }
