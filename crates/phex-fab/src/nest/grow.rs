@@ -84,40 +84,66 @@ impl<'a> Sheet<'a> {
         while let trials = self.beside()
             && !trials.is_empty()
         {
-            let place = |trial: &Trial| {
-                let shape = &shapes[trial.plate];
-                let known = self.known.get(&trial.plate).filter(|(rotations, place)| {
-                    *rotations == trial.rotations.len() && shape.is_free(place, &self.engine)
-                });
-                known.map(|(_, place)| *place).or_else(|| {
-                    let rotations: Vec<f64> = trial.rotations.iter().map(|(r, _)| *r).collect();
-                    shape.best_place(
-                        &shape.allowed(rotations),
-                        border,
-                        &self.pieces,
-                        &self.engine,
-                    )
-                })
+            let known = |t: &Trial| {
+                let known = self.known.get(&t.plate);
+                known.filter(|(rotations, _)| *rotations == t.rotations.len())
             };
-            let places: Vec<Option<FreePlace>> = trials.par_iter().map(place).collect();
+            let (old, new): (Vec<&Trial>, Vec<&Trial>) =
+                trials.iter().partition(|t| known(t).is_some());
+            let place = |t: &&Trial| self.place(t, shapes, border);
+            let places: Vec<Option<FreePlace>> = new.par_iter().map(place).collect();
             let mut best: Option<(usize, FreePlace)> = None;
-            for (trial, place) in trials.iter().zip(places) {
-                let Some(place) = place else {
-                    self.failed_beside
-                        .extend(trial.rotations.iter().map(|(_, edge)| (trial.plate, *edge)));
-                    continue;
-                };
-                self.known
-                    .insert(trial.plate, (trial.rotations.len(), place));
-                if best.is_none_or(|(_, least)| place.cost < least.cost) {
-                    best = Some((trial.plate, place));
+            for (trial, place) in new.into_iter().zip(places) {
+                self.learn(trial, place, &mut best);
+            }
+            // A sheet gets fuller: what a panel cost before is nearly the least that it costs now.
+            let cost = |t: &Trial| self.known.get(&t.plate).map_or(0.0, |(_, p)| p.cost);
+            let mut old: Vec<(f64, &Trial)> = old.into_iter().map(|t| (cost(t), t)).collect();
+            old.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (before, trial) in old {
+                if best.is_some_and(|(_, least)| least.cost <= before) {
+                    break;
                 }
+                let place = self.known[&trial.plate].1;
+                let place = if shapes[trial.plate].is_free(&place, &self.engine) {
+                    Some(place)
+                } else {
+                    self.place(trial, shapes, border)
+                };
+                self.learn(trial, place, &mut best);
             }
             if best.is_some() {
                 return best;
             }
         }
         None
+    }
+
+    /// The best place of a panel in the rotations of a trial.
+    fn place(&self, trial: &Trial, shapes: &[PlateShape], border: &Border) -> Option<FreePlace> {
+        let shape = &shapes[trial.plate];
+        let rotations = shape.allowed(trial.rotations.iter().map(|(r, _)| *r).collect());
+        shape.best_place(&rotations, border, &self.pieces, &self.engine)
+    }
+
+    /// Keeps what was found for a trial, and the best of all.
+    fn learn(
+        &mut self,
+        trial: &Trial,
+        place: Option<FreePlace>,
+        best: &mut Option<(usize, FreePlace)>,
+    ) {
+        let Some(place) = place else {
+            let edges = trial.rotations.iter().map(|(_, edge)| *edge);
+            self.failed_beside
+                .extend(edges.map(|edge| (trial.plate, edge)));
+            return;
+        };
+        self.known
+            .insert(trial.plate, (trial.rotations.len(), place));
+        if best.is_none_or(|(_, least)| place.cost < least.cost) {
+            *best = Some((trial.plate, place));
+        }
     }
 
     /// The first of the panels that are left that fits anywhere.
