@@ -5,7 +5,7 @@ use crate::mesh_data::MeshData;
 use crate::thin::thinned;
 use crate::{CurveFamily, Report};
 use phex::offset::{
-    GaussImage, OffsetOptions, edge_gauss_image, face_gauss_image, safe_distances,
+    GaussImage, OffsetOptions, edge_gauss_image, face_gauss_image, safe_distances_up_to,
     vertex_gauss_image,
 };
 use phex_mesh::{FlatFace, PolygonSoup, TriangleSurface, Vec3};
@@ -25,9 +25,9 @@ impl Gauss {
     pub fn new(report: &Report<'_>) -> Result<Self, String> {
         let options = offset_options(report);
         let image = face_gauss_image(report.mesh, &options).map_err(|e| e.to_string())?;
-        let safe = safe_distances(report.mesh, &image, &options);
         // A flat mesh may be offset without end; a mean edge is plenty to look at.
         let most = report.mesh.mean_edge();
+        let safe = safe_distances_up_to(most, report.mesh, &image, &options);
         Ok(Self {
             directions: points(&image.positions, Vec3::zeros()),
             inward: safe.inward.distance.min(most),

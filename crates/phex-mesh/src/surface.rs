@@ -100,6 +100,15 @@ impl TriangleSurface {
         }
     }
 
+    /// The same surface with a hierarchy of its own, which the first query makes and which ends
+    /// with its last clone: of a large surface it is the largest part.
+    pub fn unshared(&self) -> Self {
+        Self {
+            hierarchy: Arc::default(),
+            ..self.clone()
+        }
+    }
+
     /// Whether this is a clone of another surface.
     pub fn is_clone_of(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.positions, &other.positions) && Arc::ptr_eq(&self.normals, &other.normals)

@@ -120,11 +120,22 @@ pub fn safe_distances(
     image: &GaussImage,
     options: &OffsetOptions,
 ) -> SafeDistances {
+    safe_distances_up_to(f64::INFINITY, mesh, image, options)
+}
+
+/// The same looked at up to a largest distance, which the result may exceed by a look: it costs
+/// less where only small distances matter.
+pub fn safe_distances_up_to(
+    largest: f64,
+    mesh: &HexMesh,
+    image: &GaussImage,
+    options: &OffsetOptions,
+) -> SafeDistances {
     let inheritance = match Inheritance::of(mesh, options) {
         Ok(inheritance) => inheritance,
         Err(error) => return SafeDistances::none(error),
     };
-    let side = |side: f64| safe_distance(mesh, image, side, &inheritance);
+    let side = |side: f64| safe_distance(mesh, image, side, largest, &inheritance);
     SafeDistances {
         outward: side(1.0),
         inward: side(-1.0),
@@ -135,6 +146,7 @@ fn safe_distance(
     mesh: &HexMesh,
     image: &GaussImage,
     side: f64,
+    largest: f64,
     inheritance: &Inheritance,
 ) -> SafeDistance {
     let far = FAR * diagonal(mesh);
@@ -148,15 +160,16 @@ fn safe_distance(
         };
         contact * fraction
     };
-    let failed = (1..=LOOKS).find_map(|k| fault(place(k)).map(|f| (k, f)));
+    let last = (1..LOOKS).find(|k| place(*k) >= largest).unwrap_or(LOOKS);
+    let failed = (1..=last).find_map(|k| fault(place(k)).map(|f| (k, f)));
     let Some((k, limit)) = failed else {
-        let end = if contact < far {
-            contact
-        } else {
-            f64::INFINITY
+        let distance = match last < LOOKS {
+            true => place(last),
+            false if contact < far => contact,
+            false => f64::INFINITY,
         };
         return SafeDistance {
-            distance: end,
+            distance,
             limit: None,
         };
     };

@@ -267,7 +267,7 @@ impl FineSurface {
             length = step.apply(&length);
         }
         let wish = wished_areas(&curvature, &length);
-        let surface = smooth.finest().clone().with_normals(curvature.normal);
+        let surface = smooth.finest().unshared().with_normals(curvature.normal);
         let mirrors = &ground.options.directions.mirrors;
         let mesh = IntrinsicMesh::new(&surface, &metric).with_mirrors(&surface, mirrors);
         let corners = spaced_corners(smooth, |v, d| {

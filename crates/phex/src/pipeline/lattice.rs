@@ -52,6 +52,18 @@ impl Surfaces {
         }
     }
 
+    /// Gives up what the next query makes again.
+    fn set_aside(&mut self) {
+        let fine = self.fine.unshared();
+        let smooth = self.beyond.as_mut().map(|beyond| &mut beyond.smooth);
+        for surface in smooth.into_iter().chain([&mut self.reported]) {
+            if surface.is_clone_of(&self.fine) {
+                *surface = fine.clone();
+            }
+        }
+        self.fine = fine;
+    }
+
     /// What is wrong between the panels of a mesh, and with the sides that they show.
     pub fn violations(&self, mesh: &HexMesh) -> Vec<Violation> {
         let mut violations = between_panels(mesh, &self.reported);
@@ -140,6 +152,11 @@ impl Pass {
         let progress = clock.progress;
         let work = |site: &Site<'_>| search(self.mesh.clone(), site, progress);
         clock.timed("search", || self.surfaces.with_site(&ground.options, work))
+    }
+
+    /// Makes room for another pass.
+    pub(crate) fn set_aside(&mut self) {
+        self.surfaces.set_aside();
     }
 
     /// The surfaces that the mesh is reported against.

@@ -33,6 +33,15 @@ enum AttemptMesh {
     Wall(Box<MeshRun>),
 }
 
+impl Member {
+    /// Makes room for the next.
+    fn set_aside(&mut self) {
+        if let AttemptMesh::Lattice(pass) = &mut self.made {
+            pass.set_aside();
+        }
+    }
+}
+
 /// A member as a run, searched.
 struct SearchedMember {
     /// Which of those that were tried it is.
@@ -101,6 +110,7 @@ impl Task<'_> {
         let mut members = vec![first];
         let mut other = members[0].summary.alternative(self.options);
         while let Some(candidate) = other.filter(|_| self.searches() && !progress.is_cancelled()) {
+            members.iter_mut().for_each(Member::set_aside);
             let member = self.member(candidate, progress);
             other = member
                 .as_ref()

@@ -269,6 +269,16 @@ fn the_safe_distance_of_a_cuboid() {
     ));
     // Outwards the mean edge grows as fast as the edges, so nothing ends it.
     assert_eq!(safe.outward.distance, f64::INFINITY);
+    // Where only small distances matter the way ends a little behind them.
+    let near = safe_distances_up_to(0.1, &mesh, &image(&mesh), &options);
+    for side in [&near.inward, &near.outward] {
+        assert!(
+            (0.1..=0.2).contains(&side.distance) && side.limit.is_none(),
+            "{side:?}"
+        );
+    }
+    let all = safe_distances_up_to(10.0, &mesh, &image(&mesh), &options);
+    assert_eq!(all.inward, safe.inward);
     assert!(layer(&mesh, &image(&mesh), -0.99 * expected, &options).is_ok());
     let refused = layer(&mesh, &image(&mesh), -1.01 * expected, &options).unwrap_err();
     assert!(matches!(refused, OffsetError::NotValid { .. }));
