@@ -53,7 +53,8 @@ pub fn cheapest(
         .filter(|z| meet([z.low, z.high], [room.low, room.high]))
         .collect();
     let reach = |p: Vec2| (p.x + high.x + HEIGHT * (p.y + high.y), p);
-    let mut places: Vec<(f64, Vec2)> = contacts(&zones, &room).into_iter().map(reach).collect();
+    let points = contacts(&exposed_sides(&zones), &zones, &room);
+    let mut places: Vec<(f64, Vec2)> = points.into_iter().map(reach).collect();
     places.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.y.total_cmp(&b.1.y)));
     let size = (high - low).product().sqrt();
     let held = |p: &Vec2| zones.iter().any(|z| z.holds(p));
@@ -102,14 +103,28 @@ fn snugness(border: &Border, placed: &[&Zone], pieces: &[Vec<Vec2>], p: Vec2, cl
     touching / all
 }
 
-/// Corners of the room, and where sides of zones cross the room's or one another.
-fn contacts(zones: &[Zone], room: &Border) -> Vec<Vec2> {
+/// The sides of each zone that no other holds: on the rest the panel would overlap what is there.
+fn exposed_sides(zones: &[Zone]) -> Vec<Vec<[Vec2; 2]>> {
+    let exposed = |zone: &Zone| {
+        let near = |z: &&Zone| meet([z.low, z.high], [zone.low, zone.high]);
+        let near: Vec<&Zone> = zones.iter().filter(near).collect();
+        let is_held = |side: &[Vec2; 2]| near.iter().any(|z| side.iter().all(|p| z.holds(p)));
+        sides(&zone.corners).filter(|s| !is_held(s)).collect()
+    };
+    zones.iter().map(exposed).collect()
+}
+
+/// Corners of the room, and where exposed sides of zones cross the room's or one another.
+fn contacts(exposed: &[Vec<[Vec2; 2]>], zones: &[Zone], room: &Border) -> Vec<Vec2> {
     let mut points = room.corners().to_vec();
-    points.extend(zones.iter().flat_map(|z| border_crossings(z, room)));
+    let corners = room.corners();
+    for side in exposed.iter().flatten() {
+        points.extend(sides(&corners).filter_map(|t| crossing(*side, t)));
+    }
     for (i, a) in zones.iter().enumerate() {
-        for b in &zones[..i] {
+        for (j, b) in zones[..i].iter().enumerate() {
             if meet([a.low, a.high], [b.low, b.high]) {
-                crossings(a, b, &mut points);
+                crossings(&exposed[i], (b, &exposed[j]), &mut points);
             }
         }
     }
@@ -150,22 +165,12 @@ fn meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> bool {
     a.x <= d.x && c.x <= b.x && a.y <= d.y && c.y <= b.y
 }
 
-/// Where the sides of a zone cross the four sides of the room.
-fn border_crossings(zone: &Zone, room: &Border) -> Vec<Vec2> {
-    let corners = room.corners();
-    let pairs = sides(&zone.corners).flat_map(|s| {
-        sides(&corners)
-            .filter_map(move |t| crossing(s, t))
-            .collect::<Vec<_>>()
-    });
-    pairs.collect()
-}
-
-fn crossings(a: &Zone, b: &Zone, points: &mut Vec<Vec2>) {
-    for s in sides(&a.corners) {
+/// Where some sides cross exposed ones of a zone.
+fn crossings(a: &[[Vec2; 2]], (b, exposed): (&Zone, &[[Vec2; 2]]), points: &mut Vec<Vec2>) {
+    for s in a {
         let box_of = [s[0].inf(&s[1]), s[0].sup(&s[1])];
         if meet(box_of, [b.low, b.high]) {
-            points.extend(sides(&b.corners).filter_map(|t| crossing(s, t)));
+            points.extend(exposed.iter().filter_map(|t| crossing(*s, *t)));
         }
     }
 }
