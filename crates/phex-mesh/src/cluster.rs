@@ -3,6 +3,10 @@
 
 use crate::Vec2;
 use crate::polygon::signed_area;
+use std::collections::BTreeMap;
+
+/// Share of a panel's size by which rounding may change a distance.
+const ROUNDING: f64 = 1e-9;
 
 /// Things that are the same within a tolerance.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,40 +72,52 @@ pub type Rings = Vec<Vec<Vec2>>;
 /// member is compared with the first of its group, so the number depends a little on the order.
 pub fn congruent(panels: &[Rings], tolerance: f64, congruence: Congruence) -> Vec<Cluster> {
     let mut clusters: Vec<Cluster> = Vec::new();
-    let perimeters: Vec<f64> = panels.iter().map(perimeter).collect();
+    let radii: Vec<Vec<f64>> = panels.iter().map(sorted_radii).collect();
+    let mut by_radius: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
     for (k, panel) in panels.iter().enumerate() {
-        let slack = 2.0 * tolerance * corners(panel) as f64;
-        let home = clusters.iter_mut().find_map(|cluster| {
-            let first = cluster.members[0];
-            let alike = (perimeters[first] - perimeters[k]).abs() <= slack;
-            let distance = alike.then(|| distance(&panels[first], panel, congruence));
-            let distance = distance.flatten()?;
-            (distance <= tolerance).then_some((cluster, distance))
+        let largest = radii[k].first().copied().unwrap_or(0.0);
+        let slack = tolerance.max(0.0) + ROUNDING * largest;
+        let alike = |c: &usize| {
+            let pairs = radii[clusters[*c].members[0]].iter().zip(&radii[k]);
+            pairs.into_iter().all(|(a, b)| (a - b).abs() <= slack)
+        };
+        let near = (largest - slack).max(0.0).to_bits()..=(largest + slack).to_bits();
+        let near = by_radius.range(near).flat_map(|(_, found)| found);
+        let mut near: Vec<usize> = near.copied().filter(alike).collect();
+        near.sort_unstable();
+        let home = near.into_iter().find_map(|c| {
+            let distance = distance(&panels[clusters[c].members[0]], panel, congruence)?;
+            (distance <= tolerance).then_some((c, distance))
         });
         match home {
-            Some((cluster, distance)) => {
-                cluster.spread = cluster.spread.max(distance);
-                cluster.members.push(k);
+            Some((c, distance)) => {
+                clusters[c].spread = clusters[c].spread.max(distance);
+                clusters[c].members.push(k);
             }
-            None => clusters.push(Cluster {
-                value: panel.first().map_or(0.0, |ring| signed_area(ring)),
-                spread: 0.0,
-                members: vec![k],
-            }),
+            None => {
+                let same = by_radius.entry(largest.to_bits()).or_default();
+                same.push(clusters.len());
+                clusters.push(Cluster {
+                    value: panel.first().map_or(0.0, |ring| signed_area(ring)),
+                    spread: 0.0,
+                    members: vec![k],
+                });
+            }
         }
     }
     clusters
 }
 
-fn corners(panel: &Rings) -> usize {
-    panel.first().map_or(0, Vec::len)
+/// Distances of all corners from their middle, the largest first. Those of panels whose corners
+/// coincide up to a distance differ by no more.
+fn sorted_radii(panel: &Rings) -> Vec<f64> {
+    let mut radii: Vec<f64> = centred(panel).iter().flatten().map(|p| p.norm()).collect();
+    radii.sort_by(|a, b| b.total_cmp(a));
+    radii
 }
 
-/// Length of the first ring.
-fn perimeter(panel: &Rings) -> f64 {
-    let ring = panel.first().map_or(&[][..], |ring| ring);
-    let next = ring.iter().cycle().skip(1);
-    ring.iter().zip(next).map(|(a, b)| (b - a).norm()).sum()
+fn corners(panel: &Rings) -> usize {
+    panel.first().map_or(0, Vec::len)
 }
 
 /// Largest distance of corners of two panels when they are laid on each other as well as least

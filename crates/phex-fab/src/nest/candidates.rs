@@ -108,8 +108,15 @@ fn exposed_sides(zones: &[Zone]) -> Vec<Vec<[Vec2; 2]>> {
     let exposed = |zone: &Zone| {
         let near = |z: &&Zone| meet([z.low, z.high], [zone.low, zone.high]);
         let near: Vec<&Zone> = zones.iter().filter(near).collect();
-        let is_held = |side: &[Vec2; 2]| near.iter().any(|z| side.iter().all(|p| z.holds(p)));
-        sides(&zone.corners).filter(|s| !is_held(s)).collect()
+        let mut last = 0;
+        let mut is_exposed = |side: &[Vec2; 2]| {
+            let holds = |k: &usize| side.iter().all(|p| near[*k].holds(p));
+            // What holds a side often holds the next.
+            let found = (last..near.len()).chain(0..last).find(holds);
+            last = found.unwrap_or(last);
+            found.is_none()
+        };
+        sides(&zone.corners).filter(|s| is_exposed(s)).collect()
     };
     zones.iter().map(exposed).collect()
 }
