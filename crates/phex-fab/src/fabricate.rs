@@ -46,15 +46,15 @@ pub struct SheetUse {
 }
 
 impl Fabrication {
-    /// Sheet and place of a panel.
-    pub fn placement(&self, plate: usize) -> (usize, Placement) {
-        let on = |sheet: &SheetLayout| sheet.iter().find(|p| p.plate == plate).copied();
-        let found = self
-            .sheets
-            .iter()
-            .enumerate()
-            .find_map(|(k, sheet)| Some((k, on(sheet)?)));
-        found.expect("every panel is on a sheet")
+    /// Sheet and place of each panel, in the order of the plates.
+    pub fn placements(&self) -> Vec<(usize, Placement)> {
+        let sheets = self.sheets.iter().enumerate();
+        let mut placements: Vec<(usize, Placement)> = sheets
+            .flat_map(|(k, sheet)| sheet.iter().map(move |p| (k, *p)))
+            .collect();
+        // Every panel is on one sheet.
+        placements.sort_by_key(|(_, p)| p.plate);
+        placements
     }
 
     /// Area of the panels of a sheet over its own.

@@ -79,12 +79,13 @@ fn solids(fabrication: &Fabrication) -> Result<[File; 3], FabError> {
 
 fn mesh_json(fabrication: &Fabrication) -> Vec<u8> {
     let mesh = &fabrication.mesh;
-    let attributes = fabrication.plates.iter().enumerate().map(|(k, plate)| {
+    let placed = fabrication.plates.iter().zip(fabrication.placements());
+    let attributes = placed.enumerate().map(|(k, (plate, (sheet, _)))| {
         let flat = FlatFace::of(mesh, plate.face);
         let value = json!({
             "id": fabrication.ids.panel(plate.face),
             "type": fabrication.groups.panel_type(k),
-            "sheet": fabrication.placement(k).0 + 1,
+            "sheet": sheet + 1,
             "area": flat.area(),
             "planarity": flat.planarity_length,
         });

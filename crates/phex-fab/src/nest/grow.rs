@@ -5,7 +5,7 @@ use super::engine::Engine;
 use super::left::Left;
 use super::shape::{FreePlace, PlateShape};
 use super::{Border, Placement, SheetLayout};
-use crate::plate::Plate;
+use crate::plate::{Plate, PlateSide};
 use phex_mesh::EdgeId;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
@@ -26,6 +26,8 @@ pub struct Sheet<'a> {
     pieces: Vec<Zone>,
     /// What is on it.
     pub layout: SheetLayout,
+    /// Numbers in the layout of panels beside which some may be left.
+    front: Vec<usize>,
     area: f64,
     reach: f64,
     /// Panels that fit in none of their own rotations; they never will, since the sheet only gets
@@ -55,6 +57,7 @@ impl<'a> Sheet<'a> {
             engine: empty.clone(),
             pieces: Vec::new(),
             layout: Vec::new(),
+            front: Vec::new(),
             area: 0.0,
             reach: 0.0,
             failed: HashSet::new(),
@@ -148,15 +151,9 @@ impl<'a> Sheet<'a> {
 
     /// The first of the panels that are left that fits anywhere.
     fn fill_gap(&mut self, shapes: &[PlateShape], border: &Border) -> Option<(usize, FreePlace)> {
-        let left: Vec<usize> = self
-            .left
-            .iter()
-            .filter(|k| !self.failed.contains(k))
-            .collect();
-        for k in left
-            .into_iter()
-            .take(PATIENCE.saturating_sub(self.failed.len()))
-        {
+        let more = PATIENCE.saturating_sub(self.failed.len());
+        let new = self.left.iter().filter(|k| !self.failed.contains(k));
+        for k in new.take(more).collect::<Vec<_>>() {
             let place =
                 shapes[k].best_place(&shapes[k].rotations, border, &self.pieces, &self.engine);
             match place {
@@ -169,9 +166,12 @@ impl<'a> Sheet<'a> {
 
     /// Panels that are left beside those on the sheet, with the rotations that make them flush;
     /// those whose neighbours lie farthest back come first.
-    fn beside(&self) -> Vec<Trial> {
+    fn beside(&mut self) -> Vec<Trial> {
+        let is_left = |side: &PlateSide| side.neighbour.is_some_and(|f| self.left.holds(f.index()));
+        let has_left = |k: &usize| self.plates[self.layout[*k].plate].sides.iter().any(is_left);
+        self.front.retain(has_left);
         let mut found: Vec<Trial> = Vec::new();
-        for placement in &self.layout {
+        for placement in self.front.iter().map(|k| &self.layout[*k]) {
             for side in &self.plates[placement.plate].sides {
                 let left = |k: &usize| {
                     self.left.holds(*k) && !self.failed_beside.contains(&(*k, side.edge))
@@ -224,6 +224,7 @@ impl<'a> Sheet<'a> {
                 .iter()
                 .map(|piece| Zone::new(placement.apply(piece))),
         );
+        self.front.push(self.layout.len());
         self.layout.push(placement);
         self.left.take(shape.plate);
         self.area += shape.area;

@@ -3,6 +3,7 @@
 use super::{Cell, Table, list};
 use crate::fabricate::Fabrication;
 use crate::ids::{edge_name, node_name};
+use crate::nest::Placement;
 use crate::outline::least_rectangle;
 use phex::quality::{Assessment, Check, Limits, References};
 use phex_mesh::{FlatFace, PanelLimit};
@@ -42,9 +43,11 @@ pub(super) fn table(fabrication: &Fabrication) -> Table {
             .iter()
             .map(move |(_, check)| Cell::from(check.of_face[face].max(0.0)))
     };
-    let rows = (0..fabrication.plates.len())
-        .map(|k| {
-            row(fabrication, k)
+    let mean_edge = fabrication.mesh.mean_edge();
+    let placements = fabrication.placements().into_iter().enumerate();
+    let rows = placements
+        .map(|(k, placed)| {
+            row(fabrication, k, placed, mean_edge)
                 .into_iter()
                 .chain(of_limits(k))
                 .collect()
@@ -88,7 +91,12 @@ fn column(kind: PanelLimit) -> &'static str {
     }
 }
 
-fn row(fabrication: &Fabrication, number: usize) -> Vec<Cell> {
+fn row(
+    fabrication: &Fabrication,
+    number: usize,
+    (sheet, placement): (usize, Placement),
+    mean_edge: f64,
+) -> Vec<Cell> {
     let Fabrication {
         mesh, ids, options, ..
     } = fabrication;
@@ -98,7 +106,6 @@ fn row(fabrication: &Fabrication, number: usize) -> Vec<Cell> {
     let lengths = plate.lengths();
     let [length, width] = least_rectangle(&plate.outline);
     let flat = FlatFace::of(mesh, face);
-    let (sheet, placement) = fabrication.placement(number);
     let centre = mesh.centre(face) * options.unit_mm;
     let neighbour =
         |side: &crate::plate::PlateSide| side.neighbour.map_or("-", |f| ids.panel(f)).to_owned();
@@ -107,7 +114,7 @@ fn row(fabrication: &Fabrication, number: usize) -> Vec<Cell> {
         ids.panel(face).into(),
         fabrication.groups.panel_type(number).into(),
         plate.top.len().into(),
-        (!flat.is_concave(mesh.mean_edge())).into(),
+        (!flat.is_concave(mean_edge)).into(),
         (plate.area() * 1e-6).into(),
         lengths.iter().sum::<f64>().into(),
         length.into(),
