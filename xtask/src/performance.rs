@@ -182,7 +182,7 @@ pub fn performance(root: &Path, words: &[&str]) -> Result<(), String> {
 
 const HEAD: &str = "# What runs cost
 
-`cargo xtask performance` writes this file; `--large` adds the runs with 100,000 panels, which take eight minutes and more each and up to 7.2 GB; rows of models that are not in the repository are made where their folder is there
+`cargo xtask performance` writes this file; `--large` adds the runs with 100,000 panels, which take five to ten minutes each and up to 6 GB; rows of models that are not in the repository are made where their folder is there
 (`--models`). Seconds are those of one shared machine with two cores, the shortest of three runs: compare rows, not days.
 ";
 
