@@ -46,6 +46,9 @@ const ROOMY_CLEARANCE: f64 = 0.31;
 /// Area, over the mean, below which a panel needs less.
 const NEEDS_LESS: f64 = 0.4;
 
+/// Angle, degrees, that a corner should have at the least: a sharper one is allowed and not liked.
+pub const WANTED_ANGLE: f64 = 20.0;
+
 /// Clearance, in mean edges, that a panel should have, by its area over the mean: below it is
 /// tight, which is allowed and not liked.
 pub fn wanted_clearance(area_ratio: f64) -> f64 {

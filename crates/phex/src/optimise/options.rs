@@ -2,6 +2,7 @@
 
 use crate::ranges::{self, BadOption};
 use phex_mesh::PanelLimits;
+use phex_mesh::measure::WANTED_ANGLE;
 use serde::{Deserialize, Serialize};
 
 /// How panels are made planar.
@@ -138,7 +139,7 @@ impl Default for OptimiseOptions {
             panels: PanelLimits::default(),
             limits: 2e-2,
             wished_clearance: 1.15,
-            wished_angle: 20.0,
+            wished_angle: WANTED_ANGLE,
             least_clearance: 0.05,
             least_side: 0.1,
             smoothing: [3, 40],

@@ -3,7 +3,8 @@
 use super::findings::Findings;
 use super::merit::Merit;
 use super::{Limits, References, USUAL_DEVIATION};
-use phex_mesh::measure::{LEAST_RIM_AREA, points_on_boundary, wanted_clearance};
+use phex_mesh::measure::{LEAST_RIM_AREA, WANTED_ANGLE, points_on_boundary, wanted_clearance};
+use phex_mesh::polygon::interior_angles;
 use phex_mesh::validate::{ValidateOptions, Violation, add_flips, violations};
 use phex_mesh::{
     BoundaryCurve, FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId,
@@ -26,10 +27,12 @@ pub struct Yardstick {
     pub panels: usize,
     /// Largest planarity, mean edges.
     planarity: f64,
+    /// Whether sharp corners count: they do where nothing is left that is worse.
+    pub sharp_corners: bool,
 }
 
 impl Yardstick {
-    /// That of a mesh.
+    /// That of a mesh, in which sharp corners do not count.
     pub fn of(mesh: &HexMesh, limits: &Limits) -> Self {
         let panels = mesh.topology().n_faces();
         let area: f64 = FlatFace::all(mesh).iter().map(FlatFace::area).sum();
@@ -38,6 +41,7 @@ impl Yardstick {
             mean_area: area / panels as f64,
             panels,
             planarity: limits.validity.planarity_limit(mesh),
+            sharp_corners: false,
         }
     }
 }
@@ -66,6 +70,16 @@ pub struct Judgement {
 }
 
 impl Judgement {
+    /// The same where sharp corners count; nothing if there are none.
+    pub fn counting_sharp_corners(&self, mesh: &HexMesh) -> Option<Self> {
+        let mut found = self.clone();
+        for (f, flat) in FlatFace::all(mesh).enumerate() {
+            found.of_face[f].sharp = sharpness(flat);
+            found.merit.cost += found.of_face[f].sharp;
+        }
+        (found.merit.cost > self.merit.cost).then_some(found)
+    }
+
     /// How bad the faces are that count.
     pub fn amount(&self, counts: &[bool]) -> f64 {
         let faces = self.of_face.as_slice().iter().zip(counts);
@@ -116,13 +130,18 @@ impl<'a> Judge<'a> {
 
     /// Looks at a whole mesh.
     pub fn whole(&self, mesh: &HexMesh, wished: &[f64]) -> Judgement {
+        self.whole_by(&Yardstick::of(mesh, &self.limits), mesh, wished)
+    }
+
+    /// The same with a yardstick of its own.
+    pub fn whole_by(&self, yardstick: &Yardstick, mesh: &HexMesh, wished: &[f64]) -> Judgement {
         let scope = Scope {
             mesh,
             counts: &vec![true; mesh.topology().n_faces()],
             points: &self.points(),
             wished,
         };
-        self.judge(&scope, &Yardstick::of(mesh, &self.limits))
+        self.judge(&scope, yardstick)
     }
 
     /// Looks at a mesh or a part of one.
@@ -337,6 +356,9 @@ fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Fi
         let clearance = flat.clearance().distance / yardstick.mean_edge;
         let wanted = wanted_clearance(area / yardstick.mean_area);
         face.tight = (1.0 - clearance / wanted).max(0.0).powi(2);
+        if yardstick.sharp_corners {
+            face.sharp = sharpness(flat);
+        }
         face.irregular = !at_rim && topology.valence(f) != 6;
         let wished = scope.wished[f.index()];
         if !at_rim && wished > 0.0 && area > 0.0 {
@@ -347,6 +369,12 @@ fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Fi
             face.small = if share < 1.0 { 1.5 - share } else { 0.0 };
         }
     }
+}
+
+/// How far the sharpest corner of a panel is below what it should have.
+fn sharpness(flat: &FlatFace) -> f64 {
+    let least = interior_angles(&flat.polygon).fold(f64::INFINITY, f64::min);
+    (1.0 - least.to_degrees() / WANTED_ANGLE).max(0.0)
 }
 
 #[cfg(test)]
@@ -415,6 +443,33 @@ mod tests {
             within.push(merit.is_within());
         }
         assert_eq!(within, [true, false, false, false, true], "{edge}");
+    }
+
+    #[test]
+    fn sharp_corners_count_where_they_are_asked_for() {
+        let (surface, wall) = wall();
+        let judge = judge(&surface);
+        let any = vec![0.0; wall.topology().n_faces()];
+        assert!(
+            judge
+                .whole(&wall, &any)
+                .counting_sharp_corners(&wall)
+                .is_none()
+        );
+        // The right angles of bricks become such of 14 degrees.
+        let sheared = wall.positions.map(|p| Vec3::new(p.x + 4.0 * p.y, p.y, p.z));
+        let sheared = wall.with_positions(sheared);
+        let plain = judge.whole(&sheared, &any);
+        let sharp = plain.counting_sharp_corners(&sheared).unwrap();
+        let expected = 1.0 - 0.25_f64.atan().to_degrees() / WANTED_ANGLE;
+        for (f, found) in sharp.of_face.enumerate() {
+            assert!((found.sharp - expected).abs() < 1e-9 && plain.of_face[f].sharp == 0.0);
+        }
+        let mut yardstick = Yardstick::of(&sheared, judge.limits());
+        yardstick.sharp_corners = true;
+        let judged = judge.whole_by(&yardstick, &sheared, &any);
+        assert!((judged.merit.cost - sharp.merit.cost).abs() < 1e-9);
+        assert!(judged.merit.cost > plain.merit.cost + 0.2 * any.len() as f64);
     }
 
     #[test]

@@ -8,7 +8,8 @@
 //! ([`crate::quality::Judge`]) with the same figures as the whole mesh; the best is kept if it is
 //! better than what there was, else nothing has changed. Places that do not touch are searched side
 //! by side. It is one mechanism for closed and open, uniform and adaptive meshes, whatever made
-//! them.
+//! them. Where nothing is left outside limits, sharp corners are blunted in the same way, as far as
+//! no panel moves farther off the surface than the farthest was.
 //!
 //! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three
 //! panels; outside of the patches that are kept positions are the same to the last bit; the same
@@ -118,59 +119,103 @@ struct Failed {
 /// assert!(found.summary.left <= found.summary.defects);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn search(mut mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Searched {
-    let mut whole = Whole::of(&mesh, site);
-    let mut summary = SearchSummary {
+pub fn search(mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Searched {
+    let whole = Whole::of(&mesh, site, false);
+    let summary = SearchSummary {
         defects: defects(&mesh, &whole.findings).len(),
         ..SearchSummary::default()
     };
-    let mut failed: Vec<Failed> = Vec::new();
-    let most = LEAST_TRIED + mesh.topology().n_faces();
-    while summary.sweeps < SWEEPS && summary.tried < most && !progress.is_cancelled() {
-        let places = chosen(&mesh, &whole, &failed, &site.resting(&mesh));
-        if places.is_empty() {
-            break;
+    let mut state = SearchState {
+        mesh,
+        whole,
+        summary,
+        failed: Vec::new(),
+    };
+    state.sweep(site, progress);
+    state.summary.left = defects(&state.mesh, &state.whole.findings).len();
+    let judgement = state.blunted(site, progress);
+    Searched {
+        judgement,
+        mesh: state.mesh,
+        summary: state.summary,
+    }
+}
+
+/// A mesh that is being searched.
+struct SearchState {
+    mesh: HexMesh,
+    whole: Whole,
+    summary: SearchSummary,
+    failed: Vec<Failed>,
+}
+
+impl SearchState {
+    /// Sweeps over sharp corners, where nothing is left that is worse, and judges the result as
+    /// everything else is judged.
+    fn blunted(&mut self, site: &Site<'_>, progress: &dyn Progress) -> Judgement {
+        let (plain, kept) = (self.whole.findings.clone(), self.summary.kept);
+        let sharp = plain.counting_sharp_corners(&self.mesh);
+        if let Some(sharp) = sharp.filter(|_| plain.merit.is_within()) {
+            self.whole.findings = sharp;
+            self.whole.yardstick.sharp_corners = true;
+            self.failed.clear();
+            self.sweep(site, progress);
         }
-        summary.sweeps += 1;
-        summary.places += places.len();
-        let tried: Vec<(Option<Change>, usize)> = (places.par_iter().with_max_len(1))
-            .map(|place| place.best(&whole, site, progress))
-            .collect();
-        summary.tried += tried.iter().map(|t| t.1).sum::<usize>();
-        let edge = whole.yardstick.mean_edge;
-        let (mut at, mut changes) = (Vec::new(), Vec::new());
-        for (place, (change, _)) in places.iter().zip(tried) {
-            match change {
-                Some(change) => {
-                    at.push(&place.defect);
-                    changes.push(change);
-                }
-                None => fail(&mut failed, place.defect.place, edge),
-            }
-        }
-        progress.report(&Event::Counted {
-            stage: "search",
-            done: summary.sweeps,
-            total: SWEEPS,
-        });
-        let kept = take(&mut mesh, &mut whole, &changes, site);
-        for (defect, kept) in at.iter().zip(kept) {
-            let far = |f: &Failed| (f.place - defect.place).norm() > NEAR * edge;
-            match kept {
-                Some(true) => {
-                    summary.kept += 1;
-                    failed.retain(|f| defect.is_allowed || far(f));
-                }
-                Some(false) => fail(&mut failed, defect.place, edge),
-                None => {}
-            }
+        match self.summary.kept > kept {
+            true => site.judged(&self.mesh),
+            false => plain,
         }
     }
-    summary.left = defects(&mesh, &whole.findings).len();
-    Searched {
-        mesh,
-        judgement: whole.findings,
-        summary,
+
+    /// Sweeps over the defects until none of them is cured.
+    fn sweep(&mut self, site: &Site<'_>, progress: &dyn Progress) {
+        let Self {
+            mesh,
+            whole,
+            summary,
+            failed,
+        } = self;
+        let most = LEAST_TRIED + mesh.topology().n_faces();
+        while summary.sweeps < SWEEPS && summary.tried < most && !progress.is_cancelled() {
+            let places = chosen(mesh, whole, failed, &site.resting(mesh));
+            if places.is_empty() {
+                break;
+            }
+            summary.sweeps += 1;
+            summary.places += places.len();
+            let tried: Vec<(Option<Change>, usize)> = (places.par_iter().with_max_len(1))
+                .map(|place| place.best(whole, site, progress))
+                .collect();
+            summary.tried += tried.iter().map(|t| t.1).sum::<usize>();
+            let edge = whole.yardstick.mean_edge;
+            let (mut at, mut changes) = (Vec::new(), Vec::new());
+            for (place, (change, _)) in places.iter().zip(tried) {
+                match change {
+                    Some(change) => {
+                        at.push(&place.defect);
+                        changes.push(change);
+                    }
+                    None => fail(failed, place.defect.place, edge),
+                }
+            }
+            progress.report(&Event::Counted {
+                stage: "search",
+                done: summary.sweeps,
+                total: SWEEPS,
+            });
+            let kept = take(mesh, whole, &changes, site);
+            for (defect, kept) in at.iter().zip(kept) {
+                let far = |f: &Failed| (f.place - defect.place).norm() > NEAR * edge;
+                match kept {
+                    Some(true) => {
+                        summary.kept += 1;
+                        failed.retain(|f| defect.is_allowed || far(f));
+                    }
+                    Some(false) => fail(failed, defect.place, edge),
+                    None => {}
+                }
+            }
+        }
     }
 }
 
@@ -203,7 +248,11 @@ fn chosen(
     let mut taken: BTreeSet<FaceId> = BTreeSet::new();
     let mut places = Vec::new();
     let mut all = defects(mesh, &whole.findings);
-    all.retain(|d| d.faces.iter().all(|f| !resting.contains(f)));
+    let is_sharp = |f: &FaceId| whole.findings.of_face[*f].sharp > 0.0;
+    all.retain(|d| {
+        let counts = !whole.yardstick.sharp_corners || d.faces.iter().any(is_sharp);
+        counts && d.faces.iter().all(|f| !resting.contains(f))
+    });
     let outside = all.iter().filter(|d| !d.is_broken && !d.is_allowed).count();
     let too_large = outside as f64 > FEW + FEW_SHARE * mesh.topology().n_faces() as f64;
     for defect in all.into_iter().filter(|d| d.is_broken || !too_large) {
@@ -255,6 +304,9 @@ impl DefectPatch {
         let is_cured = |next: &Settled, judgement: &Judgement| {
             judgement.amount(&next.built.counts) <= goal && next.merit.is_less(&before)
         };
+        // No corner is worth a distance that no panel has.
+        let is_close_enough =
+            |merit: &Merit| !whole.yardstick.sharp_corners || merit.off <= whole.findings.merit.off;
         let improved = |mut next: Settled| {
             for round in 0..EMPHASES {
                 let step = LocalStep::Improve(round);
@@ -262,7 +314,7 @@ impl DefectPatch {
                     continue;
                 };
                 let judgement = judged(&next.built, &mesh);
-                if judgement.merit.is_less(&next.merit) {
+                if judgement.merit.is_less(&next.merit) && is_close_enough(&judgement.merit) {
                     (next.merit, next.built.mesh) = (judgement.merit, mesh);
                     if is_cured(&next, &judgement) {
                         break;
@@ -336,7 +388,7 @@ fn take(
         let Some(next) = applied(mesh, which) else {
             return false;
         };
-        let judged = Whole::of(&next, site);
+        let judged = Whole::of(&next, site, whole.yardstick.sharp_corners);
         let better = judged.findings.merit.is_less(&whole.findings.merit);
         if better {
             (*mesh, *whole) = (next, judged);

@@ -9,7 +9,8 @@ use phex_mesh::measure::{LEAST_RIM_AREA, wanted_clearance};
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::collections::BTreeSet;
 
-/// Area that small panels at the boundary are to have, over what does not count as small.
+/// Area that small panels at the boundary are to have, over what does not count as small, and
+/// angle of sharp corners, over what does not count as sharp.
 const SAFE: f64 = 1.02;
 
 /// Share of the largest distance beyond which points of the surface are drawn to panels.
@@ -94,7 +95,11 @@ impl Site<'_> {
 
     /// Looks at a mesh.
     pub fn judged(&self, mesh: &HexMesh) -> Judgement {
-        self.judge.whole(mesh, &self.wished_areas(mesh))
+        self.judged_by(&Yardstick::of(mesh, self.judge.limits()), mesh)
+    }
+
+    fn judged_by(&self, yardstick: &Yardstick, mesh: &HexMesh) -> Judgement {
+        (self.judge).whole_by(yardstick, mesh, &self.wished_areas(mesh))
     }
 
     /// Looks at a part.
@@ -147,8 +152,12 @@ impl Site<'_> {
             true => SAFE * LEAST_RIM_AREA * yardstick.mean_area,
             false => 0.0,
         };
+        let mut panels = self.options.panel_limits();
+        if yardstick.sharp_corners {
+            panels.min_angle = panels.min_angle.map(|angle| SAFE * angle);
+        }
         FaceLimits {
-            panels: self.options.panel_limits(),
+            panels,
             clearance: areas.iter().map(clearance).collect(),
             area: topology.faces().map(least).collect(),
             distance: self.judge.largest_distance(),
@@ -200,14 +209,17 @@ pub(super) struct Whole {
 }
 
 impl Whole {
-    pub fn of(mesh: &HexMesh, site: &Site<'_>) -> Self {
-        let findings = site.judged(mesh);
+    /// Looks at a mesh; sharp corners count or do not.
+    pub fn of(mesh: &HexMesh, site: &Site<'_>, sharp_corners: bool) -> Self {
+        let mut yardstick = Yardstick::of(mesh, site.judge.limits());
+        yardstick.sharp_corners = sharp_corners;
+        let findings = site.judged_by(&yardstick, mesh);
         let mut covers = vec![Vec::new(); mesh.topology().n_faces()];
         for (v, f) in site.judge.points().into_iter().zip(&findings.nearest) {
             covers[f.index()].push(v);
         }
         Self {
-            yardstick: Yardstick::of(mesh, site.judge.limits()),
+            yardstick,
             diagonal: mesh.diagonal(),
             findings,
             covers,
