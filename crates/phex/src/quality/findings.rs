@@ -69,7 +69,7 @@ impl Findings {
 
     /// Whether nothing but a little room is lacking, or a blunter corner.
     pub(super) fn is_slight(&self) -> bool {
-        self.is_within() && self.small == 0.0 && self.tight < MUCH
+        self.is_within() && self.small == 0.0 && self.tight.max(self.sharp) < MUCH
     }
 
     /// Whether something is to be done there.

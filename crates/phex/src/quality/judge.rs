@@ -464,6 +464,8 @@ mod tests {
         let expected = 1.0 - 0.25_f64.atan().to_degrees() / WANTED_ANGLE;
         for (f, found) in sharp.of_face.enumerate() {
             assert!((found.sharp - expected).abs() < 1e-9 && plain.of_face[f].sharp == 0.0);
+            // Six degrees are more than another weight would cure.
+            assert!(!found.is_slight());
         }
         let mut yardstick = Yardstick::of(&sheared, judge.limits());
         yardstick.sharp_corners = true;
