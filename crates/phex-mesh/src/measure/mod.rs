@@ -48,6 +48,10 @@ const NEEDS_LESS: f64 = 0.4;
 
 /// Angle, degrees, that a corner should have at the least: a sharper one is allowed and not liked.
 pub const WANTED_ANGLE: f64 = 20.0;
+/// Length, in mean edges, that an edge of an inner panel should have at the most.
+pub const WANTED_LENGTH: f64 = 2.2;
+/// Area, over the mean, that a panel at the boundary should have at the most.
+pub const WANTED_RIM_AREA: f64 = 2.0;
 
 /// Clearance, in mean edges, that a panel should have, by its area over the mean: below it is
 /// tight, which is allowed and not liked.

@@ -79,7 +79,7 @@ impl Lack {
         if !self.has_folds {
             return Ok((Solvers::new(panels)?, None));
         }
-        let joint = setting.limits.panels.min_dihedral;
+        let joint = setting.limits.min_dihedral();
         let folds = FoldTerm::new(panels, setting.guard, x, joint);
         Ok((Solvers::with_folds(panels, &folds)?, Some(folds)))
     }
@@ -93,7 +93,7 @@ fn has_folds(setting: &Setting<'_>, shape: &FaceShapes, x: &[f64]) -> bool {
         f.angle(&g).to_degrees() > 180.0 - angle
     };
     let mut hinges = setting.guard.hinges().iter();
-    let least = setting.limits.panels.min_dihedral;
+    let least = setting.limits.min_dihedral();
     breaches.iter().any(|b| matches!(b, Breach::Fold(_)))
         || least.is_some_and(|angle| hinges.any(|faces| is_sharp(angle, faces)))
 }

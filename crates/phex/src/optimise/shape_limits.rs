@@ -30,8 +30,8 @@ use phex_mesh::{PanelLimits, Vec2, Vec3, rectangle_fit};
 /// What faces are to have; lengths in the unit of the mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct FaceLimits {
-    /// What a workshop can make, and corners as blunt as is wished for.
-    pub panels: PanelLimits,
+    /// What a workshop can make of each face, and corners as blunt as is wished for.
+    pub panels: Vec<PanelLimits>,
     /// Least clearance of each face.
     pub clearance: Vec<f64>,
     /// Least area of each face; 0 for any.
@@ -46,7 +46,7 @@ impl FaceLimits {
     /// No limits.
     pub(super) fn none(faces: usize) -> Self {
         Self {
-            panels: PanelLimits::default(),
+            panels: vec![PanelLimits::default(); faces],
             clearance: vec![0.0; faces],
             area: vec![0.0; faces],
             distance: f64::INFINITY,
@@ -63,7 +63,7 @@ impl FaceLimits {
         let unit = options.wished_clearance * panels.mean_edge(x);
         let limit = options.max_deviation;
         Self {
-            panels: options.panel_limits(),
+            panels: vec![options.panel_limits(); areas.len()],
             clearance: (areas.iter())
                 .map(|a| unit * wanted_clearance(a / mean))
                 .collect(),
@@ -73,17 +73,23 @@ impl FaceLimits {
         }
     }
 
+    /// Least angle between neighbours, degrees, the same everywhere.
+    pub(super) fn min_dihedral(&self) -> Option<f64> {
+        self.panels.first().and_then(|limits| limits.min_dihedral)
+    }
+
     /// Those of some faces.
     pub(super) fn part(&self, faces: &[u32]) -> Self {
         let of = |values: &[f64]| faces.iter().map(|&f| values[f as usize]).collect();
         Self {
+            panels: faces.iter().map(|&f| self.panels[f as usize]).collect(),
             clearance: of(&self.clearance),
             area: of(&self.area),
             cover: faces
                 .iter()
                 .map(|&f| self.cover[f as usize].clone())
                 .collect(),
-            ..*self
+            distance: self.distance,
         }
     }
 }
@@ -112,7 +118,7 @@ impl<'a> ShapeLimits<'a> {
 
     /// Turns sheets to where they fit best.
     pub fn turn(&mut self, panels: &Panels, shape: &FaceShapes) {
-        let Some(sheet) = self.limits.panels.max_panel else {
+        let Some(sheet) = self.limits.panels.first().and_then(|p| p.max_panel) else {
             return;
         };
         let sides = |f: usize| {
@@ -178,7 +184,7 @@ impl<'a> ShapeLimits<'a> {
         frame: &FaceFrame,
         mut visit: impl FnMut(&Inequality),
     ) {
-        let limits = &self.limits.panels;
+        let limits = &self.limits.panels[f];
         let k = corners.len();
         let at = |i: usize| corners[i % k].position;
         for i in 0..k {

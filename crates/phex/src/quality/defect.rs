@@ -1,4 +1,4 @@
-//! Defects: places where a mesh is outside its limits, or a panel is tight, sharp or small.
+//! Defects: places where a mesh is outside its limits, or a panel is tight, misshapen or small.
 
 use super::judge::Judgement;
 use phex_mesh::{FaceId, HexMesh, Vec3};
@@ -13,7 +13,7 @@ pub struct Defect {
     pub place: Vec3,
     /// Whether panels are too large there: the surface stands off, or sheets cross.
     pub needs_more: bool,
-    /// Whether it is allowed: a panel is tight, sharp or small, and nothing is invalid or outside
+    /// Whether it is allowed: a panel is tight, misshapen or small, and nothing is invalid or outside
     /// limits.
     pub is_allowed: bool,
     /// Whether more room is all that is lacking, and not much of it.

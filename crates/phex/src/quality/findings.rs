@@ -30,8 +30,10 @@ pub struct Findings {
     pub off: f64,
     /// What a tight panel costs.
     pub tight: f64,
-    /// What a panel with a sharp corner costs, where that counts.
+    /// What a sharp corner costs, where that counts.
     pub sharp: f64,
+    /// What a long edge costs, or a large area at the boundary, where that counts.
+    pub large: f64,
     /// What a small panel at the boundary costs.
     pub small: f64,
     /// Square of the logarithm of its area over the area that it is to have.
@@ -49,7 +51,12 @@ impl Findings {
     /// How bad it is, to compare faces: what is invalid counts before what is outside, and that
     /// before what is not liked.
     pub(super) fn amount(&self) -> f64 {
-        1e3 * self.invalid + self.outside() + 1e-3 * (self.tight + self.sharp + self.small)
+        1e3 * self.invalid + self.outside() + 1e-3 * (self.tight + self.misshapen() + self.small)
+    }
+
+    /// What is against its shape.
+    pub fn misshapen(&self) -> f64 {
+        self.sharp + self.large
     }
 
     /// Whether smaller panels would help.
@@ -67,13 +74,13 @@ impl Findings {
         self.invalid + self.outside() == 0.0
     }
 
-    /// Whether nothing but a little room is lacking, or a blunter corner.
+    /// Whether nothing but a little room is lacking, or a better shape.
     pub(super) fn is_slight(&self) -> bool {
         self.is_within() && self.small == 0.0 && self.tight.max(self.sharp) < MUCH
     }
 
     /// Whether something is to be done there.
     pub fn is_defect(&self) -> bool {
-        self.invalid + self.outside() + self.tight + self.sharp + self.small > 0.0
+        self.invalid + self.outside() + self.tight + self.misshapen() + self.small > 0.0
     }
 }

@@ -3,7 +3,10 @@
 use super::findings::Findings;
 use super::merit::Merit;
 use super::{Limits, References, USUAL_DEVIATION};
-use phex_mesh::measure::{LEAST_RIM_AREA, WANTED_ANGLE, points_on_boundary, wanted_clearance};
+use phex_mesh::measure::{
+    LEAST_RIM_AREA, WANTED_ANGLE, WANTED_LENGTH, WANTED_RIM_AREA, points_on_boundary,
+    wanted_clearance,
+};
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::validate::{ValidateOptions, Violation, add_flips, violations};
 use phex_mesh::{
@@ -27,12 +30,12 @@ pub struct Yardstick {
     pub panels: usize,
     /// Largest planarity, mean edges.
     planarity: f64,
-    /// Whether sharp corners count: they do where nothing is left that is worse.
-    pub sharp_corners: bool,
+    /// What of the shapes of faces counts: nothing as long as something is worse.
+    pub shapes: Shapes,
 }
 
 impl Yardstick {
-    /// That of a mesh, in which sharp corners do not count.
+    /// That of a mesh, in which shapes do not count.
     pub fn of(mesh: &HexMesh, limits: &Limits) -> Self {
         let panels = mesh.topology().n_faces();
         let area: f64 = FlatFace::all(mesh).iter().map(FlatFace::area).sum();
@@ -41,9 +44,55 @@ impl Yardstick {
             mean_area: area / panels as f64,
             panels,
             planarity: limits.validity.planarity_limit(mesh),
-            sharp_corners: false,
+            shapes: Shapes::Any,
         }
     }
+
+    /// How large a face should be: an inner one as the area that it is to have, if that is more
+    /// than the mean.
+    pub fn wanted_size(&self, at_rim: bool, wished: f64) -> WantedSize {
+        let scale = (wished / self.mean_area).sqrt().max(1.0);
+        let length = WANTED_LENGTH * self.mean_edge * scale;
+        let counts = self.shapes >= Shapes::Sizes;
+        WantedSize {
+            edge: (counts && !at_rim && wished > 0.0).then_some(length),
+            area: (counts && at_rim).then_some(WANTED_RIM_AREA * self.mean_area),
+        }
+    }
+
+    /// Notes by how much the sharpest corner of a face is below what it should be, and its longest
+    /// edge and its area are above.
+    fn add_shape(&self, flat: &FlatFace, wanted: &WantedSize, found: &mut Findings) {
+        let (polygon, k) = (&flat.polygon, flat.polygon.len());
+        let least = interior_angles(polygon).fold(f64::INFINITY, f64::min);
+        let sides = (0..k).map(|i| (polygon[(i + 1) % k] - polygon[i]).norm());
+        let beyond =
+            |value: f64, most: Option<f64>| most.map_or(0.0, |most| (value / most - 1.0).max(0.0));
+        found.sharp = (1.0 - least.to_degrees() / WANTED_ANGLE).max(0.0);
+        found.large = beyond(sides.fold(0.0, f64::max), wanted.edge);
+        found.large += beyond(flat.area(), wanted.area);
+    }
+}
+
+/// What counts that is allowed and not liked in the shapes of faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Shapes {
+    /// Nothing.
+    #[default]
+    Any,
+    /// Sharp corners.
+    Corners,
+    /// Sharp corners, long edges of inner faces, and large faces at the boundary.
+    Sizes,
+}
+
+/// How large a face should be at the most, and need not be.
+#[derive(Clone, Copy, Debug)]
+pub struct WantedSize {
+    /// Length of its edges.
+    pub edge: Option<f64>,
+    /// Its area.
+    pub area: Option<f64>,
 }
 
 /// What is looked at: a mesh, or a part of one as a mesh of its own.
@@ -70,14 +119,26 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// The same where sharp corners count; nothing if there are none.
-    pub fn counting_sharp_corners(&self, mesh: &HexMesh) -> Option<Self> {
+    /// The same where shapes count; nothing if there is nothing against them.
+    pub fn counting_shapes(
+        &self,
+        mesh: &HexMesh,
+        wished: &[f64],
+        yardstick: &Yardstick,
+    ) -> Option<Self> {
         let mut found = self.clone();
         for (f, flat) in FlatFace::all(mesh).enumerate() {
-            found.of_face[f].sharp = sharpness(flat);
-            found.merit.cost += found.of_face[f].sharp;
+            let at_rim = mesh.topology().is_boundary_face(f);
+            let wanted = yardstick.wanted_size(at_rim, wished[f.index()]);
+            yardstick.add_shape(flat, &wanted, &mut found.of_face[f]);
+            found.merit.cost += found.of_face[f].misshapen();
         }
         (found.merit.cost > self.merit.cost).then_some(found)
+    }
+
+    /// What sharp corners cost.
+    pub fn sharp(&self) -> f64 {
+        self.of_face.iter().map(|face| face.sharp).sum()
     }
 
     /// How bad the faces are that count.
@@ -356,11 +417,11 @@ fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Fi
         let clearance = flat.clearance().distance / yardstick.mean_edge;
         let wanted = wanted_clearance(area / yardstick.mean_area);
         face.tight = (1.0 - clearance / wanted).max(0.0).powi(2);
-        if yardstick.sharp_corners {
-            face.sharp = sharpness(flat);
-        }
         face.irregular = !at_rim && topology.valence(f) != 6;
         let wished = scope.wished[f.index()];
+        if yardstick.shapes >= Shapes::Corners {
+            yardstick.add_shape(flat, &yardstick.wanted_size(at_rim, wished), face);
+        }
         if !at_rim && wished > 0.0 && area > 0.0 {
             face.uneven = (area / wished).ln().powi(2);
         }
@@ -369,12 +430,6 @@ fn add_shapes(scope: &Scope<'_>, yardstick: &Yardstick, of_face: &mut PerFace<Fi
             face.small = if share < 1.0 { 1.5 - share } else { 0.0 };
         }
     }
-}
-
-/// How far the sharpest corner of a panel is below what it should have.
-fn sharpness(flat: &FlatFace) -> f64 {
-    let least = interior_angles(&flat.polygon).fold(f64::INFINITY, f64::min);
-    (1.0 - least.to_degrees() / WANTED_ANGLE).max(0.0)
 }
 
 #[cfg(test)]
@@ -445,33 +500,84 @@ mod tests {
         assert_eq!(within, [true, false, false, false, true], "{edge}");
     }
 
+    /// What shapes are said to cost, where they count; the same as a judge says who counts them
+    /// from the start.
+    fn shaped(mesh: &HexMesh, wished: &[f64], shapes: Shapes) -> Option<Judgement> {
+        let (surface, _) = wall();
+        let judge = judge(&surface);
+        let plain = judge.whole(mesh, wished);
+        let mut yardstick = Yardstick::of(mesh, judge.limits());
+        yardstick.shapes = shapes;
+        let found = plain.counting_shapes(mesh, wished, &yardstick)?;
+        let judged = judge.whole_by(&yardstick, mesh, wished);
+        assert!((judged.merit.cost - found.merit.cost).abs() < 1e-9);
+        assert!(found.merit.cost > plain.merit.cost);
+        for (f, face) in plain.of_face.enumerate() {
+            assert!(face.misshapen() == 0.0);
+            assert_eq!(found.of_face[f].misshapen(), judged.of_face[f].misshapen());
+        }
+        Some(found)
+    }
+
     #[test]
     fn sharp_corners_count_where_they_are_asked_for() {
-        let (surface, wall) = wall();
-        let judge = judge(&surface);
+        let (_, wall) = wall();
         let any = vec![0.0; wall.topology().n_faces()];
-        assert!(
-            judge
-                .whole(&wall, &any)
-                .counting_sharp_corners(&wall)
-                .is_none()
-        );
+        assert!(shaped(&wall, &any, Shapes::Any).is_none());
+        assert!(shaped(&wall, &any, Shapes::Corners).is_none());
         // The right angles of bricks become such of 14 degrees.
         let sheared = wall.positions.map(|p| Vec3::new(p.x + 4.0 * p.y, p.y, p.z));
         let sheared = wall.with_positions(sheared);
-        let plain = judge.whole(&sheared, &any);
-        let sharp = plain.counting_sharp_corners(&sheared).unwrap();
         let expected = 1.0 - 0.25_f64.atan().to_degrees() / WANTED_ANGLE;
-        for (f, found) in sharp.of_face.enumerate() {
-            assert!((found.sharp - expected).abs() < 1e-9 && plain.of_face[f].sharp == 0.0);
+        let found = shaped(&sheared, &any, Shapes::Corners).unwrap();
+        for face in found.of_face.iter() {
             // Six degrees are more than another weight would cure.
-            assert!(!found.is_slight());
+            assert!((face.sharp - expected).abs() < 1e-9 && !face.is_slight());
         }
-        let mut yardstick = Yardstick::of(&sheared, judge.limits());
-        yardstick.sharp_corners = true;
-        let judged = judge.whole_by(&yardstick, &sheared, &any);
-        assert!((judged.merit.cost - sharp.merit.cost).abs() < 1e-9);
-        assert!(judged.merit.cost > plain.merit.cost + 0.2 * any.len() as f64);
+        assert!((found.sharp() - expected * any.len() as f64).abs() < 1e-9);
+    }
+
+    #[test]
+    fn long_edges_and_large_panels_at_the_boundary_count_after_corners() {
+        let (surface, wall) = wall();
+        let areas: Vec<f64> = FlatFace::all(&wall).iter().map(FlatFace::area).collect();
+        let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+        let (edge, any) = (wall.mean_edge(), vec![mean; areas.len()]);
+        // A corner inside moves so far that the edges there become long.
+        let topology = wall.topology();
+        let is_inner = |f: &FaceId| !topology.is_boundary_face(*f);
+        let inner = topology.faces().find(is_inner).unwrap();
+        let v = topology.origin(topology.face_half_edges(inner).next().unwrap());
+        let long = |by: f64| {
+            let mut positions = wall.positions.clone();
+            positions[v] += Vec3::new(0.0, by * edge, 0.0);
+            wall.with_positions(positions)
+        };
+        assert!(shaped(&wall, &any, Shapes::Sizes).is_none());
+        let moved = long(3.0);
+        let found = shaped(&moved, &any, Shapes::Sizes).unwrap();
+        assert!(found.of_face[inner].large > 0.0);
+        // At the boundary it is the area that counts.
+        let mut yardstick = Yardstick::of(&wall, judge(&surface).limits());
+        yardstick.shapes = Shapes::Sizes;
+        let at_rim = yardstick.wanted_size(true, mean);
+        assert!(
+            at_rim.edge.is_none() && at_rim.area == Some(WANTED_RIM_AREA * yardstick.mean_area)
+        );
+        let rim = wall
+            .topology()
+            .faces()
+            .find(|f| wall.topology().is_boundary_face(*f));
+        let flat = &FlatFace::all(&wall)[rim.unwrap()];
+        yardstick.mean_area = flat.area() / (1.5 * WANTED_RIM_AREA);
+        let mut face = Findings::default();
+        yardstick.add_shape(flat, &yardstick.wanted_size(true, mean), &mut face);
+        assert!((face.large - 0.5).abs() < 1e-9 && face.sharp == 0.0);
+        // Where areas are to be four times as large edges may be twice as long.
+        let wished = vec![4.0 * mean; areas.len()];
+        let fewer = shaped(&moved, &wished, Shapes::Sizes);
+        let large = |found: &Judgement| found.of_face.iter().map(|f| f.large).sum::<f64>();
+        assert!(fewer.map_or(0.0, |f| large(&f)) < large(&found));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 /// |---|---|
 /// | `invalid` | violations that make a mesh no planar panelling; what is not planar counts by how much |
 /// | `outside` | excesses over limits, in limits, summed over faces |
-/// | `cost` | what is allowed and not liked: irregular, small, tight, sharp, uneven panels, and the distance to the surface |
+/// | `cost` | what is allowed and not liked: irregular, small, tight, uneven panels, sharp corners, long edges, and the distance to the surface |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Merit {
     /// Violations.
@@ -50,7 +50,7 @@ impl Merit {
         for face in faces {
             merit.invalid += face.invalid;
             merit.outside += face.outside();
-            merit.cost += face.tight + face.sharp + face.small + UNEVEN * share * face.uneven;
+            merit.cost += face.tight + face.misshapen() + face.small + UNEVEN * share * face.uneven;
             irregular += usize::from(face.irregular);
             off = off.max(face.off);
         }

@@ -30,6 +30,6 @@ pub use assessment::{Assessment, Omitted, Reason, References, Verdict};
 pub use check::{Check, ElementKind, Reading, Scale};
 pub use defect::{Defect, defects};
 pub use findings::Findings;
-pub use judge::{Judge, Judgement, Scope, Yardstick};
+pub use judge::{Judge, Judgement, Scope, Shapes, WantedSize, Yardstick};
 pub use limits::{Limits, USUAL_DEVIATION};
 pub use merit::Merit;

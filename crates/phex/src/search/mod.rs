@@ -9,7 +9,8 @@
 //! better than what there was, else nothing has changed. Places that do not touch are searched side
 //! by side. It is one mechanism for closed and open, uniform and adaptive meshes, whatever made
 //! them. Where nothing is left outside limits, sharp corners are blunted in the same way, as far as
-//! no panel moves farther off the surface than the farthest was.
+//! no panel moves farther off the surface than the farthest was; then long edges are shortened and
+//! large panels at the boundary made smaller, as far as nothing moves farther off there.
 //!
 //! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three
 //! panels; outside of the patches that are kept positions are the same to the last bit; the same
@@ -29,7 +30,7 @@ mod tests;
 
 use crate::optimise::EMPHASES;
 use crate::progress::{Event, Progress};
-use crate::quality::{Defect, Judgement, Merit, defects};
+use crate::quality::{Defect, Judgement, Merit, Shapes, defects};
 use draft::Draft;
 use patch::{Built, Change, Patch, applied};
 use phex_mesh::{FaceId, HexMesh, Vec3};
@@ -120,7 +121,7 @@ struct Failed {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn search(mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Searched {
-    let whole = Whole::of(&mesh, site, false);
+    let whole = Whole::of(&mesh, site, Shapes::Any);
     let summary = SearchSummary {
         defects: defects(&mesh, &whole.findings).len(),
         ..SearchSummary::default()
@@ -133,7 +134,7 @@ pub fn search(mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Search
     };
     state.sweep(site, progress);
     state.summary.left = defects(&state.mesh, &state.whole.findings).len();
-    let judgement = state.blunted(site, progress);
+    let judgement = state.shaped(site, progress);
     Searched {
         judgement,
         mesh: state.mesh,
@@ -150,21 +151,24 @@ struct SearchState {
 }
 
 impl SearchState {
-    /// Sweeps over sharp corners, where nothing is left that is worse, and judges the result as
-    /// everything else is judged.
-    fn blunted(&mut self, site: &Site<'_>, progress: &dyn Progress) -> Judgement {
-        let (plain, kept) = (self.whole.findings.clone(), self.summary.kept);
-        let sharp = plain.counting_sharp_corners(&self.mesh);
-        if let Some(sharp) = sharp.filter(|_| plain.merit.is_within()) {
-            self.whole.findings = sharp;
-            self.whole.yardstick.sharp_corners = true;
-            self.failed.clear();
-            self.sweep(site, progress);
+    /// Sweeps over sharp corners, and then over long edges and large panels at the boundary, too,
+    /// where nothing is left that is worse. Judges the result as everything else is judged.
+    fn shaped(&mut self, site: &Site<'_>, progress: &dyn Progress) -> Judgement {
+        let mut plain = self.whole.findings.clone();
+        for shapes in [Shapes::Corners, Shapes::Sizes] {
+            let (kept, wished) = (self.summary.kept, site.wished_areas(&self.mesh));
+            self.whole.yardstick.shapes = shapes;
+            let found = plain.counting_shapes(&self.mesh, &wished, &self.whole.yardstick);
+            if let Some(found) = found.filter(|_| plain.merit.is_within()) {
+                self.whole.findings = found;
+                self.failed.clear();
+                self.sweep(site, progress);
+            }
+            if self.summary.kept > kept {
+                plain = site.judged(&self.mesh);
+            }
         }
-        match self.summary.kept > kept {
-            true => site.judged(&self.mesh),
-            false => plain,
-        }
+        plain
     }
 
     /// Sweeps over the defects until none of them is cured.
@@ -215,6 +219,10 @@ impl SearchState {
                     None => {}
                 }
             }
+            // Where most of the worst sizes stay as they are the others would, too.
+            if whole.yardstick.shapes == Shapes::Sizes && 2 * changes.len() < places.len() {
+                break;
+            }
         }
     }
 }
@@ -248,9 +256,9 @@ fn chosen(
     let mut taken: BTreeSet<FaceId> = BTreeSet::new();
     let mut places = Vec::new();
     let mut all = defects(mesh, &whole.findings);
-    let is_sharp = |f: &FaceId| whole.findings.of_face[*f].sharp > 0.0;
+    let is_misshapen = |f: &FaceId| whole.findings.of_face[*f].misshapen() > 0.0;
     all.retain(|d| {
-        let counts = !whole.yardstick.sharp_corners || d.faces.iter().any(is_sharp);
+        let counts = whole.yardstick.shapes == Shapes::Any || d.faces.iter().any(is_misshapen);
         counts && d.faces.iter().all(|f| !resting.contains(f))
     });
     let outside = all.iter().filter(|d| !d.is_broken && !d.is_allowed).count();
@@ -300,13 +308,19 @@ impl DefectPatch {
         };
         let before = judged(&now, &now.mesh);
         let goal = before.amount(&now.counts) - CURED * self.defect.amount;
-        let before = before.merit;
         let is_cured = |next: &Settled, judgement: &Judgement| {
-            judgement.amount(&next.built.counts) <= goal && next.merit.is_less(&before)
+            judgement.amount(&next.built.counts) <= goal && next.merit.is_less(&before.merit)
         };
-        // No corner is worth a distance that no panel has.
-        let is_close_enough =
-            |merit: &Merit| !whole.yardstick.sharp_corners || merit.off <= whole.findings.merit.off;
+        // No corner is worth a distance that no panel has, no edge one that no panel near has, nor a
+        // corner.
+        let is_fair = |judgement: &Judgement| {
+            let off = judgement.merit.off;
+            match whole.yardstick.shapes {
+                Shapes::Any => true,
+                Shapes::Corners => off <= whole.findings.merit.off,
+                Shapes::Sizes => off <= before.merit.off && judgement.sharp() <= before.sharp(),
+            }
+        };
         let improved = |mut next: Settled| {
             for round in 0..EMPHASES {
                 let step = LocalStep::Improve(round);
@@ -314,7 +328,7 @@ impl DefectPatch {
                     continue;
                 };
                 let judgement = judged(&next.built, &mesh);
-                if judgement.merit.is_less(&next.merit) && is_close_enough(&judgement.merit) {
+                if judgement.merit.is_less(&next.merit) && is_fair(&judgement) {
                     (next.merit, next.built.mesh) = (judgement.merit, mesh);
                     if is_cured(&next, &judgement) {
                         break;
@@ -324,13 +338,13 @@ impl DefectPatch {
             next
         };
         let same = improved(Settled {
-            merit: before,
+            merit: before.merit,
             draft: patch.draft.clone(),
             built: now,
         });
         let is_enough = judged(&same.built, &same.built.mesh).amount(&same.built.counts) <= goal;
         if self.defect.is_slight || is_enough {
-            let better = same.merit.is_less(&before);
+            let better = same.merit.is_less(&before.merit);
             return (better.then(|| same.change(patch)), 1);
         }
         let mut settled = vec![same];
@@ -348,7 +362,7 @@ impl DefectPatch {
                     draft,
                     built: built.with(mesh),
                 };
-                if is_cured(&next, &judgement) {
+                if is_cured(&next, &judgement) && is_fair(&judgement) {
                     return (Some(next.change(patch)), tried);
                 }
                 settled.push(next);
@@ -357,7 +371,9 @@ impl DefectPatch {
         settled.sort_by(|a, b| a.merit.total_cmp(&b.merit));
         settled.truncate(IMPROVED);
         let best = (settled.into_iter().map(improved)).min_by(|a, b| a.merit.total_cmp(&b.merit));
-        let best = best.filter(|best| best.merit.is_better(&before));
+        let best = best
+            .filter(|best| best.merit.is_better(&before.merit))
+            .filter(|best| is_fair(&judged(&best.built, &best.built.mesh)));
         (best.map(|best| best.change(patch)), tried)
     }
 }
@@ -388,7 +404,7 @@ fn take(
         let Some(next) = applied(mesh, which) else {
             return false;
         };
-        let judged = Whole::of(&next, site, whole.yardstick.sharp_corners);
+        let judged = Whole::of(&next, site, whole.yardstick.shapes);
         let better = judged.findings.merit.is_less(&whole.findings.merit);
         if better {
             (*mesh, *whole) = (next, judged);

@@ -4,7 +4,7 @@ use super::patch::{Built, Patch};
 use crate::layout::{Layout, VertexKind, WishedArea};
 use crate::optimise::{BoundaryHold, FaceLimits, LocalPart, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
-use crate::quality::{Judge, Judgement, Scope, Yardstick};
+use crate::quality::{Judge, Judgement, Scope, Shapes, Yardstick};
 use phex_mesh::measure::{LEAST_RIM_AREA, wanted_clearance};
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::collections::BTreeSet;
@@ -75,7 +75,7 @@ impl Site<'_> {
     }
 
     /// Areas that panels are to have, as much in all as they have; 0 for any.
-    fn wished_areas(&self, mesh: &HexMesh) -> Vec<f64> {
+    pub(super) fn wished_areas(&self, mesh: &HexMesh) -> Vec<f64> {
         let topology = mesh.topology();
         let wishes: Vec<WishedArea> = (topology.faces())
             .map(|f| self.wished(mesh.centre(f)))
@@ -145,6 +145,7 @@ impl Site<'_> {
     /// What the panels of a part are to have.
     fn limits(&self, part: &HexMesh, whole: &Whole, points: &[VertexId]) -> FaceLimits {
         let (topology, yardstick) = (part.topology(), &whole.yardstick);
+        let wished = self.wished_areas(part);
         let areas = FlatFace::all(part).map(FlatFace::area);
         let unit = self.options.wished_clearance * yardstick.mean_edge;
         let clearance = |a: &f64| unit * wanted_clearance(a / yardstick.mean_area);
@@ -152,12 +153,20 @@ impl Site<'_> {
             true => SAFE * LEAST_RIM_AREA * yardstick.mean_area,
             false => 0.0,
         };
-        let mut panels = self.options.panel_limits();
-        if yardstick.sharp_corners {
-            panels.min_angle = panels.min_angle.map(|angle| SAFE * angle);
-        }
+        let panels = |f: FaceId| {
+            let mut limits = self.options.panel_limits();
+            if yardstick.shapes >= Shapes::Corners {
+                let wanted = yardstick.wanted_size(topology.is_boundary_face(f), wished[f.index()]);
+                let least =
+                    |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
+                limits.min_angle = limits.min_angle.map(|angle| SAFE * angle);
+                limits.max_edge = least(limits.max_edge, wanted.edge.map(|l| l / SAFE));
+                limits.max_area = least(limits.max_area, wanted.area.map(|a| a / SAFE));
+            }
+            limits
+        };
         FaceLimits {
-            panels,
+            panels: topology.faces().map(panels).collect(),
             clearance: areas.iter().map(clearance).collect(),
             area: topology.faces().map(least).collect(),
             distance: self.judge.largest_distance(),
@@ -209,10 +218,10 @@ pub(super) struct Whole {
 }
 
 impl Whole {
-    /// Looks at a mesh; sharp corners count or do not.
-    pub fn of(mesh: &HexMesh, site: &Site<'_>, sharp_corners: bool) -> Self {
+    /// Looks at a mesh; what of shapes counts is given.
+    pub fn of(mesh: &HexMesh, site: &Site<'_>, shapes: Shapes) -> Self {
         let mut yardstick = Yardstick::of(mesh, site.judge.limits());
-        yardstick.sharp_corners = sharp_corners;
+        yardstick.shapes = shapes;
         let findings = site.judged_by(&yardstick, mesh);
         let mut covers = vec![Vec::new(); mesh.topology().n_faces()];
         for (v, f) in site.judge.points().into_iter().zip(&findings.nearest) {

@@ -425,7 +425,10 @@ fn gradient_of_limits() {
     let (edge, area) = (mesh.mean_edge(), mesh.mean_edge().powi(2));
     let faces = mesh.topology().n_faces();
     let none = || FaceLimits::none(faces);
-    let panels = |panels: PanelLimits| FaceLimits { panels, ..none() };
+    let panels = |panels: PanelLimits| FaceLimits {
+        panels: vec![panels; faces],
+        ..none()
+    };
     let any = PanelLimits::default();
     let limits = [
         panels(PanelLimits {
