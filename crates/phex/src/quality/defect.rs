@@ -13,8 +13,8 @@ pub struct Defect {
     pub place: Vec3,
     /// Whether panels are too large there: the surface stands off, or sheets cross.
     pub needs_more: bool,
-    /// Whether it is allowed: a panel is tight, misshapen or small, and nothing is invalid or outside
-    /// limits.
+    /// Whether it is allowed: a panel is tight, misshapen or small, and nothing is invalid or
+    /// outside limits.
     pub is_allowed: bool,
     /// Whether more room is all that is lacking, and not much of it.
     pub is_slight: bool,

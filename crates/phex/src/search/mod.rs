@@ -311,8 +311,8 @@ impl DefectPatch {
         let is_cured = |next: &Settled, judgement: &Judgement| {
             judgement.amount(&next.built.counts) <= goal && next.merit.is_less(&before.merit)
         };
-        // No corner is worth a distance that no panel has, no edge one that no panel near has, nor a
-        // corner.
+        // No corner is worth a distance that no panel has, no edge one that no panel near has, nor
+        // a corner.
         let is_fair = |judgement: &Judgement| {
             let off = judgement.merit.off;
             match whole.yardstick.shapes {
