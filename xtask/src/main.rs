@@ -212,8 +212,9 @@ fn root() -> PathBuf {
 
 fn check(root: &Path) -> ExitCode {
     let mut skipped = Vec::new();
+    let start = std::time::Instant::now();
     for step in &CHECK {
-        println!("== {}", step.name);
+        println!("== {}, after {} s", step.name, start.elapsed().as_secs());
         match (step.run)(root) {
             Ok(()) => {}
             Err(Stop::Skipped(reason)) => {
