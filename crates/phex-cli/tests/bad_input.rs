@@ -371,6 +371,7 @@ fn settings_that_are_not_finite_or_out_of_range() {
         ("directions", "alignment = inf"),
         ("directions", "anisotropy = 0"),
         ("layout", "max_distortion = inf"),
+        ("layout", "max_pull = nan"),
         ("layout", "sweeps = 1000000000000"),
         ("optimise", "planarity_tolerance = nan"),
         ("optimise", "fairness = -1"),

@@ -91,6 +91,10 @@ pub struct LayoutOptions {
     /// Largest 95 % quantile of the edges' distortion that vanished dislocations may cost; above it
     /// those come back that strain pulls on the hardest.
     pub max_distortion: f64,
+    /// Largest pull of strain on a dislocation that has vanished (the fall of the sum over edges of
+    /// weights and squared residuals, in lattice spacings, when it comes back); above it the
+    /// dislocation does come back, and panels are more even. `None`: any.
+    pub max_pull: Option<f64>,
 }
 
 impl Default for LayoutOptions {
@@ -100,6 +104,7 @@ impl Default for LayoutOptions {
             sweeps: 60,
             annihilation_length: None,
             max_distortion: 0.35,
+            max_pull: None,
         }
     }
 }

@@ -513,15 +513,17 @@ fn dislocations_come_back_where_strain_pulls() {
         ..Default::default()
     };
     let stages = Stages::with(&shape("enneper", 3000), 300, &even);
-    let placed = |annihilation_length: Option<f64>, max_distortion: f64| {
-        let options = LayoutOptions {
-            annihilation_length,
-            max_distortion,
-            ..Default::default()
-        };
+    let reached = |options: LayoutOptions| {
         let placed = place_seeds(stages.topology(), &stages.directions, &options, &Silent).unwrap();
         let reached = placed.statistics;
         (reached.distortion_p95, reached.annihilation.kept)
+    };
+    let placed = |annihilation_length: Option<f64>, max_distortion: f64| {
+        reached(LayoutOptions {
+            annihilation_length,
+            max_distortion,
+            ..Default::default()
+        })
     };
     let [all, none] = [None, Some(0.0)].map(|length| placed(length, f64::MAX));
     assert!(
@@ -535,4 +537,17 @@ fn dislocations_come_back_where_strain_pulls() {
     let fewest = by_length.filter(|(d, _)| *d <= bound).map(|(_, kept)| kept);
     let fewest = fewest.min().unwrap();
     assert!(kept < fewest, "{kept} against {fewest}");
+
+    let by_pull = [8.0, 4.0, 2.0, 1.0].map(|most| {
+        reached(LayoutOptions {
+            max_distortion: f64::MAX,
+            max_pull: Some(most),
+            ..Default::default()
+        })
+    });
+    assert!(
+        by_pull.is_sorted_by(|a, b| a.1 <= b.1 && a.0 >= b.0 - 0.02),
+        "{by_pull:?}"
+    );
+    assert!(by_pull[3].1 > 0 && by_pull[3].0 < all.0, "{by_pull:?}");
 }

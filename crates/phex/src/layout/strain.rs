@@ -1,6 +1,6 @@
 //! As few dislocations as a bound on the lattice's strain allows.
 //!
-//! All of them vanish first. Where that strains the lattice too much, the ways come back along
+//! All of them vanish first. Where that strains the lattice too much, here or anywhere, the ways come back along
 //! which strain pulls the hardest: moving a Burgers vector changed jumps, and the energy `sum w
 //! |r|^2` of the residuals falls by twice the product of residuals and changes when it moves back
 //! (the force of Peach and Koehler, summed along the way).
@@ -50,16 +50,18 @@ pub(super) fn seamless_offsets(
             offsets.position = solver.solve(&offsets)?;
         }
         let p95 = distortion(&offsets, topology, mesh, charts);
-        if p95 <= options.max_distortion || annihilation.moved == 0 {
-            annihilation.kept = dislocations::count(topology, charts, &offsets.jump);
-            return Ok((offsets, annihilation, p95));
-        }
         let pull = changes
             .iter()
             .map(|c| pull(&offsets, topology, mesh, charts, c));
         let pull: Vec<f64> = pull.collect();
         let mut hardest: Vec<usize> = (0..slips.len()).filter(|k| taken[*k]).collect();
         hardest.sort_by(|a, b| pull[*b].total_cmp(&pull[*a]));
+        let hard = |most: f64| hardest.first().is_some_and(|k| pull[*k] > most);
+        let is_calm = !options.max_pull.is_some_and(hard);
+        if (p95 <= options.max_distortion && is_calm) || annihilation.moved == 0 {
+            annihilation.kept = dislocations::count(topology, charts, &offsets.jump);
+            return Ok((offsets, annihilation, p95));
+        }
         let back = (BACK * annihilation.moved as f64).ceil() as usize;
         hardest[..back].iter().for_each(|k| taken[*k] = false);
     }

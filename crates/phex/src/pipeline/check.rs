@@ -125,6 +125,7 @@ fn layout_fits(options: &LayoutOptions) -> Result<(), BadOption> {
             options.annihilation_length.unwrap_or(0.0),
         ),
         ("max_distortion", options.max_distortion),
+        ("max_pull", options.max_pull.unwrap_or(0.0)),
     ])
 }
 

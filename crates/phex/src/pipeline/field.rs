@@ -28,8 +28,8 @@ pub(super) struct Field {
     /// changes of size.
     pub length: PerVertex<f64>,
     pub placed: Placed,
-    /// Distortion up to which its lattice does without dislocations.
-    pub max_distortion: f64,
+    /// How its lattice was made.
+    pub layout: LayoutOptions,
 }
 
 /// Deviation from the number of panels asked for that is corrected by another lattice.
@@ -65,7 +65,7 @@ impl Field {
             directions,
             length,
             placed,
-            max_distortion: options.layout.max_distortion,
+            layout: options.layout.clone(),
         })
     }
 
@@ -187,6 +187,7 @@ pub(super) struct LatticeFreedom {
     pub seamless: bool,
     pub resolving: bool,
     pub usual_deviation: bool,
+    pub even: bool,
 }
 
 impl From<Candidate> for LatticeFreedom {
@@ -196,6 +197,7 @@ impl From<Candidate> for LatticeFreedom {
             seamless: candidate.seamless,
             resolving: candidate.resolving,
             usual_deviation: candidate.usual_deviation,
+            even: candidate.even,
         }
     }
 }
@@ -203,6 +205,9 @@ impl From<Candidate> for LatticeFreedom {
 /// Largest panel length over the least radius of curvature with which panels resolve a surface: all
 /// those with at most half of it pass at once, and most of those with more than 1.2 do not.
 const RESOLVED: f64 = 0.8;
+
+/// Pull from which on a dislocation stays in a lattice of even panels.
+const EVEN_PULL: f64 = 2.5;
 
 /// What the conformal factor's screening and limit are multiplied by for a seamless lattice.
 const SEAMLESS_SCREENING: f64 = 0.025;
@@ -221,6 +226,9 @@ impl LatticeFreedom {
         }
         if self.seamless {
             allow_sizes(&mut options);
+        }
+        if self.even {
+            options.layout.max_pull = Some(EVEN_PULL);
         }
         options
     }
@@ -348,6 +356,7 @@ mod tests {
             seamless: true,
             resolving: false,
             usual_deviation: false,
+            even: false,
         };
         let options = way.options(&MeshOptions::default());
         let ground = Ground::new(&needle, 50, &options);

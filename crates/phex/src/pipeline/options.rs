@@ -185,6 +185,8 @@ pub struct Candidate {
     /// for: panels that can't be as near as that are drawn hither and thither, and may end farther
     /// away.
     pub usual_deviation: bool,
+    /// Whether pairs of pentagons and heptagons stay where they make panels more even.
+    pub even: bool,
 }
 
 impl Default for Candidate {
@@ -195,6 +197,7 @@ impl Default for Candidate {
             seamless: false,
             resolving: false,
             usual_deviation: false,
+            even: false,
         }
     }
 }

@@ -6,8 +6,8 @@
 //! instead of by dislocations, and a brick wall has straight rows where the surface has a network
 //! for them. By default one other lattice is laid out, and only where the first is far outside its
 //! limits, or its search leaves something outside (then panels are smaller where the surface
-//! bends), or where it is less regular than it could be; with [`Effort::Best`] all of them are,
-//! side by side. They are searched one after the other until one is within its limits.
+//! bends), or where it is less regular than it could be, or much less even (then dislocations stay
+//! where strain pulls hard at them); with [`Effort::Best`] all of them are, side by side. They are searched one after the other until one is within its limits.
 
 use super::attempt::{AttemptSummary, is_tight};
 use super::domain::Ground;
@@ -165,6 +165,7 @@ impl Task<'_> {
         let merit = made.judgement.merit;
         let summary = AttemptSummary {
             dislocations: made.layout.annihilation.kept,
+            is_strained: made.layout.annihilation.moved > 0,
             ..AttemptSummary::new(
                 candidate,
                 &made.mesh,

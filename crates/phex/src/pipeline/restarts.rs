@@ -72,8 +72,7 @@ pub(super) fn most_regular(
     };
     let again = |number: &u64| {
         let topology = ground.smooth.levels[field.level].topology();
-        let mut options = ground.options.layout.clone();
-        options.max_distortion = field.max_distortion;
+        let mut options = field.layout.clone();
         options.seed = options.seed.wrapping_add(number << START_BITS);
         drawn(layout::place_seeds(
             topology,

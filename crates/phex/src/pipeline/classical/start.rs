@@ -149,7 +149,7 @@ impl<'a> CurvedGround<'a> {
                 panel_length(self.surface, ground.panels),
             ),
             placed,
-            max_distortion: options.layout.max_distortion,
+            layout: options.layout.clone(),
         })
     }
 }
