@@ -1,9 +1,9 @@
 //! As few dislocations as a bound on the lattice's strain allows.
 //!
-//! All of them vanish first. Where that strains the lattice too much, here or anywhere, the ways come back along
-//! which strain pulls the hardest: moving a Burgers vector changed jumps, and the energy `sum w
-//! |r|^2` of the residuals falls by twice the product of residuals and changes when it moves back
-//! (the force of Peach and Koehler, summed along the way).
+//! All of them vanish first. Where that strains the lattice too much, here or anywhere, the ways
+//! come back along which strain pulls the hardest: moving a Burgers vector changed jumps, and the
+//! energy `sum w |r|^2` of the residuals falls by twice the product of residuals and changes when
+//! it moves back (the force of Peach and Koehler, summed along the way).
 
 use super::boundary::Pin;
 use super::chart_graph::{ChartGraph, Combing};

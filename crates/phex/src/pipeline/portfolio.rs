@@ -7,7 +7,8 @@
 //! for them. By default one other lattice is laid out, and only where the first is far outside its
 //! limits, or its search leaves something outside (then panels are smaller where the surface
 //! bends), or where it is less regular than it could be, or much less even (then dislocations stay
-//! where strain pulls hard at them); with [`Effort::Best`] all of them are, side by side. They are searched one after the other until one is within its limits.
+//! where strain pulls hard at them); with [`Effort::Best`] all of them are, side by side. They are
+//! searched one after the other until one is within its limits.
 
 use super::attempt::{AttemptSummary, is_tight};
 use super::domain::Ground;
