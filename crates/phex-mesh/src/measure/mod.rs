@@ -52,6 +52,8 @@ pub const WANTED_ANGLE: f64 = 20.0;
 pub const WANTED_LENGTH: f64 = 2.2;
 /// Area, over the mean, that a panel at the boundary should have at the most.
 pub const WANTED_RIM_AREA: f64 = 2.0;
+/// Length over width that a panel at the boundary should have at the most.
+pub const WANTED_RIM_ASPECT: f64 = 3.0;
 
 /// Clearance, in mean edges, that a panel should have, by its area over the mean: below it is
 /// tight, which is allowed and not liked.

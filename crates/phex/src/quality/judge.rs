@@ -4,8 +4,8 @@ use super::findings::Findings;
 use super::merit::Merit;
 use super::{Limits, References, USUAL_DEVIATION};
 use phex_mesh::measure::{
-    LEAST_RIM_AREA, WANTED_ANGLE, WANTED_LENGTH, WANTED_RIM_AREA, points_on_boundary,
-    wanted_clearance,
+    LEAST_RIM_AREA, WANTED_ANGLE, WANTED_LENGTH, WANTED_RIM_AREA, WANTED_RIM_ASPECT, aspect,
+    points_on_boundary, wanted_clearance,
 };
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::validate::{ValidateOptions, Violation, add_flips, violations};
@@ -57,6 +57,7 @@ impl Yardstick {
         WantedSize {
             edge: (counts && !at_rim && wished > 0.0).then_some(length),
             area: (counts && at_rim).then_some(WANTED_RIM_AREA * self.mean_area),
+            aspect: (counts && at_rim).then_some(WANTED_RIM_ASPECT),
         }
     }
 
@@ -71,6 +72,9 @@ impl Yardstick {
         found.sharp = (1.0 - least.to_degrees() / WANTED_ANGLE).max(0.0);
         found.large = beyond(sides.fold(0.0, f64::max), wanted.edge);
         found.large += beyond(flat.area(), wanted.area);
+        // A face without width has an infinite aspect.
+        let slender = |most: f64| (1.0 - most / aspect(polygon)).max(0.0);
+        found.large += wanted.aspect.map_or(0.0, slender);
     }
 }
 
@@ -82,7 +86,7 @@ pub enum Shapes {
     Any,
     /// Sharp corners.
     Corners,
-    /// Sharp corners, long edges of inner faces, and large faces at the boundary.
+    /// Sharp corners, long edges of inner faces, and large or slender faces at the boundary.
     Sizes,
 }
 
@@ -93,6 +97,8 @@ pub struct WantedSize {
     pub edge: Option<f64>,
     /// Its area.
     pub area: Option<f64>,
+    /// Its length over its width.
+    pub aspect: Option<f64>,
 }
 
 /// What is looked at: a mesh, or a part of one as a mesh of its own.
@@ -578,6 +584,17 @@ mod tests {
         let fewer = shaped(&moved, &wished, Shapes::Sizes);
         let large = |found: &Judgement| found.of_face.iter().map(|f| f.large).sum::<f64>();
         assert!(fewer.map_or(0.0, |f| large(&f)) < large(&found));
+        // Bricks of any proportions may be drawn out inside, but not at the boundary.
+        let slender = wall.positions.map(|p| Vec3::new(6.0 * p.x, p.y, p.z));
+        let flat = &FlatFace::all(&wall.with_positions(slender))[inner];
+        let beyond = 1.0 - WANTED_RIM_ASPECT / aspect(&flat.polygon);
+        yardstick.mean_area = flat.area();
+        for (at_rim, expected) in [(true, beyond), (false, 0.0)] {
+            let mut face = Findings::default();
+            yardstick.mean_edge = f64::MAX;
+            yardstick.add_shape(flat, &yardstick.wanted_size(at_rim, mean), &mut face);
+            assert!((face.large - expected).abs() < 1e-9 && beyond > 0.3);
+        }
     }
 
     #[test]

@@ -161,6 +161,8 @@ impl Site<'_> {
                     |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
                 limits.min_angle = limits.min_angle.map(|angle| SAFE * angle);
                 limits.max_edge = least(limits.max_edge, wanted.edge.map(|l| l / SAFE));
+                let slender = wanted.aspect.map(|a| a / SAFE);
+                limits.max_aspect = least(limits.max_aspect, slender);
                 limits.max_area = least(limits.max_area, wanted.area.map(|a| a / SAFE));
             }
             limits
