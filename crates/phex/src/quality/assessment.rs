@@ -129,7 +129,8 @@ impl Assessment {
             checks.extend(surface_checks(mesh, surface, deviation, limits));
             if let Some(fit) = &boundary {
                 let elsewhere = references.elsewhere;
-                checks.extend(boundary_checks(fit, deviation.diagonal, limits, elsewhere));
+                let size = (mesh.topology().n_faces(), deviation.diagonal);
+                checks.extend(boundary_checks(fit, size, limits, elsewhere));
             }
         }
         Self {

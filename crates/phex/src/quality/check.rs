@@ -266,7 +266,14 @@ pub(super) fn surface_checks(
     ]
 }
 
-const NEARER: &str = "more panels, smaller ones there, or a larger deviation";
+/// What would help where the surface is missed inside.
+const SMALLER: &str = "smaller ones there (--adaptive)";
+
+/// What would help where a distance is beyond its limit: it falls with the area of panels.
+fn nearer(panels: usize, [limit, value]: [f64; 2], or: &str) -> String {
+    let enough = (panels as f64 * value / limit).ceil();
+    format!("about {enough} panels, if all shrink alike, {or}, or a larger deviation")
+}
 
 fn deviation_check(mesh: &HexMesh, deviation: &Deviation, limit: f64) -> Check {
     let length = limit * deviation.diagonal;
@@ -287,7 +294,7 @@ fn deviation_check(mesh: &HexMesh, deviation: &Deviation, limit: f64) -> Check {
     )
     .in_lengths(deviation.diagonal)
     .at(topology.faces().filter(far), worst(vertices.chain(centres)))
-    .advised(NEARER)
+    .advised(&nearer(topology.n_faces(), [limit, value], SMALLER))
 }
 
 fn coverage_check(surface: &TriangleSurface, deviation: &Deviation, limit: f64) -> Check {
@@ -308,7 +315,11 @@ fn coverage_check(surface: &TriangleSurface, deviation: &Deviation, limit: f64) 
     )
     .in_lengths(deviation.diagonal)
     .at(faces, worst(points))
-    .advised(NEARER)
+    .advised(&nearer(
+        deviation.face_distance.len(),
+        [limit, value],
+        SMALLER,
+    ))
 }
 
 /// The point with the largest distance.
@@ -323,7 +334,7 @@ const AS_BAD: f64 = 0.25;
 /// The checks of a mesh against the boundary of an open surface.
 pub(super) fn boundary_checks(
     fit: &BoundaryFit,
-    diagonal: f64,
+    (panels, diagonal): (usize, f64),
     limits: &Limits,
     elsewhere: &[FaceId],
 ) -> Vec<Check> {
@@ -336,7 +347,7 @@ pub(super) fn boundary_checks(
         Check::new("boundary", [limit, value], Scale::Diagonals, value <= limit)
             .in_lengths(diagonal)
             .at(far.map(|s| s.face), place(&apart))
-            .advised("more panels, another --boundary, or a larger deviation")
+            .advised(&nearer(panels, [limit, value], "another --boundary"))
     });
     let covered = limits.covered.filter(|_| elsewhere.is_empty());
     let covers = covered.map(|limit| {

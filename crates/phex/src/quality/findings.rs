@@ -65,7 +65,7 @@ impl Findings {
     }
 
     /// Whether it is no panel, not planar, folded against another, or too narrow.
-    pub(super) fn is_broken(&self) -> bool {
+    pub(crate) fn is_broken(&self) -> bool {
         self.invalid + self.folded + self.narrow > 0.0
     }
 

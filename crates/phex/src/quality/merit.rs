@@ -104,6 +104,15 @@ impl Merit {
             .is_some_and(|(a, b)| a < b)
     }
 
+    /// The same before a search, which cures what is broken like what is outside limits.
+    pub(crate) fn before_search(self) -> Self {
+        Self {
+            invalid: 0.0,
+            outside: self.invalid + self.outside,
+            ..self
+        }
+    }
+
     /// Whether it is better by more than chance.
     pub fn is_better(&self, other: &Self) -> bool {
         self.compare(other) == Ordering::Less
@@ -133,6 +142,13 @@ mod tests {
             off(after, 0.9).is_less(&off(before, 0.5)),
             "within the limit"
         );
+    }
+
+    #[test]
+    fn before_a_search_what_is_broken_counts_like_what_is_outside() {
+        let [broken, outside] = [merit(2.0, 1.0, 0.0), merit(0.0, 9.0, 0.0)];
+        assert!(outside.is_better(&broken));
+        assert!(broken.before_search().is_better(&outside.before_search()));
     }
 
     #[test]

@@ -48,6 +48,8 @@ const SWEEPS: usize = 30;
 const CURED: f64 = 0.99;
 /// Candidates that are tried again with all that the optimiser can do for them.
 const IMPROVED: usize = 2;
+/// Share of broken panels above which nothing is searched: panels are too large everywhere.
+const HOPELESS: f64 = 1.0 / 3.0;
 /// Places outside limits, and their share of the panels, above which panels are too large
 /// everywhere: more of them here and there would only spoil the rows. What is broken is searched
 /// all the same.
@@ -76,6 +78,9 @@ pub struct SearchSummary {
     pub kept: usize,
     /// Defects that are left.
     pub left: usize,
+    /// Whether so many panels were broken that no change was tried: they are too large for the
+    /// surface.
+    pub is_hopeless: bool,
 }
 
 /// A mesh after a search.
@@ -132,7 +137,17 @@ pub fn search(mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Search
         summary,
         failed: Vec::new(),
     };
-    state.sweep(site, progress);
+    let broken = state
+        .whole
+        .findings
+        .of_face
+        .iter()
+        .filter(|f| f.is_broken())
+        .count();
+    state.summary.is_hopeless = broken as f64 > HOPELESS * state.mesh.topology().n_faces() as f64;
+    if !state.summary.is_hopeless {
+        state.sweep(site, progress);
+    }
     state.summary.left = defects(&state.mesh, &state.whole.findings).len();
     let judgement = state.shaped(site, progress);
     Searched {
@@ -322,7 +337,8 @@ impl DefectPatch {
             }
         };
         let improved = |mut next: Settled| {
-            for round in 0..EMPHASES {
+            let rounds = if next.is_improved { 0 } else { EMPHASES };
+            for round in 0..rounds {
                 let step = LocalStep::Improve(round);
                 let Some(mesh) = site.settled(&next.built, (whole, &points), step, progress) else {
                     continue;
@@ -335,10 +351,12 @@ impl DefectPatch {
                     }
                 }
             }
+            next.is_improved = true;
             next
         };
         let same = improved(Settled {
             merit: before.merit,
+            is_improved: false,
             draft: patch.draft.clone(),
             built: now,
         });
@@ -359,6 +377,7 @@ impl DefectPatch {
                 let judgement = judged(&built, &mesh);
                 let next = Settled {
                     merit: judgement.merit,
+                    is_improved: false,
                     draft,
                     built: built.with(mesh),
                 };
@@ -381,6 +400,7 @@ impl DefectPatch {
 /// A candidate with planar panels.
 struct Settled {
     merit: Merit,
+    is_improved: bool,
     draft: Draft,
     built: Built,
 }

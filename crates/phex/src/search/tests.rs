@@ -161,6 +161,25 @@ fn panels_are_split_where_the_surface_stands_off() {
 }
 
 #[test]
+fn nothing_is_tried_where_most_panels_are_broken() {
+    let mesh = &wave().1;
+    // Every second vertex is moved by half of an edge: hardly a panel is left planar.
+    let lifted = mesh
+        .positions
+        .enumerate()
+        .map(|(v, p)| match v.index() % 2 {
+            0 => p + Vec3::z() * (0.5 * mesh.mean_edge()),
+            _ => *p,
+        });
+    let crumpled = mesh.with_positions(PerVertex::from_vec(lifted.collect()));
+    let result = searched(&crumpled, 5e-3);
+    assert!(result.summary.is_hopeless && result.summary.left > 0);
+    assert_eq!((result.summary.sweeps, result.summary.tried), (0, 0));
+    assert_eq!(bits(&result.mesh), bits(&crumpled));
+    assert!(result.judgement.merit.invalid > 0.0);
+}
+
+#[test]
 fn the_same_for_any_number_of_threads() {
     let (spoiled, _) = squeezed(&wave().1);
     let with = |threads| {
