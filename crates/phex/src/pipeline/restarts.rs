@@ -14,11 +14,10 @@ use rayon::prelude::*;
 const FEW: f64 = 0.002;
 /// Error of the number of panels, as a logarithm, up to which regularity alone counts.
 const MISCOUNT: f64 = 0.1;
-/// Lattices at the most.
-const STARTS: u64 = 4;
-/// Panels from which on one lattice is enough: with 10,000 panels the best of four has a twentieth
-/// fewer irregular ones than the first, with 1,000 a fifth.
-const MANY: usize = 8000;
+/// Lattices at the most, and their panels in all: with 10,000 panels the best of four has a
+/// twentieth fewer irregular ones than the first, with 1,000 a fifth.
+const STARTS: usize = 4;
+const PANELS: usize = 8000;
 /// Restarts number themselves in the upper half of the seed, so that seeds one after the other
 /// share none.
 const START_BITS: u32 = 32;
@@ -83,12 +82,15 @@ pub(super) fn most_regular(
     };
     let best = clock.stage("layout", || {
         let first = drawn(field.placed.clone())?;
-        let is_alone = ground.options.effort == Effort::Draft || ground.panels >= MANY;
-        if first.is_regular() || is_alone {
+        let starts = match ground.options.effort {
+            Effort::Draft => 1,
+            _ => STARTS.min(PANELS / ground.panels.max(1)),
+        };
+        if first.is_regular() || starts <= 1 {
             return Ok(first);
         }
         let most = first.miscount(ground.panels).max(MISCOUNT);
-        let numbers: Vec<u64> = (1..STARTS).collect();
+        let numbers: Vec<u64> = (1..starts as u64).collect();
         let others: Vec<_> = numbers.par_iter().with_max_len(1).map(again).collect();
         // A start from which no panels come is no better than the first.
         let others = others.into_iter().flatten();
