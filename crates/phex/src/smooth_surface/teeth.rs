@@ -61,7 +61,7 @@ pub(super) fn line_through_teeth(
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A flat rhomb of rows of triangles; of its lowest row those with a side on the edge may be

@@ -1,6 +1,8 @@
 //! The boundary loops as polylines with places on them.
 
-use phex_mesh::{TriangleSurface, Vec3};
+use crate::smooth_surface::boundary_corners;
+use phex_mesh::{TriangleSurface, Vec3, VertexId};
+use std::collections::BTreeSet;
 
 /// Vertices nearer than this to the ends of a stretch are left out, diagonals.
 const SPACING: f64 = 2e-3;
@@ -24,23 +26,19 @@ pub(super) struct OutlineLoops {
 
 impl OutlineLoops {
     /// The boundary of a surface; vertices where it turns by more than `corner_angle` are always
-    /// kept, others where what stands for the curve would be farther from it than `tolerance`, in
+    /// kept unless they are teeth, others where what stands for the curve would be farther from it than `tolerance`, in
     /// diagonals.
     pub fn of(surface: &TriangleSurface, corner_angle: f64, tolerance: f64) -> Self {
         let diagonal = surface.diagonal();
-        let points = |l: &Vec<_>| l.iter().map(|&v| surface.positions()[v]).collect();
-        let loops: Vec<Vec<Vec3>> = surface.boundary_loops().iter().map(points).collect();
-        let is_corner = |l: &[Vec3], i: usize| {
-            let n = l.len();
-            let (a, b) = (l[i] - l[(i + n - 1) % n], l[(i + 1) % n] - l[i]);
-            a.angle(&b) > corner_angle
-        };
-        let corners = loops
-            .iter()
-            .map(|l| (0..l.len()).map(|i| is_corner(l, i)).collect());
+        let sharp: BTreeSet<VertexId> = boundary_corners(surface, corner_angle)
+            .into_iter()
+            .collect();
+        let outlines = surface.boundary_loops();
+        let points = |l: &Vec<VertexId>| l.iter().map(|&v| surface.positions()[v]).collect();
+        let corners = |l: &Vec<VertexId>| l.iter().map(|v| sharp.contains(v)).collect();
         Self {
-            corners: corners.collect(),
-            loops,
+            loops: outlines.iter().map(points).collect(),
+            corners: outlines.iter().map(corners).collect(),
             diagonal,
             tolerance: tolerance * diagonal,
         }
@@ -137,4 +135,26 @@ pub(super) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
     let (d, q) = (b - a, p - a);
     let t = (q.dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     (q - d * t).norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::smooth_surface::teeth::tests::rhomb;
+
+    #[test]
+    fn teeth_within_the_tolerance_are_left_out_and_corners_are_not() {
+        let toothed = rhomb(true);
+        let kept = |tolerance: f64, [from, to]: [Vec3; 2]| {
+            let outline = OutlineLoops::of(&toothed, 0.7, tolerance);
+            let places = [from, to].map(|p| outline.closest(p));
+            let [begin, end] = places.map(|place| outline.at(place));
+            outline.between(places[0], places[1], begin, end).len()
+        };
+        let [left, right] = [Vec3::new(2.0, 4.0, 0.0), Vec3::new(10.0, 4.0, 0.0)];
+        // The toothed edge is below, the one with two corners above.
+        let [below, above] = [[left, right], [right, left]];
+        assert!(kept(1e-3, below) > 5);
+        assert_eq!((kept(0.5, below), kept(0.5, above)), (0, 2));
+    }
 }
