@@ -209,7 +209,8 @@ impl TriangleSurface {
         })
     }
 
-    fn closest_within(&self, p: Vec3, bound: f64) -> Option<SurfacePoint> {
+    /// The point of the surface that is closest to `p` among those nearer than `bound`.
+    pub fn closest_within(&self, p: Vec3, bound: f64) -> Option<SurfacePoint> {
         let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
         let (_, (triangle, location)) = self
             .hierarchy()

@@ -14,8 +14,9 @@ use rayon::prelude::*;
 
 /// Steps of the shrinking ball at the most; a plate takes two.
 const STEPS: usize = 12;
-/// Share of the radius by which a closer point must reach into the ball.
-const INSIDE: f64 = 1e-3;
+/// Share of the radius by which a closer point must reach into the ball, and by which a thickness
+/// may be too large: next to the vertex hardly a triangle does, and the search passes them by.
+const INSIDE: f64 = 0.05;
 
 /// Distance of each vertex to the nearest opposite sheet, on either side; at most `limit`.
 pub fn thickness(surface: &TriangleSurface, limit: f64) -> PerVertex<f64> {
@@ -37,10 +38,12 @@ fn ball(surface: &TriangleSurface, v: VertexId, n: Vec3, most: f64) -> f64 {
     let (mut radius, mut found) = (most, most);
     for _ in 0..STEPS {
         let centre = x - n * radius;
-        let foot = surface.closest_point_near(centre, x);
+        let Some(foot) = surface.closest_within(centre, (1.0 - INSIDE) * radius) else {
+            break;
+        };
         let away = x - foot.position;
         let depth = n.dot(&away);
-        if (foot.position - centre).norm() >= (1.0 - INSIDE) * radius || depth <= 0.0 {
+        if depth <= 0.0 {
             break;
         }
         radius = away.norm_squared() / (2.0 * depth);
