@@ -14,9 +14,9 @@ use rayon::prelude::*;
 
 /// Steps of the shrinking ball at the most; a plate takes two.
 const STEPS: usize = 12;
-/// Share of the radius by which a closer point must reach into the ball, and by which a thickness
-/// may be too large: next to the vertex hardly a triangle does, and the search passes them by.
-const INSIDE: f64 = 0.05;
+/// Shares of the radius by which a closer point must reach into the ball: at first, so that a
+/// search passes by the triangles next to the vertex, and once it has met another sheet.
+const INSIDE: [f64; 2] = [0.05, 1e-3];
 
 /// Distance of each vertex to the nearest opposite sheet, on either side; at most `limit`.
 pub fn thickness(surface: &TriangleSurface, limit: f64) -> PerVertex<f64> {
@@ -38,7 +38,8 @@ fn ball(surface: &TriangleSurface, v: VertexId, n: Vec3, most: f64) -> f64 {
     let (mut radius, mut found) = (most, most);
     for _ in 0..STEPS {
         let centre = x - n * radius;
-        let Some(foot) = surface.closest_within(centre, (1.0 - INSIDE) * radius) else {
+        let inside = INSIDE[usize::from(found < most)];
+        let Some(foot) = surface.closest_within(centre, (1.0 - inside) * radius) else {
             break;
         };
         let away = x - foot.position;
