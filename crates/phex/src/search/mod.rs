@@ -24,30 +24,26 @@ mod chamfer;
 mod draft;
 mod patch;
 mod site;
+mod trial;
 
 #[cfg(test)]
 mod tests;
 
-use crate::optimise::EMPHASES;
 use crate::progress::{Event, Progress};
-use crate::quality::{Defect, Judgement, Merit, Shapes, defects};
-use draft::Draft;
-use patch::{Built, Change, Patch, applied};
+use crate::quality::{Judgement, Shapes, defects};
+use patch::{Change, Patch, applied};
 use phex_mesh::{FaceId, HexMesh, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
+use site::Whole;
 pub use site::{AreaField, Site};
-use site::{LocalStep, Whole};
 use std::collections::BTreeSet;
+use trial::DefectPatch;
 
 /// Rings of panels around a defect that may be joined anew, at first and where that has failed.
 const RINGS: [usize; 3] = [1, 2, 4];
 /// Sweeps over all defects at the most.
 const SWEEPS: usize = 30;
-/// Share of a defect with which it counts as cured: nothing else is tried then.
-const CURED: f64 = 0.99;
-/// Candidates that are tried again with all that the optimiser can do for them.
-const IMPROVED: usize = 2;
 /// Share of broken panels above which nothing is searched: panels are too large everywhere.
 const HOPELESS: f64 = 1.0 / 3.0;
 /// Places outside limits, and their share of the panels, above which panels are too large
@@ -253,13 +249,6 @@ fn fail(failed: &mut Vec<Failed>, place: Vec3, mean_edge: f64) {
     }
 }
 
-/// A defect, and the patch around it.
-struct DefectPatch {
-    defect: Defect,
-    patch: Patch,
-    wide: bool,
-}
-
 /// Defects at which something is left to try, the worst first, none of whose patches touch.
 fn chosen(
     mesh: &HexMesh,
@@ -304,111 +293,6 @@ fn chosen(
         }
     }
     places
-}
-
-impl DefectPatch {
-    /// The best candidate, if it is better than what there is, and how many were tried.
-    fn best(
-        &self,
-        whole: &Whole,
-        site: &Site<'_>,
-        progress: &dyn Progress,
-    ) -> (Option<Change>, usize) {
-        let patch = &self.patch;
-        let points = whole.points(patch);
-        let judged =
-            |built: &Built, mesh: &HexMesh| site.judged_part(mesh, &built.counts, whole, &points);
-        let Some(now) = patch.built(&patch.draft) else {
-            return (None, 0);
-        };
-        let before = judged(&now, &now.mesh);
-        let goal = before.amount(&now.counts) - CURED * self.defect.amount;
-        let is_cured = |next: &Settled, judgement: &Judgement| {
-            judgement.amount(&next.built.counts) <= goal && next.merit.is_less(&before.merit)
-        };
-        // No corner is worth a distance that no panel has, no edge one that no panel near has, nor
-        // a corner.
-        let is_fair = |judgement: &Judgement| {
-            let off = judgement.merit.off;
-            match whole.yardstick.shapes {
-                Shapes::Any => true,
-                Shapes::Corners => off <= whole.findings.merit.off,
-                Shapes::Sizes => off <= before.merit.off && judgement.sharp() <= before.sharp(),
-            }
-        };
-        let improved = |mut next: Settled| {
-            let rounds = if next.is_improved { 0 } else { EMPHASES };
-            for round in 0..rounds {
-                let step = LocalStep::Improve(round);
-                let Some(mesh) = site.settled(&next.built, (whole, &points), step, progress) else {
-                    continue;
-                };
-                let judgement = judged(&next.built, &mesh);
-                if judgement.merit.is_less(&next.merit) && is_fair(&judgement) {
-                    (next.merit, next.built.mesh) = (judgement.merit, mesh);
-                    if is_cured(&next, &judgement) {
-                        break;
-                    }
-                }
-            }
-            next.is_improved = true;
-            next
-        };
-        let same = improved(Settled {
-            merit: before.merit,
-            is_improved: false,
-            draft: patch.draft.clone(),
-            built: now,
-        });
-        let is_enough = judged(&same.built, &same.built.mesh).amount(&same.built.counts) <= goal;
-        if self.defect.is_slight || is_enough {
-            let better = same.merit.is_less(&before.merit);
-            return (better.then(|| same.change(patch)), 1);
-        }
-        let mut settled = vec![same];
-        let mut tried = 1;
-        for draft in candidates::candidates(patch, self.defect.needs_more, self.wide) {
-            let Some(built) = patch.built(&draft).filter(|_| !progress.is_cancelled()) else {
-                continue;
-            };
-            tried += 1;
-            if let Some(mesh) = site.settled(&built, (whole, &points), LocalStep::Settle, progress)
-            {
-                let judgement = judged(&built, &mesh);
-                let next = Settled {
-                    merit: judgement.merit,
-                    is_improved: false,
-                    draft,
-                    built: built.with(mesh),
-                };
-                if is_cured(&next, &judgement) && is_fair(&judgement) {
-                    return (Some(next.change(patch)), tried);
-                }
-                settled.push(next);
-            }
-        }
-        settled.sort_by(|a, b| a.merit.total_cmp(&b.merit));
-        settled.truncate(IMPROVED);
-        let best = (settled.into_iter().map(improved)).min_by(|a, b| a.merit.total_cmp(&b.merit));
-        let best = best
-            .filter(|best| best.merit.is_better(&before.merit))
-            .filter(|best| is_fair(&judged(&best.built, &best.built.mesh)));
-        (best.map(|best| best.change(patch)), tried)
-    }
-}
-
-/// A candidate with planar panels.
-struct Settled {
-    merit: Merit,
-    is_improved: bool,
-    draft: Draft,
-    built: Built,
-}
-
-impl Settled {
-    fn change(&self, patch: &Patch) -> Change {
-        Change::new(patch, &self.draft, &self.built)
-    }
 }
 
 /// Takes changes: all of them if the mesh as a whole is better for it, else the first that makes it

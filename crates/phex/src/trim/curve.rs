@@ -26,8 +26,8 @@ pub(super) struct OutlineLoops {
 
 impl OutlineLoops {
     /// The boundary of a surface; vertices where it turns by more than `corner_angle` are always
-    /// kept unless they are teeth, others where what stands for the curve would be farther from it than `tolerance`, in
-    /// diagonals.
+    /// kept unless they are teeth, others where what stands for the curve would be farther from it
+    /// than `tolerance`, in diagonals.
     pub fn of(surface: &TriangleSurface, corner_angle: f64, tolerance: f64) -> Self {
         let diagonal = surface.diagonal();
         let sharp: BTreeSet<VertexId> = boundary_corners(surface, corner_angle)

@@ -1,0 +1,180 @@
+//! What is tried at one place, and which of it is best.
+
+use super::candidates::candidates;
+use super::draft::Draft;
+use super::patch::{Built, Change, Patch};
+use super::site::{LocalStep, Site, Whole};
+use crate::optimise::EMPHASES;
+use crate::progress::Progress;
+use crate::quality::{Defect, Judgement, Merit, Shapes};
+use phex_mesh::{HexMesh, VertexId};
+
+/// Share of a defect with which it counts as cured: nothing else is tried then.
+const CURED: f64 = 0.99;
+/// Candidates that are tried again with all that the optimiser can do for them.
+const IMPROVED: usize = 2;
+
+/// A defect, and the patch around it.
+pub(super) struct DefectPatch {
+    pub defect: Defect,
+    pub patch: Patch,
+    /// Whether mild changes have failed there.
+    pub wide: bool,
+}
+
+impl DefectPatch {
+    /// The best candidate, if it is better than what there is, and how many were tried.
+    pub fn best(
+        &self,
+        whole: &Whole,
+        site: &Site<'_>,
+        progress: &dyn Progress,
+    ) -> (Option<Change>, usize) {
+        let Some(now) = self.patch.built(&self.patch.draft) else {
+            return (None, 0);
+        };
+        let points = whole.points(&self.patch);
+        let before = site.judged_part(&now.mesh, &now.counts, whole, &points);
+        let trial = Trial {
+            place: self,
+            goal: before.amount(&now.counts) - CURED * self.defect.amount,
+            before,
+            points,
+            whole,
+            site,
+            progress,
+        };
+        trial.best(now)
+    }
+}
+
+/// A place where candidates are tried.
+struct Trial<'a> {
+    place: &'a DefectPatch,
+    whole: &'a Whole,
+    site: &'a Site<'a>,
+    progress: &'a dyn Progress,
+    /// The vertices of the surface that the patch is to cover.
+    points: Vec<VertexId>,
+    /// What the judge says of the patch as it is.
+    before: Judgement,
+    /// Amount of defects with which that at the place is cured.
+    goal: f64,
+}
+
+/// A candidate with planar panels.
+struct Settled {
+    merit: Merit,
+    /// Whether the optimiser has done all that it can for it.
+    is_improved: bool,
+    draft: Draft,
+    built: Built,
+}
+
+impl Trial<'_> {
+    fn best(&self, now: Built) -> (Option<Change>, usize) {
+        let patch = &self.place.patch;
+        let same = self.improved(Settled {
+            merit: self.before.merit,
+            is_improved: false,
+            draft: patch.draft.clone(),
+            built: now,
+        });
+        let is_enough = self.judged(&same).amount(&same.built.counts) <= self.goal;
+        if self.place.defect.is_slight || is_enough {
+            let is_better = same.merit.is_less(&self.before.merit);
+            return (is_better.then(|| self.change(&same)), 1);
+        }
+        let mut settled = vec![same];
+        let mut tried = 1;
+        for draft in candidates(patch, self.place.defect.needs_more, self.place.wide) {
+            let Some(built) = patch.built(&draft) else {
+                continue;
+            };
+            if self.progress.is_cancelled() {
+                break;
+            }
+            tried += 1;
+            let Some((next, judgement)) = self.settled(draft, built) else {
+                continue;
+            };
+            if self.is_cured(&next, &judgement) && self.is_fair(&judgement) {
+                return (Some(self.change(&next)), tried);
+            }
+            settled.push(next);
+        }
+        settled.sort_by(|a, b| a.merit.total_cmp(&b.merit));
+        settled.truncate(IMPROVED);
+        let improved = settled.into_iter().map(|s| self.improved(s));
+        let best = improved.min_by(|a, b| a.merit.total_cmp(&b.merit));
+        let best = best
+            .filter(|best| best.merit.is_better(&self.before.merit))
+            .filter(|best| self.is_fair(&self.judged(best)));
+        (best.map(|best| self.change(&best)), tried)
+    }
+
+    fn judged(&self, settled: &Settled) -> Judgement {
+        self.judged_as(&settled.built, &settled.built.mesh)
+    }
+
+    fn judged_as(&self, built: &Built, mesh: &HexMesh) -> Judgement {
+        (self.site).judged_part(mesh, &built.counts, self.whole, &self.points)
+    }
+
+    fn made_planar(&self, built: &Built, step: LocalStep) -> Option<HexMesh> {
+        let place = (self.whole, &self.points[..]);
+        self.site.settled(built, place, step, self.progress)
+    }
+
+    fn is_cured(&self, next: &Settled, judgement: &Judgement) -> bool {
+        judgement.amount(&next.built.counts) <= self.goal && next.merit.is_less(&self.before.merit)
+    }
+
+    /// No corner is worth a distance that no panel has, no edge one that no panel near has, nor a
+    /// corner.
+    fn is_fair(&self, judgement: &Judgement) -> bool {
+        let off = judgement.merit.off;
+        let before = &self.before;
+        match self.whole.yardstick.shapes {
+            Shapes::Any => true,
+            Shapes::Corners => off <= self.whole.findings.merit.off,
+            Shapes::Sizes => off <= before.merit.off && judgement.sharp() <= before.sharp(),
+        }
+    }
+
+    /// A candidate made planar, and what the judge says of it.
+    fn settled(&self, draft: Draft, built: Built) -> Option<(Settled, Judgement)> {
+        let mesh = self.made_planar(&built, LocalStep::Settle)?;
+        let judgement = self.judged_as(&built, &mesh);
+        let settled = Settled {
+            merit: judgement.merit,
+            is_improved: false,
+            draft,
+            built: built.with(mesh),
+        };
+        Some((settled, judgement))
+    }
+
+    /// A candidate with more weight on what it lacks, as long as it is better for it.
+    fn improved(&self, mut next: Settled) -> Settled {
+        let rounds = if next.is_improved { 0 } else { EMPHASES };
+        for round in 0..rounds {
+            let Some(mesh) = self.made_planar(&next.built, LocalStep::Improve(round)) else {
+                continue;
+            };
+            let judgement = self.judged_as(&next.built, &mesh);
+            if judgement.merit.is_less(&next.merit) && self.is_fair(&judgement) {
+                (next.merit, next.built.mesh) = (judgement.merit, mesh);
+                if self.is_cured(&next, &judgement) {
+                    break;
+                }
+            }
+        }
+        next.is_improved = true;
+        next
+    }
+
+    fn change(&self, settled: &Settled) -> Change {
+        Change::new(&self.place.patch, &settled.draft, &settled.built)
+    }
+}
