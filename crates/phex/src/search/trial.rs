@@ -35,7 +35,7 @@ impl DefectPatch {
         };
         let points = whole.points(&self.patch);
         let before = site.judged_part(&now.mesh, &now.counts, whole, &points);
-        let trial = Trial {
+        let trial = PlaceTrial {
             place: self,
             goal: before.amount(&now.counts) - CURED * self.defect.amount,
             before,
@@ -49,7 +49,7 @@ impl DefectPatch {
 }
 
 /// A place where candidates are tried.
-struct Trial<'a> {
+struct PlaceTrial<'a> {
     place: &'a DefectPatch,
     whole: &'a Whole,
     site: &'a Site<'a>,
@@ -71,7 +71,7 @@ struct Settled {
     built: Built,
 }
 
-impl Trial<'_> {
+impl PlaceTrial<'_> {
     fn best(&self, now: Built) -> (Option<Change>, usize) {
         let patch = &self.place.patch;
         let same = self.improved(Settled {
