@@ -7,8 +7,8 @@
 //! for them. By default one other lattice is laid out, and only where the first is far outside its
 //! limits, or its search leaves something outside (then panels are smaller where the surface
 //! bends), or where it is less regular than it could be, or much less even (then dislocations stay
-//! where strain pulls hard at them). Of two the one with the smaller excess over limits is searched,
-//! what is broken counted alike: on 18 hard bodies it ended better each time. With
+//! where strain pulls hard at them). Of two the one with the smaller excess over limits is
+//! searched, what is broken counted alike: of 12 hard bodies it was the better one each time. With
 //! [`Effort::Best`] all of them are laid out, side by side, and searched one after the other until
 //! one is within its limits.
 
