@@ -4,7 +4,7 @@
 use super::*;
 use crate::optimise::{BoundaryHold, OptimiseOptions};
 use crate::progress::Silent;
-use crate::quality::{Judge, Limits, References};
+use crate::quality::{Judge, Limits, Merit, References};
 use crate::trim::Boundary;
 use crate::{Effort, MeshOptions, PanelSize, mesh_surface};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
