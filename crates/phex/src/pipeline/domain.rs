@@ -26,7 +26,7 @@ const SMALL_HOLE: f64 = 7.0;
 /// Vertices of an input over those that panels need from which on panels are laid out on fewer of
 /// them.
 const FINE: f64 = 1.3;
-/// Vertices that are left then, over the same.
+/// Vertices that are left then, over those that directions and lattice need.
 const ENOUGH: f64 = 1.1;
 
 /// Share of the largest distance between panels and surface by which teeth of its boundary are
@@ -120,7 +120,7 @@ impl Ground {
             )
         };
         let given = facets;
-        let coarse = with_fewer_vertices(given, density * panels as f64, options);
+        let coarse = with_fewer_vertices(given, panels, options);
         let raw = coarse.as_ref().map_or(given, |c| &c.surface);
         let most = LARGEST_TOOTH * options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
         let calm = without_teeth(raw, most);
@@ -278,14 +278,16 @@ fn with_first_places(surface: &TriangleSurface, first: &TriangleSurface) -> Tria
 /// The input with fewer vertices, where it has many more than are `needed`.
 fn with_fewer_vertices(
     input: &TriangleSurface,
-    needed: f64,
+    panels: usize,
     options: &MeshOptions,
 ) -> Option<Coarsened> {
+    let needed = options.cell_density.max(options.field_density) * panels as f64;
     // Methods by planes name vertices of the input that they can't do with.
     let is_lattice = options.method == Method::Lattice;
     let is_fine = is_lattice && input.positions().len() as f64 > FINE * needed;
     is_fine.then(|| {
         let corners = boundary_corners(input, options.target.corner_angle.to_radians());
-        smooth_surface::coarsened(input, &corners, (ENOUGH * needed) as usize)
+        let wanted = (0.25 * needed).max(options.field_vertices(panels));
+        smooth_surface::coarsened(input, &corners, (ENOUGH * wanted) as usize)
     })
 }

@@ -1,9 +1,9 @@
 //! Local refinement: only the edges that are too long are split, where a surface bends faster than
 //! its triangles are small.
 
-use super::subdivide::Refinement;
+use super::subdivide::{Refinement, Splits};
 use super::{SmoothTarget, rebuilt};
-use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerEdge, Topology, TriangleSurface, Vec3};
+use phex_mesh::{EdgeId, PerEdge, TriangleSurface, Vec3};
 
 impl SmoothTarget {
     /// The levels up to `level` and one more, on which the edges of that level longer than `limit`
@@ -20,75 +20,24 @@ impl SmoothTarget {
     ) -> Option<Self> {
         let surface = &self.levels[level];
         let topology = surface.topology();
-        let mut middle = PerEdge::filled(topology.n_edges(), None);
-        let long: Vec<EdgeId> = topology.edges().filter(|e| length[*e] > limit).collect();
-        if long.is_empty() {
+        let splits = Splits::longer(length.clone(), limit);
+        if splits.edges().is_empty() {
             return None;
         }
-        for (i, e) in long.iter().enumerate() {
-            middle[*e] = Some((topology.n_vertices() + i) as u32);
-        }
-        let mut faces = Vec::with_capacity(topology.n_faces() + 2 * long.len());
-        for f in topology.faces() {
-            split_face(topology, f, &middle, length, &mut faces);
-        }
+        let half_way = |e| topology.edge_vertices(e).map(|v| (v, 0.5)).to_vec();
+        let (step, _) = Refinement::with_stencils(topology, &splits, |v| vec![(v, 1.0)], half_way);
         let mut positions = surface.positions().as_slice().to_vec();
-        positions.extend(long.iter().map(|e| curve_middle(surface, *e)));
-        let ends = long.iter().map(|e| topology.edge_vertices(*e));
-        let mut refinements = self.refinements[..level].to_vec();
+        positions.extend(splits.edges().iter().map(|e| curve_middle(surface, *e)));
         let mut levels = self.levels[..=level].to_vec();
-        levels.push(rebuilt(positions, &faces));
-        refinements.push(Refinement::with_middles(topology.n_vertices(), ends, faces));
+        levels.push(rebuilt(positions, &step.faces));
+        let mut refinements = self.refinements[..level].to_vec();
+        refinements.push(step);
         Some(Self {
             levels,
             refinements,
             corners: self.corners.clone(),
             interpolation_error: self.interpolation_error,
         })
-    }
-}
-
-/// The pieces of a triangle.
-fn split_face(
-    topology: &Topology,
-    f: FaceId,
-    middle: &PerEdge<Option<u32>>,
-    length: &PerEdge<f64>,
-    faces: &mut Vec<[u32; 3]>,
-) {
-    let sides: Vec<HalfEdgeId> = topology.face_half_edges(f).collect();
-    let edge = |k: usize| topology.edge(sides[k % 3]);
-    let corner = |k: usize| topology.origin(sides[k % 3]).index() as u32;
-    let middles = [0, 1, 2].map(|k| middle[edge(k)]);
-    match middles {
-        [None, None, None] => faces.push([0, 1, 2].map(corner)),
-        [Some(a), Some(b), Some(c)] => faces.extend([
-            [corner(0), a, c],
-            [corner(1), b, a],
-            [corner(2), c, b],
-            [a, b, c],
-        ]),
-        _ => {
-            // Turned so that the only long edge is the first, or the two long ones are the first
-            // two.
-            let first = |k: &usize| middles[*k].is_some() && middles[(k + 2) % 3].is_none();
-            let k = (0..3)
-                .find(first)
-                .expect("one or two of three edges are long");
-            let (p, q, r) = (corner(k), corner(k + 1), corner(k + 2));
-            match (middles[k], middles[(k + 1) % 3]) {
-                (Some(a), Some(b)) => {
-                    faces.push([a, q, b]);
-                    faces.extend(if length[edge(k)] >= length[edge(k + 1)] {
-                        [[a, b, r], [a, r, p]]
-                    } else {
-                        [[a, b, p], [b, r, p]]
-                    });
-                }
-                (Some(a), _) => faces.extend([[p, a, r], [a, q, r]]),
-                _ => unreachable!("the first edge is long"),
-            }
-        }
     }
 }
 

@@ -1,11 +1,11 @@
 //! One step of Loop subdivision as linear stencils (C. Loop, 1987), with kept boundary corners.
 
-use phex_mesh::{EdgeId, PerVertex, Topology, VertexId};
+use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerEdge, PerVertex, Topology, VertexId};
 use std::f64::consts::PI;
 use std::ops::{Add, Mul};
 
-/// A refinement step: old vertices keep their numbers, edge points follow in the order of the
-/// edges.
+/// A refinement step: old vertices keep their numbers, new ones on the edges that were split
+/// follow.
 #[derive(Clone, Debug)]
 pub struct Refinement {
     /// Triangles of the refined mesh.
@@ -13,6 +13,37 @@ pub struct Refinement {
     start: Vec<u32>,
     source: Vec<u32>,
     weight: Vec<f64>,
+}
+
+/// Edges that a refinement step splits, and the lengths by which it cuts the triangles of which it
+/// splits two.
+pub(crate) struct Splits {
+    edges: Vec<EdgeId>,
+    length: PerEdge<f64>,
+}
+
+impl Splits {
+    /// All edges of a mesh: each triangle becomes four.
+    pub fn all(topology: &Topology) -> Self {
+        Self {
+            edges: topology.edges().collect(),
+            length: PerEdge::filled(topology.n_edges(), 0.0),
+        }
+    }
+
+    /// The edges longer than a limit.
+    pub fn longer(length: PerEdge<f64>, limit: f64) -> Self {
+        let long = length.enumerate().filter(|(_, l)| **l > limit);
+        Self {
+            edges: long.map(|(e, _)| e).collect(),
+            length,
+        }
+    }
+
+    /// The edges, in the order of their new vertices.
+    pub fn edges(&self) -> &[EdgeId] {
+        &self.edges
+    }
 }
 
 impl Refinement {
@@ -28,46 +59,28 @@ impl Refinement {
                 vertex_stencil(topology, v)
             }
         };
-        Self::with_stencils(topology, vertex, |e| edge_stencil(topology, e))
+        let all = Splits::all(topology);
+        Self::with_stencils(topology, &all, vertex, |e| edge_stencil(topology, e))
     }
 
-    /// The step that splits each triangle in four and has the given stencils for old vertices and
-    /// for edges.
+    /// The step that splits these edges and has the given stencils for old vertices and for edges.
     pub(crate) fn with_stencils(
         topology: &Topology,
+        splits: &Splits,
         vertex: impl Fn(VertexId) -> Vec<(VertexId, f64)>,
         edge: impl Fn(EdgeId) -> Vec<(VertexId, f64)>,
     ) -> (Self, Topology) {
         let mut step = Self {
-            faces: split_faces(topology),
+            faces: pieces(topology, splits),
             start: vec![0],
             source: Vec::new(),
             weight: Vec::new(),
         };
         topology.vertices().for_each(|v| step.push(&vertex(v)));
-        topology.edges().for_each(|e| step.push(&edge(e)));
-        let refined = Topology::from_faces(topology.n_vertices() + topology.n_edges(), &step.faces)
+        splits.edges.iter().for_each(|e| step.push(&edge(*e)));
+        let refined = Topology::from_faces(topology.n_vertices() + splits.edges.len(), &step.faces)
             .expect("splitting triangles keeps a manifold a manifold");
         (step, refined)
-    }
-
-    /// The step that keeps all old vertices, with new ones half-way between `ends`, and the given
-    /// triangles.
-    pub(crate) fn with_middles(
-        n_vertices: usize,
-        ends: impl Iterator<Item = [VertexId; 2]>,
-        faces: Vec<[u32; 3]>,
-    ) -> Self {
-        let mut step = Self {
-            faces,
-            start: vec![0],
-            source: Vec::new(),
-            weight: Vec::new(),
-        };
-        let old = (0..n_vertices as u32).map(VertexId::new);
-        old.for_each(|v| step.push(&[(v, 1.0)]));
-        ends.for_each(|[a, b]| step.push(&[(a, 0.5), (b, 0.5)]));
-        step
     }
 
     fn push(&mut self, stencil: &[(VertexId, f64)]) {
@@ -93,25 +106,61 @@ impl Refinement {
     }
 }
 
-fn split_faces(topology: &Topology) -> Vec<[u32; 3]> {
-    let n = topology.n_vertices() as u32;
-    let mut faces = Vec::with_capacity(4 * topology.n_faces());
+/// The pieces of all triangles.
+fn pieces(topology: &Topology, splits: &Splits) -> Vec<[u32; 3]> {
+    let mut middle = PerEdge::filled(topology.n_edges(), None);
+    for (i, e) in splits.edges.iter().enumerate() {
+        middle[*e] = Some((topology.n_vertices() + i) as u32);
+    }
+    let mut faces = Vec::with_capacity(topology.n_faces() + 2 * splits.edges.len());
     for f in topology.faces() {
-        let corner: Vec<u32> = topology
-            .face_vertices(f)
-            .iter()
-            .map(|v| v.index() as u32)
-            .collect();
-        let middle: Vec<u32> = topology
-            .face_half_edges(f)
-            .map(|h| n + topology.edge(h).index() as u32)
-            .collect();
-        for k in 0..3 {
-            faces.push([corner[k], middle[k], middle[(k + 2) % 3]]);
-        }
-        faces.push([middle[0], middle[1], middle[2]]);
+        split_face(topology, f, &middle, &splits.length, &mut faces);
     }
     faces
+}
+
+/// The pieces of a triangle; one of which two edges are split is cut along the shorter median.
+fn split_face(
+    topology: &Topology,
+    f: FaceId,
+    middle: &PerEdge<Option<u32>>,
+    length: &PerEdge<f64>,
+    faces: &mut Vec<[u32; 3]>,
+) {
+    let sides: Vec<HalfEdgeId> = topology.face_half_edges(f).collect();
+    let edge = |k: usize| topology.edge(sides[k % 3]);
+    let corner = |k: usize| topology.origin(sides[k % 3]).index() as u32;
+    let middles = [0, 1, 2].map(|k| middle[edge(k)]);
+    match middles {
+        [None, None, None] => faces.push([0, 1, 2].map(corner)),
+        [Some(a), Some(b), Some(c)] => faces.extend([
+            [corner(0), a, c],
+            [corner(1), b, a],
+            [corner(2), c, b],
+            [a, b, c],
+        ]),
+        _ => {
+            // Turned so that the only long edge is the first, or the two long ones are the first
+            // two.
+            let first = |k: &usize| middles[*k].is_some() && middles[(k + 2) % 3].is_none();
+            let k = (0..3)
+                .find(first)
+                .expect("one or two of three edges are long");
+            let (p, q, r) = (corner(k), corner(k + 1), corner(k + 2));
+            match (middles[k], middles[(k + 1) % 3]) {
+                (Some(a), Some(b)) => {
+                    faces.push([a, q, b]);
+                    faces.extend(if length[edge(k)] >= length[edge(k + 1)] {
+                        [[a, b, r], [a, r, p]]
+                    } else {
+                        [[a, b, p], [b, r, p]]
+                    });
+                }
+                (Some(a), _) => faces.extend([[p, a, r], [a, q, r]]),
+                _ => unreachable!("the first edge is long"),
+            }
+        }
+    }
 }
 
 /// Loop's stencil of an old vertex.

@@ -1,13 +1,18 @@
 //! The modified butterfly rule.
 
 use super::rim::{self, Stencil};
-use crate::smooth_surface::subdivide::Refinement;
+use crate::smooth_surface::subdivide::{Refinement, Splits};
 use phex_mesh::{EdgeId, HalfEdgeId, Topology, VertexId};
 use std::f64::consts::TAU;
 
 /// One step: old vertices stay, new ones follow from their neighbourhood.
 pub(super) fn refinement(topology: &Topology) -> (Refinement, Topology) {
-    Refinement::with_stencils(topology, |v| vec![(v, 1.0)], |e| edge(topology, e))
+    Refinement::with_stencils(
+        topology,
+        &Splits::all(topology),
+        |v| vec![(v, 1.0)],
+        |e| edge(topology, e),
+    )
 }
 
 fn edge(topology: &Topology, e: EdgeId) -> Stencil {

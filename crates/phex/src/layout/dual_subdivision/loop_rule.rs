@@ -1,12 +1,17 @@
 //! Loop's rule, which at the rim does to quadratic functions what it does inside.
 
 use super::rim::{self, Stencil};
-use crate::smooth_surface::subdivide::{Refinement, edge_stencil, vertex_stencil};
+use crate::smooth_surface::subdivide::{Refinement, Splits, edge_stencil, vertex_stencil};
 use phex_mesh::{EdgeId, Topology, VertexId};
 
 /// One step: old vertices are smoothed, new ones follow from the two triangles at their edge.
 pub(super) fn refinement(topology: &Topology) -> (Refinement, Topology) {
-    Refinement::with_stencils(topology, |v| vertex(topology, v), |e| edge(topology, e))
+    Refinement::with_stencils(
+        topology,
+        &Splits::all(topology),
+        |v| vertex(topology, v),
+        |e| edge(topology, e),
+    )
 }
 
 fn vertex(topology: &Topology, v: VertexId) -> Stencil {
