@@ -21,6 +21,9 @@ const QUALITY: f64 = 0.3;
 const LONGEST: f64 = 1.8;
 /// Farthest that the boundary or a crease may move, in units of the spacing.
 const OFF: f64 = 0.02;
+/// Shortest edge that stays, in units of the spacing: where lines keep many vertices, their
+/// neighbourhood is not to pay for it.
+const SPACED: f64 = 1.0;
 /// Share of the vertices that must go in a round for another to be made.
 const WORTHWHILE: f64 = 0.002;
 
@@ -103,6 +106,9 @@ fn collapse_to(mesh: &mut ChangingMesh, wanted: usize) {
         if !names || !mesh.table.can_collapse(h) {
             continue;
         }
+        if weight(mesh, h) > SPACED {
+            return;
+        }
         let [u, v] = mesh.table.ends(h);
         let ways = [(u, v), (v, u)].map(|(removed, kept)| worth(mesh, h, removed, kept));
         let (removed, kept) = match ways {
@@ -118,10 +124,15 @@ fn collapse_to(mesh: &mut ChangingMesh, wanted: usize) {
     }
 }
 
-/// Length by which edges are ordered, as bits.
-fn key(mesh: &ChangingMesh, h: u32) -> u64 {
+/// Length by which edges are ordered, in units of the spacing.
+fn weight(mesh: &ChangingMesh, h: u32) -> f64 {
     let line = mesh.table.twin(h).is_none() || mesh.table.is_crease(h);
-    (mesh.length(h) * if line { LINE } else { 1.0 }).to_bits()
+    mesh.length(h) * if line { LINE } else { 1.0 }
+}
+
+/// The same as bits, which sort as the lengths do.
+fn key(mesh: &ChangingMesh, h: u32) -> u64 {
+    weight(mesh, h).to_bits()
 }
 
 /// Quality of the worst triangle if `removed` moves to `kept`; `None` if that must not be.
