@@ -112,15 +112,15 @@ impl Ground {
         width: f64,
     ) -> Self {
         let density = options.cell_density.max(options.field_density);
-        let smooth = |surface: &TriangleSurface, panels: usize| {
-            smooth_surface::smooth_target(
-                surface,
-                (density * panels as f64) as usize,
-                &options.target,
-            )
-        };
         let given = facets;
         let coarse = with_fewer_vertices(given, panels, options);
+        let smooth = |surface: &TriangleSurface, panels: usize| {
+            let needed = (density * panels as f64) as usize;
+            // One step brings a surface with fewer vertices there, but for a few at its boundary.
+            let next = (coarse.as_ref()).map(|_| surface.positions().len() + 1);
+            let vertices = next.map_or(needed, |next| next.min(needed));
+            smooth_surface::smooth_target(surface, vertices, &options.target)
+        };
         let raw = coarse.as_ref().map_or(given, |c| &c.surface);
         let most = LARGEST_TOOTH * options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
         let calm = without_teeth(raw, most);
