@@ -31,7 +31,7 @@ const ENOUGH: f64 = 1.1;
 
 /// Share of the largest distance between panels and surface by which teeth of its boundary are
 /// moved to make that calm.
-const LARGEST_TOOTH: f64 = 0.5;
+const LARGEST_TOOTH: f64 = 0.8;
 
 /// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a
 /// strip beyond it; with fewer vertices where the input is finer than panels need.
@@ -39,10 +39,14 @@ const LARGEST_TOOTH: f64 = 0.5;
 pub(crate) struct Ground {
     /// Its smooth levels.
     pub smooth: Arc<SmoothTarget>,
-    /// The surface as it was given, normalised and perhaps extended.
-    facets: Arc<TriangleSurface>,
-    /// The same without the strip, where panels are laid out on fewer vertices.
-    finer: Option<Arc<Finer>>,
+    /// The surface as it was given, normalised; and the same, perhaps extended.
+    given: TriangleSurface,
+    facets: TriangleSurface,
+    /// What panels are compared with where they are laid out on fewer vertices.
+    finer: Option<Finer>,
+    /// The vertex of the input that each vertex of the level of the fewest vertices is, where there
+    /// are others.
+    source: Option<Arc<PerVertex<VertexId>>>,
     trimming: Option<Arc<Trimming>>,
     /// Panels on all of it.
     pub panels: usize,
@@ -79,18 +83,17 @@ impl Beyond {
     }
 }
 
-/// An input that is finer than panels need.
+/// An input that is finer than panels need, without its teeth; and the same, perhaps extended.
+#[derive(Clone)]
 struct Finer {
-    given: TriangleSurface,
-    /// The vertex of the input that each vertex of the level of the fewest vertices is.
-    source: PerVertex<VertexId>,
+    reported: TriangleSurface,
+    close: TriangleSurface,
 }
 
 /// What panels are trimmed to.
 struct Trimming {
     extension: Extension,
     smooth: SmoothTarget,
-    facets: TriangleSurface,
 }
 
 impl Ground {
@@ -111,9 +114,18 @@ impl Ground {
         options: &MeshOptions,
         width: f64,
     ) -> Self {
-        let density = options.cell_density.max(options.field_density);
         let given = facets;
-        let coarse = with_fewer_vertices(given, panels, options);
+        let most = LARGEST_TOOTH * options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
+        // Methods by planes name vertices of the input: they get all of them.
+        let is_laid_out = matches!(options.method, Method::Lattice | Method::BrickWall);
+        let calm = is_laid_out.then(|| without_teeth(given, most)).flatten();
+        let near = calm.as_ref().map_or(given, |c| &c.surface);
+        let coarse = with_fewer_vertices(near, panels, options);
+        let facets = coarse.as_ref().map_or(near, |c| &c.surface);
+        let parts = [&calm, &coarse].into_iter().flatten().map(|c| &c.source);
+        let source = parts.cloned().reduce(|of, part| part.map(|v| of[*v]));
+
+        let density = options.cell_density.max(options.field_density);
         let smooth = |surface: &TriangleSurface, panels: usize| {
             let needed = (density * panels as f64) as usize;
             // One step brings a surface with fewer vertices there, but for a few at its boundary.
@@ -121,48 +133,35 @@ impl Ground {
             let vertices = next.map_or(needed, |next| next.min(needed));
             smooth_surface::smooth_target(surface, vertices, &options.target)
         };
-        let raw = coarse.as_ref().map_or(given, |c| &c.surface);
-        let most = LARGEST_TOOTH * options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
-        let calm = without_teeth(raw, most);
-        let facets = calm.as_ref().unwrap_or(raw);
         let length = mean_length(given, panels);
-        let extended = |surface| extend::extend(surface, width, SMALL_HOLE * length);
-        // Without a strip, or with one that is as fine as the input.
-        let near = |extension: &TriangleSurface| match &coarse {
-            Some(_) => extended(given).map_or_else(|| given.clone(), |e| e.surface),
-            None => with_first_places(extension, raw),
-        };
-        let finer = coarse.as_ref().map(|coarse| Finer {
-            given: given.clone(),
-            source: coarse.source.clone(),
+        let extended = |s: &TriangleSurface| extend::extend(s, width, SMALL_HOLE * length);
+        let with_strip = |s: &TriangleSurface| extended(s).map_or_else(|| s.clone(), |e| e.surface);
+        let finer = (coarse.as_ref()).map(|_| Finer {
+            reported: near.clone(),
+            close: with_strip(near),
         });
-        let finer = finer.map(Arc::new);
-        let Some(extension) = extended(facets) else {
-            return Self {
-                smooth: Arc::new(smooth(facets, panels)),
-                facets: Arc::new(near(facets)),
-                finer,
-                trimming: None,
-                panels,
-                known: KnownCurvature::default(),
-                options: options.clone(),
-            }
-            .with_options(options);
-        };
-        let share = extension.surface.area() / facets.area();
+        let extension = extended(facets);
+        let share = (extension.as_ref()).map_or(1.0, |e| e.surface.area() / facets.area());
         let panels_in_all = (share * panels as f64).round() as usize;
+        let all = extension.as_ref().map_or(facets, |e| &e.surface);
         Self {
-            smooth: Arc::new(smooth(&extension.surface, panels_in_all)),
-            facets: Arc::new(near(&extension.surface)),
+            smooth: Arc::new(smooth(all, panels_in_all)),
+            given: given.clone(),
+            facets: match source {
+                Some(_) => with_strip(given),
+                None => all.clone(),
+            },
             finer,
+            source: source.map(Arc::new),
             panels: panels_in_all,
             known: KnownCurvature::default(),
             options: options.clone(),
-            trimming: Some(Arc::new(Trimming {
-                smooth: smooth(facets, panels),
-                facets: raw.clone(),
-                extension,
-            })),
+            trimming: extension.map(|extension| {
+                Arc::new(Trimming {
+                    smooth: smooth(facets, panels),
+                    extension,
+                })
+            }),
         }
         .with_options(options)
     }
@@ -185,8 +184,8 @@ impl Ground {
     /// The same with other options, of which none changes the ground.
     pub(super) fn with_options(&self, options: &MeshOptions) -> Self {
         let mut options = options.clone();
-        if let (Some(values), Some(finer)) = (&mut options.size_field, &self.finer) {
-            *values = finer.source.iter().map(|v| values[v.index()]).collect();
+        if let (Some(values), Some(source)) = (&mut options.size_field, &self.source) {
+            *values = source.iter().map(|v| values[v.index()]).collect();
         }
         if let (Some(values), Some(trimming)) = (&mut options.size_field, &self.trimming) {
             let origin = trimming.extension.origin.iter().skip(values.len());
@@ -213,30 +212,25 @@ impl Ground {
     /// The surface that panels are kept close to.
     pub fn close_to<'a>(&'a self, fine: &'a TriangleSurface) -> &'a TriangleSurface {
         match (self.options.target.kind, &self.finer) {
-            (TargetKind::Facets, _) | (_, Some(_)) => &self.facets,
+            (TargetKind::Facets, _) => &self.facets,
+            (_, Some(finer)) => &finer.close,
             _ => fine,
         }
     }
 
     /// The same without the strip.
     pub fn reported<'a>(&'a self, fine: &'a TriangleSurface) -> &'a TriangleSurface {
-        if let Some(finer) = &self.finer {
-            return &finer.given;
-        }
-        match (&self.trimming, self.options.target.kind) {
-            (None, _) => self.close_to(fine),
-            (Some(trimming), TargetKind::Facets) => &trimming.facets,
-            (Some(trimming), _) => trimming.smooth.finest(),
+        match (self.options.target.kind, &self.finer, &self.trimming) {
+            (TargetKind::Facets, _, _) => &self.given,
+            (_, Some(finer), _) => &finer.reported,
+            (_, _, Some(trimming)) => trimming.smooth.finest(),
+            _ => fine,
         }
     }
 
     /// The facets that were given, without the strip.
     pub(crate) fn given_facets(&self) -> &TriangleSurface {
-        match (&self.finer, &self.trimming) {
-            (Some(finer), _) => &finer.given,
-            (None, Some(trimming)) => &trimming.facets,
-            (None, None) => &self.facets,
-        }
+        &self.given
     }
 
     /// The surface beyond the boundary, where panels that stay whole may stick out.
@@ -244,7 +238,7 @@ impl Ground {
         let whole = self.options.boundary == Boundary::Whole;
         (whole && self.trimming.is_some()).then(|| Beyond {
             smooth: self.close_to(fine).clone(),
-            facets: (*self.facets).clone(),
+            facets: self.facets.clone(),
         })
     }
 
@@ -267,14 +261,6 @@ impl Ground {
     }
 }
 
-/// A surface whose first vertices lie where those of another do.
-fn with_first_places(surface: &TriangleSurface, first: &TriangleSurface) -> TriangleSurface {
-    let count = first.positions().len();
-    let places = first.positions().iter();
-    let places = places.chain(surface.positions().iter().skip(count));
-    surface.with_positions(PerVertex::from_vec(places.copied().collect()))
-}
-
 /// The input with fewer vertices, where it has many more than are `needed`.
 fn with_fewer_vertices(
     input: &TriangleSurface,
@@ -282,7 +268,6 @@ fn with_fewer_vertices(
     options: &MeshOptions,
 ) -> Option<Coarsened> {
     let needed = options.cell_density.max(options.field_density) * panels as f64;
-    // Methods by planes name vertices of the input that they can't do with.
     let is_lattice = options.method == Method::Lattice;
     let is_fine = is_lattice && input.positions().len() as f64 > FINE * needed;
     is_fine.then(|| {

@@ -3,7 +3,8 @@
 //! They come from a line along which triangles have been cut away whole, and nobody wants panels
 //! cut like that. A sharp turn with none near that turns the other way is a corner, and stays.
 
-use phex_mesh::{TriangleSurface, Vec3, VertexId};
+use super::Coarsened;
+use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 
 /// Half of the turning angle, radians, above which a vertex of the boundary is a corner or a tooth.
 pub(super) const SHARP: f64 = 0.3;
@@ -17,19 +18,47 @@ const ALIKE: f64 = 0.5;
 const SMOOTHING: usize = 6;
 
 /// The surface with each tooth of its boundary moved towards a calm line, as far as `most` (a
-/// length); `None` where there are none.
-pub(crate) fn without_teeth(surface: &TriangleSurface, most: f64) -> Option<TriangleSurface> {
+/// length), and without the tips that are a triangle of their own and would lie flat on the line;
+/// `None` where there are no teeth.
+pub(crate) fn without_teeth(surface: &TriangleSurface, most: f64) -> Option<Coarsened> {
     let mut positions = surface.positions().clone();
+    let mut is_tip = PerVertex::filled(positions.len(), false);
     let mut any = false;
     for boundary in surface.boundary_loops() {
         let (line, is_tooth) = line_through_teeth(surface, &boundary);
         any |= is_tooth.contains(&true);
-        for (v, calm) in boundary.iter().zip(line) {
-            let way = calm - positions[*v];
+        for (i, v) in boundary.iter().enumerate() {
+            let way = line[i] - positions[*v];
             positions[*v] += way * (most / way.norm().max(most));
+            let before = boundary[(i + boundary.len() - 1) % boundary.len()];
+            let is_free = !is_tip[before] && surface.topology().neighbours(*v).len() == 2;
+            is_tip[*v] = is_tooth[i] && is_free && way.norm() <= most;
         }
     }
-    any.then(|| surface.with_positions(positions))
+    any.then(|| without(surface, &positions, &is_tip))
+}
+
+/// A surface with vertices elsewhere, and without some that have one triangle each.
+fn without(
+    surface: &TriangleSurface,
+    positions: &PerVertex<Vec3>,
+    is_tip: &PerVertex<bool>,
+) -> Coarsened {
+    let topology = surface.topology();
+    let source: Vec<VertexId> = topology.vertices().filter(|v| !is_tip[*v]).collect();
+    let mut number = PerVertex::filled(positions.len(), 0);
+    for (i, v) in source.iter().enumerate() {
+        number[*v] = i as u32;
+    }
+    let corners = topology.faces().map(|f| topology.face_vertices(f));
+    let kept = corners.filter(|corners| corners.iter().all(|v| !is_tip[*v]));
+    let triangles: Vec<[u32; 3]> = kept.map(|c| [0, 1, 2].map(|k| number[c[k]])).collect();
+    let places = source.iter().map(|v| positions[*v]).collect();
+    Coarsened {
+        surface: TriangleSurface::new(places, &triangles)
+            .expect("tips on edges of other triangles leave a manifold"),
+        source: PerVertex::from_vec(source),
+    }
 }
 
 /// Places along a loop of the boundary with teeth averaged, and which vertices are teeth.
