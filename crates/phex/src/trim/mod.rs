@@ -137,7 +137,26 @@ pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<T
         }
         Boundary::Whole => whole::whole_panels(mesh, domain)?,
     };
-    largest_part(trimmed)
+    without_middles(largest_part(trimmed)?)
+}
+
+/// The same without inner vertices at which two panels meet: where a part between them was left
+/// out, their edges there are one.
+fn without_middles(trimmed: Trimmed) -> Result<Trimmed, TrimError> {
+    let topology = trimmed.mesh.topology();
+    let is_middle =
+        |v: VertexId| !topology.is_boundary_vertex(v) && topology.outgoing(v).count() == 2;
+    if !topology.vertices().any(is_middle) {
+        return Ok(trimmed);
+    }
+    let mut faces = topology.face_lists();
+    for face in &mut faces {
+        face.retain(|v| !is_middle(VertexId::new(*v)));
+    }
+    Ok(Trimmed {
+        mesh: compact(trimmed.mesh.positions.as_slice(), &faces)?,
+        parent: trimmed.parent,
+    })
 }
 
 /// Faces and the positions they use, renumbered in the order of use.
@@ -225,5 +244,21 @@ mod fixtures {
             original,
             corner_angle: 0.7,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_corner_of_two_panels_inside_goes() {
+        let at = [(0, 0), (1, 0), (2, 0), (0, 2), (1, 2), (2, 2), (1, 1)];
+        let at = at.map(|(x, y)| Vec3::new(f64::from(x), f64::from(y), 0.0));
+        let mesh = HexMesh::new(at.to_vec(), &[[0u32, 1, 6, 4, 3], [1, 2, 5, 4, 6]]).unwrap();
+        let parent = PerFace::from_vec(mesh.topology().faces().collect());
+        let left = without_middles(Trimmed { mesh, parent }).unwrap();
+        assert_eq!(left.mesh.topology().n_vertices(), 6);
+        assert_eq!(phex_mesh::measure(&left.mesh).area, 4.0);
     }
 }
