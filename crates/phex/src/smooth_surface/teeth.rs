@@ -115,15 +115,22 @@ pub(crate) mod tests {
     fn corners_stay_and_teeth_go_as_far_as_they_may() {
         assert!(without_teeth(&rhomb(false), 1.0).is_none());
         let toothed = rhomb(true);
-        for most in [0.1, 1.0] {
+        let last = toothed.positions().len() - 1;
+        for (most, tips_stay) in [(0.1, true), (1.0, false)] {
             let calm = without_teeth(&toothed, most).unwrap();
-            let moves = toothed.positions().iter().zip(calm.positions().iter());
-            let moves: Vec<Vec3> = moves.map(|(p, q)| q - p).collect();
-            // A tip in the middle of the edge, and the corner at the far end.
-            let [tip, corner] = [moves[4], moves[moves.len() - 1]];
-            let goes = tip.y.min(0.5);
-            assert!(goes > 0.35_f64.min(0.99 * most), "{tip}");
-            assert!(tip.norm() <= most * (1.0 + 1e-12) && corner.norm() == 0.0);
+            let way = |v: usize| {
+                let v = VertexId::new(v as u32);
+                let (left, _) = calm.source.enumerate().find(|(_, s)| **s == v)?;
+                Some(calm.surface.positions()[left] - toothed.positions()[v])
+            };
+            // A tip in the middle of the edge, the notch beside it, and the corner at the far end.
+            let [tip, notch, corner] = [4, 12, last].map(way);
+            assert_eq!(tip.is_some(), tips_stay);
+            for way in tip.into_iter().chain(notch) {
+                assert!(way.y.abs() > 0.35_f64.min(0.99 * most), "{way}");
+                assert!(way.norm() <= most * (1.0 + 1e-12));
+            }
+            assert_eq!(corner, Some(Vec3::zeros()));
         }
     }
 }
