@@ -45,11 +45,12 @@ fn earlier_runs_change_nothing() {
             .collect(),
     );
     let adaptive = {
-        let mut options = panels(60);
+        let mut options = panels(40);
         options.sizes.adaptive = Some(0.4);
         options
     };
-    for options in [panels(60), turned, clipped, sized, panels(80), adaptive] {
+    // With 40 panels the surface is so fine that it gets fewer vertices, how few the sizes decide.
+    for options in [panels(60), turned, clipped, sized, panels(40), adaptive] {
         let fresh = mesh_surface(&surface, &options, &Silent).unwrap();
         let kept = session.run(&options, &Silent).unwrap();
         assert_eq!(bits(&fresh.mesh), bits(&kept.mesh));

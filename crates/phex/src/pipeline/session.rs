@@ -48,7 +48,8 @@ struct GroundKey {
     boundary: Boundary,
     target: TargetOptions,
     max_deviation: Option<f64>,
-    densities: [f64; 2],
+    field_vertices: f64,
+    cell_density: f64,
 }
 
 impl GroundKey {
@@ -58,7 +59,8 @@ impl GroundKey {
             boundary: options.boundary,
             target: options.target.clone(),
             max_deviation: options.optimise.max_deviation,
-            densities: [options.field_density, options.cell_density],
+            field_vertices: options.field_vertices(panels),
+            cell_density: options.cell_density.max(options.field_density),
         }
     }
 }
