@@ -47,6 +47,8 @@ pub(crate) struct Ground {
     /// The vertex of the input that each vertex of the level of the fewest vertices is, where there
     /// are others.
     source: Option<Arc<PerVertex<VertexId>>>,
+    /// How far teeth of its boundary stand out of what panels are laid out on, where it has some.
+    pub calmed: Option<f64>,
     trimming: Option<Arc<Trimming>>,
     /// Panels on all of it.
     pub panels: usize,
@@ -119,10 +121,11 @@ impl Ground {
         // Methods by planes name vertices of the input: they get all of them.
         let is_laid_out = matches!(options.method, Method::Lattice | Method::BrickWall);
         let calm = is_laid_out.then(|| without_teeth(given, most)).flatten();
-        let near = calm.as_ref().map_or(given, |c| &c.surface);
+        let part = calm.as_ref().map(|c| &c.part);
+        let near = part.map_or(given, |c| &c.surface);
         let coarse = with_fewer_vertices(near, panels, options);
         let facets = coarse.as_ref().map_or(near, |c| &c.surface);
-        let parts = [&calm, &coarse].into_iter().flatten().map(|c| &c.source);
+        let parts = part.into_iter().chain(&coarse).map(|c| &c.source);
         let source = parts.cloned().reduce(|of, part| part.map(|v| of[*v]));
 
         let density = options.cell_density.max(options.field_density);
@@ -153,6 +156,7 @@ impl Ground {
             },
             finer,
             source: source.map(Arc::new),
+            calmed: calm.as_ref().map(|c| c.moved),
             panels: panels_in_all,
             known: KnownCurvature::default(),
             options: options.clone(),

@@ -7,7 +7,7 @@ use super::symmetric;
 use super::watched::InModel;
 use super::{Clock, MeshRun, PipelineError};
 use super::{brick_wall, classical, normalise, portfolio, repeated, size, steered};
-use crate::progress::Progress;
+use crate::progress::{Event, Progress};
 use crate::smooth_surface::{Normalised, TargetOptions};
 use crate::symmetry::Symmetry;
 use crate::trim::Boundary;
@@ -151,6 +151,9 @@ impl Session {
                     }
                 }
                 let ground = clock.stage("target", || self.ground(panels, &options))?;
+                if let Some(moved) = ground.calmed {
+                    progress.report(&teeth_note(moved));
+                }
                 portfolio::mesh_with_panels((surface, panels), &ground, &options, clock)
             }
             Method::BrickWall => brick_wall::mesh_with_panels(surface, panels, &options, clock),
@@ -179,5 +182,15 @@ impl Session {
         let ground = Ground::new(&self.model().surface, panels, options);
         *kept = Some((key, ground.clone()));
         ground
+    }
+}
+
+/// What is told of a boundary with teeth that stand out so far, over the diagonal.
+fn teeth_note(moved: f64) -> Event {
+    let share = 100.0 * moved;
+    Event::Note {
+        message: format!(
+            "the boundary has teeth, and panels follow a calmer line, up to {share:.2} % of the diagonal off it; the check `boundary` compares with that line"
+        ),
     }
 }

@@ -17,25 +17,37 @@ const ALIKE: f64 = 0.5;
 /// Passes of averaging along the boundary.
 const SMOOTHING: usize = 6;
 
+/// A surface without the teeth of its boundary.
+pub(crate) struct Calmed {
+    /// What is left of it.
+    pub part: Coarsened,
+    /// Farthest that a vertex was moved, or a tip stands out.
+    pub moved: f64,
+}
+
 /// The surface with each tooth of its boundary moved towards a calm line, as far as `most` (a
 /// length), and without the tips that are a triangle of their own and would lie flat on the line;
 /// `None` where there are no teeth.
-pub(crate) fn without_teeth(surface: &TriangleSurface, most: f64) -> Option<Coarsened> {
+pub(crate) fn without_teeth(surface: &TriangleSurface, most: f64) -> Option<Calmed> {
     let mut positions = surface.positions().clone();
     let mut is_tip = PerVertex::filled(positions.len(), false);
-    let mut any = false;
+    let (mut any, mut moved) = (false, 0.0_f64);
     for boundary in surface.boundary_loops() {
         let (line, is_tooth) = line_through_teeth(surface, &boundary);
         any |= is_tooth.contains(&true);
         for (i, v) in boundary.iter().enumerate() {
             let way = line[i] - positions[*v];
             positions[*v] += way * (most / way.norm().max(most));
+            moved = moved.max(way.norm().min(most));
             let before = boundary[(i + boundary.len() - 1) % boundary.len()];
             let is_free = !is_tip[before] && surface.topology().neighbours(*v).len() == 2;
             is_tip[*v] = is_tooth[i] && is_free && way.norm() <= most;
         }
     }
-    any.then(|| without(surface, &positions, &is_tip))
+    any.then(|| Calmed {
+        part: without(surface, &positions, &is_tip),
+        moved,
+    })
 }
 
 /// A surface with vertices elsewhere, and without some that have one triangle each.
@@ -117,7 +129,8 @@ pub(crate) mod tests {
         let toothed = rhomb(true);
         let last = toothed.positions().len() - 1;
         for (most, tips_stay) in [(0.1, true), (1.0, false)] {
-            let calm = without_teeth(&toothed, most).unwrap();
+            let Calmed { part: calm, moved } = without_teeth(&toothed, most).unwrap();
+            assert!(moved > 0.35_f64.min(0.99 * most) && moved <= most);
             let way = |v: usize| {
                 let v = VertexId::new(v as u32);
                 let (left, _) = calm.source.enumerate().find(|(_, s)| **s == v)?;
