@@ -63,7 +63,7 @@ fn every_level_has_the_topology_of_the_input() {
         (genus_two(), (-2, 0)),
         (shape("plane", 300), (1, 1)),
         (shape("catenoid", 500), (0, 2)),
-        (punched_plane(), (-1, 3)),
+        (punched_plane(0.25), (-1, 3)),
     ];
     for (surface, expected) in cases {
         let target = refined(&normalised(&surface), 4 * surface.positions().len());

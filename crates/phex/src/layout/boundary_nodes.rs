@@ -4,28 +4,35 @@
 use super::cells::{CellComplex, Node};
 use super::place;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use std::collections::HashSet;
 
 /// Largest distance between the boundary and the panels' edges, bounding-box diagonals.
 const TOLERANCE: f64 = 0.002;
 
 /// Adds nodes to the outlines wherever the boundary stands off from the straight edge between two
 /// nodes: the farthest vertex of the boundary first, as in the line simplification of Douglas and
-/// Peucker.
+/// Peucker. A hole between two panels gets a node on either side, however small it is: two edges
+/// between the same nodes would be one, and the hole closed.
 pub(crate) fn follow_boundary(surface: &TriangleSurface, complex: &mut CellComplex) {
     let next = next_on_boundary(surface.topology());
+    let sides = |outline: &[Node]| -> Vec<(Node, Node)> {
+        let along = |i: usize| (outline[i], outline[(i + 1) % outline.len()]);
+        (0..outline.len()).map(along).collect()
+    };
+    let outlines = complex.panels.iter();
+    let all: HashSet<(Node, Node)> = outlines.flat_map(|(_, outline)| sides(outline)).collect();
     for (label, outline) in &mut complex.panels {
         let mut refined = Vec::with_capacity(outline.len());
         for (i, &from) in outline.iter().enumerate() {
             let to = outline[(i + 1) % outline.len()];
             refined.push(from);
             let path = path(surface.topology(), &next, &complex.label, *label, from, to);
-            split(
-                surface,
-                &path,
-                place(surface, from),
-                place(surface, to),
-                &mut refined,
-            );
+            let least = match all.contains(&(to, from)) {
+                true => 0.0,
+                false => TOLERANCE,
+            };
+            let ends = [from, to].map(|node| place(surface, node));
+            split(surface, &path, ends, least, &mut refined);
         }
         *outline = refined;
     }
@@ -76,23 +83,25 @@ fn path(
     path
 }
 
+/// Adds the vertex of a path that is farthest from the segment between its ends, if that is at
+/// least so far, and then others.
 fn split(
     surface: &TriangleSurface,
     path: &[VertexId],
-    from: Vec3,
-    to: Vec3,
+    [from, to]: [Vec3; 2],
+    least: f64,
     outline: &mut Vec<Node>,
 ) {
     let distance = |v: &VertexId| distance_to_segment(surface.positions()[*v], from, to);
     let farthest =
         (0..path.len()).max_by(|&i, &k| distance(&path[i]).total_cmp(&distance(&path[k])));
-    let Some(i) = farthest.filter(|&i| distance(&path[i]) > TOLERANCE) else {
+    let Some(i) = farthest.filter(|&i| distance(&path[i]) >= least) else {
         return;
     };
     let middle = surface.positions()[path[i]];
-    split(surface, &path[..i], from, middle, outline);
+    split(surface, &path[..i], [from, middle], TOLERANCE, outline);
     outline.push(Node::Rim(path[i]));
-    split(surface, &path[i + 1..], middle, to, outline);
+    split(surface, &path[i + 1..], [middle, to], TOLERANCE, outline);
 }
 
 /// Distance of a point to a segment.

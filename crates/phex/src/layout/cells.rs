@@ -48,7 +48,7 @@ pub(crate) struct CellComplex {
 const ROUNDS: usize = 20;
 
 /// Relabels until every cell is a disc with at least four vertices inside and three at the
-/// boundary; boundary cells that are mere slivers are given to a neighbour.
+/// boundary, and none surrounds a hole; boundary cells that are mere slivers are given to a neighbour.
 ///
 /// # Errors
 /// A sentence that says what remains when that does not end.
@@ -67,18 +67,20 @@ pub(crate) fn disc_cells(
     let mut remaining = 0;
     let mut outlines = Vec::new();
     let mut changed = vec![true; complex.seed.len()];
+    let holes = topology.boundary_loops();
     for _ in 0..ROUNDS {
         outlines.resize_with(complex.seed.len(), Outline::default);
         outline_again(topology, corners, &complex.label, &changed, &mut outlines);
         let area = areas(mesh, &complex.label, complex.seed.len());
-        let faults = faults(topology, &outlines, &area);
+        let surrounding = surrounding(&holes, &complex.label);
+        let faults = faults(&outlines, &area, &surrounding);
         remaining = faults.len();
         if faults.is_empty() {
             complex.panels = panels(outlines);
             return Ok(complex);
         }
         let before = complex.label.clone();
-        mend(topology, mesh, &mut complex, &faults);
+        mend((topology, mesh), &holes, &mut complex, &faults);
         changed = changed_cells(topology, &before, &complex);
     }
     Err(format!(
@@ -125,13 +127,32 @@ fn areas(mesh: &IntrinsicMesh, label: &PerVertex<u32>, count: usize) -> Vec<f64>
 /// What is wrong with a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CellFault {
-    /// Not a disc: several loops, or one that does not close.
+    /// Not a disc: several loops, one that does not close, or a hole.
     NotADisc,
     /// Too few corners, or a sliver.
     TooSmall,
 }
 
-fn faults(topology: &Topology, outlines: &[Outline], area: &[f64]) -> Vec<(u32, CellFault)> {
+/// Cells that hold all of a boundary curve, which their outlines do not show.
+fn surrounding(holes: &[Vec<VertexId>], label: &PerVertex<u32>) -> HashSet<u32> {
+    let single = |hole: &Vec<VertexId>| {
+        let first = label[hole[0]];
+        hole.iter().all(|v| label[*v] == first).then_some(first)
+    };
+    holes.iter().filter_map(single).collect()
+}
+
+/// Whether two cells hold all of a boundary curve together.
+fn surround(holes: &[Vec<VertexId>], label: &PerVertex<u32>, cells: [u32; 2]) -> bool {
+    let between = |hole: &Vec<VertexId>| hole.iter().all(|v| cells.contains(&label[*v]));
+    holes.iter().any(between)
+}
+
+fn faults(
+    outlines: &[Outline],
+    area: &[f64],
+    surrounding: &HashSet<u32>,
+) -> Vec<(u32, CellFault)> {
     let mut present: Vec<f64> = area.iter().copied().filter(|a| *a > 0.0).collect();
     present.sort_by(f64::total_cmp);
     let median = present.get(present.len() / 2).copied().unwrap_or(0.0);
@@ -140,14 +161,13 @@ fn faults(topology: &Topology, outlines: &[Outline], area: &[f64]) -> Vec<(u32, 
         if area[c] == 0.0 {
             continue;
         }
-        if outline.open || outline.loops.len() != 1 {
+        let is_disc = !outline.open && outline.loops.len() == 1;
+        if !is_disc || surrounding.contains(&(c as u32)) {
             list.push((c as u32, CellFault::NotADisc));
         } else if too_small(&outline.loops[0], area[c], median) {
             list.push((c as u32, CellFault::TooSmall));
         }
     }
-    // A mesh with two cells and more must not end with one that holds everything.
-    debug_assert!(topology.n_faces() > 0);
     list
 }
 
@@ -165,10 +185,10 @@ fn too_small(nodes: &[Node], area: f64, median: f64) -> bool {
 }
 
 /// Splits cells that are not discs and gives small ones to the neighbour with the longest common
-/// outline.
+/// outline with which they surround no hole.
 fn mend(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
+    (topology, mesh): (&Topology, &IntrinsicMesh),
+    holes: &[Vec<VertexId>],
     complex: &mut CellComplex,
     faults: &[(u32, CellFault)],
 ) {
@@ -181,7 +201,10 @@ fn mend(
             continue;
         }
         let neighbours = neighbours(topology, &complex.label, &members, cell);
-        let Some(&(largest, _)) = neighbours.first() else {
+        let fits = |n: &&(u32, usize)| {
+            fault == CellFault::NotADisc || !surround(holes, &complex.label, [cell, n.0])
+        };
+        let Some(&(largest, _)) = neighbours.iter().find(fits) else {
             continue;
         };
         if fault == CellFault::NotADisc && release_islands(topology, complex, &members, cell) {

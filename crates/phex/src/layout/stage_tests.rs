@@ -407,7 +407,8 @@ fn panels_have_the_topology_of_the_surface() {
         ("sphere", shape("sphere", 1000), (2, 0)),
         ("torus", shape("torus", 800), (0, 0)),
         ("genus two", genus_two(), (-2, 0)),
-        ("holes", punched_plane(), (-1, 3)),
+        ("holes", punched_plane(0.25), (-1, 3)),
+        ("holes smaller than panels", punched_plane(0.06), (-1, 3)),
         ("annulus", shape("catenoid", 800), (0, 2)),
         ("disc", shape("monkey-saddle", 800), (1, 1)),
     ];

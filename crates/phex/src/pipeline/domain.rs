@@ -19,10 +19,6 @@ pub(crate) const WHOLE_STRIP: f64 = 2.0 * CELL;
 /// The same for clipped panels: as much as is cut off a row that runs along the boundary.
 const CLIP_STRIP: f64 = 0.2;
 
-/// Holes no longer round than this many panel lengths are closed while panels are laid out, and cut
-/// out of them afterwards: rows can't go round a hole of a panel or two without slivers.
-const SMALL_HOLE: f64 = 7.0;
-
 /// Vertices of an input over those that panels need from which on panels are laid out on fewer of
 /// them.
 const FINE: f64 = 1.3;
@@ -71,7 +67,7 @@ pub struct Beyond {
 /// many; `None` if it is closed.
 pub fn continued(surface: &TriangleSurface, panels: usize) -> Option<TriangleSurface> {
     let length = mean_length(surface, panels.max(1));
-    let extension = extend::extend(surface, WHOLE_STRIP * length, SMALL_HOLE * length);
+    let extension = extend::extend(surface, WHOLE_STRIP * length);
     extension.map(|e| e.surface)
 }
 
@@ -136,8 +132,7 @@ impl Ground {
             let vertices = next.map_or(needed, |next| next.min(needed));
             smooth_surface::smooth_target(surface, vertices, &options.target)
         };
-        let length = mean_length(given, panels);
-        let extended = |s: &TriangleSurface| extend::extend(s, width, SMALL_HOLE * length);
+        let extended = |s: &TriangleSurface| extend::extend(s, width);
         let with_strip = |s: &TriangleSurface| extended(s).map_or_else(|| s.clone(), |e| e.surface);
         let finer = (coarse.as_ref()).map(|_| Finer {
             reported: near.clone(),

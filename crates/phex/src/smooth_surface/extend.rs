@@ -10,12 +10,9 @@
 //! Teeth ([`super::teeth`]) are no corners: arcs begin on a line through them, and the strip joins
 //! them to it.
 //!
-//! Holes that are small against panels are closed instead: rings of vertices follow such arcs and
-//! meet in the middle.
-//!
 //! Guaranteed: the input's vertices and triangles come first and are unchanged; the topology is the
-//! same but for holes that are closed. Fails where the input is not an embedded surface; the strip
-//! may then cross itself, as the input does.
+//! same. Fails where the input is not an embedded surface; the strip may then cross itself, as the
+//! input does.
 
 use super::teeth::{SHARP, line_through_teeth};
 use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId};
@@ -32,11 +29,6 @@ const SMOOTHING: usize = 6;
 const MAX_ARC: f64 = 1.2;
 /// Rows of triangles in the strip at the most.
 const MAX_ROWS: usize = 6;
-
-/// Rings of a cap, with the fan in its middle.
-const CAP_RINGS: usize = 3;
-/// Cosine of the angle between a cap's triangles and the whole of it at the least.
-const CAP_EVEN: f64 = 0.3;
 
 /// A surface with a strip beyond its boundary.
 #[derive(Clone)]
@@ -63,28 +55,21 @@ impl Extension {
     }
 }
 
-/// Continues a surface by a strip of the given width (0 for none), and closes its holes that are no
-/// longer round than `hole`; `None` where that changes nothing.
-pub fn extend(surface: &TriangleSurface, width: f64, hole: f64) -> Option<Extension> {
+/// Continues a surface by a strip of the given width; `None` where that changes nothing.
+pub fn extend(surface: &TriangleSurface, width: f64) -> Option<Extension> {
     let loops = surface.boundary_loops();
+    if loops.is_empty() || width <= 0.0 {
+        return None;
+    }
     let lines = loops
         .iter()
         .map(|boundary| line_through_teeth(surface, boundary).0);
     let rim: Vec<Vec3> = lines.flatten().collect();
     let mut strip = Strip::new(surface);
-    let mut open = loops.len();
     for boundary in &loops {
-        // One loop stays: a closed surface has no boundary to keep to.
-        if open > 1 && round(surface, boundary) <= hole && strip.close(surface, boundary) {
-            open -= 1;
-        } else if width > 0.0 {
-            let mut arcs = arcs(surface, boundary, width);
-            shorten(&mut arcs, &rim, width);
-            strip.add(boundary, &arcs, width);
-        }
-    }
-    if strip.triangles.len() == strip.n_original {
-        return None;
+        let mut arcs = arcs(surface, boundary, width);
+        shorten(&mut arcs, &rim, width);
+        strip.add(boundary, &arcs, width);
     }
     let surface = TriangleSurface::new(strip.positions, &strip.triangles).ok()?;
     Some(Extension {
@@ -92,13 +77,6 @@ pub fn extend(surface: &TriangleSurface, width: f64, hole: f64) -> Option<Extens
         n_original: strip.n_original,
         origin: strip.origin,
     })
-}
-
-/// Length of a loop.
-fn round(surface: &TriangleSurface, boundary: &[VertexId]) -> f64 {
-    let place = |i: usize| surface.positions()[boundary[i % boundary.len()]];
-    let sides = (0..boundary.len()).map(|i| (place(i + 1) - place(i)).norm());
-    sides.sum()
 }
 
 /// A circular arc that leaves a vertex of the boundary.
@@ -301,58 +279,6 @@ impl Strip {
         }
     }
 
-    /// Closes a hole by rings that go on from the surface round it and meet in its middle; nothing
-    /// is added, and the answer is no, where such a cap would fold.
-    fn close(&mut self, surface: &TriangleSurface, boundary: &[VertexId]) -> bool {
-        let n = boundary.len();
-        let place = |v: &VertexId| surface.positions()[*v];
-        let centroid = boundary.iter().map(place).sum::<Vec3>() / n as f64;
-        let width = boundary.iter().map(|v| (place(v) - centroid).norm());
-        let mut arcs = arcs(surface, boundary, width.sum::<f64>() / n as f64);
-        for arc in &mut arcs {
-            arc.length = (centroid - arc.start).norm();
-        }
-        let ends = arcs.iter().map(|a| a.at(a.length));
-        let middle = ends.sum::<Vec3>() / n as f64;
-        let (positions, triangles) = (self.positions.len(), self.triangles.len());
-        let mut outer: Vec<u32> = boundary.iter().map(|v| v.index() as u32).collect();
-        for ring in 1..CAP_RINGS {
-            let t = ring as f64 / CAP_RINGS as f64;
-            let first = self.positions.len() as u32;
-            let towards = |a: &Arc| a.at(t * a.length) + (middle - a.at(a.length)) * (t * t);
-            self.positions.extend(arcs.iter().map(towards));
-            self.origin.extend(boundary);
-            let inner: Vec<u32> = (first..first + n as u32).collect();
-            for i in 0..n {
-                let k = (i + 1) % n;
-                self.add_quad([outer[i], inner[i], inner[k], outer[k]]);
-            }
-            outer = inner;
-        }
-        let tip = self.positions.len() as u32;
-        self.positions.push(middle);
-        self.origin.push(boundary[0]);
-        let fan = (0..n).map(|i| [outer[i], tip, outer[(i + 1) % n]]);
-        self.triangles.extend(fan);
-        let sound = self.is_even(triangles);
-        if !sound {
-            self.positions.truncate(positions);
-            self.origin.truncate(positions);
-            self.triangles.truncate(triangles);
-        }
-        sound
-    }
-
-    /// Whether the triangles from the given one on all lie to one side.
-    fn is_even(&self, first: usize) -> bool {
-        let at = |v: u32| self.positions[v as usize];
-        let area = |[a, b, c]: &[u32; 3]| (at(*b) - at(*a)).cross(&(at(*c) - at(*a)));
-        let areas: Vec<Vec3> = self.triangles[first..].iter().map(area).collect();
-        let sum: Vec3 = areas.iter().sum();
-        let side = |a: &Vec3| a.dot(&sum) > CAP_EVEN * a.norm() * sum.norm();
-        areas.iter().all(side)
-    }
-
     fn add_quad(&mut self, [a, b, c, d]: [u32; 4]) {
         let distance =
             |p: u32, q: u32| (self.positions[p as usize] - self.positions[q as usize]).norm();
@@ -393,7 +319,7 @@ mod tests {
     #[test]
     fn a_cap_goes_on_as_a_sphere() {
         let surface = cap(0.8, 24, 60);
-        let extended = extend(&surface, 0.2, 0.0).unwrap();
+        let extended = extend(&surface, 0.2).unwrap();
         assert_eq!(extended.n_original, surface.topology().n_faces());
         let outer = extended.surface.positions().as_slice();
         let beyond = &outer[surface.positions().len()..];
@@ -428,7 +354,7 @@ mod tests {
         let angle = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
         let point = |r: usize, k: usize| Vec3::new(angle(k).cos(), angle(k).sin(), 0.0) * radius(r);
         let surface = annulus(n, rings, point);
-        let extended = extend(&surface, 0.3, 0.0).unwrap().surface;
+        let extended = extend(&surface, 0.3).unwrap().surface;
         assert!(
             extended
                 .topology()
@@ -450,40 +376,11 @@ mod tests {
     }
 
     #[test]
-    fn a_small_hole_of_a_sphere_is_closed() {
-        // A sphere without its caps: the upper hole is round by 2 pi sin 0.3, the lower one by
-        // more.
-        let (n, rings) = (24, 20);
-        let polar = |r: usize| 0.3 + 1.9 * r as f64 / rings as f64;
-        let point = |r: usize, k: usize| {
-            let (s, c) = (std::f64::consts::TAU * k as f64 / n as f64).sin_cos();
-            let (sin, cos) = polar(r).sin_cos();
-            Vec3::new(sin * c, sin * s, cos)
-        };
-        let surface = annulus(n, rings, point);
-        assert!(extend(&surface, 0.0, 1.0).is_none());
-        let closed = extend(&surface, 0.0, 2.0).unwrap();
-        assert_eq!(closed.surface.boundary_loops().len(), 1);
-        assert_eq!(closed.n_original, surface.topology().n_faces());
-        let added = closed
-            .surface
-            .positions()
-            .iter()
-            .skip(surface.positions().len());
-        for p in added {
-            assert!((p.norm() - 1.0).abs() < 0.1, "{}", p.norm());
-        }
-        // The last loop stays, however small it is.
-        let cap = extend(&surface, 0.0, 100.0).unwrap();
-        assert_eq!(cap.surface.boundary_loops().len(), 1);
-    }
-
-    #[test]
     fn a_closed_surface_has_nothing_to_extend() {
         let corners = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
         let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
         let closed = TriangleSurface::new(corners, &faces).unwrap();
-        assert!(extend(&closed, 0.1, 1.0).is_none());
+        assert!(extend(&closed, 0.1).is_none());
     }
 
     /// Where a hole is smaller than the grid of normalised coordinates, vertices round it lie on
@@ -498,15 +395,9 @@ mod tests {
         for shrunk in [1.0, 0.0] {
             let point = |r: usize, k: usize| place(r, k) * if r == 0 { shrunk } else { 1.0 };
             let surface = annulus(12, 2, point);
-            for (width, hole) in [(0.1, 0.0), (0.0, 0.1), (0.1, 0.1)] {
-                let extended = extend(&surface, width, hole).unwrap_or(Extension {
-                    n_original: 0,
-                    origin: Vec::new(),
-                    surface: surface.clone(),
-                });
-                let mut coordinates = extended.surface.positions().iter().flatten();
-                assert!(coordinates.all(|x| x.is_finite()), "{width} {hole}");
-            }
+            let extended = extend(&surface, 0.1).unwrap().surface;
+            let mut coordinates = extended.positions().iter().flatten();
+            assert!(coordinates.all(|x| x.is_finite()), "{shrunk}");
         }
     }
 
@@ -514,7 +405,7 @@ mod tests {
     #[test]
     fn the_strip_of_a_toothed_boundary_does_not_fold() {
         let toothed = crate::smooth_surface::teeth::tests::rhomb(true);
-        let extension = extend(&toothed, 3.0, 0.0).unwrap();
+        let extension = extend(&toothed, 3.0).unwrap();
         let surface = &extension.surface;
         let normal = |f: FaceId| {
             let [a, b, c] = std::array::from_fn(|k| {

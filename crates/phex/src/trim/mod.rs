@@ -12,9 +12,6 @@
 //!   two cuts a panel gets vertices of its own along the curve. Clipped panels are planar exactly,
 //!   because they are parts of planar panels.
 //!
-//! Small holes are closed before panels are laid out, and cut out of them like that in the end,
-//! with `snap` too; a panel that holds all of one is parted first (`holes`).
-//!
 //! A point is inside if its foot point on the extended surface lies on a triangle of the input's
 //! part.
 //!
@@ -25,7 +22,6 @@
 mod clip;
 mod curve;
 pub(crate) mod follow;
-mod holes;
 mod whole;
 
 use crate::smooth_surface::extend::Extension;
@@ -98,7 +94,7 @@ impl Domain<'_> {
     }
 }
 
-/// Trims a planar mesh; with [`Boundary::Snap`] only holes that were closed for the layout are cut.
+/// Trims a planar mesh; with [`Boundary::Snap`] it ends at the boundary as it is.
 ///
 /// ```
 /// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
@@ -111,7 +107,7 @@ impl Domain<'_> {
 /// let corner = |k: u32| Vec3::new((k % 3) as f64 - 1.0, (k / 3) as f64 - 1.0, 0.0) * 1.4;
 /// let faces = [[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]];
 /// let panels = HexMesh::new((0..9).map(corner).collect(), &faces)?;
-/// let extension = extend(&plane, 0.5, 0.0).ok_or("the plane has a boundary")?;
+/// let extension = extend(&plane, 0.5).ok_or("the plane has a boundary")?;
 /// let domain = Domain {
 ///     extended: &extension.surface,
 ///     extension: &extension,
@@ -128,13 +124,11 @@ impl Domain<'_> {
 /// If nothing or no manifold is left.
 pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<Trimmed, TrimError> {
     let trimmed = match boundary {
-        Boundary::Clip | Boundary::Snap => {
-            let parted = holes::parted(mesh, domain)?;
-            let mut clipped = clip::clipped(&parted.mesh, domain)?;
-            let parent = |f: &FaceId| parted.parent[*f];
-            clipped.parent = clipped.parent.map(parent);
-            clipped
-        }
+        Boundary::Snap => Trimmed {
+            mesh: mesh.clone(),
+            parent: PerFace::from_vec(mesh.topology().faces().collect()),
+        },
+        Boundary::Clip => clip::clipped(mesh, domain)?,
         Boundary::Whole => whole::whole_panels(mesh, domain)?,
     };
     without_middles(largest_part(trimmed)?)

@@ -74,12 +74,12 @@ pub fn two_components() -> TriangleSurface {
     TriangleSurface::new(positions, &all).unwrap()
 }
 
-/// The square of side 2 with two round holes.
-pub fn punched_plane() -> TriangleSurface {
+/// The square of side 2 with two round holes of a radius.
+pub fn punched_plane(radius: f64) -> TriangleSurface {
     let plane = shape("plane", 4000);
     let holes = [Vec3::new(-0.4, -0.3, 0.0), Vec3::new(0.45, 0.35, 0.0)];
     let inside = |v: VertexId| {
-        let near = |h: &Vec3| (plane.positions()[v] - h).norm() < 0.25;
+        let near = |h: &Vec3| (plane.positions()[v] - h).norm() < radius;
         holes.iter().any(near)
     };
     let topology = plane.topology();
