@@ -148,11 +148,7 @@ fn surround(holes: &[Vec<VertexId>], label: &PerVertex<u32>, cells: [u32; 2]) ->
     holes.iter().any(between)
 }
 
-fn faults(
-    outlines: &[Outline],
-    area: &[f64],
-    surrounding: &HashSet<u32>,
-) -> Vec<(u32, CellFault)> {
+fn faults(outlines: &[Outline], area: &[f64], surrounding: &HashSet<u32>) -> Vec<(u32, CellFault)> {
     let mut present: Vec<f64> = area.iter().copied().filter(|a| *a > 0.0).collect();
     present.sort_by(f64::total_cmp);
     let median = present.get(present.len() / 2).copied().unwrap_or(0.0);

@@ -42,16 +42,10 @@ pub struct Extension {
 }
 
 impl Extension {
-    /// A vertex of the part of the input's boundary beyond which a triangle lies, after `levels`
-    /// subdivisions into four; `None` if it lies on the input's part of the surface.
-    pub fn beyond(&self, triangle: FaceId, levels: usize) -> Option<VertexId> {
-        let coarse = triangle.index() >> (2 * levels);
-        let corner = || {
-            self.surface
-                .topology()
-                .face_vertices(FaceId::new(coarse as u32))[0]
-        };
-        (coarse >= self.n_original).then(|| self.origin[corner().index()])
+    /// Whether a triangle lies on the input's part of the surface, after `levels` subdivisions into
+    /// four.
+    pub fn is_given(&self, triangle: FaceId, levels: usize) -> bool {
+        triangle.index() >> (2 * levels) < self.n_original
     }
 }
 

@@ -6,7 +6,7 @@
 //! boundary and leaves no slivers. Then
 //!
 //! * `whole` keeps the panels of which about half or more lies inside, so that their outline is
-//!   short, and more where the coverage asks for it; in each hole at least one is left out;
+//!   short, and more where the coverage asks for it;
 //! * `clip` cuts each panel in its own plane along the boundary curve projected to that plane. A
 //!   cut through a shared edge is computed once, on the edge, so it lies in both planes; between
 //!   two cuts a panel gets vertices of its own along the curve. Clipped panels are planar exactly,
@@ -83,14 +83,8 @@ pub struct Domain<'a> {
 impl Domain<'_> {
     /// Whether a point belongs to the input's part.
     pub fn contains(&self, p: Vec3) -> bool {
-        self.beyond(p).is_none()
-    }
-
-    /// A vertex of the part of the input's boundary beyond which a point lies; `None` if the point
-    /// belongs to the input's part.
-    pub fn beyond(&self, p: Vec3) -> Option<VertexId> {
         let foot = self.extended.closest_point(p);
-        self.extension.beyond(foot.triangle, self.levels)
+        self.extension.is_given(foot.triangle, self.levels)
     }
 }
 

@@ -12,9 +12,8 @@
 //! iterated conditional modes, 1986). Where too little is covered, the threshold falls.
 
 use super::{Domain, TrimError, Trimmed, compact, near_boundary};
-use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, PerVertex, Vec3, ear_clip};
+use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, Vec3, ear_clip};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// A panel is kept if at least this share of it lies inside.
 const KEEP: f64 = 0.5;
@@ -33,25 +32,17 @@ struct Lie {
     area: f64,
     /// Share of it that lies inside.
     inside: f64,
-    /// The loop of the boundary beyond which most of the rest lies.
-    beyond: Option<usize>,
 }
 
 /// The panels that are kept whole.
 pub(super) fn whole_panels(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimmed, TrimError> {
     let near = near_boundary(mesh, domain.original);
     let faces: Vec<FaceId> = mesh.topology().faces().collect();
-    let loops = domain.original.boundary_loops();
-    let vertices = domain.original.topology().n_vertices();
-    let mut loop_of = PerVertex::filled(vertices, 0);
-    for (k, vertices) in loops.iter().enumerate() {
-        vertices.iter().for_each(|v| loop_of[*v] = k);
-    }
     let lies: Vec<Lie> = faces
         .par_iter()
-        .map(|&f| lie(mesh, domain, f, near[f.index()], &loop_of))
+        .map(|&f| lie(mesh, domain, f, near[f.index()]))
         .collect();
-    let keep = calm_outline(mesh, &lies, &near, loops.len());
+    let keep = calm_outline(mesh, &lies, &near);
     let kept: Vec<FaceId> = faces.into_iter().filter(|f| keep[f.index()]).collect();
     let lists = mesh.topology().face_lists();
     let lists: Vec<Vec<u32>> = kept.iter().map(|f| lists[f.index()].clone()).collect();
@@ -61,37 +52,12 @@ pub(super) fn whole_panels(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimme
     })
 }
 
-/// Leaves out the panel that covers most of a hole which panels close. One with others left out
-/// beside it would join two holes, and stays while there is another.
-fn open(hole: usize, mesh: &HexMesh, lies: &[Lie], keep: &mut [bool]) {
-    let topology = mesh.topology();
-    let over = |i: &usize| lies[*i].beyond == Some(hole);
-    let ends = |i: usize| topology.is_boundary_face(FaceId::new(i as u32));
-    if (0..lies.len()).any(|i| over(&i) && (!keep[i] || ends(i))) {
-        return;
-    }
-    let is_inner = |i: usize| {
-        let f = FaceId::new(i as u32);
-        let mut beside = topology.face_half_edges(f).map(|h| topology.twin(h));
-        beside.all(|t| t.is_some_and(|t| keep[topology.face(t).index()]))
-    };
-    let outside = |i: usize| lies[i].area * (1.0 - lies[i].inside);
-    let covers = (0..lies.len())
-        .filter(over)
-        .map(|i| (is_inner(i), outside(i), i));
-    let most = covers.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    if let Some((_, _, i)) = most {
-        keep[i] = false;
-    }
-}
-
-/// Which panels are kept, so that every hole of the surface's `loops` is open.
-fn calm_outline(mesh: &HexMesh, lies: &[Lie], near: &[bool], loops: usize) -> Vec<bool> {
+/// Which panels are kept, so that enough is covered.
+fn calm_outline(mesh: &HexMesh, lies: &[Lie], near: &[bool]) -> Vec<bool> {
     let total = covered(lies, |_| true);
     let mut threshold = threshold(lies);
     loop {
-        let mut keep = least_energy(mesh, lies, near, threshold);
-        (0..loops).for_each(|hole| open(hole, mesh, lies, &mut keep));
+        let keep = least_energy(mesh, lies, near, threshold);
         let enough = covered(lies, |i| keep[i]) >= COVERAGE * total;
         if enough || threshold <= THRESHOLD_STEP {
             return keep;
@@ -115,7 +81,7 @@ fn least_energy(mesh: &HexMesh, lies: &[Lie], near: &[bool], threshold: f64) -> 
     let mut keep: Vec<bool> = lies.iter().map(|l| l.inside >= threshold).collect();
     // What a panel's joining or leaving adds to the energy.
     let change = |keep: &[bool], f: FaceId| {
-        let Lie { area, inside, .. } = lies[f.index()];
+        let Lie { area, inside } = lies[f.index()];
         let outline = |h| {
             let [a, b] = [topology.origin(h), topology.target(h)].map(|v| mesh.positions[v]);
             let beside = topology.twin(h).map(|t| topology.face(t));
@@ -154,33 +120,23 @@ fn threshold(lies: &[Lie]) -> f64 {
 }
 
 /// How a panel lies; `near` tells whether the boundary may cross it.
-fn lie(
-    mesh: &HexMesh,
-    domain: &Domain<'_>,
-    f: FaceId,
-    near: bool,
-    loop_of: &PerVertex<usize>,
-) -> Lie {
+fn lie(mesh: &HexMesh, domain: &Domain<'_>, f: FaceId, near: bool) -> Lie {
     let corners: Vec<Vec3> = mesh.corners(f).collect();
     let flat = FlatFace::new(&corners);
     let (mut inside, mut total) = (0.0, 0.0);
-    let mut beyond: BTreeMap<usize, f64> = BTreeMap::new();
     let samples = match near {
         true => samples_of(&flat, &corners),
         false => vec![(mesh.centre(f), 1.0)],
     };
     for (p, weight) in samples {
         total += weight;
-        match domain.beyond(p) {
-            Some(v) => *beyond.entry(loop_of[v]).or_default() += weight,
-            None => inside += weight,
+        if domain.contains(p) {
+            inside += weight;
         }
     }
-    let most = beyond.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
     Lie {
         area: flat.area(),
         inside: if total > 0.0 { inside / total } else { 0.0 },
-        beyond: most.map(|(k, _)| k),
     }
 }
 
@@ -218,11 +174,10 @@ fn samples() -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    fn panel(inside: f64, beyond: Option<usize>) -> Lie {
+    fn panel(inside: f64) -> Lie {
         Lie {
             area: 0.866,
             inside,
-            beyond,
         }
     }
 
@@ -253,7 +208,7 @@ mod tests {
                 (3, 4) => notch,
                 (row, _) => f64::from(u8::from(row < 4)),
             };
-            (0..81).map(|i| panel(of(i), None)).collect()
+            (0..81).map(|i| panel(of(i))).collect()
         };
         let kept = |lies: &[Lie]| {
             let keep = least_energy(&mesh, lies, &near, KEEP);
@@ -268,32 +223,10 @@ mod tests {
 
     #[test]
     fn threshold_falls_until_enough_is_covered() {
-        let some = |n: usize, inside: f64| (0..n).map(move |_| panel(inside, None));
+        let some = |n: usize, inside: f64| (0..n).map(move |_| panel(inside));
         assert_eq!(threshold(&some(100, 1.0).collect::<Vec<Lie>>()), KEEP);
         // A quarter of what there is lies in panels that are inside by 0.3 only.
         let lies: Vec<Lie> = some(90, 1.0).chain(some(100, 0.3)).collect();
         assert_eq!(threshold(&lies), 0.3);
-    }
-
-    /// A hole that panels cover by less than a half each: the one that covers most of it goes,
-    /// unless that would join the hole to another.
-    #[test]
-    fn a_hole_is_opened_by_the_panel_that_covers_most_of_it() {
-        let mesh = crate::layout::tests::lattice_patch(9).mesh;
-        let mut lies: Vec<Lie> = (0..81).map(|_| panel(1.0, None)).collect();
-        lies[40] = panel(0.6, Some(1));
-        lies[41] = panel(0.7, Some(1));
-        let opened = |lies: &[Lie], left_out: &[usize]| -> Vec<usize> {
-            let mut keep = vec![true; 81];
-            left_out.iter().for_each(|i| keep[*i] = false);
-            open(1, &mesh, lies, &mut keep);
-            (0..81).filter(|i| !keep[*i]).collect()
-        };
-        assert_eq!(opened(&lies, &[]), [40]);
-        assert_eq!(opened(&lies, &[39]), [39, 41]);
-        assert_eq!(opened(&lies, &[41]), [41]);
-        // A hole at which panels end anyway is open.
-        lies[8] = panel(0.6, Some(1));
-        assert!(opened(&lies, &[]).is_empty());
     }
 }
