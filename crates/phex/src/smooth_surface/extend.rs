@@ -7,6 +7,8 @@
 //! concave, as round a hole, arcs end before they could meet: no longer than `CLEAR` of the largest
 //! circle that touches the boundary there and holds no other point of it.
 //!
+//! A hole in which there is no room for that stays as it is.
+//!
 //! Teeth ([`super::teeth`]) are no corners: arcs begin on a line through them, and the strip joins
 //! them to it.
 //!
@@ -49,12 +51,10 @@ impl Extension {
     }
 }
 
-/// Continues a surface by a strip of the given width; `None` where that changes nothing.
+/// Continues a surface by a strip of the given width, beyond each boundary where there is room for
+/// it; `None` where that changes nothing.
 pub fn extend(surface: &TriangleSurface, width: f64) -> Option<Extension> {
     let loops = surface.boundary_loops();
-    if loops.is_empty() || width <= 0.0 {
-        return None;
-    }
     let lines = loops
         .iter()
         .map(|boundary| line_through_teeth(surface, boundary).0);
@@ -63,7 +63,12 @@ pub fn extend(surface: &TriangleSurface, width: f64) -> Option<Extension> {
     for boundary in &loops {
         let mut arcs = arcs(surface, boundary, width);
         shorten(&mut arcs, &rim, width);
-        strip.add(boundary, &arcs, width);
+        if has_room(&arcs, width) {
+            strip.add(boundary, &arcs, width);
+        }
+    }
+    if strip.triangles.len() == strip.n_original {
+        return None;
     }
     let surface = TriangleSurface::new(strip.positions, &strip.triangles).ok()?;
     Some(Extension {
@@ -188,6 +193,13 @@ fn smoothed(arcs: &[Arc]) -> Vec<Arc> {
         }
     };
     (0..n).map(average).collect()
+}
+
+/// Whether most of a loop's arcs are as long as they are to be. What is left of a hole where they
+/// are not would be a slit that no row of panels can go round.
+fn has_room(arcs: &[Arc], width: f64) -> bool {
+    let long = arcs.iter().filter(|a| a.length >= width).count();
+    width > 0.0 && 2 * long > arcs.len()
 }
 
 /// Ends arcs before they could meet the continuation of another part of the boundary.
