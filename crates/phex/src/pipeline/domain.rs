@@ -67,7 +67,7 @@ pub struct Beyond {
 /// many; `None` if it is closed.
 pub fn continued(surface: &TriangleSurface, panels: usize) -> Option<TriangleSurface> {
     let length = mean_length(surface, panels.max(1));
-    let extension = extend::extend(surface, WHOLE_STRIP * length);
+    let extension = extend::extend(surface, WHOLE_STRIP * length, WHOLE_STRIP * length);
     extension.map(|e| e.surface)
 }
 
@@ -132,7 +132,8 @@ impl Ground {
             let vertices = next.map_or(needed, |next| next.min(needed));
             smooth_surface::smooth_target(surface, vertices, &options.target)
         };
-        let extended = |s: &TriangleSurface| extend::extend(s, width);
+        let length = mean_length(given, panels);
+        let extended = |s: &TriangleSurface| extend::extend(s, width, WHOLE_STRIP * length);
         let with_strip = |s: &TriangleSurface| extended(s).map_or_else(|| s.clone(), |e| e.surface);
         let finer = (coarse.as_ref()).map(|_| Finer {
             reported: near.clone(),

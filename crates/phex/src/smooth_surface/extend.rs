@@ -7,7 +7,8 @@
 //! concave, as round a hole, arcs end before they could meet: no longer than `CLEAR` of the largest
 //! circle that touches the boundary there and holds no other point of it.
 //!
-//! A hole in which there is no room for that stays as it is.
+//! A hole in which there is no room for a wide strip stays as it is: what would be left of it is a
+//! slit that no row of panels can go round.
 //!
 //! Teeth ([`super::teeth`]) are no corners: arcs begin on a line through them, and the strip joins
 //! them to it.
@@ -51,9 +52,9 @@ impl Extension {
     }
 }
 
-/// Continues a surface by a strip of the given width, beyond each boundary where there is room for
-/// it; `None` where that changes nothing.
-pub fn extend(surface: &TriangleSurface, width: f64) -> Option<Extension> {
+/// Continues a surface by a strip of the given width, beyond each part of its boundary where a strip
+/// of the width `room` would have its place; `None` where that changes nothing.
+pub fn extend(surface: &TriangleSurface, width: f64, room: f64) -> Option<Extension> {
     let loops = surface.boundary_loops();
     let lines = loops
         .iter()
@@ -61,10 +62,13 @@ pub fn extend(surface: &TriangleSurface, width: f64) -> Option<Extension> {
     let rim: Vec<Vec3> = lines.flatten().collect();
     let mut strip = Strip::new(surface);
     for boundary in &loops {
-        let mut arcs = arcs(surface, boundary, width);
-        shorten(&mut arcs, &rim, width);
-        if has_room(&arcs, width) {
-            strip.add(boundary, &arcs, width);
+        let shortened = |width: f64| {
+            let mut arcs = arcs(surface, boundary, width);
+            shorten(&mut arcs, &rim, width);
+            arcs
+        };
+        if width > 0.0 && has_room(&shortened(room), room) {
+            strip.add(boundary, &shortened(width), width);
         }
     }
     if strip.triangles.len() == strip.n_original {
@@ -195,11 +199,10 @@ fn smoothed(arcs: &[Arc]) -> Vec<Arc> {
     (0..n).map(average).collect()
 }
 
-/// Whether most of a loop's arcs are as long as they are to be. What is left of a hole where they
-/// are not would be a slit that no row of panels can go round.
+/// Whether most of a loop's arcs are as long as they are to be.
 fn has_room(arcs: &[Arc], width: f64) -> bool {
     let long = arcs.iter().filter(|a| a.length >= width).count();
-    width > 0.0 && 2 * long > arcs.len()
+    2 * long > arcs.len()
 }
 
 /// Ends arcs before they could meet the continuation of another part of the boundary.
@@ -325,7 +328,7 @@ mod tests {
     #[test]
     fn a_cap_goes_on_as_a_sphere() {
         let surface = cap(0.8, 24, 60);
-        let extended = extend(&surface, 0.2).unwrap();
+        let extended = extend(&surface, 0.2, 0.2).unwrap();
         assert_eq!(extended.n_original, surface.topology().n_faces());
         let outer = extended.surface.positions().as_slice();
         let beyond = &outer[surface.positions().len()..];
@@ -353,14 +356,14 @@ mod tests {
     }
 
     #[test]
-    fn a_hole_is_not_overrun() {
+    fn a_hole_without_room_stays() {
         // A flat annulus of radii 0.1 and 1; its normals point up.
         let (n, rings) = (40, 12);
         let radius = |r: usize| 0.1 + 0.9 * r as f64 / rings as f64;
         let angle = |k: usize| std::f64::consts::TAU * k as f64 / n as f64;
         let point = |r: usize, k: usize| Vec3::new(angle(k).cos(), angle(k).sin(), 0.0) * radius(r);
         let surface = annulus(n, rings, point);
-        let extended = extend(&surface, 0.3).unwrap().surface;
+        let extended = extend(&surface, 0.01, 0.3).unwrap().surface;
         assert!(
             extended
                 .topology()
@@ -372,13 +375,13 @@ mod tests {
             .iter()
             .map(|p| p.norm())
             .fold(1.0, f64::min);
-        assert!(inner > 0.01 && inner < 0.08, "{inner}");
+        assert_eq!(inner, 0.1);
         let outer = extended
             .positions()
             .iter()
             .map(|p| p.norm())
             .fold(0.0, f64::max);
-        assert!((outer - 1.3).abs() < 0.01, "{outer}");
+        assert!((outer - 1.01).abs() < 1e-3, "{outer}");
     }
 
     #[test]
@@ -386,7 +389,25 @@ mod tests {
         let corners = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
         let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
         let closed = TriangleSurface::new(corners, &faces).unwrap();
-        assert!(extend(&closed, 0.1).is_none());
+        assert!(extend(&closed, 0.1, 0.1).is_none());
+    }
+
+    /// The unit circle's arcs towards its middle end before they meet.
+    #[test]
+    fn arcs_in_a_hole_do_not_meet() {
+        let point = |r: usize, k: usize| {
+            let angle = std::f64::consts::TAU * k as f64 / 40.0;
+            Vec3::new(angle.cos(), angle.sin(), 0.0) * (1.0 + r as f64)
+        };
+        let surface = annulus(40, 2, point);
+        let loops = surface.boundary_loops();
+        let hole = (loops.iter()).find(|l| surface.positions()[l[0]].norm() < 1.5);
+        let mut arcs = arcs(&surface, hole.unwrap(), 3.0);
+        let rim: Vec<Vec3> = arcs.iter().map(|a| a.start).collect();
+        shorten(&mut arcs, &rim, 3.0);
+        assert!(!has_room(&arcs, 3.0));
+        let longest = arcs.iter().map(|a| a.length).fold(0.0, f64::max);
+        assert!((longest - CLEAR).abs() < 0.01, "{longest}");
     }
 
     /// Where a hole is smaller than the grid of normalised coordinates, vertices round it lie on
@@ -401,7 +422,7 @@ mod tests {
         for shrunk in [1.0, 0.0] {
             let point = |r: usize, k: usize| place(r, k) * if r == 0 { shrunk } else { 1.0 };
             let surface = annulus(12, 2, point);
-            let extended = extend(&surface, 0.1).unwrap().surface;
+            let extended = extend(&surface, 0.1, 0.1).unwrap().surface;
             let mut coordinates = extended.positions().iter().flatten();
             assert!(coordinates.all(|x| x.is_finite()), "{shrunk}");
         }
@@ -411,7 +432,7 @@ mod tests {
     #[test]
     fn the_strip_of_a_toothed_boundary_does_not_fold() {
         let toothed = crate::smooth_surface::teeth::tests::rhomb(true);
-        let extension = extend(&toothed, 3.0).unwrap();
+        let extension = extend(&toothed, 3.0, 3.0).unwrap();
         let surface = &extension.surface;
         let normal = |f: FaceId| {
             let [a, b, c] = std::array::from_fn(|k| {

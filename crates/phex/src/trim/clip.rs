@@ -323,7 +323,7 @@ mod tests {
     #[test]
     fn a_corner_beyond_the_curve_parts_a_panel() {
         let original = square();
-        let extension = extend::extend(&original, 0.5).unwrap();
+        let extension = extend::extend(&original, 0.5, 0.5).unwrap();
         let domain = domain(&original, &extension);
         let at = [
             (0.5, -0.2),

@@ -101,7 +101,7 @@ impl Domain<'_> {
 /// let corner = |k: u32| Vec3::new((k % 3) as f64 - 1.0, (k / 3) as f64 - 1.0, 0.0) * 1.4;
 /// let faces = [[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]];
 /// let panels = HexMesh::new((0..9).map(corner).collect(), &faces)?;
-/// let extension = extend(&plane, 0.5).ok_or("the plane has a boundary")?;
+/// let extension = extend(&plane, 0.5, 0.5).ok_or("the plane has a boundary")?;
 /// let domain = Domain {
 ///     extended: &extension.surface,
 ///     extension: &extension,
