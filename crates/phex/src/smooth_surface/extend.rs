@@ -52,8 +52,8 @@ impl Extension {
     }
 }
 
-/// Continues a surface by a strip of the given width, beyond each part of its boundary where a strip
-/// of the width `room` would have its place; `None` where that changes nothing.
+/// Continues a surface by a strip of a width, beyond each boundary curve where a strip of the width
+/// `room` would have its place; `None` where that changes nothing.
 pub fn extend(surface: &TriangleSurface, width: f64, room: f64) -> Option<Extension> {
     let loops = surface.boundary_loops();
     let lines = loops
