@@ -48,7 +48,8 @@ pub(crate) struct CellComplex {
 const ROUNDS: usize = 20;
 
 /// Relabels until every cell is a disc with at least four vertices inside and three at the
-/// boundary, and none surrounds a hole; boundary cells that are mere slivers are given to a neighbour.
+/// boundary, and none surrounds a hole; boundary cells that are mere slivers are given to a
+/// neighbour.
 ///
 /// # Errors
 /// A sentence that says what remains when that does not end.
