@@ -52,14 +52,15 @@ impl Extension {
     }
 }
 
-/// Continues a surface by a strip of a width, beyond each boundary curve where a strip of the width
-/// `room` would have its place; `None` where that changes nothing.
+/// Continues a surface by a strip of a width, beyond its longest boundary curve and each other one
+/// where a strip of the width `room` would have its place; `None` where that changes nothing.
 pub fn extend(surface: &TriangleSurface, width: f64, room: f64) -> Option<Extension> {
     let loops = surface.boundary_loops();
     let lines = loops
         .iter()
         .map(|boundary| line_through_teeth(surface, boundary).0);
     let rim: Vec<Vec3> = lines.flatten().collect();
+    let longest = loops.iter().map(|l| round(surface, l)).fold(0.0, f64::max);
     let mut strip = Strip::new(surface);
     for boundary in &loops {
         let shortened = |width: f64| {
@@ -67,7 +68,8 @@ pub fn extend(surface: &TriangleSurface, width: f64, room: f64) -> Option<Extens
             shorten(&mut arcs, &rim, width);
             arcs
         };
-        if width > 0.0 && has_room(&shortened(room), room) {
+        let is_hole = round(surface, boundary) < longest;
+        if width > 0.0 && (!is_hole || has_room(&shortened(room), room)) {
             strip.add(boundary, &shortened(width), width);
         }
     }
@@ -197,6 +199,13 @@ fn smoothed(arcs: &[Arc]) -> Vec<Arc> {
         }
     };
     (0..n).map(average).collect()
+}
+
+/// Length of a loop.
+fn round(surface: &TriangleSurface, boundary: &[VertexId]) -> f64 {
+    let place = |i: usize| surface.positions()[boundary[i % boundary.len()]];
+    let sides = (0..boundary.len()).map(|i| (place(i + 1) - place(i)).norm());
+    sides.sum()
 }
 
 /// Whether most of a loop's arcs are as long as they are to be.
