@@ -88,6 +88,7 @@ impl MeshSettings {
             .collect();
         let all = [
             ("effort", self.effort.is_some(), vec![LayoutMethod::Lattice]),
+            ("regular", self.regular, vec![LayoutMethod::Lattice]),
             ("rotate", self.rotate.is_some(), turned),
             (
                 "cones",
@@ -168,6 +169,7 @@ impl MeshSettings {
             ("quadric", self.quadric.is_some()),
             ("regularise", self.regularise.is_some()),
             ("minimal", self.minimal),
+            ("regular", self.regular),
             ("rotate", self.rotate.is_some()),
             ("adaptive", self.adaptive.is_some()),
             ("size-field", self.size_field.is_some()),

@@ -16,6 +16,7 @@ pub(crate) fn way(summary: &AttemptSummary) -> String {
     let candidate = &summary.candidate;
     let kind = match candidate {
         c if c.method == Method::BrickWall => return "brick wall".to_owned(),
+        c if c.seamless && c.resolving => "seamless lattice with sizes that resolve the surface",
         c if c.seamless => "seamless lattice",
         c if c.resolving => "lattice with sizes that resolve the surface",
         c if c.usual_deviation => "lattice for the usual deviation",
@@ -35,12 +36,15 @@ pub(crate) fn state(merit: &Merit) -> &'static str {
 }
 
 fn member(summary: &AttemptSummary) -> String {
+    let spread = summary.area_spread;
+    let spread = spread.map(|s| format!("areas p95/p5 {s:.2}, "));
     format!(
-        "{}: {}, {} of {} panels irregular without need, clearance {:.3}, angle {:.1}{}",
+        "{}: {}, {} of {} panels irregular without need, {}clearance {:.3}, angle {:.1}{}",
         way(summary),
         state(&summary.merit),
         summary.irregular,
         summary.panels,
+        spread.unwrap_or_default(),
         summary.clearance,
         summary.least_angle,
         if summary.kept { " (kept)" } else { "" }

@@ -56,6 +56,10 @@ pub struct MeshSettings {
     /// Give all panels the mean curvature 0, for minimal surfaces; for `koebe`
     #[cfg_attr(feature = "clap", arg(long))]
     pub minimal: bool,
+    /// Hexagons alone, as far as the surface allows: panels differ in size where pairs of a
+    /// pentagon and a heptagon would even them out
+    #[cfg_attr(feature = "clap", arg(long))]
+    pub regular: bool,
     /// Turn the pattern by an angle in degrees from the one that curvature suggests
     #[cfg_attr(
         feature = "clap",
@@ -384,6 +388,7 @@ impl MeshSettings {
             quadric: self.quadric.or(file.quadric),
             regularise: self.regularise.or(file.regularise),
             minimal: self.minimal || file.minimal,
+            regular: self.regular || file.regular,
             rotate: self.rotate.or(file.rotate),
             adaptive: self.adaptive.or(file.adaptive),
             size_field: self.size_field.or(file.size_field),
@@ -443,6 +448,7 @@ impl MeshSettings {
             options.dual.regularisation = x;
         }
         options.dual.minimal |= self.minimal;
+        options.regular |= self.regular;
         if let Some(degrees) = self.rotate {
             options.directions.rotate = degrees.to_radians();
         }

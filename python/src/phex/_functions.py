@@ -28,6 +28,7 @@ def mesh(
     quadric: Any = None,
     regularise: Optional[float] = None,
     minimal: bool = False,
+    regular: bool = False,
     rotate: Optional[float] = None,
     adaptive: Any = None,
     size_field: Any = None,

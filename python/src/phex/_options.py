@@ -56,6 +56,7 @@ MESH: Dict[str, Option] = {
     "quadric": Option("numbers", "the unit sphere about a centre away from all tangent planes"),
     "regularise": Option("positive"),
     "minimal": Option("flag"),
+    "regular": Option("flag"),
     "rotate": Option("number"),
     "adaptive": Option("positive", alone=0.4),
     "size_field": Option("sizes"),

@@ -59,14 +59,9 @@ impl AttemptSummary {
         options: &MeshOptions,
     ) -> Self {
         let measures = phex_mesh::measure(mesh);
-        let panels = mesh.topology().n_faces();
-        let merit = match regular_possible {
-            true => merit.regular_possible(measures.irregular as f64 / panels as f64),
-            false => merit,
-        };
         Self {
             candidate,
-            panels,
+            panels: mesh.topology().n_faces(),
             merit,
             hex: measures.hex.unwrap_or(1.0),
             irregular: measures.irregular,
@@ -94,14 +89,15 @@ impl AttemptSummary {
     /// are uneven. `None` if this one is within limits, and as regular and even as can be.
     pub(super) fn alternative(&self, options: &MeshOptions) -> Option<Candidate> {
         let within = self.merit.is_within();
-        let seamless = self.regular_possible && self.irregular > 0;
+        let seamless = self.regular_possible && self.irregular > 0 && !self.candidate.seamless;
         let usual_deviation = !within && is_tight(options);
         let much = self.merit.invalid > 0.0 || self.merit.outside > CURABLE;
         let resolving = self.candidate.resolving(options).is_some() && much && !usual_deviation;
         let is_uneven = self.area_spread.is_some_and(|spread| spread > UNEVEN);
-        let even = is_uneven && self.is_strained && !seamless && !options.varies_sizes();
+        let is_free = !self.candidate.seamless && !options.varies_sizes();
+        let even = is_uneven && self.is_strained && is_free && !seamless;
         (seamless || resolving || usual_deviation || even).then_some(Candidate {
-            seamless: seamless && within,
+            seamless: self.candidate.seamless || (seamless && within),
             resolving,
             usual_deviation,
             even,
@@ -134,7 +130,8 @@ impl Candidate {
             usual_deviation: true,
             ..self
         });
-        let even = (!options.varies_sizes()).then_some(Self { even: true, ..self });
+        let is_free = !self.seamless && !options.varies_sizes();
+        let even = is_free.then_some(Self { even: true, ..self });
         usual.into_iter().chain(self.resolving(options)).chain(even)
     }
 }

@@ -113,6 +113,9 @@ pub struct MeshOptions {
     pub repeat_rel: Option<f64>,
     /// Which symmetries of the surface panels have.
     pub symmetry: Symmetry,
+    /// Whether panels may differ in size wherever that saves pairs of a pentagon and a heptagon:
+    /// else pairs stay where they make panels more even.
+    pub regular: bool,
     /// How much is tried.
     pub effort: Effort,
 }
@@ -138,6 +141,7 @@ impl Default for MeshOptions {
             cell_density: 25.0,
             repeat_rel: None,
             symmetry: Symmetry::default(),
+            regular: false,
             effort: Effort::default(),
         }
     }
@@ -223,6 +227,7 @@ impl Candidate {
     pub(super) fn first(options: &MeshOptions) -> Self {
         Self {
             anisotropy: options.directions.anisotropy,
+            seamless: options.regular,
             ..Self::default()
         }
     }

@@ -133,7 +133,8 @@ impl Task<'_> {
         let first = Candidate::first(&self.ground.options);
         let others = self.options.portfolio.iter().copied();
         let others = first.alternatives(self.options).chain(others);
-        let others = others.filter(|c| *c != first);
+        let fits = |c: &Candidate| c.seamless || c.method == Method::BrickWall;
+        let others = others.filter(|c| *c != first && (fits(c) || !self.options.regular));
         let all: Vec<Candidate> = std::iter::once(first).chain(others).collect();
         let one = |c: &Candidate| self.member(*c, &one_at_a_time);
         let results: Vec<_> = all.par_iter().with_max_len(1).map(one).collect();

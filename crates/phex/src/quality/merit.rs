@@ -31,13 +31,9 @@ const ROUNDING: f64 = 1e-9;
 /// Costs of a mesh in which every panel is irregular, and in which every area is off by a factor of
 /// e.
 const IRREGULAR: f64 = 10.0;
-const UNEVEN: f64 = 1.0;
+const UNEVEN: f64 = 4.0;
 /// Cost of a distance to the surface that is just allowed.
 const OFF: f64 = 0.5;
-/// Factor of the cost of irregular panels where a lattice can do without any that topology does not
-/// ask for.
-const NEEDLESS: f64 = 10.0;
-
 impl Merit {
     /// The merit of faces of a mesh that has so many `panels`; `needed` of them must be irregular.
     pub(super) fn of<'a>(
@@ -57,14 +53,6 @@ impl Merit {
         merit.off = off;
         merit.cost += IRREGULAR * share * irregular.saturating_sub(needed) as f64 + OFF * off;
         merit
-    }
-
-    /// The same where irregular panels are `needless`: a lattice without any is possible.
-    pub fn regular_possible(self, irregular_share: f64) -> Self {
-        Self {
-            cost: self.cost + (NEEDLESS - 1.0) * IRREGULAR * irregular_share,
-            ..self
-        }
     }
 
     /// Whether nothing is invalid or outside a limit.

@@ -178,6 +178,9 @@ export const GERMAN: Record<string, string> = {
   Symmetry: "Symmetrie",
   "Panels get the symmetries of the surface: none, auto, mirror, or a number of rotations such as 6.":
     "Die Platten erhalten die Symmetrien der Fläche: none, auto, mirror oder eine Zahl von Drehungen wie 6.",
+  "Hexagons alone": "Nur Sechsecke",
+  "Panels differ in size where pairs of a pentagon and a heptagon would even them out.":
+    "Platten sind verschieden groß, wo Paare aus Fünfeck und Siebeneck sie angleichen würden.",
   Adaptivity: "Anpassung",
   "Smaller panels where the surface is strongly curved: panel length times curvature stays below this. Fewer is more; 0.4 is a good start.": "Kleinere Platten, wo die Fläche stark gekrümmt ist: Plattenlänge mal Krümmung bleibt darunter. Je kleiner, desto mehr; 0.4 ist ein guter Anfang.",
   "even panels": "gleich große",

@@ -84,6 +84,13 @@ export const GROUPS: Group[] = [
         text: true,
       },
       {
+        path: "regular",
+        label: "Hexagons alone",
+        sentence: "Panels differ in size where pairs of a pentagon and a heptagon would even them out.",
+        fallback: "off",
+        toggle: true,
+      },
+      {
         path: "adaptive",
         label: "Adaptivity",
         sentence: "Smaller panels where the surface is strongly curved: panel length times curvature stays below this. Fewer is more; 0.4 is a good start.",
