@@ -14,11 +14,11 @@
 
 use super::energy::PanelEnergy;
 use super::jacobian::Jacobian;
-use super::solvers::StepReporter;
 use phex_numeric::{
     Assembly, Cholesky, DampedProblem, LagrangeNewton, LagrangeOptions, LagrangeProblem, Outcome,
     Record, SymmetricMatrix,
 };
+use std::ops::ControlFlow;
 
 /// Weight of the squared constraints beside the multipliers.
 pub(super) const RIGIDITY: f64 = 3e3;
@@ -39,7 +39,7 @@ pub(super) fn minimise_on_constraints(
     system: (&mut Cholesky, &mut SymmetricMatrix),
     x: &mut [f64],
     most: usize,
-    reporter: &mut StepReporter<'_>,
+    observe: impl FnMut(&Record) -> ControlFlow<()>,
 ) -> Outcome {
     energy.constrain(x);
     let limits = LagrangeOptions {
@@ -54,7 +54,6 @@ pub(super) fn minimise_on_constraints(
         is_nearby: false,
     };
     let mut newton = LagrangeNewton::new(system, assembly.pattern().dimension());
-    let observe = |record: &Record| reporter.observe(record);
     newton.minimise(&mut problem, x, &limits, observe)
 }
 

@@ -330,7 +330,8 @@ impl<'a> Path<'a> {
                 let assembly = self.constraint_assembly;
                 let energy = &mut whole.energy;
                 let x = &mut self.x;
-                minimise_on_constraints(energy, assembly, system, x, most, &mut self.reporter)
+                let observe = |record: &_| self.reporter.observe(record);
+                minimise_on_constraints(energy, assembly, system, x, most, observe)
             }
             Descent::Parts => {
                 let mut outcome = finish_in_parts(
