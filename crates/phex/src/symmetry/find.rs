@@ -322,8 +322,9 @@ impl<'a> AxisSearch<'a> {
         }
     }
 
-    /// One step of Gauss and Newton: distances of images to the tangent planes at their feet, by a
-    /// small motion of the frame.
+    /// One step of Gauss and Newton: distances of images to the tangent planes at their feet, and of
+    /// those of the boundary to it, by a small motion of the frame. The boundary alone tells how a
+    /// dome of revolution with a square plan lies.
     fn refined(&self, frame: &Frame, maps: &[Matrix3<f64>]) -> Frame {
         let topology = self.surface.topology();
         let step = (topology.n_vertices() / SOME).max(1);
@@ -333,19 +334,28 @@ impl<'a> AxisSearch<'a> {
             for map in maps {
                 let full = frame.axes.transpose() * map * frame.axes;
                 let image = full * p;
-                let foot = self.surface.closest_point(image + frame.origin);
-                let n = foot.normal;
-                let off = n.dot(&(image + frame.origin - foot.position));
-                // The motion p -> p + w x p + t of the frame moves images by (w x) R p - R (w x p)
-                // + t - R t.
-                let turned = full.transpose() * n;
-                let rotation = image.cross(&n) - p.cross(&turned);
-                let shift = n - turned;
-                let row = Vector6::new(
-                    rotation.x, rotation.y, rotation.z, shift.x, shift.y, shift.z,
-                );
-                normal += row * row.transpose();
-                right -= row * off;
+                let at = image + frame.origin;
+                let foot = self.surface.closest_point(at);
+                let curve = self.boundary.as_ref();
+                let rim = curve
+                    .filter(|_| topology.is_boundary_vertex(v))
+                    .map(|curve| {
+                        let foot_on_rim = curve.closest_point(at);
+                        let across = foot.normal.cross(&foot_on_rim.tangent);
+                        (across, foot_on_rim.position)
+                    });
+                for (n, foot) in rim.into_iter().chain([(foot.normal, foot.position)]) {
+                    // The motion p -> p + w x p + t of the frame moves images by
+                    // (w x) R p - R (w x p) + t - R t.
+                    let turned = full.transpose() * n;
+                    let rotation = image.cross(&n) - p.cross(&turned);
+                    let shift = n - turned;
+                    let row = Vector6::new(
+                        rotation.x, rotation.y, rotation.z, shift.x, shift.y, shift.z,
+                    );
+                    normal += row * row.transpose();
+                    right -= row * n.dot(&(at - foot));
+                }
             }
         }
         let damping = 1e-9 * normal.trace();
