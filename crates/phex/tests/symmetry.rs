@@ -1,5 +1,8 @@
 //! Panels have the symmetries of their surface, to the last bit.
 
+mod common;
+
+use common::mapped;
 use phex::pipeline::PipelineError;
 use phex::symmetry::{SYMMETRY_TOLERANCE, Symmetry};
 use phex::{Boundary, MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
@@ -111,6 +114,20 @@ fn two_mirror_planes_of_a_dome_are_found_on_irregular_triangles() {
         let run = meshed(&dome, 150, Symmetry::Mirror).unwrap();
         check(&run, "Cs", 2);
     }
+}
+
+/// A dome that is round inside of a square plan: the boundary alone tells where its mirror planes
+/// are, and the triangles have none.
+#[test]
+fn the_boundary_of_a_round_dome_has_mirror_planes_of_its_own() {
+    let plan = surface("plane", &[], 0.3);
+    let [wide, deep] = [0, 1].map(|k| {
+        let along = plan.positions().iter().map(|p| p[k].abs());
+        along.fold(0.0, f64::max)
+    });
+    let square = mapped(&plan, |p| Vec3::new(p.x / wide, p.y / deep, 0.0));
+    let dome = mapped(&square, |p| p - Vec3::z() * (0.3 * p.norm_squared()));
+    check(&meshed(&dome, 120, Symmetry::Auto).unwrap(), "C4v", 8);
 }
 
 #[test]

@@ -28,8 +28,8 @@ use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 use phex_numeric::Outcome;
 
-/// Numbers of panels, over the one that is asked for, that are tried until panels are valid: it is
-/// chance whether every cell at a mirror plane is large enough to be a panel.
+/// Numbers of panels, over the one that is asked for, that are tried until panels are within limits:
+/// it is chance whether every cell at a mirror plane is large enough to be a panel.
 const OTHER_COUNTS: [f64; 4] = [1.04, 0.96, 1.08, 0.92];
 
 /// A symmetric mesh of a normalised surface; `None` where there is no group to use, or panels
@@ -76,24 +76,33 @@ pub(super) fn mesh_with_panels(
         Ok(group) => group,
         Err(reason) => return without(reason),
     };
+    let references = References {
+        smooth: Some(whole),
+        ..References::default()
+    };
+    let judge = Judge::new(whole, references, options.limits());
     let mut tried = |share: f64| {
         let panels = (share * panels as f64).round() as usize;
         let domain = DomainPanels::new(whole, &found, group, panels, options)?;
-        domain.mesh(&found, whole, clock)
+        let run = domain.mesh(&found, whole, clock)?;
+        Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
     };
-    let is_valid = |run: &Result<MeshRun, NotSymmetric>| run.as_ref().is_ok_and(MeshRun::is_sound);
     let mut made = tried(1.0);
     for share in OTHER_COUNTS {
         let is_over = matches!(made, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
-        if is_valid(&made) || is_over {
+        if is_over || matches!(&made, Ok((merit, _)) if merit.is_within()) {
             break;
         }
         let next = tried(share);
-        if is_valid(&next) || (made.is_err() && next.is_ok()) {
+        let is_better = match (&made, &next) {
+            (Ok((first, _)), Ok((second, _))) => second.is_better(first),
+            _ => next.is_ok(),
+        };
+        if is_better {
             made = next;
         }
     }
-    match made {
+    match made.map(|(_, run)| run) {
         Ok(run) if asked == Symmetry::Auto && !run.is_sound() => without(format!(
             "with the symmetry {} panels are not valid",
             group.name()

@@ -56,6 +56,8 @@ pub struct Site<'a> {
 
 /// Distance beyond a mirror plane, mean edges, from which on a panel lies across it.
 const ACROSS: f64 = 1e-3;
+/// Distance from a mirror plane, diagonals, within which a corner lies in it, and rests.
+const IN_PLANE: f64 = 1e-9;
 
 impl Site<'_> {
     /// The faces that lie across a mirror plane.
@@ -184,9 +186,16 @@ impl Site<'_> {
         step: LocalStep,
         progress: &dyn Progress,
     ) -> Option<HexMesh> {
+        // What lies in a mirror plane and moves along the boundary would leave its image.
+        let near = IN_PLANE * whole.diagonal;
+        let in_plane = |p: &Vec3| self.mirrors.iter().any(|n| n.dot(p).abs() <= near);
+        let places = built.mesh.positions.iter();
+        let free: Vec<bool> = (places.zip(&built.free))
+            .map(|(p, free)| *free && !in_plane(p))
+            .collect();
         let part = LocalPart {
             layout: &self.layout(&built.mesh),
-            free: &built.free,
+            free: &free,
             hold: self.hold.as_ref(),
             limits: &self.limits(&built.mesh, whole, points),
             diagonal: whole.diagonal,

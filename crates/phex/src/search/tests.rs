@@ -34,7 +34,16 @@ fn wave() -> &'static (TriangleSurface, HexMesh) {
 
 /// Searches a mesh of the wave with a largest deviation.
 fn searched(mesh: &HexMesh, deviation: f64) -> Searched {
-    let surface = &wave().0;
+    searched_between(&wave().0, mesh, deviation, &[])
+}
+
+/// The same of any surface, between mirror planes.
+fn searched_between(
+    surface: &TriangleSurface,
+    mesh: &HexMesh,
+    deviation: f64,
+    mirrors: &[Vec3],
+) -> Searched {
     let references = References {
         smooth: Some(surface),
         ..Default::default()
@@ -53,7 +62,7 @@ fn searched(mesh: &HexMesh, deviation: f64) -> Searched {
                 curves: &BoundaryCurve::of(surface).unwrap(),
                 corners: &[],
             }),
-            mirrors: &[],
+            mirrors,
             areas: None,
             options: &options,
         },
@@ -96,7 +105,11 @@ fn squeezed(mesh: &HexMesh) -> (HexMesh, Vec3) {
         !topology.is_boundary_vertex(*v) && !faces.any(at_rim)
     };
     let v = topology.vertices().find(inner).unwrap();
-    let w = topology.neighbours(v)[0];
+    squeezed_at(mesh, v)
+}
+
+fn squeezed_at(mesh: &HexMesh, v: VertexId) -> (HexMesh, Vec3) {
+    let w = mesh.topology().neighbours(v)[0];
     let mut positions: Vec<Vec3> = mesh.positions.as_slice().to_vec();
     positions[v.index()] += (mesh.position(w) - mesh.position(v)) * 0.97;
     let at = positions[v.index()];
@@ -129,6 +142,37 @@ fn a_spoiled_place_is_cured_and_the_rest_keeps_its_bytes() {
     for p in before {
         assert!(places.contains(&[p.x, p.y, p.z].map(f64::to_bits)));
     }
+}
+
+/// Corners in a mirror plane are those of their images, too: they stay where they are, and slide
+/// along the boundary where there is no plane.
+#[test]
+fn corners_in_a_mirror_plane_rest() {
+    let (surface, mesh) = wave();
+    let least = |p: &PerVertex<Vec3>| p.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
+    let shift = Vec3::x() * least(surface.positions());
+    let surface = surface.mapped(|p| p - shift);
+    let near = 1e-6 * mesh.diagonal();
+    let into_plane = |p: &Vec3| match p - shift {
+        q if q.x.abs() < near => Vec3::new(0.0, q.y, q.z),
+        q => q,
+    };
+    let mesh = mesh.with_positions(mesh.positions.map(into_plane));
+    let topology = mesh.topology();
+    let in_plane = |v: &VertexId| mesh.position(*v).x == 0.0;
+    let beside = |v: &VertexId| !in_plane(v) && topology.neighbours(*v).iter().any(in_plane);
+    let inner = |v: &VertexId| beside(v) && !topology.is_boundary_vertex(*v);
+    let v = topology.vertices().filter(inner).nth(3).unwrap();
+    let spoiled = squeezed_at(&mesh, v).0;
+    let rests = |mirrors: &[Vec3]| {
+        let result = searched_between(&surface, &spoiled, 5e-3, mirrors);
+        assert!(result.summary.kept > 0, "{:?}", result.summary);
+        let (places, _) = bits(&result.mesh);
+        let mut held = topology.vertices().filter(in_plane);
+        held.all(|v| places.contains(&mesh.position(v).data.0[0].map(f64::to_bits)))
+    };
+    assert!(rests(&[Vec3::x()]));
+    assert!(!rests(&[]));
 }
 
 #[test]
