@@ -11,6 +11,7 @@ mod domain;
 mod error;
 mod field;
 mod finish;
+mod grown;
 mod lattice;
 mod normalise;
 mod options;

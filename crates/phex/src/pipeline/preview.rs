@@ -1,12 +1,15 @@
 //! Panels before any of them is planar.
 
 use super::domain::Ground;
-use super::field::{Field, FineSurface, LatticeFreedom, direction_options, finer_ground};
+use super::field::{LatticeFreedom, direction_options, finer_ground};
+use super::grown::Grown;
 use super::options::{Candidate, MeshOptions};
 use super::restarts::most_regular;
 use super::{Clock, PipelineError, StageSeconds};
 use crate::directions::guides::Cone;
+use crate::layout::seeds::Seed;
 use crate::layout::{Layout, LayoutStatistics, WishedArea};
+use crate::progress::Progress;
 use crate::smooth_surface::Similarity;
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
 
@@ -68,14 +71,10 @@ impl LaidOut {
             (Some(finer), level)
         });
         let ground = finer.as_ref().unwrap_or(ground);
-        let field = Field::new(ground, level, options, &settings, clock)?;
-        let fine = FineSurface::new(ground, &field);
-        let drawn = most_regular(
-            ground,
-            &field,
-            |seeds, progress| fine.calm_panels(seeds, progress),
-            clock,
-        )?;
+        let grown = Grown::better(ground, level, options, &settings, clock)?;
+        let Grown { field, fine, first } = grown;
+        let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
+        let drawn = most_regular(ground, &field, first, made, clock)?;
         Ok(Self {
             cones: field.cones(&ground.smooth),
             regular_possible: field.regular_possible(&ground.smooth),

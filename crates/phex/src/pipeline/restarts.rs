@@ -7,7 +7,9 @@ use super::{Clock, Effort, PipelineError};
 use crate::layout::seeds::Seed;
 use crate::layout::{self, Layout, LayoutError, Placed};
 use crate::progress::Progress;
+use crate::quality::Merit;
 use crate::symmetry::irregular_panels;
+use phex_mesh::{FaceId, FlatFace};
 use rayon::prelude::*;
 
 /// Share of panels that are irregular without need, up to which one lattice is enough.
@@ -31,12 +33,60 @@ pub(super) struct Drawn {
 }
 
 impl Drawn {
+    /// The panels that are `made` of seeds.
+    fn of(
+        placed: Placed,
+        ground: &Ground,
+        made: impl Fn(&[Seed], &dyn Progress) -> Result<Layout, LayoutError>,
+        progress: &dyn Progress,
+    ) -> Result<Self, LayoutError> {
+        let layout = made(&placed.seeds, progress)?;
+        let irregular = match &ground.options.directions.mirrors[..] {
+            [] => phex_mesh::irregular_faces(layout.mesh.topology()),
+            mirrors => irregular_panels(&layout, mirrors),
+        };
+        Ok(Self {
+            placed,
+            layout,
+            irregular,
+        })
+    }
+
+    /// The panels of a field's own seeds.
+    pub fn first(
+        ground: &Ground,
+        field: &Field,
+        made: impl Fn(&[Seed], &dyn Progress) -> Result<Layout, LayoutError>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Self, PipelineError> {
+        let progress = clock.progress;
+        let drawn = || Self::of(field.placed.clone(), ground, made, progress);
+        Ok(clock.stage("layout", drawn)??)
+    }
+
+    /// What the judge will not like of the panels, as far as that can be told before they are
+    /// planar.
+    pub fn disliked(&self) -> f64 {
+        let layout = &self.layout;
+        let topology = layout.mesh.topology();
+        let areas = FlatFace::all(&layout.mesh).map(FlatFace::area);
+        let counts =
+            |f: &FaceId| !topology.is_boundary_face(*f) && layout.face_wish[*f].share > 0.0;
+        let pairs: Vec<[f64; 2]> = (topology.faces().filter(counts))
+            .map(|f| [areas[f], layout.face_wish[f].area])
+            .collect();
+        let [has, wants] = [0, 1].map(|k| pairs.iter().map(|p| p[k]).sum::<f64>());
+        let uneven = |[area, wish]: &[f64; 2]| (area * wants / (wish * has)).ln().powi(2);
+        let uneven = pairs.iter().map(uneven).sum();
+        Merit::cost_of_layout(topology.n_faces(), self.irregular, uneven)
+    }
+
     /// Irregular panels first, then the distortion of the lattice.
     fn cost(&self) -> (usize, f64) {
         (self.irregular, self.placed.statistics.distortion_p95)
     }
 
-    fn is_regular(&self) -> bool {
+    pub fn is_regular(&self) -> bool {
         let panels = self.layout.mesh.topology().n_faces();
         self.cost().0 as f64 <= FEW * panels as f64
     }
@@ -48,47 +98,36 @@ impl Drawn {
     }
 }
 
-/// The most regular of a few lattices with the field's directions, the field's own the first, and
+/// Lattices of a field that are tried at the most.
+pub(super) fn restarts(ground: &Ground) -> usize {
+    match ground.options.effort {
+        Effort::Draft => 1,
+        _ => STARTS.min(PANELS / ground.panels.max(1)),
+    }
+}
+
+/// The most regular of a few lattices with the field's directions, the `first` one among them, and
 /// the panels that are `made` of it.
 pub(super) fn most_regular(
     ground: &Ground,
     field: &Field,
+    first: Drawn,
     made: impl Fn(&[Seed], &dyn Progress) -> Result<Layout, LayoutError> + Sync,
     clock: &mut Clock<'_>,
 ) -> Result<Drawn, PipelineError> {
     let progress = clock.progress;
-    let drawn = |placed: Placed| {
-        let layout = made(&placed.seeds, progress)?;
-        let irregular = match &ground.options.directions.mirrors[..] {
-            [] => phex_mesh::irregular_faces(layout.mesh.topology()),
-            mirrors => irregular_panels(&layout, mirrors),
-        };
-        Ok::<_, LayoutError>(Drawn {
-            placed,
-            layout,
-            irregular,
-        })
-    };
     let again = |number: &u64| {
         let topology = ground.smooth.levels[field.level].topology();
         let mut options = field.layout.clone();
         options.seed = options.seed.wrapping_add(number << START_BITS);
-        drawn(layout::place_seeds(
-            topology,
-            &field.directions,
-            &options,
-            progress,
-        )?)
+        let placed = layout::place_seeds(topology, &field.directions, &options, progress)?;
+        Drawn::of(placed, ground, &made, progress)
     };
-    let best = clock.stage("layout", || {
-        let first = drawn(field.placed.clone())?;
-        let starts = match ground.options.effort {
-            Effort::Draft => 1,
-            _ => STARTS.min(PANELS / ground.panels.max(1)),
-        };
-        if first.is_regular() || starts <= 1 {
-            return Ok(first);
-        }
+    let starts = restarts(ground);
+    if first.is_regular() || starts <= 1 {
+        return Ok(first);
+    }
+    clock.stage("layout", || {
         let most = first.miscount(ground.panels).max(MISCOUNT);
         let numbers: Vec<u64> = (1..starts as u64).collect();
         let others: Vec<_> = numbers.par_iter().with_max_len(1).map(again).collect();
@@ -99,9 +138,8 @@ pub(super) fn most_regular(
             true => other,
             false => best,
         };
-        Ok::<_, LayoutError>(others.fold(first, better))
-    })??;
-    Ok(best)
+        others.fold(first, better)
+    })
 }
 
 #[cfg(test)]
@@ -127,7 +165,8 @@ mod tests {
         let field = Field::new(&ground, level, &options, &settings, &mut clock).unwrap();
         let fine = FineSurface::new(&ground, &field);
         let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
-        let drawn = most_regular(&ground, &field, made, &mut clock).unwrap();
+        let own = Drawn::first(&ground, &field, made, &mut clock).unwrap();
+        let drawn = most_regular(&ground, &field, own, made, &mut clock).unwrap();
         let first = made(&field.placed.seeds, &Silent).unwrap();
         let irregular = phex_mesh::irregular_faces(first.mesh.topology());
         let distortion = field.placed.statistics.distortion_p95;

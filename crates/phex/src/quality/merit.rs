@@ -55,6 +55,13 @@ impl Merit {
         merit
     }
 
+    /// The cost that can be told of panels that are laid out and not planar yet: so many are
+    /// irregular without need, and `uneven` is the sum of the squared logarithms of their areas
+    /// over the wished ones.
+    pub(crate) fn cost_of_layout(panels: usize, irregular: usize, uneven: f64) -> f64 {
+        (IRREGULAR * irregular as f64 + UNEVEN * uneven) / panels.max(1) as f64
+    }
+
     /// Whether nothing is invalid or outside a limit.
     pub fn is_within(&self) -> bool {
         self.invalid == 0.0 && self.outside == 0.0

@@ -24,7 +24,8 @@ pub(super) fn cells(
     let fine = FineSurface::new(ground, field);
     let made =
         |seeds: &[Seed], progress: &dyn Progress| layout::panelling(&fine.cells(), seeds, progress);
-    let drawn = most_regular(ground, field, made, clock)?;
+    let first = Drawn::first(ground, field, made, clock)?;
+    let drawn = most_regular(ground, field, first, made, clock)?;
     Ok((fine, drawn))
 }
 
