@@ -69,3 +69,41 @@ impl Grown {
         restarts(ground) > 1 && !self.first.is_regular() && has(1) && has(-1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::field::direction_options;
+    use super::*;
+    use crate::progress::Silent;
+    use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+
+    /// Cones, and what is not liked, of the field of the options and of the better one.
+    fn both(name: &str, panels: usize) -> [(usize, f64); 2] {
+        let triangulation = TriangulationOptions {
+            triangles: 4000,
+            ..Default::default()
+        };
+        let surface = triangulate(&Shape::from_name(name, &[]).unwrap(), &triangulation).unwrap();
+        let options = MeshOptions::default();
+        let mut clock = Clock::new(&Silent);
+        let ground = Ground::new(&surface, panels, &options);
+        let settings = direction_options(&options, 2.0);
+        let level = ground.field_level(&options);
+        let near = Grown::new(&ground, level, &options, &settings, &mut clock).unwrap();
+        let better = Grown::better(&ground, level, &options, &settings, &mut clock).unwrap();
+        [near, better].map(|g| (g.field.cones(&ground.smooth).len(), g.first.disliked()))
+    }
+
+    #[test]
+    fn far_cones_cancel_where_panels_are_better_for_it() {
+        let [near, better] = both("hyperbolic-paraboloid", 200);
+        assert!(
+            better.0 < near.0 && better.1 < near.1,
+            "{near:?} {better:?}"
+        );
+        for (name, panels) in [("wave", 400), ("b-spline", 300), ("sphere", 100)] {
+            let [near, better] = both(name, panels);
+            assert!(better.1 <= near.1, "{name}: {near:?} {better:?}");
+        }
+    }
+}
