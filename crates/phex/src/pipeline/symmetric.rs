@@ -28,8 +28,8 @@ use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, TriangleSurface, Vec3};
 use phex_numeric::Outcome;
 
-/// Numbers of panels, over the one that is asked for, that are tried until panels are within limits:
-/// it is chance whether every cell at a mirror plane is large enough to be a panel.
+/// Numbers of panels, over the one that is asked for, that are tried until panels are within
+/// limits: it is chance whether every cell at a mirror plane is large enough to be a panel.
 const OTHER_COUNTS: [f64; 4] = [1.04, 0.96, 1.08, 0.92];
 
 /// A symmetric mesh of a normalised surface; `None` where there is no group to use, or panels

@@ -322,9 +322,9 @@ impl<'a> AxisSearch<'a> {
         }
     }
 
-    /// One step of Gauss and Newton: distances of images to the tangent planes at their feet, and of
-    /// those of the boundary to it, by a small motion of the frame. The boundary alone tells how a
-    /// dome of revolution with a square plan lies.
+    /// One step of Gauss and Newton: distances of images to the tangent planes at their feet, and
+    /// of those of the boundary to it, by a small motion of the frame. The boundary alone tells how
+    /// a dome of revolution with a square plan lies.
     fn refined(&self, frame: &Frame, maps: &[Matrix3<f64>]) -> Frame {
         let topology = self.surface.topology();
         let step = (topology.n_vertices() / SOME).max(1);
