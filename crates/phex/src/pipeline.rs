@@ -11,7 +11,7 @@ mod domain;
 mod error;
 mod field;
 mod finish;
-mod grown;
+
 mod lattice;
 mod normalise;
 mod options;
@@ -27,6 +27,7 @@ mod sized;
 mod steered;
 mod subdivide;
 mod symmetric;
+mod two_fields;
 mod watched;
 
 pub use attempt::AttemptSummary;

@@ -42,7 +42,7 @@ pub(super) struct Cuts {
 
 /// The faces of a part, and their vertices; all in order.
 #[derive(Clone)]
-struct Region {
+struct PartRegion {
     faces: Vec<u32>,
     /// Those that move.
     moving: Vec<u32>,
@@ -50,7 +50,7 @@ struct Region {
     vertices: Vec<u32>,
 }
 
-impl Region {
+impl PartRegion {
     /// `core` and [`OVERLAP`] rings more, which move, and a ring at rest.
     fn around(panels: &Panels, core: &[u32]) -> Self {
         let mut faces = core.to_vec();
@@ -75,7 +75,7 @@ impl Region {
 
 /// Some faces of a mesh with numbers of their own, their outer vertices at rest.
 pub(super) struct Part<'a> {
-    region: Region,
+    region: PartRegion,
     pub panels: Panels,
     pub guard: Guard,
     reference: Reference<'a>,
@@ -88,7 +88,7 @@ pub(super) struct Part<'a> {
 
 impl<'a> Part<'a> {
     /// A region with the positions `x` of the whole mesh.
-    fn of(whole: &Setting<'a>, region: Region, x: &[f64]) -> Self {
+    fn of(whole: &Setting<'a>, region: PartRegion, x: &[f64]) -> Self {
         let (faces, vertices) = (&region.faces, &region.vertices);
         let local = |v: &u32| vertices.binary_search(v).ok().map(|v| v as u32);
         let mut holds = whole.holds.part(local);
@@ -194,7 +194,7 @@ fn for_each_part(
     work: impl Fn(&mut PanelEnergy<'_>, Dual, &mut [f64]) -> Outcome + Sync,
 ) -> Result<Outcome, OptimiseError> {
     let mut outcome = Outcome::empty(Status::Converged);
-    let minimised = |region: Region, x: &[f64]| {
+    let minimised = |region: PartRegion, x: &[f64]| {
         let part = Part::of(whole, region, x);
         let setting = part.setting(whole.mean_edge);
         let assembly = energy_assembly(&part.panels);
@@ -221,15 +221,15 @@ fn for_each_part(
 
 /// Regions around cores in groups, in each of which none moves a vertex of another one: each goes
 /// into the first group where it can.
-fn apart(panels: &Panels, cores: &[Vec<u32>]) -> Vec<Vec<Region>> {
+fn apart(panels: &Panels, cores: &[Vec<u32>]) -> Vec<Vec<PartRegion>> {
     struct Group {
-        regions: Vec<Region>,
+        regions: Vec<PartRegion>,
         moves: Vec<bool>,
         sees: Vec<bool>,
     }
     let mut groups: Vec<Group> = Vec::new();
     for core in cores {
-        let region = Region::around(panels, core);
+        let region = PartRegion::around(panels, core);
         let meets =
             |vertices: &[u32], marked: &[bool]| vertices.iter().any(|&v| marked[v as usize]);
         let fits =

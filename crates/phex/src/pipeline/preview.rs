@@ -2,9 +2,9 @@
 
 use super::domain::Ground;
 use super::field::{LatticeFreedom, direction_options, finer_ground};
-use super::grown::Grown;
 use super::options::{Candidate, MeshOptions};
 use super::restarts::most_regular;
+use super::two_fields::FieldPanels;
 use super::{Clock, PipelineError, StageSeconds};
 use crate::directions::guides::Cone;
 use crate::layout::seeds::Seed;
@@ -71,8 +71,8 @@ impl LaidOut {
             (Some(finer), level)
         });
         let ground = finer.as_ref().unwrap_or(ground);
-        let grown = Grown::better(ground, level, options, &settings, clock)?;
-        let Grown { field, fine, first } = grown;
+        let better = FieldPanels::better(ground, level, options, &settings, clock)?;
+        let FieldPanels { field, fine, first } = better;
         let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
         let drawn = most_regular(ground, &field, first, made, clock)?;
         Ok(Self {

@@ -16,13 +16,13 @@ use crate::progress::Progress;
 const FAR_REACH: f64 = 12.0;
 
 /// A field, the surface on which its cells are drawn, and the panels of its own seeds.
-pub(super) struct Grown {
+pub(super) struct FieldPanels {
     pub field: Field,
     pub fine: FineSurface,
     pub first: Drawn,
 }
 
-impl Grown {
+impl FieldPanels {
     /// Those of the field of the settings, or of one with fewer cones where these can be had and
     /// the panels are better for it.
     pub fn better(
@@ -89,8 +89,8 @@ mod tests {
         let ground = Ground::new(&surface, panels, &options);
         let settings = direction_options(&options, 2.0);
         let level = ground.field_level(&options);
-        let near = Grown::new(&ground, level, &options, &settings, &mut clock).unwrap();
-        let better = Grown::better(&ground, level, &options, &settings, &mut clock).unwrap();
+        let near = FieldPanels::new(&ground, level, &options, &settings, &mut clock).unwrap();
+        let better = FieldPanels::better(&ground, level, &options, &settings, &mut clock).unwrap();
         [near, better].map(|g| (g.field.cones(&ground.smooth).len(), g.first.disliked()))
     }
 
