@@ -6,13 +6,13 @@
 //! curves (`|k1| rho^2 / |k2| < 1/3`) rows must follow the direction of smaller curvature, so a
 //! cone has no good place there.
 
-use super::DirectionOptions;
 use super::guides::Cone;
 use super::intrinsic::IntrinsicMesh;
 use super::rosy::SixFoldField;
 use super::turns::{Route, Turns, cones, routes, settle};
+use super::{DirectionOptions, Directions};
 use crate::progress::Progress;
-use phex_mesh::{FaceId, PerEdge, PerFace, PerVertex, TriangleSurface, Vec3};
+use phex_mesh::{FaceId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface, Vec3};
 use phex_numeric::NumericError;
 use thiserror::Error;
 
@@ -51,6 +51,10 @@ pub enum ConeError {
     },
 }
 
+/// Distance, in panels, up to which opposite cones are cancelled by default, and in the second of
+/// two fields.
+const NEAR_REACH: f64 = 4.0;
+pub(crate) const FAR_REACH: f64 = 12.0;
 /// Opposite cones next to a cone with which it may cancel: on a surface of slivers there are
 /// thousands within reach.
 const NEAREST: usize = 16;
@@ -71,7 +75,10 @@ pub(crate) fn settle_cones(
     let (mut cancelled, mut moved) = (0, 0);
     match prescribed_faces(surface, &options.guides.cones) {
         Ok(wanted) if !wanted.is_empty() => moved = prescribe(surface, mesh, &mut turns, &wanted),
-        _ => cancelled = cancel(surface, mesh, &mut turns, options.cancel_reach, progress),
+        _ => {
+            let reach = options.cancel_reach.unwrap_or(NEAR_REACH);
+            cancelled = cancel(surface, mesh, &mut turns, reach, progress);
+        }
     }
     let angle = if cancelled + moved == 0 {
         field.angle
@@ -112,6 +119,17 @@ fn cancel(
         }
     }
     cancelled
+}
+
+/// Whether some opposite cones lie at most `reach` lattice spacings apart.
+pub(crate) fn has_opposites(topology: &Topology, directions: &Directions, reach: f64) -> bool {
+    let (mesh, cone) = (&directions.intrinsic, &directions.cone);
+    let has_opposite = |f| {
+        let opposite = |g: FaceId| cone[g] < 0;
+        !routes(topology, mesh, f, (reach, 1), false, opposite).is_empty()
+    };
+    let mut positive = topology.faces().filter(|f| cone[*f] > 0);
+    positive.any(has_opposite)
 }
 
 /// The triangles of prescribed cones with their indices.

@@ -78,8 +78,9 @@ pub struct DirectionOptions {
     /// boundary is ignored).
     pub boundary_alignment: f64,
     /// Distance, in panels, up to which opposite cones are cancelled (0: none are). More of them
-    /// give fewer irregular panels, and larger ones where the surface is strongly curved.
-    pub cancel_reach: f64,
+    /// give fewer irregular panels, and larger ones where the surface is strongly curved. `None`
+    /// is 4; a lattice then is made with 12, too, and the better one kept.
+    pub cancel_reach: Option<f64>,
     /// Weight of the alignment that keeps the edges of a lattice off the asymptotic directions, for
     /// surfaces with `K < 0` (0: none); see `saddle`.
     pub saddle_alignment: f64,
@@ -98,7 +99,7 @@ impl Default for DirectionOptions {
             conformal_limit: 0.6,
             rotate: 0.0,
             boundary_alignment: 0.5,
-            cancel_reach: 4.0,
+            cancel_reach: None,
             saddle_alignment: 0.0,
             guides: Guides::default(),
             mirrors: Vec::new(),

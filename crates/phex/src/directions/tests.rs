@@ -220,9 +220,9 @@ fn a_plane_has_a_constant_field() {
 #[test]
 fn opposite_cones_cancel() {
     let surface = genus_two();
-    let with = |cancel_reach: f64| {
+    let with = |reach: f64| {
         let options = DirectionOptions {
-            cancel_reach,
+            cancel_reach: Some(reach),
             ..Default::default()
         };
         Stages::with(&surface, 400, &options)
@@ -272,7 +272,7 @@ fn the_rotate_option_turns_the_field() {
 #[test]
 fn matchings_are_smallest() {
     let options = DirectionOptions {
-        cancel_reach: 0.0,
+        cancel_reach: Some(0.0),
         ..Default::default()
     };
     let stages = Stages::with(&shape("wave", 1000), 60, &options);

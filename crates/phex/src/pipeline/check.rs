@@ -98,7 +98,7 @@ fn directions_fit(options: &DirectionOptions) -> Result<(), BadOption> {
         ("alignment", options.alignment),
         ("conformal_limit", options.conformal_limit),
         ("boundary_alignment", options.boundary_alignment),
-        ("cancel_reach", options.cancel_reach),
+        ("cancel_reach", options.cancel_reach.unwrap_or_default()),
         ("saddle_alignment", options.saddle_alignment),
     ])?;
     guides_fit(&options.guides).map_err(|e| e.in_table("guides"))

@@ -9,11 +9,9 @@ use super::field::{Field, FineSurface};
 use super::restarts::{Drawn, restarts};
 use super::{Clock, MeshOptions, PipelineError};
 use crate::directions::DirectionOptions;
+use crate::directions::cones::{FAR_REACH, has_opposites};
 use crate::layout::seeds::Seed;
 use crate::progress::Progress;
-
-/// Distance, in panels, up to which opposite cones are cancelled in the second field.
-const FAR_REACH: f64 = 12.0;
 
 /// A field, the surface on which its cells are drawn, and the panels of its own seeds.
 pub(super) struct FieldPanels {
@@ -33,11 +31,12 @@ impl FieldPanels {
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
         let near = Self::new(ground, level, options, settings, clock)?;
-        if !near.may_have_fewer_cones(ground) {
+        let is_given = settings.cancel_reach.is_some() || !settings.guides.cones.is_empty();
+        if is_given || !near.may_have_fewer_cones(ground) {
             return Ok(near);
         }
         let settings = DirectionOptions {
-            cancel_reach: FAR_REACH.max(settings.cancel_reach),
+            cancel_reach: Some(FAR_REACH),
             ..settings.clone()
         };
         // A field from which no panels come is no better.
@@ -62,11 +61,13 @@ impl FieldPanels {
         Ok(Self { field, fine, first })
     }
 
-    /// Whether opposite cones are left, panels are not regular, and few enough for another try.
+    /// Whether panels are not regular, few enough for another try, and cones are left that could
+    /// cancel.
     fn may_have_fewer_cones(&self, ground: &Ground) -> bool {
-        let cone = &self.field.directions.cone;
-        let has = |sign: i32| cone.iter().any(|c| c.signum() == sign);
-        restarts(ground) > 1 && !self.first.is_regular() && has(1) && has(-1)
+        let field = &self.field;
+        let topology = ground.smooth.levels[field.level].topology();
+        let is_worth = restarts(ground) > 1 && !self.first.is_regular();
+        is_worth && has_opposites(topology, &field.directions, FAR_REACH)
     }
 }
 
@@ -78,13 +79,14 @@ mod tests {
     use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 
     /// Cones, and what is not liked, of the field of the options and of the better one.
-    fn both(name: &str, panels: usize) -> [(usize, f64); 2] {
+    fn both(name: &str, panels: usize, reach: Option<f64>) -> [(usize, f64); 2] {
         let triangulation = TriangulationOptions {
             triangles: 4000,
             ..Default::default()
         };
         let surface = triangulate(&Shape::from_name(name, &[]).unwrap(), &triangulation).unwrap();
-        let options = MeshOptions::default();
+        let mut options = MeshOptions::default();
+        options.directions.cancel_reach = reach;
         let mut clock = Clock::new(&Silent);
         let ground = Ground::new(&surface, panels, &options);
         let settings = direction_options(&options, 2.0);
@@ -96,13 +98,16 @@ mod tests {
 
     #[test]
     fn far_cones_cancel_where_panels_are_better_for_it() {
-        let [near, better] = both("hyperbolic-paraboloid", 200);
+        let [near, better] = both("hyperbolic-paraboloid", 200, None);
         assert!(
             better.0 < near.0 && better.1 < near.1,
             "{near:?} {better:?}"
         );
+        // What is typed is what holds.
+        let typed = both("hyperbolic-paraboloid", 200, Some(4.0));
+        assert_eq!(typed, [near, near]);
         for (name, panels) in [("wave", 400), ("b-spline", 300), ("sphere", 100)] {
-            let [near, better] = both(name, panels);
+            let [near, better] = both(name, panels, None);
             assert!(better.1 <= near.1, "{name}: {near:?} {better:?}");
         }
     }
