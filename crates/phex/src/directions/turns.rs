@@ -13,10 +13,10 @@
 use super::intrinsic::{Distance, IntrinsicMesh, row};
 use super::rosy::SixFoldField;
 use nalgebra::Complex;
-use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, PerVertex, Topology, VertexId};
+use phex_mesh::{EdgeId, FaceId, IdMap, PerEdge, PerFace, PerVertex, Topology, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::BinaryHeap;
 use std::f64::consts::{FRAC_PI_3, PI};
 
 /// Solves with the wishes taken anew, because they are known up to a sixth of a turn.
@@ -75,7 +75,7 @@ pub(crate) fn routes(
     leaving: bool,
     wanted: impl Fn(FaceId) -> bool,
 ) -> Vec<Route> {
-    let mut known = ReachedTriangles::new();
+    let mut known = ReachedTriangles::default();
     known.insert(from, (0.0, None));
     let mut heap = BinaryHeap::from([Reverse((Distance(0.0), from))]);
     let mut found = Vec::new();
@@ -166,7 +166,7 @@ pub(crate) fn cones(
 }
 
 /// Distance of each triangle reached, and the triangle and edge before it.
-type ReachedTriangles = BTreeMap<FaceId, (f64, Option<(FaceId, EdgeId)>)>;
+type ReachedTriangles = IdMap<FaceId, (f64, Option<(FaceId, EdgeId)>)>;
 
 fn path_to(known: &ReachedTriangles, to: FaceId) -> Vec<(FaceId, EdgeId)> {
     let mut path = Vec::new();
