@@ -227,6 +227,10 @@ impl LatticeFreedom {
         if self.seamless {
             allow_sizes(&mut options);
         }
+        if options.regular {
+            // Opposite cones cancel however far apart they are.
+            options.directions.cancel_reach.get_or_insert(f64::INFINITY);
+        }
         if self.even {
             options.layout.max_pull = Some(EVEN_PULL);
         }

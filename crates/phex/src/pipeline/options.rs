@@ -113,8 +113,9 @@ pub struct MeshOptions {
     pub repeat_rel: Option<f64>,
     /// Which symmetries of the surface panels have.
     pub symmetry: Symmetry,
-    /// Whether panels may differ in size wherever that saves pairs of a pentagon and a heptagon:
-    /// else pairs stay where they make panels more even.
+    /// Whether panels may differ in size wherever that saves pairs of a pentagon and a heptagon,
+    /// and opposite cones cancel however far apart they are: else pairs stay where they make panels
+    /// more even.
     pub regular: bool,
     /// How much is tried.
     pub effort: Effort,
