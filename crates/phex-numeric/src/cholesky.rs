@@ -1,4 +1,5 @@
-//! Sparse Cholesky factorisation `P A P^T = L L^T` with the symbolic part reused.
+//! Sparse Cholesky factorisation `P A P^T = L L^T` (`L L^H` of a Hermitian matrix) with the symbolic
+//! part reused.
 //!
 //! The ordering is approximate minimum degree, on request of the quotient graph of small blocks
 //! (the three coordinates of a vertex, say). The factorisation is sequential, so that its result is
@@ -6,7 +7,7 @@
 //! itself until the residual no longer falls.
 
 use crate::NumericError;
-use crate::symmetric::{Pattern, SymmetricMatrix};
+use crate::symmetric::{Pattern, Scalar, SymmetricMatrix};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError as PivotError, LltRegularization};
 use faer::perm::PermRef;
@@ -16,6 +17,7 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
+use faer::traits::ext::ComplexFieldExt;
 use faer::{Conj, MatMut, Par, Side, Spec};
 use std::sync::Arc;
 
@@ -25,16 +27,16 @@ const MAX_REFINEMENTS: usize = 3;
 /// A solution is refined while its residual exceeds this multiple of the size of `A x` and `b`.
 const RESIDUAL_GOAL: f64 = 8.0 * f64::EPSILON;
 
-/// Factorisation of a sparse symmetric positive definite matrix.
-pub struct Cholesky {
+/// Factorisation of a sparse symmetric, or Hermitian, positive definite matrix.
+pub struct Cholesky<T = f64> {
     symbolic: SymbolicCholesky<u32>,
-    matrix: SymmetricMatrix,
-    factor: Vec<f64>,
+    matrix: SymmetricMatrix<T>,
+    factor: Vec<T>,
     scratch: MemBuffer,
     factorisations: usize,
 }
 
-impl Cholesky {
+impl<T: Scalar> Cholesky<T> {
     /// Analyses and factorises `matrix`.
     ///
     /// ```
@@ -52,7 +54,7 @@ impl Cholesky {
     /// # Errors
     /// [`NumericError::NotPositiveDefinite`], or [`NumericError::TooLarge`] if the factor does not
     /// fit.
-    pub fn new(matrix: &SymmetricMatrix) -> Result<Self, NumericError> {
+    pub fn new(matrix: &SymmetricMatrix<T>) -> Result<Self, NumericError> {
         let mut cholesky = Self::analyse(matrix.pattern(), 1)?;
         cholesky.refactor(matrix)?;
         Ok(cholesky)
@@ -65,7 +67,7 @@ impl Cholesky {
     /// As [`new`](Self::new).
     pub fn again(
         earlier: Option<Self>,
-        matrix: &SymmetricMatrix,
+        matrix: &SymmetricMatrix<T>,
         block: usize,
     ) -> Result<Self, NumericError> {
         let mut cholesky = match earlier {
@@ -83,10 +85,10 @@ impl Cholesky {
     /// [`NumericError::TooLarge`] if the factor does not fit.
     pub fn analyse(pattern: &Arc<Pattern>, block: usize) -> Result<Self, NumericError> {
         let symbolic = analyse(pattern, block)?;
-        let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
+        let request = symbolic.factorize_numeric_llt_scratch::<T>(Par::Seq, Spec::default());
         let scratch = MemBuffer::try_new(request).map_err(|_| too_large("scratch memory"))?;
         Ok(Self {
-            factor: vec![f64::NAN; symbolic.len_val()],
+            factor: vec![T::nan(); symbolic.len_val()],
             symbolic,
             matrix: SymmetricMatrix::zeros(pattern.clone()),
             scratch,
@@ -99,7 +101,7 @@ impl Cholesky {
     /// # Errors
     /// [`NumericError::PatternChanged`], or [`NumericError::NotPositiveDefinite`]. After an error
     /// solutions are `NaN` until a factorisation succeeds.
-    pub fn refactor(&mut self, matrix: &SymmetricMatrix) -> Result<(), NumericError> {
+    pub fn refactor(&mut self, matrix: &SymmetricMatrix<T>) -> Result<(), NumericError> {
         self.refactor_shifted(matrix, 0.0)
     }
 
@@ -109,13 +111,13 @@ impl Cholesky {
     /// As [`refactor`](Self::refactor).
     pub fn refactor_shifted(
         &mut self,
-        matrix: &SymmetricMatrix,
+        matrix: &SymmetricMatrix<T>,
         shift: f64,
     ) -> Result<(), NumericError> {
         if !Arc::ptr_eq(matrix.pattern(), self.matrix.pattern())
             && matrix.pattern() != self.matrix.pattern()
         {
-            self.factor.fill(f64::NAN);
+            self.factor.fill(T::nan());
             return Err(NumericError::PatternChanged);
         }
         self.matrix.values_mut().copy_from_slice(matrix.values());
@@ -123,7 +125,7 @@ impl Cholesky {
         self.factorisations += 1;
         let result = self.factorise();
         if result.is_err() {
-            self.factor.fill(f64::NAN);
+            self.factor.fill(T::nan());
         }
         result
     }
@@ -155,7 +157,7 @@ impl Cholesky {
     ///
     /// # Panics
     /// If the length of `rhs` is not the dimension.
-    pub fn solve(&self, rhs: &mut [f64]) {
+    pub fn solve(&self, rhs: &mut [T]) {
         let b = rhs.to_vec();
         self.solve_unrefined(rhs, 1);
         self.refine(&b, rhs);
@@ -165,7 +167,7 @@ impl Cholesky {
     ///
     /// # Panics
     /// If a length is not the dimension.
-    pub fn precondition(&self, b: &[f64], x: &mut [f64]) {
+    pub fn precondition(&self, b: &[T], x: &mut [T]) {
         x.copy_from_slice(b);
         self.solve_unrefined(x, 1);
     }
@@ -174,7 +176,7 @@ impl Cholesky {
     ///
     /// # Panics
     /// If a length is not the dimension.
-    pub fn solve_many(&self, rhs: &mut [Vec<f64>]) {
+    pub fn solve_many(&self, rhs: &mut [Vec<T>]) {
         let n = self.dimension();
         assert!(rhs.iter().all(|b| b.len() == n), "lengths");
         let mut columns = rhs.concat();
@@ -185,8 +187,8 @@ impl Cholesky {
         }
     }
 
-    fn solve_unrefined(&self, columns: &mut [f64], count: usize) {
-        let request = self.symbolic.solve_in_place_scratch::<f64>(count, Par::Seq);
+    fn solve_unrefined(&self, columns: &mut [T], count: usize) {
+        let request = self.symbolic.solve_in_place_scratch::<T>(count, Par::Seq);
         let mut scratch = MemBuffer::new(request);
         LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
             Conj::No,
@@ -196,8 +198,8 @@ impl Cholesky {
         );
     }
 
-    fn refine(&self, b: &[f64], x: &mut [f64]) {
-        let mut residual = vec![0.0; b.len()];
+    fn refine(&self, b: &[T], x: &mut [T]) {
+        let mut residual = vec![T::zero(); b.len()];
         let mut size = self.residual(b, x, &mut residual);
         for _ in 0..MAX_REFINEMENTS {
             if size <= RESIDUAL_GOAL * max_abs(b) || !size.is_finite() {
@@ -205,7 +207,7 @@ impl Cholesky {
             }
             let mut better = residual.clone();
             self.solve_unrefined(&mut better, 1);
-            better.iter_mut().zip(&*x).for_each(|(d, x)| *d += x);
+            better.iter_mut().zip(&*x).for_each(|(d, x)| *d += *x);
             let new_size = self.residual(b, &better, &mut residual);
             if new_size.is_nan() || new_size >= size {
                 return;
@@ -219,9 +221,9 @@ impl Cholesky {
     }
 
     /// `b - A x`, and its largest component.
-    fn residual(&self, b: &[f64], x: &[f64], residual: &mut [f64]) -> f64 {
+    fn residual(&self, b: &[T], x: &[T], residual: &mut [T]) -> f64 {
         self.matrix.mul(x, residual);
-        residual.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+        residual.iter_mut().zip(b).for_each(|(r, b)| *r = *b - *r);
         max_abs(residual)
     }
 
@@ -241,7 +243,7 @@ impl Cholesky {
     }
 }
 
-impl std::fmt::Debug for Cholesky {
+impl<T: Scalar> std::fmt::Debug for Cholesky<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Cholesky")
             .field("dimension", &self.dimension())
@@ -251,15 +253,10 @@ impl std::fmt::Debug for Cholesky {
     }
 }
 
-fn max_abs(values: &[f64]) -> f64 {
+fn max_abs<T: Scalar>(values: &[T]) -> f64 {
     // `f64::max` would drop a NaN.
-    values.iter().fold(0.0, |m, v| {
-        if v.abs() > m || v.is_nan() {
-            v.abs()
-        } else {
-            m
-        }
-    })
+    let larger = |m: f64, v: f64| if v > m || v.is_nan() { v } else { m };
+    values.iter().map(|v| v.abs()).fold(0.0, larger)
 }
 
 fn too_large(reason: impl std::fmt::Display) -> NumericError {

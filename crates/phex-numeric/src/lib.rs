@@ -3,8 +3,8 @@
 //!
 //! | module | what it solves |
 //! |---|---|
-//! | [`symmetric`] | sparse symmetric matrices, built from triplets |
-//! | [`cholesky`] | `A = L L^T` with the symbolic part reused, residual refined |
+//! | [`symmetric`] | sparse symmetric and Hermitian matrices, built from triplets |
+//! | [`cholesky`] | `A = L L^T` (`L L^H`) with the symbolic part reused, residual refined |
 //! | [`assembly`] | sums of dense element blocks on a fixed pattern |
 //! | [`mod@conjugate_gradients`] | `A x = b` from products with `A` alone |
 //! | [`schur`] | sequential quadratic programming on the dual, factorisations reused |
@@ -37,4 +37,4 @@ pub use lagrange::{LagrangeNewton, LagrangeOptions, LagrangeProblem};
 pub use outcome::{Outcome, Record, Status};
 pub use projection::{Constraints, MinimumNorm, ProjectionOptions};
 pub use schur::{LaggedCholesky, SchurOptions, SchurProblem, SchurSqp};
-pub use symmetric::{Pattern, SymmetricMatrix};
+pub use symmetric::{Pattern, Scalar, SymmetricMatrix};

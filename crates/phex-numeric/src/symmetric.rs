@@ -1,7 +1,16 @@
-//! Sparse symmetric matrices: the lower triangle, stored by columns.
+//! Sparse symmetric matrices, Hermitian ones where entries are complex: the lower triangle, stored
+//! by columns.
 
 use crate::NumericError;
+use faer::traits::ComplexField;
+use faer::traits::ext::ComplexFieldExt;
+use num_traits::NumAssign;
 use std::sync::Arc;
+
+/// Entries of matrices: `f64`, or `Complex<f64>`.
+pub trait Scalar: ComplexField<Real = f64> + NumAssign + Copy {}
+
+impl<T: ComplexField<Real = f64> + NumAssign + Copy> Scalar for T {}
 
 /// Where the entries of a sparse symmetric matrix stand: compressed columns of the lower triangle,
 /// rows ascending, every diagonal entry present.
@@ -86,14 +95,15 @@ impl Pattern {
     }
 }
 
-/// A sparse symmetric matrix. Matrices that share a pattern share one copy of it.
+/// A sparse symmetric matrix; with complex entries one that is Hermitian, whose diagonal is real.
+/// Matrices that share a pattern share one copy of it.
 #[derive(Clone, Debug)]
-pub struct SymmetricMatrix {
+pub struct SymmetricMatrix<T = f64> {
     pattern: Arc<Pattern>,
-    values: Vec<f64>,
+    values: Vec<T>,
 }
 
-impl SymmetricMatrix {
+impl<T: Scalar> SymmetricMatrix<T> {
     /// The matrix of dimension `n` whose lower triangle is the sum of `(row, column, value)`
     /// triplets.
     ///
@@ -115,7 +125,7 @@ impl SymmetricMatrix {
     /// [`NumericError::IndexOutOfRange`] if a row or a column is not below `n`.
     pub fn from_triplets(
         n: usize,
-        triplets: impl Iterator<Item = (u32, u32, f64)>,
+        triplets: impl Iterator<Item = (u32, u32, T)>,
     ) -> Result<Self, NumericError> {
         let mut outside = None;
         let lower = triplets.filter(|&(row, column, _)| {
@@ -124,7 +134,7 @@ impl SymmetricMatrix {
             }
             row >= column
         });
-        let lower: Vec<(u32, u32, f64)> = lower.collect();
+        let lower: Vec<(u32, u32, T)> = lower.collect();
         if let Some((row, column)) = outside {
             return Err(NumericError::IndexOutOfRange {
                 row,
@@ -137,7 +147,7 @@ impl SymmetricMatrix {
                 .iter()
                 .for_each(|(row, column, _)| visit(*row, *column));
         });
-        let mut values = vec![0.0; pattern.n_entries()];
+        let mut values = vec![T::zero(); pattern.n_entries()];
         for (row, column, value) in lower {
             if let Some(at) = pattern.position(row, column) {
                 values[at] += value;
@@ -151,7 +161,7 @@ impl SymmetricMatrix {
 
     /// The zero matrix on a pattern.
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
-        let values = vec![0.0; pattern.n_entries()];
+        let values = vec![T::zero(); pattern.n_entries()];
         Self { pattern, values }
     }
 
@@ -166,25 +176,25 @@ impl SymmetricMatrix {
     }
 
     /// Values of the lower triangle, in the order of the pattern.
-    pub fn values(&self) -> &[f64] {
+    pub fn values(&self) -> &[T] {
         &self.values
     }
 
     /// Values of the lower triangle, mutable.
-    pub fn values_mut(&mut self) -> &mut [f64] {
+    pub fn values_mut(&mut self) -> &mut [T] {
         &mut self.values
     }
 
     /// The diagonal.
     pub fn diagonal(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         let starts = &self.pattern.column_start()[..self.dimension()];
-        starts.iter().map(|&at| self.values[at as usize])
+        starts.iter().map(|&at| self.values[at as usize].real())
     }
 
     /// Adds `shift` to every diagonal entry.
     pub fn shift_diagonal(&mut self, shift: f64) {
         for j in 0..self.dimension() {
-            self.values[self.pattern.column_start[j] as usize] += shift;
+            self.values[self.pattern.column_start[j] as usize] += T::from_f64_impl(shift);
         }
     }
 
@@ -192,21 +202,21 @@ impl SymmetricMatrix {
     ///
     /// # Panics
     /// If a length is not the dimension.
-    pub fn mul(&self, x: &[f64], y: &mut [f64]) {
+    pub fn mul(&self, x: &[T], y: &mut [T]) {
         assert_eq!(
             (x.len(), y.len()),
             (self.dimension(), self.dimension()),
             "lengths"
         );
-        y.fill(0.0);
+        y.fill(T::zero());
         for j in 0..self.dimension() {
             let column = self.pattern.column(j);
             y[j] += self.values[column.start] * x[j];
-            let mut sum = 0.0;
+            let mut sum = T::zero();
             for at in column.start + 1..column.end {
                 let i = self.pattern.row[at] as usize;
                 y[i] += self.values[at] * x[j];
-                sum += self.values[at] * x[i];
+                sum += self.values[at].conj() * x[i];
             }
             y[j] += sum;
         }

@@ -6,7 +6,7 @@ use super::intrinsic::{IntrinsicMesh, row};
 use super::{DirectionOptions, boundary, mirrors};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
-use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{EdgeId, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::collections::BTreeMap;
 
@@ -36,7 +36,7 @@ pub(crate) fn field(
     principal: &PerVertex<Principal>,
     weight: &PerVertex<f64>,
     options: &DirectionOptions,
-    factor: &mut Option<Cholesky>,
+    factor: &mut Option<Cholesky<Complex<f64>>>,
 ) -> Result<SixFoldField, NumericError> {
     let topology = surface.topology();
     let wish = |v: VertexId, along: Vec3, across: Vec3| {
@@ -75,24 +75,25 @@ pub(crate) fn field(
     let total = |v: VertexId| mesh.mass[v] * (weight[v] + TIE_BREAK) + rim_weight(v);
     let stiffness = |t: f64, inertia: f64| {
         let diagonal = |v: VertexId| mesh.mass[v] * inertia + t * total(v);
-        connection_matrix(topology, mesh, t, diagonal)
+        let transport = |e: EdgeId| N * mesh.transport(e);
+        connection_laplacian(topology, mesh, transport, t, diagonal)
     };
-    let smooth = Cholesky::again(factor.take(), &stiffness(1.0, 0.0)?, 2)?;
-    let mut u = solve(&smooth, |i| source[i], source.len());
+    let smooth = Cholesky::again(factor.take(), &stiffness(1.0, 0.0)?, 1)?;
+    let mut u = source.clone();
+    smooth.solve(&mut u);
     let meeting = classes_at_axes(topology, mesh, &u, &mirrored);
     draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
-    let polish = Cholesky::again(Some(smooth), &stiffness(POLISH_TIME, 1.0)?, 2)?;
+    let polish = Cholesky::again(Some(smooth), &stiffness(POLISH_TIME, 1.0)?, 1)?;
     let steps = match mirrored.iter().any(Option::is_some) {
         true => MIRROR_STEPS,
         false => POLISH_STEPS,
     };
     for _ in 0..steps {
-        let unit: Vec<Complex<f64>> = u.iter().map(|z| z / (z.norm() + 1e-12)).collect();
-        u = rough_solution(
-            &polish,
-            |i| unit[i] * mesh.mass.as_slice()[i] + source[i] * POLISH_TIME,
-            unit.len(),
-        );
+        let wished = source.iter().zip(&mesh.mass);
+        let right = (u.iter().zip(wished))
+            .map(|(z, (s, mass))| z * (mass / (z.norm() + 1e-12)) + s * POLISH_TIME);
+        let right: Vec<Complex<f64>> = right.collect();
+        polish.precondition(&right, &mut u);
         source.copy_from_slice(&free);
         draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
     }
@@ -235,70 +236,32 @@ fn global_frame(n: Vec3) -> [Vec3; 2] {
     [along, n.cross(&along)]
 }
 
-/// Real 2n x 2n form of the Hermitian connection Laplacian `t A` plus a diagonal.
-fn connection_matrix(
+/// Hermitian matrix of `t sum w |z_j - exp(i transport) z_i|^2 + sum diagonal |z|^2`, sums over the
+/// edges from `i` to `j` and over the vertices.
+pub(super) fn connection_laplacian(
     topology: &Topology,
     mesh: &IntrinsicMesh,
+    transport: impl Fn(EdgeId) -> f64,
     t: f64,
     diagonal: impl Fn(VertexId) -> f64,
-) -> Result<SymmetricMatrix, NumericError> {
-    let n = topology.n_vertices();
+) -> Result<SymmetricMatrix<Complex<f64>>, NumericError> {
     let mut own: Vec<f64> = topology.vertices().map(diagonal).collect();
-    let mut entries = Vec::with_capacity(4 * topology.n_edges() + 2 * n);
+    let mut entries = Vec::with_capacity(topology.n_edges() + own.len());
     for e in topology.edges() {
-        let [i, j] = topology.edge_vertices(e);
+        let [i, j] = topology.edge_vertices(e).map(row);
         let w = t * mesh.weight[e];
-        own[i.index()] += w;
-        own[j.index()] += w;
-        let g = Complex::from_polar(w, N * mesh.transport(e));
-        push_block(&mut entries, row(j), row(i), -g);
+        own[i as usize] += w;
+        own[j as usize] += w;
+        let turned = Complex::from_polar(w, transport(e));
+        // Only the lower triangle is stored.
+        entries.push(match i < j {
+            true => (j, i, -turned),
+            false => (i, j, -turned.conj()),
+        });
     }
-    for (v, d) in own.iter().enumerate() {
-        entries.push((2 * v as u32, 2 * v as u32, *d));
-        entries.push((2 * v as u32 + 1, 2 * v as u32 + 1, *d));
-    }
-    SymmetricMatrix::from_triplets(2 * n, entries.into_iter())
-}
-
-/// Adds the real 2 x 2 form of the complex entry `(r, c)` of a Hermitian matrix, in the lower
-/// triangle.
-pub(crate) fn push_block(entries: &mut Vec<(u32, u32, f64)>, r: u32, c: u32, value: Complex<f64>) {
-    let (r, c, z) = if r > c {
-        (r, c, value)
-    } else {
-        (c, r, value.conj())
-    };
-    entries.push((2 * r, 2 * c, z.re));
-    entries.push((2 * r, 2 * c + 1, -z.im));
-    entries.push((2 * r + 1, 2 * c, z.im));
-    entries.push((2 * r + 1, 2 * c + 1, z.re));
-}
-
-/// Solves a complex system in its real form.
-pub(crate) fn solve(
-    factor: &Cholesky,
-    rhs: impl Fn(usize) -> Complex<f64>,
-    n: usize,
-) -> Vec<Complex<f64>> {
-    let mut x: Vec<f64> = (0..n).flat_map(|i| [rhs(i).re, rhs(i).im]).collect();
-    factor.solve(&mut x);
-    x.chunks_exact(2)
-        .map(|c| Complex::new(c[0], c[1]))
-        .collect()
-}
-
-/// The same without refinement, for well-conditioned systems.
-pub(crate) fn rough_solution(
-    factor: &Cholesky,
-    rhs: impl Fn(usize) -> Complex<f64>,
-    n: usize,
-) -> Vec<Complex<f64>> {
-    let b: Vec<f64> = (0..n).flat_map(|i| [rhs(i).re, rhs(i).im]).collect();
-    let mut x = vec![0.0; b.len()];
-    factor.precondition(&b, &mut x);
-    x.chunks_exact(2)
-        .map(|c| Complex::new(c[0], c[1]))
-        .collect()
+    let own = (0..).zip(&own).map(|(v, d)| (v, v, Complex::from(*d)));
+    entries.extend(own);
+    SymmetricMatrix::from_triplets(topology.n_vertices(), entries.into_iter())
 }
 
 /// Polar angle at `v` of the tangent direction `along` (with `across` to its left or right),

@@ -8,7 +8,6 @@
 use super::boundary::{Pin, PinnedTo};
 use super::lattice::{Charts, Plane, Transition, rotate, waves};
 use crate::directions::intrinsic::IntrinsicMesh;
-use crate::directions::rosy::{push_block, rough_solution};
 use phex_mesh::{EdgeId, PerVertex, Topology, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 use std::collections::VecDeque;
@@ -224,14 +223,15 @@ impl ChartGraph {
                 *rhs += view.offset * view.weight;
                 if (view.to as usize) < v {
                     let seen = rotate(Plane::new(view.weight, 0.0), view.turn);
-                    push_block(&mut entries, v as u32, view.to, -seen);
+                    entries.push((v as u32, view.to, -seen));
                 }
             }
-            entries.extend([0, 1].map(|k| (2 * v as u32 + k, 2 * v as u32 + k, own)));
+            entries.push((v as u32, v as u32, Plane::new(own, 0.0)));
         }
-        let matrix = SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?;
-        let factor = Cholesky::again(None, &matrix, 2)?;
-        Ok(rough_solution(&factor, |v| rhs[v], n))
+        let matrix = SymmetricMatrix::from_triplets(n, entries.into_iter())?;
+        let mut positions = rhs.clone();
+        Cholesky::new(&matrix)?.precondition(&rhs, &mut positions);
+        Ok(positions)
     }
 
     /// Vertices in groups of a few that are joined, charts of a group agreeing, and how groups see

@@ -9,7 +9,6 @@ use super::chart_graph::ANCHOR;
 use super::lattice::{Charts, Eisenstein, Plane, dot, rotate, waves};
 use super::waves::Projector;
 use crate::directions::intrinsic::IntrinsicMesh;
-use crate::directions::rosy::{push_block, rough_solution};
 use phex_mesh::{EdgeId, PerEdge, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 
@@ -107,12 +106,17 @@ pub(crate) fn solve_offsets(
             rhs[v.index()] += pin.normal * (pin.weight * dot(pin.normal, wanted));
         }
     }
-    let mut position = PerVertex::from_vec(rough_solution(factor, |i| rhs[i], rhs.len()));
+    let reals: Vec<f64> = rhs.iter().flat_map(|z| [z.re, z.im]).collect();
+    let mut solution = vec![0.0; reals.len()];
+    factor.precondition(&reals, &mut solution);
+    let position = solution.chunks_exact(2).map(|z| Plane::new(z[0], z[1]));
+    let mut position = PerVertex::from_vec(position.collect());
     translate(topology, mesh, charts, near, &mut position);
     position
 }
 
-/// The system of [`solve_offsets`], factorised.
+/// The system of [`solve_offsets`], factorised in its real form: pins hold one direction only, which
+/// is no product of complex numbers.
 ///
 /// # Errors
 /// If it is singular to rounding.
@@ -149,6 +153,19 @@ pub(crate) fn factorised(
     }
     let matrix = SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?;
     Cholesky::again(None, &matrix, 2)
+}
+
+/// Adds the real 2 x 2 form of the complex entry `(r, c)` of a Hermitian matrix, in the lower
+/// triangle.
+fn push_block(entries: &mut Vec<(u32, u32, f64)>, r: u32, c: u32, value: Plane) {
+    let (r, c, z) = match r > c {
+        true => (r, c, value),
+        false => (c, r, value.conj()),
+    };
+    entries.push((2 * r, 2 * c, z.re));
+    entries.push((2 * r, 2 * c + 1, -z.im));
+    entries.push((2 * r + 1, 2 * c, z.im));
+    entries.push((2 * r + 1, 2 * c + 1, z.re));
 }
 
 /// Turns that take each chart to that of the first vertex, where no loop turns: then a common

@@ -6,13 +6,13 @@
 //! neighbourhoods of them, until it has none: in a flat connection the smoothest field is parallel,
 //! so that ends. Weights are lowered too while the field turns round a hole or a handle.
 
-use super::super::intrinsic::{IntrinsicMesh, row};
-use super::super::rosy::{push_block, solve};
+use super::super::intrinsic::IntrinsicMesh;
+use super::super::rosy::connection_laplacian;
 use super::NetworkError;
 use super::flat::flat_transport;
 use nalgebra::Complex;
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
-use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use phex_numeric::{Cholesky, NumericError};
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -218,8 +218,10 @@ impl CrossSmoothing<'_> {
             })
             .collect();
         let diagonal = |v: VertexId| mass[v] * (weights[v] + TIE_BREAK);
-        let matrix = connection_matrix(topology, self.mesh, self.transport, diagonal)?;
-        let z = solve(&Cholesky::new(&matrix)?, |i| source[i], source.len());
+        let transport = |e| N * self.transport[e];
+        let matrix = connection_laplacian(topology, self.mesh, transport, 1.0, diagonal)?;
+        let mut z = source;
+        Cholesky::new(&matrix)?.solve(&mut z);
         Ok(PerVertex::from_vec(z.iter().map(|z| z.arg() / N).collect()))
     }
 
@@ -257,31 +259,6 @@ fn incident(topology: &Topology, v: VertexId) -> Vec<(EdgeId, VertexId)> {
         }
     }
     list
-}
-
-/// Real form of the connection Laplacian of fourth powers plus a diagonal.
-fn connection_matrix(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    transport: &PerEdge<f64>,
-    diagonal: impl Fn(VertexId) -> f64,
-) -> Result<SymmetricMatrix, NumericError> {
-    let n = topology.n_vertices();
-    let mut own: Vec<f64> = topology.vertices().map(diagonal).collect();
-    let mut entries = Vec::with_capacity(4 * topology.n_edges() + 2 * n);
-    for e in topology.edges() {
-        let [i, j] = topology.edge_vertices(e);
-        let w = mesh.weight[e];
-        own[i.index()] += w;
-        own[j.index()] += w;
-        let turned = Complex::from_polar(w, N * transport[e]);
-        push_block(&mut entries, row(j), row(i), -turned);
-    }
-    for (v, d) in own.iter().enumerate() {
-        entries.push((2 * v as u32, 2 * v as u32, *d));
-        entries.push((2 * v as u32 + 1, 2 * v as u32 + 1, *d));
-    }
-    SymmetricMatrix::from_triplets(2 * n, entries.into_iter())
 }
 
 struct CrossField<'a> {
