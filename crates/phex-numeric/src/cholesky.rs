@@ -36,7 +36,7 @@ pub struct Cholesky<T = f64> {
     factorisations: usize,
 }
 
-impl<T: Scalar> Cholesky<T> {
+impl<T: Scalar<Real = f64>> Cholesky<T> {
     /// Analyses and factorises `matrix`.
     ///
     /// ```
@@ -243,7 +243,7 @@ impl<T: Scalar> Cholesky<T> {
     }
 }
 
-impl<T: Scalar> std::fmt::Debug for Cholesky<T> {
+impl<T: Scalar<Real = f64>> std::fmt::Debug for Cholesky<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Cholesky")
             .field("dimension", &self.dimension())
@@ -253,7 +253,7 @@ impl<T: Scalar> std::fmt::Debug for Cholesky<T> {
     }
 }
 
-fn max_abs<T: Scalar>(values: &[T]) -> f64 {
+fn max_abs<T: Scalar<Real = f64>>(values: &[T]) -> f64 {
     // `f64::max` would drop a NaN.
     let larger = |m: f64, v: f64| if v > m || v.is_nan() { v } else { m };
     values.iter().map(|v| v.abs()).fold(0.0, larger)

@@ -1,8 +1,10 @@
-//! Conjugate gradients for `A x = b` with `A` positive definite, with the Jacobi or any other
-//! preconditioner, in single or double precision.
+//! Conjugate gradients for `A x = b` with `A` symmetric or Hermitian and positive definite, with the
+//! Jacobi or any other preconditioner, in single or double precision.
 
 use crate::outcome::Status;
-use num_traits::Float;
+use crate::symmetric::Scalar;
+use faer::traits::ext::ComplexFieldExt;
+use num_traits::{Float, One, ToPrimitive, Zero};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,19 +56,24 @@ pub struct ConjugateGradientResult {
 ///
 /// # Panics
 /// If the lengths differ.
-pub fn conjugate_gradients<T: Float>(
+pub fn conjugate_gradients<T: Scalar>(
     apply: impl FnMut(&[T], &mut [T]),
-    diagonal: &[T],
+    diagonal: &[T::Real],
     b: &[T],
     x: &mut [T],
     options: &ConjugateGradientOptions,
 ) -> ConjugateGradientResult {
     assert_eq!(diagonal.len(), b.len(), "equal lengths");
-    let inverse = |d: &T| if *d > T::zero() { d.recip() } else { T::one() };
-    let inverse: Vec<T> = diagonal.iter().map(inverse).collect();
+    let inverse = |d: &T::Real| match *d > Zero::zero() {
+        true => Float::recip(*d),
+        false => One::one(),
+    };
+    let inverse: Vec<T::Real> = diagonal.iter().map(inverse).collect();
     let jacobi = |r: &[T], z: &mut [T]| {
         let pairs = r.iter().zip(&inverse);
-        z.iter_mut().zip(pairs).for_each(|(z, (r, i))| *z = *r * *i);
+        z.iter_mut()
+            .zip(pairs)
+            .for_each(|(z, (r, i))| *z = r.mul_real(*i));
     };
     preconditioned_conjugate_gradients(apply, jacobi, b, x, options)
 }
@@ -76,7 +83,7 @@ pub fn conjugate_gradients<T: Float>(
 ///
 /// # Panics
 /// If the lengths differ.
-pub fn preconditioned_conjugate_gradients<T: Float>(
+pub fn preconditioned_conjugate_gradients<T: Scalar>(
     mut apply: impl FnMut(&[T], &mut [T]),
     precondition: impl Fn(&[T], &mut [T]),
     b: &[T],
@@ -104,7 +111,7 @@ pub fn preconditioned_conjugate_gradients<T: Float>(
         }
         apply(&direction, &mut product);
         let curvature = dot(&direction, &product);
-        if curvature.is_nan() || curvature <= T::zero() {
+        if curvature.is_nan() || curvature <= Zero::zero() {
             return result(Status::NumericalBreakdown, iteration, &residual);
         }
         let alpha = rz / curvature;
@@ -117,7 +124,7 @@ pub fn preconditioned_conjugate_gradients<T: Float>(
         direction
             .iter_mut()
             .zip(&z)
-            .for_each(|(p, z)| *p = *z + beta * *p);
+            .for_each(|(p, z)| *p = *z + p.mul_real(beta));
     }
     let solved = norm(&residual) <= goal;
     let status = if solved {
@@ -131,27 +138,32 @@ pub fn preconditioned_conjugate_gradients<T: Float>(
 /// Sums that run side by side in [`dot`].
 const LANES: usize = 8;
 
-/// Scalar product; several sums side by side, so that none waits for the one before.
-pub(crate) fn dot<T: Float>(a: &[T], b: &[T]) -> T {
-    let mut sums = [T::zero(); LANES];
+/// Real part of the scalar product; several sums side by side, so that none waits for the one
+/// before.
+pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T::Real {
+    let product = |a: &T, b: &T| (a.conj() * *b).real();
+    let mut sums = [<T::Real as Zero>::zero(); LANES];
     let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
     let rest = a.remainder().iter().zip(b.remainder());
-    let rest = rest.fold(T::zero(), |sum, (a, b)| sum + *a * *b);
+    let rest = rest.fold(<T::Real as Zero>::zero(), |sum, (a, b)| sum + product(a, b));
     for (a, b) in a.zip(b) {
         for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum = *sum + *a * *b;
+            *sum = *sum + product(a, b);
         }
     }
-    sums.iter().fold(T::zero(), |sum, s| sum + *s) + rest
+    sums.iter()
+        .fold(<T::Real as Zero>::zero(), |sum, s| sum + *s)
+        + rest
 }
 
 /// Euclidean norm.
-fn norm<T: Float>(a: &[T]) -> f64 {
-    dot(a, a).sqrt().to_f64().unwrap_or(f64::NAN)
+fn norm<T: Scalar>(a: &[T]) -> f64 {
+    Float::sqrt(dot(a, a)).to_f64().unwrap_or(f64::NAN)
 }
 
-pub(crate) fn add_scaled<T: Float>(y: &mut [T], factor: T, x: &[T]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y = *y + factor * *x);
+pub(crate) fn add_scaled<T: Scalar>(y: &mut [T], factor: T::Real, x: &[T]) {
+    let pairs = y.iter_mut().zip(x);
+    pairs.for_each(|(y, x)| *y += x.mul_real(factor));
 }
 
 #[cfg(test)]

@@ -4,13 +4,13 @@
 use crate::NumericError;
 use faer::traits::ComplexField;
 use faer::traits::ext::ComplexFieldExt;
-use num_traits::NumAssign;
+use num_traits::{Float, NumAssign};
 use std::sync::Arc;
 
-/// Entries of matrices: `f64`, or `Complex<f64>`.
-pub trait Scalar: ComplexField<Real = f64> + NumAssign + Copy {}
+/// Entries of matrices and vectors: real or complex numbers.
+pub trait Scalar: ComplexField<Real: Float> + NumAssign + Copy {}
 
-impl<T: ComplexField<Real = f64> + NumAssign + Copy> Scalar for T {}
+impl<T: ComplexField<Real: Float> + NumAssign + Copy> Scalar for T {}
 
 /// Where the entries of a sparse symmetric matrix stand: compressed columns of the lower triangle,
 /// rows ascending, every diagonal entry present.
@@ -103,7 +103,7 @@ pub struct SymmetricMatrix<T = f64> {
     values: Vec<T>,
 }
 
-impl<T: Scalar> SymmetricMatrix<T> {
+impl<T: Scalar<Real = f64>> SymmetricMatrix<T> {
     /// The matrix of dimension `n` whose lower triangle is the sum of `(row, column, value)`
     /// triplets.
     ///

@@ -7,7 +7,9 @@ use super::{DirectionOptions, boundary, mirrors};
 use crate::curvature::Principal;
 use nalgebra::{Complex, Matrix3};
 use phex_mesh::{EdgeId, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
-use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use phex_numeric::{
+    Cholesky, ConjugateGradientOptions, NumericError, SymmetricMatrix, conjugate_gradients,
+};
 use std::collections::BTreeMap;
 
 /// Symmetry of the field.
@@ -15,6 +17,10 @@ const N: f64 = 6.0;
 /// Diffusion time of the polish, in squared lattice spacings, and its steps.
 const POLISH_TIME: f64 = 0.3;
 const POLISH_STEPS: usize = 3;
+const POLISHED: ConjugateGradientOptions = ConjugateGradientOptions {
+    tolerance: 1e-6,
+    max_iterations: 200,
+};
 /// Weight of the fixed direction that decides where nothing else does.
 const TIE_BREAK: f64 = 1e-4;
 
@@ -80,10 +86,12 @@ pub(crate) fn field(
     };
     let smooth = Cholesky::again(factor.take(), &stiffness(1.0, 0.0)?, 1)?;
     let mut u = source.clone();
-    smooth.solve(&mut u);
+    smooth.precondition(&source, &mut u);
     let meeting = classes_at_axes(topology, mesh, &u, &mirrored);
     draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
-    let polish = Cholesky::again(Some(smooth), &stiffness(POLISH_TIME, 1.0)?, 1)?;
+    *factor = Some(smooth);
+    let polish = stiffness(POLISH_TIME, 1.0)?;
+    let diagonal: Vec<f64> = polish.diagonal().collect();
     let steps = match mirrored.iter().any(Option::is_some) {
         true => MIRROR_STEPS,
         false => POLISH_STEPS,
@@ -93,11 +101,11 @@ pub(crate) fn field(
         let right = (u.iter().zip(wished))
             .map(|(z, (s, mass))| z * (mass / (z.norm() + 1e-12)) + s * POLISH_TIME);
         let right: Vec<Complex<f64>> = right.collect();
-        polish.precondition(&right, &mut u);
+        let apply = |x: &[Complex<f64>], y: &mut [Complex<f64>]| polish.mul(x, y);
+        conjugate_gradients(apply, &diagonal, &right, &mut u, &POLISHED);
         source.copy_from_slice(&free);
         draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
     }
-    *factor = Some(polish);
     Ok(SixFoldField {
         angle: PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()),
         wish: PerVertex::from_vec(source),
