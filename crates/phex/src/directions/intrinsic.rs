@@ -45,6 +45,14 @@ impl IntrinsicMesh {
         0.375 * self.area[f].sqrt()
     }
 
+    /// Multiplies all lengths by a `factor`; angles and weights stay as they are.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        let area = factor.powi(2);
+        self.length.iter_mut().for_each(|l| *l *= factor);
+        self.area.iter_mut().for_each(|a| *a *= area);
+        self.mass.iter_mut().for_each(|m| *m *= area);
+    }
+
     /// Measures the edges of `surface` in the tensors `metric`.
     pub fn new(surface: &TriangleSurface, metric: &PerVertex<Matrix3<f64>>) -> Self {
         let topology = surface.topology();

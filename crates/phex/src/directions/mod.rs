@@ -136,6 +136,13 @@ impl Directions {
         self
     }
 
+    /// Lattice spacings longer by a `factor` > 0, along the same directions.
+    pub(crate) fn lengthen(&mut self, factor: f64) {
+        let area = factor.powi(-2);
+        self.metric.iter_mut().for_each(|m| *m *= area);
+        self.intrinsic.scale(1.0 / factor);
+    }
+
     /// Angle, radians, by which the field turns along an edge beyond its whole turns.
     pub fn rest(&self, topology: &Topology, e: EdgeId) -> f64 {
         let [i, j] = topology.edge_vertices(e);

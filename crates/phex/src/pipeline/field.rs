@@ -52,13 +52,13 @@ impl Field {
             ground.known.at(smooth, level, panels, options)
         })?;
         let (curvature, mut length) = (sized.curvature, sized.length);
-        let (directions, placed) = counted_lattice(panels, |ratio| {
-            length.iter_mut().for_each(|l| *l *= ratio.sqrt());
-            let directions = clock.stage("directions", || {
-                directions::directions_sized(surface, &curvature, &length, settings, progress)
-            })??;
-            with_seeds(surface.topology(), directions, &options.layout, clock)
-        })?;
+        let mut directions = clock.stage("directions", || {
+            directions::directions_sized(surface, &curvature, &length, settings, progress)
+        })??;
+        let topology = surface.topology();
+        let (ratio, placed) =
+            counted_lattice(topology, &mut directions, panels, &options.layout, clock)?;
+        length.iter_mut().for_each(|l| *l *= ratio);
         Ok(Self {
             level,
             curvature,
@@ -140,43 +140,37 @@ pub(super) fn finer_ground(
     Ok(finest.map(|smooth| (ground.with_smooth(smooth), level)))
 }
 
-/// A lattice: its directions and its seeds.
-pub(super) type Lattice = (Directions, Placed);
-
-/// The lattice whose number of panels is nearest to what is asked for, of a few. `lattice` is told
-/// by which factor the last one had too many panels, 1 at first.
+/// The lattice whose number of panels is nearest to what is asked for, of a few along the same
+/// directions: by how much its panels are longer than those that the directions were made for, and
+/// its seeds. The directions are scaled with it.
 pub(super) fn counted_lattice(
+    topology: &Topology,
+    directions: &mut Directions,
     panels: usize,
-    mut lattice: impl FnMut(f64) -> Result<Lattice, PipelineError>,
-) -> Result<Lattice, PipelineError> {
-    let mut best: Option<(f64, Lattice)> = None;
-    let mut ratio = 1.0;
+    options: &LayoutOptions,
+    clock: &mut Clock<'_>,
+) -> Result<(f64, Placed), PipelineError> {
+    let progress = clock.progress;
+    let mut best: Option<(f64, f64, Placed)> = None;
+    let mut longer = 1.0;
     for _ in 0..COUNT_TRIES {
-        let found = lattice(ratio)?;
-        ratio = found.1.seeds.len().max(1) as f64 / panels as f64;
+        let placed = clock.stage("layout", || {
+            layout::place_seeds(topology, directions, options, progress)
+        })??;
+        let ratio = placed.seeds.len().max(1) as f64 / panels as f64;
         let error = ratio.ln().abs();
         if best.as_ref().is_none_or(|b| error < b.0) {
-            best = Some((error, found));
+            best = Some((error, longer, placed));
         }
         if error < COUNT_TOLERANCE {
             break;
         }
+        directions.lengthen(ratio.sqrt());
+        longer *= ratio.sqrt();
     }
-    Ok(best.expect("at least one lattice is tried").1)
-}
-
-/// Directions with the seeds of their lattice.
-pub(super) fn with_seeds(
-    topology: &Topology,
-    directions: Directions,
-    options: &LayoutOptions,
-    clock: &mut Clock<'_>,
-) -> Result<Lattice, PipelineError> {
-    let progress = clock.progress;
-    let placed = clock.stage("layout", || {
-        layout::place_seeds(topology, &directions, options, progress)
-    })??;
-    Ok((directions, placed))
+    let (_, kept, placed) = best.expect("at least one lattice is tried");
+    directions.lengthen(kept / longer);
+    Ok((kept, placed))
 }
 
 /// How far a lattice may follow the curvature, and whether its panels may change their size so far

@@ -8,7 +8,7 @@ use crate::directions::{self, cones, saddle};
 use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, resolved};
 use crate::layout::lattice::CELL;
 use crate::pipeline::domain::Ground;
-use crate::pipeline::field::{Field, allow_sizes, counted_lattice, direction_options, with_seeds};
+use crate::pipeline::field::{Field, allow_sizes, counted_lattice, direction_options};
 use crate::pipeline::sized::panel_length;
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError};
 use crate::smooth_surface::SmoothTarget;
@@ -131,15 +131,13 @@ impl<'a> CurvedGround<'a> {
             options.directions.saddle_alignment,
         );
         let area: f64 = IntrinsicMesh::new(self.surface, &metric).area.iter().sum();
-        scale(&mut metric, CELL * ground.panels as f64 / area);
-        let (directions, placed) = counted_lattice(ground.panels, |ratio| {
-            scale(&mut metric, 1.0 / ratio);
-            let directions = clock.stage("directions", || {
-                let metric = metric.clone();
-                directions::in_metric(self.surface, metric, &wished, &weight, &settings, progress)
-            })??;
-            with_seeds(self.surface.topology(), directions, &options.layout, clock)
-        })?;
+        let scale = CELL * ground.panels as f64 / area;
+        metric.iter_mut().for_each(|m| *m *= scale);
+        let mut directions = clock.stage("directions", || {
+            directions::in_metric(self.surface, metric, &wished, &weight, &settings, progress)
+        })??;
+        let (topology, layout) = (self.surface.topology(), &options.layout);
+        let (_, placed) = counted_lattice(topology, &mut directions, ground.panels, layout, clock)?;
         Ok(Field {
             level: self.level,
             curvature: self.curvature.clone(),
@@ -159,8 +157,3 @@ impl<'a> CurvedGround<'a> {
 const CLASSICAL_SCREENING: f64 = 0.5;
 /// Weight of the alignment where `K < 0`.
 const SADDLE_ALIGNMENT: f64 = 20.0;
-
-/// Scales all areas of a metric.
-fn scale(metric: &mut PerVertex<Matrix3<f64>>, factor: f64) {
-    metric.iter_mut().for_each(|m| *m *= factor);
-}
