@@ -45,7 +45,7 @@ impl<T: Scalar<Real = f64>> Cholesky<T> {
     /// # let matrix = SymmetricMatrix::from_triplets(2, entries.into_iter())?;
     /// use phex_numeric::Cholesky;
     ///
-    /// let mut x = [6.0, 7.0];
+    /// let mut x: [f64; 2] = [6.0, 7.0];
     /// Cholesky::new(&matrix)?.solve(&mut x);
     /// assert!((x[0] - 1.0).abs() < 1e-15 && (x[1] - 2.0).abs() < 1e-15);
     /// # Ok::<(), phex_numeric::NumericError>(())
@@ -335,6 +335,8 @@ fn quotient(pattern: &Pattern, block: usize) -> Pattern {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{ConjugateGradientOptions, conjugate_gradients};
+    use faer::c64;
     use proptest::prelude::*;
 
     /// Dense Gaussian elimination, the other method.
@@ -397,6 +399,54 @@ mod tests {
                 prop_assert!((x[i] - expected[i]).abs() < 1e-13);
                 prop_assert!((many[2][i] - expected[i]).abs() < 1e-13);
             }
+        }
+    }
+
+    /// `[[a, -b], [b, a]]` for each entry `a + b i`.
+    fn real_form(matrix: &[(u32, u32, c64)], n: usize) -> Vec<Vec<f64>> {
+        let mut dense = vec![vec![0.0; 2 * n]; 2 * n];
+        for &(row, column, z) in matrix {
+            for (row, column, z) in [(row, column, z), (column, row, z.conj())] {
+                let (r, c) = (2 * row as usize, 2 * column as usize);
+                (dense[r][c], dense[r][c + 1]) = (z.re, -z.im);
+                (dense[r + 1][c], dense[r + 1][c + 1]) = (z.im, z.re);
+            }
+        }
+        dense
+    }
+
+    #[test]
+    fn a_hermitian_matrix_agrees_with_its_real_form() {
+        let n = 40;
+        let link = |i: u32, j: u32| {
+            let angle = f64::from(3 * i + 7 * j);
+            (i, j, c64::from_polar(1.0, angle))
+        };
+        let chain = (1..n as u32).map(|i| link(i, i - 1));
+        let across = (5..n as u32).map(|i| link(i, i / 3));
+        let own = (0..n as u32).map(|i| (i, i, c64::from(40.0 + f64::from(i))));
+        let entries: Vec<_> = chain.chain(across).chain(own).collect();
+        let matrix = SymmetricMatrix::from_triplets(n, entries.iter().copied()).unwrap();
+        let right = |k: usize| c64::new((k as f64).sin(), (2.0 * k as f64).cos());
+        let b: Vec<c64> = (0..n).map(right).collect();
+        let reals = |z: &[c64]| z.iter().flat_map(|z| [z.re, z.im]).collect();
+        let expected = dense_solve(real_form(&entries, n), reals(&b));
+        let cholesky = Cholesky::new(&matrix).unwrap();
+        let (mut solved, mut rough) = (b.clone(), b.clone());
+        cholesky.solve(&mut solved);
+        cholesky.precondition(&b, &mut rough);
+        let diagonal: Vec<f64> = matrix.diagonal().collect();
+        let mut iterated = vec![c64::new(0.0, 0.0); n];
+        let options = ConjugateGradientOptions {
+            tolerance: 1e-14,
+            max_iterations: 200,
+        };
+        let apply = |x: &[c64], y: &mut [c64]| matrix.mul(x, y);
+        conjugate_gradients(apply, &diagonal, &b, &mut iterated, &options);
+        for found in [solved, rough, iterated] {
+            let found: Vec<f64> = reals(&found);
+            let near = |(x, e): (&f64, &f64)| (x - e).abs() < 1e-14;
+            assert!(found.iter().zip(&expected).all(near));
         }
     }
 

@@ -7,7 +7,7 @@
 //! lattice is computed, that of the refined surface on which cells are drawn, and the lattice's
 //! own: two unknowns for each vertex, turned against each other by the charts.
 
-use super::seamless;
+use super::seamless::OffsetSystem;
 use super::{CELL, CellSurface, calmed, lattice::Charts, panelling, place_seeds};
 use crate::curvature::curvature;
 use crate::directions::IntrinsicMesh;
@@ -56,12 +56,7 @@ fn layout_time() -> Result<(), Box<dyn Error>> {
     let free = PerVertex::filled(coarse.positions().len(), None);
     let (t_factor_lattice, _) = timed(|| {
         let mesh = &field.intrinsic;
-        Ok(seamless::factorised(
-            coarse.topology(),
-            mesh,
-            &charts,
-            &free,
-        )?)
+        Ok(OffsetSystem::new(coarse.topology(), mesh, &charts, &free)?)
     })?;
     let (t_lattice, placed) = timed(|| {
         Ok(place_seeds(

@@ -8,8 +8,8 @@ use super::boundary::Pin;
 use super::chart_graph::ANCHOR;
 use super::lattice::{Charts, Eisenstein, Plane, dot, rotate, waves};
 use super::waves::Projector;
-use crate::directions::intrinsic::IntrinsicMesh;
-use phex_mesh::{EdgeId, PerEdge, PerVertex, Topology};
+use crate::directions::intrinsic::{IntrinsicMesh, row};
+use phex_mesh::{EdgeId, PerEdge, PerVertex, Topology, VertexId};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 
 /// Lattice offsets and the integer jumps between them.
@@ -80,92 +80,133 @@ impl Offsets {
     }
 }
 
-/// Lattice offsets that fit the edges best with given jumps, and the pins; nearest to `near` where
-/// that leaves them free. `factor` is that of [`factorised`] with the same charts and pins.
-pub(crate) fn solve_offsets(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
-    jump: &PerEdge<Eisenstein>,
-    pins: &PerVertex<Option<Pin>>,
-    near: &PerVertex<Plane>,
-    factor: &Cholesky,
-) -> PerVertex<Plane> {
-    let held = near.iter().zip(&mesh.mass);
-    let mut rhs: Vec<Plane> = held.map(|(z, m)| z * (ANCHOR * m)).collect();
-    for e in topology.edges() {
-        let [i, j] = topology.edge_vertices(e).map(|v| v.index());
-        let t = charts.edge(e);
-        let c = (t.offset - jump[e].to_plane()) * mesh.weight[e];
-        rhs[i] += c;
-        rhs[j] -= rotate(c, (6 - t.turn) % 6);
+/// The system whose solution are lattice offsets that fit the edges and the pins best, whatever the
+/// jumps are.
+pub(crate) struct OffsetSystem<'a> {
+    topology: &'a Topology,
+    mesh: &'a IntrinsicMesh,
+    charts: &'a Charts,
+    pins: &'a PerVertex<Option<Pin>>,
+    factor: Factor,
+}
+
+enum Factor {
+    Free(Cholesky<Plane>),
+    /// The real form: pins hold one direction alone, which is no product of complex numbers.
+    Pinned(Cholesky),
+}
+
+impl<'a> OffsetSystem<'a> {
+    /// # Errors
+    /// If it is singular to rounding.
+    pub fn new(
+        topology: &'a Topology,
+        mesh: &'a IntrinsicMesh,
+        charts: &'a Charts,
+        pins: &'a PerVertex<Option<Pin>>,
+    ) -> Result<Self, NumericError> {
+        let mut own: Vec<f64> = mesh.mass.iter().map(|m| ANCHOR * m).collect();
+        let mut entries = Vec::with_capacity(topology.n_edges() + own.len());
+        for e in topology.edges() {
+            let [i, j] = topology.edge_vertices(e).map(row);
+            let (w, turn) = (mesh.weight[e], charts.edge(e).turn);
+            own[i as usize] += w;
+            own[j as usize] += w;
+            let seen = -rotate(Plane::new(w, 0.0), turn);
+            // Only the lower triangle is stored.
+            entries.push(match i > j {
+                true => (i, j, seen),
+                false => (j, i, seen.conj()),
+            });
+        }
+        let own = (0..).zip(own).map(|(v, d)| (v, v, Plane::from(d)));
+        entries.extend(own);
+        let factor = match pins.iter().any(Option::is_some) {
+            true => Factor::Pinned(pinned(&entries, pins)?),
+            false => {
+                let matrix = SymmetricMatrix::from_triplets(pins.len(), entries.into_iter())?;
+                Factor::Free(Cholesky::new(&matrix)?)
+            }
+        };
+        Ok(Self {
+            topology,
+            mesh,
+            charts,
+            pins,
+            factor,
+        })
     }
-    for (v, pin) in pins.enumerate() {
-        if let Some(pin) = pin {
-            let wanted = near[v] + pin.correction(near[v]);
-            rhs[v.index()] += pin.normal * (pin.weight * dot(pin.normal, wanted));
+
+    /// The offsets for given jumps; nearest to `near` where jumps and pins leave them free.
+    pub fn solve(&self, jump: &PerEdge<Eisenstein>, near: &PerVertex<Plane>) -> PerVertex<Plane> {
+        let (topology, mesh) = (self.topology, self.mesh);
+        let held = near.iter().zip(&mesh.mass);
+        let mut rhs: Vec<Plane> = held.map(|(z, m)| z * (ANCHOR * m)).collect();
+        for e in topology.edges() {
+            let [i, j] = topology.edge_vertices(e).map(|v| v.index());
+            let t = self.charts.edge(e);
+            let c = (t.offset - jump[e].to_plane()) * mesh.weight[e];
+            rhs[i] += c;
+            rhs[j] -= rotate(c, (6 - t.turn) % 6);
+        }
+        for (v, pin) in self.pins.enumerate() {
+            if let Some(pin) = pin {
+                let wanted = near[v] + pin.correction(near[v]);
+                rhs[v.index()] += pin.normal * (pin.weight * dot(pin.normal, wanted));
+            }
+        }
+        let mut position = PerVertex::from_vec(self.factor.solution(rhs));
+        translate(topology, mesh, self.charts, near, &mut position);
+        position
+    }
+}
+
+impl Factor {
+    fn solution(&self, rhs: Vec<Plane>) -> Vec<Plane> {
+        match self {
+            Self::Free(factor) => {
+                let mut solution = rhs.clone();
+                factor.precondition(&rhs, &mut solution);
+                solution
+            }
+            Self::Pinned(factor) => {
+                let rhs: Vec<f64> = rhs.iter().flat_map(|z| [z.re, z.im]).collect();
+                let mut solution = rhs.clone();
+                factor.precondition(&rhs, &mut solution);
+                let pairs = solution.chunks_exact(2);
+                pairs.map(|z| Plane::new(z[0], z[1])).collect()
+            }
         }
     }
-    let reals: Vec<f64> = rhs.iter().flat_map(|z| [z.re, z.im]).collect();
-    let mut solution = vec![0.0; reals.len()];
-    factor.precondition(&reals, &mut solution);
-    let position = solution.chunks_exact(2).map(|z| Plane::new(z[0], z[1]));
-    let mut position = PerVertex::from_vec(position.collect());
-    translate(topology, mesh, charts, near, &mut position);
-    position
 }
 
-/// The system of [`solve_offsets`], factorised in its real form: pins hold one direction only, which
-/// is no product of complex numbers.
-///
-/// # Errors
-/// If it is singular to rounding.
-pub(crate) fn factorised(
-    topology: &Topology,
-    mesh: &IntrinsicMesh,
-    charts: &Charts,
+/// The factor of a Hermitian matrix in its real form, pins added.
+fn pinned(
+    entries: &[(u32, u32, Plane)],
     pins: &PerVertex<Option<Pin>>,
 ) -> Result<Cholesky, NumericError> {
-    let n = topology.n_vertices();
-    let mut own: Vec<f64> = mesh.mass.iter().map(|m| ANCHOR * m).collect();
-    let mut entries = Vec::with_capacity(4 * topology.n_edges() + 2 * n);
-    for e in topology.edges() {
-        let ([i, j], w, t) = (
-            topology.edge_vertices(e).map(|v| v.index()),
-            mesh.weight[e],
-            charts.edge(e),
-        );
-        own[i] += w;
-        own[j] += w;
-        push_block(
-            &mut entries,
-            i as u32,
-            j as u32,
-            -rotate(Plane::new(w, 0.0), t.turn),
-        );
-    }
-    for (v, d) in own.iter().enumerate() {
-        entries.push((2 * v as u32, 2 * v as u32, *d));
-        entries.push((2 * v as u32 + 1, 2 * v as u32 + 1, *d));
-    }
-    for (v, pin) in pins.enumerate() {
-        push_pin(&mut entries, v.index() as u32, pin.as_ref());
-    }
-    let matrix = SymmetricMatrix::from_triplets(2 * n, entries.into_iter())?;
-    Cholesky::again(None, &matrix, 2)
-}
-
-/// Adds the real 2 x 2 form of the complex entry `(r, c)` of a Hermitian matrix, in the lower
-/// triangle.
-fn push_block(entries: &mut Vec<(u32, u32, f64)>, r: u32, c: u32, value: Plane) {
-    let (r, c, z) = match r > c {
-        true => (r, c, value),
-        false => (c, r, value.conj()),
+    let block = |&(r, c, z): &(u32, u32, Plane)| {
+        [
+            (2 * r, 2 * c, z.re),
+            (2 * r, 2 * c + 1, -z.im),
+            (2 * r + 1, 2 * c, z.im),
+            (2 * r + 1, 2 * c + 1, z.re),
+        ]
     };
-    entries.push((2 * r, 2 * c, z.re));
-    entries.push((2 * r, 2 * c + 1, -z.im));
-    entries.push((2 * r + 1, 2 * c, z.im));
-    entries.push((2 * r + 1, 2 * c + 1, z.re));
+    // `w <n, z - z0>^2`, or its place.
+    let pin = |(v, pin): (VertexId, &Option<Pin>)| {
+        let (n, w) = pin.map_or((Plane::default(), 0.0), |p| (p.normal, p.weight));
+        let v = row(v);
+        [
+            (2 * v, 2 * v, w * n.re * n.re),
+            (2 * v + 1, 2 * v, w * n.re * n.im),
+            (2 * v + 1, 2 * v + 1, w * n.im * n.im),
+        ]
+    };
+    let blocks = entries.iter().flat_map(block);
+    let all = blocks.chain(pins.enumerate().flat_map(pin));
+    let matrix = SymmetricMatrix::from_triplets(2 * pins.len(), all)?;
+    Cholesky::again(None, &matrix, 2)
 }
 
 /// Turns that take each chart to that of the first vertex, where no loop turns: then a common
@@ -224,12 +265,4 @@ pub(super) fn translate(
     for (v, &t) in turn.enumerate() {
         position[v] += rotate(shift, (6 - t) % 6);
     }
-}
-
-/// Adds the matrix of `w <n, z - z0>^2`, or its place.
-fn push_pin(entries: &mut Vec<(u32, u32, f64)>, v: u32, pin: Option<&Pin>) {
-    let (n, w) = pin.map_or((Plane::default(), 0.0), |p| (p.normal, p.weight));
-    entries.push((2 * v, 2 * v, w * n.re * n.re));
-    entries.push((2 * v + 1, 2 * v, w * n.re * n.im));
-    entries.push((2 * v + 1, 2 * v + 1, w * n.im * n.im));
 }

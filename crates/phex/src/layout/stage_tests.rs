@@ -2,10 +2,11 @@
 
 use crate::common::{Stages, figures, genus_two, punched_plane, shape, valences};
 use crate::directions::{DirectionOptions, Directions};
+use crate::layout::boundary::{Pin, PinnedTo};
 use crate::layout::clusters::seeds;
 use crate::layout::dislocations::annihilate;
 use crate::layout::lattice::{Charts, Eisenstein, Plane};
-use crate::layout::seamless::{Offsets, factorised, solve_offsets};
+use crate::layout::seamless::{OffsetSystem, Offsets};
 use crate::layout::seeds::Seed;
 use crate::layout::voronoi::{PartCells, UNREACHED, grow};
 use crate::layout::{Layout, LayoutOptions, VertexKind, place_seeds, polish, waves};
@@ -310,13 +311,37 @@ fn the_solve_finds_the_lattice_of_exact_jumps() {
     let mut shift = || random.random_range(-0.3..0.3);
     let start = exact.map(|z| z + Plane::new(shift(), shift()));
     let free = flat.free();
-    let factor = factorised(topology, mesh, &flat.charts, &free).unwrap();
-    let solved = solve_offsets(topology, mesh, &flat.charts, &jump, &free, &start, &factor);
+    let system = OffsetSystem::new(topology, mesh, &flat.charts, &free).unwrap();
+    let solved = system.solve(&jump, &start);
     let translation = solved[VertexId::new(0)] - exact[VertexId::new(0)];
     for v in topology.vertices() {
         assert!((solved[v] - exact[v] - translation).norm() < 5e-3);
     }
     assert!(translation.norm() < 0.1);
+}
+
+/// Pins ask for the real form of the system; one that weighs nothing changes no offset.
+#[test]
+fn the_real_form_agrees_with_the_complex_one() {
+    let flat = flat();
+    let (topology, mesh) = (flat.topology(), &flat.stages.directions.intrinsic);
+    let start = flat.exact(Plane::new(0.2, 0.1));
+    let jump = Offsets::rounded(topology, &flat.charts, start.clone()).jump;
+    let free = flat.free();
+    let mut weightless = free.clone();
+    weightless[VertexId::new(3)] = Some(Pin {
+        wave: 0,
+        normal: Plane::new(0.6, 0.8),
+        weight: 0.0,
+        to: PinnedTo::HalfRow,
+    });
+    let [complex, real] = [&free, &weightless].map(|pins| {
+        let system = OffsetSystem::new(topology, mesh, &flat.charts, pins).unwrap();
+        system.solve(&jump, &start)
+    });
+    for v in topology.vertices() {
+        assert!((complex[v] - real[v]).norm() < 1e-9);
+    }
 }
 
 /// Distances of a front that follows edges only are up to 15 % too long.

@@ -9,12 +9,12 @@ use super::boundary::Pin;
 use super::chart_graph::{ChartGraph, Combing};
 use super::dislocations::{self, Annihilation, annihilate};
 use super::lattice::{Charts, Eisenstein, Plane, dot};
-use super::seamless::{Offsets, factorised, solve_offsets, translate};
+use super::seamless::{OffsetSystem, Offsets, translate};
 use super::{LayoutError, LayoutOptions, unless_cancelled};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::progress::Progress;
 use phex_mesh::{EdgeId, PerVertex, Topology};
-use phex_numeric::{Cholesky, NumericError};
+use phex_numeric::NumericError;
 
 /// Share of the ways that come back at once: the pulls on the others change.
 const BACK: f64 = 0.05;
@@ -39,7 +39,7 @@ pub(super) fn seamless_offsets(
         mesh,
         charts,
         pins,
-        factor: None,
+        system: None,
     };
     loop {
         unless_cancelled(progress)?;
@@ -102,30 +102,22 @@ struct PinnedSolver<'a> {
     mesh: &'a IntrinsicMesh,
     charts: &'a Charts,
     pins: &'a PerVertex<Option<Pin>>,
-    factor: Option<Cholesky>,
+    system: Option<OffsetSystem<'a>>,
 }
 
 impl PinnedSolver<'_> {
     fn solve(&mut self, offsets: &Offsets) -> Result<PerVertex<Plane>, NumericError> {
-        let factor = match self.factor.take() {
-            Some(factor) => factor,
-            None => factorised(self.topology, self.mesh, self.charts, self.pins)?,
+        let (topology, mesh, charts, pins) = (self.topology, self.mesh, self.charts, self.pins);
+        let system = match self.system.take() {
+            Some(system) => system,
+            None => OffsetSystem::new(topology, mesh, charts, pins)?,
         };
-        let solve = |near: &_| {
-            let Self {
-                topology,
-                mesh,
-                charts,
-                pins,
-                ..
-            } = &*self;
-            solve_offsets(topology, mesh, charts, &offsets.jump, pins, near, &factor)
-        };
-        let position = match self.pins.iter().any(Option::is_some) {
+        let solve = |near: &_| system.solve(&offsets.jump, near);
+        let position = match pins.iter().any(Option::is_some) {
             true => solve(&solve(&self.rough_positions(offsets)?)),
             false => solve(&offsets.position),
         };
-        self.factor = Some(factor);
+        self.system = Some(system);
         Ok(position)
     }
 
