@@ -22,20 +22,16 @@ pub(crate) mod cells;
 mod chart_graph;
 pub(crate) mod clusters;
 pub(crate) mod dislocations;
-pub(crate) mod domain;
-pub(crate) mod dual_subdivision;
-pub(crate) mod duality;
 pub(crate) mod flips;
 pub(crate) mod forecast;
 mod fronts;
+pub(crate) mod gauss_lattice;
 pub(crate) mod glide;
 pub(crate) mod halves;
 pub(crate) mod lattice;
 #[cfg(test)]
 mod layout_time;
 pub(crate) mod polish;
-pub(crate) mod power_diagram;
-pub(crate) mod projective_dual;
 pub(crate) mod record;
 pub(crate) mod rim;
 pub(crate) mod seamless;
@@ -43,7 +39,6 @@ pub(crate) mod seeds;
 #[cfg(test)]
 mod stage_tests;
 mod strain;
-pub(crate) mod support_function;
 pub(crate) mod tangent_planes;
 pub(crate) mod voronoi;
 mod wave_operator;
@@ -51,15 +46,11 @@ pub(crate) mod waves;
 
 pub use brick_wall::{BrickWallOptions, BrickWallStatistics};
 pub use dislocations::Annihilation;
-pub use domain::{CurvatureSign, DomainError, LocatedVertex};
-pub use dual_subdivision::{clear_centre_of, clear_quadric, dual_subdivision, one_sign};
-pub use duality::{DualOptions, DualityError, Quadric, SubdivisionRule, dual_mesh};
 pub use lattice::CELL;
-pub use power_diagram::{PowerDiagram, PowerError, PowerSite, goldberg, power_diagram};
-pub use projective_dual::DualDefects;
 pub use record::{Layout, VertexKind, WishedArea};
 pub use seeds::Seed;
 
+use crate::classical::{DomainError, DualityError, PowerError};
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;

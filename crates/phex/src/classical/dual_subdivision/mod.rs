@@ -159,7 +159,7 @@ fn finer_poles(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::power_diagram::goldberg;
+    use crate::classical::power_diagram::goldberg;
     use phex_mesh::measure;
 
     #[test]

@@ -1,6 +1,6 @@
 //! Whether a surface is an ellipsoid, or a piece of one.
 
-use crate::layout::domain::{DomainError, LocatedVertex};
+use crate::classical::domain::{DomainError, LocatedVertex};
 use nalgebra::{DMatrix, Matrix3, Matrix4, SMatrix, SVector, SymmetricEigen, Vector4};
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
 

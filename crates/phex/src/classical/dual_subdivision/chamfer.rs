@@ -43,7 +43,7 @@ pub(crate) fn chamfer(mesh: &HexMesh) -> Result<HexMesh, TopologyError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::power_diagram::goldberg;
+    use crate::classical::power_diagram::goldberg;
 
     #[test]
     fn a_dodecahedron_becomes_the_polyhedron_of_42_faces() {

@@ -4,7 +4,7 @@
 //! area of the spherical triangle of their normals. Where that changes its sign the poles fold
 //! over: planes that rules put between them meet badly or far off, and levels lose planarity.
 
-use crate::layout::domain::{CurvatureSign, DomainError, LocatedVertex};
+use crate::classical::domain::{CurvatureSign, DomainError, LocatedVertex};
 use phex_mesh::{FacePlane, HexMesh, PerFace, Vec3, VertexId};
 
 /// Name in messages.
@@ -73,7 +73,7 @@ fn fan_area(normals: &[Vec3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::power_diagram::goldberg;
+    use crate::classical::power_diagram::goldberg;
 
     #[test]
     fn curvature_of_a_polyhedron_adds_up_to_that_of_the_sphere() {

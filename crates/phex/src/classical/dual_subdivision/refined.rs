@@ -136,8 +136,8 @@ fn place(mesh: &HexMesh, corner: RefinedVertex) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::dual_subdivision::chamfer;
-    use crate::layout::power_diagram::goldberg;
+    use crate::classical::dual_subdivision::chamfer;
+    use crate::classical::power_diagram::goldberg;
 
     #[test]
     fn of_closed_meshes_is_the_chamfer() {

@@ -1,6 +1,6 @@
 //! Whether the Gauss map is one to one.
 
-use crate::layout::domain::LocatedVertex;
+use crate::classical::domain::LocatedVertex;
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::collections::HashMap;

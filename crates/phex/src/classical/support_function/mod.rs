@@ -21,10 +21,8 @@
 //! Guaranteed: planar panels; for `K > 0` convex ones inside. Refused: where `K` changes its sign
 //! or the Gauss map is many-to-one, with two vertices that share a normal.
 
-mod gauss_lattice;
 mod gauss_map;
 
-pub(crate) use gauss_lattice::gauss_lattice;
 pub(crate) use gauss_map::shared_normals;
 
 use super::domain::{CurvatureSign, DomainError, SignedPlaces};

@@ -194,7 +194,7 @@ fn flipped(mesh: &HexMesh, step: impl Fn(&PanelOutlines, &Star) -> FlipStep) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::duality::{dual_mesh, envelope};
+    use crate::classical::duality::{dual_mesh, envelope};
     use phex_mesh::{PerFace, measure};
 
     /// A cube with a corner cut off at a distance from its middle, and the planes of its faces.
