@@ -1,7 +1,7 @@
 //! Clusters of vertices that name the same lattice point, and a seed vertex for each.
 
-use super::lattice::{CELL, Charts};
-use super::seamless::Offsets;
+use super::lattice::eisenstein::{CELL, Charts};
+use super::lattice::seamless::Offsets;
 use super::seeds::{CORE, Seed};
 use super::voronoi::PartCells;
 use crate::directions::intrinsic::IntrinsicMesh;

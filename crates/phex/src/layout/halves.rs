@@ -7,7 +7,7 @@
 //! dislocation climbs by one panel.
 
 use super::glide::Sides;
-use super::lattice::CELL;
+use super::lattice::eisenstein::CELL;
 use super::{Layout, VertexKind, flips, glide};
 use crate::progress::Progress;
 use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, VertexId};

@@ -1,9 +1,10 @@
 //! Layout: connectivity and first positions of the panels.
 //!
-//! 1. `waves`: lattice offsets by diffusion and projection of three waves in the charts of the
-//!    direction field; `polish`: Gauss-Seidel.
-//! 2. `dislocations`: Burgers vectors moved into opposites, cones or the boundary; `seamless`:
-//!    one linear solve for the lattice; vectors come back where it would be strained too much.
+//! 1. `lattice/waves`: lattice offsets by diffusion and projection of three waves in the charts of
+//!    the direction field; `lattice/polish`: Gauss-Seidel.
+//! 2. `lattice/dislocations`: Burgers vectors moved into opposites, cones or the boundary;
+//!    `lattice/seamless`: one linear solve for the lattice; vectors come back where it would be
+//!    strained too much (`lattice/strain`).
 //! 3. `seeds`: one seed vertex per lattice point; `voronoi`: geodesic cells in the metric, on a
 //!    finer mesh.
 //! 4. `cells`: discs whose outlines are the panels; triangles with three labels are vertices, so
@@ -15,38 +16,28 @@
 //! every interior vertex has degree 3, sharp boundary corners are kept as corners of one panel.
 //! Fails, with an error that says so: where panels are so large that cells can't be made discs.
 
-pub(crate) mod boundary;
 pub(crate) mod boundary_nodes;
 pub(crate) mod brick_wall;
 pub(crate) mod cells;
-mod chart_graph;
 pub(crate) mod clusters;
-pub(crate) mod dislocations;
 pub(crate) mod flips;
 pub(crate) mod forecast;
-mod fronts;
-pub(crate) mod gauss_lattice;
 pub(crate) mod glide;
 pub(crate) mod halves;
 pub(crate) mod lattice;
 #[cfg(test)]
 mod layout_time;
-pub(crate) mod polish;
 pub(crate) mod record;
 pub(crate) mod rim;
-pub(crate) mod seamless;
 pub(crate) mod seeds;
 #[cfg(test)]
 mod stage_tests;
-mod strain;
 pub(crate) mod tangent_planes;
 pub(crate) mod voronoi;
-mod wave_operator;
-pub(crate) mod waves;
 
 pub use brick_wall::{BrickWallOptions, BrickWallStatistics};
-pub use dislocations::Annihilation;
-pub use lattice::CELL;
+pub use lattice::dislocations::Annihilation;
+pub use lattice::eisenstein::CELL;
 pub use record::{Layout, VertexKind, WishedArea};
 pub use seeds::Seed;
 
@@ -56,11 +47,12 @@ use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
 use crate::progress::Progress;
 use cells::{CellComplex, Node};
-use lattice::Charts;
+use lattice::eisenstein::Charts;
+use lattice::seamless::Offsets;
+use lattice::{boundary, polish, strain, waves};
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;
-use seamless::Offsets;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use thiserror::Error;
@@ -391,11 +383,7 @@ pub(crate) mod tests {
         let mut faces = Vec::new();
         let mut middle = Vec::new();
         for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
-            let c = Vec3::new(
-                f64::from(i) + 0.5 * f64::from(k),
-                lattice::CELL * f64::from(k),
-                0.0,
-            );
+            let c = Vec3::new(f64::from(i) + 0.5 * f64::from(k), CELL * f64::from(k), 0.0);
             let corner = |m: u32| {
                 let a = std::f64::consts::FRAC_PI_3 * (f64::from(m) + 0.5);
                 c + Vec3::new(a.cos(), a.sin(), 0.0) / 3.0_f64.sqrt()

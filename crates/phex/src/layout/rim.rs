@@ -7,7 +7,7 @@
 //! stays as it is.
 
 use super::CellSurface;
-use super::lattice::CELL;
+use super::lattice::eisenstein::CELL;
 use super::seeds::{CORE, Seed};
 use super::voronoi::{self, Cells, UNREACHED};
 use crate::progress::Progress;

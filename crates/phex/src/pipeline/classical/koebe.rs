@@ -15,7 +15,7 @@ use crate::classical::domain::{
 use crate::classical::support_function;
 use crate::directions::guides::Cone;
 use crate::koebe::{BoundaryCondition, KoebeOptions, koebe};
-use crate::layout::gauss_lattice::gauss_lattice;
+use crate::layout::lattice::gauss_lattice::gauss_lattice;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::offset::fit::{FitError, FitOptions, Fitted, fit_beyond};
 use crate::offset::signs::{EdgeSigns, SIGNED_FAIRNESS};

@@ -6,7 +6,7 @@ use crate::classical::domain::{CurvatureSign, DomainError, SignedPlaces, resolve
 use crate::curvature::{self, Curvature};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::{self, cones, saddle};
-use crate::layout::lattice::CELL;
+use crate::layout::lattice::eisenstein::CELL;
 use crate::pipeline::domain::Ground;
 use crate::pipeline::field::{Field, allow_sizes, counted_lattice, direction_options, with_seeds};
 use crate::pipeline::sized::panel_length;

@@ -3,7 +3,7 @@
 
 use super::boundary::Pin;
 use super::chart_graph::for_each_view;
-use super::lattice::{Charts, Eisenstein, Plane, Transition};
+use super::eisenstein::{Charts, Eisenstein, Plane, Transition};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology, VertexId};
 

@@ -8,10 +8,10 @@
 use super::boundary::Pin;
 use super::chart_graph::{ChartGraph, Combing};
 use super::dislocations::{self, Annihilation, annihilate};
-use super::lattice::{Charts, Eisenstein, Plane, dot};
+use super::eisenstein::{Charts, Eisenstein, Plane, dot};
 use super::seamless::{Offsets, factorised, solve_offsets, translate};
-use super::{LayoutError, LayoutOptions, unless_cancelled};
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::layout::{LayoutError, LayoutOptions, unless_cancelled};
 use crate::progress::Progress;
 use phex_mesh::{EdgeId, PerVertex, Topology};
 use phex_numeric::{Cholesky, NumericError};
@@ -21,7 +21,7 @@ const BACK: f64 = 0.05;
 
 /// The lattice with as few dislocations as the bound on distortion allows, and the 95 % quantile of
 /// its distortion.
-pub(super) fn seamless_offsets(
+pub(in crate::layout) fn seamless_offsets(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     charts: &Charts,

@@ -6,8 +6,8 @@
 //! it: `1 - w` is a unit of `Z[w]`, so a cone of one sixth absorbs *any* translation, and no
 //! integer programming is needed.
 
+use super::eisenstein::{Charts, Eisenstein};
 use super::fronts::{Fronts, LatticeDefect, Slip};
-use super::lattice::{Charts, Eisenstein};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerFace, Topology};
 use serde::Serialize;

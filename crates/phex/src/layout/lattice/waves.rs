@@ -10,7 +10,7 @@
 
 use super::boundary::Pin;
 use super::chart_graph::{ChartGraph, Combing};
-use super::lattice::{Charts, Eisenstein, Plane, dot, reciprocal, third, waves};
+use super::eisenstein::{Charts, Eisenstein, Plane, dot, reciprocal, third, waves};
 use super::wave_operator::{WIDTH, WaveOperator, packed, unpacked};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::progress::Progress;
@@ -185,7 +185,7 @@ mod tests {
             let z = Plane::new((f64::from(i) * 0.37).sin(), (f64::from(i) * 0.91).cos());
             let found = projector.project(&waves(z));
             let apart = found - z;
-            let apart = apart - super::super::lattice::Eisenstein::nearest(apart).to_plane();
+            let apart = apart - super::super::eisenstein::Eisenstein::nearest(apart).to_plane();
             assert!(apart.norm() < 1e-3, "{z} {found}");
         }
     }

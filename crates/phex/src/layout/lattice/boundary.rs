@@ -6,7 +6,7 @@
 //! (mod h)`, `h` the height of a row: the wave whose reciprocal vector is `n / h` has the value -1
 //! there. A [`Pin`] draws the offsets to it, in every step of the layout.
 
-use super::lattice::{CELL, Plane, dot};
+use super::eisenstein::{CELL, Plane, dot};
 use crate::directions::Directions;
 use crate::directions::boundary::{BoundaryFrame, frames};
 use phex_mesh::{PerVertex, Topology, VertexId};
@@ -100,7 +100,7 @@ fn mirror_pin(frame: &BoundaryFrame, directions: &Directions, v: VertexId) -> Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::lattice::reciprocal;
+    use crate::layout::lattice::eisenstein::reciprocal;
 
     #[test]
     fn half_way_between_two_rows_the_wave_is_at_its_trough() {

@@ -6,7 +6,7 @@
 
 use super::boundary::Pin;
 use super::chart_graph::ANCHOR;
-use super::lattice::{Charts, Eisenstein, Plane, dot, rotate, waves};
+use super::eisenstein::{Charts, Eisenstein, Plane, dot, rotate, waves};
 use super::waves::Projector;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::rosy::{push_block, rough_solution};

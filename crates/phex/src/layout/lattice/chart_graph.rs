@@ -6,7 +6,7 @@
 //! in memory.
 
 use super::boundary::{Pin, PinnedTo};
-use super::lattice::{Charts, Plane, Transition, rotate, waves};
+use super::eisenstein::{Charts, Plane, Transition, rotate, waves};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::rosy::{push_block, rough_solution};
 use phex_mesh::{EdgeId, PerVertex, Topology, VertexId};

@@ -8,7 +8,7 @@
 //! is permuted and neighbours are near each other in memory.
 
 use super::chart_graph::{ChartGraph, Lists, WaveHold};
-use super::lattice::{Plane, waves};
+use super::eisenstein::{Plane, waves};
 use rayon::prelude::*;
 
 /// Numbers that hold a vertex's three waves: four real parts, four imaginary ones, of which the
@@ -202,7 +202,7 @@ fn packed_weights(weight: &[f64; 3]) -> Lanes {
 mod tests {
     use super::super::chart_graph::tests::{charts_of, graph_of};
     use super::super::chart_graph::{Combing, for_each_view};
-    use super::super::lattice::rotate;
+    use super::super::eisenstein::rotate;
     use super::*;
     use phex_mesh::PerVertex;
     use rand::{Rng, SeedableRng};
