@@ -5,10 +5,10 @@
 //! 2. `lattice/dislocations`: Burgers vectors moved into opposites, cones or the boundary;
 //!    `lattice/seamless`: one linear solve for the lattice; vectors come back where it would be
 //!    strained too much (`lattice/strain`).
-//! 3. `seeds`: one seed vertex per lattice point; `voronoi`: geodesic cells in the metric, on a
-//!    finer mesh.
-//! 4. `cells`: discs whose outlines are the panels; triangles with three labels are vertices, so
-//!    every interior vertex has degree 3 by construction.
+//! 3. `cells/clusters`: one seed vertex per lattice point; `cells/voronoi`: geodesic cells in the
+//!    metric, on a finer mesh.
+//! 4. `cells/complex`: discs whose outlines are the panels; triangles with three labels are
+//!    vertices, so every interior vertex has degree 3 by construction.
 //! 5. `flips`, `glide`, `halves`: edges turn and cut panels are joined where that makes the
 //!    panels more regular.
 //!
@@ -16,10 +16,8 @@
 //! every interior vertex has degree 3, sharp boundary corners are kept as corners of one panel.
 //! Fails, with an error that says so: where panels are so large that cells can't be made discs.
 
-pub(crate) mod boundary_nodes;
 pub(crate) mod brick_wall;
-pub(crate) mod cells;
-pub(crate) mod clusters;
+mod cells;
 pub(crate) mod flips;
 pub(crate) mod forecast;
 pub(crate) mod glide;
@@ -28,12 +26,10 @@ pub(crate) mod lattice;
 #[cfg(test)]
 mod layout_time;
 pub(crate) mod record;
-pub(crate) mod rim;
 pub(crate) mod seeds;
 #[cfg(test)]
 mod stage_tests;
 pub(crate) mod tangent_planes;
-pub(crate) mod voronoi;
 
 pub use brick_wall::{BrickWallOptions, BrickWallStatistics};
 pub use lattice::dislocations::Annihilation;
@@ -46,7 +42,8 @@ use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
 use crate::progress::Progress;
-use cells::{CellComplex, Node};
+use cells::complex::{CellComplex, Node, disc_cells, node_index};
+use cells::{boundary_nodes, clusters, rim};
 use lattice::eisenstein::Charts;
 use lattice::seamless::Offsets;
 use lattice::{boundary, polish, strain, waves};
@@ -251,7 +248,7 @@ pub fn panelling(
     let (seeds, grown) = rim::even_rim(fine, seeds, progress);
     unless_cancelled(progress)?;
     let vertices = seeds.iter().map(|s| s.vertex).collect();
-    let mut complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
+    let mut complex = disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
     boundary_nodes::follow_boundary(fine.surface, &mut complex);
     unless_cancelled(progress)?;
@@ -297,7 +294,7 @@ fn record(
     place: impl Fn(Node) -> Vec3,
 ) -> Result<Layout, LayoutError> {
     let topology = fine.surface.topology();
-    let (index, nodes) = cells::node_index(&complex.panels);
+    let (index, nodes) = node_index(&complex.panels);
     let faces: Vec<Vec<u32>> = complex
         .panels
         .iter()

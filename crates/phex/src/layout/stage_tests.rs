@@ -2,13 +2,13 @@
 
 use crate::common::{Stages, figures, genus_two, punched_plane, shape, valences};
 use crate::directions::{DirectionOptions, Directions};
-use crate::layout::clusters::seeds;
+use crate::layout::cells::clusters::seeds;
+use crate::layout::cells::voronoi::{PartCells, UNREACHED, grow};
 use crate::layout::lattice::dislocations::annihilate;
 use crate::layout::lattice::eisenstein::{Charts, Eisenstein, Plane};
 use crate::layout::lattice::seamless::{Offsets, factorised, solve_offsets};
 use crate::layout::lattice::{polish, waves};
 use crate::layout::seeds::Seed;
-use crate::layout::voronoi::{PartCells, UNREACHED, grow};
 use crate::layout::{Layout, LayoutOptions, VertexKind, place_seeds};
 use crate::progress::Silent;
 use phex_mesh::{FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};

@@ -6,10 +6,10 @@
 //! boundary grows again from its centroid (Lloyd's step, for that row alone). Inside, the lattice
 //! stays as it is.
 
-use super::CellSurface;
-use super::lattice::eisenstein::CELL;
-use super::seeds::{CORE, Seed};
 use super::voronoi::{self, Cells, UNREACHED};
+use crate::layout::CellSurface;
+use crate::layout::lattice::eisenstein::CELL;
+use crate::layout::seeds::{CORE, Seed};
 use crate::progress::Progress;
 use phex_mesh::{PerVertex, Vec3, VertexId};
 use std::collections::HashSet;

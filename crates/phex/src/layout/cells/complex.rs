@@ -7,9 +7,9 @@
 //! close are the panels; no map from pairs of cells to vertices is needed, which would break where
 //! two cells touch twice.
 
-use super::seeds::Seed;
 use super::voronoi::{PartCells, UNREACHED};
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::layout::seeds::Seed;
 use phex_mesh::{EdgeId, FaceId, HalfEdgeId, IdMap, IdSet, PerVertex, Topology, VertexId};
 use std::collections::{HashMap, HashSet};
 

@@ -4,8 +4,8 @@
 //! same seed the distance comes from unfolding the seed into the triangle's plane (the virtual
 //! source of Novotni and Klein, 2002), which makes cells as straight as the triangulation allows.
 
-use super::seeds::Seed;
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::layout::seeds::Seed;
 use phex_mesh::{PerVertex, Topology, VertexId};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -66,7 +66,7 @@ fn nothing_grown(topology: &Topology) -> (Cells, PerVertex<bool>) {
 }
 
 /// Cells in small parts of a surface, one part after the other: each costs what its size is.
-pub(super) struct PartCells<'a> {
+pub(in crate::layout) struct PartCells<'a> {
     topology: &'a Topology,
     mesh: &'a IntrinsicMesh,
     cells: Cells,

@@ -1,8 +1,8 @@
 //! Vertices that panels have along a curved boundary, so that their straight edges stay close to
 //! it.
 
-use super::cells::{CellComplex, Node};
-use super::place;
+use super::complex::{CellComplex, Node};
+use crate::layout::place;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use std::collections::HashSet;
 
@@ -105,7 +105,7 @@ fn split(
 }
 
 /// Distance of a point to a segment.
-pub(super) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
+pub(in crate::layout) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
     let (d, q) = (b - a, p - a);
     let t = (q.dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     (q - d * t).norm()

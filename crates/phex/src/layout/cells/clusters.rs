@@ -1,10 +1,10 @@
 //! Clusters of vertices that name the same lattice point, and a seed vertex for each.
 
-use super::lattice::eisenstein::{CELL, Charts};
-use super::lattice::seamless::Offsets;
-use super::seeds::{CORE, Seed};
 use super::voronoi::PartCells;
 use crate::directions::intrinsic::IntrinsicMesh;
+use crate::layout::lattice::eisenstein::{CELL, Charts};
+use crate::layout::lattice::seamless::Offsets;
+use crate::layout::seeds::{CORE, Seed};
 use phex_mesh::{PerEdge, PerVertex, Topology, VertexId};
 use std::collections::BTreeMap;
 
