@@ -9,8 +9,8 @@
 //!    metric, on a finer mesh.
 //! 4. `cells/complex`: discs whose outlines are the panels; triangles with three labels are
 //!    vertices, so every interior vertex has degree 3 by construction.
-//! 5. `flips`, `glide`, `halves`: edges turn and cut panels are joined where that makes the
-//!    panels more regular.
+//! 5. `moves/flips`, `moves/glide`, `moves/halves`: edges turn and cut panels are joined where that
+//!    makes the panels more regular.
 //!
 //! Guaranteed: the panelling has the Euler characteristic and the boundary loops of the surface,
 //! every interior vertex has degree 3, sharp boundary corners are kept as corners of one panel.
@@ -18,13 +18,11 @@
 
 pub(crate) mod brick_wall;
 mod cells;
-pub(crate) mod flips;
 pub(crate) mod forecast;
-pub(crate) mod glide;
-pub(crate) mod halves;
 pub(crate) mod lattice;
 #[cfg(test)]
 mod layout_time;
+pub(crate) mod moves;
 pub(crate) mod record;
 pub(crate) mod seeds;
 #[cfg(test)]
@@ -47,6 +45,7 @@ use cells::{boundary_nodes, clusters, rim};
 use lattice::eisenstein::Charts;
 use lattice::seamless::Offsets;
 use lattice::{boundary, polish, strain, waves};
+use moves::{flips, halves};
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;

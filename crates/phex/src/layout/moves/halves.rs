@@ -7,8 +7,9 @@
 //! dislocation climbs by one panel.
 
 use super::glide::Sides;
-use super::lattice::eisenstein::CELL;
-use super::{Layout, VertexKind, flips, glide};
+use super::{flips, glide};
+use crate::layout::lattice::eisenstein::CELL;
+use crate::layout::{Layout, VertexKind};
 use crate::progress::Progress;
 use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, VertexId};
 use std::collections::BTreeSet;

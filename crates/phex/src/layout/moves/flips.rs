@@ -6,8 +6,9 @@
 //! that a pentagon behind them reaches the boundary and is whole again. Turns change no charge: the
 //! sum of `6 - n` over all panels stays, so what topology demands stays too.
 
-use super::cells::boundary_nodes::distance_to_segment;
-use super::{Layout, VertexKind, glide};
+use super::glide;
+use crate::layout::cells::boundary_nodes::distance_to_segment;
+use crate::layout::{Layout, VertexKind};
 use crate::progress::Progress;
 use phex_mesh::{EdgeId, FaceId, HalfEdgeId, HexMesh, PerVertex, Topology, Vec3, VertexId};
 use std::cmp::Reverse;
