@@ -10,7 +10,7 @@ use super::inequality::Elastic;
 use super::osculating::Osculating;
 use super::panels::{FaceShapes, extent};
 use super::point_term::PointTerm;
-use super::reference::Reference;
+use super::targets::reference::Reference;
 use super::{CurvePoint, TargetPoint};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;

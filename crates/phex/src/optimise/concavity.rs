@@ -13,8 +13,8 @@
 
 use super::barrier::add_turning;
 use super::panels::{Corner, FaceFrame, FaceShapes, add_block};
-use super::reference::Reference;
 use super::setting::Setting;
+use super::targets::reference::Reference;
 use nalgebra::{Matrix2, Vector3};
 use phex_mesh::{Vec2, Vec3};
 

@@ -97,18 +97,16 @@ mod planarity;
 mod point_term;
 mod quotient;
 mod reached;
-mod reference;
 mod run;
 mod setting;
 mod shape_limits;
-mod shape_target;
 mod shortcut;
 mod simple;
 mod solvers;
 mod spatial_barrier;
 mod start;
 mod steering;
-mod surface_target;
+mod targets;
 mod tetrahedra;
 
 #[cfg(test)]
@@ -123,11 +121,11 @@ use panels::{FaceShapes, Panels, points, unknowns};
 use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
 use reached::Run;
-use reference::Reference;
 use serde::Serialize;
 use solvers::Solvers;
 use start::Smoothing;
 use std::collections::{BTreeMap, BTreeSet};
+use targets::reference::Reference;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub(crate) use angle_term::walks::free_edges;
@@ -142,9 +140,9 @@ pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, Sta
 pub(crate) use panels::Image;
 pub(crate) use quotient::Quotient;
 pub(crate) use shape_limits::FaceLimits;
-pub use shape_target::ShapeTarget;
 pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
-pub use surface_target::SurfaceTarget;
+pub use targets::shape_target::ShapeTarget;
+pub use targets::surface_target::SurfaceTarget;
 
 /// Foot point on a target surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,7 +13,7 @@
 //! still slides.
 
 use super::point_term::PointTerm;
-use super::reference::Reference;
+use super::targets::reference::Reference;
 use super::{CurvePoint, TargetPoint};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;

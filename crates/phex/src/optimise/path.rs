@@ -14,10 +14,10 @@ use super::options::{
 use super::panels::FaceShapes;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
 use super::reached::{Reached, better};
-use super::reference::Reference;
 use super::setting::{Setting, deviation};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Solvers, StepReporter};
+use super::targets::reference::Reference;
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
 

@@ -5,9 +5,9 @@ use super::closeness::Feet;
 use super::guard::{Armed, Guard};
 use super::holds::Holds;
 use super::panels::{FaceShapes, Panels, point};
-use super::reference::Reference;
 use super::shape_limits::FaceLimits;
 use super::simple::collision;
+use super::targets::reference::Reference;
 use phex_mesh::Vec2;
 
 /// Fraction of the way to the first collision that a step may go.

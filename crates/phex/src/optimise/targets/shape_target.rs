@@ -1,6 +1,6 @@
 //! An analytic shape as a target.
 
-use super::{CurvePoint, Target, TargetPoint};
+use crate::optimise::{CurvePoint, Target, TargetPoint};
 use phex_mesh::Vec3;
 use phex_mesh::shapes::{ParametricSurface, Shape, ShapeError, ShapeProjector};
 use rayon::prelude::*;

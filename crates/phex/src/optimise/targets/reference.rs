@@ -1,11 +1,11 @@
 //! What a panelling is kept close to: a surface, or the start itself.
 
-use super::panels::{FaceShapes, Panels, point};
-use super::{CurvePoint, Target, TargetPoint};
+use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::{CurvePoint, Target, TargetPoint};
 use phex_mesh::Vec3;
 
 /// What a panelling is kept close to.
-pub(super) enum Reference<'a> {
+pub(in crate::optimise) enum Reference<'a> {
     /// A surface; foot points are sought.
     Surface(&'a dyn Target),
     /// The start itself: a plane for each vertex and for each face centre.

@@ -1,6 +1,6 @@
 //! A triangle surface as a target.
 
-use super::{CurvePoint, Target, TargetPoint};
+use crate::optimise::{CurvePoint, Target, TargetPoint};
 use phex_mesh::{BoundaryCurve, TriangleSurface, Vec3};
 use rayon::prelude::*;
 
