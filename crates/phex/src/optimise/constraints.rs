@@ -4,7 +4,7 @@ use super::guarded::GuardedSteps;
 use super::jacobian::Jacobian;
 use super::panels::Panels;
 use super::planarity::ConstraintBases;
-use super::setting::Setting;
+use super::terms::setting::Setting;
 use nalgebra::Matrix3;
 use phex_numeric::{Assembly, Constraints, SymmetricMatrix};
 

@@ -6,15 +6,15 @@
 //! minimised again with more weight on limits, and on folds, and on re-entrant corners where the
 //! surface is convex. Whether the result is better is for others to say.
 
-use super::concavity::{ConcavityTerm, is_concave, to_be_convex};
-use super::folds::FoldTerm;
-use super::guard::Breach;
 use super::options::{NEWTON_ITERATIONS, OptimiseOptions, PathKind, StartKind};
 use super::panels::{FaceShapes, Panels};
 use super::path::Path;
 use super::reached::{Reached, ResultOrigin, Run};
-use super::setting::Setting;
 use super::solvers::Solvers;
+use super::terms::concavity::{ConcavityTerm, is_concave, to_be_convex};
+use super::terms::folds::FoldTerm;
+use super::terms::guard::Breach;
+use super::terms::setting::Setting;
 use super::{OptimiseError, Stage};
 use crate::progress::Progress;
 

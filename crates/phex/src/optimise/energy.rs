@@ -3,23 +3,24 @@
 //! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + limits + w_t |x - x_0|^2 / 2`, infinite
 //! where the guard is broken.
 
-use super::angle_term::AngleTerm;
-use super::areas::AreaWish;
-use super::barrier::{self, Barrier, HEXAGON, barriers};
-use super::closeness::{ClosenessWeights, DistanceLimit, Feet};
-use super::concavity::ConcavityTerm;
-use super::edge_lengths::EdgeLengths;
-use super::folds::FoldTerm;
-use super::guard::Armed;
 use super::holds::Holds;
-use super::inequality::Elastic;
 use super::options::OptimiseOptions;
+use super::panels::point;
 use super::panels::{FaceShapes, Panels, add_block};
 use super::planarity;
-use super::setting::{Setting, collision_bound, longest};
-use super::shape_limits::ShapeLimits;
-use super::spatial_barrier;
-use super::{fairness, panels::point};
+use super::terms::angle_term::AngleTerm;
+use super::terms::areas::AreaWish;
+use super::terms::barrier::{self, Barrier, HEXAGON, barriers};
+use super::terms::closeness::{ClosenessWeights, DistanceLimit, Feet};
+use super::terms::concavity::ConcavityTerm;
+use super::terms::edge_lengths::EdgeLengths;
+use super::terms::fairness;
+use super::terms::folds::FoldTerm;
+use super::terms::guard::Armed;
+use super::terms::inequality::Elastic;
+use super::terms::setting::{Setting, collision_bound, longest};
+use super::terms::shape_limits::ShapeLimits;
+use super::terms::spatial_barrier;
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
 use phex_numeric::{Assembly, DampedProblem, SymmetricMatrix};

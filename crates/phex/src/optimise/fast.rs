@@ -14,12 +14,12 @@
 //! fairness: on a conjugate layout none is needed, and elsewhere the result is not accepted. Then,
 //! and where the iteration does not converge, the feasible path is taken instead.
 
-use super::closeness::{ClosenessWeights, Feet};
 use super::guarded::GuardedSteps;
 use super::jacobian::Jacobian;
 use super::options::{KEPT_CLEARANCE, OptimiseOptions};
 use super::panels::{FaceShapes, point};
-use super::setting::Setting;
+use super::terms::closeness::{ClosenessWeights, Feet};
+use super::terms::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, SchurProblem, SymmetricMatrix};
@@ -53,7 +53,7 @@ impl<'a> NearlyPlanar<'a> {
             vertex: options.vertex_closeness,
             centre: options.centre_closeness,
             rim: options.boundary_closeness,
-            limit: super::closeness::DistanceLimit::NONE,
+            limit: super::terms::closeness::DistanceLimit::NONE,
         };
         let least = KEPT_CLEARANCE * setting.mean_edge;
         Self {

@@ -1,9 +1,9 @@
 //! Steps of a projection that end before the first collision within a face and visit only what the
 //! guard admits.
 
-use super::guard::Armed;
 use super::panels::FaceShapes;
-use super::setting::{Setting, collision_bound, longest};
+use super::terms::guard::Armed;
+use super::terms::setting::{Setting, collision_bound, longest};
 use phex_mesh::Vec2;
 
 /// Longest step, in mean edges.

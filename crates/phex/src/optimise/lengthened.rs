@@ -4,12 +4,12 @@
 //! energy, whose weight the caller raises; the weights of all limits rise with it, so that lengths
 //! never buy what a limit forbids.
 
-use super::barrier::clearance;
-use super::edge_lengths::EdgeLengths;
 use super::on_boundary::already_there;
 use super::panels::{FaceShapes, Panels, points, unknowns};
 use super::path::Path;
 use super::solvers::Solvers;
+use super::terms::barrier::clearance;
+use super::terms::edge_lengths::EdgeLengths;
 use super::{
     BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Quotient, Reference, Stage, Steering,
     Target, check_mesh, steering,

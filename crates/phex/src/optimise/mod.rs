@@ -23,11 +23,11 @@
 //! |---|---|---|
 //! | `h_i`, `n` | `panels::Corner::height`, `FacePlane::normal` | height over, normal of the best plane of a face |
 //! | `P`, `Q` | `planarity::projector`, `planarity::ConstraintBases` | projector onto the complement of `[1 xi eta]`, its basis |
-//! | `z = d / d_hat`, `w_b`, `tau` | `barrier`, [`OptimiseOptions::barrier`], [`OptimiseOptions::barrier_reach`] | distance over reach, weight, reach over the root of the area |
+//! | `z = d / d_hat`, `w_b`, `tau` | `terms::barrier`, [`OptimiseOptions::barrier`], [`OptimiseOptions::barrier_reach`] | distance over reach, weight, reach over the root of the area |
 //! | `w_p` | `options::PENALTIES` | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
-//! | `c` | `shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
+//! | `c` | `terms::shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
 //! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
 //!
 //! [`planarize`] tries the **fast path** (`fast.rs`) before it, where the planes of the panels meet
@@ -62,51 +62,36 @@
 //! Nothing is then claimed: [`Optimised::offenders`] names the panels.
 
 mod angle;
-mod angle_term;
-mod areas;
-mod barrier;
-mod closeness;
 mod components;
-mod concavity;
 mod constraints;
-mod coverage;
-mod edge_lengths;
 mod emphasis;
 mod endgame;
 mod energy;
 mod error;
-mod fairness;
 mod fast;
-mod folds;
-mod guard;
 mod guarded;
 mod holds;
 mod images;
-mod inequality;
 mod inspect;
 mod jacobian;
 mod lengthened;
 mod local;
 mod on_boundary;
 mod options;
-mod osculating;
 mod panels;
 mod parts;
 mod path;
 mod planarity;
-mod point_term;
 mod quotient;
 mod reached;
 mod run;
-mod setting;
-mod shape_limits;
 mod shortcut;
 mod simple;
 mod solvers;
-mod spatial_barrier;
 mod start;
 mod steering;
 mod targets;
+mod terms;
 mod tetrahedra;
 
 #[cfg(test)]
@@ -114,8 +99,6 @@ pub(crate) mod tests;
 
 use crate::layout::{Layout, VertexKind};
 use crate::progress::{Event, Progress};
-use areas::AreaWish;
-use guard::Guard;
 use holds::{Hold, Holds};
 use panels::{FaceShapes, Panels, points, unknowns};
 use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
@@ -126,9 +109,11 @@ use solvers::Solvers;
 use start::Smoothing;
 use std::collections::{BTreeMap, BTreeSet};
 use targets::reference::Reference;
+use terms::areas;
+use terms::areas::AreaWish;
+use terms::guard::Guard;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
-pub(crate) use angle_term::walks::free_edges;
 pub(crate) use emphasis::EMPHASES;
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
@@ -139,10 +124,11 @@ pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
 pub(crate) use panels::Image;
 pub(crate) use quotient::Quotient;
-pub(crate) use shape_limits::FaceLimits;
 pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use targets::shape_target::ShapeTarget;
 pub use targets::surface_target::SurfaceTarget;
+pub(crate) use terms::angle_term::walks::free_edges;
+pub(crate) use terms::shape_limits::FaceLimits;
 
 /// Foot point on a target surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

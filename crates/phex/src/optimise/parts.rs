@@ -7,17 +7,17 @@
 //! to phase the cuts lie elsewhere, so that no place stays near one. The energy never rises and no
 //! panel is ever crossed, as with all vertices at once.
 
-use super::areas::AreaWish;
 use super::endgame::minimise_on_constraints;
 use super::energy::PanelEnergy;
 use super::error::OptimiseError;
-use super::guard::Guard;
 use super::holds::{Hold, Holds};
 use super::panels::{FaceShapes, Panels, point};
-use super::setting::Setting;
-use super::shape_limits::FaceLimits;
 use super::solvers::{Dual, StepReporter, constraint_assembly, energy_assembly, system};
 use super::targets::reference::Reference;
+use super::terms::areas::AreaWish;
+use super::terms::guard::Guard;
+use super::terms::setting::Setting;
+use super::terms::shape_limits::FaceLimits;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};
 use rayon::prelude::*;

@@ -1,23 +1,23 @@
 //! The feasible path from one start: phases of rising penalties, and what is tried where they do
 //! not lead to planar panels.
 
-use super::barrier::{Barrier, barriers, clearance};
-use super::concavity::ConcavityTerm;
-use super::edge_lengths::EdgeLengths;
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Weights};
 use super::error::OptimiseError;
-use super::folds::FoldTerm;
 use super::options::{
     KEPT_CLEARANCE, NEWTON_ITERATIONS, OptimiseOptions, PENALTIES, PROJECTION_ITERATIONS,
 };
 use super::panels::FaceShapes;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
 use super::reached::{Reached, better};
-use super::setting::{Setting, deviation};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Solvers, StepReporter};
 use super::targets::reference::Reference;
+use super::terms::barrier::{Barrier, barriers, clearance};
+use super::terms::concavity::ConcavityTerm;
+use super::terms::edge_lengths::EdgeLengths;
+use super::terms::folds::FoldTerm;
+use super::terms::setting::{Setting, deviation};
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
 

@@ -6,8 +6,8 @@
 //! Constraints `c = Q^T h`, `Q` an orthonormal basis of the complement of `A`: `k - 3` numbers for
 //! a `k`-gon.
 
-use super::barrier::add_turning;
 use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
+use super::terms::barrier::add_turning;
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
 

@@ -1,11 +1,11 @@
 //! What a run has reached, and how.
 
 use super::RunSummary;
-use super::barrier::clearance;
 use super::inspect::Offender;
 use super::options::{OptimiseOptions, PathKind, StartKind};
 use super::panels::FaceShapes;
-use super::setting::Setting;
+use super::terms::barrier::clearance;
+use super::terms::setting::Setting;
 use phex_numeric::{Outcome, Status};
 
 /// What came of one start.

@@ -6,10 +6,10 @@ use super::fast::NearlyPlanar;
 use super::options::{KEPT_CLEARANCE, OptimiseOptions, PROJECTION_ITERATIONS, PathKind, StartKind};
 use super::panels::FaceShapes;
 use super::reached::{Reached, ResultOrigin, Run};
-use super::setting::Setting;
-use super::shape_limits::ShapeLimits;
 use super::solvers::{Dual, Solvers, StepReporter};
 use super::start::{Start, kinked};
+use super::terms::setting::Setting;
+use super::terms::shape_limits::ShapeLimits;
 use crate::progress::Progress;
 use phex_numeric::{
     Assembly, MinimumNorm, Outcome, ProjectionOptions, Record, SchurOptions, SchurSqp, Status,

@@ -2,8 +2,8 @@
 
 use super::constraints::PlanarityConstraints;
 use super::error::OptimiseError;
-use super::folds::FoldTerm;
 use super::panels::Panels;
+use super::terms::folds::FoldTerm;
 use crate::progress::{Event, Progress};
 use phex_numeric::{Assembly, Cholesky, DampedSolver, Record, SymmetricMatrix};
 use std::ops::ControlFlow;

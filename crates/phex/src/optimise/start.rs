@@ -12,10 +12,10 @@
 //! planes hardly meet; `eps` is set by the middle singular value.
 
 use super::Target;
-use super::barrier::clearance;
-use super::guard::{Breach, Guard};
 use super::panels::{FaceShapes, Panels, flatten, points};
 use super::simple::area;
+use super::terms::barrier::clearance;
+use super::terms::guard::{Breach, Guard};
 use crate::layout::{Layout, VertexKind};
 use nalgebra::Matrix3;
 use phex_mesh::{Topology, Vec3, VertexId};

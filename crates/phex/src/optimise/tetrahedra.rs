@@ -15,14 +15,14 @@
 //! solver is there to show. Offenders are named as ever.
 
 use super::Stage;
-use super::closeness::Feet;
 use super::error::OptimiseError;
 use super::options::{OptimiseOptions, PathKind, StartKind};
 use super::panels::{FaceShapes, add_block, point};
 use super::reached::{Reached, ResultOrigin, Run};
-use super::setting::Setting;
 use super::solvers::{Solvers, StepReporter};
 use super::start::Start;
+use super::terms::closeness::Feet;
+use super::terms::setting::Setting;
 use crate::progress::Progress;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
@@ -258,10 +258,10 @@ impl Stage<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::Reference;
-    use super::super::guard::Guard;
     use super::super::holds::{Hold, Holds};
     use super::super::panels::{Panels, unknowns};
     use super::super::solvers::energy_assembly;
+    use super::super::terms::guard::Guard;
     use super::super::tests::fixtures::{Shape as Surface, brick_wall, jittered};
     use super::*;
 
@@ -306,7 +306,7 @@ mod tests {
             rim: &[],
             corner: &vec![false; panels.n_vertices()],
             holds: &holds,
-            areas: &super::super::areas::any(panels.n_faces()),
+            areas: &super::super::terms::areas::any(panels.n_faces()),
             limits: &crate::optimise::FaceLimits::none(panels.n_faces()),
             mean_edge: panels.mean_edge(&x),
         };

@@ -3,20 +3,20 @@
 
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_saddle, turn_edge};
 use crate::optimise::FaceLimits;
-use crate::optimise::areas::{AreaWish, any};
-use crate::optimise::barrier::Barrier;
-use crate::optimise::closeness::{ClosenessWeights, DistanceLimit};
-use crate::optimise::concavity::ConcavityTerm;
 use crate::optimise::constraints::PlanarityConstraints;
-use crate::optimise::edge_lengths::EdgeLengths;
 use crate::optimise::energy::{PanelEnergy, Weights};
-use crate::optimise::guard::Guard;
 use crate::optimise::holds::Holds;
-use crate::optimise::inequality::Elastic;
 use crate::optimise::jacobian::Jacobian;
 use crate::optimise::panels::{Panels, unknowns};
-use crate::optimise::setting::Setting;
 use crate::optimise::targets::reference::Reference;
+use crate::optimise::terms::areas::{AreaWish, any};
+use crate::optimise::terms::barrier::Barrier;
+use crate::optimise::terms::closeness::{ClosenessWeights, DistanceLimit};
+use crate::optimise::terms::concavity::ConcavityTerm;
+use crate::optimise::terms::edge_lengths::EdgeLengths;
+use crate::optimise::terms::guard::Guard;
+use crate::optimise::terms::inequality::Elastic;
+use crate::optimise::terms::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PanelLimits, PerEdge, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};

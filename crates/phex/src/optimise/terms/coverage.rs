@@ -12,7 +12,7 @@
 //! with its weight `l_i` at rest, exactly where the panel is planar.
 
 use super::inequality::Inequality;
-use super::panels::{Corner, FaceFrame};
+use crate::optimise::panels::{Corner, FaceFrame};
 use phex_mesh::{Vec2, Vec3, polygon};
 
 /// The inequality of a point; `None` where the panel has no area.

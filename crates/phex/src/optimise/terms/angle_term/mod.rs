@@ -1,10 +1,10 @@
 //! The angle condition as a penalty: `w/2 (u r)^2` for each even face, with `r` of the constraints
 //! and their unit `u`.
 
-pub(super) mod closing;
-pub(super) mod walks;
+pub(in crate::optimise) mod closing;
+pub(in crate::optimise) mod walks;
 
-use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
+use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
 use closing::Closing;
 use nalgebra::Matrix3;
 use phex_mesh::polygon::interior_angles;
@@ -12,19 +12,19 @@ use phex_mesh::{Vec2, Vec3};
 use phex_numeric::Assembly;
 use std::f64::consts::TAU;
 
-pub(super) fn has_angle(valence: usize) -> bool {
+pub(in crate::optimise) fn has_angle(valence: usize) -> bool {
     valence.is_multiple_of(2)
 }
 
 /// `t_0 - t_1 + t_2 - ...` of a face in its plane.
-pub(super) fn alternating_sum(corners: &[Corner]) -> f64 {
+pub(in crate::optimise) fn alternating_sum(corners: &[Corner]) -> f64 {
     let flat: Vec<Vec2> = corners.iter().map(|c| c.flat).collect();
     let signed = |(i, t): (usize, f64)| if i % 2 == 0 { t } else { -t };
     interior_angles(&flat).enumerate().map(signed).sum()
 }
 
 /// Derivative of [`alternating_sum`] by each corner: `+-2 (n x e / |e|^2)` of both its edges.
-pub(super) fn angle_gradient(frame: &FaceFrame, corners: &[Corner], i: usize) -> Vec3 {
+pub(in crate::optimise) fn angle_gradient(frame: &FaceFrame, corners: &[Corner], i: usize) -> Vec3 {
     let k = corners.len();
     let turn = |from: usize, to: usize| {
         let e = corners[to].flat - corners[from].flat;
@@ -42,11 +42,11 @@ pub(super) fn angle_gradient(frame: &FaceFrame, corners: &[Corner], i: usize) ->
 
 /// Unit of the angle constraint, over the mean edge: its gradient is then about as long as those of
 /// planarity.
-pub(super) const ANGLE_UNIT: f64 = 0.125;
+pub(in crate::optimise) const ANGLE_UNIT: f64 = 0.125;
 
 /// Alternating sums that even faces are nearest to, of those that simple ones can have: 0 alone for
 /// a quadrilateral, whose opposite angles must make pi.
-pub(super) fn branches(panels: &Panels, shape: &FaceShapes) -> Vec<Option<f64>> {
+pub(in crate::optimise) fn branches(panels: &Panels, shape: &FaceShapes) -> Vec<Option<f64>> {
     let nearest = |f: usize| {
         let most = (panels.valence(f) / 2) as f64 - 2.0;
         let turns = alternating_sum(shape.face(panels, f)) / TAU;
@@ -56,7 +56,7 @@ pub(super) fn branches(panels: &Panels, shape: &FaceShapes) -> Vec<Option<f64>> 
 }
 
 /// The penalty of all faces.
-pub(super) struct AngleTerm<'a> {
+pub(in crate::optimise) struct AngleTerm<'a> {
     /// Weight, times the square of the unit of the constraint.
     weight: f64,
     branch: Vec<Option<f64>>,

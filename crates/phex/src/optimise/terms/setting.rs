@@ -3,18 +3,18 @@
 use super::areas::AreaWish;
 use super::closeness::Feet;
 use super::guard::{Armed, Guard};
-use super::holds::Holds;
-use super::panels::{FaceShapes, Panels, point};
 use super::shape_limits::FaceLimits;
-use super::simple::collision;
-use super::targets::reference::Reference;
+use crate::optimise::holds::Holds;
+use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::simple::collision;
+use crate::optimise::targets::reference::Reference;
 use phex_mesh::Vec2;
 
 /// Fraction of the way to the first collision that a step may go.
 const COLLISION_FRACTION: f64 = 0.85;
 
 /// What does not change while one start is optimised.
-pub(super) struct Setting<'a> {
+pub(in crate::optimise) struct Setting<'a> {
     pub panels: &'a Panels,
     pub reference: &'a Reference<'a>,
     pub guard: &'a Guard,
@@ -32,7 +32,7 @@ pub(super) struct Setting<'a> {
 }
 
 /// Distances of vertices, then of face centres, to the reference.
-pub(super) fn distances(setting: &Setting<'_>, x: &[f64]) -> Vec<f64> {
+pub(in crate::optimise) fn distances(setting: &Setting<'_>, x: &[f64]) -> Vec<f64> {
     let shape = FaceShapes::at(setting.panels, x);
     let mut feet = Feet::default();
     feet.update(setting.reference, &shape, x, &[]);
@@ -40,7 +40,7 @@ pub(super) fn distances(setting: &Setting<'_>, x: &[f64]) -> Vec<f64> {
 }
 
 /// Distances of vertices and face centres to the reference: largest, and root mean square.
-pub(super) fn deviation(setting: &Setting<'_>, x: &[f64]) -> (f64, f64) {
+pub(in crate::optimise) fn deviation(setting: &Setting<'_>, x: &[f64]) -> (f64, f64) {
     let distances = distances(setting, x);
     let both = |(most, sum): (f64, f64), d: &f64| (most.max(*d), sum + d * d);
     let (most, sum) = distances.iter().fold((0.0, 0.0), both);
@@ -48,13 +48,13 @@ pub(super) fn deviation(setting: &Setting<'_>, x: &[f64]) -> (f64, f64) {
 }
 
 /// Largest displacement of a vertex.
-pub(super) fn longest(step: &[f64]) -> f64 {
+pub(in crate::optimise) fn longest(step: &[f64]) -> f64 {
     let squares = step.chunks_exact(3).map(|d| d.iter().map(|c| c * c).sum());
     squares.fold(0.0, f64::max).sqrt()
 }
 
 /// Fraction of a step that keeps clear of collisions within every face.
-pub(super) fn collision_bound(
+pub(in crate::optimise) fn collision_bound(
     setting: &Setting<'_>,
     armed: &Armed,
     shape: &FaceShapes,

@@ -4,8 +4,8 @@
 //! both faces, so that `dA/dx_i d = 1/2 d x (x_(i+1) - x_(i-1))`.
 
 use super::guard::Guard;
-use super::panels::{FaceShapes, Panels, add_block, point};
-use super::simple::area;
+use crate::optimise::panels::{FaceShapes, Panels, add_block, point};
+use crate::optimise::simple::area;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::Assembly;
@@ -27,7 +27,7 @@ struct Hinge {
 }
 
 /// The penalty of all inner edges of a mesh.
-pub(super) struct FoldTerm {
+pub(in crate::optimise) struct FoldTerm {
     pub weight: f64,
     free: f64,
     hinges: Vec<Hinge>,

@@ -5,7 +5,7 @@
 //! averaging of neighbours does. A panel of odd valence has no such symmetry and is left alone:
 //! what is affine-regular there is convex, and wrong where the surface is a saddle.
 
-use super::panels::{Corner, add_block};
+use crate::optimise::panels::{Corner, add_block};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 
@@ -26,7 +26,7 @@ fn applies(corners: &[Corner]) -> bool {
 }
 
 /// Energy of a face.
-pub(super) fn energy(corners: &[Corner], weight: f64) -> f64 {
+pub(in crate::optimise) fn energy(corners: &[Corner], weight: f64) -> f64 {
     if !applies(corners) {
         return 0.0;
     }
@@ -36,7 +36,12 @@ pub(super) fn energy(corners: &[Corner], weight: f64) -> f64 {
 }
 
 /// Adds gradient and Hessian block of a face, both exact.
-pub(super) fn add(corners: &[Corner], weight: f64, gradient: &mut [Vec3], block: &mut [f64]) {
+pub(in crate::optimise) fn add(
+    corners: &[Corner],
+    weight: f64,
+    gradient: &mut [Vec3],
+    block: &mut [f64],
+) {
     if !applies(corners) {
         return;
     }

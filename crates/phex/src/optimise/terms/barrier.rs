@@ -9,17 +9,17 @@
 //! part of the gradient: `dn = sum_k t_k (t_k . dC n) / (l_0 - l_k)`, `C` the second moments,
 //! `l_0 = sum h^2`. The Hessian is the Gauss-Newton part `b'' grad d grad d^T` in the fixed plane.
 
-use super::options::OptimiseOptions;
-use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
-use super::simple::area;
+use crate::optimise::options::OptimiseOptions;
+use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
+use crate::optimise::simple::area;
 use phex_mesh::{Vec2, Vec3};
 
 /// Area of a regular hexagon over the square of its edge.
-pub(super) const HEXAGON: f64 = 2.598_076_211_353_316;
+pub(in crate::optimise) const HEXAGON: f64 = 2.598_076_211_353_316;
 
 /// Barrier of one face.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Barrier {
+pub(in crate::optimise) struct Barrier {
     /// `w`, an energy (length squared).
     pub weight: f64,
     /// `d_hat`, a length.
@@ -44,7 +44,11 @@ impl Barrier {
 
 /// Barriers in proportion to each panel's own area, so that graded meshes are treated alike
 /// everywhere.
-pub(super) fn barriers(panels: &Panels, start: &[f64], options: &OptimiseOptions) -> Vec<Barrier> {
+pub(in crate::optimise) fn barriers(
+    panels: &Panels,
+    start: &[f64],
+    options: &OptimiseOptions,
+) -> Vec<Barrier> {
     let shape = FaceShapes::at(panels, start);
     let areas: Vec<f64> = (0..panels.n_faces())
         .map(|f| area(shape.face(panels, f)).abs())
@@ -101,21 +105,21 @@ fn for_each_approach(corners: &[Corner], reach: f64, mut visit: impl FnMut(&Appr
 }
 
 /// Least distance between a vertex and an edge of the same face that does not hold it.
-pub(super) fn clearance(corners: &[Corner]) -> f64 {
+pub(in crate::optimise) fn clearance(corners: &[Corner]) -> f64 {
     let mut least = f64::INFINITY;
     for_each_approach(corners, f64::INFINITY, |a| least = least.min(a.distance));
     least
 }
 
 /// Energy of a face.
-pub(super) fn energy(corners: &[Corner], barrier: &Barrier) -> f64 {
+pub(in crate::optimise) fn energy(corners: &[Corner], barrier: &Barrier) -> f64 {
     let mut sum = 0.0;
     for_each_approach(corners, barrier.reach, |a| sum += barrier.value(a.distance));
     sum
 }
 
 /// Adds gradient and Hessian block of a face.
-pub(super) fn add(
+pub(in crate::optimise) fn add(
     frame: &FaceFrame,
     corners: &[Corner],
     barrier: &Barrier,
@@ -148,7 +152,7 @@ pub(super) fn add(
 }
 
 /// Adds `turning . dn`, the part of a gradient that comes from the plane's normal.
-pub(super) fn add_turning(
+pub(in crate::optimise) fn add_turning(
     frame: &FaceFrame,
     corners: &[Corner],
     turning: Vec2,

@@ -19,10 +19,10 @@
 
 use super::coverage::covered;
 use super::inequality::{Elastic, Inequality};
-use super::options::OptimiseOptions;
-use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block, extent};
-use super::simple::area;
 use super::spatial_barrier::{SpatialApproach, for_each_approach};
+use crate::optimise::options::OptimiseOptions;
+use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block, extent};
+use crate::optimise::simple::area;
 use nalgebra::Matrix2;
 use phex_mesh::measure::wanted_clearance;
 use phex_mesh::{PanelLimits, Vec2, Vec3, rectangle_fit};
@@ -44,7 +44,7 @@ pub(crate) struct FaceLimits {
 
 impl FaceLimits {
     /// No limits.
-    pub(super) fn none(faces: usize) -> Self {
+    pub(in crate::optimise) fn none(faces: usize) -> Self {
         Self {
             panels: vec![PanelLimits::default(); faces],
             clearance: vec![0.0; faces],
@@ -55,7 +55,7 @@ impl FaceLimits {
     }
 
     /// What the options ask of faces that lie at `x`: room as their areas allow.
-    pub(super) fn of(panels: &Panels, x: &[f64], options: &OptimiseOptions) -> Self {
+    pub(in crate::optimise) fn of(panels: &Panels, x: &[f64], options: &OptimiseOptions) -> Self {
         let shape = FaceShapes::at(panels, x);
         let faces = 0..panels.n_faces();
         let areas: Vec<f64> = faces.map(|f| area(shape.face(panels, f)).abs()).collect();
@@ -74,12 +74,12 @@ impl FaceLimits {
     }
 
     /// Least angle between neighbours, degrees, the same everywhere.
-    pub(super) fn min_dihedral(&self) -> Option<f64> {
+    pub(in crate::optimise) fn min_dihedral(&self) -> Option<f64> {
         self.panels.first().and_then(|limits| limits.min_dihedral)
     }
 
     /// Those of some faces.
-    pub(super) fn part(&self, faces: &[u32]) -> Self {
+    pub(in crate::optimise) fn part(&self, faces: &[u32]) -> Self {
         let of = |values: &[f64]| faces.iter().map(|&f| values[f as usize]).collect();
         Self {
             panels: faces.iter().map(|&f| self.panels[f as usize]).collect(),
@@ -95,7 +95,7 @@ impl FaceLimits {
 }
 
 /// The limits of all faces, and how they lie.
-pub(super) struct ShapeLimits<'a> {
+pub(in crate::optimise) struct ShapeLimits<'a> {
     limits: &'a FaceLimits,
     /// Area of each face at the start.
     area: Vec<f64>,

@@ -7,13 +7,13 @@
 //!
 //! Both ends of an edge are corners of one face, so the term needs no blocks of its own.
 
-use super::panels::{Corner, Panels, add_block};
+use crate::optimise::panels::{Corner, Panels, add_block};
 use nalgebra::Matrix3;
 use phex_mesh::{PerEdge, Topology, Vec3};
 
 /// Lengths that edges are to have.
 #[derive(Clone, Debug)]
-pub(super) struct EdgeLengths {
+pub(in crate::optimise) struct EdgeLengths {
     /// Over the weight of the closeness of vertices.
     pub weight: f64,
     /// At a corner the length of the edge from it to the next one, in one of the edge's faces.

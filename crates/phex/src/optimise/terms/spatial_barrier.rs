@@ -10,7 +10,7 @@
 //! f_yy - f_ys f_ss^-1 f_sy`).
 
 use super::barrier::Barrier;
-use super::panels::{Corner, add_block};
+use crate::optimise::panels::{Corner, add_block};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 
@@ -60,14 +60,19 @@ pub(super) fn for_each_approach(
 }
 
 /// Energy of a face.
-pub(super) fn energy(corners: &[Corner], barrier: &Barrier) -> f64 {
+pub(in crate::optimise) fn energy(corners: &[Corner], barrier: &Barrier) -> f64 {
     let mut sum = 0.0;
     for_each_approach(corners, barrier.reach, |a| sum += barrier.value(a.distance));
     sum
 }
 
 /// Adds gradient and Hessian block of a face, both exact.
-pub(super) fn add(corners: &[Corner], barrier: &Barrier, gradient: &mut [Vec3], block: &mut [f64]) {
+pub(in crate::optimise) fn add(
+    corners: &[Corner],
+    barrier: &Barrier,
+    gradient: &mut [Vec3],
+    block: &mut [f64],
+) {
     for_each_approach(corners, barrier.reach, |a| {
         let (first, second) = barrier.derivatives(a.distance);
         let unit = a.offset / a.distance;

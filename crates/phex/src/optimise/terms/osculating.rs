@@ -13,8 +13,8 @@
 //! still slides.
 
 use super::point_term::PointTerm;
-use super::targets::reference::Reference;
-use super::{CurvePoint, TargetPoint};
+use crate::optimise::targets::reference::Reference;
+use crate::optimise::{CurvePoint, TargetPoint};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 

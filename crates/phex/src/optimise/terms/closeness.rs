@@ -8,10 +8,10 @@
 
 use super::inequality::Elastic;
 use super::osculating::Osculating;
-use super::panels::{FaceShapes, extent};
 use super::point_term::PointTerm;
-use super::targets::reference::Reference;
-use super::{CurvePoint, TargetPoint};
+use crate::optimise::panels::{FaceShapes, extent};
+use crate::optimise::targets::reference::Reference;
+use crate::optimise::{CurvePoint, TargetPoint};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 
@@ -20,7 +20,7 @@ const ON_CURVE: f64 = 1e-10;
 
 /// Foot points at some positions; asked for once and used for energy, gradient and Hessian.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Feet {
+pub(in crate::optimise) struct Feet {
     points: Vec<Vec3>,
     /// Where foot points were found last, and these.
     found_at: Vec<Vec3>,
@@ -36,7 +36,7 @@ pub(super) struct Feet {
 
 /// A limit of the distance to the surface, as an inequality with slack: `c = 1 - |r|^2 / most^2`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DistanceLimit {
+pub(in crate::optimise) struct DistanceLimit {
     pub elastic: Elastic,
     /// The largest distance; infinite where any will do.
     pub most: f64,
@@ -65,7 +65,7 @@ impl DistanceLimit {
 
 /// Weights of closeness.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ClosenessWeights {
+pub(in crate::optimise) struct ClosenessWeights {
     pub vertex: f64,
     pub centre: f64,
     pub rim: f64,

@@ -22,7 +22,7 @@ const SHARPNESS: f64 = 2e-3;
 
 /// The cost of an inequality.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Elastic {
+pub(in crate::optimise) struct Elastic {
     /// `rho`: what a unit beyond the limit costs.
     pub weight: f64,
 }

@@ -9,14 +9,14 @@
 //! less weight: what the lattice has too much or too little there is shared by the rows behind.
 
 use super::barrier::add_turning;
-use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
-use super::simple::area;
 use crate::layout::{Layout, WishedArea};
+use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
+use crate::optimise::simple::area;
 use phex_mesh::{Topology, Vec2, Vec3};
 
 /// What a face is to have.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct AreaWish {
+pub(in crate::optimise) struct AreaWish {
     /// Area, in the square of the mesh's unit.
     pub area: f64,
     /// Weight; 0 where any area will do.
@@ -69,13 +69,18 @@ impl AreaWish {
 const RIM_SHARE: f64 = 0.3;
 
 /// No wishes.
-pub(super) fn any(faces: usize) -> Vec<AreaWish> {
+pub(in crate::optimise) fn any(faces: usize) -> Vec<AreaWish> {
     vec![AreaWish::default(); faces]
 }
 
 /// Wishes of the faces of a layout that lies at `x`: in the proportions that it asks for, and as
 /// much in all as they have.
-pub(super) fn of_layout(layout: &Layout, panels: &Panels, x: &[f64], weight: f64) -> Vec<AreaWish> {
+pub(in crate::optimise) fn of_layout(
+    layout: &Layout,
+    panels: &Panels,
+    x: &[f64],
+    weight: f64,
+) -> Vec<AreaWish> {
     let topology = layout.mesh.topology();
     let shape = FaceShapes::at(panels, x);
     let wish = |f: usize| layout.face_wish.as_slice()[f];
@@ -94,7 +99,7 @@ pub(super) fn of_layout(layout: &Layout, panels: &Panels, x: &[f64], weight: f64
 }
 
 /// Wishes of the faces of a mesh to keep the areas that they have at `x`.
-pub(super) fn as_they_are(
+pub(in crate::optimise) fn as_they_are(
     topology: &Topology,
     panels: &Panels,
     x: &[f64],

@@ -7,8 +7,8 @@
 //! that blocks one step after another is given up for the rest of the phase.
 
 use super::barrier::clearance;
-use super::panels::{FaceShapes, Panels, point};
-use super::simple::is_simple;
+use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::simple::is_simple;
 use phex_mesh::{FaceId, Topology, Vec3, VertexId};
 
 /// Least `n . n'` of the faces at an edge that is not called folded.
@@ -24,7 +24,7 @@ struct Fan {
 
 /// Demands on a shape.
 #[derive(Clone, Debug)]
-pub(super) struct Guard {
+pub(in crate::optimise) struct Guard {
     fans: Vec<Fan>,
     /// The two faces of each interior edge.
     hinges: Vec<[u32; 2]>,
@@ -34,7 +34,7 @@ pub(super) struct Guard {
 
 /// What is demanded of each element.
 #[derive(Clone, Debug)]
-pub(super) struct Armed {
+pub(in crate::optimise) struct Armed {
     simple: Vec<bool>,
     side: Vec<bool>,
     fan: Vec<bool>,
@@ -45,7 +45,7 @@ pub(super) struct Armed {
 
 /// One broken demand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Breach {
+pub(in crate::optimise) enum Breach {
     NotSimple(usize),
     WrongSide(usize),
     Fan(usize),

@@ -12,9 +12,9 @@
 //! the Gauss-Newton part in the fixed plane.
 
 use super::barrier::add_turning;
-use super::panels::{Corner, FaceFrame, FaceShapes, add_block};
 use super::setting::Setting;
-use super::targets::reference::Reference;
+use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, add_block};
+use crate::optimise::targets::reference::Reference;
 use nalgebra::{Matrix2, Vector3};
 use phex_mesh::{Vec2, Vec3};
 
@@ -27,7 +27,7 @@ const DEPTH: f64 = 0.02;
 const MARGIN: f64 = 0.02;
 
 /// The penalty of all corners of the faces that are to be convex.
-pub(super) struct ConcavityTerm {
+pub(in crate::optimise) struct ConcavityTerm {
     pub weight: f64,
     /// Which faces are to be convex.
     pub faces: Vec<bool>,
@@ -124,13 +124,13 @@ pub(super) fn depth(corners: &[Corner], edge: f64) -> f64 {
 }
 
 /// Whether a face counts as concave.
-pub(super) fn is_concave(corners: &[Corner], edge: f64) -> bool {
+pub(in crate::optimise) fn is_concave(corners: &[Corner], edge: f64) -> bool {
     depth(corners, edge) > DEPTH
 }
 
 /// Faces that the surface wants convex: all of their inner vertices, of which there are some, lie
 /// where `K > 0`.
-pub(super) fn to_be_convex(setting: &Setting<'_>, shape: &FaceShapes) -> Vec<bool> {
+pub(in crate::optimise) fn to_be_convex(setting: &Setting<'_>, shape: &FaceShapes) -> Vec<bool> {
     let panels = setting.panels;
     let Reference::Surface(target) = setting.reference else {
         return vec![false; panels.n_faces()];
@@ -189,13 +189,13 @@ fn curvature_ratio(steps: [Vec3; 2], turns: [Vec3; 2], normal: Vec3) -> f64 {
 mod tests {
     use super::*;
     use crate::optimise::emphasis::{EMPHASES, Lack};
-    use crate::optimise::guard::Guard;
     use crate::optimise::holds::Holds;
     use crate::optimise::options::OptimiseOptions;
     use crate::optimise::panels::{Panels, unknowns};
     use crate::optimise::path::Path;
-    use crate::optimise::setting::distances;
     use crate::optimise::solvers::Solvers;
+    use crate::optimise::terms::guard::Guard;
+    use crate::optimise::terms::setting::distances;
     use crate::optimise::tests::fixtures::{Shape as Surface, brick_wall, planar_saddle};
     use crate::progress::Silent;
     use phex_mesh::HexMesh;

@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 
 /// A gradient and a Hessian in one point's coordinates.
-pub(super) struct PointTerm {
+pub(in crate::optimise) struct PointTerm {
     pub gradient: Vec3,
     pub hessian: Matrix3<f64>,
 }
