@@ -3,11 +3,11 @@
 //! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + limits + w_t |x - x_0|^2 / 2`, infinite
 //! where the guard is broken.
 
+use super::constraints::planarity;
 use super::holds::Holds;
 use super::options::OptimiseOptions;
 use super::panels::point;
 use super::panels::{FaceShapes, Panels, add_block};
-use super::planarity;
 use super::terms::angle_term::AngleTerm;
 use super::terms::areas::AreaWish;
 use super::terms::barrier::{self, Barrier, HEXAGON, barriers};

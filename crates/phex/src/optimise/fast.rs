@@ -14,8 +14,8 @@
 //! fairness: on a conjugate layout none is needed, and elsewhere the result is not accepted. Then,
 //! and where the iteration does not converge, the feasible path is taken instead.
 
-use super::guarded::GuardedSteps;
-use super::jacobian::Jacobian;
+use super::constraints::guarded::GuardedSteps;
+use super::constraints::jacobian::Jacobian;
 use super::options::{KEPT_CLEARANCE, OptimiseOptions};
 use super::panels::{FaceShapes, point};
 use super::terms::closeness::{ClosenessWeights, Feet};

@@ -22,7 +22,7 @@
 //! | symbol | here | meaning |
 //! |---|---|---|
 //! | `h_i`, `n` | `panels::Corner::height`, `FacePlane::normal` | height over, normal of the best plane of a face |
-//! | `P`, `Q` | `planarity::projector`, `planarity::ConstraintBases` | projector onto the complement of `[1 xi eta]`, its basis |
+//! | `P`, `Q` | `constraints::planarity::projector`, `constraints::planarity::ConstraintBases` | projector onto the complement of `[1 xi eta]`, its basis |
 //! | `z = d / d_hat`, `w_b`, `tau` | `terms::barrier`, [`OptimiseOptions::barrier`], [`OptimiseOptions::barrier_reach`] | distance over reach, weight, reach over the root of the area |
 //! | `w_p` | `options::PENALTIES` | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
@@ -69,11 +69,9 @@ mod endgame;
 mod energy;
 mod error;
 mod fast;
-mod guarded;
 mod holds;
 mod images;
 mod inspect;
-mod jacobian;
 mod lengthened;
 mod local;
 mod on_boundary;
@@ -81,7 +79,6 @@ mod options;
 mod panels;
 mod parts;
 mod path;
-mod planarity;
 mod quotient;
 mod reached;
 mod run;

@@ -1,7 +1,7 @@
 //! Shorter ways than the feasible path: the projection alone, and the fast path.
 
 use super::Stage;
-use super::constraints::PlanarityConstraints;
+use super::constraints::minimum_norm::PlanarityConstraints;
 use super::fast::NearlyPlanar;
 use super::options::{KEPT_CLEARANCE, OptimiseOptions, PROJECTION_ITERATIONS, PathKind, StartKind};
 use super::panels::FaceShapes;

@@ -1,6 +1,6 @@
 //! Factorisations and memory that the runs on one mesh share, and what hears of their iterations.
 
-use super::constraints::PlanarityConstraints;
+use super::constraints::minimum_norm::PlanarityConstraints;
 use super::error::OptimiseError;
 use super::panels::Panels;
 use super::terms::folds::FoldTerm;

@@ -1,9 +1,9 @@
 //! The `4 F` constraints: planarity of every panel, the alternating sum of the angles of even ones,
 //! and the closing equations.
 
-use crate::optimise::guarded::GuardedSteps;
+use crate::optimise::constraints::guarded::GuardedSteps;
+use crate::optimise::constraints::planarity::ConstraintBases;
 use crate::optimise::panels::{FaceShapes, Panels, point};
-use crate::optimise::planarity::ConstraintBases;
 use crate::optimise::terms::angle_term::closing::Closing;
 use crate::optimise::terms::angle_term::walks::Walks;
 use crate::optimise::terms::angle_term::{

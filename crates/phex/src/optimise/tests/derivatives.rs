@@ -3,10 +3,10 @@
 
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_saddle, turn_edge};
 use crate::optimise::FaceLimits;
-use crate::optimise::constraints::PlanarityConstraints;
+use crate::optimise::constraints::jacobian::Jacobian;
+use crate::optimise::constraints::minimum_norm::PlanarityConstraints;
 use crate::optimise::energy::{PanelEnergy, Weights};
 use crate::optimise::holds::Holds;
-use crate::optimise::jacobian::Jacobian;
 use crate::optimise::panels::{Panels, unknowns};
 use crate::optimise::targets::reference::Reference;
 use crate::optimise::terms::areas::{AreaWish, any};

@@ -6,8 +6,8 @@ use super::derivatives::{
 use super::fixtures::{Shape, brick_wall, layout, planar_paraboloid};
 use super::whole::assert_sound;
 use crate::Silent;
+use crate::optimise::constraints::jacobian::Jacobian;
 use crate::optimise::energy::{PanelEnergy, Weights};
-use crate::optimise::jacobian::Jacobian;
 use crate::optimise::solvers::constraint_assembly;
 use crate::optimise::terms::barrier::Barrier;
 use crate::optimise::terms::closeness::{ClosenessWeights, DistanceLimit};

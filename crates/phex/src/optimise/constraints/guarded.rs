@@ -1,16 +1,16 @@
 //! Steps of a projection that end before the first collision within a face and visit only what the
 //! guard admits.
 
-use super::panels::FaceShapes;
-use super::terms::guard::Armed;
-use super::terms::setting::{Setting, collision_bound, longest};
+use crate::optimise::panels::FaceShapes;
+use crate::optimise::terms::guard::Armed;
+use crate::optimise::terms::setting::{Setting, collision_bound, longest};
 use phex_mesh::Vec2;
 
 /// Longest step, in mean edges.
 const LONGEST: f64 = 0.3;
 
 /// The shape that was linearised last, the one that is tried, and the demands armed at the start.
-pub(super) struct GuardedSteps<'a> {
+pub(in crate::optimise) struct GuardedSteps<'a> {
     setting: &'a Setting<'a>,
     armed: Armed,
     pub linearised: FaceShapes,

@@ -6,8 +6,8 @@
 //! Constraints `c = Q^T h`, `Q` an orthonormal basis of the complement of `A`: `k - 3` numbers for
 //! a `k`-gon.
 
-use super::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
-use super::terms::barrier::add_turning;
+use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
+use crate::optimise::terms::barrier::add_turning;
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
 
@@ -20,12 +20,12 @@ pub(super) fn projector(frame: &FaceFrame, corners: &[Corner], i: usize, j: usiz
 }
 
 /// Energy of a face.
-pub(super) fn energy(frame: &FaceFrame, weight: f64) -> f64 {
+pub(in crate::optimise) fn energy(frame: &FaceFrame, weight: f64) -> f64 {
     0.5 * weight * frame.moments[2]
 }
 
 /// Adds gradient and Hessian block of a face.
-pub(super) fn add(
+pub(in crate::optimise) fn add(
     frame: &FaceFrame,
     corners: &[Corner],
     weight: f64,
@@ -47,7 +47,7 @@ pub(super) fn add(
 ///
 /// The gradient is exact; the Hessian `l_i dx_i . dn`, `dn = -sum_k t_k / m_k sum_j xi_jk n .
 /// dx_j`, is exact where the face is planar (`m_k` the second moments along the axes `t_k`).
-pub(super) fn add_multiplied(
+pub(in crate::optimise) fn add_multiplied(
     frame: &FaceFrame,
     corners: &[Corner],
     multipliers: &[f64],
@@ -76,7 +76,7 @@ pub(super) fn add_multiplied(
 
 /// Bases `Q` of all faces and the numbers of their constraints.
 #[derive(Clone, Debug)]
-pub(super) struct ConstraintBases {
+pub(in crate::optimise) struct ConstraintBases {
     /// First constraint of each face, and one past the last.
     start: Vec<usize>,
     /// `Q`, face after face, constraint after constraint, corner after corner.

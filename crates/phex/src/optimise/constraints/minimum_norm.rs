@@ -2,15 +2,15 @@
 
 use super::guarded::GuardedSteps;
 use super::jacobian::Jacobian;
-use super::panels::Panels;
 use super::planarity::ConstraintBases;
-use super::terms::setting::Setting;
+use crate::optimise::panels::Panels;
+use crate::optimise::terms::setting::Setting;
 use nalgebra::Matrix3;
 use phex_numeric::{Assembly, Constraints, SymmetricMatrix};
 
 /// The planarity constraints of all faces. Held vertices move within their tangent spaces, which
 /// are the metric.
-pub(super) struct PlanarityConstraints<'a> {
+pub(in crate::optimise) struct PlanarityConstraints<'a> {
     setting: &'a Setting<'a>,
     jacobian: Jacobian<'a>,
     steps: GuardedSteps<'a>,

@@ -4,14 +4,14 @@
 //! `S = J W J^T` couples a face with its neighbours alone: `3 F` unknowns for a mesh of hexagons,
 //! half as many as the coordinates, and a fraction of their fill-in.
 
-use super::panels::{FaceShapes, Panels, point};
 use super::planarity::ConstraintBases;
+use crate::optimise::panels::{FaceShapes, Panels, point};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, SymmetricMatrix};
 
 /// `J` and `W` at the shape that was linearised last.
-pub(super) struct Jacobian<'a> {
+pub(in crate::optimise) struct Jacobian<'a> {
     panels: &'a Panels,
     /// The unknowns are the constraints, the elements the vertices.
     assembly: &'a Assembly,
