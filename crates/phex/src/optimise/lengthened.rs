@@ -6,8 +6,8 @@
 
 use super::on_boundary::already_there;
 use super::panels::{FaceShapes, Panels, points, unknowns};
-use super::path::Path;
-use super::solvers::Solvers;
+use super::solver::path::Path;
+use super::solver::solvers::Solvers;
 use super::terms::barrier::clearance;
 use super::terms::edge_lengths::EdgeLengths;
 use super::{

@@ -30,19 +30,19 @@
 //! | `c` | `terms::shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
 //! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
 //!
-//! [`planarize`] tries the **fast path** (`fast.rs`) before it, where the planes of the panels meet
-//! in points that make them nearly planar, as on conjugate meshes: the same closeness under exact
-//! planarity, one factorisation of a matrix half the size. Its result is taken only if it has
-//! converged, is valid and within limits; [`RunSummary::path`] tells which path it was.
+//! [`planarize`] tries the **fast path** (`solver/fast.rs`) before it, where the planes of the
+//! panels meet in points that make them nearly planar, as on conjugate meshes: the same closeness
+//! under exact planarity, one factorisation of a matrix half the size. Its result is taken only if
+//! it has converged, is valid and within limits; [`RunSummary::path`] tells which path it was.
 //!
 //! At the end of the feasible path Newton's method goes on **on the constraints**, with exact
-//! second derivatives (`endgame.rs`): a few iterations by default, which bring most of the room
-//! that tight panels can have, or as many as it takes to the minimum, where steps fall to rounding
-//! ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
+//! second derivatives (`solver/endgame.rs`): a few iterations by default, which bring most of the
+//! room that tight panels can have, or as many as it takes to the minimum, where steps fall to
+//! rounding ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
-//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). In a mesh that
-//! is laid out the search tries panels again that lack something, each with what is around it and
-//! with more weight on that (`emphasis.rs`).
+//! Meshes of more than 8,000 faces go the feasible path part by part (`solver/parts.rs`). In a mesh
+//! that is laid out the search tries panels again that lack something, each with what is around it
+//! and with more weight on that (`solver/emphasis.rs`).
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3,
 //! with the plane eliminated; the feasible path and its barrier after Li et al., "Incremental
@@ -64,11 +64,7 @@
 mod angle;
 mod components;
 mod constraints;
-mod emphasis;
-mod endgame;
-mod energy;
 mod error;
-mod fast;
 mod holds;
 mod images;
 mod inspect;
@@ -77,19 +73,13 @@ mod local;
 mod on_boundary;
 mod options;
 mod panels;
-mod parts;
-mod path;
 mod quotient;
-mod reached;
 mod run;
-mod shortcut;
 mod simple;
-mod solvers;
-mod start;
+mod solver;
 mod steering;
 mod targets;
 mod terms;
-mod tetrahedra;
 
 #[cfg(test)]
 pub(crate) mod tests;
@@ -100,10 +90,10 @@ use holds::{Hold, Holds};
 use panels::{FaceShapes, Panels, points, unknowns};
 use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
-use reached::Run;
 use serde::Serialize;
-use solvers::Solvers;
-use start::Smoothing;
+use solver::reached::Run;
+use solver::solvers::Solvers;
+use solver::start::Smoothing;
 use std::collections::{BTreeMap, BTreeSet};
 use targets::reference::Reference;
 use terms::areas;
@@ -111,7 +101,6 @@ use terms::areas::AreaWish;
 use terms::guard::Guard;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
-pub(crate) use emphasis::EMPHASES;
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
 pub(crate) use lengthened::{KeptVertices, LengthStage};
@@ -121,6 +110,7 @@ pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
 pub(crate) use panels::Image;
 pub(crate) use quotient::Quotient;
+pub(crate) use solver::emphasis::EMPHASES;
 pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use targets::shape_target::ShapeTarget;
 pub use targets::surface_target::SurfaceTarget;

@@ -11,8 +11,8 @@
 use super::holds::{Hold, Holds};
 use super::panels::{FaceShapes, Panels, point, points, unknowns};
 use super::quotient::Quotient;
-use super::reached::{Reached, ResultOrigin, Run};
-use super::solvers::Solvers;
+use super::solver::reached::{Reached, ResultOrigin, Run};
+use super::solver::solvers::Solvers;
 use super::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,
     Stage, StartKind, Steering, Target, check_mesh, finished as finished_mesh, kinds_of, steering,

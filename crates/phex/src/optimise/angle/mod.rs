@@ -42,7 +42,7 @@ use super::error::OptimiseError;
 use super::inspect::{Offender, Quality, inspect};
 use super::options::OptimiseOptions;
 use super::panels::{FaceShapes, Panels, points, unknowns};
-use super::solvers::energy_assembly;
+use super::solver::solvers::energy_assembly;
 use super::terms::angle_term::walks::Walks;
 use super::terms::setting::{Setting, deviation};
 use super::{Reference, Stage, Target, check_mesh, kinds_of};

@@ -3,10 +3,10 @@
 use super::AngleOptions;
 use super::constraints::AngleConstraints;
 use super::tangent::Tangent;
-use crate::optimise::energy::PanelEnergy;
-use crate::optimise::energy::panel_energy;
 use crate::optimise::error::OptimiseError;
-use crate::optimise::solvers::system;
+use crate::optimise::solver::energy::PanelEnergy;
+use crate::optimise::solver::energy::panel_energy;
+use crate::optimise::solver::solvers::system;
 use crate::optimise::terms::angle_term::walks::Walks;
 use crate::optimise::terms::setting::Setting;
 use crate::progress::{Event, Progress};

@@ -5,7 +5,7 @@ mod rim;
 
 use super::holds::Hold;
 use super::panels::{FaceShapes, unknowns};
-use super::solvers::Solvers;
+use super::solver::solvers::Solvers;
 use super::terms::areas;
 use super::{
     BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Optimised, Reference, Stage,

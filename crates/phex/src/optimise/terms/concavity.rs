@@ -188,12 +188,12 @@ fn curvature_ratio(steps: [Vec3; 2], turns: [Vec3; 2], normal: Vec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimise::emphasis::{EMPHASES, Lack};
     use crate::optimise::holds::Holds;
     use crate::optimise::options::OptimiseOptions;
     use crate::optimise::panels::{Panels, unknowns};
-    use crate::optimise::path::Path;
-    use crate::optimise::solvers::Solvers;
+    use crate::optimise::solver::emphasis::{EMPHASES, Lack};
+    use crate::optimise::solver::path::Path;
+    use crate::optimise::solver::solvers::Solvers;
     use crate::optimise::terms::guard::Guard;
     use crate::optimise::terms::setting::distances;
     use crate::optimise::tests::fixtures::{Shape as Surface, brick_wall, planar_saddle};

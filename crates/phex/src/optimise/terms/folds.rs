@@ -161,7 +161,7 @@ fn vector_area(panels: &Panels, face: usize, x: &[f64]) -> Vec3 {
 mod tests {
     use super::*;
     use crate::optimise::panels::unknowns;
-    use crate::optimise::solvers::energy_assembly_with;
+    use crate::optimise::solver::solvers::energy_assembly_with;
     use phex_mesh::HexMesh;
 
     /// Two pentagons that turn by more than a right angle at their edge, a little bent.

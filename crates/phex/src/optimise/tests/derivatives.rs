@@ -5,9 +5,9 @@ use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_sad
 use crate::optimise::FaceLimits;
 use crate::optimise::constraints::jacobian::Jacobian;
 use crate::optimise::constraints::minimum_norm::PlanarityConstraints;
-use crate::optimise::energy::{PanelEnergy, Weights};
 use crate::optimise::holds::Holds;
 use crate::optimise::panels::{Panels, unknowns};
+use crate::optimise::solver::energy::{PanelEnergy, Weights};
 use crate::optimise::targets::reference::Reference;
 use crate::optimise::terms::areas::{AreaWish, any};
 use crate::optimise::terms::barrier::Barrier;

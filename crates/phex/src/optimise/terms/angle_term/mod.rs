@@ -158,7 +158,7 @@ mod tests {
     use super::walks::Walks;
     use super::*;
     use crate::optimise::panels::unknowns;
-    use crate::optimise::solvers::energy_assembly_with;
+    use crate::optimise::solver::solvers::energy_assembly_with;
     use phex_mesh::HexMesh;
 
     fn hexagon() -> HexMesh {

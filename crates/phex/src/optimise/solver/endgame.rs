@@ -12,8 +12,8 @@
 //! barrier (`spatial_barrier`), and of the closeness to a smooth stand-in for the surface
 //! (`osculating`). Near the minimum steps fall to rounding within four iterations.
 
-use super::constraints::jacobian::Jacobian;
 use super::energy::PanelEnergy;
+use crate::optimise::constraints::jacobian::Jacobian;
 use phex_numeric::{
     Assembly, Cholesky, DampedProblem, LagrangeNewton, LagrangeOptions, LagrangeProblem, Outcome,
     Record, SymmetricMatrix,

@@ -3,21 +3,21 @@
 
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Weights};
-use super::error::OptimiseError;
-use super::options::{
-    KEPT_CLEARANCE, NEWTON_ITERATIONS, OptimiseOptions, PENALTIES, PROJECTION_ITERATIONS,
-};
-use super::panels::FaceShapes;
 use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
 use super::reached::{Reached, better};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Solvers, StepReporter};
-use super::targets::reference::Reference;
-use super::terms::barrier::{Barrier, barriers, clearance};
-use super::terms::concavity::ConcavityTerm;
-use super::terms::edge_lengths::EdgeLengths;
-use super::terms::folds::FoldTerm;
-use super::terms::setting::{Setting, deviation};
+use crate::optimise::error::OptimiseError;
+use crate::optimise::options::{
+    KEPT_CLEARANCE, NEWTON_ITERATIONS, OptimiseOptions, PENALTIES, PROJECTION_ITERATIONS,
+};
+use crate::optimise::panels::FaceShapes;
+use crate::optimise::targets::reference::Reference;
+use crate::optimise::terms::barrier::{Barrier, barriers, clearance};
+use crate::optimise::terms::concavity::ConcavityTerm;
+use crate::optimise::terms::edge_lengths::EdgeLengths;
+use crate::optimise::terms::folds::FoldTerm;
+use crate::optimise::terms::setting::{Setting, deviation};
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
 
@@ -43,7 +43,7 @@ const STUBBORN: f64 = 0.5;
 const STILL_NEAR: f64 = 0.02;
 
 /// The positions, the energy, and everything that is handed on from phase to phase.
-pub(super) struct Path<'a> {
+pub(in crate::optimise) struct Path<'a> {
     pub setting: &'a Setting<'a>,
     pub options: &'a OptimiseOptions,
     descent: Descent<'a>,

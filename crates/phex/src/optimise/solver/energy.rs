@@ -3,24 +3,24 @@
 //! `E = w_p sum h^2 / 2 + closeness + fairness + barrier + limits + w_t |x - x_0|^2 / 2`, infinite
 //! where the guard is broken.
 
-use super::constraints::planarity;
-use super::holds::Holds;
-use super::options::OptimiseOptions;
-use super::panels::point;
-use super::panels::{FaceShapes, Panels, add_block};
-use super::terms::angle_term::AngleTerm;
-use super::terms::areas::AreaWish;
-use super::terms::barrier::{self, Barrier, HEXAGON, barriers};
-use super::terms::closeness::{ClosenessWeights, DistanceLimit, Feet};
-use super::terms::concavity::ConcavityTerm;
-use super::terms::edge_lengths::EdgeLengths;
-use super::terms::fairness;
-use super::terms::folds::FoldTerm;
-use super::terms::guard::Armed;
-use super::terms::inequality::Elastic;
-use super::terms::setting::{Setting, collision_bound, longest};
-use super::terms::shape_limits::ShapeLimits;
-use super::terms::spatial_barrier;
+use crate::optimise::constraints::planarity;
+use crate::optimise::holds::Holds;
+use crate::optimise::options::OptimiseOptions;
+use crate::optimise::panels::point;
+use crate::optimise::panels::{FaceShapes, Panels, add_block};
+use crate::optimise::terms::angle_term::AngleTerm;
+use crate::optimise::terms::areas::AreaWish;
+use crate::optimise::terms::barrier::{self, Barrier, HEXAGON, barriers};
+use crate::optimise::terms::closeness::{ClosenessWeights, DistanceLimit, Feet};
+use crate::optimise::terms::concavity::ConcavityTerm;
+use crate::optimise::terms::edge_lengths::EdgeLengths;
+use crate::optimise::terms::fairness;
+use crate::optimise::terms::folds::FoldTerm;
+use crate::optimise::terms::guard::Armed;
+use crate::optimise::terms::inequality::Elastic;
+use crate::optimise::terms::setting::{Setting, collision_bound, longest};
+use crate::optimise::terms::shape_limits::ShapeLimits;
+use crate::optimise::terms::spatial_barrier;
 use nalgebra::Matrix3;
 use phex_mesh::{Vec2, Vec3};
 use phex_numeric::{Assembly, DampedProblem, SymmetricMatrix};
@@ -30,7 +30,7 @@ const PATIENCE: usize = 3;
 
 /// Weights of the energy.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Weights {
+pub(in crate::optimise) struct Weights {
     pub planarity: f64,
     pub closeness: ClosenessWeights,
     pub fairness: f64,
@@ -67,7 +67,7 @@ impl Weights {
 }
 
 /// The energy with the weights of the options; `start` is the anchor.
-pub(super) fn panel_energy<'a>(
+pub(in crate::optimise) fn panel_energy<'a>(
     setting: &'a Setting<'a>,
     assembly: &'a Assembly,
     start: &[f64],
@@ -84,7 +84,7 @@ pub(super) fn panel_energy<'a>(
 }
 
 /// The energy at the positions that were asked for last, and what was computed there.
-pub(super) struct PanelEnergy<'a> {
+pub(in crate::optimise) struct PanelEnergy<'a> {
     pub weights: Weights,
     pub barriers: Vec<Barrier>,
     /// The angle condition of a vertex offset, where it is wanted.

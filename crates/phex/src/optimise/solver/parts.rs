@@ -9,15 +9,15 @@
 
 use super::endgame::minimise_on_constraints;
 use super::energy::PanelEnergy;
-use super::error::OptimiseError;
-use super::holds::{Hold, Holds};
-use super::panels::{FaceShapes, Panels, point};
 use super::solvers::{Dual, StepReporter, constraint_assembly, energy_assembly, system};
-use super::targets::reference::Reference;
-use super::terms::areas::AreaWish;
-use super::terms::guard::Guard;
-use super::terms::setting::Setting;
-use super::terms::shape_limits::FaceLimits;
+use crate::optimise::error::OptimiseError;
+use crate::optimise::holds::{Hold, Holds};
+use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::targets::reference::Reference;
+use crate::optimise::terms::areas::AreaWish;
+use crate::optimise::terms::guard::Guard;
+use crate::optimise::terms::setting::Setting;
+use crate::optimise::terms::shape_limits::FaceLimits;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ const OVERLAP: usize = 2;
 const SHARES: [f64; 2] = [0.5, 0.4];
 
 /// How a mesh is cut.
-pub(super) struct Cuts {
+pub(in crate::optimise) struct Cuts {
     /// Faces of a part at the most, without those that it shares with others.
     pub most: usize,
     /// Number of the phase, on which depends where the cuts lie.
@@ -74,7 +74,7 @@ impl PartRegion {
 }
 
 /// Some faces of a mesh with numbers of their own, their outer vertices at rest.
-pub(super) struct Part<'a> {
+pub(in crate::optimise) struct Part<'a> {
     region: PartRegion,
     pub panels: Panels,
     pub guard: Guard,
@@ -138,7 +138,7 @@ impl<'a> Part<'a> {
 }
 
 /// Minimises an energy part by part. `energy` makes it for a part.
-pub(super) fn minimise_in_parts(
+pub(in crate::optimise) fn minimise_in_parts(
     whole: &Setting<'_>,
     energy: impl for<'b> Fn(&'b Setting<'b>, &'b Assembly, &Part<'_>) -> PanelEnergy<'b> + Sync,
     x: &mut [f64],

@@ -1,15 +1,15 @@
 //! What a run has reached, and how.
 
-use super::RunSummary;
-use super::inspect::Offender;
-use super::options::{OptimiseOptions, PathKind, StartKind};
-use super::panels::FaceShapes;
-use super::terms::barrier::clearance;
-use super::terms::setting::Setting;
+use crate::optimise::RunSummary;
+use crate::optimise::inspect::Offender;
+use crate::optimise::options::{OptimiseOptions, PathKind, StartKind};
+use crate::optimise::panels::FaceShapes;
+use crate::optimise::terms::barrier::clearance;
+use crate::optimise::terms::setting::Setting;
 use phex_numeric::{Outcome, Status};
 
 /// What came of one start.
-pub(super) struct Run {
+pub(in crate::optimise) struct Run {
     pub x: Vec<f64>,
     pub outcome: Outcome,
     pub offenders: Vec<Offender>,
@@ -23,7 +23,7 @@ impl Run {
 }
 
 /// How a result came about.
-pub(super) struct ResultOrigin {
+pub(in crate::optimise) struct ResultOrigin {
     pub kind: StartKind,
     pub path: PathKind,
     /// Factorisations for parts of the mesh alone.
@@ -32,7 +32,7 @@ pub(super) struct ResultOrigin {
 }
 
 /// Positions and what they are judged by on the way.
-pub(super) struct Reached {
+pub(in crate::optimise) struct Reached {
     pub x: Vec<f64>,
     planarity: f64,
     clearance: f64,
@@ -56,7 +56,7 @@ impl Reached {
 }
 
 /// The planar one; of two planar ones that with more clearance.
-pub(super) fn better(a: Reached, b: Reached) -> Reached {
+pub(in crate::optimise) fn better(a: Reached, b: Reached) -> Reached {
     const PLANAR: f64 = 1e-12;
     let planar = [a.planarity <= PLANAR, b.planarity <= PLANAR];
     let second = match planar {

@@ -14,15 +14,15 @@
 //! anything about validity: nothing keeps panels from crossing themselves, which is what this
 //! solver is there to show. Offenders are named as ever.
 
-use super::Stage;
-use super::error::OptimiseError;
-use super::options::{OptimiseOptions, PathKind, StartKind};
-use super::panels::{FaceShapes, add_block, point};
 use super::reached::{Reached, ResultOrigin, Run};
 use super::solvers::{Solvers, StepReporter};
 use super::start::Start;
-use super::terms::closeness::Feet;
-use super::terms::setting::Setting;
+use crate::optimise::Stage;
+use crate::optimise::error::OptimiseError;
+use crate::optimise::options::{OptimiseOptions, PathKind, StartKind};
+use crate::optimise::panels::{FaceShapes, add_block, point};
+use crate::optimise::terms::closeness::Feet;
+use crate::optimise::terms::setting::Setting;
 use crate::progress::Progress;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
@@ -257,13 +257,13 @@ impl Stage<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Reference;
-    use super::super::holds::{Hold, Holds};
-    use super::super::panels::{Panels, unknowns};
     use super::super::solvers::energy_assembly;
-    use super::super::terms::guard::Guard;
-    use super::super::tests::fixtures::{Shape as Surface, brick_wall, jittered};
     use super::*;
+    use crate::optimise::Reference;
+    use crate::optimise::holds::{Hold, Holds};
+    use crate::optimise::panels::{Panels, unknowns};
+    use crate::optimise::terms::guard::Guard;
+    use crate::optimise::tests::fixtures::{Shape as Surface, brick_wall, jittered};
 
     #[test]
     fn a_hexagon_has_fifteen_tetrahedra() {
@@ -306,7 +306,7 @@ mod tests {
             rim: &[],
             corner: &vec![false; panels.n_vertices()],
             holds: &holds,
-            areas: &super::super::terms::areas::any(panels.n_faces()),
+            areas: &crate::optimise::terms::areas::any(panels.n_faces()),
             limits: &crate::optimise::FaceLimits::none(panels.n_faces()),
             mean_edge: panels.mean_edge(&x),
         };

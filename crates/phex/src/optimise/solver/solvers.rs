@@ -1,16 +1,16 @@
 //! Factorisations and memory that the runs on one mesh share, and what hears of their iterations.
 
-use super::constraints::minimum_norm::PlanarityConstraints;
-use super::error::OptimiseError;
-use super::panels::Panels;
-use super::terms::folds::FoldTerm;
+use crate::optimise::constraints::minimum_norm::PlanarityConstraints;
+use crate::optimise::error::OptimiseError;
+use crate::optimise::panels::Panels;
+use crate::optimise::terms::folds::FoldTerm;
 use crate::progress::{Event, Progress};
 use phex_numeric::{Assembly, Cholesky, DampedSolver, Record, SymmetricMatrix};
 use std::ops::ControlFlow;
 
 /// Factorisations and memory, shared by all runs on one mesh. What belongs to the energy is made
 /// when it is first needed.
-pub(super) struct Solvers {
+pub(in crate::optimise) struct Solvers {
     pub energy: EnergySolver,
     pub constraint_assembly: Assembly,
     pub constraints: Option<Dual>,
@@ -22,7 +22,7 @@ pub(super) type Dual = (Cholesky, SymmetricMatrix);
 
 /// Assembly and factorisation of the energy's Hessian.
 #[derive(Default)]
-pub(super) struct EnergySolver(Option<(Assembly, DampedSolver)>);
+pub(in crate::optimise) struct EnergySolver(Option<(Assembly, DampedSolver)>);
 
 impl Solvers {
     pub fn new(panels: &Panels) -> Result<Self, OptimiseError> {
@@ -70,18 +70,18 @@ impl EnergySolver {
 }
 
 /// The assembly of `J J^T`: the unknowns are the constraints, the elements the vertices.
-pub(super) fn constraint_assembly(panels: &Panels) -> Assembly {
+pub(in crate::optimise) fn constraint_assembly(panels: &Panels) -> Assembly {
     let count = PlanarityConstraints::count(panels);
     Assembly::new(count, &PlanarityConstraints::elements(panels))
 }
 
 /// The assembly of the energy's Hessian: a block for every face and then one for every vertex.
-pub(super) fn energy_assembly(panels: &Panels) -> Assembly {
+pub(in crate::optimise) fn energy_assembly(panels: &Panels) -> Assembly {
     energy_assembly_with(panels, [])
 }
 
 /// The same with a block for each of some more sets of vertices.
-pub(super) fn energy_assembly_with(
+pub(in crate::optimise) fn energy_assembly_with(
     panels: &Panels,
     more: impl IntoIterator<Item = Vec<u32>>,
 ) -> Assembly {
@@ -102,7 +102,7 @@ pub(super) fn energy_assembly_with(
 }
 
 /// An analysed factorisation and a matrix on the pattern of an assembly.
-pub(super) fn system(
+pub(in crate::optimise) fn system(
     assembly: &Assembly,
     block: usize,
 ) -> Result<(Cholesky, SymmetricMatrix), OptimiseError> {
@@ -111,7 +111,7 @@ pub(super) fn system(
 }
 
 /// Tells of iterations and hears of cancelling.
-pub(super) struct StepReporter<'a> {
+pub(in crate::optimise) struct StepReporter<'a> {
     progress: &'a dyn Progress,
     iteration: usize,
     limit: usize,

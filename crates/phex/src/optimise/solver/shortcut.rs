@@ -1,15 +1,17 @@
 //! Shorter ways than the feasible path: the projection alone, and the fast path.
 
-use super::Stage;
-use super::constraints::minimum_norm::PlanarityConstraints;
 use super::fast::NearlyPlanar;
-use super::options::{KEPT_CLEARANCE, OptimiseOptions, PROJECTION_ITERATIONS, PathKind, StartKind};
-use super::panels::FaceShapes;
 use super::reached::{Reached, ResultOrigin, Run};
 use super::solvers::{Dual, Solvers, StepReporter};
 use super::start::{Start, kinked};
-use super::terms::setting::Setting;
-use super::terms::shape_limits::ShapeLimits;
+use crate::optimise::Stage;
+use crate::optimise::constraints::minimum_norm::PlanarityConstraints;
+use crate::optimise::options::{
+    KEPT_CLEARANCE, OptimiseOptions, PROJECTION_ITERATIONS, PathKind, StartKind,
+};
+use crate::optimise::panels::FaceShapes;
+use crate::optimise::terms::setting::Setting;
+use crate::optimise::terms::shape_limits::ShapeLimits;
 use crate::progress::Progress;
 use phex_numeric::{
     Assembly, MinimumNorm, Outcome, ProjectionOptions, Record, SchurOptions, SchurSqp, Status,

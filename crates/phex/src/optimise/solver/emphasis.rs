@@ -6,16 +6,16 @@
 //! minimised again with more weight on limits, and on folds, and on re-entrant corners where the
 //! surface is convex. Whether the result is better is for others to say.
 
-use super::options::{NEWTON_ITERATIONS, OptimiseOptions, PathKind, StartKind};
-use super::panels::{FaceShapes, Panels};
 use super::path::Path;
 use super::reached::{Reached, ResultOrigin, Run};
 use super::solvers::Solvers;
-use super::terms::concavity::{ConcavityTerm, is_concave, to_be_convex};
-use super::terms::folds::FoldTerm;
-use super::terms::guard::Breach;
-use super::terms::setting::Setting;
-use super::{OptimiseError, Stage};
+use crate::optimise::options::{NEWTON_ITERATIONS, OptimiseOptions, PathKind, StartKind};
+use crate::optimise::panels::{FaceShapes, Panels};
+use crate::optimise::terms::concavity::{ConcavityTerm, is_concave, to_be_convex};
+use crate::optimise::terms::folds::FoldTerm;
+use crate::optimise::terms::guard::Breach;
+use crate::optimise::terms::setting::Setting;
+use crate::optimise::{OptimiseError, Stage};
 use crate::progress::Progress;
 
 /// Weight of a fold or a re-entrant corner in the first round, over that of closeness.
@@ -30,7 +30,7 @@ const PHASES: [usize; EMPHASES] = [0, 1, 3];
 pub(crate) const EMPHASES: usize = 3;
 
 /// What faces lack besides limits.
-pub(super) struct Lack {
+pub(in crate::optimise) struct Lack {
     /// Whether faces fold against a neighbour.
     has_folds: bool,
     /// All faces that are to be convex, if one of them is not.
@@ -100,7 +100,7 @@ fn has_folds(setting: &Setting<'_>, shape: &FaceShapes, x: &[f64]) -> bool {
 
 impl Stage<'_> {
     /// One round of emphasis from planar positions.
-    pub(super) fn emphasised(
+    pub(in crate::optimise) fn emphasised(
         &self,
         x: &[f64],
         round: usize,
@@ -129,7 +129,7 @@ impl Stage<'_> {
 
 impl Path<'_> {
     /// One round of emphasis on what faces lack at planar positions.
-    pub(super) fn emphasised(
+    pub(in crate::optimise) fn emphasised(
         &mut self,
         x: &[f64],
         (lack, folds): (&Lack, Option<FoldTerm>),

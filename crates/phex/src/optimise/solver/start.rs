@@ -11,18 +11,18 @@
 //! cells. Where panels would suffer, their vertices back off. Where the surface is nearly flat the
 //! planes hardly meet; `eps` is set by the middle singular value.
 
-use super::Target;
-use super::panels::{FaceShapes, Panels, flatten, points};
-use super::simple::area;
-use super::terms::barrier::clearance;
-use super::terms::guard::{Breach, Guard};
 use crate::layout::{Layout, VertexKind};
+use crate::optimise::Target;
+use crate::optimise::panels::{FaceShapes, Panels, flatten, points};
+use crate::optimise::simple::area;
+use crate::optimise::terms::barrier::clearance;
+use crate::optimise::terms::guard::{Breach, Guard};
 use nalgebra::Matrix3;
 use phex_mesh::{Topology, Vec3, VertexId};
 
 /// A start and the number of its panels that are not simple or not on their side.
 #[derive(Clone, Debug)]
-pub(super) struct Start {
+pub(in crate::optimise) struct Start {
     pub x: Vec<f64>,
     pub n_bad: usize,
 }
@@ -53,7 +53,7 @@ fn averaging_stencils(topology: &Topology) -> Vec<Vec<u32>> {
 }
 
 /// Cells that are smoothed on the surface.
-pub(super) struct Smoothing<'a> {
+pub(in crate::optimise) struct Smoothing<'a> {
     pub layout: &'a Layout,
     pub target: &'a dyn Target,
     pub panels: &'a Panels,

@@ -14,12 +14,12 @@
 //! fairness: on a conjugate layout none is needed, and elsewhere the result is not accepted. Then,
 //! and where the iteration does not converge, the feasible path is taken instead.
 
-use super::constraints::guarded::GuardedSteps;
-use super::constraints::jacobian::Jacobian;
-use super::options::{KEPT_CLEARANCE, OptimiseOptions};
-use super::panels::{FaceShapes, point};
-use super::terms::closeness::{ClosenessWeights, Feet};
-use super::terms::setting::Setting;
+use crate::optimise::constraints::guarded::GuardedSteps;
+use crate::optimise::constraints::jacobian::Jacobian;
+use crate::optimise::options::{KEPT_CLEARANCE, OptimiseOptions};
+use crate::optimise::panels::{FaceShapes, point};
+use crate::optimise::terms::closeness::{ClosenessWeights, Feet};
+use crate::optimise::terms::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, SchurProblem, SymmetricMatrix};
@@ -53,7 +53,7 @@ impl<'a> NearlyPlanar<'a> {
             vertex: options.vertex_closeness,
             centre: options.centre_closeness,
             rim: options.boundary_closeness,
-            limit: super::terms::closeness::DistanceLimit::NONE,
+            limit: crate::optimise::terms::closeness::DistanceLimit::NONE,
         };
         let least = KEPT_CLEARANCE * setting.mean_edge;
         Self {
