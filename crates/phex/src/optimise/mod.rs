@@ -62,15 +62,12 @@
 //! Nothing is then claimed: [`Optimised::offenders`] names the panels.
 
 mod angle;
-mod components;
 mod constraints;
 mod error;
 mod holds;
 mod images;
 mod inspect;
-mod lengthened;
 mod local;
-mod on_boundary;
 mod options;
 mod panels;
 mod quotient;
@@ -95,6 +92,7 @@ use solver::reached::Run;
 use solver::solvers::Solvers;
 use solver::start::Smoothing;
 use std::collections::{BTreeMap, BTreeSet};
+use steering::wishes;
 use targets::reference::Reference;
 use terms::areas;
 use terms::areas::AreaWish;
@@ -103,15 +101,15 @@ use terms::guard::Guard;
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
-pub(crate) use lengthened::{KeptVertices, LengthStage};
 pub(crate) use local::LocalPart;
-pub use on_boundary::BoundaryHold;
-pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
 pub(crate) use panels::Image;
 pub(crate) use quotient::Quotient;
 pub(crate) use solver::emphasis::EMPHASES;
-pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
+pub(crate) use steering::lengthened::{KeptVertices, LengthStage};
+pub use steering::on_boundary::BoundaryHold;
+pub(crate) use steering::on_boundary::{onto_boundary, steer_on_boundary};
+pub use steering::wishes::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use targets::shape_target::ShapeTarget;
 pub use targets::surface_target::SurfaceTarget;
 pub(crate) use terms::angle_term::walks::free_edges;
@@ -333,17 +331,12 @@ fn steer_with(
         if idle || rounds == LETTING_GO || progress.is_cancelled() {
             break result;
         }
-        if !steering::let_go(
-            &steering::resolve(steering, mesh)?,
-            mesh,
-            &faces,
-            &mut loose,
-        ) {
+        if !wishes::let_go(&wishes::resolve(steering, mesh)?, mesh, &faces, &mut loose) {
             break result;
         }
         rounds += 1;
     };
-    if let Some(message) = steering::told_loose(&loose) {
+    if let Some(message) = wishes::told_loose(&loose) {
         progress.report(&Event::Note { message });
     }
     result
@@ -379,18 +372,18 @@ fn from_mesh(
         stage.keep_areas(&x, options);
     }
     stage.limits = FaceLimits::of(&stage.panels, &x, options);
-    stage.holds = steering::resolve(steering, mesh)?;
+    stage.holds = wishes::resolve(steering, mesh)?;
     if let Some((held, curves)) = rim {
         stage.holds.keep_rim(held, curves);
     }
     stage.holds.release(loose);
-    let x = steering::put_in_place(&stage.holds, &panels, mesh)?;
+    let x = wishes::put_in_place(&stage.holds, &panels, mesh)?;
     let mut solvers = Solvers::new(&panels)?;
     let run = match only_project {
         true => stage.run_as_given(&mut solvers, &x, options, progress)?,
         false => stage.run_from(&mut solvers, &x, options, progress)?,
     };
-    if let Some(message) = steering::blame(&stage.holds, &panels, &run.offenders) {
+    if let Some(message) = wishes::blame(&stage.holds, &panels, &run.offenders) {
         progress.report(&Event::Note { message });
     }
     Ok(finished(mesh, run))

@@ -4,11 +4,11 @@
 //! along (a few rounds of averaging of the displacement), so that simple panels stay simple; the
 //! optimiser then starts from there.
 
-use super::error::{MOST_MOVE, OptimiseError, SteeringError};
-use super::holds::{Anchored, Hold, Holds};
-use super::inspect::{Fault, Offender};
-use super::panels::{FaceShapes, Panels, flatten, points, unknowns};
-use super::simple::is_simple;
+use crate::optimise::error::{MOST_MOVE, OptimiseError, SteeringError};
+use crate::optimise::holds::{Anchored, Hold, Holds};
+use crate::optimise::inspect::{Fault, Offender};
+use crate::optimise::panels::{FaceShapes, Panels, flatten, points, unknowns};
+use crate::optimise::simple::is_simple;
 use phex_mesh::{BoundaryCurve, FaceId, FacePlane, HexMesh, PerVertex, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -116,7 +116,10 @@ const END_REACH: f64 = 0.05;
 const SPREADING: usize = 40;
 
 /// The holds on a mesh.
-pub(super) fn resolve(steering: &Steering, mesh: &HexMesh) -> Result<Holds, OptimiseError> {
+pub(in crate::optimise) fn resolve(
+    steering: &Steering,
+    mesh: &HexMesh,
+) -> Result<Holds, OptimiseError> {
     let mut resolver = Resolver {
         mesh,
         mean_edge: mesh.mean_edge(),
@@ -341,7 +344,7 @@ fn open_ends(lines: &[Vec<Vec3>]) -> Vec<Vec3> {
 /// beside them, else all: a panel between two others needs only its ends there, and with a corner
 /// between them it would have to lie in the plane of the curve. In the end any vertex of the faces
 /// is let go. Tells whether there was one.
-pub(super) fn let_go(
+pub(in crate::optimise) fn let_go(
     holds: &Holds,
     mesh: &HexMesh,
     faces: &[FaceId],
@@ -402,7 +405,7 @@ pub fn led_elsewhere(steering: &Steering, mesh: &HexMesh) -> Vec<FaceId> {
 }
 
 /// What to tell of vertices that were let go of curves and planes; nothing of none.
-pub(super) fn told_loose(loose: &BTreeSet<u32>) -> Option<String> {
+pub(in crate::optimise) fn told_loose(loose: &BTreeSet<u32>) -> Option<String> {
     let names: Vec<String> = loose.iter().take(NAMED).map(u32::to_string).collect();
     let more = match loose.len().saturating_sub(NAMED) {
         0 => String::new(),
@@ -417,7 +420,7 @@ pub(super) fn told_loose(loose: &BTreeSet<u32>) -> Option<String> {
 }
 
 /// The mesh with held vertices at their places, where that breaks no panel.
-pub(super) fn put_in_place(
+pub(in crate::optimise) fn put_in_place(
     holds: &Holds,
     panels: &Panels,
     mesh: &HexMesh,
@@ -504,7 +507,11 @@ fn refuse_impossible_faces(holds: &Holds, panels: &Panels, x: &[f64]) -> Result<
 }
 
 /// Which of the held faces is farthest from planar, as a sentence; `None` if all are planar.
-pub(super) fn blame(holds: &Holds, panels: &Panels, offenders: &[Offender]) -> Option<String> {
+pub(in crate::optimise) fn blame(
+    holds: &Holds,
+    panels: &Panels,
+    offenders: &[Offender],
+) -> Option<String> {
     let held = |f: FaceId| {
         let corners = panels.vertices(f.index()).iter();
         corners.filter(|v| holds.held.contains_key(v)).count()

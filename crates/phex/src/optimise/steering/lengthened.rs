@@ -5,16 +5,17 @@
 //! never buy what a limit forbids.
 
 use super::on_boundary::already_there;
-use super::panels::{FaceShapes, Panels, points, unknowns};
-use super::solver::path::Path;
-use super::solver::solvers::Solvers;
-use super::terms::barrier::clearance;
-use super::terms::edge_lengths::EdgeLengths;
-use super::{
-    BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Quotient, Reference, Stage, Steering,
-    Target, check_mesh, steering,
-};
+use super::wishes;
 use crate::layout::VertexKind;
+use crate::optimise::panels::{FaceShapes, Panels, points, unknowns};
+use crate::optimise::solver::path::Path;
+use crate::optimise::solver::solvers::Solvers;
+use crate::optimise::terms::barrier::clearance;
+use crate::optimise::terms::edge_lengths::EdgeLengths;
+use crate::optimise::{
+    BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Quotient, Reference, Stage, Steering,
+    Target, check_mesh,
+};
 use crate::progress::Progress;
 use phex_mesh::{HexMesh, PerEdge, PerVertex, measure};
 
@@ -87,7 +88,7 @@ impl<'a> LengthStage<'a> {
         for (f, wished) in stage.limits.clearance.iter_mut().enumerate() {
             *wished = wished.min(KEPT * clearance(shape.face(&panels, f)));
         }
-        let held = steering::resolve(kept.steering, mesh)?;
+        let held = wishes::resolve(kept.steering, mesh)?;
         stage.holds.anchors = held.anchors;
         stage.holds.curves = held.curves;
         stage.holds.held.extend(held.held);

@@ -1,7 +1,7 @@
 //! What is held, shared out among the connected parts of a surface.
 
-use super::steering::{GroundPlane, Steering};
-use super::{SurfaceTarget, Target};
+use super::wishes::{GroundPlane, Steering};
+use crate::optimise::{SurfaceTarget, Target};
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
 
 impl Steering {

@@ -2,20 +2,22 @@
 //!
 //! The optimiser draws the rim towards the boundary curve; here the ends of interior edges are put
 //! on it, corners of the curve on the vertices nearest to them, and all panels are made planar
-//! again with these vertices sliding on the curve ([`super::holds`]). A panel of the rim has three
-//! degrees of freedom and one condition for each of its ends on the curve that a neighbour shares,
-//! so that is possible where panels meet the curve at an angle; along an asymptotic curve two
-//! neighbours that both held it would lie in one plane. Where panels do not become planar, or would
-//! have to move far, their vertices are let go, and the rest is tried again.
+//! again with these vertices sliding on the curve ([`crate::optimise::holds`]). A panel of the rim
+//! has three degrees of freedom and one condition for each of its ends on the curve that a
+//! neighbour shares, so that is possible where panels meet the curve at an angle; along an
+//! asymptotic curve two neighbours that both held it would lie in one plane. Where panels do not
+//! become planar, or would have to move far, their vertices are let go, and the rest is tried
+//! again.
 
-use super::holds::{Hold, Holds};
-use super::panels::{FaceShapes, Panels, point, points, unknowns};
-use super::quotient::Quotient;
-use super::solver::reached::{Reached, ResultOrigin, Run};
-use super::solver::solvers::Solvers;
-use super::{
+use super::wishes;
+use crate::optimise::holds::{Hold, Holds};
+use crate::optimise::panels::{FaceShapes, Panels, point, points, unknowns};
+use crate::optimise::quotient::Quotient;
+use crate::optimise::solver::reached::{Reached, ResultOrigin, Run};
+use crate::optimise::solver::solvers::Solvers;
+use crate::optimise::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,
-    Stage, StartKind, Steering, Target, check_mesh, finished as finished_mesh, kinds_of, steering,
+    Stage, StartKind, Steering, Target, check_mesh, finished as finished_mesh, kinds_of,
 };
 use crate::progress::Progress;
 use phex_mesh::{
@@ -88,7 +90,7 @@ pub fn onto_boundary(
             ..quotient.holds()
         };
         stage.holds.held.extend(held.clone());
-        let Ok(start) = steering::put_in_place(&stage.holds, &panels, mesh) else {
+        let Ok(start) = wishes::put_in_place(&stage.holds, &panels, mesh) else {
             break;
         };
         let run = stage.run_projection(&mut solvers, &stage.start_at(&start), options, progress);
@@ -108,11 +110,11 @@ pub fn onto_boundary(
     Ok(None)
 }
 
-/// As [`steer`](super::steer), and vertices that lie on the boundary's curves or corners stay there
-/// where panels allow it: what the user holds comes first.
+/// As [`steer`](crate::optimise::steer), and vertices that lie on the boundary's curves or corners
+/// stay there where panels allow it: what the user holds comes first.
 ///
 /// # Errors
-/// As [`steer`](super::steer).
+/// As [`steer`](crate::optimise::steer).
 pub fn steer_on_boundary(
     mesh: &HexMesh,
     target: &dyn Target,
@@ -127,7 +129,8 @@ pub fn steer_on_boundary(
             break;
         }
         let rim = Some((&held, hold.curves));
-        let Ok(result) = super::steer_with(mesh, Some(target), steering, rim, options, progress)
+        let Ok(result) =
+            crate::optimise::steer_with(mesh, Some(target), steering, rim, options, progress)
         else {
             break;
         };
@@ -142,11 +145,14 @@ pub fn steer_on_boundary(
             break;
         }
     }
-    super::steer(mesh, Some(target), steering, options, progress)
+    crate::optimise::steer(mesh, Some(target), steering, options, progress)
 }
 
 /// Vertices of the boundary that lie on the curves, and those at corners.
-pub(super) fn already_there(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
+pub(in crate::optimise) fn already_there(
+    mesh: &HexMesh,
+    hold: &BoundaryHold<'_>,
+) -> BTreeMap<u32, Hold> {
     let topology = mesh.topology();
     let near = ON_IT * mesh.diagonal();
     let hold_of = |v: VertexId| {
