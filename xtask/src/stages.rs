@@ -4,10 +4,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The stages in the order of the data flow.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
     "smooth_surface",
     "curvature",
     "directions",
+    "classical",
     "layout",
     "optimise",
     "symmetry",

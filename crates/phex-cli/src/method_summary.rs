@@ -2,8 +2,8 @@
 //! table.
 
 use crate::summary::SummaryTable;
-use phex::layout::CurvatureSign;
-use phex::layout::DualDefects;
+use phex::classical::CurvatureSign;
+use phex::classical::DualDefects;
 use phex::pipeline::{AttemptSummary, ClassicalStatistics};
 use phex_job::members;
 

@@ -2,9 +2,9 @@
 //! results have one form.
 
 use crate::error::{JobError, chain};
+use phex::classical::DualityError;
 use phex::directions::Cone;
 use phex::directions::NetworkError;
-use phex::layout::DualityError;
 use phex::layout::LayoutError;
 use phex::optimise::{
     self, OptimiseError, OptimiseOptions, START_CLOSENESS, Steering, SurfaceTarget, Target,

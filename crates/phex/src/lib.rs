@@ -15,13 +15,15 @@
 //! of options.
 //!
 //! Data flows `smooth_surface -> curvature -> directions -> layout -> optimise -> trim -> koebe ->
-//! offset -> report`; a stage uses earlier stages only.
+//! offset -> report`, past `classical` for the methods of that name; a stage uses earlier stages
+//! only.
 //!
 //! | stage | what it computes |
 //! |---|---|
 //! | [`smooth_surface`] | the smooth surface that the input's facets sample, normalised |
 //! | [`curvature`] | shape operator at the scale of a panel |
 //! | [`directions`] | the metric in which panels are regular, and their lattice directions |
+//! | [`classical`] | the classical methods: panels in planes that are chosen first |
 //! | [`layout`] | the panelling's connectivity and first positions |
 //! | [`optimise`] | planar, simple panels close to the surface |
 //! | [`trim`] | panels of an extended surface brought back to its boundary |
@@ -34,6 +36,7 @@
 #[cfg(test)]
 extern crate self as phex;
 
+pub mod classical;
 #[cfg(test)]
 #[path = "../tests/common/mod.rs"]
 mod common;

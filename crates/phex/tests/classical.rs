@@ -2,9 +2,9 @@
 
 mod common;
 
+use phex::classical::one_sign;
+use phex::classical::{DomainError, LocatedVertex};
 use phex::layout::LayoutError;
-use phex::layout::one_sign;
-use phex::layout::{DomainError, LocatedVertex};
 use phex::pipeline::Method;
 use phex::{MeshOptions, MeshRun, PanelSize, PipelineError, Silent, mesh_surface};
 use phex_mesh::polygon::is_simple;

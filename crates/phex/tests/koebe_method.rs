@@ -6,7 +6,8 @@ mod common;
 mod patches;
 
 use patches::{PATCHES, patch};
-use phex::layout::{DomainError, LayoutError};
+use phex::classical::DomainError;
+use phex::layout::LayoutError;
 use phex::offset::{
     OffsetOptions, beam_axes, edge_gauss_image, face_curvatures, layer, panel_solids,
 };

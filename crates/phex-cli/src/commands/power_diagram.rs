@@ -9,7 +9,7 @@ use crate::shared_arguments::ToleranceArguments;
 use crate::summary::SummaryTable;
 use anyhow::Context;
 use nalgebra::Matrix3x4;
-use phex::layout::{PowerDiagram, PowerSite, goldberg, power_diagram};
+use phex::classical::{PowerDiagram, PowerSite, goldberg, power_diagram};
 use phex_job::TypedLimits;
 use phex_job::{NumberLine, read_numbers};
 use phex_mesh::{HexMesh, Vec2};

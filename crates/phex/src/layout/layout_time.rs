@@ -7,8 +7,9 @@
 //! lattice is computed, that of the refined surface on which cells are drawn, and the lattice's
 //! own: two unknowns for each vertex, turned against each other by the charts.
 
-use super::seamless::OffsetSystem;
-use super::{CELL, CellSurface, calmed, lattice::Charts, panelling, place_seeds};
+use super::lattice::eisenstein::Charts;
+use super::lattice::seamless::OffsetSystem;
+use super::{CELL, CellSurface, calmed, panelling, place_seeds};
 use crate::curvature::curvature;
 use crate::directions::IntrinsicMesh;
 use crate::directions::directions;

@@ -1,75 +1,54 @@
 //! Layout: connectivity and first positions of the panels.
 //!
-//! 1. `waves`: lattice offsets by diffusion and projection of three waves in the charts of the
-//!    direction field; `polish`: Gauss-Seidel.
-//! 2. `dislocations`: Burgers vectors moved into opposites, cones or the boundary; `seamless`:
-//!    one linear solve for the lattice; vectors come back where it would be strained too much.
-//! 3. `seeds`: one seed vertex per lattice point; `voronoi`: geodesic cells in the metric, on a
-//!    finer mesh.
-//! 4. `cells`: discs whose outlines are the panels; triangles with three labels are vertices, so
-//!    every interior vertex has degree 3 by construction.
-//! 5. `flips`, `glide`, `halves`: edges turn and cut panels are joined where that makes the
-//!    panels more regular.
+//! 1. `lattice/waves`: lattice offsets by diffusion and projection of three waves in the charts of
+//!    the direction field; `lattice/polish`: Gauss-Seidel.
+//! 2. `lattice/dislocations`: Burgers vectors moved into opposites, cones or the boundary;
+//!    `lattice/seamless`: one linear solve for the lattice; vectors come back where it would be
+//!    strained too much (`lattice/strain`).
+//! 3. `cells/clusters`: one seed vertex per lattice point; `cells/voronoi`: geodesic cells in the
+//!    metric, on a finer mesh.
+//! 4. `cells/complex`: discs whose outlines are the panels; triangles with three labels are
+//!    vertices, so every interior vertex has degree 3 by construction.
+//! 5. `moves/flips`, `moves/glide`, `moves/halves`: edges turn and cut panels are joined where that
+//!    makes the panels more regular.
 //!
 //! Guaranteed: the panelling has the Euler characteristic and the boundary loops of the surface,
 //! every interior vertex has degree 3, sharp boundary corners are kept as corners of one panel.
 //! Fails, with an error that says so: where panels are so large that cells can't be made discs.
 
-pub(crate) mod boundary;
-pub(crate) mod boundary_nodes;
 pub(crate) mod brick_wall;
-pub(crate) mod cells;
-mod chart_graph;
-pub(crate) mod clusters;
-pub(crate) mod dislocations;
-pub(crate) mod domain;
-pub(crate) mod dual_subdivision;
-pub(crate) mod duality;
-pub(crate) mod flips;
+mod cells;
 pub(crate) mod forecast;
-mod fronts;
-pub(crate) mod glide;
-pub(crate) mod halves;
 pub(crate) mod lattice;
 #[cfg(test)]
 mod layout_time;
-pub(crate) mod polish;
-pub(crate) mod power_diagram;
-pub(crate) mod projective_dual;
+pub(crate) mod moves;
 pub(crate) mod record;
-pub(crate) mod rim;
-pub(crate) mod seamless;
 pub(crate) mod seeds;
 #[cfg(test)]
 mod stage_tests;
-mod strain;
-pub(crate) mod support_function;
 pub(crate) mod tangent_planes;
-pub(crate) mod voronoi;
-mod wave_operator;
-pub(crate) mod waves;
 
 pub use brick_wall::{BrickWallOptions, BrickWallStatistics};
-pub use dislocations::Annihilation;
-pub use domain::{CurvatureSign, DomainError, LocatedVertex};
-pub use dual_subdivision::{clear_centre_of, clear_quadric, dual_subdivision, one_sign};
-pub use duality::{DualOptions, DualityError, Quadric, SubdivisionRule, dual_mesh};
-pub use lattice::CELL;
-pub use power_diagram::{PowerDiagram, PowerError, PowerSite, goldberg, power_diagram};
-pub use projective_dual::DualDefects;
+pub use lattice::dislocations::Annihilation;
+pub use lattice::eisenstein::CELL;
 pub use record::{Layout, VertexKind, WishedArea};
 pub use seeds::Seed;
 
+use crate::classical::{DomainError, DualityError, PowerError};
 use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
 use crate::progress::Progress;
-use cells::{CellComplex, Node};
-use lattice::Charts;
+use cells::complex::{CellComplex, Node, disc_cells, node_index};
+use cells::{boundary_nodes, clusters, rim};
+use lattice::eisenstein::Charts;
+use lattice::seamless::Offsets;
+use lattice::{boundary, polish, strain, waves};
+use moves::{flips, halves};
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use phex_numeric::NumericError;
-use seamless::Offsets;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use thiserror::Error;
@@ -268,7 +247,7 @@ pub fn panelling(
     let (seeds, grown) = rim::even_rim(fine, seeds, progress);
     unless_cancelled(progress)?;
     let vertices = seeds.iter().map(|s| s.vertex).collect();
-    let mut complex = cells::disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
+    let mut complex = disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|reason| LayoutError::Topology { reason })?;
     boundary_nodes::follow_boundary(fine.surface, &mut complex);
     unless_cancelled(progress)?;
@@ -314,7 +293,7 @@ fn record(
     place: impl Fn(Node) -> Vec3,
 ) -> Result<Layout, LayoutError> {
     let topology = fine.surface.topology();
-    let (index, nodes) = cells::node_index(&complex.panels);
+    let (index, nodes) = node_index(&complex.panels);
     let faces: Vec<Vec<u32>> = complex
         .panels
         .iter()
@@ -400,11 +379,7 @@ pub(crate) mod tests {
         let mut faces = Vec::new();
         let mut middle = Vec::new();
         for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
-            let c = Vec3::new(
-                f64::from(i) + 0.5 * f64::from(k),
-                lattice::CELL * f64::from(k),
-                0.0,
-            );
+            let c = Vec3::new(f64::from(i) + 0.5 * f64::from(k), CELL * f64::from(k), 0.0);
             let corner = |m: u32| {
                 let a = std::f64::consts::FRAC_PI_3 * (f64::from(m) + 0.5);
                 c + Vec3::new(a.cos(), a.sin(), 0.0) / 3.0_f64.sqrt()

@@ -1,6 +1,6 @@
 //! What the layout hands to the optimiser, and what the repair loop edits.
 
-use super::duality::Flipped;
+use crate::classical::duality::Flipped;
 use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 

@@ -2,14 +2,15 @@
 
 use crate::common::{Stages, figures, genus_two, punched_plane, shape, valences};
 use crate::directions::{DirectionOptions, Directions};
-use crate::layout::boundary::{Pin, PinnedTo};
-use crate::layout::clusters::seeds;
-use crate::layout::dislocations::annihilate;
-use crate::layout::lattice::{Charts, Eisenstein, Plane};
-use crate::layout::seamless::{OffsetSystem, Offsets};
+use crate::layout::cells::clusters::seeds;
+use crate::layout::cells::voronoi::{PartCells, UNREACHED, grow};
+use crate::layout::lattice::boundary::{Pin, PinnedTo};
+use crate::layout::lattice::dislocations::annihilate;
+use crate::layout::lattice::eisenstein::{Charts, Eisenstein, Plane};
+use crate::layout::lattice::seamless::{OffsetSystem, Offsets};
+use crate::layout::lattice::{polish, waves};
 use crate::layout::seeds::Seed;
-use crate::layout::voronoi::{PartCells, UNREACHED, grow};
-use crate::layout::{Layout, LayoutOptions, VertexKind, place_seeds, polish, waves};
+use crate::layout::{Layout, LayoutOptions, VertexKind, place_seeds};
 use crate::progress::Silent;
 use phex_mesh::{FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use rand::{Rng, SeedableRng};
@@ -28,7 +29,7 @@ const SPACINGS: f64 = 12.0;
 
 impl FlatLattice {
     fn new() -> Self {
-        let panels = (SPACINGS * SPACINGS / crate::layout::lattice::CELL) as usize;
+        let panels = (SPACINGS * SPACINGS / crate::layout::lattice::eisenstein::CELL) as usize;
         let mut stages = Stages::new(&shape("plane", 500), panels);
         let angle = x_axis(&stages.surface, &stages.directions);
         stages.directions = stages
@@ -49,7 +50,7 @@ impl FlatLattice {
     }
 
     /// No vertex is pinned to a row along a boundary.
-    fn free(&self) -> PerVertex<Option<crate::layout::boundary::Pin>> {
+    fn free(&self) -> PerVertex<Option<crate::layout::lattice::boundary::Pin>> {
         PerVertex::filled(self.topology().n_vertices(), None)
     }
 
@@ -214,7 +215,7 @@ fn an_exact_lattice_gives_regular_hexagons() {
         let centre = layout.face_point[f] / flat.stages.length;
         assert!(apart(Plane::new(centre.x, centre.y), Plane::new(0.0, 0.0)) < 0.1);
     }
-    let cells = SPACINGS * SPACINGS / crate::layout::lattice::CELL;
+    let cells = SPACINGS * SPACINGS / crate::layout::lattice::eisenstein::CELL;
     assert!(f64::from(interior) > 0.35 * cells, "{interior} of {cells}");
 }
 

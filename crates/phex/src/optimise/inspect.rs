@@ -1,9 +1,9 @@
 //! What came out: figures of the mesh, and the panels that are not as they should be.
 
-use super::barrier::clearance;
-use super::guard::{Breach, Guard};
 use super::options::OptimiseOptions;
 use super::panels::{FaceShapes, Panels};
+use super::terms::barrier::clearance;
+use super::terms::guard::{Breach, Guard};
 use phex_mesh::FaceId;
 use serde::{Deserialize, Serialize};
 

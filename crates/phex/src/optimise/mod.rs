@@ -22,27 +22,27 @@
 //! | symbol | here | meaning |
 //! |---|---|---|
 //! | `h_i`, `n` | `panels::Corner::height`, `FacePlane::normal` | height over, normal of the best plane of a face |
-//! | `P`, `Q` | `planarity::projector`, `planarity::ConstraintBases` | projector onto the complement of `[1 xi eta]`, its basis |
-//! | `z = d / d_hat`, `w_b`, `tau` | `barrier`, [`OptimiseOptions::barrier`], [`OptimiseOptions::barrier_reach`] | distance over reach, weight, reach over the root of the area |
+//! | `P`, `Q` | `constraints::planarity::projector`, `constraints::planarity::ConstraintBases` | projector onto the complement of `[1 xi eta]`, its basis |
+//! | `z = d / d_hat`, `w_b`, `tau` | `terms::barrier`, [`OptimiseOptions::barrier`], [`OptimiseOptions::barrier_reach`] | distance over reach, weight, reach over the root of the area |
 //! | `w_p` | `options::PENALTIES` | weight of planarity |
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
-//! | `c` | `shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
+//! | `c` | `terms::shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
 //! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
 //!
-//! [`planarize`] tries the **fast path** (`fast.rs`) before it, where the planes of the panels meet
-//! in points that make them nearly planar, as on conjugate meshes: the same closeness under exact
-//! planarity, one factorisation of a matrix half the size. Its result is taken only if it has
-//! converged, is valid and within limits; [`RunSummary::path`] tells which path it was.
+//! [`planarize`] tries the **fast path** (`solver/fast.rs`) before it, where the planes of the
+//! panels meet in points that make them nearly planar, as on conjugate meshes: the same closeness
+//! under exact planarity, one factorisation of a matrix half the size. Its result is taken only if
+//! it has converged, is valid and within limits; [`RunSummary::path`] tells which path it was.
 //!
 //! At the end of the feasible path Newton's method goes on **on the constraints**, with exact
-//! second derivatives (`endgame.rs`): a few iterations by default, which bring most of the room
-//! that tight panels can have, or as many as it takes to the minimum, where steps fall to rounding
-//! ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
+//! second derivatives (`solver/endgame.rs`): a few iterations by default, which bring most of the
+//! room that tight panels can have, or as many as it takes to the minimum, where steps fall to
+//! rounding ([`OptimiseOptions::newton_iterations`]; figures in `docs/optimiser.md`).
 //!
-//! Meshes of more than 8,000 faces go the feasible path part by part (`parts.rs`). In a mesh that
-//! is laid out the search tries panels again that lack something, each with what is around it and
-//! with more weight on that (`emphasis.rs`).
+//! Meshes of more than 8,000 faces go the feasible path part by part (`solver/parts.rs`). In a mesh
+//! that is laid out the search tries panels again that lack something, each with what is around it
+//! and with more weight on that (`solver/emphasis.rs`).
 //!
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3,
 //! with the plane eliminated; the feasible path and its barrier after Li et al., "Incremental
@@ -62,89 +62,58 @@
 //! Nothing is then claimed: [`Optimised::offenders`] names the panels.
 
 mod angle;
-mod angle_term;
-mod areas;
-mod barrier;
-mod closeness;
-mod components;
-mod concavity;
 mod constraints;
-mod coverage;
-mod edge_lengths;
-mod emphasis;
-mod endgame;
-mod energy;
 mod error;
-mod fairness;
-mod fast;
-mod folds;
-mod guard;
-mod guarded;
 mod holds;
 mod images;
-mod inequality;
 mod inspect;
-mod jacobian;
-mod lengthened;
 mod local;
-mod on_boundary;
 mod options;
-mod osculating;
 mod panels;
-mod parts;
-mod path;
-mod planarity;
-mod point_term;
 mod quotient;
-mod reached;
-mod reference;
 mod run;
-mod setting;
-mod shape_limits;
-mod shape_target;
-mod shortcut;
 mod simple;
-mod solvers;
-mod spatial_barrier;
-mod start;
+mod solver;
 mod steering;
-mod surface_target;
-mod tetrahedra;
+mod targets;
+mod terms;
 
 #[cfg(test)]
 pub(crate) mod tests;
 
 use crate::layout::{Layout, VertexKind};
 use crate::progress::{Event, Progress};
-use areas::AreaWish;
-use guard::Guard;
 use holds::{Hold, Holds};
 use panels::{FaceShapes, Panels, points, unknowns};
 use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::{Outcome, Status};
-use reached::Run;
-use reference::Reference;
 use serde::Serialize;
-use solvers::Solvers;
-use start::Smoothing;
+use solver::reached::Run;
+use solver::solvers::Solvers;
+use solver::start::Smoothing;
 use std::collections::{BTreeMap, BTreeSet};
+use steering::wishes;
+use targets::reference::Reference;
+use terms::areas;
+use terms::areas::AreaWish;
+use terms::guard::Guard;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
-pub(crate) use angle_term::walks::free_edges;
-pub(crate) use emphasis::EMPHASES;
 pub use error::{OptimiseError, SteeringError};
 pub use inspect::{Fault, Offender, Quality};
-pub(crate) use lengthened::{KeptVertices, LengthStage};
 pub(crate) use local::LocalPart;
-pub use on_boundary::BoundaryHold;
-pub(crate) use on_boundary::{onto_boundary, steer_on_boundary};
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
 pub(crate) use panels::Image;
 pub(crate) use quotient::Quotient;
-pub(crate) use shape_limits::FaceLimits;
-pub use shape_target::ShapeTarget;
-pub use steering::{Anchor, GroundPlane, Steering, led_elsewhere};
-pub use surface_target::SurfaceTarget;
+pub(crate) use solver::emphasis::EMPHASES;
+pub(crate) use steering::lengthened::{KeptVertices, LengthStage};
+pub use steering::on_boundary::BoundaryHold;
+pub(crate) use steering::on_boundary::{onto_boundary, steer_on_boundary};
+pub use steering::wishes::{Anchor, GroundPlane, Steering, led_elsewhere};
+pub use targets::shape_target::ShapeTarget;
+pub use targets::surface_target::SurfaceTarget;
+pub(crate) use terms::angle_term::walks::free_edges;
+pub(crate) use terms::shape_limits::FaceLimits;
 
 /// Foot point on a target surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -362,17 +331,12 @@ fn steer_with(
         if idle || rounds == LETTING_GO || progress.is_cancelled() {
             break result;
         }
-        if !steering::let_go(
-            &steering::resolve(steering, mesh)?,
-            mesh,
-            &faces,
-            &mut loose,
-        ) {
+        if !wishes::let_go(&wishes::resolve(steering, mesh)?, mesh, &faces, &mut loose) {
             break result;
         }
         rounds += 1;
     };
-    if let Some(message) = steering::told_loose(&loose) {
+    if let Some(message) = wishes::told_loose(&loose) {
         progress.report(&Event::Note { message });
     }
     result
@@ -408,18 +372,18 @@ fn from_mesh(
         stage.keep_areas(&x, options);
     }
     stage.limits = FaceLimits::of(&stage.panels, &x, options);
-    stage.holds = steering::resolve(steering, mesh)?;
+    stage.holds = wishes::resolve(steering, mesh)?;
     if let Some((held, curves)) = rim {
         stage.holds.keep_rim(held, curves);
     }
     stage.holds.release(loose);
-    let x = steering::put_in_place(&stage.holds, &panels, mesh)?;
+    let x = wishes::put_in_place(&stage.holds, &panels, mesh)?;
     let mut solvers = Solvers::new(&panels)?;
     let run = match only_project {
         true => stage.run_as_given(&mut solvers, &x, options, progress)?,
         false => stage.run_from(&mut solvers, &x, options, progress)?,
     };
-    if let Some(message) = steering::blame(&stage.holds, &panels, &run.offenders) {
+    if let Some(message) = wishes::blame(&stage.holds, &panels, &run.offenders) {
         progress.report(&Event::Note { message });
     }
     Ok(finished(mesh, run))

@@ -1,17 +1,17 @@
 //! One run: rising penalties from one start, then the projection.
 
-use super::emphasis::EMPHASES;
 use super::error::OptimiseError;
 use super::inspect::inspect;
 use super::options::{OptimiseOptions, PathKind, Solver, StartKind};
 use super::panels::FaceShapes;
-use super::path::Path;
-use super::reached::{Reached, ResultOrigin, Run, better};
-use super::setting::{Setting, deviation, distances};
-use super::shape_limits::ShapeLimits;
 use super::simple::is_simple;
-use super::solvers::Solvers;
-use super::start::Start;
+use super::solver::emphasis::EMPHASES;
+use super::solver::path::Path;
+use super::solver::reached::{Reached, ResultOrigin, Run, better};
+use super::solver::solvers::Solvers;
+use super::solver::start::Start;
+use super::terms::setting::{Setting, deviation, distances};
+use super::terms::shape_limits::ShapeLimits;
 use super::{RunSummary, Stage};
 use crate::progress::Progress;
 use phex_numeric::Status;

@@ -2,12 +2,12 @@
 //! every point where it can be.
 
 use super::{Candidate, MeshOptions};
+use crate::classical::duality::DualOptions;
 use crate::directions::guides::Guides;
 use crate::directions::size::SizeOptions;
 use crate::directions::{DirectionOptions, network::NetworkOptions};
 use crate::layout::LayoutOptions;
 use crate::layout::brick_wall::BrickWallOptions;
-use crate::layout::duality::DualOptions;
 use crate::optimise::Steering;
 use crate::ranges::{BadOption, below, counts, not_negative, positive, within};
 use crate::smooth_surface::TargetOptions;

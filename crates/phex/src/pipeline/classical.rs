@@ -20,8 +20,8 @@ use super::{
     ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, any_area,
     between_panels,
 };
+use crate::classical::domain::DomainError;
 use crate::directions::guides::{Cone, Guides};
-use crate::layout::domain::DomainError;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::Optimised;
 use crate::smooth_surface::Normalised;

@@ -1,10 +1,10 @@
 //! What a method by planes and poles met with, for the report.
 
+use crate::classical::domain::{CurvatureSign, DomainError};
+use crate::classical::duality::{Flipped, OrientedPlane, without_broken_rim};
+use crate::classical::projective_dual::DualDefects;
 use crate::layout::Layout;
-use crate::layout::domain::{CurvatureSign, DomainError};
-use crate::layout::duality::{Flipped, OrientedPlane, without_broken_rim};
 use crate::layout::forecast::forecast;
-use crate::layout::projective_dual::DualDefects;
 use crate::pipeline::Method;
 use phex_mesh::{ElementId, FaceId, FlatFace, HexMesh, PerFace, polygon::is_simple};
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use super::options::{MeshOptions, Method};
 use super::sized::{KnownCurvature, mean_length};
-use crate::layout::lattice::CELL;
+use crate::layout::lattice::eisenstein::CELL;
 use crate::quality::USUAL_DEVIATION;
 use crate::smooth_surface::extend::{self, Extension};
 use crate::smooth_surface::teeth::without_teeth;

@@ -9,7 +9,7 @@ use crate::directions::cones;
 use crate::directions::guides::Cone;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::{self, DirectionOptions, Directions};
-use crate::layout::lattice::CELL;
+use crate::layout::lattice::eisenstein::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed, WishedArea};
 use crate::progress::Progress;

@@ -1,11 +1,11 @@
 //! Options of the whole flow.
 
+use crate::classical::duality::DualOptions;
 use crate::curvature::CurvatureOptions;
 use crate::directions::DirectionOptions;
 use crate::directions::size::SizeOptions;
 use crate::layout::LayoutOptions;
 use crate::layout::brick_wall::BrickWallOptions;
-use crate::layout::duality::DualOptions;
 use crate::optimise::{OptimiseOptions, Steering};
 use crate::quality::{Limits, USUAL_DEVIATION};
 use crate::smooth_surface::TargetOptions;

@@ -2,7 +2,7 @@
 
 use super::options::{Effort, MeshOptions, PanelSize};
 use super::{MeshRun, PipelineError};
-use crate::layout::lattice::CELL;
+use crate::layout::lattice::eisenstein::CELL;
 use crate::optimise::Steering;
 use crate::progress::Progress;
 use phex_mesh::TriangleSurface;

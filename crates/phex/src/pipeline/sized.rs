@@ -4,7 +4,7 @@ use super::MeshOptions;
 use crate::curvature::{self, Curvature, CurvatureOptions};
 use crate::directions::size::{self, Demands, SizeOptions};
 use crate::directions::thickness::thickness;
-use crate::layout::lattice::CELL;
+use crate::layout::lattice::eisenstein::CELL;
 use crate::smooth_surface::SmoothTarget;
 use phex_mesh::{PerVertex, TriangleSurface};
 use std::sync::{Arc, Mutex, PoisonError};

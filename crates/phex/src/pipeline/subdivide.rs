@@ -1,7 +1,7 @@
 //! Subdivision of a P-Hex mesh in space: finer connectivity, then the optimiser, level by level.
 
 use super::PipelineError;
-use crate::layout::dual_subdivision::chamfer;
+use crate::classical::dual_subdivision::chamfer;
 use crate::layout::{Layout, LayoutError, VertexKind, WishedArea};
 use crate::optimise::{self, OptimiseOptions, Optimised, SurfaceTarget};
 use crate::progress::Progress;

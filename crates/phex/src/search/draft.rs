@@ -2,7 +2,7 @@
 //! panels are merged by taking the edge between them away, and one is split by a new edge. Interior
 //! vertices keep three panels throughout.
 
-use crate::layout::glide;
+use crate::layout::moves::glide;
 use phex_mesh::{Topology, Vec3};
 use std::collections::BTreeMap;
 

@@ -9,7 +9,7 @@
 
 use super::group::{Group, folded, in_walls, number_of, reflection};
 use crate::directions::MirrorPlane;
-use crate::layout::lattice::CELL;
+use crate::layout::lattice::eisenstein::CELL;
 use crate::layout::{Layout, VertexKind};
 use crate::optimise::{Image, Quotient};
 use nalgebra::Matrix3;

@@ -14,9 +14,9 @@
 //!
 //! At the boundary, bricks are cut: cells follow from the brick of each vertex, pieces under a
 //! quarter of a brick go to a neighbour, and the boundary's sharp corners are kept
-//! (`super::cells`). Boundary vertices lie where walls meet the boundary. Where the boundary runs
-//! along rows or columns, the pattern is stretched by at most 6 % and shifted so that it falls on
-//! them.
+//! (`super::cells::complex`). Boundary vertices lie where walls meet the boundary. Where the
+//! boundary runs along rows or columns, the pattern is stretched by at most 6 % and shifted so that
+//! it falls on them.
 //!
 //! | symbol | here |
 //! |---|---|
@@ -36,7 +36,7 @@ pub(crate) mod locate;
 #[cfg(test)]
 mod tests;
 
-use super::cells::{self, CellComplex, Node};
+use super::cells::complex::{CellComplex, Node, disc_cells};
 use super::{CellSurface, Layout, LayoutError, place, record};
 use crate::curvature::Curvature;
 use crate::directions::intrinsic::IntrinsicMesh;
@@ -178,7 +178,7 @@ impl<'a> Wall<'a> {
         let mesh = IntrinsicMesh::new(on.surface, &metric);
         let bricks = grid.bricks(topology);
         let (label, middles) = grid.cells(topology, &bricks);
-        let complex = cells::disc_cells(topology, &mesh, on.corners, label, middles)
+        let complex = disc_cells(topology, &mesh, on.corners, label, middles)
             .map_err(|reason| LayoutError::Topology { reason })?;
         Ok(Self {
             on: *on,

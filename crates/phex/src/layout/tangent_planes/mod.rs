@@ -22,7 +22,7 @@
 //! meshes" (2010), section 5, refer to.
 
 use super::Layout;
-use super::duality::OrientedPlane;
+use crate::classical::duality::OrientedPlane;
 use nalgebra::Matrix3;
 use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3, VertexId};
 

@@ -1,15 +1,15 @@
 //! The `4 F` constraints: planarity of every panel, the alternating sum of the angles of even ones,
 //! and the closing equations.
 
-use crate::optimise::angle_term::closing::Closing;
-use crate::optimise::angle_term::walks::Walks;
-use crate::optimise::angle_term::{
+use crate::optimise::constraints::guarded::GuardedSteps;
+use crate::optimise::constraints::planarity::ConstraintBases;
+use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::terms::angle_term::closing::Closing;
+use crate::optimise::terms::angle_term::walks::Walks;
+use crate::optimise::terms::angle_term::{
     ANGLE_UNIT, alternating_sum, angle_gradient, branches, has_angle,
 };
-use crate::optimise::guarded::GuardedSteps;
-use crate::optimise::panels::{FaceShapes, Panels, point};
-use crate::optimise::planarity::ConstraintBases;
-use crate::optimise::setting::Setting;
+use crate::optimise::terms::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, Constraints, SymmetricMatrix};

@@ -10,14 +10,14 @@
 //! satisfies the condition, shows the way.
 
 use super::AngleOptions;
-use crate::optimise::angle_term::closing::Closing;
-use crate::optimise::angle_term::walks::{Walk, Walks};
-use crate::optimise::angle_term::{AngleTerm, branches};
-use crate::optimise::energy::panel_energy;
 use crate::optimise::error::OptimiseError;
 use crate::optimise::panels::FaceShapes;
-use crate::optimise::setting::Setting;
-use crate::optimise::solvers::{StepReporter, energy_assembly_with, system};
+use crate::optimise::solver::energy::panel_energy;
+use crate::optimise::solver::solvers::{StepReporter, energy_assembly_with, system};
+use crate::optimise::terms::angle_term::closing::Closing;
+use crate::optimise::terms::angle_term::walks::{Walk, Walks};
+use crate::optimise::terms::angle_term::{AngleTerm, branches};
+use crate::optimise::terms::setting::Setting;
 use crate::progress::Progress;
 use phex_numeric::{DampedOptions, DampedSolver, Damping, Outcome, Status};
 

@@ -3,12 +3,12 @@
 use super::AngleOptions;
 use super::constraints::AngleConstraints;
 use super::tangent::Tangent;
-use crate::optimise::angle_term::walks::Walks;
-use crate::optimise::energy::PanelEnergy;
-use crate::optimise::energy::panel_energy;
 use crate::optimise::error::OptimiseError;
-use crate::optimise::setting::Setting;
-use crate::optimise::solvers::system;
+use crate::optimise::solver::energy::PanelEnergy;
+use crate::optimise::solver::energy::panel_energy;
+use crate::optimise::solver::solvers::system;
+use crate::optimise::terms::angle_term::walks::Walks;
+use crate::optimise::terms::setting::Setting;
 use crate::progress::{Event, Progress};
 use phex_numeric::{
     Assembly, Constraints, DampedProblem, MinimumNorm, Outcome, ProjectionOptions, Record, Status,

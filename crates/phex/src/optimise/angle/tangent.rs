@@ -3,7 +3,7 @@
 use super::constraints::AngleConstraints;
 use crate::optimise::error::OptimiseError;
 use crate::optimise::panels::point;
-use crate::optimise::solvers::system;
+use crate::optimise::solver::solvers::system;
 use nalgebra::Matrix3;
 use phex_numeric::{Assembly, Cholesky, Constraints, SymmetricMatrix};
 

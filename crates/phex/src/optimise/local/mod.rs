@@ -5,10 +5,11 @@ mod rim;
 
 use super::holds::Hold;
 use super::panels::{FaceShapes, unknowns};
-use super::solvers::Solvers;
+use super::solver::solvers::Solvers;
+use super::terms::areas;
 use super::{
     BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Optimised, Reference, Stage,
-    StartKind, Target, areas, check_layout, check_mesh, finished,
+    StartKind, Target, check_layout, check_mesh, finished,
 };
 use crate::layout::Layout;
 use crate::progress::Progress;

@@ -1,7 +1,7 @@
 //! What keeps the boundary of a part while its panels move.
 
-use crate::optimise::on_boundary::already_there;
 use crate::optimise::panels::FaceShapes;
+use crate::optimise::steering::on_boundary::already_there;
 use crate::optimise::{BoundaryHold, Hold, Holds};
 use phex_mesh::{BoundaryCurve, HexMesh, Vec3, VertexId};
 

@@ -6,11 +6,11 @@ use super::derivatives::{
 use super::fixtures::{Shape, brick_wall, layout, planar_paraboloid};
 use super::whole::assert_sound;
 use crate::Silent;
-use crate::optimise::barrier::Barrier;
-use crate::optimise::closeness::{ClosenessWeights, DistanceLimit};
-use crate::optimise::energy::{PanelEnergy, Weights};
-use crate::optimise::jacobian::Jacobian;
-use crate::optimise::solvers::constraint_assembly;
+use crate::optimise::constraints::jacobian::Jacobian;
+use crate::optimise::solver::energy::{PanelEnergy, Weights};
+use crate::optimise::solver::solvers::constraint_assembly;
+use crate::optimise::terms::barrier::Barrier;
+use crate::optimise::terms::closeness::{ClosenessWeights, DistanceLimit};
 use crate::optimise::{OptimiseOptions, Optimised, PathKind, optimise};
 use phex_numeric::DampedProblem;
 

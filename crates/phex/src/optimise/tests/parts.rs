@@ -2,14 +2,14 @@
 
 use super::fixtures::{Shape, brick_wall};
 use super::whole::{all_simple, assert_sound};
-use crate::optimise::barrier::barriers;
-use crate::optimise::energy::PanelEnergy;
-use crate::optimise::energy::{Weights, panel_energy};
 use crate::optimise::holds::Hold;
 use crate::optimise::panels::{points, unknowns};
-use crate::optimise::parts::{Cuts, minimise_in_parts};
-use crate::optimise::reference::Reference;
-use crate::optimise::solvers::{StepReporter, energy_assembly};
+use crate::optimise::solver::energy::PanelEnergy;
+use crate::optimise::solver::energy::{Weights, panel_energy};
+use crate::optimise::solver::parts::{Cuts, minimise_in_parts};
+use crate::optimise::solver::solvers::{StepReporter, energy_assembly};
+use crate::optimise::targets::reference::Reference;
+use crate::optimise::terms::barrier::barriers;
 use crate::optimise::{Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, planarize};
 use crate::progress::Silent;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3};

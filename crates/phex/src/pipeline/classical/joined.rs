@@ -1,8 +1,8 @@
 //! The panels of a lattice, joined as their tangent planes want it, and the mesh of these planes.
 
 use super::ClassicalStatistics;
-use crate::layout::domain::CurvatureSign;
-use crate::layout::duality::{
+use crate::classical::domain::CurvatureSign;
+use crate::classical::duality::{
     OrientedPlane, convex_panels, envelope, saddle_flips, uncrossing_flips,
 };
 use crate::layout::seeds::Seed;

@@ -9,13 +9,14 @@
 //! mesh is that of the panels seen from below.
 
 use super::{ClassicalMesh, CurvedGround, cells, fitted_planes};
-use crate::directions::guides::Cone;
-use crate::koebe::{BoundaryCondition, KoebeOptions, koebe};
-use crate::layout::domain::{
+use crate::classical::domain::{
     CurvatureSign, DomainError, SignedPlaces, no_flat_point, not_flat, without_holes,
 };
-use crate::layout::support_function::gauss_lattice;
-use crate::layout::{LayoutError, LayoutStatistics, support_function};
+use crate::classical::support_function;
+use crate::directions::guides::Cone;
+use crate::koebe::{BoundaryCondition, KoebeOptions, koebe};
+use crate::layout::lattice::gauss_lattice::gauss_lattice;
+use crate::layout::{LayoutError, LayoutStatistics};
 use crate::offset::fit::{FitError, FitOptions, Fitted, fit_beyond};
 use crate::offset::signs::{EdgeSigns, SIGNED_FAIRNESS};
 use crate::pipeline::domain::{Ground, WHOLE_STRIP};

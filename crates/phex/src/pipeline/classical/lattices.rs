@@ -3,11 +3,12 @@
 
 use super::joined::{cells, joined, met};
 use super::{ClassicalMesh, ClassicalStatistics, CurvedGround, refusal};
-use crate::layout::domain::CurvatureSign;
-use crate::layout::duality::Quadric;
-use crate::layout::projective_dual::{self, SurfaceDual};
+use crate::classical::domain::CurvatureSign;
+use crate::classical::duality::Quadric;
+use crate::classical::projective_dual::{self, SurfaceDual};
+use crate::classical::support_function;
+use crate::layout::LayoutError;
 use crate::layout::tangent_planes::{METHOD as TANGENT_PLANES, regularised};
-use crate::layout::{LayoutError, support_function};
 use crate::optimise::{self, SurfaceTarget};
 use crate::pipeline::brick_wall::kinked;
 use crate::pipeline::domain::Ground;

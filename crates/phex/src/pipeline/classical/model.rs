@@ -1,8 +1,8 @@
 //! Places and quadrics in the user's coordinates.
 
+use crate::classical::domain::LocatedVertex;
+use crate::classical::duality::{DualOptions, DualityError, Quadric};
 use crate::layout::LayoutError;
-use crate::layout::domain::LocatedVertex;
-use crate::layout::duality::{DualOptions, DualityError, Quadric};
 use crate::smooth_surface::{Normalised, Similarity};
 use phex_mesh::Vec3;
 

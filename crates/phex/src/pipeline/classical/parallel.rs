@@ -6,8 +6,8 @@
 use super::{
     ClassicalMesh, ClassicalStatistics, CurvedGround, cells, fitted_planes, joined, met, refusal,
 };
-use crate::layout::domain::{CurvatureSign, SignedPlaces, no_flat_point};
-use crate::layout::duality::{OrientedPlane, convex_panels, envelope};
+use crate::classical::domain::{CurvatureSign, SignedPlaces, no_flat_point};
+use crate::classical::duality::{OrientedPlane, convex_panels, envelope};
 use crate::layout::{Layout, LayoutError};
 use crate::offset::fit::{FitOptions, FitStart, fit_parallel};
 use crate::pipeline::domain::Ground;

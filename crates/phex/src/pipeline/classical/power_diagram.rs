@@ -1,7 +1,7 @@
 //! `power-diagram`: a Goldberg polyhedron on the ellipsoid that the surface is, or is a piece of.
 
 use super::ClassicalMesh;
-use crate::layout::power_diagram::{fit_ellipsoid, goldberg, nearest_goldberg};
+use crate::classical::power_diagram::{fit_ellipsoid, goldberg, nearest_goldberg};
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::pipeline::domain::Ground;
 use crate::pipeline::{Clock, Method, PipelineError};

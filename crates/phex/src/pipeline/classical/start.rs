@@ -2,11 +2,11 @@
 //! method's own metric.
 
 use super::ClassicalStatistics;
+use crate::classical::domain::{CurvatureSign, DomainError, SignedPlaces, resolved};
 use crate::curvature::{self, Curvature};
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::{self, cones, saddle};
-use crate::layout::domain::{CurvatureSign, DomainError, SignedPlaces, resolved};
-use crate::layout::lattice::CELL;
+use crate::layout::lattice::eisenstein::CELL;
 use crate::pipeline::domain::Ground;
 use crate::pipeline::field::{Field, allow_sizes, counted_lattice, direction_options};
 use crate::pipeline::sized::panel_length;

@@ -8,12 +8,12 @@ use super::{
     ClassicalMesh, ClassicalStatistics, CurvedGround, boundary_length, cells, fitted_planes,
     joined, panel_length, refusal,
 };
-use crate::layout::domain::{CurvatureSign, DomainError, LocatedVertex};
-use crate::layout::dual_subdivision::dual_subdivision;
-use crate::layout::duality::{
+use crate::classical::domain::{CurvatureSign, DomainError, LocatedVertex};
+use crate::classical::dual_subdivision::dual_subdivision;
+use crate::classical::duality::{
     DualityError, OrientedPlane, Quadric, clear_centre, envelope, hull_about, uncrossing_flips,
 };
-use crate::layout::projective_dual::{self, SurfaceDual};
+use crate::classical::projective_dual::{self, SurfaceDual};
 use crate::layout::tangent_planes::tangent_planes;
 use crate::layout::{Layout, LayoutError};
 use crate::pipeline::domain::Ground;

@@ -1,0 +1,77 @@
+//! Gauss-Seidel polish of lattice offsets: every vertex moves to the mean of what its neighbours
+//! see, modulo the lattice.
+
+use super::boundary::Pin;
+use super::chart_graph::for_each_view;
+use super::eisenstein::{Charts, Eisenstein, Plane, Transition};
+use crate::directions::intrinsic::IntrinsicMesh;
+use phex_mesh::{PerVertex, Topology, VertexId};
+
+/// Share of the way to the neighbours' mean that a vertex moves.
+const RELAXATION: f64 = 0.9;
+
+/// Mean move of a sweep, in lattice spacings, after which nothing more is to be gained.
+const SETTLED: f64 = 2e-4;
+
+/// How a vertex sees the offsets of its neighbours, vertex after vertex.
+struct Views {
+    start: Vec<u32>,
+    /// Neighbour, its transition, the weight of the edge.
+    views: Vec<(VertexId, Transition, f64)>,
+}
+
+impl Views {
+    fn new(topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts) -> Self {
+        let (mut start, mut views) = (vec![0], Vec::with_capacity(2 * topology.n_edges()));
+        for v in topology.vertices() {
+            for_each_view(topology, charts, v, |w, e, view| {
+                views.push((w, view, mesh.weight[e]));
+            });
+            start.push(views.len() as u32);
+        }
+        Self { start, views }
+    }
+
+    fn of(&self, v: VertexId) -> &[(VertexId, Transition, f64)] {
+        &self.views[self.start[v.index()] as usize..self.start[v.index() + 1] as usize]
+    }
+}
+
+/// Runs up to `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the
+/// lattice cell round 0.
+pub(crate) fn polish(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    pins: &PerVertex<Option<Pin>>,
+    position: &mut PerVertex<Plane>,
+    sweeps: usize,
+) {
+    let views = Views::new(topology, mesh, charts);
+    for _ in 0..sweeps {
+        let mut moved = 0.0;
+        for v in topology.vertices() {
+            let (mut sum, mut total) = (Plane::new(0.0, 0.0), 0.0);
+            let here = position[v];
+            let mut add = |seen: Plane, weight: f64| {
+                sum += (seen - Eisenstein::nearest(seen - here).to_plane()) * weight;
+                total += weight;
+            };
+            for (w, view, weight) in views.of(v) {
+                add(view.apply(position[*w]), *weight);
+            }
+            if let Some(pin) = &pins[v] {
+                add(here + pin.correction(here), pin.weight);
+            }
+            let step = (sum / total - here) * RELAXATION;
+            moved += step.norm();
+            position[v] = here + step;
+        }
+        if moved < SETTLED * position.len() as f64 {
+            break;
+        }
+    }
+    for z in position.iter_mut() {
+        *z -= Eisenstein::nearest(*z).to_plane();
+    }
+}

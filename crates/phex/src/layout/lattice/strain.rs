@@ -1,0 +1,143 @@
+//! As few dislocations as a bound on the lattice's strain allows.
+//!
+//! All of them vanish first. Where that strains the lattice too much, here or anywhere, the ways
+//! come back along which strain pulls the hardest: moving a Burgers vector changed jumps, and the
+//! energy `sum w |r|^2` of the residuals falls by twice the product of residuals and changes when
+//! it moves back (the force of Peach and Koehler, summed along the way).
+
+use super::boundary::Pin;
+use super::chart_graph::{ChartGraph, Combing};
+use super::dislocations::{self, Annihilation, annihilate};
+use super::eisenstein::{Charts, Eisenstein, Plane, dot};
+use super::seamless::{OffsetSystem, Offsets, translate};
+use crate::directions::intrinsic::IntrinsicMesh;
+use crate::layout::{LayoutError, LayoutOptions, unless_cancelled};
+use crate::progress::Progress;
+use phex_mesh::{EdgeId, PerVertex, Topology};
+use phex_numeric::NumericError;
+
+/// Share of the ways that come back at once: the pulls on the others change.
+const BACK: f64 = 0.05;
+
+/// The lattice with as few dislocations as the bound on distortion allows, and the 95 % quantile of
+/// its distortion.
+pub(in crate::layout) fn seamless_offsets(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    pins: &PerVertex<Option<Pin>>,
+    rounded: Offsets,
+    options: &LayoutOptions,
+    progress: &dyn Progress,
+) -> Result<(Offsets, Annihilation, f64), LayoutError> {
+    let longest = options.annihilation_length.unwrap_or(f64::INFINITY);
+    let (mut annihilation, slips) =
+        annihilate(topology, mesh, charts, &mut rounded.jump.clone(), longest);
+    let mut taken = vec![true; slips.len()];
+    let mut solver = PinnedSolver {
+        topology,
+        mesh,
+        charts,
+        pins,
+        system: None,
+    };
+    loop {
+        unless_cancelled(progress)?;
+        let mut offsets = rounded.clone();
+        let changes = dislocations::slip(topology, charts, &mut offsets.jump, &slips, &taken);
+        annihilation.moved = taken.iter().filter(|t| **t).count();
+        if annihilation.moved > 0 {
+            offsets.position = solver.solve(&offsets)?;
+        }
+        let p95 = distortion(&offsets, topology, mesh, charts);
+        let pull = changes
+            .iter()
+            .map(|c| pull(&offsets, topology, mesh, charts, c));
+        let pull: Vec<f64> = pull.collect();
+        let mut hardest: Vec<usize> = (0..slips.len()).filter(|k| taken[*k]).collect();
+        hardest.sort_by(|a, b| pull[*b].total_cmp(&pull[*a]));
+        let hard = |most: f64| hardest.first().is_some_and(|k| pull[*k] > most);
+        let is_calm = !options.max_pull.is_some_and(hard);
+        if (p95 <= options.max_distortion && is_calm) || annihilation.moved == 0 {
+            annihilation.kept = dislocations::count(topology, charts, &offsets.jump);
+            return Ok((offsets, annihilation, p95));
+        }
+        let back = (BACK * annihilation.moved as f64).ceil() as usize;
+        hardest[..back].iter().for_each(|k| taken[*k] = false);
+    }
+}
+
+/// The 95 % quantile over the edges.
+fn distortion(
+    offsets: &Offsets,
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+) -> f64 {
+    let mut all = offsets.distortion(topology, mesh, charts).into_vec();
+    let rank = all.len() * 95 / 100;
+    *all.select_nth_unstable_by(rank, f64::total_cmp).1
+}
+
+/// How hard strain pulls a Burgers vector back along the way on which it changed jumps.
+fn pull(
+    offsets: &Offsets,
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+    changes: &[(EdgeId, Eisenstein)],
+) -> f64 {
+    let at = |(e, change): &(EdgeId, Eisenstein)| {
+        let residual = offsets.residual(topology, charts, *e);
+        -mesh.weight[*e] * dot(residual, change.to_plane())
+    };
+    changes.iter().map(at).sum()
+}
+
+/// Offsets that fit jumps best. Those that are pinned to the boundary's rows are solved for roughly
+/// first, without pins, to see where rows come to lie. The factorisation does not depend on the
+/// jumps and is made once.
+struct PinnedSolver<'a> {
+    topology: &'a Topology,
+    mesh: &'a IntrinsicMesh,
+    charts: &'a Charts,
+    pins: &'a PerVertex<Option<Pin>>,
+    system: Option<OffsetSystem<'a>>,
+}
+
+impl PinnedSolver<'_> {
+    fn solve(&mut self, offsets: &Offsets) -> Result<PerVertex<Plane>, NumericError> {
+        let (topology, mesh, charts, pins) = (self.topology, self.mesh, self.charts, self.pins);
+        let system = match self.system.take() {
+            Some(system) => system,
+            None => OffsetSystem::new(topology, mesh, charts, pins)?,
+        };
+        let solve = |near: &_| system.solve(&offsets.jump, near);
+        let position = match pins.iter().any(Option::is_some) {
+            true => solve(&solve(&self.rough_positions(offsets)?)),
+            false => solve(&offsets.position),
+        };
+        self.system = Some(system);
+        Ok(position)
+    }
+
+    /// Positions without pins, solved for on groups of vertices.
+    fn rough_positions(&self, offsets: &Offsets) -> Result<PerVertex<Plane>, NumericError> {
+        let Self { topology, mesh, .. } = self;
+        let charts = self.charts.with_jumps(&offsets.jump);
+        let combing = Combing::new(topology, &charts);
+        let free = PerVertex::filled(topology.n_vertices(), None);
+        let (groups, members) = ChartGraph::new(topology, mesh, &charts, &free, &combing).coarse();
+        let of_group = groups.best_positions()?;
+        let position = members.iter().map(|m| m.of(&of_group));
+        let mut position = combing.restored(position);
+        translate(
+            topology,
+            mesh,
+            self.charts,
+            &offsets.position,
+            &mut position,
+        );
+        Ok(position)
+    }
+}

@@ -1,0 +1,144 @@
+//! Emphasis: what panels lack weighs more, and the more the oftener it has been tried.
+//!
+//! The phases end when the energy of the whole hardly falls, and one panel counts little in it: it
+//! may come out tight, folded, small, too far off or needlessly concave where its neighbours would
+//! have given way. Of a few panels with everything around them at rest, the same energy is
+//! minimised again with more weight on limits, and on folds, and on re-entrant corners where the
+//! surface is convex. Whether the result is better is for others to say.
+
+use super::path::Path;
+use super::reached::{Reached, ResultOrigin, Run};
+use super::solvers::Solvers;
+use crate::optimise::options::{NEWTON_ITERATIONS, OptimiseOptions, PathKind, StartKind};
+use crate::optimise::panels::{FaceShapes, Panels};
+use crate::optimise::terms::concavity::{ConcavityTerm, is_concave, to_be_convex};
+use crate::optimise::terms::folds::FoldTerm;
+use crate::optimise::terms::guard::Breach;
+use crate::optimise::terms::setting::Setting;
+use crate::optimise::{OptimiseError, Stage};
+use crate::progress::Progress;
+
+/// Weight of a fold or a re-entrant corner in the first round, over that of closeness.
+const FIRST_WEIGHT: f64 = 1.0;
+/// Factor of all weights from each round to the next, and of limits in the first.
+const HEAVIER: f64 = 10.0;
+/// Last phases that are gone through again, by rounds: Newton's method on the constraints, which
+/// follows, often finds the room alone.
+const PHASES: [usize; EMPHASES] = [0, 1, 3];
+
+/// Rounds of rising emphasis.
+pub(crate) const EMPHASES: usize = 3;
+
+/// What faces lack besides limits.
+pub(in crate::optimise) struct Lack {
+    /// Whether faces fold against a neighbour.
+    has_folds: bool,
+    /// All faces that are to be convex, if one of them is not.
+    to_be_convex: Option<Vec<bool>>,
+}
+
+impl Lack {
+    pub fn at(setting: &Setting<'_>, x: &[f64]) -> Self {
+        let (panels, shape) = (setting.panels, FaceShapes::at(setting.panels, x));
+        let convex = to_be_convex(setting, &shape);
+        let edge = setting.mean_edge;
+        let mut faces = 0..panels.n_faces();
+        let is_missed = faces.any(|f| convex[f] && is_concave(shape.face(panels, f), edge));
+        Self {
+            has_folds: has_folds(setting, &shape, x),
+            to_be_convex: is_missed.then_some(convex),
+        }
+    }
+
+    /// Gives more weight to what is missing, in a round.
+    fn emphasise(&self, path: &mut Path<'_>, round: usize) {
+        let rising = HEAVIER.powi(round as i32);
+        let heavy = path.weights.closeness.vertex * FIRST_WEIGHT * rising;
+        path.weights.limits *= HEAVIER * rising;
+        path.weights.closeness.limit.elastic.weight *= HEAVIER * rising;
+        if let Some(Some(folds)) = path.folds() {
+            folds.weight = heavy;
+        }
+        let edge = path.setting.mean_edge;
+        if let (Some(concavity), Some(faces)) = (path.concavity(), &self.to_be_convex) {
+            *concavity = Some(ConcavityTerm {
+                weight: heavy,
+                faces: faces.clone(),
+                edge,
+            });
+        }
+    }
+
+    /// Solvers for a path that is to be emphasised, and what folds pay, if there are any.
+    pub fn solvers(
+        &self,
+        setting: &Setting<'_>,
+        x: &[f64],
+    ) -> Result<(Solvers, Option<FoldTerm>), OptimiseError> {
+        let panels: &Panels = setting.panels;
+        if !self.has_folds {
+            return Ok((Solvers::new(panels)?, None));
+        }
+        let joint = setting.limits.min_dihedral();
+        let folds = FoldTerm::new(panels, setting.guard, x, joint);
+        Ok((Solvers::with_folds(panels, &folds)?, Some(folds)))
+    }
+}
+
+/// Whether faces fold against a neighbour, or meet one in a joint that is too sharp.
+fn has_folds(setting: &Setting<'_>, shape: &FaceShapes, x: &[f64]) -> bool {
+    let breaches = setting.guard.breaches(setting.panels, shape, x);
+    let is_sharp = |angle: f64, faces: &[u32; 2]| {
+        let [f, g] = faces.map(|f| shape.normal(f as usize));
+        f.angle(&g).to_degrees() > 180.0 - angle
+    };
+    let mut hinges = setting.guard.hinges().iter();
+    let least = setting.limits.min_dihedral();
+    breaches.iter().any(|b| matches!(b, Breach::Fold(_)))
+        || least.is_some_and(|angle| hinges.any(|faces| is_sharp(angle, faces)))
+}
+
+impl Stage<'_> {
+    /// One round of emphasis from planar positions.
+    pub(in crate::optimise) fn emphasised(
+        &self,
+        x: &[f64],
+        round: usize,
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Result<Run, OptimiseError> {
+        let options = &OptimiseOptions {
+            newton_iterations: options.newton_iterations.or(Some(NEWTON_ITERATIONS)),
+            ..options.clone()
+        };
+        let setting = self.setting(x);
+        let lack = Lack::at(&setting, x);
+        let (mut solvers, folds) = lack.solvers(&setting, x)?;
+        let mut path = Path::new(&setting, &mut solvers, x, options, progress)?;
+        let now = path.emphasised(x, (&lack, folds), round)?;
+        let reached = Reached::at(&setting, now);
+        let way = ResultOrigin {
+            kind: StartKind::Local,
+            path: PathKind::Feasible,
+            in_parts: path.in_parts,
+            outcome: path.outcome,
+        };
+        Ok(self.conclude(0, reached, way, options))
+    }
+}
+
+impl Path<'_> {
+    /// One round of emphasis on what faces lack at planar positions.
+    pub(in crate::optimise) fn emphasised(
+        &mut self,
+        x: &[f64],
+        (lack, folds): (&Lack, Option<FoldTerm>),
+        round: usize,
+    ) -> Result<Vec<f64>, OptimiseError> {
+        if let Some(place) = self.folds() {
+            *place = folds;
+        }
+        lack.emphasise(self, round);
+        self.again(x, PHASES[round])
+    }
+}

@@ -1,0 +1,137 @@
+//! A planar mesh drawn to other edge lengths, with everything else as it was asked for.
+//!
+//! The last phases of the feasible path are gone through again with the lengths as a term of the
+//! energy, whose weight the caller raises; the weights of all limits rise with it, so that lengths
+//! never buy what a limit forbids.
+
+use super::on_boundary::already_there;
+use super::wishes;
+use crate::layout::VertexKind;
+use crate::optimise::panels::{FaceShapes, Panels, points, unknowns};
+use crate::optimise::solver::path::Path;
+use crate::optimise::solver::solvers::Solvers;
+use crate::optimise::terms::barrier::clearance;
+use crate::optimise::terms::edge_lengths::EdgeLengths;
+use crate::optimise::{
+    BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Quotient, Reference, Stage, Steering,
+    Target, check_mesh,
+};
+use crate::progress::Progress;
+use phex_mesh::{HexMesh, PerEdge, PerVertex, measure};
+
+/// Last phases that are gone through again.
+const PHASES: usize = 2;
+/// Relative decrease of the energy that ends a phase, and iterations of one at the most: shared
+/// lengths move every vertex, and by little.
+const ENERGY_TOLERANCE: f64 = 1e-4;
+const ITERATIONS: usize = 25;
+/// Factor of limits over the weight of lengths: enough that a limit costs more than a length that
+/// is off by a hundredth, and so little that what lies within its limits hardly feels them.
+const LIMITS: f64 = 0.1;
+/// Share of their room and of their sharpest corner that panels keep where they have less than is
+/// wished for: a wish that can't be met would weigh more than all lengths.
+const KEPT: f64 = 0.9;
+
+/// What keeps the vertices of a mesh while its edges are drawn to other lengths.
+pub(crate) struct KeptVertices<'a> {
+    /// The boundary on which vertices that lie there slide.
+    pub hold: Option<&'a BoundaryHold<'a>>,
+    /// Images that are no unknowns.
+    pub quotient: &'a Quotient,
+    /// What the user holds.
+    pub steering: &'a Steering,
+    /// Largest distance to the surface, in the unit of the mesh.
+    pub distance: f64,
+}
+
+/// A mesh whose edges are drawn to other lengths.
+pub(crate) struct LengthStage<'a> {
+    mesh: &'a HexMesh,
+    stage: Stage<'a>,
+    solvers: Solvers,
+    options: OptimiseOptions,
+}
+
+impl<'a> LengthStage<'a> {
+    /// Prepares a planar mesh.
+    ///
+    /// # Errors
+    /// If the mesh or an option can't be used, or the mesh can't be held as it is to be.
+    pub fn new(
+        mesh: &'a HexMesh,
+        target: &'a dyn Target,
+        kept: &KeptVertices<'_>,
+        options: &OptimiseOptions,
+    ) -> Result<Self, OptimiseError> {
+        options.check()?;
+        check_mesh(mesh)?;
+        let sharpest = measure(mesh).angle.min;
+        let options = &OptimiseOptions {
+            wished_angle: options.wished_angle.min(KEPT * sharpest),
+            max_iterations: ITERATIONS,
+            energy_tolerance: ENERGY_TOLERANCE,
+            ..options.clone()
+        };
+        let x = unknowns(mesh);
+        let kinds = PerVertex::filled(mesh.topology().n_vertices(), VertexKind::Interior);
+        let panels = Panels::new(mesh.topology());
+        let shape = FaceShapes::at(&panels, &x);
+        let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
+        let reference = Reference::Surface(target);
+        let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
+        stage.divide(kept.quotient);
+        stage.keep_areas(&x, options);
+        stage.limits = FaceLimits {
+            distance: kept.distance,
+            ..FaceLimits::of(&stage.panels, &x, options)
+        };
+        for (f, wished) in stage.limits.clearance.iter_mut().enumerate() {
+            *wished = wished.min(KEPT * clearance(shape.face(&panels, f)));
+        }
+        let held = wishes::resolve(kept.steering, mesh)?;
+        stage.holds.anchors = held.anchors;
+        stage.holds.curves = held.curves;
+        stage.holds.held.extend(held.held);
+        if let Some(hold) = kept.hold {
+            let mut rim = already_there(mesh, hold);
+            rim.retain(|v, _| kept.quotient.is_free(*v));
+            stage.holds.keep_rim(&rim, hold.curves);
+        }
+        Ok(Self {
+            mesh,
+            solvers: Solvers::new(&stage.panels)?,
+            stage,
+            options: options.clone(),
+        })
+    }
+
+    /// The mesh, from where `from` has its vertices, with its edges drawn to `lengths` by a weight
+    /// over that of closeness; `None` for meshes that are minimised part by part.
+    ///
+    /// # Errors
+    /// If a factorisation fails for want of memory.
+    pub fn drawn(
+        &mut self,
+        from: &HexMesh,
+        lengths: &PerEdge<f64>,
+        weight: f64,
+        progress: &dyn Progress,
+    ) -> Result<Option<HexMesh>, OptimiseError> {
+        let x = unknowns(from);
+        let setting = self.stage.setting(&x);
+        let mut path = Path::new(&setting, &mut self.solvers, &x, &self.options, progress)?;
+        let weight = weight * path.weights.closeness.vertex;
+        let term = EdgeLengths::new(self.mesh.topology(), lengths, weight);
+        let Some(place) = path.lengths() else {
+            return Ok(None);
+        };
+        *place = Some(term);
+        let heavier = (LIMITS * weight / path.weights.closeness.vertex).max(1.0);
+        path.weights.limits *= heavier;
+        path.weights.closeness.limit.elastic.weight *= heavier;
+        let x = path.again(&x, PHASES)?;
+        Ok(Some(
+            self.mesh.with_positions(PerVertex::from_vec(points(&x))),
+        ))
+    }
+}

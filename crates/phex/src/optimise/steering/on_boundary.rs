@@ -1,0 +1,314 @@
+//! Vertices of the boundary exactly on the boundary curve.
+//!
+//! The optimiser draws the rim towards the boundary curve; here the ends of interior edges are put
+//! on it, corners of the curve on the vertices nearest to them, and all panels are made planar
+//! again with these vertices sliding on the curve ([`crate::optimise::holds`]). A panel of the rim
+//! has three degrees of freedom and one condition for each of its ends on the curve that a
+//! neighbour shares, so that is possible where panels meet the curve at an angle; along an
+//! asymptotic curve two neighbours that both held it would lie in one plane. Where panels do not
+//! become planar, or would have to move far, their vertices are let go, and the rest is tried
+//! again.
+
+use super::wishes;
+use crate::optimise::holds::{Hold, Holds};
+use crate::optimise::panels::{FaceShapes, Panels, point, points, unknowns};
+use crate::optimise::quotient::Quotient;
+use crate::optimise::solver::reached::{Reached, ResultOrigin, Run};
+use crate::optimise::solver::solvers::Solvers;
+use crate::optimise::{
+    Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,
+    Stage, StartKind, Steering, Target, check_mesh, finished as finished_mesh, kinds_of,
+};
+use crate::progress::Progress;
+use phex_mesh::{
+    BoundaryCurve, FaceId, FlatFace, HexMesh, PerVertex, Vec3, VertexId, small_rim_faces,
+};
+use phex_numeric::{Outcome, Status};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Rounds of letting go at the most.
+const ROUNDS: usize = 8;
+/// Mean edges that a vertex may move.
+const MOST_MOVE: f64 = 0.35;
+/// Mean edges by which a vertex of the boundary may get farther from the curve.
+const MOST_DRIFT: f64 = 0.04;
+/// Mean edges within which a vertex of the boundary is put on a corner of the curve.
+const CORNER_REACH: f64 = 0.3;
+/// Panels are let go that are farther from planar than this share of the worst one.
+const WORST: f64 = 0.3;
+/// Share of the clearance that must be left.
+const CLEARANCE_LEFT: f64 = 0.6;
+
+/// Diagonals within which a vertex lies on a curve.
+const ON_IT: f64 = 1e-7;
+
+/// The curves, and the points of them that vertices are put on.
+pub struct BoundaryHold<'a> {
+    /// The curves on which the ends of interior edges slide.
+    pub curves: &'a BoundaryCurve,
+    /// Corners of the curves.
+    pub corners: &'a [Vec3],
+}
+
+/// Puts vertices of the boundary of a planar mesh on curves; `None` if that can be done for no
+/// vertex without harm.
+///
+/// # Errors
+/// If the mesh or an option can't be used.
+pub fn onto_boundary(
+    mesh: &HexMesh,
+    target: &dyn Target,
+    hold: &BoundaryHold<'_>,
+    quotient: &Quotient,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Option<Optimised>, OptimiseError> {
+    options.check()?;
+    check_mesh(mesh)?;
+    let x = unknowns(mesh);
+    let panels = Panels::new(mesh.topology());
+    let shape = FaceShapes::at(&panels, &x);
+    let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
+    let (reference, kinds) = (Reference::Surface(target), kinds_of(mesh));
+    let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
+    stage.divide(quotient);
+    let panels = stage.panels.clone();
+    stage.keep_areas(&x, options);
+    let mut solvers = Solvers::new(&panels)?;
+    let before = stage.judged(&x, options).summary.quality;
+    let mut held = holds(mesh, hold);
+    held.retain(|v, _| quotient.is_free(*v));
+    if held.is_empty() {
+        return Ok(None);
+    }
+    for _ in 0..ROUNDS {
+        if held.is_empty() || progress.is_cancelled() {
+            break;
+        }
+        stage.holds = Holds {
+            curves: Some(hold.curves.clone()),
+            ..quotient.holds()
+        };
+        stage.holds.held.extend(held.clone());
+        let Ok(start) = wishes::put_in_place(&stage.holds, &panels, mesh) else {
+            break;
+        };
+        let run = stage.run_projection(&mut solvers, &stage.start_at(&start), options, progress);
+        let harmed = harmed(mesh, &run, &before, hold.curves);
+        if harmed.is_empty() {
+            return Ok((!run.is_cancelled()).then(|| finished_mesh(mesh, run)));
+        }
+        let around = beside(mesh, &harmed);
+        let farther = beside(mesh, &around);
+        if ![harmed, around, farther]
+            .iter()
+            .any(|corners| let_go(&mut held, corners))
+        {
+            break;
+        }
+    }
+    Ok(None)
+}
+
+/// As [`steer`](crate::optimise::steer), and vertices that lie on the boundary's curves or corners
+/// stay there where panels allow it: what the user holds comes first.
+///
+/// # Errors
+/// As [`steer`](crate::optimise::steer).
+pub fn steer_on_boundary(
+    mesh: &HexMesh,
+    target: &dyn Target,
+    steering: &Steering,
+    hold: &BoundaryHold<'_>,
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Result<Optimised, OptimiseError> {
+    let mut held = already_there(mesh, hold);
+    for _ in 0..ROUNDS {
+        if held.is_empty() || progress.is_cancelled() {
+            break;
+        }
+        let rim = Some((&held, hold.curves));
+        let Ok(result) =
+            crate::optimise::steer_with(mesh, Some(target), steering, rim, options, progress)
+        else {
+            break;
+        };
+        if result.is_sound() {
+            return Ok(result);
+        }
+        let faces: BTreeSet<FaceId> = result.offenders.iter().map(|o| o.face).collect();
+        let corners = faces.iter().flat_map(|f| mesh.topology().face_vertices(*f));
+        let harmed: BTreeSet<u32> = corners.map(|v| v.index() as u32).collect();
+        let around = beside(mesh, &harmed);
+        if ![harmed, around].iter().any(|c| let_go(&mut held, c)) {
+            break;
+        }
+    }
+    crate::optimise::steer(mesh, Some(target), steering, options, progress)
+}
+
+/// Vertices of the boundary that lie on the curves, and those at corners.
+pub(in crate::optimise) fn already_there(
+    mesh: &HexMesh,
+    hold: &BoundaryHold<'_>,
+) -> BTreeMap<u32, Hold> {
+    let topology = mesh.topology();
+    let near = ON_IT * mesh.diagonal();
+    let hold_of = |v: VertexId| {
+        let p = mesh.position(v);
+        let at_corner = hold.corners.iter().any(|c| (c - p).norm() < near);
+        let on_curve = (hold.curves.closest_point(p).position - p).norm() < near;
+        match (at_corner, on_curve) {
+            (true, _) => Some(Hold::At(p)),
+            (_, true) => Some(Hold::OnRim),
+            _ => None,
+        }
+    };
+    let rim = topology
+        .vertices()
+        .filter(|v| topology.is_boundary_vertex(*v));
+    rim.filter_map(|v| Some((v.index() as u32, hold_of(v)?)))
+        .collect()
+}
+
+impl Stage<'_> {
+    /// Figures of positions as they are, and what is wrong with them.
+    pub(super) fn judged(&self, x: &[f64], options: &OptimiseOptions) -> Run {
+        let way = ResultOrigin {
+            kind: StartKind::AsGiven,
+            path: PathKind::Projection,
+            in_parts: 0,
+            outcome: Outcome::empty(Status::Converged),
+        };
+        let reached = Reached::at(&self.setting(x), x.to_vec());
+        self.conclude(0, reached, way, options)
+    }
+}
+
+/// Lets go of vertices that slide, or if there are none of them, of corners; whether there was one.
+fn let_go(held: &mut BTreeMap<u32, Hold>, harmed: &BTreeSet<u32>) -> bool {
+    let count = held.len();
+    held.retain(|v, hold| !harmed.contains(v) || matches!(hold, Hold::At(_)));
+    if held.len() == count {
+        held.retain(|v, _| !harmed.contains(v));
+    }
+    held.len() < count
+}
+
+/// The corners of all panels that have some of these corners.
+fn beside(mesh: &HexMesh, corners: &BTreeSet<u32>) -> BTreeSet<u32> {
+    let topology = mesh.topology();
+    let around = corners
+        .iter()
+        .flat_map(|v| topology.outgoing(VertexId::new(*v)));
+    let faces: BTreeSet<FaceId> = around.map(|h| topology.face(h)).collect();
+    let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
+    corners.map(|v| v.index() as u32).collect()
+}
+
+/// Ends of interior edges slide, vertices at corners stay there.
+fn holds(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
+    let topology = mesh.topology();
+    let rim = topology
+        .vertices()
+        .filter(|v| topology.is_boundary_vertex(*v));
+    let rim: Vec<VertexId> = rim.collect();
+    let number = |v: VertexId| v.index() as u32;
+    let between = rim.iter().filter(|v| topology.face_degree(**v) == 2);
+    let mut held: BTreeMap<u32, Hold> = between.map(|v| (number(*v), Hold::OnCurve)).collect();
+    let at_corners = near_corners(mesh, hold.corners).into_iter();
+    held.extend(at_corners.map(|(v, corner)| (number(v), Hold::At(corner))));
+    held
+}
+
+/// The vertex of the boundary next to each corner of the curves, where there is one within reach.
+pub(super) fn near_corners(mesh: &HexMesh, corners: &[Vec3]) -> Vec<(VertexId, Vec3)> {
+    let topology = mesh.topology();
+    let rim = topology
+        .vertices()
+        .filter(|v| topology.is_boundary_vertex(*v));
+    let rim: Vec<VertexId> = rim.collect();
+    let reach = CORNER_REACH * mesh.mean_edge();
+    let nearest = |corner: &Vec3| {
+        let distance = |v: &VertexId| (mesh.position(*v) - corner).norm();
+        let nearest = rim
+            .iter()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest
+            .filter(|v| distance(v) < reach)
+            .map(|v| (*v, *corner))
+    };
+    corners.iter().filter_map(nearest).collect()
+}
+
+/// Vertices of panels that holding has harmed; none if the result can be used.
+fn harmed(mesh: &HexMesh, run: &Run, before: &Quality, curves: &BoundaryCurve) -> BTreeSet<u32> {
+    let topology = mesh.topology();
+    let mut faces: BTreeSet<FaceId> = BTreeSet::new();
+    let off = |o: &Offender| match o.fault {
+        Fault::NotPlanar { distance } => distance,
+        _ => f64::INFINITY,
+    };
+    let finite = run.offenders.iter().map(off).filter(|d| d.is_finite());
+    let worst = finite.fold(0.0, f64::max);
+    faces.extend((run.offenders.iter().filter(|o| off(o) > WORST * worst)).map(|o| o.face));
+    let moved = |v: &VertexId| {
+        let now = point(&run.x, v.index());
+        (now - mesh.position(*v)).norm() > MOST_MOVE * before.mean_edge
+    };
+    faces.extend(
+        (topology.vertices().filter(moved))
+            .flat_map(|v| topology.outgoing(v))
+            .map(|h| topology.face(h)),
+    );
+    if faces.is_empty() {
+        let after = mesh.with_positions(PerVertex::from_vec(points(&run.x)));
+        faces.extend(squeezed(&after, run, before));
+        faces.extend(grown_small(mesh, &after));
+        let drifted = drifted(mesh, &after, curves).into_iter();
+        faces.extend(
+            drifted
+                .flat_map(|v| topology.outgoing(v))
+                .map(|h| topology.face(h)),
+        );
+    }
+    let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
+    corners.map(|v| v.index() as u32).collect()
+}
+
+/// Vertices of the boundary that nothing holds, and that have moved off the curve.
+fn drifted(before: &HexMesh, after: &HexMesh, curves: &BoundaryCurve) -> Vec<VertexId> {
+    let topology = before.topology();
+    let distance = |p: Vec3| (curves.closest_point(p).position - p).norm();
+    let off = |v: &VertexId| {
+        distance(after.position(*v))
+            > distance(before.position(*v)) + MOST_DRIFT * before.mean_edge()
+    };
+    let rim = topology
+        .vertices()
+        .filter(|v| topology.is_boundary_vertex(*v));
+    rim.filter(off).collect()
+}
+
+/// Panels at the boundary that have become too small, where none was.
+fn grown_small(before: &HexMesh, after: &HexMesh) -> Vec<FaceId> {
+    let small = small_rim_faces(before);
+    let mut now = small_rim_faces(after);
+    now.retain(|f| !small.contains(f));
+    now
+}
+
+/// Panels that have lost much of their clearance.
+fn squeezed(after: &HexMesh, run: &Run, before: &Quality) -> Vec<FaceId> {
+    let least = CLEARANCE_LEFT * before.clearance;
+    if run.summary.quality.clearance >= least {
+        return Vec::new();
+    }
+    let limit = least * after.mean_edge();
+    let flat = FlatFace::all(after);
+    let tight = flat
+        .enumerate()
+        .filter(|(_, f)| f.clearance().distance < limit);
+    tight.map(|(f, _)| f).collect()
+}
