@@ -20,7 +20,6 @@ pub(crate) fn way(summary: &AttemptSummary) -> String {
         c if c.seamless => "seamless lattice",
         c if c.resolving => "lattice with sizes that resolve the surface",
         c if c.usual_deviation => "lattice for the usual deviation",
-        c if c.even => "lattice of even panels",
         _ => "lattice",
     };
     format!("{kind}, anisotropy {}", candidate.anisotropy)

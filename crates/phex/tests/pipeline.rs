@@ -172,11 +172,10 @@ fn the_best_of_the_portfolio_is_kept() {
     };
     let run = mesh_surface(&torus, &options, &Silent).unwrap();
     let tried = &run.statistics.tried;
-    assert_eq!(tried.len(), 3 + options.portfolio.len());
+    assert_eq!(tried.len(), 2 + options.portfolio.len());
     let is_tried = |what: fn(&Candidate) -> bool| tried.iter().any(|t| what(&t.candidate));
     assert!(is_tried(|c| c.method == Method::BrickWall));
     assert!(is_tried(|c| c.resolving));
-    assert!(is_tried(|c| c.even));
     let kept: Vec<_> = tried.iter().filter(|t| t.kept).collect();
     assert_eq!(kept.len(), 1);
     assert_eq!(kept[0].panels, run.mesh.topology().n_faces());

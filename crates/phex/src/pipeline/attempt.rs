@@ -8,9 +8,6 @@ use serde::Serialize;
 /// Excess over limits, in limits and summed over panels, that is left to the search.
 const CURABLE: f64 = 2.0;
 
-/// Spread of the areas of panels that are to be equal above which dislocations are worth a try.
-const UNEVEN: f64 = 2.5;
-
 /// One member of the portfolio, for the report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AttemptSummary {
@@ -28,9 +25,6 @@ pub struct AttemptSummary {
     pub irregular: usize,
     /// Dislocations that the lattice kept.
     pub dislocations: usize,
-    /// Whether dislocations have vanished from the lattice that strain pulls back.
-    #[serde(skip)]
-    pub is_strained: bool,
     /// Whether a lattice could do without any irregular panel but those that topology asks for: on
     /// closed surfaces of Euler characteristic 0, and where the Gauss curvature is positive
     /// everywhere.
@@ -66,7 +60,6 @@ impl AttemptSummary {
             hex: measures.hex.unwrap_or(1.0),
             irregular: measures.irregular,
             dislocations: 0,
-            is_strained: false,
             regular_possible,
             clearance: measures.clearance.min,
             least_angle: measures.angle.min,
@@ -84,23 +77,19 @@ impl AttemptSummary {
         self
     }
 
-    /// What else is worth a try: a lattice without dislocations where one can be, with sizes that
-    /// resolve the surface where the options leave sizes free, or with dislocations where panels
-    /// are uneven. `None` if this one is within limits, and as regular and even as can be.
+    /// What else is worth a try: a lattice without dislocations where one can be, or with sizes that
+    /// resolve the surface where the options leave sizes free. `None` if this one is within limits,
+    /// and as regular as can be.
     pub(super) fn alternative(&self, options: &MeshOptions) -> Option<Candidate> {
         let within = self.merit.is_within();
         let seamless = self.regular_possible && self.irregular > 0 && !self.candidate.seamless;
         let usual_deviation = !within && is_tight(options);
         let much = self.merit.invalid > 0.0 || self.merit.outside > CURABLE;
         let resolving = self.candidate.resolving(options).is_some() && much && !usual_deviation;
-        let is_uneven = self.area_spread.is_some_and(|spread| spread > UNEVEN);
-        let is_free = !self.candidate.seamless && !options.varies_sizes();
-        let even = is_uneven && self.is_strained && is_free && !seamless;
-        (seamless || resolving || usual_deviation || even).then_some(Candidate {
+        (seamless || resolving || usual_deviation).then_some(Candidate {
             seamless: self.candidate.seamless || (seamless && within),
             resolving,
             usual_deviation,
-            even,
             ..self.candidate
         })
     }
@@ -130,9 +119,7 @@ impl Candidate {
             usual_deviation: true,
             ..self
         });
-        let is_free = !self.seamless && !options.varies_sizes();
-        let even = is_free.then_some(Self { even: true, ..self });
-        usual.into_iter().chain(self.resolving(options)).chain(even)
+        usual.into_iter().chain(self.resolving(options))
     }
 }
 

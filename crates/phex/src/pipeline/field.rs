@@ -181,7 +181,6 @@ pub(super) struct LatticeFreedom {
     pub seamless: bool,
     pub resolving: bool,
     pub usual_deviation: bool,
-    pub even: bool,
 }
 
 impl From<Candidate> for LatticeFreedom {
@@ -191,7 +190,6 @@ impl From<Candidate> for LatticeFreedom {
             seamless: candidate.seamless,
             resolving: candidate.resolving,
             usual_deviation: candidate.usual_deviation,
-            even: candidate.even,
         }
     }
 }
@@ -200,7 +198,7 @@ impl From<Candidate> for LatticeFreedom {
 /// those with at most half of it pass at once, and most of those with more than 1.2 do not.
 const RESOLVED: f64 = 0.8;
 
-/// Pull from which on a dislocation stays in a lattice of even panels.
+/// Pull from which on a dislocation stays in such a lattice.
 const EVEN_PULL: f64 = 2.5;
 
 /// What the conformal factor's screening and limit are multiplied by for a seamless lattice.
@@ -217,6 +215,7 @@ impl LatticeFreedom {
         }
         if self.resolving {
             options.sizes.adaptive = Some(RESOLVED);
+            options.layout.max_pull.get_or_insert(EVEN_PULL);
         }
         if self.seamless {
             allow_sizes(&mut options);
@@ -224,9 +223,6 @@ impl LatticeFreedom {
         if options.regular {
             // Opposite cones cancel however far apart they are.
             options.directions.cancel_reach.get_or_insert(f64::INFINITY);
-        }
-        if self.even {
-            options.layout.max_pull = Some(EVEN_PULL);
         }
         options
     }
@@ -354,7 +350,6 @@ mod tests {
             seamless: true,
             resolving: false,
             usual_deviation: false,
-            even: false,
         };
         let options = way.options(&MeshOptions::default());
         let ground = Ground::new(&needle, 50, &options);

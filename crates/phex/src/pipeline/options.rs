@@ -184,14 +184,12 @@ pub struct Candidate {
     /// Whether the size of a lattice's panels may change so far that it needs no dislocations.
     pub seamless: bool,
     /// Whether panels are smaller where they would else be too large for the curvature, and larger
-    /// elsewhere.
+    /// elsewhere, and pairs of pentagons and heptagons stay where they make panels more even.
     pub resolving: bool,
     /// Whether the optimiser heeds the usual largest deviation only, where a tighter one is asked
     /// for: panels that can't be as near as that are drawn hither and thither, and may end farther
     /// away.
     pub usual_deviation: bool,
-    /// Whether pairs of pentagons and heptagons stay where they make panels more even.
-    pub even: bool,
 }
 
 impl Default for Candidate {
@@ -202,7 +200,6 @@ impl Default for Candidate {
             seamless: false,
             resolving: false,
             usual_deviation: false,
-            even: false,
         }
     }
 }
