@@ -11,7 +11,8 @@ use super::{Clock, MeshOptions, PipelineError};
 use crate::directions::DirectionOptions;
 use crate::directions::cones::{FAR_REACH, has_opposites};
 use crate::layout::seeds::Seed;
-use crate::progress::Progress;
+use crate::progress::{Event, Progress};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A field, the surface on which its cells are drawn, and the panels of its own seeds.
 pub(super) struct FieldPanels {
@@ -30,17 +31,38 @@ impl FieldPanels {
         settings: &DirectionOptions,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let near = Self::new(ground, level, options, settings, clock)?;
         let is_given = settings.cancel_reach.is_some() || !settings.guides.cones.is_empty();
-        if is_given || !near.may_have_fewer_cones(ground) {
-            return Ok(near);
+        if is_given || restarts(ground) <= 1 {
+            return Self::new(ground, level, options, settings, clock);
         }
-        let settings = DirectionOptions {
+        let far_settings = DirectionOptions {
             cancel_reach: Some(FAR_REACH),
             ..settings.clone()
         };
+        // The second is begun where a thread is idle, and ends as soon as it is not wanted.
+        let alone = AtomicBool::new(false);
+        let progress = Aside(clock.progress, &alone);
+        let near = || {
+            let field = Field::new(ground, level, options, settings, clock);
+            let has_opposites = field.as_ref().is_ok_and(|f| f.has_opposites(ground));
+            alone.fetch_or(!has_opposites, Ordering::Relaxed);
+            let near = field.and_then(|field| Self::of(ground, field, clock));
+            let is_irregular = near.as_ref().is_ok_and(|n| !n.first.is_regular());
+            alone.fetch_or(!is_irregular, Ordering::Relaxed);
+            near
+        };
+        let far = || {
+            let mut clock = Clock::new(&progress);
+            let far = Self::new(ground, level, options, &far_settings, &mut clock);
+            (far, clock.stages)
+        };
+        let (near, (far, stages)) = rayon::join(near, far);
+        let near = near?;
+        if alone.into_inner() {
+            return Ok(near);
+        }
+        clock.add(&stages);
         // A field from which no panels come is no better.
-        let far = Self::new(ground, level, options, &settings, clock);
         let better = far
             .ok()
             .filter(|far| far.first.disliked() < near.first.disliked());
@@ -55,19 +77,37 @@ impl FieldPanels {
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
         let field = Field::new(ground, level, options, settings, clock)?;
+        Self::of(ground, field, clock)
+    }
+
+    fn of(ground: &Ground, field: Field, clock: &mut Clock<'_>) -> Result<Self, PipelineError> {
         let fine = FineSurface::new(ground, &field);
         let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
         let first = Drawn::first(ground, &field, made, clock)?;
         Ok(Self { field, fine, first })
     }
+}
 
-    /// Whether panels are not regular, few enough for another try, and cones are left that could
-    /// cancel.
-    fn may_have_fewer_cones(&self, ground: &Ground) -> bool {
-        let field = &self.field;
-        let topology = ground.smooth.levels[field.level].topology();
-        let is_worth = restarts(ground) > 1 && !self.first.is_regular();
-        is_worth && has_opposites(topology, &field.directions, FAR_REACH)
+impl Field {
+    /// Whether cones are left that could cancel.
+    fn has_opposites(&self, ground: &Ground) -> bool {
+        let topology = ground.smooth.levels[self.level].topology();
+        has_opposites(topology, &self.directions, FAR_REACH)
+    }
+}
+
+/// Says nothing, and cancels as another does, or where it is no longer wanted.
+struct Aside<'a>(&'a dyn Progress, &'a AtomicBool);
+
+impl Progress for Aside<'_> {
+    fn report(&self, _: &Event) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.1.load(Ordering::Relaxed) || self.0.is_cancelled()
+    }
+
+    fn wants_best(&self) -> bool {
+        self.0.wants_best()
     }
 }
 
