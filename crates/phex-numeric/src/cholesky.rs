@@ -1,5 +1,5 @@
-//! Sparse Cholesky factorisation `P A P^T = L L^T` (`L L^H` of a Hermitian matrix) with the symbolic
-//! part reused.
+//! Sparse Cholesky factorisation `P A P^T = L L^T` (`L L^H` of a Hermitian matrix) with the
+//! symbolic part reused.
 //!
 //! The ordering is approximate minimum degree, on request of the quotient graph of small blocks
 //! (the three coordinates of a vertex, say). The factorisation is sequential, so that its result is

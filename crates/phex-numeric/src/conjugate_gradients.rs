@@ -1,5 +1,5 @@
-//! Conjugate gradients for `A x = b` with `A` symmetric or Hermitian and positive definite, with the
-//! Jacobi or any other preconditioner, in single or double precision.
+//! Conjugate gradients for `A x = b` with `A` symmetric or Hermitian and positive definite, with
+//! the Jacobi or any other preconditioner, in single or double precision.
 
 use crate::outcome::Status;
 use crate::symmetric::Scalar;
@@ -148,7 +148,7 @@ pub(crate) fn dot<T: Scalar>(a: &[T], b: &[T]) -> T::Real {
     let rest = rest.fold(<T::Real as Zero>::zero(), |sum, (a, b)| sum + product(a, b));
     for (a, b) in a.zip(b) {
         for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum = *sum + product(a, b);
+            *sum += product(a, b);
         }
     }
     sums.iter()
