@@ -2,6 +2,7 @@
 
 use phex_mesh::PolygonSoup;
 use serde::Serialize;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What a stage says while it runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -70,4 +71,40 @@ pub struct Silent;
 
 impl Progress for Silent {
     fn report(&self, _event: &Event) {}
+}
+
+/// Cancels as another does, and says nothing: work beside other work has no progress to tell of.
+pub(crate) struct Quiet<'a> {
+    other: &'a dyn Progress,
+    unwanted: Option<&'a AtomicBool>,
+}
+
+impl<'a> Quiet<'a> {
+    pub fn new(other: &'a dyn Progress) -> Self {
+        Self {
+            other,
+            unwanted: None,
+        }
+    }
+
+    /// The same, for work that is cancelled, too, once it is `unwanted`.
+    pub fn unless(other: &'a dyn Progress, unwanted: &'a AtomicBool) -> Self {
+        Self {
+            other,
+            unwanted: Some(unwanted),
+        }
+    }
+}
+
+impl Progress for Quiet<'_> {
+    fn report(&self, _: &Event) {}
+
+    fn is_cancelled(&self) -> bool {
+        let unwanted = self.unwanted.is_some_and(|u| u.load(Ordering::Relaxed));
+        unwanted || self.other.is_cancelled()
+    }
+
+    fn wants_best(&self) -> bool {
+        self.other.wants_best()
+    }
 }

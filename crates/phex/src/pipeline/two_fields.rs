@@ -11,7 +11,7 @@ use super::{Clock, MeshOptions, PipelineError};
 use crate::directions::DirectionOptions;
 use crate::directions::cones::{FAR_REACH, has_opposites};
 use crate::layout::seeds::Seed;
-use crate::progress::{Event, Progress};
+use crate::progress::{Progress, Quiet};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A field, the surface on which its cells are drawn, and the panels of its own seeds.
@@ -41,7 +41,7 @@ impl FieldPanels {
         };
         // The second is begun where a thread is idle, and ends as soon as it is not wanted.
         let alone = AtomicBool::new(false);
-        let progress = Aside(clock.progress, &alone);
+        let progress = Quiet::unless(clock.progress, &alone);
         let near = || {
             let field = Field::new(ground, level, options, settings, clock);
             let has_opposites = field.as_ref().is_ok_and(|f| f.has_opposites(ground));
@@ -93,21 +93,6 @@ impl Field {
     fn has_opposites(&self, ground: &Ground) -> bool {
         let topology = ground.smooth.levels[self.level].topology();
         has_opposites(topology, &self.directions, FAR_REACH)
-    }
-}
-
-/// Says nothing, and cancels as another does, or where it is no longer wanted.
-struct Aside<'a>(&'a dyn Progress, &'a AtomicBool);
-
-impl Progress for Aside<'_> {
-    fn report(&self, _: &Event) {}
-
-    fn is_cancelled(&self) -> bool {
-        self.1.load(Ordering::Relaxed) || self.0.is_cancelled()
-    }
-
-    fn wants_best(&self) -> bool {
-        self.0.wants_best()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::patch::{Built, Patch};
 use crate::layout::{Layout, VertexKind, WishedArea};
 use crate::optimise::{BoundaryHold, FaceLimits, LocalPart, OptimiseOptions, SurfaceTarget};
-use crate::progress::Progress;
+use crate::progress::{Progress, Quiet};
 use crate::quality::{Judge, Judgement, Scope, Shapes, Yardstick};
 use phex_mesh::measure::{LEAST_RIM_AREA, wanted_clearance};
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
@@ -201,7 +201,7 @@ impl Site<'_> {
             diagonal: whole.diagonal,
         };
         let target = SurfaceTarget::new(self.close_to);
-        let quiet = Quiet(progress);
+        let quiet = Quiet::new(progress);
         let made = match step {
             LocalStep::Settle => part.settled(&target, self.options, &quiet),
             LocalStep::Improve(round) => part.emphasised(round, &target, self.options, &quiet),
@@ -253,20 +253,5 @@ impl Whole {
             .flat_map(|f| &self.covers[f.index()])
             .copied()
             .collect()
-    }
-}
-
-/// Cancels as another does, and says nothing: many patches at a time have no progress to tell of.
-struct Quiet<'a>(&'a dyn Progress);
-
-impl Progress for Quiet<'_> {
-    fn report(&self, _: &crate::progress::Event) {}
-
-    fn is_cancelled(&self) -> bool {
-        self.0.is_cancelled()
-    }
-
-    fn wants_best(&self) -> bool {
-        self.0.wants_best()
     }
 }
