@@ -6,10 +6,10 @@
 //! instead of by dislocations, and a brick wall has straight rows where the surface has a network
 //! for them. By default one other lattice is laid out, and only where the first is far outside its
 //! limits, or its search leaves something outside (then panels are smaller where the surface bends,
-//! and dislocations stay where strain pulls hard at them), or where it is less regular than it could
-//! be. Of two the one with the smaller excess over limits is searched, what is broken counted alike:
-//! of 12 hard bodies it was the better one each time. With [`Effort::Best`] all of them are laid
-//! out, side by side, and searched one after the other until one is within its limits.
+//! and dislocations stay where strain pulls hard at them), or where it is less regular than it
+//! could be. Of two the one with the smaller excess over limits is searched, what is broken counted
+//! alike: of 12 hard bodies it was the better one each time. With [`Effort::Best`] all of them are
+//! laid out, side by side, and searched one after the other until one is within its limits.
 
 use super::attempt::{AttemptSummary, is_tight};
 use super::domain::Ground;
