@@ -77,9 +77,9 @@ impl AttemptSummary {
         self
     }
 
-    /// What else is worth a try: a lattice without dislocations where one can be, or with sizes that
-    /// resolve the surface where the options leave sizes free. `None` if this one is within limits,
-    /// and as regular as can be.
+    /// What else is worth a try: a lattice without dislocations where one can be, or one with sizes
+    /// that resolve the surface where the options leave sizes free. `None` if this one is within
+    /// limits, and as regular as can be.
     pub(super) fn alternative(&self, options: &MeshOptions) -> Option<Candidate> {
         let within = self.merit.is_within();
         let seamless = self.regular_possible && self.irregular > 0 && !self.candidate.seamless;
