@@ -102,6 +102,14 @@ impl BadOption {
     }
 }
 
+/// A positive ratio in single precision: in another unit it is the same.
+pub(crate) fn without_unit(ratio: f64) -> f64 {
+    match ratio > f64::from(f32::MIN_POSITIVE) {
+        true => f64::from(ratio as f32),
+        false => ratio,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,6 +14,7 @@ use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed, WishedArea};
 use crate::progress::Progress;
 use crate::quality::USUAL_DEVIATION;
+use crate::ranges::without_unit;
 use crate::smooth_surface::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -211,7 +212,7 @@ impl LatticeFreedom {
         let mut options = options.clone();
         options.directions.anisotropy = self.anisotropy;
         if self.usual_deviation {
-            options.optimise.max_deviation = Some(USUAL_DEVIATION);
+            options.optimise.max_deviation = Some(without_unit(USUAL_DEVIATION));
         }
         if self.resolving {
             options.sizes.adaptive = Some(RESOLVED);

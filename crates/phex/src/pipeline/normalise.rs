@@ -2,6 +2,7 @@
 
 use super::{MeshOptions, PipelineError, classical};
 use crate::layout::LayoutError;
+use crate::ranges::without_unit;
 use crate::smooth_surface::Normalised;
 use phex_mesh::Vec3;
 
@@ -51,14 +52,6 @@ fn check_size_field(values: &[f64], vertices: usize) -> Result<(), PipelineError
 fn relative_sizes(values: &[f64]) -> Vec<f64> {
     let largest = values.iter().copied().fold(0.0, f64::max);
     values.iter().map(|v| without_unit(v / largest)).collect()
-}
-
-/// A positive ratio in single precision: in another unit it is the same.
-fn without_unit(ratio: f64) -> f64 {
-    match ratio > f64::from(f32::MIN_POSITIVE) {
-        true => f64::from(ratio as f32),
-        false => ratio,
-    }
 }
 
 impl PipelineError {
