@@ -112,7 +112,7 @@ fn images_of_symmetric_panels_stay_equal() {
     );
     let options = MeshOptions {
         symmetry: Symmetry::Turns(6),
-        ..options(&dome, 200)
+        ..options(&dome, 300)
     };
     let run = mesh_surface(&dome, &options, &Silent).unwrap();
     let told = told(&run, &dome, &options);
