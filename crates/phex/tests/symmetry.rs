@@ -5,7 +5,7 @@ mod common;
 use common::mapped;
 use phex::pipeline::PipelineError;
 use phex::symmetry::{SYMMETRY_TOLERANCE, Symmetry};
-use phex::{Boundary, MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
+use phex::{Boundary, Effort, MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId, measure};
 use std::collections::BTreeSet;
@@ -102,6 +102,25 @@ fn a_dome_of_revolution_has_the_order_that_is_asked_for() {
         let middle = run.mesh.topology().faces();
         let closest = middle.map(|f| run.mesh.centre(f).xy().norm());
         assert!(closest.fold(f64::INFINITY, f64::min) < 1e-9);
+    }
+}
+
+/// Where the domain is narrow a cell beside the one at the axis has a side in both mirror planes.
+#[test]
+fn a_dome_of_few_panels_is_meshed_whichever_their_number() {
+    let dome = round_dome();
+    for (n, panels) in [6, 8, 12]
+        .map(|n| [60, 80, 140, 200].map(|p| (n, p)))
+        .concat()
+    {
+        let options = MeshOptions {
+            size: PanelSize::Panels(panels),
+            symmetry: Symmetry::Turns(n),
+            effort: Effort::Draft,
+            ..Default::default()
+        };
+        let run = mesh_surface(&dome, &options, &Silent).unwrap();
+        check(&run, &format!("C{n}v"), 2 * n);
     }
 }
 

@@ -137,10 +137,13 @@ impl<'a> WallCells<'a> {
         let mut merged = PerFace::from_fn(self.topology.n_faces(), |f| {
             let walls = self.sides(f);
             match walls.count_ones() {
-                2.. if share(f) < QUARTER || !self.is_square(walls) => walls,
+                2.. if self.is_at_axis(f, walls) => match self.is_square(walls) {
+                    true if share(f) >= QUARTER => self.longer(f, walls),
+                    _ => walls,
+                },
+                _ if share(f) >= HALF => 0,
                 2.. => self.longer(f, walls),
-                _ if share(f) < HALF => walls,
-                _ => 0,
+                _ => walls,
             }
         });
         // No two whole panels side by side.
@@ -149,15 +152,28 @@ impl<'a> WallCells<'a> {
             let whole = faces.filter(|f| self.sides(*f) & !merged[*f] & self.on[v] != 0);
             let whole: Vec<FaceId> = whole.collect();
             if whole.len() > 1 {
-                let least = whole
-                    .iter()
-                    .min_by(|a, b| share(**a).total_cmp(&share(**b)));
-                least
-                    .into_iter()
-                    .for_each(|f| merged[*f] |= self.sides(*f) & self.on[v]);
+                let joined = |f: FaceId| merged[f] | (self.sides(f) & self.on[v]);
+                let reaches = |f: FaceId| {
+                    let walls = joined(f);
+                    walls.count_ones() > 1 && !self.is_at_axis(f, walls)
+                };
+                let order = |a: &&FaceId, b: &&FaceId| {
+                    let [a, b] = [a, b].map(|f| (reaches(**f), share(**f)));
+                    a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+                };
+                if let Some(least) = whole.iter().min_by(order) {
+                    merged[*least] = joined(*least);
+                }
             }
         }
         merged
+    }
+
+    /// Whether a cell has a corner on the axis in which walls meet. One that has not, and a side in
+    /// each of them, reaches across the domain: it can be joined across one of them alone.
+    fn is_at_axis(&self, f: FaceId, walls: u32) -> bool {
+        let ring = self.topology.face_vertices(f);
+        ring.iter().any(|v| self.on[*v] & walls == walls)
     }
 
     /// Whether two walls meet at a right angle.
