@@ -51,7 +51,7 @@ pub struct SteeringSettings {
         arg(long, value_name = "POINTS.TXT", help_heading = "Steering")
     )]
     pub anchors: Option<PathBuf>,
-    /// More than 1: more even panels, less than 1: freer ones
+    /// More than 1: panels more like their neighbours, less than 1: freer ones
     #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = positive, help_heading = "Steering"))]
     pub fairness: Option<f64>,
     /// More than 1: nearer to surface and boundary

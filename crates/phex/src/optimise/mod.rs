@@ -6,7 +6,8 @@
 //! ```text
 //! E = w_p/2 sum h^2                      planarity, a penalty that rises: 1, 30, 1e3, 1e4
 //!   + w_c/2 sum |x - p(x)|^2             closeness of vertices, w_cf of face centres, w_bd of the rim to the boundary curve
-//!   + w_s/2 sum |x_a + x_(a+m) - M|^2    fairness: central symmetry of each panel
+//!   + w_s/2 sum |T (a / s - s b)|^2      fairness: edges `a`, `b` of neighbours alike,
+//!   + w_s/2 sum |x_a + x_(a+m) - M|^2    and central symmetry of each panel
 //!   + w_a/2 sum (a - A)^2 / a            evenness: areas of panels
 //!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
 //!   + w_e/2 sum (l - L)^2                 lengths of edges, where some are to be equal
@@ -47,7 +48,7 @@
 //! Sources: the penalty of Wang and Liu, "A note on planar hexagonal meshes" (2010), section 3,
 //! with the plane eliminated; the feasible path and its barrier after Li et al., "Incremental
 //! potential contact" (2020), within each face's plane. Differences: no auxiliary planes or
-//! tetrahedra; central symmetry instead of neighbour averaging; exact projection at the end; face
+//! tetrahedra; likeness of panels instead of neighbour averaging; exact projection at the end; face
 //! centres count; the damping follows the collision step (`phex_numeric::damped`).
 //!
 //! *Guaranteed*: a panel that is simple at the start of a phase is simple ever after, so with a

@@ -65,8 +65,8 @@ pub struct OptimiseOptions {
     /// `w_k`: closeness of boundary corners to where they start, >= 0. Corners that can't move at
     /// all would bend their panels.
     pub corner_closeness: f64,
-    /// `w_s`: central symmetry of panels with an even number of corners, >= 0. From 1e-2 on
-    /// clearances suffer, 0 costs three degrees in the sharpest corners.
+    /// `w_s`: likeness of neighbouring hexagons, and central symmetry of panels with an even number
+    /// of corners, >= 0. From 2e-3 on areas differ more, 0 costs a sixth of the sharpest angles.
     pub fairness: f64,
     /// `w_a`: areas of panels as they are wished for, >= 0. From 5e-2 on clearances suffer, 0
     /// lets areas differ by a factor of three.
@@ -156,7 +156,7 @@ const FARTHEST: f64 = 0.45;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Dials {
-    /// Even panels, > 0: central symmetry, `w_s`.
+    /// Panels like their neighbours, > 0: `w_s`.
     pub fairness: f64,
     /// Nearness to surface and boundary, > 0: `w_c`, `w_cf`, `w_bd`, `w_k`.
     pub closeness: f64,

@@ -26,6 +26,8 @@ pub(super) struct Panels {
     vertex_start: Vec<usize>,
     vertex_corner: Vec<u32>,
     edges: Vec<[u32; 2]>,
+    /// At a corner, whose edge runs to the next one: the corner of that edge in the face beyond.
+    twin: Vec<Option<u32>>,
     /// The vertex that each is an image of, itself for most.
     source: Vec<u32>,
     /// Whether each face rests: none of its vertices can move.
@@ -71,16 +73,25 @@ impl Panels {
         }
         let (vertex_start, vertex_corner) = invert(&corner_vertex, n_vertices);
         let faces = corner_start.len() - 1;
-        Self {
+        let mut panels = Self {
             corner_start,
             corner_vertex,
             corner_face,
             vertex_start,
             vertex_corner,
             edges,
+            twin: Vec::new(),
             source: (0..n_vertices as u32).collect(),
             rests: vec![false; faces],
-        }
+        };
+        let twin = |c: usize| {
+            let [a, b] = panels.ends(c);
+            let there = panels.corners_at(b as usize).iter();
+            let mut there = there.copied();
+            there.find(|d| panels.ends(*d as usize)[1] == a)
+        };
+        panels.twin = (0..panels.n_corners()).map(twin).collect();
+        panels
     }
 
     /// The same with vertices that are images of others.
@@ -109,9 +120,14 @@ impl Panels {
         self.source[vertex as usize]
     }
 
+    /// Whether a vertex is the image of another one.
+    pub(crate) fn is_image(&self, vertex: u32) -> bool {
+        self.source(vertex) != vertex
+    }
+
     /// Whether a face that moves has a corner that is the image of another one.
     pub(crate) fn has_image(&self, face: usize) -> bool {
-        !self.rests(face) && self.vertices(face).iter().any(|v| self.source(*v) != *v)
+        !self.rests(face) && self.vertices(face).iter().any(|v| self.is_image(*v))
     }
 
     pub fn n_faces(&self) -> usize {
@@ -133,6 +149,35 @@ impl Panels {
     /// The face that a corner belongs to.
     pub(crate) fn face_of(&self, corner: u32) -> usize {
         self.corner_face[corner as usize] as usize
+    }
+
+    /// The corner after another one of its face.
+    pub(crate) fn next(&self, corner: usize) -> usize {
+        let corners = self.corners(self.face_of(corner as u32));
+        match corner + 1 == corners.end {
+            true => corners.start,
+            false => corner + 1,
+        }
+    }
+
+    /// The corner before another one of its face.
+    pub(crate) fn previous(&self, corner: usize) -> usize {
+        let corners = self.corners(self.face_of(corner as u32));
+        match corner == corners.start {
+            true => corners.end - 1,
+            false => corner - 1,
+        }
+    }
+
+    /// Vertices of the edge from a corner to the next one.
+    pub(crate) fn ends(&self, corner: usize) -> [u32; 2] {
+        [corner, self.next(corner)].map(|c| self.corner_vertex[c])
+    }
+
+    /// The corner from which the edge from a corner to the next one runs in the face beyond it;
+    /// `None` at the boundary.
+    pub(crate) fn twin(&self, corner: usize) -> Option<usize> {
+        self.twin[corner].map(|c| c as usize)
     }
 
     /// Corners of a face.

@@ -56,7 +56,12 @@ impl Stage<'_> {
             best = better(best, path.insist()?);
         }
         if !path.is_over() && !best.is_planar(options) {
-            best = better(best, path.project(options.least_clearance));
+            best = better(best, path.project(Some(options.least_clearance)));
+        }
+        // A few panels stand in the way. The others become planar without regard to them, and the
+        // search, which follows a layout, repairs these.
+        if !path.is_over() && !best.is_planar(options) && kind == StartKind::SmoothedCells {
+            best = better(best, path.project(None));
         }
         if !path.is_over() && best.is_planar(options) {
             best = path.finish(best)?;

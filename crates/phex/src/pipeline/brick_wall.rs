@@ -1,11 +1,12 @@
-//! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, no
-//! repair; trimmed where the boundary asks for it.
+//! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, trimmed
+//! where the boundary asks for it, and searched as a lattice is.
 
 use super::domain::Ground;
 use super::field::spaced_corners;
+use super::lattice::Surfaces;
 use super::preview::LatticePreview;
 use super::{
-    Clock, MeshOptions, MeshRun, PipelineError, Statistics, any_area, between_panels, panel_count,
+    Clock, Effort, MeshOptions, MeshRun, PipelineError, Statistics, any_area, panel_count,
     panel_length,
 };
 use crate::curvature::{self, Curvature};
@@ -14,12 +15,13 @@ use crate::directions::network::{
     conjugate_network, level_lines, row_field,
 };
 use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
-use crate::layout::{LayoutError, LayoutStatistics};
+use crate::layout::{LayoutError, LayoutStatistics, WishedArea};
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
 use crate::quality::{Judge, Merit, References};
+use crate::search::search;
 use crate::smooth_surface::Normalised;
-use phex_mesh::{TriangleSurface, VertexId};
+use phex_mesh::{PerVertex, TriangleSurface, VertexId};
 use std::collections::HashSet;
 
 /// Turning angle of the boundary, degrees, above which bricks keep a corner at the most: rows that
@@ -127,11 +129,21 @@ pub(super) fn mesh_with_panels(
     let result = clock.timed("optimise", || {
         optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
     })?;
-    let reported = ground.reported(&site.surface);
     let trimmed = clock.timed("trim", || ground.trimmed(&result.mesh, &site.surface))?;
-    let mesh = trimmed.mesh;
-    let violations = clock.timed("validate", || between_panels(&mesh, reported));
+    let mut mesh = trimmed.mesh;
+    let any = PerVertex::filled(site.surface.positions().len(), WishedArea::ANY);
+    let surfaces = Surfaces::new(ground, site.surface.clone(), any);
+    let mut found = None;
+    if options.effort != Effort::Draft && !progress.is_cancelled() {
+        let searched = clock.timed("search", || {
+            surfaces.with_site(options, |site| search(mesh, site, progress))
+        });
+        mesh = searched.mesh;
+        found = Some(searched.summary);
+    }
+    let violations = clock.timed("validate", || surfaces.violations(&mesh));
     let statistics = Statistics {
+        search: found,
         brick_wall: Some(wall),
         factorisations: result.runs.iter().map(|r| r.factorisations).sum(),
         runs: result.runs.clone(),
@@ -141,8 +153,8 @@ pub(super) fn mesh_with_panels(
         wished: any_area(&mesh),
         start: Some(layout.mesh.to_soup()),
         mesh,
-        target: reported.clone(),
-        beyond: ground.beyond(&site.surface),
+        target: surfaces.reported,
+        beyond: surfaces.beyond,
         orbits: None,
         unrepeated: None,
         outcome: result.outcome,

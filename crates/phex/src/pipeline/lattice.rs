@@ -42,7 +42,7 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    fn new(ground: &Ground, fine: TriangleSurface, wish: PerVertex<WishedArea>) -> Self {
+    pub fn new(ground: &Ground, fine: TriangleSurface, wish: PerVertex<WishedArea>) -> Self {
         Self {
             reported: ground.reported(&fine).clone(),
             facets: ground.given_facets().clone(),

@@ -73,7 +73,7 @@ impl<'a> AngleConstraints<'a> {
         least: f64,
     ) -> Self {
         let panels = setting.panels;
-        let steps = GuardedSteps::new(setting, x, least);
+        let steps = GuardedSteps::new(setting, x, Some(least));
         let start = constraint_starts(panels);
         let mut row_start = vec![0];
         for f in 0..panels.n_faces() {

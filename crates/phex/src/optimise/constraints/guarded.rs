@@ -19,12 +19,15 @@ pub(in crate::optimise) struct GuardedSteps<'a> {
 }
 
 impl<'a> GuardedSteps<'a> {
-    /// Demands what `start` meets, and a clearance of `least`, a length.
-    pub fn new(setting: &'a Setting<'a>, start: &[f64], least: f64) -> Self {
+    /// Demands what `start` meets, and a clearance of `least`, a length; nothing without it.
+    pub fn new(setting: &'a Setting<'a>, start: &[f64], least: Option<f64>) -> Self {
         let panels = setting.panels;
         let shape = FaceShapes::at(panels, start);
         let mut armed = setting.guard.arm(panels, &shape, start);
-        armed.keep_clear(panels, &shape, least);
+        match least {
+            Some(least) => armed.keep_clear(panels, &shape, least),
+            None => armed = armed.of_nothing(),
+        }
         Self {
             armed,
             trial: shape.clone(),

@@ -22,7 +22,7 @@ impl<'a> PlanarityConstraints<'a> {
         setting: &'a Setting<'a>,
         assembly: &'a Assembly,
         start: &[f64],
-        least_clearance: f64,
+        least_clearance: Option<f64>,
     ) -> Self {
         Self {
             jacobian: Jacobian::new(setting.panels, assembly),

@@ -14,7 +14,7 @@ use crate::optimise::terms::barrier::{self, Barrier, HEXAGON, barriers};
 use crate::optimise::terms::closeness::{ClosenessWeights, DistanceLimit, Feet};
 use crate::optimise::terms::concavity::ConcavityTerm;
 use crate::optimise::terms::edge_lengths::EdgeLengths;
-use crate::optimise::terms::fairness;
+use crate::optimise::terms::fairness::Fairness;
 use crate::optimise::terms::folds::FoldTerm;
 use crate::optimise::terms::guard::Armed;
 use crate::optimise::terms::inequality::Elastic;
@@ -97,6 +97,7 @@ pub(in crate::optimise) struct PanelEnergy<'a> {
     pub lengths: Option<EdgeLengths>,
     /// Areas that faces are to have.
     pub areas: Vec<AreaWish>,
+    fairness: Fairness,
     /// Limits of panels.
     limits: ShapeLimits<'a>,
     /// Multipliers `l` of the heights of all corners, if planarity is a constraint and not a
@@ -139,6 +140,7 @@ impl<'a> PanelEnergy<'a> {
             concavity: None,
             lengths: None,
             areas: setting.areas.to_vec(),
+            fairness: Fairness::new(panels, &shape, setting.areas),
             limits: ShapeLimits::new(setting.limits, panels, &shape),
             multipliers: None,
             armed: setting
@@ -203,13 +205,15 @@ impl<'a> PanelEnergy<'a> {
         self.multipliers = Some(vec![0.0; setting.panels.n_corners()]);
     }
 
-    /// From now on a smooth stand-in that touches the surface around `x` takes its place.
+    /// From now on a smooth stand-in that touches the surface around `x` takes its place, and
+    /// edges are drawn to what lies between them and like ones at `x`.
     pub(crate) fn freeze(&mut self, x: &[f64]) {
         let setting = self.setting;
         self.feet.thaw();
         self.at.clear();
         self.visit(x);
         self.feet.freeze(setting.reference, setting.mean_edge);
+        self.fairness.freeze(setting.panels, x);
         self.at.clear();
     }
 
@@ -241,6 +245,7 @@ impl<'a> PanelEnergy<'a> {
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
         let (angles, concavity) = (&self.angles, &self.concavity);
         let (areas, lengths, limits) = (&self.areas, &self.lengths, &self.limits);
+        let (fairness, at) = (&self.fairness, &self.at[..]);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, energy: &mut f64, _: &mut [()], _: &mut [f64]| {
             if panels.rests(f) {
@@ -248,7 +253,7 @@ impl<'a> PanelEnergy<'a> {
             }
             let corners = shape.face(panels, f);
             *energy = planarity::energy(&shape.frames[f], weights.planarity)
-                + fairness::energy(corners, weights.fairness);
+                + fairness.energy(panels, at, f, corners, weights.fairness);
             match multipliers {
                 Some(l) => {
                     let pairs = l[panels.corners(f)].iter().zip(corners);
@@ -305,6 +310,7 @@ impl<'a> PanelEnergy<'a> {
         let (weights, barriers, armed) = (self.weights, &self.barriers, &self.armed);
         let (angles, concavity) = (&self.angles, &self.concavity);
         let (areas, lengths, limits) = (&self.areas, &self.lengths, &self.limits);
+        let (fairness, at) = (&self.fairness, &self.at[..]);
         let multipliers = self.multipliers.as_deref();
         let work = |f: usize, _: &mut f64, gradient: &mut [Vec3], block: &mut [f64]| {
             if panels.rests(f) {
@@ -320,7 +326,7 @@ impl<'a> PanelEnergy<'a> {
                 (0..=i).for_each(|j| add_block(block, i, j, &share));
             }
             planarity::add(frame, corners, weights.planarity, gradient, block);
-            fairness::add(corners, weights.fairness, gradient, block);
+            fairness.add((panels, at), f, corners, weights.fairness, gradient, block);
             match multipliers {
                 Some(l) => {
                     let l = &l[panels.corners(f)];

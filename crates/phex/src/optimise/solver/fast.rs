@@ -61,7 +61,7 @@ impl<'a> NearlyPlanar<'a> {
             jacobian: Jacobian::new(panels, assembly),
             hold: options.vertex_closeness,
             anchor: start.to_vec(),
-            steps: GuardedSteps::new(setting, start, least),
+            steps: GuardedSteps::new(setting, start, Some(least)),
             weights,
             feet,
             setting,

@@ -144,13 +144,13 @@ impl<'a> Path<'a> {
     /// strong one keeps panels from becoming planar.
     pub(crate) fn arrive(&mut self) -> Result<Reached, OptimiseError> {
         let gives_way = self.descend_all()?;
-        let held = gives_way.then(|| self.project(KEPT_CLEARANCE));
+        let held = gives_way.then(|| self.project(Some(KEPT_CLEARANCE)));
         let is_done = |held: &Reached| held.is_planar(self.options);
         if self.is_over() || held.as_ref().is_some_and(is_done) || !self.loosen() {
-            return Ok(held.unwrap_or_else(|| self.project(KEPT_CLEARANCE)));
+            return Ok(held.unwrap_or_else(|| self.project(Some(KEPT_CLEARANCE))));
         }
         self.descend_all()?;
-        let free = self.project(KEPT_CLEARANCE);
+        let free = self.project(Some(KEPT_CLEARANCE));
         Ok(match held {
             Some(held) => better(held, free),
             None => free,
@@ -273,7 +273,7 @@ impl<'a> Path<'a> {
     pub fn again(&mut self, x: &[f64], count: usize) -> Result<Vec<f64>, OptimiseError> {
         self.x.copy_from_slice(x);
         self.descend_last(count)?;
-        let projected = self.project(KEPT_CLEARANCE);
+        let projected = self.project(Some(KEPT_CLEARANCE));
         Ok(self.finish(projected)?.x)
     }
 
@@ -283,8 +283,9 @@ impl<'a> Path<'a> {
         self.stiffen()
     }
 
-    /// Projects a copy of the positions onto the planarity constraints.
-    pub fn project(&mut self, margin: f64) -> Reached {
+    /// Projects a copy of the positions onto the planarity constraints, with a clearance to keep, or
+    /// wherever it leads.
+    pub fn project(&mut self, margin: Option<f64>) -> Reached {
         let mut x = self.x.clone();
         if !self.is_over() {
             let projection = Projection {
@@ -354,7 +355,7 @@ impl<'a> Path<'a> {
             }
         };
         self.outcome.append(outcome);
-        let now = self.project(KEPT_CLEARANCE);
+        let now = self.project(Some(KEPT_CLEARANCE));
         let farthest = |x: &[f64]| deviation(self.setting, x).0;
         let limit = farthest(&reached.x).max(STILL_NEAR * self.setting.mean_edge);
         let better = !self.is_over() && now.is_planar(self.options) && farthest(&now.x) <= limit;
@@ -380,7 +381,7 @@ impl<'a> Path<'a> {
         let last = PENALTIES.into_iter().fold(0.0, f64::max);
         self.descend(10.0 * last)?;
         self.descend(100.0 * last)?;
-        Ok(self.project(KEPT_CLEARANCE))
+        Ok(self.project(Some(KEPT_CLEARANCE)))
     }
 }
 

@@ -33,8 +33,8 @@ pub(super) struct Projection<'a> {
     pub setting: &'a Setting<'a>,
     pub assembly: &'a Assembly,
     pub options: &'a OptimiseOptions,
-    /// Clearance to keep, in mean edges.
-    pub margin: f64,
+    /// Clearance to keep, in mean edges; `None` where nothing is guarded.
+    pub margin: Option<f64>,
 }
 
 impl Projection<'_> {
@@ -48,7 +48,8 @@ impl Projection<'_> {
         let Some((cholesky, matrix)) = dual.take() else {
             return Outcome::empty(Status::Converged);
         };
-        let least = self.margin * self.setting.panels.mean_edge(x);
+        let edge = self.setting.panels.mean_edge(x);
+        let least = self.margin.map(|margin| margin * edge);
         let mut constraints = PlanarityConstraints::new(self.setting, self.assembly, x, least);
         let options = ProjectionOptions {
             max_iterations: PROJECTION_ITERATIONS,
@@ -78,7 +79,7 @@ impl Stage<'_> {
             setting: &setting,
             assembly: &solvers.constraint_assembly,
             options,
-            margin: KEPT_CLEARANCE,
+            margin: Some(KEPT_CLEARANCE),
         };
         let mut x = start.x.clone();
         let mut reporter = StepReporter::new(progress, PROJECTION_ITERATIONS);

@@ -195,6 +195,14 @@ impl Armed {
         self
     }
 
+    /// Without any demand.
+    pub(crate) fn of_nothing(mut self) -> Self {
+        self.simple.fill(false);
+        self.side.fill(false);
+        self.clearance = None;
+        self.without_neighbours()
+    }
+
     /// Also demands a clearance of `least`, or half of what a face has now if that is less.
     pub(crate) fn keep_clear(&mut self, panels: &Panels, shape: &FaceShapes, least: f64) {
         let now = |f: usize| clearance(shape.face(panels, f));

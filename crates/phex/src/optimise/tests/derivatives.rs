@@ -74,6 +74,16 @@ fn with_limits(
     let boundary = boundary.filter(|&v| mesh.topology().is_boundary_vertex(v));
     let rim: Vec<u32> = boundary.map(|v| v.index() as u32).collect();
     let corner: Vec<bool> = (0..panels.n_vertices()).map(|v| v % 5 == 0).collect();
+    // Areas of any proportion that nobody insists on: they scale like edges alone.
+    let size = |f: usize| AreaWish {
+        area: if matches!(target, Shape::Square) {
+            1.0
+        } else {
+            1.0 + (f % 3) as f64
+        },
+        weight: 0.0,
+    };
+    let areas: Vec<AreaWish> = (0..panels.n_faces()).map(size).collect();
     let setting = Setting {
         panels: &panels,
         reference: &reference,
@@ -81,7 +91,7 @@ fn with_limits(
         rim: &rim,
         corner: &corner,
         holds: &Holds::default(),
-        areas: &any(panels.n_faces()),
+        areas: &areas,
         limits,
         mean_edge: panels.mean_edge(&x),
     };
@@ -270,14 +280,57 @@ fn gradient_of_fairness_and_anchor() {
         fairness: 0.7,
         ..NOTHING
     };
-    gradient_is_right(weights, NO_BARRIER, Shape::Wave, &rough(Shape::Wave));
+    let mesh = jittered(&brick_wall(Shape::Wave, 13, 8), 0.05, 7);
+    gradient_is_right(weights, NO_BARRIER, Shape::Wave, &mesh);
     // The anchor has no force at the start, so it is tested together.
     let weights = Weights {
         anchor: 0.5,
         corner: 0.2,
         ..weights
     };
-    gradient_is_right(weights, NO_BARRIER, Shape::Wave, &rough(Shape::Wave));
+    gradient_is_right(weights, NO_BARRIER, Shape::Wave, &mesh);
+}
+
+#[test]
+fn fairness_with_frozen_middles_has_the_same_gradient_and_an_exact_hessian() {
+    let weights = Weights {
+        fairness: 0.7,
+        ..NOTHING
+    };
+    let mesh = jittered(&brick_wall(Shape::Wave, 13, 8), 0.05, 7);
+    let test = |energy: &mut PanelEnergy<'_>, x: &[f64], hessian: &mut SymmetricMatrix| {
+        let free = gradient(energy, x, hessian);
+        let value = energy.energy(x);
+        energy.freeze(x);
+        let frozen = gradient(energy, x, hessian);
+        let difference: Vec<f64> = free.iter().zip(&frozen).map(|(a, b)| a - b).collect();
+        assert!(largest(&difference) < 1e-12 * largest(&free));
+        assert!((energy.energy(x) - value).abs() < 1e-12 * value);
+        hessian_agrees(energy, x, hessian, mesh.mean_edge());
+    };
+    with_energy(&mesh, Shape::Wave, weights, NO_BARRIER, test);
+}
+
+/// One hexagon moved along pays nothing, whichever its shape.
+#[test]
+fn panels_that_are_alike_pay_nothing_for_fairness() {
+    let weights = Weights {
+        fairness: 1.0,
+        ..NOTHING
+    };
+    let wall = brick_wall(Shape::Square, 13, 8);
+    let energy_of = |mesh: &HexMesh| {
+        let mut energy_there = 0.0;
+        let test = |energy: &mut PanelEnergy<'_>, x: &[f64], _: &mut SymmetricMatrix| {
+            energy_there = energy.energy(x);
+        };
+        with_energy(mesh, Shape::Square, weights, NO_BARRIER, test);
+        energy_there
+    };
+    assert!(energy_of(&wall) < 1e-20);
+    let sheared = wall.positions.map(|p| Vec3::new(p.x + 0.4 * p.y, p.y, p.z));
+    assert!(energy_of(&wall.with_positions(sheared)) < 1e-20);
+    assert!(energy_of(&jittered(&wall, 0.05, 7)) > 1e-6);
 }
 
 #[test]
@@ -293,7 +346,6 @@ fn gradient_of_the_barrier_in_planes_that_turn() {
 #[test]
 fn hessian_of_quadratic_terms_is_exact() {
     let weights = Weights {
-        fairness: 0.7,
         anchor: 0.5,
         corner: 0.2,
         ..NOTHING
@@ -352,7 +404,7 @@ fn normal_matrix_is_the_product_of_the_jacobian() {
     };
     let count = PlanarityConstraints::count(&panels);
     let assembly = Assembly::new(count, &PlanarityConstraints::elements(&panels));
-    let mut constraints = PlanarityConstraints::new(&setting, &assembly, &x, 0.0);
+    let mut constraints = PlanarityConstraints::new(&setting, &assembly, &x, Some(0.0));
     let mut normal = SymmetricMatrix::zeros(assembly.pattern().clone());
     let mut values = vec![0.0; count];
     constraints.linearise(&x, &mut values, &mut normal);

@@ -111,7 +111,7 @@ fn finished(shape: Shape, newton_iterations: usize) -> Optimised {
         newton_iterations: Some(newton_iterations),
         ..OptimiseOptions::default()
     };
-    let layout = layout(brick_wall(shape, 15, 8), &shape);
+    let layout = layout(brick_wall(shape, 17, 10), &shape);
     optimise(&layout, &shape, &options, &Silent).unwrap()
 }
 
