@@ -6,7 +6,7 @@
 //! ```text
 //! E = w_p/2 sum h^2                      planarity, a penalty that rises: 1, 30, 1e3, 1e4
 //!   + w_c/2 sum |x - p(x)|^2             closeness of vertices, w_cf of face centres, w_bd of the rim to the boundary curve
-//!   + w_s/2 sum |T (a / s - s b)|^2      fairness: edges `a`, `b` of neighbours alike,
+//!   + w_s/4 sum |T (a / s - s b)|^2      fairness: edges `a`, `b` of neighbours alike,
 //!   + w_s/2 sum |x_a + x_(a+m) - M|^2    and central symmetry of each panel
 //!   + w_a/2 sum (a - A)^2 / a            evenness: areas of panels
 //!   - w_b sum (z - 1)^2 ln z             barrier of all distances between a vertex and an edge of the same face
