@@ -283,8 +283,8 @@ impl<'a> Path<'a> {
         self.stiffen()
     }
 
-    /// Projects a copy of the positions onto the planarity constraints, with a clearance to keep, or
-    /// wherever it leads.
+    /// Projects a copy of the positions onto the planarity constraints, with a clearance to keep,
+    /// or wherever it leads.
     pub fn project(&mut self, margin: Option<f64>) -> Reached {
         let mut x = self.x.clone();
         if !self.is_over() {

@@ -10,12 +10,12 @@
 //!
 //! `T` projects along the mean normal of both panels, which stays as it is at the start: that they
 //! turn with the surface costs nothing. `A` are the areas that panels are to have: where sizes are
-//! to change, so are edges. Panels that are no hexagons, or lie at the boundary, are no examples for
-//! others and take none.
+//! to change, so are edges. Panels that are no hexagons, or lie at the boundary, are no examples
+//! for others and take none.
 //!
-//! One hexagon moved along is centrally symmetric, convex or concave, as every Dupin hexagon is. For
-//! a panel with `2m` corners that holds without regard to its neighbours, too, which are no
-//! example where the curvature changes its sign:
+//! One hexagon moved along is centrally symmetric, convex or concave, as every Dupin hexagon is.
+//! For a panel with `2m` corners that is wanted without regard to its neighbours, too, which are
+//! no example where the curvature changes its sign:
 //!
 //! ```text
 //! w/2 sum_a |x_a + x_(a+m) - M|^2,    M the mean of the m sums
