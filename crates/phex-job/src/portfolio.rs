@@ -19,10 +19,13 @@ pub(crate) fn way(summary: &AttemptSummary) -> String {
         c if c.seamless && c.resolving => "seamless lattice with sizes that resolve the surface",
         c if c.seamless => "seamless lattice",
         c if c.resolving => "lattice with sizes that resolve the surface",
-        c if c.usual_deviation => "lattice for the usual deviation",
         _ => "lattice",
     };
-    format!("{kind}, anisotropy {}", candidate.anisotropy)
+    let limit = match summary.usual_deviation {
+        true => ", for the usual deviation",
+        false => "",
+    };
+    format!("{kind}, anisotropy {}{limit}", candidate.anisotropy)
 }
 
 /// What a merit says of a mesh.

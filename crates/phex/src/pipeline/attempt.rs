@@ -37,6 +37,8 @@ pub struct AttemptSummary {
     pub distance_rel: f64,
     /// 95 % over 5 % quantile of the areas of the panels inside; `None` where there are none.
     pub area_spread: Option<f64>,
+    /// Whether it was made for the usual largest deviation, since a tighter one was missed.
+    pub usual_deviation: bool,
     /// Whether it is the one that was kept.
     pub kept: bool,
     /// The panels as they were compared, before any search; model units.
@@ -65,8 +67,17 @@ impl AttemptSummary {
             least_angle: measures.angle.min,
             distance_rel: merit.off * options.limits().deviation_rel.unwrap_or(USUAL_DEVIATION),
             area_spread: measures.evenness.map(|e| e.area_spread),
+            usual_deviation: false,
             kept: false,
             mesh: mesh.clone(),
+        }
+    }
+
+    /// The same, made for the usual largest deviation.
+    pub(super) fn for_usual_deviation(self) -> Self {
+        Self {
+            usual_deviation: true,
+            ..self
         }
     }
 
@@ -83,24 +94,13 @@ impl AttemptSummary {
     pub(super) fn alternative(&self, options: &MeshOptions) -> Option<Candidate> {
         let within = self.merit.is_within();
         let seamless = self.regular_possible && self.irregular > 0 && !self.candidate.seamless;
-        let usual_deviation = !within && is_tight(options);
         let much = self.merit.invalid > 0.0 || self.merit.outside > CURABLE;
-        let resolving = self.candidate.resolving(options).is_some() && much && !usual_deviation;
-        (seamless || resolving || usual_deviation).then_some(Candidate {
+        let resolving = self.candidate.resolving(options).is_some() && much;
+        (seamless || resolving).then_some(Candidate {
             seamless: self.candidate.seamless || (seamless && within),
             resolving,
-            usual_deviation,
             ..self.candidate
         })
-    }
-
-    /// What the usual limit would have tried after this one, if it was laid out for that.
-    pub(super) fn after_usual(&self, options: &MeshOptions) -> Option<Candidate> {
-        let limit = options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
-        let misses = self.merit.off * limit > USUAL_DEVIATION || self.merit.invalid > 0.0;
-        let is_usual = self.candidate.usual_deviation && !self.candidate.resolving;
-        let resolving = self.candidate.resolving(options);
-        resolving.filter(|_| is_usual && misses)
     }
 }
 
@@ -111,15 +111,6 @@ impl Candidate {
             resolving: true,
             ..self
         })
-    }
-
-    /// The other lattices that may be tried where this one is not enough.
-    pub(super) fn alternatives(self, options: &MeshOptions) -> impl Iterator<Item = Self> {
-        let usual = is_tight(options).then_some(Self {
-            usual_deviation: true,
-            ..self
-        });
-        usual.into_iter().chain(self.resolving(options))
     }
 }
 

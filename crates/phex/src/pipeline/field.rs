@@ -13,8 +13,6 @@ use crate::layout::lattice::eisenstein::CELL;
 use crate::layout::seeds::Seed;
 use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed, WishedArea};
 use crate::progress::Progress;
-use crate::quality::USUAL_DEVIATION;
-use crate::ranges::without_unit;
 use crate::smooth_surface::SmoothTarget;
 use nalgebra::Matrix3;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
@@ -181,7 +179,6 @@ pub(super) struct LatticeFreedom {
     pub anisotropy: f64,
     pub seamless: bool,
     pub resolving: bool,
-    pub usual_deviation: bool,
 }
 
 impl From<Candidate> for LatticeFreedom {
@@ -190,7 +187,6 @@ impl From<Candidate> for LatticeFreedom {
             anisotropy: candidate.anisotropy,
             seamless: candidate.seamless,
             resolving: candidate.resolving,
-            usual_deviation: candidate.usual_deviation,
         }
     }
 }
@@ -211,9 +207,6 @@ impl LatticeFreedom {
     pub fn options(self, options: &MeshOptions) -> MeshOptions {
         let mut options = options.clone();
         options.directions.anisotropy = self.anisotropy;
-        if self.usual_deviation {
-            options.optimise.max_deviation = Some(without_unit(USUAL_DEVIATION));
-        }
         if self.resolving {
             options.sizes.adaptive = Some(RESOLVED);
             options.layout.max_pull.get_or_insert(EVEN_PULL);
@@ -350,7 +343,6 @@ mod tests {
             anisotropy: 1.0,
             seamless: true,
             resolving: false,
-            usual_deviation: false,
         };
         let options = way.options(&MeshOptions::default());
         let ground = Ground::new(&needle, 50, &options);

@@ -128,12 +128,9 @@ pub(super) fn pass(
     let start = kept_panels(layout, &trimmed);
     let surfaces = Surfaces::new(ground, fine.clone(), laid.wish.clone());
     let made = surfaces.with_site(options, |site| finished(trimmed.mesh, site, ground, clock));
-    let (mesh, mut judgement) = made?;
+    let (mesh, judgement) = made?;
     clock.unless_unwanted()?;
     progress.preview("trim", &|| mesh.to_soup());
-    if way.usual_deviation {
-        judgement = surfaces.with_site(&ground.options, |site| site.judged(&mesh));
-    }
     Ok(Pass {
         mesh,
         start,

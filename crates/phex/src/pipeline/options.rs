@@ -186,10 +186,6 @@ pub struct Candidate {
     /// Whether panels are smaller where they would else be too large for the curvature, and larger
     /// elsewhere, and pairs of pentagons and heptagons stay where they make panels more even.
     pub resolving: bool,
-    /// Whether the optimiser heeds the usual largest deviation only, where a tighter one is asked
-    /// for: panels that can't be as near as that are drawn hither and thither, and may end farther
-    /// away.
-    pub usual_deviation: bool,
 }
 
 impl Default for Candidate {
@@ -199,7 +195,6 @@ impl Default for Candidate {
             anisotropy: 2.0,
             seamless: false,
             resolving: false,
-            usual_deviation: false,
         }
     }
 }

@@ -10,6 +10,10 @@
 //! could be. Of two the one with the smaller excess over limits is searched, what is broken counted
 //! alike: of 12 hard bodies it was the better one each time. With [`Effort::Best`] all of them are
 //! laid out, side by side, and searched one after the other until one is within its limits.
+//!
+//! Where a tighter `max_deviation` than usual is missed all of this is done for the usual one too,
+//! and what comes of it searched with the tight one: panels that can't be as near as asked for are
+//! drawn hither and thither, and a mesh for a tight limit must not end farther off.
 
 use super::attempt::{AttemptSummary, is_tight};
 use super::domain::Ground;
@@ -18,7 +22,9 @@ use super::{
     Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall,
 };
 use crate::progress::{Event, Progress};
-use crate::quality::Merit;
+use crate::quality::{Merit, USUAL_DEVIATION};
+use crate::ranges::without_unit;
+use crate::search::SearchSummary;
 use phex_mesh::{PolygonSoup, TriangleSurface};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -47,12 +53,13 @@ impl Member {
     }
 }
 
-/// A member as a run, searched.
+/// A member, searched.
 struct SearchedMember {
     /// Which of those that were tried it is.
     number: usize,
-    run: MeshRun,
+    made: AttemptMesh,
     merit: Merit,
+    search: Option<SearchSummary>,
 }
 
 /// What is made, of what, and how large, all normalised.
@@ -80,31 +87,74 @@ pub(super) fn mesh_with_panels(
         options,
         ground,
     };
-    let members = match options.effort {
-        Effort::Best => task.all(progress),
-        _ => task.one_or_two(progress),
-    }?;
-    clock.unless_unwanted()?;
-    members.iter().for_each(|m| clock.add(&m.clock));
-    let mut tried: Vec<AttemptSummary> = members.iter().map(|m| m.summary.clone()).collect();
-    let mut left: Vec<(usize, Member)> = members.into_iter().enumerate().collect();
-    let best = task.taken(&mut left).ok_or(PipelineError::Cancelled)?;
-    let mut found = task.finished(best, &mut clock);
-    while let Some(next) = task.next(&found, &mut left, &mut tried, &mut clock) {
-        let other = task.finished(next, &mut clock);
-        if task.is_better([&found.merit, &other.merit]) {
-            found = other;
+    let (mut found, mut tried) = task.best(&mut clock)?;
+    let misses = is_tight(options) && !found.merit.is_within();
+    if misses && task.searches() && !progress.is_cancelled() {
+        let options = &with_usual_deviation(options);
+        let ground = &Ground::new(surface, panels, options);
+        let usual = Task {
+            options,
+            ground,
+            ..task
+        };
+        if let Ok((other, others)) = usual.best(&mut clock) {
+            let mut other = task.searched(other, &mut clock);
+            other.number += tried.len();
+            tried.extend(others.into_iter().map(AttemptSummary::for_usual_deviation));
+            if is_nearer(&other.merit, &found.merit) {
+                found = other;
+            }
         }
     }
     clock.unless_unwanted()?;
     tried[found.number].kept = true;
-    let mut run = found.run;
+    let mut run = task.run(found, &mut clock);
     run.statistics.tried = tried;
     run.stages = clock.stages;
     Ok(run)
 }
 
+/// The options with the usual largest deviation.
+fn with_usual_deviation(options: &MeshOptions) -> MeshOptions {
+    let mut usual = options.clone();
+    usual.optimise.max_deviation = Some(without_unit(USUAL_DEVIATION));
+    usual
+}
+
+/// Whether the first of two meshes is the better one, where the second has missed a tight limit: of
+/// two that miss it the nearer one is.
+fn is_nearer(first: &Merit, second: &Merit) -> bool {
+    match first.invalid == second.invalid && first.off.max(second.off) > 1.0 {
+        true => first.off < second.off,
+        false => first.is_better(second),
+    }
+}
+
 impl Task<'_> {
+    /// The best of the portfolio, searched, and all that were tried.
+    fn best(
+        &self,
+        clock: &mut Clock<'_>,
+    ) -> Result<(SearchedMember, Vec<AttemptSummary>), PipelineError> {
+        let members = match self.options.effort {
+            Effort::Best => self.all(clock.progress),
+            _ => self.one_or_two(clock.progress),
+        }?;
+        clock.unless_unwanted()?;
+        members.iter().for_each(|m| clock.add(&m.clock));
+        let mut tried: Vec<AttemptSummary> = members.iter().map(|m| m.summary.clone()).collect();
+        let mut left: Vec<(usize, Member)> = members.into_iter().enumerate().collect();
+        let best = self.taken(&mut left).ok_or(PipelineError::Cancelled)?;
+        let mut found = self.finished(best, clock);
+        while let Some(next) = self.next(&found, &mut left, &mut tried, clock) {
+            let other = self.finished(next, clock);
+            if other.merit.is_better(&found.merit) {
+                found = other;
+            }
+        }
+        Ok((found, tried))
+    }
+
     fn searches(&self) -> bool {
         self.options.effort != Effort::Draft
     }
@@ -113,15 +163,10 @@ impl Task<'_> {
     fn one_or_two(&self, progress: &dyn Progress) -> Result<Vec<Member>, PipelineError> {
         let first = self.member(Candidate::first(&self.ground.options), progress)?;
         let mut members = vec![first];
-        let mut other = members[0].summary.alternative(self.options);
-        while let Some(candidate) = other.filter(|_| self.searches() && !progress.is_cancelled()) {
+        let other = members[0].summary.alternative(self.options);
+        if let Some(candidate) = other.filter(|_| self.searches() && !progress.is_cancelled()) {
             members.iter_mut().for_each(Member::set_aside);
-            let member = self.member(candidate, progress);
-            other = member
-                .as_ref()
-                .ok()
-                .and_then(|m| m.summary.after_usual(self.options));
-            members.extend(member);
+            members.extend(self.member(candidate, progress));
         }
         Ok(members)
     }
@@ -131,7 +176,7 @@ impl Task<'_> {
         let one_at_a_time = OneAtATime(Mutex::new(()), progress);
         let first = Candidate::first(&self.ground.options);
         let others = self.options.portfolio.iter().copied();
-        let others = first.alternatives(self.options).chain(others);
+        let others = first.resolving(self.options).into_iter().chain(others);
         let fits = |c: &Candidate| c.seamless || c.method == Method::BrickWall;
         let others = others.filter(|c| *c != first && (fits(c) || !self.options.regular));
         let all: Vec<Candidate> = std::iter::once(first).chain(others).collect();
@@ -186,25 +231,13 @@ impl Task<'_> {
         })
     }
 
-    /// Whether the second of two is better. Of two that miss a tight limit the nearer one is: it is
-    /// no worse than what the usual limit gives.
-    fn is_better(&self, [first, second]: [&Merit; 2]) -> bool {
-        let misses = is_tight(self.options)
-            && first.invalid == second.invalid
-            && first.off.max(second.off) > 1.0;
-        match misses {
-            true => second.off < first.off,
-            false => second.is_better(first),
-        }
-    }
-
     /// Takes the best of those that are left.
     fn taken(&self, left: &mut Vec<(usize, Member)>) -> Option<(usize, Member)> {
         let merit = |k: usize| match self.searches() {
             true => left[k].1.summary.merit.before_search(),
             false => left[k].1.summary.merit,
         };
-        let better = |a, b| match self.is_better([&merit(a), &merit(b)]) {
+        let better = |a, b| match merit(b).is_better(&merit(a)) {
             true => b,
             false => a,
         };
@@ -235,43 +268,58 @@ impl Task<'_> {
         Some((1, member))
     }
 
-    /// A member as a run, searched if it is a lattice.
+    /// A member, searched if it is a lattice.
     fn finished(&self, (number, member): (usize, Member), clock: &mut Clock<'_>) -> SearchedMember {
-        let (run, merit) = match member.made {
-            AttemptMesh::Lattice(pass) => self.searched(*pass, clock),
-            AttemptMesh::Wall(wall) => (*wall, member.summary.merit),
+        let member = SearchedMember {
+            number,
+            made: member.made,
+            merit: member.summary.merit,
+            search: None,
         };
-        SearchedMember { number, run, merit }
+        match self.searches() && !clock.progress.is_cancelled() {
+            true => self.searched(member, clock),
+            false => member,
+        }
     }
 
-    /// The pass searched, as a run, and what it is compared by.
-    fn searched(&self, mut pass: Pass, clock: &mut Clock<'_>) -> (MeshRun, Merit) {
-        let mut found = None;
-        if self.searches() && !clock.progress.is_cancelled() {
-            let searched = pass.searched(self.ground, clock);
-            pass.mesh = searched.mesh;
-            clock.progress.preview("search", &|| pass.mesh.to_soup());
-            pass.judgement = searched.judgement;
-            if searched.summary.is_hopeless {
-                let message = HOPELESS.to_owned();
-                clock.progress.report(&Event::Note { message });
+    /// A member searched with the limits of this task.
+    fn searched(&self, mut member: SearchedMember, clock: &mut Clock<'_>) -> SearchedMember {
+        match &mut member.made {
+            AttemptMesh::Lattice(pass) => {
+                let found = pass.searched(self.ground, clock);
+                pass.mesh = found.mesh;
+                clock.progress.preview("search", &|| pass.mesh.to_soup());
+                if found.summary.is_hopeless {
+                    let message = HOPELESS.to_owned();
+                    clock.progress.report(&Event::Note { message });
+                }
+                member.merit = found.judgement.merit;
+                member.search = Some(found.summary);
             }
-            found = Some(searched.summary);
+            AttemptMesh::Wall(wall) => member.merit = brick_wall::merit(wall, self.ground),
         }
-        let merit = pass.judgement.merit;
+        member
+    }
+
+    /// A member as a run.
+    fn run(&self, member: SearchedMember, clock: &mut Clock<'_>) -> MeshRun {
+        let pass = match member.made {
+            AttemptMesh::Lattice(pass) => *pass,
+            AttemptMesh::Wall(wall) => return *wall,
+        };
         let runs = pass.optimised.runs.clone();
         let statistics = Statistics {
             layout: pass.layout,
             cones: pass.cones.clone(),
             factorisations: runs.iter().map(|r| r.factorisations).sum(),
             runs,
-            search: found,
+            search: member.search,
             ..Statistics::of(&self.ground.smooth, self.panels)
         };
         let (mesh, start) = (pass.mesh.clone(), pass.start.clone());
         let outcome = pass.optimised.outcome.clone();
         let surfaces = pass.into_surfaces();
-        let run = MeshRun {
+        MeshRun {
             start: Some(start),
             violations: clock.timed("validate", || surfaces.violations(&mesh)),
             wished: surfaces.areas().wished(&mesh),
@@ -283,8 +331,7 @@ impl Task<'_> {
             outcome,
             statistics,
             stages: Vec::new(),
-        };
-        (run, merit)
+        }
     }
 
     fn wall(&self, candidate: Candidate, progress: &dyn Progress) -> Result<Member, PipelineError> {
