@@ -10,7 +10,7 @@
 //! by side. It is one mechanism for closed and open, uniform and adaptive meshes, whatever made
 //! them. Where nothing is left outside limits, sharp corners are blunted in the same way, as far as
 //! no panel moves farther off the surface than the farthest was; then long edges are shortened and
-//! large or slender panels at the boundary made smaller, as far as nothing moves farther off there.
+//! large or slender panels at the boundary made smaller, as far as that and no corner gets sharper.
 //!
 //! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three
 //! panels; outside of the patches that are kept positions are the same to the last bit; the same

@@ -130,15 +130,13 @@ impl PlaceTrial<'_> {
         judgement.amount(&next.built.counts) <= self.goal && next.merit.is_less(&self.before.merit)
     }
 
-    /// No corner is worth a distance that no panel has, no edge one that no panel near has, nor a
-    /// corner.
+    /// No corner and no edge is worth a distance that no panel has, and no edge a corner.
     fn is_fair(&self, judgement: &Judgement) -> bool {
-        let off = judgement.merit.off;
-        let before = &self.before;
+        let near = judgement.merit.off <= self.whole.findings.merit.off;
         match self.whole.yardstick.shapes {
             Shapes::Any => true,
-            Shapes::Corners => off <= self.whole.findings.merit.off,
-            Shapes::Sizes => off <= before.merit.off && judgement.sharp() <= before.sharp(),
+            Shapes::Corners => near,
+            Shapes::Sizes => near && judgement.sharp() <= self.before.sharp(),
         }
     }
 

@@ -3,8 +3,9 @@
 //! The phases end when the energy of the whole hardly falls, and one panel counts little in it: it
 //! may come out tight, folded, small, too far off or needlessly concave where its neighbours would
 //! have given way. Of a few panels with everything around them at rest, the same energy is
-//! minimised again with more weight on limits, and on folds, and on re-entrant corners where the
-//! surface is convex. Whether the result is better is for others to say.
+//! minimised again on the planarity constraints, with more weight on limits, and on folds, and on
+//! re-entrant corners where the surface is convex. Whether the result is better is for others to
+//! say.
 
 use super::path::Path;
 use super::reached::{Reached, ResultOrigin, Run};
@@ -20,10 +21,12 @@ use crate::progress::Progress;
 
 /// Weight of a fold or a re-entrant corner in the first round, over that of closeness.
 const FIRST_WEIGHT: f64 = 1.0;
-/// Factor of all weights from each round to the next, and of limits in the first.
+/// Factor of the weight of limits in the first round: with 2 to 5 meshes come out alike.
+const FIRST_FACTOR: f64 = 3.0;
+/// Factor of all weights from each round to the next.
 const HEAVIER: f64 = 10.0;
-/// Last phases that are gone through again, by rounds: Newton's method on the constraints, which
-/// follows, often finds the room alone.
+/// Last phases that are gone through again where panels fold or are re-entrant, by rounds: limits
+/// are met by Newton's method on the constraints, which follows, alone.
 const PHASES: [usize; EMPHASES] = [0, 1, 3];
 
 /// Rounds of rising emphasis.
@@ -50,12 +53,20 @@ impl Lack {
         }
     }
 
+    /// Last phases that are gone through again in a round.
+    fn phases(&self, round: usize) -> usize {
+        match self.has_folds || self.to_be_convex.is_some() {
+            true => PHASES[round],
+            false => 0,
+        }
+    }
+
     /// Gives more weight to what is missing, in a round.
     fn emphasise(&self, path: &mut Path<'_>, round: usize) {
         let rising = HEAVIER.powi(round as i32);
         let heavy = path.weights.closeness.vertex * FIRST_WEIGHT * rising;
-        path.weights.limits *= HEAVIER * rising;
-        path.weights.closeness.limit.elastic.weight *= HEAVIER * rising;
+        path.weights.limits *= FIRST_FACTOR * rising;
+        path.weights.closeness.limit.elastic.weight *= FIRST_FACTOR * rising;
         if let Some(Some(folds)) = path.folds() {
             folds.weight = heavy;
         }
@@ -139,6 +150,6 @@ impl Path<'_> {
             *place = folds;
         }
         lack.emphasise(self, round);
-        self.again(x, PHASES[round])
+        self.again(x, lack.phases(round))
     }
 }

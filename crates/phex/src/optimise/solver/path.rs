@@ -270,11 +270,16 @@ impl<'a> Path<'a> {
     }
 
     /// The last `count` phases from `x`, the projection, and the minimum on the constraints.
+    /// Whether that is better is for the caller to say.
     pub fn again(&mut self, x: &[f64], count: usize) -> Result<Vec<f64>, OptimiseError> {
         self.x.copy_from_slice(x);
         self.descend_last(count)?;
         let projected = self.project(Some(KEPT_CLEARANCE));
-        Ok(self.finish(projected)?.x)
+        let finished = self.minimised(&projected)?;
+        Ok(finished
+            .filter(|now| now.is_planar(self.options))
+            .unwrap_or(projected)
+            .x)
     }
 
     fn descend_last(&mut self, count: usize) -> Result<(), OptimiseError> {
@@ -310,13 +315,24 @@ impl<'a> Path<'a> {
         self.options.newton_iterations.unwrap_or(by_default)
     }
 
-    /// Minimises on the constraints, from planar positions. They stand if that comes to nothing, or
-    /// if a vertex or panel would stand off the surface more than any does now (and more than is
+    /// The minimum on the constraints, from planar positions. They stand if that comes to nothing,
+    /// or if a vertex or panel would stand off the surface more than any does now (and more than is
     /// near): what counts is the sum, and one panel may have to pay.
     pub fn finish(&mut self, reached: Reached) -> Result<Reached, OptimiseError> {
+        let Some(now) = self.minimised(&reached)? else {
+            return Ok(reached);
+        };
+        let farthest = |x: &[f64]| deviation(self.setting, x).0;
+        let limit = farthest(&reached.x).max(STILL_NEAR * self.setting.mean_edge);
+        let better = !self.is_over() && now.is_planar(self.options) && farthest(&now.x) <= limit;
+        Ok(if better { now } else { reached })
+    }
+
+    /// Minimises on the constraints, from planar positions, if there are iterations for it.
+    fn minimised(&mut self, reached: &Reached) -> Result<Option<Reached>, OptimiseError> {
         let most = self.newton_iterations();
         if self.is_over() || most == 0 || !reached.is_planar(self.options) {
-            return Ok(reached);
+            return Ok(None);
         }
         self.x.copy_from_slice(&reached.x);
         let weights = Weights {
@@ -355,11 +371,7 @@ impl<'a> Path<'a> {
             }
         };
         self.outcome.append(outcome);
-        let now = self.project(Some(KEPT_CLEARANCE));
-        let farthest = |x: &[f64]| deviation(self.setting, x).0;
-        let limit = farthest(&reached.x).max(STILL_NEAR * self.setting.mean_edge);
-        let better = !self.is_over() && now.is_planar(self.options) && farthest(&now.x) <= limit;
-        Ok(if better { now } else { reached })
+        Ok(Some(self.project(Some(KEPT_CLEARANCE))))
     }
 
     /// Begins again without limits, since planar panels come before them; with stronger barriers of
