@@ -113,7 +113,12 @@ impl Stage<'_> {
     ) -> Result<Run, OptimiseError> {
         let start = self.start_at(x);
         let mut best = self.run(solvers, StartKind::AsGiven, &start, options, progress)?;
-        for round in 0..EMPHASES {
+        // What the paper's formulation comes to is left as it is.
+        let rounds = match options.solver {
+            Solver::Barrier => EMPHASES,
+            Solver::Tetrahedra => 0,
+        };
+        for round in 0..rounds {
             let lack = self.lack(&best);
             if lack == (0, 0.0) || best.is_cancelled() || progress.is_cancelled() {
                 break;
