@@ -253,7 +253,8 @@ impl<T: Scalar<Real = f64>> std::fmt::Debug for Cholesky<T> {
     }
 }
 
-fn max_abs<T: Scalar<Real = f64>>(values: &[T]) -> f64 {
+/// Largest absolute value; NaN if one is.
+pub(crate) fn max_abs<T: Scalar<Real = f64>>(values: &[T]) -> f64 {
     // `f64::max` would drop a NaN.
     let larger = |m: f64, v: f64| if v > m || v.is_nan() { v } else { m };
     values.iter().map(|v| v.abs()).fold(0.0, larger)

@@ -266,9 +266,9 @@ impl DampedSolver {
         {
             return false;
         }
-        let negated = self.gradient.iter().map(|g| -g);
-        self.step.iter_mut().zip(negated).for_each(|(d, g)| *d = g);
-        self.cholesky.solve(&mut self.step);
+        // The next step makes good what rounding does to this one.
+        self.cholesky.precondition(&self.gradient, &mut self.step);
+        self.step.iter_mut().for_each(|d| *d = -*d);
         self.step.iter().all(|d| d.is_finite())
     }
 

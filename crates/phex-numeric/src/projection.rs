@@ -15,6 +15,7 @@
 //! one is, and what is returned has the least residual of all of them. Fails (`Stalled`) where the
 //! guard forbids every fraction of a step.
 
+use crate::cholesky::max_abs;
 use crate::conjugate_gradients::add_scaled;
 use crate::outcome::{Outcome, Record, Status};
 use crate::{Cholesky, SymmetricMatrix};
@@ -25,6 +26,8 @@ pub const SHIFT: f64 = 1e-12;
 
 const SHIFT_TRIES: usize = 5;
 const REFINEMENTS: usize = 4;
+/// Defect of the multiplier, over the constraints' values, that is rounding.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 const HALVINGS: usize = 8;
 /// Fraction of a step below which it is short, and short steps in a row, none of which halves the
 /// residual, after which it has stalled.
@@ -69,6 +72,7 @@ pub struct MinimumNorm {
     values: Vec<f64>,
     multiplier: Vec<f64>,
     defect: Vec<f64>,
+    change: Vec<f64>,
 }
 
 impl MinimumNorm {
@@ -81,6 +85,7 @@ impl MinimumNorm {
             values: vec![0.0; n],
             multiplier: vec![0.0; n],
             defect: vec![0.0; n],
+            change: vec![0.0; n],
         }
     }
 
@@ -212,14 +217,18 @@ impl MinimumNorm {
         if !self.factorise() {
             return false;
         }
-        self.multiplier.copy_from_slice(&self.values);
-        self.cholesky.solve(&mut self.multiplier);
+        let (cholesky, change) = (&self.cholesky, &mut self.change);
+        cholesky.precondition(&self.values, &mut self.multiplier);
+        let floor = ROUNDING * max_abs(&self.values);
         for _ in 0..REFINEMENTS {
             self.normal.mul(&self.multiplier, &mut self.defect);
             let defects = self.defect.iter_mut().zip(&self.values);
             defects.for_each(|(d, c)| *d = c - *d);
-            self.cholesky.solve(&mut self.defect);
-            add_scaled(&mut self.multiplier, 1.0, &self.defect);
+            if max_abs(&self.defect) <= floor {
+                break;
+            }
+            cholesky.precondition(&self.defect, change);
+            add_scaled(&mut self.multiplier, 1.0, change);
         }
         problem.transposed(&self.multiplier, step);
         step.iter_mut().for_each(|d| *d = -*d);
