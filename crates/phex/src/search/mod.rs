@@ -232,6 +232,10 @@ impl SearchState {
                     None => {}
                 }
             }
+            // Where most of the worst sizes stay as they are the others would, too.
+            if whole.yardstick.shapes == Shapes::Sizes && 2 * changes.len() < places.len() {
+                break;
+            }
         }
     }
 }
