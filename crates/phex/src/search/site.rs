@@ -25,17 +25,25 @@ pub struct AreaField<'a> {
 }
 
 impl AreaField<'_> {
-    /// Area that a panel with its middle at a point is to have.
-    fn at(&self, p: Vec3) -> WishedArea {
-        let foot = self.surface.closest_point(p);
-        self.wish[self.surface.topology().face_vertices(foot.triangle)[0]]
+    /// Areas that panels with their middles at points are to have.
+    fn at(&self, points: &[Vec3]) -> Vec<WishedArea> {
+        let topology = self.surface.topology();
+        let feet = self.surface.closest_points(points).into_iter();
+        feet.map(|foot| self.wish[topology.face_vertices(foot.triangle)[0]])
+            .collect()
     }
 
     /// Areas that the panels of a mesh are to have, in any unit.
     pub fn wished(&self, mesh: &HexMesh) -> PerFace<f64> {
-        let n_faces = mesh.topology().n_faces();
-        PerFace::from_fn(n_faces, |f| self.at(mesh.centre(f)).area)
+        let areas = self.at(&centres(mesh)).into_iter().map(|wish| wish.area);
+        PerFace::from_vec(areas.collect())
     }
+}
+
+/// The middles of the panels of a mesh.
+fn centres(mesh: &HexMesh) -> Vec<Vec3> {
+    let faces = mesh.topology().faces();
+    faces.map(|f| mesh.centre(f)).collect()
 }
 
 /// What a mesh is searched with.
@@ -71,17 +79,18 @@ impl Site<'_> {
         faces.filter(|f| mesh.corners(*f).any(beyond)).collect()
     }
 
-    /// Area that a panel with its middle at a point is to have.
-    pub(super) fn wished(&self, p: Vec3) -> WishedArea {
-        (self.areas.as_ref()).map_or(WishedArea::ANY, |field| field.at(p))
+    /// Areas that panels with their middles at points are to have.
+    fn wished(&self, points: &[Vec3]) -> Vec<WishedArea> {
+        (self.areas.as_ref()).map_or_else(
+            || vec![WishedArea::ANY; points.len()],
+            |field| field.at(points),
+        )
     }
 
     /// Areas that panels are to have, as much in all as they have; 0 for any.
     pub(super) fn wished_areas(&self, mesh: &HexMesh) -> Vec<f64> {
         let topology = mesh.topology();
-        let wishes: Vec<WishedArea> = (topology.faces())
-            .map(|f| self.wished(mesh.centre(f)))
-            .collect();
+        let wishes = self.wished(&centres(mesh));
         let inner = |f: &FaceId| !topology.is_boundary_face(*f) && wishes[f.index()].share > 0.0;
         let areas = FlatFace::all(mesh).map(FlatFace::area);
         let has: f64 = topology.faces().filter(inner).map(|f| areas[f]).sum();
@@ -124,7 +133,7 @@ impl Site<'_> {
     /// What the optimiser needs to know of a part.
     fn layout(&self, part: &HexMesh) -> Layout {
         let topology = part.topology();
-        let centres: Vec<Vec3> = topology.faces().map(|f| part.centre(f)).collect();
+        let centres = centres(part);
         let feet = self.close_to.closest_points(&centres);
         let lengths = topology.faces().map(|f| {
             let sides = topology
@@ -132,13 +141,12 @@ impl Site<'_> {
                 .map(|h| part.edge_length(topology.edge(h)));
             sides.sum::<f64>() / topology.valence(f) as f64 * 3.0_f64.sqrt()
         });
-        let wish = |p: &Vec3| self.wished(*p);
         Layout {
             vertex_kind: PerVertex::filled(topology.n_vertices(), VertexKind::Interior),
             face_point: PerFace::from_vec(feet.iter().map(|foot| foot.position).collect()),
             face_normal: PerFace::from_vec(feet.iter().map(|foot| foot.normal).collect()),
             face_length: PerFace::from_vec(lengths.collect()),
-            face_wish: PerFace::from_vec(centres.iter().map(wish).collect::<Vec<WishedArea>>()),
+            face_wish: PerFace::from_vec(self.wished(&centres)),
             face_seed: PerFace::filled(topology.n_faces(), VertexId::new(0)),
             mesh: part.clone(),
         }
