@@ -26,6 +26,8 @@ pub struct Yardstick {
     pub mean_edge: f64,
     /// Mean area of the faces.
     pub mean_area: f64,
+    /// Mean area of the inner faces, and mean length of their edges.
+    inner: [f64; 2],
     /// Number of faces.
     pub panels: usize,
     /// Largest planarity, mean edges.
@@ -38,10 +40,12 @@ impl Yardstick {
     /// That of a mesh, in which shapes do not count.
     pub fn of(mesh: &HexMesh, limits: &Limits) -> Self {
         let panels = mesh.topology().n_faces();
-        let area: f64 = FlatFace::all(mesh).iter().map(FlatFace::area).sum();
+        let flat = FlatFace::all(mesh);
+        let area: f64 = flat.iter().map(FlatFace::area).sum();
         Self {
             mean_edge: mesh.mean_edge(),
             mean_area: area / panels as f64,
+            inner: inner_means(mesh, &flat),
             panels,
             planarity: limits.validity.planarity_limit(mesh),
             shapes: Shapes::Any,
@@ -49,10 +53,10 @@ impl Yardstick {
     }
 
     /// How large a face should be: an inner one as the area that it is to have, if that is more
-    /// than the mean.
+    /// than the mean of the inner ones.
     pub fn wanted_size(&self, at_rim: bool, wished: f64) -> WantedSize {
-        let scale = (wished / self.mean_area).sqrt().max(1.0);
-        let length = WANTED_LENGTH * self.mean_edge * scale;
+        let [area, edge] = self.inner;
+        let length = WANTED_LENGTH * edge * (wished / area).sqrt().max(1.0);
         let counts = self.shapes >= Shapes::Sizes;
         WantedSize {
             edge: (counts && !at_rim && wished > 0.0).then_some(length),
@@ -76,6 +80,16 @@ impl Yardstick {
         let slender = |most: f64| (1.0 - most / aspect(polygon)).max(0.0);
         found.large += wanted.aspect.map_or(0.0, slender);
     }
+}
+
+/// Mean area of the inner faces, and mean length of their edges.
+fn inner_means(mesh: &HexMesh, flat: &PerFace<FlatFace>) -> [f64; 2] {
+    let topology = mesh.topology();
+    let inner = || topology.faces().filter(|f| !topology.is_boundary_face(*f));
+    let areas: Vec<f64> = inner().map(|f| flat[f].area()).collect();
+    let edges = inner().flat_map(|f| topology.face_half_edges(f));
+    let lengths: Vec<f64> = edges.map(|h| mesh.edge_length(topology.edge(h))).collect();
+    [areas, lengths].map(|all| all.iter().sum::<f64>() / all.len().max(1) as f64)
 }
 
 /// What counts that is allowed and not liked in the shapes of faces.
@@ -591,7 +605,7 @@ mod tests {
         yardstick.mean_area = flat.area();
         for (at_rim, expected) in [(true, beyond), (false, 0.0)] {
             let mut face = Findings::default();
-            yardstick.mean_edge = f64::MAX;
+            yardstick.inner[1] = f64::MAX;
             yardstick.add_shape(flat, &yardstick.wanted_size(at_rim, mean), &mut face);
             assert!((face.large - expected).abs() < 1e-9 && beyond > 0.3);
         }

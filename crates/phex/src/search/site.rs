@@ -87,30 +87,36 @@ impl Site<'_> {
         )
     }
 
-    /// Areas that panels are to have, as much in all as they have; 0 for any.
+    /// Areas that panels of a mesh are to have, as much in all as they have; 0 for any.
     pub(super) fn wished_areas(&self, mesh: &HexMesh) -> Vec<f64> {
+        self.areas_wished(mesh, None).0
+    }
+
+    /// Areas that panels are to have, times a scale, and the scale; that with which they are as
+    /// much in all as they have if none is given. 0 for any.
+    fn areas_wished(&self, mesh: &HexMesh, scale: Option<f64>) -> (Vec<f64>, f64) {
         let topology = mesh.topology();
         let wishes = self.wished(&centres(mesh));
         let inner = |f: &FaceId| !topology.is_boundary_face(*f) && wishes[f.index()].share > 0.0;
-        let areas = FlatFace::all(mesh).map(FlatFace::area);
-        let has: f64 = topology.faces().filter(inner).map(|f| areas[f]).sum();
-        let wants: f64 = (topology.faces().filter(inner))
-            .map(|f| wishes[f.index()].area)
-            .sum();
+        let in_all = || {
+            let areas = FlatFace::all(mesh).map(FlatFace::area);
+            let has: f64 = topology.faces().filter(inner).map(|f| areas[f]).sum();
+            let wants: f64 = (topology.faces().filter(inner))
+                .map(|f| wishes[f.index()].area)
+                .sum();
+            has / wants
+        };
+        let scale = scale.unwrap_or_else(in_all);
         let area = |f: FaceId| match inner(&f) {
-            true => wishes[f.index()].area * has / wants,
+            true => wishes[f.index()].area * scale,
             false => 0.0,
         };
-        topology.faces().map(area).collect()
+        (topology.faces().map(area).collect(), scale)
     }
 
     /// Looks at a mesh.
     pub fn judged(&self, mesh: &HexMesh) -> Judgement {
-        self.judged_by(&Yardstick::of(mesh, self.judge.limits()), mesh)
-    }
-
-    fn judged_by(&self, yardstick: &Yardstick, mesh: &HexMesh) -> Judgement {
-        (self.judge).whole_by(yardstick, mesh, &self.wished_areas(mesh))
+        (self.judge).whole(mesh, &self.wished_areas(mesh))
     }
 
     /// Looks at a part.
@@ -125,7 +131,7 @@ impl Site<'_> {
             mesh: part,
             counts,
             points,
-            wished: &self.wished_areas(part),
+            wished: &self.areas_wished(part, Some(whole.wish_scale)).0,
         };
         self.judge.judge(&scope, &whole.yardstick)
     }
@@ -155,7 +161,7 @@ impl Site<'_> {
     /// What the panels of a part are to have.
     fn limits(&self, part: &HexMesh, whole: &Whole, points: &[VertexId]) -> FaceLimits {
         let (topology, yardstick) = (part.topology(), &whole.yardstick);
-        let wished = self.wished_areas(part);
+        let (wished, _) = self.areas_wished(part, Some(whole.wish_scale));
         let areas = FlatFace::all(part).map(FlatFace::area);
         let unit = self.options.wished_clearance * yardstick.mean_edge;
         let clearance = |a: &f64| unit * wanted_clearance(a / yardstick.mean_area);
@@ -231,6 +237,8 @@ pub(super) enum LocalStep {
 pub(super) struct Whole {
     pub yardstick: Yardstick,
     pub diagonal: f64,
+    /// Scale of the wished areas.
+    wish_scale: f64,
     pub findings: Judgement,
     /// The vertices of the surface that each face is nearest to.
     pub covers: Vec<Vec<VertexId>>,
@@ -241,7 +249,8 @@ impl Whole {
     pub fn of(mesh: &HexMesh, site: &Site<'_>, shapes: Shapes) -> Self {
         let mut yardstick = Yardstick::of(mesh, site.judge.limits());
         yardstick.shapes = shapes;
-        let findings = site.judged_by(&yardstick, mesh);
+        let (wished, wish_scale) = site.areas_wished(mesh, None);
+        let findings = site.judge.whole_by(&yardstick, mesh, &wished);
         let mut covers = vec![Vec::new(); mesh.topology().n_faces()];
         for (v, f) in site.judge.points().into_iter().zip(&findings.nearest) {
             covers[f.index()].push(v);
@@ -249,6 +258,7 @@ impl Whole {
         Self {
             yardstick,
             diagonal: mesh.diagonal(),
+            wish_scale,
             findings,
             covers,
         }
