@@ -2,7 +2,7 @@
 
 use crate::frames::frame;
 use crate::results::{Results, RunResult};
-use crate::wish::GrantedWish;
+use crate::wish::{GrantedWish, PlaceInLine};
 use axum::body::Bytes;
 use phex::{Event, Progress};
 use phex_html::MeshData;
@@ -29,10 +29,24 @@ pub struct Runs {
     pool: ThreadPool,
     /// Held by the run that computes.
     turn: Mutex<()>,
-    current: Mutex<Option<Arc<AtomicBool>>>,
+    current: Mutex<Option<CurrentRun>>,
     begun: AtomicU64,
     open: AtomicUsize,
     results: Mutex<Results>,
+}
+
+/// The run that was wanted last.
+struct CurrentRun {
+    asked: Option<PlaceInLine>,
+    stopped: Arc<AtomicBool>,
+}
+
+impl CurrentRun {
+    /// Whether a wish was overtaken by this one on its way, a preview by the run that took its place.
+    fn has_overtaken(&self, wish: &GrantedWish) -> bool {
+        let both = wish.asked.as_ref().zip(self.asked.as_ref());
+        both.is_some_and(|(late, here)| late.is_older_than(here))
+    }
 }
 
 /// A lock whose holder panicked protects nothing that is half-done.
@@ -74,7 +88,7 @@ impl Runs {
     /// Cancels the run there is.
     pub fn cancel(&self) {
         if let Some(older) = locked(&self.current).take() {
-            older.store(true, Ordering::SeqCst);
+            older.stopped.store(true, Ordering::SeqCst);
         }
     }
 
@@ -83,12 +97,27 @@ impl Runs {
         self.pool.install(act)
     }
 
+    /// Takes the place of the run there is, unless that is what the page wants since: whether the
+    /// new one is cancelled.
+    fn takes_place(&self, wish: &GrantedWish) -> Arc<AtomicBool> {
+        let mut current = locked(&self.current);
+        let late = current.as_ref().is_some_and(|run| run.has_overtaken(wish));
+        let stopped = Arc::new(AtomicBool::new(late));
+        if !late {
+            let run = CurrentRun {
+                asked: wish.asked.clone(),
+                stopped: stopped.clone(),
+            };
+            if let Some(older) = current.replace(run) {
+                older.stopped.store(true, Ordering::SeqCst);
+            }
+        }
+        stopped
+    }
+
     /// Begins a run: its frames. It is cancelled when they are dropped, or by the next one.
     pub fn begin(self: &Arc<Self>, wish: GrantedWish) -> RunFrames {
-        let stopped = Arc::new(AtomicBool::new(false));
-        if let Some(older) = locked(&self.current).replace(stopped.clone()) {
-            older.store(true, Ordering::SeqCst);
-        }
+        let stopped = self.takes_place(&wish);
         let (told, hears) = mpsc::channel(WAITING);
         let (ends, end) = mpsc::channel(1);
         let number = self.begun.fetch_add(1, Ordering::SeqCst) + 1;
@@ -126,6 +155,8 @@ impl Runs {
             command: &wish.command,
         });
         let compute = || {
+            // What was overtaken on its way waits for nothing.
+            run.goes_on()?;
             let _turn = locked(&self.turn);
             self.pool.install(|| self.computed(run, wish))
         };
@@ -143,16 +174,12 @@ impl Runs {
     }
 
     fn computed(&self, run: &OngoingRun, wish: GrantedWish) -> Result<Bytes, JobError> {
-        if run.is_cancelled() {
-            return Err(JobError::Cancelled);
-        }
+        run.goes_on()?;
         if wish.job.until.is_some() {
             return laid_out(run, &wish);
         }
         let made = phex_job::run(&wish.job, run)?;
-        if run.is_cancelled() {
-            return Err(JobError::Cancelled);
-        }
+        run.goes_on()?;
         let seconds = run.begun.elapsed().as_secs_f64();
         let kept = RunResult::new(run.number, made, wish);
         let told = kept.told(seconds);
@@ -164,9 +191,7 @@ impl Runs {
 /// The first lattice, which is neither planar nor judged.
 fn laid_out(run: &OngoingRun, wish: &GrantedWish) -> Result<Bytes, JobError> {
     let lattice = phex_job::lay_out(&wish.job, run)?;
-    if run.is_cancelled() {
-        return Err(JobError::Cancelled);
-    }
+    run.goes_on()?;
     Ok(run.mesh("layout", &lattice.to_soup()))
 }
 
@@ -226,6 +251,13 @@ enum RunNews<'a> {
 }
 
 impl OngoingRun {
+    fn goes_on(&self) -> Result<(), JobError> {
+        if self.is_cancelled() {
+            return Err(JobError::Cancelled);
+        }
+        Ok(())
+    }
+
     /// Tells the page, unless it is so slow that it does not want to know.
     fn tell(&self, told: &RunNews<'_>) {
         self.send(|| frame(told));

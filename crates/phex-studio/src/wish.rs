@@ -15,6 +15,25 @@ pub struct Wish {
     pub job: Value,
     /// Where the run ends.
     pub until: Option<LastStage>,
+    /// Its place among what the page asks for, if the page counts.
+    pub asked: Option<PlaceInLine>,
+}
+
+/// Which page asks, and for the how-manyth time: two requests can overtake each other.
+#[derive(Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaceInLine {
+    /// A name of the page that no other has.
+    pub page: String,
+    /// How many requests it had sent before.
+    pub before: u64,
+}
+
+impl PlaceInLine {
+    /// Whether the same page has asked for something else since.
+    pub fn is_older_than(&self, other: &Self) -> bool {
+        self.page == other.page && self.before < other.before
+    }
 }
 
 /// A job that can be done, and its texts.
@@ -29,6 +48,8 @@ pub struct GrantedWish {
     pub text: String,
     /// The command line that repeats the run.
     pub command: String,
+    /// Its place among what the page asks for.
+    pub asked: Option<PlaceInLine>,
 }
 
 impl Wish {
@@ -53,6 +74,7 @@ impl Wish {
             command: command(&surface.name, stem, &table),
             stem: stem.to_owned(),
             text,
+            asked: self.asked,
         })
     }
 }
@@ -111,6 +133,7 @@ mod tests {
             surface: surface.id.clone(),
             job,
             until: None,
+            asked: None,
         };
         wish.grant(&surface).map_err(|e| e.to_string())
     }

@@ -502,6 +502,31 @@ fn a_newer_run_a_client_that_goes_and_one_that_does_not_listen_end_a_run() {
 }
 
 #[test]
+fn a_request_that_was_overtaken_does_not_cancel_what_the_page_wants_since() {
+    let studio = Running::new(None);
+    let roof = studio.drop_roof();
+    let asked = |page: &str, before: u64, job: Value, until: Option<&str>| {
+        let asked = json!({ "page": page, "before": before });
+        let wish = json!({ "surface": &roof, "job": job, "until": until, "asked": asked });
+        wish.to_string().into_bytes()
+    };
+    let last = |answer: Answer| answer.frames().last().unwrap()["kind"].clone();
+    let few = || json!({ "panels": 40 });
+    let wanted = studio.send("POST", "run", "", &asked("one", 7, long(), None));
+    std::thread::sleep(Duration::from_millis(300));
+    // A preview that the page has given up comes late.
+    let late = studio.answer("POST", "run", "", &asked("one", 6, few(), Some("layout")));
+    assert_eq!(last(late), "cancelled");
+    assert_eq!(studio.status()["runs"], 1);
+    // Another page, and the same one later, are newer whatever they count.
+    let other = studio.answer("POST", "run", "", &asked("two", 0, few(), Some("layout")));
+    assert_eq!(last(other), "mesh");
+    assert_eq!(last(Answer::read(wanted)), "cancelled");
+    let again = studio.answer("POST", "run", "", &asked("one", 8, few(), Some("layout")));
+    assert_eq!(last(again), "mesh");
+}
+
+#[test]
 fn the_studio_begins_with_a_surface_and_ends_in_the_middle_of_a_run() {
     let roof = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/roof.obj"));
     let mut studio = Running::new(Some(roof));

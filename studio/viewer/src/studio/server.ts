@@ -169,9 +169,14 @@ export const status = async (): Promise<{ runs: number; results: number }> => (a
 /** What a job file sets. */
 export const readJob = async (text: string): Promise<Record<string, unknown>> => (await ask("job", { method: "POST", body: text })).json();
 
+/** This page's name, and how often it has asked for a run: a preview that is given up can reach the program after the run that took its place. */
+const page = Array.from(crypto.getRandomValues(new Uint32Array(4)), (x) => x.toString(36)).join("-");
+let asked = 0;
+
 /** Begins a run; aborting the signal cancels it. */
-export async function* run(wish: unknown, signal: AbortSignal): AsyncGenerator<RunFrame> {
-  const answer = await ask("run", { method: "POST", body: JSON.stringify(wish), signal });
+export async function* run(wish: object, signal: AbortSignal): AsyncGenerator<RunFrame> {
+  const body = JSON.stringify({ ...wish, asked: { page, before: asked++ } });
+  const answer = await ask("run", { method: "POST", body, signal });
   try {
     for await (const value of frames(answer)) yield value as RunFrame;
   } catch (error) {

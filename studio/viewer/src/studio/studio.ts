@@ -329,7 +329,7 @@ export class Studio {
     this.begin();
   }
 
-  private wish(until: "layout" | null): unknown {
+  private wish(until: "layout" | null): object {
     const { surface, job } = this.state.wanted;
     // A lattice to look at is one, and not the best of several.
     return { surface, job: until ? { ...job, effort: "draft" } : job, until };
