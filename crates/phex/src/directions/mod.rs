@@ -30,6 +30,7 @@ pub(crate) mod boundary;
 pub(crate) mod cones;
 pub(crate) mod conformal;
 pub(crate) mod guides;
+pub(crate) mod holes;
 pub(crate) mod intrinsic;
 pub(crate) mod metric;
 mod mirrors;
@@ -52,6 +53,7 @@ pub use thickness::thickness;
 
 use crate::curvature::{Curvature, Principal};
 use crate::progress::{Progress, Silent};
+use holes::FilledSurface;
 use nalgebra::Matrix3;
 use phex_mesh::{EdgeId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface};
 use phex_numeric::NumericError;
@@ -81,6 +83,9 @@ pub struct DirectionOptions {
     /// give fewer irregular panels, and larger ones where the surface is strongly curved. `None`
     /// is 4; a lattice then is made with 12, too, and the better one kept.
     pub cancel_reach: Option<f64>,
+    /// Whether directions run across small holes as if the surface went on there, and not round
+    /// them. A lattice is made with either, and the better one kept.
+    pub across_holes: bool,
     /// Weight of the alignment that keeps the edges of a lattice off the asymptotic directions, for
     /// surfaces with `K < 0` (0: none); see `saddle`.
     pub saddle_alignment: f64,
@@ -100,6 +105,7 @@ impl Default for DirectionOptions {
             rotate: 0.0,
             boundary_alignment: 0.5,
             cancel_reach: None,
+            across_holes: false,
             saddle_alignment: 0.0,
             guides: Guides::default(),
             mirrors: Vec::new(),
@@ -210,6 +216,31 @@ pub fn directions_sized(
 /// # Errors
 /// As [`directions_sized`].
 pub fn in_metric(
+    surface: &TriangleSurface,
+    tensor: PerVertex<Matrix3<f64>>,
+    principal: &PerVertex<Principal>,
+    weight: &PerVertex<f64>,
+    options: &DirectionOptions,
+    progress: &dyn Progress,
+) -> Result<Directions, NumericError> {
+    let filled = (options.across_holes).then(|| FilledSurface::new(surface, &tensor));
+    let Some(filled) = filled.flatten() else {
+        return across(surface, tensor, principal, weight, options, progress);
+    };
+    let (principal, weight) = (filled.extended(principal), filled.weights(weight));
+    let directions = across(
+        &filled.surface,
+        filled.extended(&tensor),
+        &principal,
+        &weight,
+        options,
+        progress,
+    )?;
+    Ok(filled.opened(surface, &directions, options))
+}
+
+/// The same for a surface without small holes.
+fn across(
     surface: &TriangleSurface,
     mut tensor: PerVertex<Matrix3<f64>>,
     principal: &PerVertex<Principal>,

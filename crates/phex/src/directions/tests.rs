@@ -215,6 +215,55 @@ fn a_plane_has_a_constant_field() {
     }
 }
 
+/// A surface without the triangles at the vertex that is nearest to a point.
+fn with_hole(surface: &TriangleSurface, place: Vec3) -> TriangleSurface {
+    let topology = surface.topology();
+    let distance = |v: &VertexId| (surface.positions()[*v] - place).norm();
+    let nearest = topology
+        .vertices()
+        .min_by(|v, w| distance(v).total_cmp(&distance(w)));
+    let nearest = nearest.unwrap();
+    // The last vertex takes the number of the one that goes.
+    let mut positions = surface.positions().clone().into_vec();
+    let last = positions.len() as u32 - 1;
+    positions.swap_remove(nearest.index());
+    let number = |v: u32| if v == last { nearest.index() as u32 } else { v };
+    let kept = topology
+        .faces()
+        .filter(|f| !topology.face_vertices(*f).contains(&nearest));
+    let triangles: Vec<[u32; 3]> = kept
+        .map(|f| {
+            let corners: [VertexId; 3] = topology.face_vertices(f).try_into().unwrap();
+            corners.map(|v| number(v.index() as u32))
+        })
+        .collect();
+    TriangleSurface::new(positions, &triangles).unwrap()
+}
+
+/// Directions run across a small hole as if the surface went on there: on a plane they stay what
+/// they are, on its rim, too, and on a sphere cones are those of the sphere.
+#[test]
+fn directions_run_across_small_holes() {
+    let options = DirectionOptions {
+        across_holes: true,
+        ..Default::default()
+    };
+    let plane = with_hole(&shape("plane", 500), Vec3::new(0.1, 0.05, 0.0));
+    let stages = Stages::with(&plane, 80, &options);
+    assert_eq!(stages.topology().boundary_loops().len(), 2);
+    assert!(stages.directions.cone.iter().all(|c| *c == 0));
+    for v in stages.topology().vertices() {
+        let angle = lattice_angle(&stages, v, Vec3::x());
+        assert!(angle.abs() < 1e-3, "{v}: {angle}");
+    }
+    let sphere = with_hole(&shape("sphere", 2000), Vec3::new(0.3, 0.4, 0.8));
+    let stages = Stages::with(&sphere, 150, &options);
+    assert_eq!(cone_sum(&stages), 12);
+    let (topology, d) = (stages.topology(), &stages.directions);
+    let rests = topology.edges().map(|e| d.rest(topology, e).abs());
+    assert!(rests.fold(0.0, f64::max) < 0.5 * FRAC_PI_3);
+}
+
 /// Opposite cones vanish in pairs: fewer are left, their sum stays, and the indices are still those
 /// of the turned field.
 #[test]

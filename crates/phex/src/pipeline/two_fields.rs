@@ -10,6 +10,7 @@ use super::restarts::{Drawn, restarts};
 use super::{Clock, MeshOptions, PipelineError};
 use crate::directions::DirectionOptions;
 use crate::directions::cones::{FAR_REACH, has_opposites};
+use crate::directions::holes::has_small_holes;
 use crate::layout::seeds::Seed;
 use crate::progress::{Progress, Quiet};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,6 +38,7 @@ impl FieldPanels {
         }
         let far_settings = DirectionOptions {
             cancel_reach: Some(FAR_REACH),
+            across_holes: true,
             ..settings.clone()
         };
         // The second is begun where a thread is idle, and ends as soon as it is not wanted.
@@ -44,8 +46,10 @@ impl FieldPanels {
         let progress = Quiet::unless(clock.progress, &alone);
         let near = || {
             let field = Field::new(ground, level, options, settings, clock);
-            let has_opposites = field.as_ref().is_ok_and(|f| f.has_opposites(ground));
-            alone.fetch_or(!has_opposites, Ordering::Relaxed);
+            let has_other = field
+                .as_ref()
+                .is_ok_and(|f| f.has_opposites(ground) || f.has_small_holes(ground));
+            alone.fetch_or(!has_other, Ordering::Relaxed);
             let near = field.and_then(|field| Self::of(ground, field, clock));
             let is_irregular = near.as_ref().is_ok_and(|n| !n.first.is_regular());
             alone.fetch_or(!is_irregular, Ordering::Relaxed);
@@ -93,6 +97,11 @@ impl Field {
     fn has_opposites(&self, ground: &Ground) -> bool {
         let topology = ground.smooth.levels[self.level].topology();
         has_opposites(topology, &self.directions, FAR_REACH)
+    }
+
+    fn has_small_holes(&self, ground: &Ground) -> bool {
+        let surface = &ground.smooth.levels[self.level];
+        has_small_holes(surface, &self.length)
     }
 }
 

@@ -1,0 +1,146 @@
+//! Small holes, which directions run across as if the surface went on there.
+//!
+//! Round a hole a field turns at no price, so that cones gather in small holes and beside them, and
+//! panels shrink towards them. A fan of triangles over each hole takes that away.
+
+use super::intrinsic::IntrinsicMesh;
+use super::turns::cones;
+use super::{DirectionOptions, Directions};
+use nalgebra::Matrix3;
+use phex_mesh::{EdgeId, FaceId, PerEdge, PerVertex, TriangleSurface, Vec3, VertexId};
+use std::f64::consts::{FRAC_PI_3, PI};
+
+/// Largest length of the rim of a hole, lattice spacings, that directions run across: round larger
+/// holes, which are four panels across, there is room for rows of their own.
+const SMALL_RIM: f64 = 12.0;
+
+/// A surface with a fan of triangles over each of its small holes: the vertices and triangles of
+/// the surface come first, then a vertex in the middle of each hole.
+pub(super) struct FilledSurface {
+    /// The surface with its fans.
+    pub surface: TriangleSurface,
+    /// A vertex on the rim of each hole.
+    beside: Vec<VertexId>,
+}
+
+impl FilledSurface {
+    /// That of a surface with a metric, where it has small holes; the longest rim is no hole.
+    pub fn new(surface: &TriangleSurface, metric: &PerVertex<Matrix3<f64>>) -> Option<Self> {
+        let length = |rim: &[VertexId]| rim_length(surface, metric, rim);
+        let mut rims = surface.boundary_loops();
+        rims.sort_by(|a, b| length(b).total_cmp(&length(a)));
+        let small = rims.iter().skip(1).filter(|rim| length(rim) < SMALL_RIM);
+        let small: Vec<&Vec<VertexId>> = small.collect();
+        if small.is_empty() {
+            return None;
+        }
+        let topology = surface.topology();
+        let corners = |f: FaceId| {
+            let [a, b, c] = *topology.face_vertices(f) else {
+                unreachable!("faces of a triangle surface are triangles");
+            };
+            [a, b, c].map(|v| v.index() as u32)
+        };
+        let mut triangles: Vec<[u32; 3]> = topology.faces().map(corners).collect();
+        let mut positions = surface.positions().clone().into_vec();
+        for rim in &small {
+            let middle = positions.len() as u32;
+            let sum: Vec3 = rim.iter().map(|v| positions[v.index()]).sum();
+            positions.push(sum / rim.len() as f64);
+            // The surface lies to the left of its rim, the fan to the right.
+            let sides = rim.iter().zip(rim.iter().cycle().skip(1));
+            let fan = sides.map(|(a, b)| [b.index() as u32, a.index() as u32, middle]);
+            triangles.extend(fan);
+        }
+        let filled = TriangleSurface::new(positions, &triangles).ok()?;
+        let normals = surface.normals().iter().copied();
+        let middles = filled
+            .normals()
+            .iter()
+            .skip(surface.normals().len())
+            .copied();
+        let normals = PerVertex::from_vec(normals.chain(middles).collect());
+        Some(Self {
+            surface: filled.with_normals(normals),
+            beside: small.iter().map(|rim| rim[0]).collect(),
+        })
+    }
+
+    /// What is known at each vertex of the surface, in the middle of a hole as on its rim.
+    pub fn extended<T: Copy>(&self, known: &PerVertex<T>) -> PerVertex<T> {
+        let middles = self.beside.iter().map(|v| known[*v]);
+        PerVertex::from_vec(known.iter().copied().chain(middles).collect())
+    }
+
+    /// Weights of alignment with the surface, which is not there in the middle of a hole.
+    pub fn weights(&self, known: &PerVertex<f64>) -> PerVertex<f64> {
+        let middles = self.beside.iter().map(|_| 0.0);
+        PerVertex::from_vec(known.iter().copied().chain(middles).collect())
+    }
+
+    /// The directions of the filled surface on the open one.
+    pub fn opened(
+        &self,
+        surface: &TriangleSurface,
+        filled: &Directions,
+        options: &DirectionOptions,
+    ) -> Directions {
+        let topology = surface.topology();
+        let metric: Vec<Matrix3<f64>> = filled.metric.iter().copied().collect();
+        let metric = PerVertex::from_vec(metric[..topology.n_vertices()].to_vec());
+        let mesh = IntrinsicMesh::new(surface, &metric).with_mirrors(surface, &options.mirrors);
+        let within = self.surface.topology();
+        // Half-edges of the surface have the same numbers in both.
+        let angle = PerVertex::from_fn(topology.n_vertices(), |v| {
+            let h = topology.outgoing(v).next().expect("each vertex has one");
+            let turned = filled.angle[v] - filled.intrinsic.polar(within, h);
+            let is_rim = topology.is_boundary_vertex(v) && !within.is_boundary_vertex(v);
+            let unscaled = match is_rim {
+                true => filled.intrinsic.angle_sum[v] / (2.0 * PI),
+                false => 1.0,
+            };
+            mesh.polar(topology, h) + turned * unscaled
+        });
+        let turn = PerEdge::from_fn(topology.n_edges(), |e: EdgeId| {
+            let h = topology.edge_half_edge(e);
+            let edge = within.edge(h);
+            let rest = filled.rest(within, edge);
+            let rest = if within.edge_half_edge(edge) == h {
+                rest
+            } else {
+                -rest
+            };
+            let [i, j] = topology.edge_vertices(e);
+            let turned = angle[j] - angle[i] - mesh.transport(e) - rest;
+            (turned / FRAC_PI_3).round() as i32
+        });
+        Directions {
+            cone: cones(topology, &mesh, &angle, &turn),
+            metric,
+            intrinsic: mesh,
+            angle,
+            turn,
+            cancelled: filled.cancelled,
+        }
+    }
+}
+
+/// Whether a surface has holes that directions for panels of a length can run across.
+pub(crate) fn has_small_holes(surface: &TriangleSurface, length: &PerVertex<f64>) -> bool {
+    let metric = length.map(|l| Matrix3::from_diagonal_element(l.powi(-2)));
+    FilledSurface::new(surface, &metric).is_some()
+}
+
+/// Length of a closed line of vertices in a metric.
+fn rim_length(
+    surface: &TriangleSurface,
+    metric: &PerVertex<Matrix3<f64>>,
+    rim: &[VertexId],
+) -> f64 {
+    let sides = rim.iter().zip(rim.iter().cycle().skip(1));
+    let length = |(a, b): (&VertexId, &VertexId)| {
+        let d = surface.positions()[*b] - surface.positions()[*a];
+        (0.5 * d.dot(&((metric[*a] + metric[*b]) * d))).sqrt()
+    };
+    sides.map(length).sum()
+}
