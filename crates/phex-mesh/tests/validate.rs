@@ -262,6 +262,78 @@ fn double_cover_at_a_vertex_is_located() {
     assert!(found[0].to_string().contains("2.00 times"));
 }
 
+/// Two faces at a vertex of the boundary, at which each has the same angle, degrees.
+fn pair(corner: f64) -> HexMesh {
+    let at = |degrees: f64, radius: f64| {
+        let angle = degrees.to_radians();
+        Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+    };
+    let mut points = vec![Vec3::zeros()];
+    points.extend((0..3).map(|k| at(corner * f64::from(k), 1.0)));
+    let mut faces = Vec::new();
+    for k in 0..2u32 {
+        let first = points.len() as u32;
+        let around = [0.25, 0.5, 0.75].map(|t| at((f64::from(k) + t) * corner, 2.0));
+        points.extend(around);
+        faces.push([0, 1 + k, first, first + 1, first + 2, 2 + k]);
+    }
+    HexMesh::new(points, &faces).unwrap()
+}
+
+#[test]
+fn faces_that_overlap_at_a_vertex_of_the_boundary_are_located() {
+    assert_eq!(check(&pair(120.0)), []);
+    assert_eq!(check(&pair(170.0)), []);
+    let found = check(&pair(190.0));
+    let fans = of_kind(&found, "wrong_fan");
+    let [
+        Violation::WrongFan {
+            vertex,
+            faces,
+            turns,
+        },
+    ] = &fans[..]
+    else {
+        panic!("{found:?}")
+    };
+    assert!(*vertex == VertexId::new(0) && faces.len() == 2 && (turns - 2.0).abs() < 1e-12);
+    let said = fans[0].to_string();
+    assert!(
+        said.starts_with("faces f0 and f1 go round vertex v0 2.00 times"),
+        "{said}"
+    );
+}
+
+/// A face whose tip lies over its neighbour, or ends before it, in one plane.
+#[test]
+fn a_tip_over_a_neighbour_overlaps_it() {
+    let with_tip = |height: f64| {
+        let outline = [
+            [0.0, 0.0],
+            [0.0, 1.0],
+            [-1.0, 1.0],
+            [-1.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 3.0],
+            [-1.0, 3.0],
+            [-0.5, height],
+            [-0.4, 2.0],
+        ];
+        let points = outline.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
+        let faces: [&[u32]; 2] = [&[0, 1, 2, 3], &[0, 4, 5, 6, 7, 8, 1]];
+        HexMesh::new(points, &faces).unwrap()
+    };
+    assert_eq!(check(&with_tip(1.2)), []);
+    let found = check(&with_tip(0.7));
+    assert_eq!(of_kind(&found, "crossing").len(), found.len(), "{found:?}");
+    // Two edges of the tip over the neighbour, and one of the neighbour under the tip.
+    let faces = found.iter().map(|v| match v {
+        Violation::Crossing { face, .. } => face.index(),
+        other => panic!("{other}"),
+    });
+    assert_eq!(faces.collect::<Vec<_>>(), [1, 0, 0]);
+}
+
 #[test]
 fn mirrored_face_is_flipped_against_its_neighbours() {
     let flat = honeycomb(5, 5);

@@ -1,16 +1,80 @@
-//! Edges that pass through faces they do not belong to.
+//! Edges that pass through faces they do not belong to, and faces that overlap at the boundary.
 
 use super::violation::{Violation, edge_faces};
 use crate::clipped::{ClippedMesh, to_parry};
-use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, Vec3};
+use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, Topology, Vec3};
 use parry3d_f64::bounding_volume::Aabb;
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
+use std::collections::BTreeSet;
 
 /// Relative to the length of the edge and the heights of the triangle. At a corner of 180 degrees
 /// an edge starts on the border of a face up to rounding, so that exact signs alone would see
 /// crossings in valid meshes.
 const TOUCHING: f64 = 1e-9;
+
+/// Height, in mean edges, up to which a face that lies over another one overlaps it.
+const OVERLAP_HEIGHT: f64 = 0.25;
+
+/// Faces that overlap beside the boundary: edges of it that cross, seen along the mean normal of
+/// their faces, which are neighbours or have one in common. Nothing else tells them from faces that
+/// end side by side, since they lie in one plane, nearly. By edge and then by face.
+pub(super) fn overlaps(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Violation> {
+    let topology = mesh.topology();
+    let height = OVERLAP_HEIGHT * mesh.mean_edge();
+    let of_face = |f: FaceId| topology.face_half_edges(f).map(|h| topology.edge(h));
+    let at_boundary = |e: &EdgeId| topology.is_boundary_edge(*e);
+    let rim: Vec<EdgeId> = topology.edges().filter(at_boundary).collect();
+    let crossed = |&edge: &EdgeId| {
+        let own = topology.face(topology.edge_half_edge(edge));
+        let others = beside(topology, &beside(topology, &BTreeSet::from([own])));
+        let crosses = |g: &FaceId| {
+            let edges = of_face(*g).filter(at_boundary);
+            let normals = [own, *g].map(|f| faces[f].normal());
+            *g != own
+                && edges
+                    .into_iter()
+                    .any(|other| cross(mesh, [edge, other], normals, height))
+        };
+        let found: Vec<FaceId> = others.into_iter().filter(crosses).collect();
+        found.into_iter().map(move |face| Violation::Crossing {
+            edge,
+            vertices: topology.edge_vertices(edge),
+            face,
+        })
+    };
+    rim.par_iter().flat_map_iter(crossed).collect()
+}
+
+/// Faces, and those that share a vertex with them.
+fn beside(topology: &Topology, faces: &BTreeSet<FaceId>) -> BTreeSet<FaceId> {
+    let vertices = faces.iter().flat_map(|f| topology.face_vertices(*f));
+    let half_edges = vertices.flat_map(|v| topology.outgoing(*v));
+    half_edges.map(|h| topology.face(h)).collect()
+}
+
+/// Whether two edges cross, seen along the mean of two normals, at most a height apart.
+fn cross(mesh: &HexMesh, edges: [EdgeId; 2], normals: [Vec3; 2], height: f64) -> bool {
+    let [first, second] = edges.map(|e| mesh.topology().edge_vertices(e));
+    if first.iter().any(|v| second.contains(v)) || normals[0].dot(&normals[1]) <= 0.0 {
+        return false;
+    }
+    let axis = (normals[0] + normals[1]).normalize();
+    let [a, b] = first.map(|v| mesh.position(v));
+    let [c, d] = second.map(|v| mesh.position(v));
+    // Twice the area of a triangle as it is seen.
+    let area = |p: Vec3, q: Vec3, r: Vec3| axis.dot(&(q - p).cross(&(r - p)));
+    let along = shares([area(c, d, a), -area(c, d, b)]);
+    let other = shares([area(a, b, c), -area(a, b, d)]);
+    let inside = |shares: &[f64; 2]| shares.iter().all(|&share| share > TOUCHING);
+    let between = |p: Vec3, q: Vec3, [near, far]: [f64; 2]| p * far + q * near;
+    inside(&along)
+        && inside(&other)
+        && axis
+            .dot(&(between(a, b, along) - between(c, d, other)))
+            .abs()
+            < height
+}
 
 /// All crossings, by edge and then by face.
 ///

@@ -198,6 +198,7 @@ pub fn violations(
     found.extend(inspection.flipped_faces(surface));
     found.extend(topology.edges().filter_map(|e| inspection.fold(e)));
     found.extend(crossings::crossings(mesh, &inspection.faces));
+    found.extend(crossings::overlaps(mesh, &inspection.faces));
     found
 }
 
@@ -316,17 +317,18 @@ impl<'a> Inspection<'a> {
         wrong.then_some(Violation::WrongDegree { vertex, degree })
     }
 
+    /// At the boundary what is beyond the panels takes the place of the third one.
     fn wrong_fan(&self, vertex: VertexId) -> Option<Violation> {
         let topology = self.mesh.topology();
-        if topology.is_boundary_vertex(vertex) {
-            return None;
-        }
         let faces: Vec<FaceId> = topology
             .outgoing(vertex)
             .map(|h| topology.face(h))
             .collect();
-        let faces: [FaceId; 3] = faces.try_into().ok()?;
-        let turns = self.turns(vertex, faces);
+        let beyond = usize::from(topology.is_boundary_vertex(vertex));
+        if faces.len() + beyond != 3 {
+            return None;
+        }
+        let turns = self.turns(vertex, &faces);
         let once = (turns - 1.0).abs() <= 1e-6;
         (!once).then_some(Violation::WrongFan {
             vertex,
@@ -335,9 +337,8 @@ impl<'a> Inspection<'a> {
         })
     }
 
-    /// How often the corners at a vertex go round it, seen along the mean normal of its faces.
-    fn turns(&self, vertex: VertexId, faces: [FaceId; 3]) -> f64 {
-        let topology = self.mesh.topology();
+    /// How often the edges at a vertex go round it, seen along the mean normal of its faces.
+    fn turns(&self, vertex: VertexId, faces: &[FaceId]) -> f64 {
         let mean: Vec3 = faces.iter().map(|&f| self.faces[f].normal()).sum();
         let [x, y] = axes_across(mean.try_normalize(0.0).unwrap_or_else(Vec3::z));
         let centre = self.mesh.position(vertex);
@@ -345,13 +346,11 @@ impl<'a> Inspection<'a> {
             let d = self.mesh.position(v) - centre;
             d.dot(&y).atan2(d.dot(&x))
         };
-        let angle =
-            |h| direction(topology.origin(topology.prev(h))) - direction(topology.target(h));
-        topology
-            .outgoing(vertex)
-            .map(|h| angle(h).rem_euclid(TAU))
-            .sum::<f64>()
-            / TAU
+        let neighbours = self.mesh.topology().neighbours(vertex);
+        let directions: Vec<f64> = neighbours.into_iter().map(direction).collect();
+        let next = directions.iter().cycle().skip(1);
+        let angles = directions.iter().zip(next);
+        angles.map(|(a, b)| (b - a).rem_euclid(TAU)).sum::<f64>() / TAU
     }
 
     fn flipped_faces(&self, surface: Option<&TriangleSurface>) -> Vec<Violation> {

@@ -73,14 +73,14 @@ pub enum Violation {
         /// Smallest allowed distance to 0 and to 2 pi.
         limit: f64,
     },
-    /// Seen along the mean normal, the corners at an interior vertex of degree 3 do not go round
-    /// exactly once.
+    /// Seen along the mean normal, the edges at a vertex of degree 3 do not go round exactly once:
+    /// its faces overlap.
     WrongFan {
         /// The vertex.
         vertex: VertexId,
-        /// The faces there.
-        faces: [FaceId; 3],
-        /// How often they go round; 2 is a double cover.
+        /// The faces there: three, or two at the boundary.
+        faces: Vec<FaceId>,
+        /// How often the edges go round; 2 is a double cover.
         turns: f64,
     },
     /// The face's normal points the wrong way.
@@ -106,7 +106,8 @@ pub enum Violation {
         /// Its number of faces.
         degree: usize,
     },
-    /// The edge passes through the inside of a face that does not hold it.
+    /// The edge passes through the inside of a face that does not hold it, or lies over it at the
+    /// boundary.
     Crossing {
         /// The edge.
         edge: EdgeId,
@@ -138,7 +139,9 @@ impl Violation {
     /// The faces that take part: the named ones, and those that hold the named edge or vertex.
     pub fn faces(&self, topology: &Topology) -> Vec<FaceId> {
         match *self {
-            Self::NotFinite { vertex } | Self::WrongDegree { vertex, .. } => topology
+            Self::NotFinite { vertex }
+            | Self::WrongDegree { vertex, .. }
+            | Self::WrongFan { vertex, .. } => topology
                 .outgoing(vertex)
                 .map(|h| topology.face(h))
                 .collect(),
@@ -148,7 +151,6 @@ impl Violation {
             | Self::FoldedCorner { face, .. }
             | Self::FlippedFace { face, .. } => vec![face],
             Self::CollapsedEdge { edge, .. } => edge_faces(topology, edge).collect(),
-            Self::WrongFan { faces, .. } => faces.to_vec(),
             Self::Fold { faces, .. } => faces.to_vec(),
             Self::Crossing { edge, face, .. } => edge_faces(topology, edge).chain([face]).collect(),
         }
@@ -262,12 +264,17 @@ impl fmt::Display for Violation {
             ),
             Self::WrongFan {
                 vertex,
-                faces: [a, b, c],
+                faces,
                 turns,
-            } => write!(
-                f,
-                "faces {a}, {b} and {c} go round vertex {vertex} {turns:.2} times instead of once"
-            ),
+            } => {
+                let names: Vec<String> = faces.iter().map(ToString::to_string).collect();
+                let (last, others) = names.split_last().expect("a fan has faces");
+                let others = others.join(", ");
+                write!(
+                    f,
+                    "faces {others} and {last} go round vertex {vertex} {turns:.2} times instead of once"
+                )
+            }
             Self::FlippedFace {
                 face,
                 against: FlipReference::Neighbours,

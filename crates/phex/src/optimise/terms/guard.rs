@@ -14,7 +14,8 @@ use phex_mesh::{FaceId, Topology, Vec3, VertexId};
 /// Least `n . n'` of the faces at an edge that is not called folded.
 const UNFOLDED: f64 = 0.0;
 
-/// An interior vertex of degree 3 with its neighbours and faces, counter-clockwise.
+/// A vertex of degree 3 with its neighbours and faces, counter-clockwise; at the boundary the first
+/// face stands in for the third one.
 #[derive(Clone, Copy, Debug)]
 struct Fan {
     vertex: u32,
@@ -56,8 +57,7 @@ impl Guard {
     /// `side` is the surface's normal at each face, if there is a surface; `least_side` the least
     /// `n . side`.
     pub fn new(topology: &Topology, side: Option<Vec<Vec3>>, least_side: f64) -> Self {
-        let inner =
-            |v: &VertexId| !topology.is_boundary_vertex(*v) && topology.face_degree(*v) == 3;
+        let is_fan = |v: &VertexId| topology.neighbours(*v).len() == 3;
         let hinge = |e| {
             let h = topology.edge_half_edge(e);
             let face = |h| topology.face(h).index() as u32;
@@ -66,7 +66,7 @@ impl Guard {
         Self {
             fans: topology
                 .vertices()
-                .filter(inner)
+                .filter(is_fan)
                 .map(|v| fan(topology, v))
                 .collect(),
             hinges: topology.edges().filter_map(hinge).collect(),
@@ -101,7 +101,9 @@ impl Guard {
     }
 
     fn fan_goes_round_once(&self, fan: &Fan, shape: &FaceShapes, x: &[f64]) -> bool {
-        let axis: Vec3 = fan.faces.iter().map(|&f| shape.normal(f as usize)).sum();
+        let [f, g, last] = fan.faces;
+        let faces = [f, g].into_iter().chain((last != f).then_some(last));
+        let axis: Vec3 = faces.map(|f| shape.normal(f as usize)).sum();
         let centre = point(x, fan.vertex as usize);
         let e = fan.neighbours.map(|n| point(x, n as usize) - centre);
         // Three directions turn counter-clockwise once exactly if at most one of the turns is a
@@ -225,15 +227,11 @@ fn all_local<const N: usize>(list: &[u32], numbers: [u32; N]) -> Option<[u32; N]
 }
 
 fn fan(topology: &Topology, v: VertexId) -> Fan {
-    let mut fan = Fan {
+    let neighbours = topology.neighbours(v);
+    let faces: Vec<FaceId> = topology.outgoing(v).map(|h| topology.face(h)).collect();
+    Fan {
         vertex: v.index() as u32,
-        neighbours: [0; 3],
-        faces: [0; 3],
-    };
-    for (k, h) in topology.outgoing(v).take(3).enumerate() {
-        let face: FaceId = topology.face(h);
-        fan.neighbours[k] = topology.target(h).index() as u32;
-        fan.faces[k] = face.index() as u32;
+        neighbours: std::array::from_fn(|k| neighbours[k].index() as u32),
+        faces: std::array::from_fn(|k| faces[k % faces.len()].index() as u32),
     }
-    fan
 }
