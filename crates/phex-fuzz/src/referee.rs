@@ -357,7 +357,8 @@ fn to_segment(p: InPlane, [a, b]: [InPlane; 2]) -> f64 {
     gap(p, [a[0] + t * e[0], a[1] + t * e[1]])
 }
 
-/// Inner vertices without three faces, or with faces that do not go round them once.
+/// Inner vertices without three faces, or with faces that do not go round them once, and vertices
+/// of the boundary round which two faces go more than once.
 fn wrong_vertices(
     mesh: &RawMesh,
     sides: &HashMap<[usize; 2], usize>,
@@ -372,16 +373,19 @@ fn wrong_vertices(
             corners.entry(f[i]).or_default().push([k, after, before]);
         }
     }
-    let inner = corners.iter().filter(|(v, _)| !boundary.contains(v));
     let fault = |(&v, around): (&usize, &Vec<[usize; 3]>)| {
-        if around.len() != 3 {
+        let inside = !boundary.contains(&v);
+        if inside && around.len() != 3 {
             return Some(format!("vertex {v} has {} faces", around.len()));
         }
         let turns = turns(mesh, panels, v, around);
-        let wrong = !((turns - 1.0).abs() <= 1e-6);
+        let wrong = match inside {
+            true => !((turns - 1.0).abs() <= 1e-6),
+            false => around.len() == 2 && !(turns <= 1.0 + 1e-9),
+        };
         wrong.then(|| format!("the corners at vertex {v} go round it {turns:.3} times"))
     };
-    inner.filter_map(fault).collect()
+    corners.iter().filter_map(fault).collect()
 }
 
 fn turns(mesh: &RawMesh, panels: &[JudgedPanel], v: usize, around: &[[usize; 3]]) -> f64 {

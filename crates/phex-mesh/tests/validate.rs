@@ -299,7 +299,7 @@ fn faces_that_overlap_at_a_vertex_of_the_boundary_are_located() {
     assert!(*vertex == VertexId::new(0) && faces.len() == 2 && (turns - 2.0).abs() < 1e-12);
     let said = fans[0].to_string();
     assert!(
-        said.starts_with("faces f0 and f1 go round vertex v0 2.00 times"),
+        said.starts_with("faces 0 and 1 go round vertex 0 2.00 times"),
         "{said}"
     );
 }

@@ -62,18 +62,22 @@ fn cross(mesh: &HexMesh, edges: [EdgeId; 2], normals: [Vec3; 2], height: f64) ->
     let axis = (normals[0] + normals[1]).normalize();
     let [a, b] = first.map(|v| mesh.position(v));
     let [c, d] = second.map(|v| mesh.position(v));
-    // Twice the area of a triangle as it is seen.
-    let area = |p: Vec3, q: Vec3, r: Vec3| axis.dot(&(q - p).cross(&(r - p)));
-    let along = shares([area(c, d, a), -area(c, d, b)]);
-    let other = shares([area(a, b, c), -area(a, b, d)]);
-    let inside = |shares: &[f64; 2]| shares.iter().all(|&share| share > TOUCHING);
+    let touching = TOUCHING * (b - a).norm().max((d - c).norm());
+    // Where the ends of a segment lie beside the line through two points, as it is seen: shares of
+    // the way from one side to the other.
+    let sides = |p: Vec3, q: Vec3, ends: [Vec3; 2]| {
+        let across = axis.cross(&(q - p)).normalize();
+        let [near, far] = ends.map(|end| across.dot(&(end - p)));
+        let crosses = near.abs() > touching && far.abs() > touching && near * far < 0.0;
+        crosses.then(|| shares([near, -far]))
+    };
     let between = |p: Vec3, q: Vec3, [near, far]: [f64; 2]| p * far + q * near;
-    inside(&along)
-        && inside(&other)
-        && axis
-            .dot(&(between(a, b, along) - between(c, d, other)))
-            .abs()
-            < height
+    let (Some(along), Some(other)) = (sides(c, d, [a, b]), sides(a, b, [c, d])) else {
+        return false;
+    };
+    axis.dot(&(between(a, b, along) - between(c, d, other)))
+        .abs()
+        < height
 }
 
 /// All crossings, by edge and then by face.
