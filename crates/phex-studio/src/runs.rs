@@ -42,7 +42,7 @@ struct CurrentRun {
 }
 
 impl CurrentRun {
-    /// Whether a wish was overtaken by this one on its way, a preview by the run that took its place.
+    /// Whether a wish was overtaken by this one on its way: a preview by the run after it.
     fn has_overtaken(&self, wish: &GrantedWish) -> bool {
         let both = wish.asked.as_ref().zip(self.asked.as_ref());
         both.is_some_and(|(late, here)| late.is_older_than(here))
