@@ -1,8 +1,10 @@
-//! Panels of the better of two fields: opposite cones that are far apart may cancel, or stay.
+//! Panels of the better of two fields: opposite cones that are far apart may cancel, or stay, and
+//! rows may run across small holes, or round them.
 //!
 //! A pair of cones costs two irregular panels. Without it panels of a smooth roof are hardly less
-//! even, and those of a body whose curvature comes in lumps are. Which of both it is shows in the
-//! panels as they are laid out.
+//! even, and those of a body whose curvature comes in lumps are. Rows round a small hole want cones
+//! near it, towards which panels shrink, and a hole with room for them wants such rows. Which of
+//! both it is shows in the panels as they are laid out.
 
 use super::domain::Ground;
 use super::field::{Field, FineSurface};
@@ -23,8 +25,8 @@ pub(super) struct FieldPanels {
 }
 
 impl FieldPanels {
-    /// Those of the field of the settings, or of one with fewer cones where these can be had and
-    /// the panels are better for it.
+    /// Those of the field of the settings, or of one with fewer cones, and across small holes,
+    /// where these can be had and the panels are better for it.
     pub fn better(
         ground: &Ground,
         level: usize,
