@@ -52,6 +52,9 @@ const HOPELESS: f64 = 1.0 / 3.0;
 /// all the same.
 const FEW: f64 = 3.0;
 const FEW_SHARE: f64 = 0.06;
+/// Sweeps in a row that change nothing after which no more begin: each width has failed by then at
+/// the worst place, and at what touches it.
+const FRUITLESS: usize = RINGS.len();
 /// Candidates after which no sweep begins, and one more for each panel: the cost follows the
 /// panels.
 const LEAST_TRIED: usize = 60;
@@ -193,7 +196,12 @@ impl SearchState {
             failed,
         } = self;
         let most = LEAST_TRIED + mesh.topology().n_faces();
-        while summary.sweeps < SWEEPS && summary.tried < most && !progress.is_cancelled() {
+        let mut fruitless = 0;
+        while summary.sweeps < SWEEPS
+            && summary.tried < most
+            && fruitless < FRUITLESS
+            && !progress.is_cancelled()
+        {
             let places = chosen(mesh, whole, failed, &site.resting(mesh));
             if places.is_empty() {
                 break;
@@ -221,6 +229,10 @@ impl SearchState {
                 total: SWEEPS,
             });
             let kept = take(mesh, whole, &changes, site);
+            fruitless = match kept.contains(&Some(true)) {
+                true => 0,
+                false => fruitless + 1,
+            };
             for (defect, kept) in at.iter().zip(kept) {
                 let far = |f: &Failed| (f.place - defect.place).norm() > NEAR * edge;
                 match kept {
