@@ -32,7 +32,7 @@ pub(crate) mod conformal;
 pub(crate) mod guides;
 pub(crate) mod holes;
 pub(crate) mod intrinsic;
-pub(crate) mod metric;
+mod metric;
 mod mirrors;
 pub(crate) mod network;
 pub(crate) mod rosy;

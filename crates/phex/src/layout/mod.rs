@@ -32,7 +32,7 @@ pub(crate) mod tangent_planes;
 pub use brick_wall::{BrickWallOptions, BrickWallStatistics};
 pub use lattice::dislocations::Annihilation;
 pub use lattice::eisenstein::CELL;
-pub use record::{Layout, VertexKind, WishedArea};
+pub use record::{Layout, PanelWish, VertexKind};
 pub use seeds::Seed;
 
 use crate::classical::{DomainError, DualityError, PowerError};
@@ -323,7 +323,7 @@ fn record(
         face_point: PerFace::from_vec(foot.iter().map(|p| p.position).collect()),
         face_normal: PerFace::from_vec(foot.iter().map(|p| p.normal).collect()),
         face_length: PerFace::from_vec(length),
-        face_wish: PerFace::filled(complex.panels.len(), WishedArea::ANY),
+        face_wish: PerFace::filled(complex.panels.len(), PanelWish::ANY),
         face_seed: PerFace::from_vec(seed),
     })
 }
@@ -404,7 +404,7 @@ pub(crate) mod tests {
             vertex_kind: PerVertex::from_vec(topology.vertices().map(kind).collect()),
             face_normal: PerFace::filled(faces.len(), Vec3::z()),
             face_length: PerFace::filled(faces.len(), 1.0),
-            face_wish: PerFace::filled(faces.len(), WishedArea::ANY),
+            face_wish: PerFace::filled(faces.len(), PanelWish::ANY),
             face_seed: PerFace::from_vec((0..faces.len() as u32).map(VertexId::new).collect()),
             face_point: PerFace::from_vec(middle),
             mesh,
@@ -440,7 +440,7 @@ pub(crate) mod tests {
         cut.face_point = again(&cut.face_point);
         cut.face_normal = again(&cut.face_normal);
         cut.face_length = PerFace::filled(faces.len(), 1.0);
-        cut.face_wish = PerFace::filled(faces.len(), WishedArea::ANY);
+        cut.face_wish = PerFace::filled(faces.len(), PanelWish::ANY);
         cut.face_seed = PerFace::from_vec((0..faces.len() as u32).map(VertexId::new).collect());
         cut.mesh = HexMesh::new(positions, &faces).expect("a cut patch");
         cut

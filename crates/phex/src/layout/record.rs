@@ -18,20 +18,23 @@ pub enum VertexKind {
     BoundaryCorner,
 }
 
-/// Area that a panel is to have.
+/// Size and shape that a panel is to have.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WishedArea {
+pub struct PanelWish {
     /// Area, in any unit: only the proportions between panels count.
     pub area: f64,
     /// How much it counts, 0 (any area will do) to 1.
     pub share: f64,
+    /// Length over width at the most ([`phex_mesh::measure::aspect`]), > 1; infinite for any.
+    pub aspect: f64,
 }
 
-impl WishedArea {
-    /// Any area.
+impl PanelWish {
+    /// Any area and shape.
     pub const ANY: Self = Self {
         area: 1.0,
         share: 0.0,
+        aspect: f64::INFINITY,
     };
 }
 
@@ -49,9 +52,9 @@ pub struct Layout {
     pub face_normal: PerFace<Vec3>,
     /// Local panel length (distance of neighbouring panel centres).
     pub face_length: PerFace<f64>,
-    /// Area of each panel as the field of sizes asks for it, whatever size the lattice could give
-    /// it.
-    pub face_wish: PerFace<WishedArea>,
+    /// Area and shape of each panel as the field of sizes and the metric ask for them, whatever the
+    /// lattice could give it.
+    pub face_wish: PerFace<PanelWish>,
     /// Vertex of the refined surface that each cell grew from; the repair loop drops seeds of
     /// panels that stay invalid.
     pub face_seed: PerFace<VertexId>,

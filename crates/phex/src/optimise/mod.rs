@@ -29,7 +29,7 @@
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
 //! | `c` | `terms::shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
-//! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::WishedArea`] | weight of areas, the area that a panel is to have |
+//! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::PanelWish`] | weight of areas, the area that a panel is to have |
 //!
 //! [`planarize`] tries the **fast path** (`solver/fast.rs`) before it, where the planes of the
 //! panels meet in points that make them nearly planar, as on conjugate meshes: the same closeness
@@ -114,7 +114,7 @@ pub use steering::wishes::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use targets::shape_target::ShapeTarget;
 pub use targets::surface_target::SurfaceTarget;
 pub(crate) use terms::angle_term::walks::free_edges;
-pub(crate) use terms::shape_limits::FaceLimits;
+pub(crate) use terms::shape_limits::{FaceLimits, ShapeWish};
 
 /// Foot point on a target surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -233,7 +233,7 @@ pub(crate) fn optimise_quotient(
         cells = stage.start_at(&cells.x);
     }
     stage.areas = areas::of_layout(layout, &stage.panels, &cells.x, options.evenness);
-    stage.limits = FaceLimits::of(&stage.panels, &cells.x, options);
+    stage.limits = FaceLimits::of(&stage.panels, &cells.x, options).with_shapes(layout);
     let mut solvers = Solvers::new(&stage.panels)?;
     let kind = StartKind::SmoothedCells;
     let run = stage.run(&mut solvers, kind, &cells, options, progress)?;

@@ -15,7 +15,7 @@ use crate::directions::network::{
     conjugate_network, level_lines, row_field,
 };
 use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
-use crate::layout::{LayoutError, LayoutStatistics, WishedArea};
+use crate::layout::{LayoutError, LayoutStatistics, PanelWish};
 use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
 use crate::progress::Progress;
 use crate::quality::{Judge, Merit, References};
@@ -131,7 +131,7 @@ pub(super) fn mesh_with_panels(
     })?;
     let trimmed = clock.timed("trim", || ground.trimmed(&result.mesh, &site.surface))?;
     let mut mesh = trimmed.mesh;
-    let any = PerVertex::filled(site.surface.positions().len(), WishedArea::ANY);
+    let any = PerVertex::filled(site.surface.positions().len(), PanelWish::ANY);
     let surfaces = Surfaces::new(ground, site.surface.clone(), any);
     let mut found = None;
     if options.effort != Effort::Draft && !progress.is_cancelled() {

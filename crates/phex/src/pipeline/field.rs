@@ -11,7 +11,7 @@ use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::{self, DirectionOptions, Directions};
 use crate::layout::lattice::eisenstein::CELL;
 use crate::layout::seeds::Seed;
-use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, Placed, WishedArea};
+use crate::layout::{self, CellSurface, Layout, LayoutError, LayoutOptions, PanelWish, Placed};
 use crate::progress::Progress;
 use crate::smooth_surface::SmoothTarget;
 use nalgebra::Matrix3;
@@ -26,6 +26,8 @@ pub(super) struct Field {
     /// Panel length at each vertex as the field of sizes asks for it, without the metric's own
     /// changes of size.
     pub length: PerVertex<f64>,
+    /// Length over width of panels in its metric at the most.
+    pub anisotropy: f64,
     pub placed: Placed,
     /// How its lattice was made.
     pub layout: LayoutOptions,
@@ -63,6 +65,7 @@ impl Field {
             curvature,
             directions,
             length,
+            anisotropy: settings.anisotropy,
             placed,
             layout: options.layout.clone(),
         })
@@ -248,7 +251,7 @@ pub(super) struct FineSurface {
     mesh: IntrinsicMesh,
     corners: HashSet<VertexId>,
     /// Area that a panel is to have at each vertex.
-    pub wish: PerVertex<WishedArea>,
+    pub wish: PerVertex<PanelWish>,
 }
 
 impl FineSurface {
@@ -262,7 +265,7 @@ impl FineSurface {
             metric = step.apply(&metric);
             length = step.apply(&length);
         }
-        let wish = wished_areas(&curvature, &length);
+        let wish = wished(&curvature, &length, BRICK * field.anisotropy);
         let surface = smooth.finest().unshared().with_normals(curvature.normal);
         let mirrors = &ground.options.directions.mirrors;
         let mesh = IntrinsicMesh::new(&surface, &metric).with_mirrors(&surface, mirrors);
@@ -300,15 +303,20 @@ impl FineSurface {
     }
 }
 
-/// Areas that panels are to have. Where a panel is longer than the radius of curvature planarity
-/// decides what area it can have: wishes fade there with the fourth power of their ratio.
-fn wished_areas(curvature: &Curvature, length: &PerVertex<f64>) -> PerVertex<WishedArea> {
+/// Length over width of a brick in a lattice, over that of the regular hexagon from which it is
+/// made with the same area.
+const BRICK: f64 = 1.0 / CELL;
+
+/// Sizes and shapes that panels are to have. Where a panel is longer than the radius of curvature
+/// planarity decides what area it can have: wishes fade there with the fourth power of their ratio.
+fn wished(curvature: &Curvature, length: &PerVertex<f64>, aspect: f64) -> PerVertex<PanelWish> {
     let principal = curvature.principal();
     PerVertex::from_fn(length.len(), |v| {
         let turn = length[v] * principal[v].large.abs().max(principal[v].small.abs());
-        WishedArea {
+        PanelWish {
             area: CELL * length[v].powi(2),
             share: 1.0 / (1.0 + turn.powi(4)),
+            aspect,
         }
     })
 }

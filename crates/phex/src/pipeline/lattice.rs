@@ -8,7 +8,7 @@ use super::preview::LaidOut;
 use super::rim::Rim;
 use super::{Clock, MeshOptions, PipelineError, between_panels};
 use crate::directions::guides::Cone;
-use crate::layout::{Layout, LayoutStatistics, WishedArea};
+use crate::layout::{Layout, LayoutStatistics, PanelWish};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::quality::{Judge, Judgement, References};
 use crate::search::{AreaField, Searched, Site, search};
@@ -35,14 +35,14 @@ pub(super) struct Pass {
 pub(super) struct Surfaces {
     /// The surface on which cells were drawn, and the areas that panels are to have there.
     fine: TriangleSurface,
-    wish: PerVertex<WishedArea>,
+    wish: PerVertex<PanelWish>,
     pub reported: TriangleSurface,
     facets: TriangleSurface,
     pub beyond: Option<Beyond>,
 }
 
 impl Surfaces {
-    pub fn new(ground: &Ground, fine: TriangleSurface, wish: PerVertex<WishedArea>) -> Self {
+    pub fn new(ground: &Ground, fine: TriangleSurface, wish: PerVertex<PanelWish>) -> Self {
         Self {
             reported: ground.reported(&fine).clone(),
             facets: ground.given_facets().clone(),

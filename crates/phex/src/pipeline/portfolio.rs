@@ -246,7 +246,8 @@ impl Task<'_> {
     }
 
     /// What is searched next, where the search has left something outside limits: the other lattice
-    /// if only one was tried; with [`Effort::Best`] the best of those that are left.
+    /// if only one was tried; the best of those that are left with [`Effort::Best`], and where a
+    /// panel is still broken.
     fn next(
         &self,
         found: &SearchedMember,
@@ -258,7 +259,7 @@ impl Task<'_> {
             return None;
         }
         let [only] = &tried[..] else {
-            let all = self.options.effort == Effort::Best;
+            let all = self.options.effort == Effort::Best || found.merit.invalid > 0.0;
             return all.then(|| self.taken(left)).flatten();
         };
         let candidate = only.candidate.resolving(self.options)?;

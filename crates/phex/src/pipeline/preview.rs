@@ -8,7 +8,7 @@ use super::two_fields::FieldPanels;
 use super::{Clock, PipelineError, StageSeconds};
 use crate::directions::guides::Cone;
 use crate::layout::seeds::Seed;
-use crate::layout::{Layout, LayoutStatistics, WishedArea};
+use crate::layout::{Layout, LayoutStatistics, PanelWish};
 use crate::progress::Progress;
 use crate::smooth_surface::Similarity;
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
@@ -44,7 +44,7 @@ pub(super) struct LaidOut {
     /// The surface on which cells were drawn.
     pub surface: TriangleSurface,
     /// Area that a panel is to have at each of its vertices.
-    pub wish: PerVertex<WishedArea>,
+    pub wish: PerVertex<PanelWish>,
     pub layout: Layout,
     pub statistics: LayoutStatistics,
     /// Cones of the direction field, normalised.

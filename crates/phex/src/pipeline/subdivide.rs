@@ -2,7 +2,7 @@
 
 use super::PipelineError;
 use crate::classical::dual_subdivision::chamfer;
-use crate::layout::{Layout, LayoutError, VertexKind, WishedArea};
+use crate::layout::{Layout, LayoutError, PanelWish, VertexKind};
 use crate::optimise::{self, OptimiseOptions, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::smooth_surface::{self, Normalised, TargetOptions};
@@ -90,7 +90,7 @@ fn as_layout(mesh: HexMesh, surface: &TriangleSurface) -> Layout {
         face_point: PerFace::from_vec(feet.iter().map(|p| p.position).collect()),
         face_normal: PerFace::from_vec(feet.iter().map(|p| p.normal).collect()),
         face_length: PerFace::from_fn(topology.n_faces(), length),
-        face_wish: PerFace::filled(topology.n_faces(), WishedArea::ANY),
+        face_wish: PerFace::filled(topology.n_faces(), PanelWish::ANY),
         face_seed: PerFace::filled(topology.n_faces(), VertexId::new(0)),
         mesh: mesh.with_positions(PerVertex::from_vec(
             on_surface.iter().map(|p| p.position).collect(),

@@ -1,8 +1,10 @@
 //! What patches are laid on, kept close to, and judged by.
 
 use super::patch::{Built, Patch};
-use crate::layout::{Layout, VertexKind, WishedArea};
-use crate::optimise::{BoundaryHold, FaceLimits, LocalPart, OptimiseOptions, SurfaceTarget};
+use crate::layout::{Layout, PanelWish, VertexKind};
+use crate::optimise::{
+    BoundaryHold, FaceLimits, LocalPart, OptimiseOptions, ShapeWish, SurfaceTarget,
+};
 use crate::progress::{Progress, Quiet};
 use crate::quality::{Judge, Judgement, Scope, Shapes, Yardstick};
 use phex_mesh::measure::{LEAST_RIM_AREA, wanted_clearance};
@@ -21,12 +23,12 @@ pub struct AreaField<'a> {
     /// The surface.
     pub surface: &'a TriangleSurface,
     /// The areas.
-    pub wish: &'a PerVertex<WishedArea>,
+    pub wish: &'a PerVertex<PanelWish>,
 }
 
 impl AreaField<'_> {
     /// Areas that panels with their middles at points are to have.
-    fn at(&self, points: &[Vec3]) -> Vec<WishedArea> {
+    fn at(&self, points: &[Vec3]) -> Vec<PanelWish> {
         let topology = self.surface.topology();
         let feet = self.surface.closest_points(points).into_iter();
         feet.map(|foot| self.wish[topology.face_vertices(foot.triangle)[0]])
@@ -80,9 +82,9 @@ impl Site<'_> {
     }
 
     /// Areas that panels with their middles at points are to have.
-    fn wished(&self, points: &[Vec3]) -> Vec<WishedArea> {
+    fn wished(&self, points: &[Vec3]) -> Vec<PanelWish> {
         (self.areas.as_ref()).map_or_else(
-            || vec![WishedArea::ANY; points.len()],
+            || vec![PanelWish::ANY; points.len()],
             |field| field.at(points),
         )
     }
@@ -186,6 +188,7 @@ impl Site<'_> {
         FaceLimits {
             panels: topology.faces().map(panels).collect(),
             clearance: areas.iter().map(clearance).collect(),
+            shape: vec![ShapeWish::ANY; topology.n_faces()],
             area: topology.faces().map(least).collect(),
             distance: self.judge.largest_distance(),
             cover: (self.judge).far_points(part, points, (yardstick.mean_edge, FAR)),

@@ -9,7 +9,7 @@
 //! less weight: what the lattice has too much or too little there is shared by the rows behind.
 
 use super::barrier::add_turning;
-use crate::layout::{Layout, WishedArea};
+use crate::layout::{Layout, PanelWish};
 use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
 use crate::optimise::simple::area;
 use phex_mesh::{Topology, Vec2, Vec3};
@@ -89,7 +89,7 @@ pub(in crate::optimise) fn of_layout(
     let scale = has / faces().map(|f| wish(f).area).sum::<f64>();
     let mut wishes = any(panels.n_faces());
     for f in faces() {
-        let WishedArea { area, share } = wish(f);
+        let PanelWish { area, share, .. } = wish(f);
         wishes[f] = AreaWish {
             area: scale * area,
             weight: weight * share * share_of(topology, f),

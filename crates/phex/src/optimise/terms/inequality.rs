@@ -97,6 +97,15 @@ impl Inequality {
         }
     }
 
+    /// The same with less weight: what an excess costs is a share of what it would cost.
+    pub fn weighted(self, share: f64) -> Self {
+        let rows = self.rows.into_iter().map(|(i, row)| (i, row * share));
+        Self {
+            c: share * self.c,
+            rows: rows.collect(),
+        }
+    }
+
     /// The same for one that is to be at most `limit`.
     pub fn at_most(value: f64, limit: f64, rows: &[Vec3]) -> Self {
         let rows = rows.iter().map(|row| row / -limit).enumerate();

@@ -12,7 +12,7 @@
 //! | largest area | `1 - A / largest`, `A` the length of the vector area |
 //! | sheet | `1 - (x_i - x_j) . u / side` for all corners, `u` the sheet's sides where it fits best, fixed for a phase |
 //! | coverage | `1 - (|q - y| / largest)^2`, `y` the point of the panel nearest to a point `q` of the surface, see [`super::coverage`] |
-//! | aspect | `1 - sqrt(l_1 / l_2) / largest`, `l` the second moments of the area about its principal axes |
+//! | aspect | `1 - sqrt(l_1 / l_2) / largest`, `l` the second moments of the area about its principal axes; with less weight for what a layout wishes |
 //!
 //! Derivatives are exact on planar panels; Hessians are their Gauss-Newton part `c' c'^T`. How
 //! faces meet is the matter of [`super::folds`].
@@ -20,12 +20,34 @@
 use super::coverage::covered;
 use super::inequality::{Elastic, Inequality};
 use super::spatial_barrier::{SpatialApproach, for_each_approach};
+use crate::layout::Layout;
 use crate::optimise::options::OptimiseOptions;
 use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block, extent};
 use crate::optimise::simple::area;
 use nalgebra::Matrix2;
 use phex_mesh::measure::wanted_clearance;
 use phex_mesh::{PanelLimits, Vec2, Vec3, rectangle_fit};
+
+/// Weight of a shape that is wished for over that of a limit: areas that differ by less than a third
+/// are borne for it.
+const WISHED: f64 = 0.3;
+
+/// Shape that a face is wished to have.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShapeWish {
+    /// Length over width at the most.
+    pub aspect: f64,
+    /// Weight, over that of a limit; 0 where any shape will do.
+    pub weight: f64,
+}
+
+impl ShapeWish {
+    /// Any shape.
+    pub const ANY: Self = Self {
+        aspect: f64::INFINITY,
+        weight: 0.0,
+    };
+}
 
 /// What faces are to have; lengths in the unit of the mesh.
 #[derive(Clone, Debug)]
@@ -34,6 +56,8 @@ pub(crate) struct FaceLimits {
     pub panels: Vec<PanelLimits>,
     /// Least clearance of each face.
     pub clearance: Vec<f64>,
+    /// Shape that each face is wished to have.
+    pub shape: Vec<ShapeWish>,
     /// Least area of each face; 0 for any.
     pub area: Vec<f64>,
     /// Largest distance to the surface; infinite for any.
@@ -48,6 +72,7 @@ impl FaceLimits {
         Self {
             panels: vec![PanelLimits::default(); faces],
             clearance: vec![0.0; faces],
+            shape: vec![ShapeWish::ANY; faces],
             area: vec![0.0; faces],
             distance: f64::INFINITY,
             cover: vec![Vec::new(); faces],
@@ -67,10 +92,25 @@ impl FaceLimits {
             clearance: (areas.iter())
                 .map(|a| unit * wanted_clearance(a / mean))
                 .collect(),
+            shape: vec![ShapeWish::ANY; areas.len()],
             area: vec![0.0; areas.len()],
             distance: limit.map_or(f64::INFINITY, |share| share * extent(x)),
             cover: vec![Vec::new(); areas.len()],
         }
+    }
+
+    /// With the shapes that a layout asks for: the boundary cuts the outer faces anywhere.
+    pub(crate) fn with_shapes(mut self, layout: &Layout) -> Self {
+        let topology = layout.mesh.topology();
+        for (f, wish) in layout.face_wish.enumerate() {
+            if !topology.is_boundary_face(f) {
+                self.shape[f.index()] = ShapeWish {
+                    aspect: wish.aspect,
+                    weight: WISHED * wish.share,
+                };
+            }
+        }
+        self
     }
 
     /// Least angle between neighbours, degrees, the same everywhere.
@@ -84,6 +124,7 @@ impl FaceLimits {
         Self {
             panels: faces.iter().map(|&f| self.panels[f as usize]).collect(),
             clearance: of(&self.clearance),
+            shape: faces.iter().map(|&f| self.shape[f as usize]).collect(),
             area: of(&self.area),
             cover: faces
                 .iter()
@@ -226,6 +267,12 @@ impl<'a> ShapeLimits<'a> {
         if let Some(most) = limits.max_aspect {
             aspect(corners, frame, most).iter().for_each(&mut visit);
         }
+        let wish = &self.limits.shape[f];
+        if wish.weight > 0.0 {
+            let inequality = aspect(corners, frame, wish.aspect);
+            let inequality = inequality.map(|i| i.weighted(wish.weight));
+            inequality.iter().for_each(&mut visit);
+        }
         for (side, length) in self
             .sides
             .get(f)
@@ -298,13 +345,17 @@ fn aspect(corners: &[Corner], frame: &FaceFrame, most: f64) -> Option<Inequality
     if moments.area == 0.0 {
         return None;
     }
-    let eigen = moments.about_centroid().symmetric_eigen();
-    let long = usize::from(eigen.eigenvalues[1] > eigen.eigenvalues[0]);
-    let [length, width] = [long, 1 - long].map(|i| eigen.eigenvalues[i].max(f64::MIN_POSITIVE));
-    let axis = |i: usize| Vec2::new(eigen.eigenvectors[(0, i)], eigen.eigenvectors[(1, i)]);
+    let second = moments.about_centroid();
+    let (mean, apart) = (
+        0.5 * (second.m11 + second.m22),
+        0.5 * (second.m11 - second.m22),
+    );
+    let radius = apart.hypot(second.m12);
+    let [length, width] = [mean + radius, mean - radius].map(|l| l.max(f64::MIN_POSITIVE));
+    let (sin, cos) = (0.5 * second.m12.atan2(apart)).sin_cos();
     let (by_length, by_width) = (
-        moments.derivatives(corners, axis(long)),
-        moments.derivatives(corners, axis(1 - long)),
+        moments.derivatives(corners, Vec2::new(cos, sin)),
+        moments.derivatives(corners, Vec2::new(-sin, cos)),
     );
     let ratio = (length / width).sqrt();
     let row = |i: usize| {

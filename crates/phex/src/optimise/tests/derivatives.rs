@@ -2,7 +2,6 @@
 //! Jacobian.
 
 use super::fixtures::{Shape, brick_wall, jittered, planar_paraboloid, planar_saddle, turn_edge};
-use crate::optimise::FaceLimits;
 use crate::optimise::constraints::jacobian::Jacobian;
 use crate::optimise::constraints::minimum_norm::PlanarityConstraints;
 use crate::optimise::holds::Holds;
@@ -17,6 +16,7 @@ use crate::optimise::terms::edge_lengths::EdgeLengths;
 use crate::optimise::terms::guard::Guard;
 use crate::optimise::terms::inequality::Elastic;
 use crate::optimise::terms::setting::Setting;
+use crate::optimise::{FaceLimits, ShapeWish};
 use nalgebra::Matrix3;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PanelLimits, PerEdge, Vec3};
 use phex_numeric::{Assembly, Constraints, DampedProblem, SymmetricMatrix};
@@ -524,6 +524,15 @@ fn gradient_of_limits() {
         ..any
     });
     gradient_of_limit(&flat, Shape::Square, &long);
+    let wish = ShapeWish {
+        aspect: 1.2,
+        weight: 0.3,
+    };
+    let wished = FaceLimits {
+        shape: vec![wish; faces],
+        ..none()
+    };
+    gradient_of_limit(&flat, Shape::Square, &wished);
     // Points above the inside of a panel and beyond one of its edges.
     let beside = |f: FaceId, share: f64| {
         let corner = flat.corners(f).next().unwrap();

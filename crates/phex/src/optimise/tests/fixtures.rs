@@ -1,6 +1,6 @@
 //! Analytic surfaces with exact closest points, and panellings of them.
 
-use crate::layout::{Layout, VertexKind, WishedArea};
+use crate::layout::{Layout, PanelWish, VertexKind};
 use crate::optimise::{CurvePoint, Target, TargetPoint};
 use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3, VertexId};
 use std::f64::consts::TAU;
@@ -229,7 +229,7 @@ pub fn layout(mesh: HexMesh, target: &dyn Target) -> Layout {
         face_point: PerFace::from_vec(feet.iter().map(|q| q.position).collect()),
         face_normal: PerFace::from_vec(feet.iter().map(|q| q.normal).collect()),
         face_length: PerFace::filled(n, 1.7 * mesh.mean_edge()),
-        face_wish: PerFace::filled(n, WishedArea::ANY),
+        face_wish: PerFace::filled(n, PanelWish::ANY),
         face_seed: PerFace::filled(n, VertexId::new(0)),
         mesh,
     }

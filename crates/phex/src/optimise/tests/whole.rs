@@ -3,7 +3,7 @@
 use super::fixtures::{
     Shape, brick_wall, jittered, layout, mesh, noise, planar_paraboloid, turn_edge,
 };
-use crate::layout::{Layout, VertexKind};
+use crate::layout::{Layout, PanelWish, VertexKind};
 use crate::optimise::panels::{FaceShapes as Faces, Panels, unknowns};
 use crate::optimise::simple::is_simple;
 use crate::optimise::{
@@ -12,7 +12,8 @@ use crate::optimise::{
 };
 use crate::progress::{Event, Progress, Silent};
 use nalgebra::Rotation3;
-use phex_mesh::{HexMesh, Vec3, VertexId};
+use phex_mesh::measure::aspect as aspect_of;
+use phex_mesh::{FlatFace, HexMesh, PerFace, Vec3, VertexId};
 use phex_numeric::Status;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -49,6 +50,29 @@ fn brick_walls_become_planar_and_stay_simple() {
         assert!(result.quality.deviation_max < 0.02, "{:?}", result.quality);
         assert!(result.quality.clearance > 0.15, "{:?}", result.quality);
     }
+}
+
+/// Even areas make bricks where rows are narrow longer, and a wished shape bounds that.
+#[test]
+fn panels_are_no_longer_than_wished_if_areas_can_give_way() {
+    let shape = Shape::Torus(1.0);
+    let run = |aspect: f64| {
+        let mut layout = layout(brick_wall(shape, 24, 14), &shape);
+        let area = layout.mesh.mean_edge().powi(2);
+        let wish = PanelWish {
+            area,
+            share: 1.0,
+            aspect,
+        };
+        layout.face_wish = PerFace::filled(layout.mesh.topology().n_faces(), wish);
+        let result = run(&layout, &shape);
+        assert_sound(&result, 1e-13);
+        let faces = FlatFace::all(&result.mesh);
+        let aspects = faces.iter().map(|face| aspect_of(&face.polygon));
+        aspects.fold(0.0, f64::max)
+    };
+    let (any, wished) = (run(f64::INFINITY), run(2.5));
+    assert!(any > 3.3 && wished < 0.9 * any, "{any} {wished}");
 }
 
 /// Rows of bricks along lines of curvature: one factorisation takes the circumcentres to a

@@ -146,6 +146,7 @@ impl<'a> CurvedGround<'a> {
                 self.surface.positions().len(),
                 panel_length(self.surface, ground.panels),
             ),
+            anisotropy: f64::INFINITY,
             placed,
             layout: options.layout.clone(),
         })
