@@ -199,7 +199,7 @@ impl SearchState {
         let mut fruitless = 0;
         while summary.sweeps < SWEEPS
             && summary.tried < most
-            && (fruitless < FRUITLESS || whole.findings.merit.invalid > 0.0)
+            && fruitless < FRUITLESS
             && !progress.is_cancelled()
         {
             let places = chosen(mesh, whole, failed, &site.resting(mesh));
