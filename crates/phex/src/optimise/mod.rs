@@ -29,7 +29,7 @@
 //! | `w_c`, `w_cf`, `w_bd` | [`OptimiseOptions::vertex_closeness`], [`OptimiseOptions::centre_closeness`], [`OptimiseOptions::boundary_closeness`] | closeness |
 //! | `w_s`, `w_t`, `w_k` | [`OptimiseOptions::fairness`], [`OptimiseOptions::anchor`], [`OptimiseOptions::corner_closeness`] | fairness, anchors |
 //! | `c` | `terms::shape_limits`, [`OptimiseOptions::panels`] | what a limit leaves |
-//! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::PanelWish`] | weight of areas, the area that a panel is to have |
+//! | `w_a`, `a` | [`OptimiseOptions::evenness`], [`crate::layout::PanelWish`] | weight of areas, the area that a panel is to have; its shape is bounded by a `c` of less weight |
 //!
 //! [`planarize`] tries the **fast path** (`solver/fast.rs`) before it, where the planes of the
 //! panels meet in points that make them nearly planar, as on conjugate meshes: the same closeness

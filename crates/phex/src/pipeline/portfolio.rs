@@ -8,7 +8,8 @@
 //! limits, or its search leaves something outside (then panels are smaller where the surface bends,
 //! and dislocations stay where strain pulls hard at them), or where it is less regular than it
 //! could be. Of two the one with the smaller excess over limits is searched, what is broken counted
-//! alike: of 12 hard bodies it was the better one each time. With [`Effort::Best`] all of them are
+//! alike: of 12 hard bodies it was the better one each time. The other one is searched, too, where
+//! that leaves a panel broken. With [`Effort::Best`] all of them are
 //! laid out, side by side, and searched one after the other until one is within its limits.
 //!
 //! Where a tighter `max_deviation` than usual is missed all of this is done for the usual one too,
