@@ -255,6 +255,41 @@ fn nothing_is_tried_where_most_panels_are_broken() {
     assert!(result.judgement.merit.invalid > 0.0);
 }
 
+/// The judge's surface has bumps that panels are not drawn to: no change helps there.
+#[test]
+fn a_search_ends_where_nothing_is_found() {
+    let (surface, mesh) = wave();
+    let farthest = farthest(mesh) * mesh.diagonal();
+    let middle = surface.positions().iter().sum::<Vec3>() / surface.positions().len() as f64;
+    let bump = |p: &Vec3| {
+        let near = (p - middle).norm() < 1.5 * mesh.mean_edge();
+        p + Vec3::z() * if near { 6.0 * farthest } else { 0.0 }
+    };
+    let topology = surface.topology();
+    let corners = topology.faces().map(|f| topology.face_vertices(f));
+    let triangles: Vec<[u32; 3]> = corners
+        .map(|t| [0, 1, 2].map(|k| t[k].index() as u32))
+        .collect();
+    let places = surface.positions().iter().map(bump).collect();
+    let bumpy = TriangleSurface::new(places, &triangles).unwrap();
+    let references = References {
+        smooth: Some(&bumpy),
+        ..Default::default()
+    };
+    let deviation = 2.0 * farthest / mesh.diagonal();
+    let site = Site {
+        judge: &Judge::new(&bumpy, references, Limits::new(Some(deviation), None)),
+        close_to: surface,
+        hold: None,
+        mirrors: &[],
+        areas: None,
+        options: &OptimiseOptions::default(),
+    };
+    let found = search(mesh.clone(), &site, &Silent).summary;
+    assert!(found.left > 2, "{found:?}");
+    assert!(found.sweeps <= found.kept + RINGS.len(), "{found:?}");
+}
+
 #[test]
 fn the_same_for_any_number_of_threads() {
     let (spoiled, _) = squeezed(&wave().1);
