@@ -28,8 +28,8 @@ use nalgebra::Matrix2;
 use phex_mesh::measure::wanted_clearance;
 use phex_mesh::{PanelLimits, Vec2, Vec3, rectangle_fit};
 
-/// Weight of a shape that is wished for over that of a limit: areas that differ by less than a third
-/// are borne for it.
+/// Weight of a shape that is wished for over that of a limit: areas that differ by less than a
+/// third are borne for it.
 const WISHED: f64 = 0.3;
 
 /// Shape that a face is wished to have.
