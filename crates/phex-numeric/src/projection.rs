@@ -44,6 +44,8 @@ pub trait Constraints {
     fn step_bound(&mut self, x: &[f64], step: &[f64]) -> f64;
     /// Residual at `x` if `x` may be visited, otherwise `None`.
     fn admissible(&mut self, x: &[f64]) -> Option<f64>;
+    /// Shortens a step where `x`, to which it has led, may not be visited.
+    fn hold_back(&mut self, x: &[f64], step: &mut [f64]);
     /// Length of a step in the unit of the problem.
     fn step_length(&self, step: &[f64]) -> f64;
     /// Brings a point to which a step has led back to where unknowns are held (on a curve, say);
@@ -124,6 +126,9 @@ impl MinimumNorm {
     ///     fn admissible(&mut self, x: &[f64]) -> Option<f64> {
     ///         Some((x[0] * x[0] + x[1] * x[1] - 1.0).abs())
     ///     }
+    ///     fn hold_back(&mut self, _: &[f64], step: &mut [f64]) {
+    ///         step.iter_mut().for_each(|d| *d *= 0.5);
+    ///     }
     ///     fn step_length(&self, step: &[f64]) -> f64 {
     ///         step[0].hypot(step[1])
     ///     }
@@ -168,8 +173,8 @@ impl MinimumNorm {
             let bound = problem.step_bound(x, &step);
             let limit = watchdog.limit();
             let before = watchdog.best;
-            let Some((fraction, reached)) = guarded(problem, x, &step, bound, limit, &mut trial)
-            else {
+            let reached = guarded(problem, x, &mut step, (bound, limit), &mut trial);
+            let Some((fraction, reached)) = reached else {
                 if watchdog.go_back(x) {
                     continue;
                 }
@@ -304,14 +309,13 @@ impl Watchdog {
     }
 }
 
-/// Largest tried fraction of the step that stays admissible with a residual below `limit`; `trial`
-/// holds the point.
+/// Largest tried fraction of the step, from `bound` on, that stays admissible with a residual below
+/// `limit`; `trial` holds the point. The step is held back where it is not admissible.
 fn guarded(
     problem: &mut impl Constraints,
     x: &[f64],
-    step: &[f64],
-    bound: f64,
-    limit: f64,
+    step: &mut [f64],
+    (bound, limit): (f64, f64),
     trial: &mut [f64],
 ) -> Option<(f64, f64)> {
     let mut fraction = bound;
@@ -319,10 +323,11 @@ fn guarded(
         trial.copy_from_slice(x);
         add_scaled(trial, fraction, step);
         problem.retract(trial);
-        if let Some(reached) = problem.admissible(trial).filter(|&r| r < limit) {
-            return Some((fraction, reached));
+        match problem.admissible(trial) {
+            Some(reached) if reached < limit => return Some((fraction, reached)),
+            Some(_) => fraction *= 0.5,
+            None => problem.hold_back(trial, step),
         }
-        fraction *= 0.5;
     }
     None
 }
@@ -372,6 +377,9 @@ mod tests {
         fn admissible(&mut self, x: &[f64]) -> Option<f64> {
             let size = self.values(x).iter().fold(0.0, |m: f64, c| m.max(c.abs()));
             (x[0] >= self.floor).then_some(size)
+        }
+        fn hold_back(&mut self, _: &[f64], step: &mut [f64]) {
+            step[0] *= 0.5;
         }
         fn step_length(&self, step: &[f64]) -> f64 {
             crate::conjugate_gradients::dot(step, step).sqrt()

@@ -215,7 +215,7 @@ pub(super) const PENALTIES: [f64; 4] = [1.0, 30.0, 1e3, 1e4];
 /// is less); a result below it is tried again with a stronger barrier.
 pub(super) const KEPT_CLEARANCE: f64 = 0.1;
 /// Iterations of the final projection at the most.
-pub(super) const PROJECTION_ITERATIONS: usize = 12;
+pub(super) const PROJECTION_ITERATIONS: usize = 20;
 /// Weight of the anchor, at least, where there is no surface and the mesh stands for itself: at
 /// 1e-4 vertices slide by an edge and more, at 0.1 by half an edge at the most; from 1 on panels
 /// keep off their old planes.

@@ -259,6 +259,10 @@ impl Constraints for AngleConstraints<'_> {
         })
     }
 
+    fn hold_back(&mut self, x: &[f64], step: &mut [f64]) {
+        self.steps.hold_back(x, step);
+    }
+
     fn step_length(&self, step: &[f64]) -> f64 {
         self.steps.length(step)
     }

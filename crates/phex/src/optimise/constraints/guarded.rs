@@ -5,6 +5,7 @@ use crate::optimise::panels::FaceShapes;
 use crate::optimise::terms::guard::Armed;
 use crate::optimise::terms::setting::{Setting, collision_bound, longest};
 use phex_mesh::Vec2;
+use std::collections::BTreeSet;
 
 /// Longest step, in mean edges.
 const LONGEST: f64 = 0.3;
@@ -49,6 +50,19 @@ impl<'a> GuardedSteps<'a> {
         let (guard, panels) = (self.setting.guard, self.setting.panels);
         self.trial.update(panels, x);
         guard.holds(&self.armed, panels, &self.trial, x)
+    }
+
+    /// Halves a step at the corners of the faces at which positions that were not admitted break a
+    /// demand: one place that is in the way stops no other one.
+    pub(crate) fn hold_back(&self, x: &[f64], step: &mut [f64]) {
+        let panels = self.setting.panels;
+        let broken = (self.setting.guard).broken(&self.armed, panels, &self.trial, x);
+        let corners = broken.flat_map(|f| panels.vertices(f as usize));
+        let corners: BTreeSet<u32> = corners.copied().collect();
+        for v in corners {
+            let v = 3 * v as usize;
+            step[v..v + 3].iter_mut().for_each(|d| *d *= 0.5);
+        }
     }
 
     /// Planarity of what was tried last, in mean edges.

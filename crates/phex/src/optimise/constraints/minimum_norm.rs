@@ -68,6 +68,10 @@ impl Constraints for PlanarityConstraints<'_> {
         self.steps.admits(x).then(|| self.steps.planarity())
     }
 
+    fn hold_back(&mut self, x: &[f64], step: &mut [f64]) {
+        self.steps.hold_back(x, step);
+    }
+
     fn step_length(&self, step: &[f64]) -> f64 {
         self.steps.length(step)
     }

@@ -144,17 +144,30 @@ impl Guard {
 
     /// Whether a shape meets every armed demand.
     pub fn holds(&self, armed: &Armed, panels: &Panels, shape: &FaceShapes, x: &[f64]) -> bool {
+        self.broken(armed, panels, shape, x).next().is_none()
+    }
+
+    /// The faces at which a shape breaks an armed demand; some more than once.
+    pub(crate) fn broken<'a>(
+        &'a self,
+        armed: &'a Armed,
+        panels: &'a Panels,
+        shape: &'a FaceShapes,
+        x: &'a [f64],
+    ) -> impl Iterator<Item = u32> + 'a {
         let simple = |f: usize| !armed.simple[f] || is_simple(shape.face(panels, f));
-        let clear = |least: &Vec<f64>| {
-            let enough = |(f, least): (usize, &f64)| clearance(shape.face(panels, f)) >= *least;
-            least.iter().enumerate().all(enough)
-        };
-        (0..panels.n_faces()).all(|f| simple(f) && (!armed.side[f] || self.on_its_side(shape, f)))
-            && (self.hinges.iter().zip(&armed.hinge))
-                .all(|(&h, &on)| !on || self.unfolded(shape, h))
-            && (self.fans.iter().zip(&armed.fan))
-                .all(|(fan, &on)| !on || self.fan_goes_round_once(fan, shape, x))
-            && armed.clearance.as_ref().is_none_or(clear)
+        let faces = (0..panels.n_faces())
+            .filter(move |&f| !simple(f) || (armed.side[f] && !self.on_its_side(shape, f)));
+        let hinges = (self.hinges.iter().zip(&armed.hinge))
+            .filter(|&(&h, &on)| on && !self.unfolded(shape, h));
+        let fans = (self.fans.iter().zip(&armed.fan))
+            .filter(|&(fan, &on)| on && !self.fan_goes_round_once(fan, shape, x));
+        let tight = (armed.clearance.iter().flatten().enumerate())
+            .filter(|(f, least)| clearance(shape.face(panels, *f)) < **least);
+        (faces.map(|f| f as u32))
+            .chain(hinges.flat_map(|(h, _)| *h))
+            .chain(fans.flat_map(|(fan, _)| fan.faces))
+            .chain(tight.map(|(f, _)| f as u32))
     }
 
     /// Gives up the demands on sides that a shape breaks.
