@@ -16,8 +16,11 @@ use crate::progress::Progress;
 use phex_mesh::{EdgeId, PerVertex, Topology};
 use phex_numeric::NumericError;
 
-/// Share of the ways that come back at once: the pulls on the others change.
-const BACK: f64 = 0.05;
+/// Shares of the ways that come back at once, at least and at the most: the pulls on the others
+/// change.
+const BACK: [f64; 2] = [0.05, 0.2];
+/// Share that comes back of what would be enough if distortion went on falling as it last did.
+const CAUTION: f64 = 0.5;
 
 /// The lattice with as few dislocations as the bound on distortion allows, and the 95 % quantile of
 /// its distortion.
@@ -41,6 +44,7 @@ pub(in crate::layout) fn seamless_offsets(
         pins,
         system: None,
     };
+    let mut last: Option<(usize, f64)> = None;
     loop {
         unless_cancelled(progress)?;
         let mut offsets = rounded.clone();
@@ -62,8 +66,22 @@ pub(in crate::layout) fn seamless_offsets(
             annihilation.kept = dislocations::count(topology, charts, &offsets.jump);
             return Ok((offsets, annihilation, p95));
         }
-        let back = (BACK * annihilation.moved as f64).ceil() as usize;
+        let now = (annihilation.moved, p95);
+        let enough = last.map_or(0.0, |last| missing(last, now, options.max_distortion));
+        let [least, most] = BACK.map(|share| share * annihilation.moved as f64);
+        let back = (CAUTION * enough).clamp(least, most).ceil() as usize;
         hardest[..back].iter().for_each(|k| taken[*k] = false);
+        last = Some(now);
+    }
+}
+
+/// How many ways more would have to come back for a distortion of `goal` if it went on falling as
+/// it did from one number of ways and distortion to another; 0 if it did not.
+fn missing(before: (usize, f64), now: (usize, f64), goal: f64) -> f64 {
+    let of_each = (before.1 - now.1) / (before.0 - now.0).max(1) as f64;
+    match of_each > 0.0 && now.1 > goal {
+        true => (now.1 - goal) / of_each,
+        false => 0.0,
     }
 }
 
