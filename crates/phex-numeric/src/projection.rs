@@ -482,4 +482,17 @@ mod tests {
         assert_eq!(outcome.status, Status::Stalled);
         assert!(x[0] >= 0.25 && x[0] < 0.3 && x[1] == 3.0, "{x:?}");
     }
+
+    #[test]
+    fn a_step_is_held_back_only_where_it_leads_out() {
+        let mut problem = Linear {
+            bound: 1.0,
+            rows: vec![vec![1.0, 0.0], vec![0.0, 1.0]],
+            b: vec![0.0; 2],
+            floor: 0.25,
+        };
+        let mut x = vec![1.0, 3.0];
+        project(&mut problem, &mut x);
+        assert_eq!(x, [0.25, 0.0], "the second equation is met all the same");
+    }
 }

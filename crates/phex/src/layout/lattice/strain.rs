@@ -159,3 +159,15 @@ impl PinnedSolver<'_> {
         Ok(position)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_follows_the_last_fall() {
+        assert!((missing((10, 0.8), (8, 0.6), 0.4) - 2.0).abs() < 1e-12);
+        assert_eq!(missing((10, 0.6), (8, 0.8), 0.4), 0.0, "it has risen");
+        assert_eq!(missing((10, 0.8), (8, 0.3), 0.4), 0.0, "it is enough");
+    }
+}

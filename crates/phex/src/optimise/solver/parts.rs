@@ -9,7 +9,7 @@
 
 use super::endgame::minimise_on_constraints;
 use super::energy::PanelEnergy;
-use super::solvers::{Dual, StepReporter, constraint_assembly, energy_assembly, system};
+use super::solvers::{Dual, Solvers, StepReporter, constraint_assembly, energy_assembly, system};
 use crate::optimise::error::OptimiseError;
 use crate::optimise::holds::{Hold, Holds};
 use crate::optimise::panels::{FaceShapes, Panels, point};
@@ -42,7 +42,7 @@ pub(in crate::optimise) struct Cuts {
 
 /// The faces of a part, and their vertices; all in order.
 #[derive(Clone)]
-struct PartRegion {
+pub(in crate::optimise) struct PartRegion {
     faces: Vec<u32>,
     /// Those that move.
     moving: Vec<u32>,
@@ -51,6 +51,34 @@ struct PartRegion {
 }
 
 impl PartRegion {
+    /// The faces at some vertices and `rings` rings more, which move, and a ring at rest.
+    pub fn near(panels: &Panels, vertices: impl Iterator<Item = u32>, rings: usize) -> Self {
+        let at = vertices.flat_map(|v| panels.corners_at(v as usize));
+        let mut core = sorted(at.map(|&c| panels.face_of(c) as u32));
+        for _ in OVERLAP..rings {
+            let count = core.len();
+            core = with_neighbours(panels, &core);
+            if core.len() == count {
+                break;
+            }
+        }
+        Self::around(panels, &core)
+    }
+
+    /// What projects the part.
+    pub fn solvers(&self, panels: &Panels) -> Result<Solvers, OptimiseError> {
+        Solvers::new(&panels.part(&self.faces, &self.vertices))
+    }
+
+    /// Positions of the whole mesh where this moves, and others where it does not.
+    pub fn moved(&self, x: &[f64], others: &[f64]) -> Vec<f64> {
+        let mut y = others.to_vec();
+        for v in self.moving.iter().map(|v| 3 * *v as usize) {
+            y[v..v + 3].copy_from_slice(&x[v..v + 3]);
+        }
+        y
+    }
+
     /// `core` and [`OVERLAP`] rings more, which move, and a ring at rest.
     fn around(panels: &Panels, core: &[u32]) -> Self {
         let mut faces = core.to_vec();
@@ -66,7 +94,7 @@ impl PartRegion {
     }
 
     /// Puts the coordinates of its vertices in their places.
-    fn write_back(&self, part: &[f64], x: &mut [f64]) {
+    pub(super) fn write_back(&self, part: &[f64], x: &mut [f64]) {
         for (&v, p) in self.vertices.iter().zip(part.chunks_exact(3)) {
             x[3 * v as usize..3 * v as usize + 3].copy_from_slice(p);
         }
@@ -88,7 +116,7 @@ pub(in crate::optimise) struct Part<'a> {
 
 impl<'a> Part<'a> {
     /// A region with the positions `x` of the whole mesh.
-    fn of(whole: &Setting<'a>, region: PartRegion, x: &[f64]) -> Self {
+    pub(super) fn of(whole: &Setting<'a>, region: PartRegion, x: &[f64]) -> Self {
         let (faces, vertices) = (&region.faces, &region.vertices);
         let local = |v: &u32| vertices.binary_search(v).ok().map(|v| v as u32);
         let mut holds = whole.holds.part(local);

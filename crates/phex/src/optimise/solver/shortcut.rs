@@ -1,6 +1,7 @@
 //! Shorter ways than the feasible path: the projection alone, and the fast path.
 
 use super::fast::NearlyPlanar;
+use super::parts::{Part, PartRegion};
 use super::reached::{Reached, ResultOrigin, Run};
 use super::solvers::{Dual, Solvers, StepReporter};
 use super::start::{Start, kinked};
@@ -65,6 +66,33 @@ impl Projection<'_> {
     }
 }
 
+/// Projects positions in place.
+fn projected(
+    setting: &Setting<'_>,
+    solvers: &mut Solvers,
+    x: &mut [f64],
+    options: &OptimiseOptions,
+    progress: &dyn Progress,
+) -> Outcome {
+    let projection = Projection {
+        setting,
+        assembly: &solvers.constraint_assembly,
+        options,
+        margin: Some(KEPT_CLEARANCE),
+    };
+    let mut reporter = StepReporter::new(progress, PROJECTION_ITERATIONS);
+    projection.project(&mut solvers.constraints, x, &mut reporter)
+}
+
+fn way(outcome: Outcome) -> ResultOrigin {
+    ResultOrigin {
+        kind: StartKind::AsGiven,
+        path: PathKind::Projection,
+        in_parts: 0,
+        outcome,
+    }
+}
+
 impl Stage<'_> {
     /// Only projects a start.
     pub(crate) fn run_projection(
@@ -75,22 +103,27 @@ impl Stage<'_> {
         progress: &dyn Progress,
     ) -> Run {
         let setting = self.setting(&start.x);
-        let projection = Projection {
-            setting: &setting,
-            assembly: &solvers.constraint_assembly,
-            options,
-            margin: Some(KEPT_CLEARANCE),
-        };
         let mut x = start.x.clone();
-        let mut reporter = StepReporter::new(progress, PROJECTION_ITERATIONS);
-        let outcome = projection.project(&mut solvers.constraints, &mut x, &mut reporter);
-        let way = ResultOrigin {
-            kind: StartKind::AsGiven,
-            path: PathKind::Projection,
-            in_parts: 0,
-            outcome,
-        };
-        self.conclude(start.n_bad, Reached::at(&setting, x), way, options)
+        let outcome = projected(&setting, solvers, &mut x, options, progress);
+        self.conclude(start.n_bad, Reached::at(&setting, x), way(outcome), options)
+    }
+
+    /// Only projects a start, in a region, whose constraints `solvers` are for.
+    pub(crate) fn run_projection_of(
+        &self,
+        region: &PartRegion,
+        solvers: &mut Solvers,
+        start: &Start,
+        options: &OptimiseOptions,
+        progress: &dyn Progress,
+    ) -> Run {
+        let whole = self.setting(&start.x);
+        let part = Part::of(&whole, region.clone(), &start.x);
+        let (mut x, mut y) = (start.x.clone(), part.of_vertices(&start.x));
+        let setting = part.setting(whole.mean_edge);
+        let outcome = projected(&setting, solvers, &mut y, options, progress);
+        region.write_back(&y, &mut x);
+        self.conclude(start.n_bad, Reached::at(&whole, x), way(outcome), options)
     }
 
     /// A start with its vertices moved to where the planes of its faces meet.

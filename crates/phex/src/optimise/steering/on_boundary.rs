@@ -13,8 +13,8 @@ use super::wishes;
 use crate::optimise::holds::{Hold, Holds};
 use crate::optimise::panels::{FaceShapes, Panels, point, points, unknowns};
 use crate::optimise::quotient::Quotient;
+use crate::optimise::solver::parts::PartRegion;
 use crate::optimise::solver::reached::{Reached, ResultOrigin, Run};
-use crate::optimise::solver::solvers::Solvers;
 use crate::optimise::{
     Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,
     Stage, StartKind, Steering, Target, check_mesh, finished as finished_mesh, kinds_of,
@@ -26,6 +26,8 @@ use phex_mesh::{
 use phex_numeric::{Outcome, Status};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Rings of panels from the boundary on that give way: the cost follows the boundary.
+const BAND: usize = 8;
 /// Rounds of letting go at the most.
 const ROUNDS: usize = 8;
 /// Mean edges that a vertex may move.
@@ -74,13 +76,20 @@ pub fn onto_boundary(
     stage.divide(quotient);
     let panels = stage.panels.clone();
     stage.keep_areas(&x, options);
-    let mut solvers = Solvers::new(&panels)?;
     let before = stage.judged(&x, options).summary.quality;
     let mut held = holds(mesh, hold);
     held.retain(|v, _| quotient.is_free(*v));
     if held.is_empty() {
         return Ok(None);
     }
+    // Orbits may lie across the inner edge of a band.
+    let rings = if quotient.images.is_empty() {
+        BAND
+    } else {
+        usize::MAX
+    };
+    let band = PartRegion::near(&panels, held.keys().copied(), rings);
+    let mut solvers = band.solvers(&panels)?;
     for _ in 0..ROUNDS {
         if held.is_empty() || progress.is_cancelled() {
             break;
@@ -93,7 +102,8 @@ pub fn onto_boundary(
         let Ok(start) = wishes::put_in_place(&stage.holds, &panels, mesh) else {
             break;
         };
-        let run = stage.run_projection(&mut solvers, &stage.start_at(&start), options, progress);
+        let start = stage.start_at(&band.moved(&start, &x));
+        let run = stage.run_projection_of(&band, &mut solvers, &start, options, progress);
         let harmed = harmed(mesh, &run, &before, hold.curves);
         if harmed.is_empty() {
             return Ok((!run.is_cancelled()).then(|| finished_mesh(mesh, run)));

@@ -6,13 +6,13 @@ use crate::optimise::holds::Hold;
 use crate::optimise::panels::{points, unknowns};
 use crate::optimise::solver::energy::PanelEnergy;
 use crate::optimise::solver::energy::{Weights, panel_energy};
-use crate::optimise::solver::parts::{Cuts, minimise_in_parts};
+use crate::optimise::solver::parts::{Cuts, PartRegion, minimise_in_parts};
 use crate::optimise::solver::solvers::{StepReporter, energy_assembly};
 use crate::optimise::targets::reference::Reference;
 use crate::optimise::terms::barrier::barriers;
 use crate::optimise::{Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, planarize};
 use crate::progress::Silent;
-use phex_mesh::{PerVertex, TriangleSurface, Vec3};
+use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use phex_numeric::{DampedOptions, DampedProblem, SymmetricMatrix};
 use std::f64::consts::PI;
 
@@ -66,6 +66,38 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
         shape.max_height() / setting.mean_edge
     };
     assert!(planarity(&x) < 1e-3 && planarity(&x) < 0.1 * planarity(&start));
+}
+
+/// A projection in a region makes its panels planar again, and moves nothing else.
+#[test]
+fn a_region_is_made_planar_and_the_rest_stays() {
+    let shape = Shape::Wave;
+    let options = OptimiseOptions::default();
+    let planar = planarize(&brick_wall(shape, 20, 18), Some(&shape), &options, &Silent).unwrap();
+    let mesh = planar.mesh;
+    let mut stage = Stage::new(
+        &mesh,
+        Reference::Surface(&shape),
+        None,
+        &kinds_of(&mesh),
+        &options,
+    );
+    let (x, topology) = (unknowns(&mesh), mesh.topology());
+    let at = |v: &VertexId| topology.face_degree(*v) == 2;
+    let v = topology.vertices().find(at).unwrap();
+    let mut start = x.clone();
+    start[3 * v.index()] += 0.02 * mesh.mean_edge();
+    let place = Vec3::from_column_slice(&start[3 * v.index()..3 * v.index() + 3]);
+    (stage.holds.held).insert(v.index() as u32, Hold::At(place));
+    let region = PartRegion::near(&stage.panels, [v.index() as u32].into_iter(), 4);
+    let mut solvers = region.solvers(&stage.panels).unwrap();
+    let from = stage.start_at(&start);
+    let run = stage.run_projection_of(&region, &mut solvers, &from, &options, &Silent);
+    assert!(run.offenders.is_empty(), "{:?}", run.offenders);
+    assert_eq!(run.x[3 * v.index()..][..3], *place.as_slice());
+    let moved = (0..x.len()).filter(|k| run.x[*k] != x[*k]).count();
+    assert!(moved > 20 && 3 * moved < x.len(), "{moved} of {}", x.len());
+    assert_eq!(region.moved(&run.x, &x), run.x);
 }
 
 /// Faces whose vertices are all fixed have no place in the matrices, and the others feel no
