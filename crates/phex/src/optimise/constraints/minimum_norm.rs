@@ -14,6 +14,8 @@ pub(in crate::optimise) struct PlanarityConstraints<'a> {
     setting: &'a Setting<'a>,
     jacobian: Jacobian<'a>,
     steps: GuardedSteps<'a>,
+    /// Whether steps are held back where they lead out.
+    pub passes_by: bool,
 }
 
 impl<'a> PlanarityConstraints<'a> {
@@ -28,6 +30,7 @@ impl<'a> PlanarityConstraints<'a> {
             jacobian: Jacobian::new(setting.panels, assembly),
             steps: GuardedSteps::new(setting, start, least_clearance),
             setting,
+            passes_by: true,
         }
     }
 
@@ -69,7 +72,10 @@ impl Constraints for PlanarityConstraints<'_> {
     }
 
     fn hold_back(&mut self, x: &[f64], step: &mut [f64]) {
-        self.steps.hold_back(x, step);
+        match self.passes_by {
+            true => self.steps.hold_back(x, step),
+            false => step.iter_mut().for_each(|d| *d *= 0.5),
+        }
     }
 
     fn step_length(&self, step: &[f64]) -> f64 {

@@ -298,6 +298,7 @@ impl<'a> Path<'a> {
                 assembly: self.constraint_assembly,
                 options: self.options,
                 margin,
+                passes_by: true,
             };
             let outcome = projection.project(self.dual, &mut x, &mut self.reporter);
             self.outcome.append(outcome);

@@ -36,6 +36,9 @@ pub(super) struct Projection<'a> {
     pub options: &'a OptimiseOptions,
     /// Clearance to keep, in mean edges; `None` where nothing is guarded.
     pub margin: Option<f64>,
+    /// Whether what is in the way is passed by; else it ends the projection, and another way is
+    /// taken.
+    pub passes_by: bool,
 }
 
 impl Projection<'_> {
@@ -52,6 +55,7 @@ impl Projection<'_> {
         let edge = self.setting.panels.mean_edge(x);
         let least = self.margin.map(|margin| margin * edge);
         let mut constraints = PlanarityConstraints::new(self.setting, self.assembly, x, least);
+        constraints.passes_by = self.passes_by;
         let options = ProjectionOptions {
             max_iterations: PROJECTION_ITERATIONS,
             goal: GOAL.min(self.options.planarity_tolerance),
@@ -79,6 +83,7 @@ fn projected(
         assembly: &solvers.constraint_assembly,
         options,
         margin: Some(KEPT_CLEARANCE),
+        passes_by: false,
     };
     let mut reporter = StepReporter::new(progress, PROJECTION_ITERATIONS);
     projection.project(&mut solvers.constraints, x, &mut reporter)
