@@ -38,6 +38,7 @@ use serde::Serialize;
 use site::Whole;
 pub use site::{AreaField, Site};
 use std::collections::BTreeSet;
+use std::ops::Range;
 use trial::DefectPatch;
 
 /// Rings of panels around a defect that may be joined anew, at first and where that has failed.
@@ -309,17 +310,17 @@ fn chosen(
     places
 }
 
-/// Takes changes: all of them if the mesh as a whole is better for it, else the first that makes it
-/// better. Tells which were kept; nothing of those that are to be tried again, because panels have
-/// other numbers now.
+/// Takes changes: all of them if the mesh as a whole is better for it, else half of them, a quarter,
+/// and so on. Tells which were kept; nothing of those that are to be tried again, because panels
+/// have other numbers now.
 fn take(
     mesh: &mut HexMesh,
     whole: &mut Whole,
     changes: &[Change],
     site: &Site<'_>,
 ) -> Vec<Option<bool>> {
-    let mut are_better = |which: &[&Change]| {
-        let Some(next) = applied(mesh, which) else {
+    first_better(changes.len(), |which| {
+        let Some(next) = applied(mesh, &changes[which]) else {
             return false;
         };
         let judged = Whole::of(&next, site, whole.yardstick.shapes);
@@ -328,18 +329,29 @@ fn take(
             (*mesh, *whole) = (next, judged);
         }
         better
-    };
-    let all: Vec<&Change> = changes.iter().collect();
-    if !all.is_empty() && are_better(&all) {
-        return vec![Some(true); all.len()];
-    }
-    let mut kept = vec![None; all.len()];
-    for (k, change) in all.iter().enumerate() {
-        let better = all.len() > 1 && are_better(&[change]);
-        kept[k] = Some(better);
-        if better {
+    })
+}
+
+/// Looks for the first run of `count` changes that is better, from all of them to halves, quarters
+/// and single ones: few looks, whatever one bad change spoils. Tells of each whether it is part of
+/// that run, or bad by itself; nothing of the others.
+fn first_better(
+    count: usize,
+    mut is_better: impl FnMut(Range<usize>) -> bool,
+) -> Vec<Option<bool>> {
+    let mut kept = vec![None; count];
+    let mut open = vec![0..count];
+    while let Some(run) = open.pop().filter(|run| !run.is_empty()) {
+        if is_better(run.clone()) {
+            kept[run].fill(Some(true));
             break;
         }
+        if run.len() == 1 {
+            kept[run.start] = Some(false);
+            continue;
+        }
+        let middle = run.start + run.len() / 2;
+        open.extend([middle..run.end, run.start..middle]);
     }
     kept
 }

@@ -182,7 +182,7 @@ impl Change {
 
 /// The mesh with changes of patches that share no panel; panels that stay keep their order, new
 /// ones come last. `None` if that is no manifold.
-pub(super) fn applied(mesh: &HexMesh, changes: &[&Change]) -> Option<HexMesh> {
+pub(super) fn applied(mesh: &HexMesh, changes: &[Change]) -> Option<HexMesh> {
     let mut positions = mesh.positions.as_slice().to_vec();
     let mut faces: Vec<Vec<u32>> = mesh.topology().face_lists();
     for change in changes {

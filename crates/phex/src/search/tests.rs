@@ -189,6 +189,26 @@ fn a_change_that_is_no_better_is_taken_back() {
     assert!(!before.is_less(&result.judgement.merit));
 }
 
+#[test]
+fn one_bad_change_spoils_few_others() {
+    let mut looks = 0;
+    let mut without = |bad: &[usize], count| {
+        looks = 0;
+        first_better(count, |run| {
+            looks += 1;
+            !bad.iter().any(|k| run.contains(k))
+        })
+    };
+    assert_eq!(without(&[], 3), [Some(true); 3]);
+    assert_eq!(without(&[], 0), []);
+    assert_eq!(without(&[3], 4), [Some(true), Some(true), None, None]);
+    assert_eq!(without(&[0], 4), [Some(false), Some(true), None, None]);
+    assert_eq!(without(&[0, 1], 2), [Some(false); 2]);
+    let kept = without(&[1000], 2000);
+    assert_eq!(kept.iter().filter(|k| **k == Some(true)).count(), 1000);
+    assert_eq!(looks, 2);
+}
+
 /// The mesh with two inner panels merged into one.
 fn without_an_edge(mesh: &HexMesh) -> HexMesh {
     let topology = mesh.topology();
