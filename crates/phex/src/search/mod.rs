@@ -310,9 +310,9 @@ fn chosen(
     places
 }
 
-/// Takes changes: all of them if the mesh as a whole is better for it, else half of them, a quarter,
-/// and so on. Tells which were kept; nothing of those that are to be tried again, because panels
-/// have other numbers now.
+/// Takes changes: all of them if the mesh as a whole is better for it, else half of them, a
+/// quarter, and so on. Tells which were kept; nothing of those that are to be tried again, because
+/// panels have other numbers now.
 fn take(
     mesh: &mut HexMesh,
     whole: &mut Whole,
@@ -340,18 +340,18 @@ fn first_better(
     mut is_better: impl FnMut(Range<usize>) -> bool,
 ) -> Vec<Option<bool>> {
     let mut kept = vec![None; count];
-    let mut open = vec![0..count];
-    while let Some(run) = open.pop().filter(|run| !run.is_empty()) {
-        if is_better(run.clone()) {
-            kept[run].fill(Some(true));
+    let mut open = vec![(0, count)];
+    while let Some((from, to)) = open.pop().filter(|(from, to)| from < to) {
+        if is_better(from..to) {
+            kept[from..to].fill(Some(true));
             break;
         }
-        if run.len() == 1 {
-            kept[run.start] = Some(false);
+        if to - from == 1 {
+            kept[from] = Some(false);
             continue;
         }
-        let middle = run.start + run.len() / 2;
-        open.extend([middle..run.end, run.start..middle]);
+        let middle = from + (to - from) / 2;
+        open.extend([(middle, to), (from, middle)]);
     }
     kept
 }
