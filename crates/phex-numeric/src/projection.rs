@@ -60,7 +60,7 @@ pub struct ProjectionOptions {
     pub max_iterations: usize,
     /// Residual below which the iteration stops at once.
     pub goal: f64,
-    /// Residual that counts as converged when the iteration can't go on.
+    /// Residual that counts as converged when the iteration can't go on, or no longer halves it.
     pub tolerance: f64,
     /// Number that [`Record::phase`] is set to.
     pub phase: f64,
@@ -197,7 +197,12 @@ impl MinimumNorm {
                 break;
             }
             watchdog.note(x, reached);
-            let creeps = fraction < SHORT && watchdog.best > 0.5 * before;
+            let falls = watchdog.best <= 0.5 * before;
+            // Converged, and what is left is rounding.
+            if watchdog.best <= options.tolerance && !falls {
+                break;
+            }
+            let creeps = fraction < SHORT && !falls;
             creeping = if creeps { creeping + 1 } else { 0 };
             if creeping >= CREEPING {
                 outcome.status = Status::Stalled;
@@ -343,6 +348,8 @@ mod tests {
         rows: Vec<Vec<f64>>,
         b: Vec<f64>,
         floor: f64,
+        /// Where residuals end: each that is looked at is a little smaller than the last one.
+        rounding: f64,
     }
 
     impl Linear {
@@ -375,7 +382,11 @@ mod tests {
             self.bound
         }
         fn admissible(&mut self, x: &[f64]) -> Option<f64> {
-            let size = self.values(x).iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+            self.rounding *= 0.99;
+            let values = self.values(x);
+            let size = values
+                .iter()
+                .fold(self.rounding, |m: f64, c| m.max(c.abs()));
             (x[0] >= self.floor).then_some(size)
         }
         fn hold_back(&mut self, _: &[f64], step: &mut [f64]) {
@@ -412,6 +423,7 @@ mod tests {
             rows: rows(),
             b: vec![1.0, -2.0],
             floor: f64::NEG_INFINITY,
+            rounding: 0.0,
         };
         let mut x = vec![0.4, 0.1, -0.3, 0.8];
         let start = x.clone();
@@ -441,6 +453,7 @@ mod tests {
             rows: doubled,
             b: vec![1.0, -2.0, 1.0],
             floor: f64::NEG_INFINITY,
+            rounding: 0.0,
         };
         let mut x = vec![0.0; 4];
         assert_eq!(project(&mut problem, &mut x).status, Status::Converged);
@@ -454,6 +467,7 @@ mod tests {
             rows: vec![vec![1.0, 0.0]],
             b: vec![0.0],
             floor: f64::NEG_INFINITY,
+            rounding: 0.0,
         };
         let mut x = vec![1.0, 3.0];
         let creeping = project(&mut problem, &mut x);
@@ -470,12 +484,30 @@ mod tests {
     }
 
     #[test]
+    fn it_ends_where_only_rounding_is_left() {
+        let [mut exact, mut rounded] = [0.0, 5e-14].map(|rounding| Linear {
+            bound: 1.0,
+            rows: rows(),
+            b: vec![1.0, -2.0],
+            floor: f64::NEG_INFINITY,
+            rounding,
+        });
+        let ends = [&mut exact, &mut rounded].map(|problem| {
+            let outcome = project(problem, &mut [0.0; 4]);
+            assert_eq!(outcome.status, Status::Converged);
+            outcome.iterations
+        });
+        assert!(ends[1] <= ends[0] + 1, "{ends:?}");
+    }
+
+    #[test]
     fn the_guard_is_never_crossed() {
         let mut problem = Linear {
             bound: 1.0,
             rows: vec![vec![1.0, 0.0]],
             b: vec![0.0],
             floor: 0.25,
+            rounding: 0.0,
         };
         let mut x = vec![1.0, 3.0];
         let outcome = project(&mut problem, &mut x);
@@ -490,6 +522,7 @@ mod tests {
             rows: vec![vec![1.0, 0.0], vec![0.0, 1.0]],
             b: vec![0.0; 2],
             floor: 0.25,
+            rounding: 0.0,
         };
         let mut x = vec![1.0, 3.0];
         project(&mut problem, &mut x);
