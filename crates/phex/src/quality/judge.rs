@@ -156,6 +156,15 @@ impl Judgement {
         (found.merit.cost > self.merit.cost).then_some(found)
     }
 
+    /// The same of a whole mesh where shapes do not count.
+    pub(crate) fn without_shapes(mut self) -> Self {
+        for face in self.of_face.iter_mut() {
+            (face.sharp, face.large) = (0.0, 0.0);
+        }
+        self.merit = Merit::of(self.of_face.iter(), self.of_face.len(), 0);
+        self
+    }
+
     /// What sharp corners cost.
     pub fn sharp(&self) -> f64 {
         self.of_face.iter().map(|face| face.sharp).sum()
@@ -532,6 +541,9 @@ mod tests {
         let judged = judge.whole_by(&yardstick, mesh, wished);
         assert!((judged.merit.cost - found.merit.cost).abs() < 1e-9);
         assert!(found.merit.cost > plain.merit.cost);
+        let without = judged.clone().without_shapes();
+        assert_eq!(without.merit, plain.merit);
+        assert_eq!(without.of_face, plain.of_face);
         for (f, face) in plain.of_face.enumerate() {
             assert!(face.misshapen() == 0.0);
             assert_eq!(found.of_face[f].misshapen(), judged.of_face[f].misshapen());

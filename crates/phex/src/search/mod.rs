@@ -169,7 +169,7 @@ struct SearchState {
 
 impl SearchState {
     /// Sweeps over sharp corners, and then over long edges and large panels at the boundary, too,
-    /// where nothing is left that is worse. Judges the result as everything else is judged.
+    /// where nothing is left that is worse. What the judge says of the result.
     fn shaped(&mut self, site: &Site<'_>, progress: &dyn Progress) -> Judgement {
         let mut plain = self.whole.findings.clone();
         for shapes in [Shapes::Corners, Shapes::Sizes] {
@@ -182,7 +182,7 @@ impl SearchState {
                 self.sweep(site, progress);
             }
             if self.summary.kept > kept {
-                plain = site.judged(&self.mesh);
+                plain = self.whole.findings.clone().without_shapes();
             }
         }
         plain
