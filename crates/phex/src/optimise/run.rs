@@ -54,9 +54,9 @@ impl Stage<'_> {
         let insists = kind != StartKind::Local && !path.is_over();
         if insists && !best.is_planar(options) {
             best = better(best, path.insist()?);
-        }
-        if !path.is_over() && !best.is_planar(options) {
-            best = better(best, path.project(Some(options.least_clearance)));
+            if !path.is_over() && !best.is_planar(options) {
+                best = better(best, path.project(Some(options.least_clearance)));
+            }
         }
         // A few panels stand in the way. The others become planar without regard to them, and the
         // search, which follows a layout, repairs these.

@@ -46,17 +46,22 @@ pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Dra
             .chain(finer(patch, 2))
             .collect(),
     };
-    let mut calmed: Vec<Draft> = Vec::new();
-    for draft in all {
-        let draft = draft.calmed();
-        if calmed.iter().all(|other| other.faces != draft.faces) {
-            calmed.push(draft);
-        }
-    }
+    let mut calmed = distinct(all.into_iter().map(Draft::calmed));
     calmed.sort_by_key(Draft::irregularities);
     calmed.truncate(MOST);
     let cut = [Some(&patch.core[..]), None].map(|core| chamfered(draft, core));
-    cut.into_iter().flatten().chain(calmed).collect()
+    distinct(cut.into_iter().flatten().chain(calmed))
+}
+
+/// Drafts without those whose panels have the same corners as those of an earlier one.
+fn distinct(drafts: impl Iterator<Item = Draft>) -> Vec<Draft> {
+    let mut kept: Vec<Draft> = Vec::new();
+    for draft in drafts {
+        if kept.iter().all(|other| other.faces != draft.faces) {
+            kept.push(draft);
+        }
+    }
+    kept
 }
 
 /// A panel merged with one of its neighbours, those with the fewest corners first.
