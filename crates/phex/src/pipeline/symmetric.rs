@@ -302,6 +302,7 @@ impl DomainPanels {
         let ground = laid.ground(&ground);
         let layout = &laid.layout;
         let parts = symmetry::completed(layout, self.group).map_err(NotSymmetric::Symmetry)?;
+        let parts = parts.calmed(self.group);
         let target = FoldedTarget::new(ground.close_to(&laid.surface), self.group.walls());
         let progress = clock.progress;
         let optimised = clock.timed("optimise", || {

@@ -221,7 +221,7 @@ impl Draft {
     fn glided(&self) -> Option<Self> {
         let (topology, numbers) = self.topology()?;
         let closed = topology.faces().filter(|f| !self.open[numbers[f.index()]]);
-        let sequences = glide::sequences_beside(&topology, closed.collect());
+        let sequences = glide::sequences_beside(&topology, closed.collect(), &[]);
         let mut next = self.clone();
         for sides in sequences.iter().flatten() {
             let [f, g] = sides.map(|f| numbers[f.index()]);

@@ -4,7 +4,7 @@
 //! `find` finds the group, `cut` the part of the surface that generates it (a fundamental domain).
 //! Its boundary in mirror planes is laid out as such ([`MirrorPlane`]). `quotient` makes the panels
 //! that planes cut whole; corners beyond a plane are no unknowns but images, and the optimiser
-//! takes them along. `unfold` adds all images.
+//! takes them along. `turns` makes these panels more regular. `unfold` adds all images.
 //!
 //! [`MirrorPlane`]: crate::directions::MirrorPlane
 
@@ -14,6 +14,7 @@ mod find;
 mod group;
 mod quotient;
 mod target;
+mod turns;
 mod unfold;
 
 pub use choice::Symmetry;

@@ -5,7 +5,7 @@
 //! tells which. Where two halves meet in the plane, the edge between them runs straight across it,
 //! and the corner there is none; where a half and a whole panel meet, it is a corner of three
 //! panels in the plane. Two whole panels would meet their images in a corner of four, so one of
-//! them is taken as a half.
+//! them is taken as a half. Where the area leaves it in doubt it is what makes panels regular.
 
 use super::group::{Group, folded, in_walls, number_of, reflection};
 use crate::directions::MirrorPlane;
@@ -14,7 +14,7 @@ use crate::layout::{Layout, VertexKind};
 use crate::optimise::{Image, Quotient};
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 /// Distance from a mirror plane, panel lengths, within which a vertex of the boundary lies in it.
@@ -22,6 +22,10 @@ const IN_PLANE: f64 = 0.05;
 /// Area of a cell over that of a panel up to which it is half a panel, and a quarter of one.
 const HALF: f64 = 0.72;
 const QUARTER: f64 = 0.36;
+/// Factor of [`HALF`] up to which the area leaves in doubt what a cell is, and rounds of choices in
+/// doubt.
+const DOUBT: f64 = 1.35;
+const ROUNDS: usize = 4;
 /// Sine of the angle between boundary and mirror plane, less than a right one, beyond which the
 /// boundary has a corner there.
 const SQUARE: f64 = 0.3;
@@ -64,26 +68,12 @@ pub(crate) fn irregular_panels(layout: &Layout, mirrors: &[MirrorPlane]) -> usiz
     let walls: Vec<Vec3> = mirrors.iter().map(|m| m.normal.into()).collect();
     let cells = WallCells::new(layout, &walls);
     let merged = cells.merged();
-    let topology = cells.topology;
-    let cost = |f: FaceId| {
-        let ring = topology.face_vertices(f);
-        let n = ring.len();
-        let is_open = |i: usize| {
-            let [a, b] = [ring[i], ring[(i + 1) % n]];
-            let on_boundary = [a, b].iter().all(|v| topology.is_boundary_vertex(*v));
-            on_boundary && cells.on[a] & cells.on[b] == 0
-        };
-        let corners = match merged[f] {
-            0 => cells.corners_of_whole(f).len(),
-            _ => cells.half(f, &merged).map_or(0, |h| h.corners()),
-        };
-        match corners {
-            0..3 => NO_PANEL,
-            _ if (0..n).any(is_open) => 0,
-            _ => usize::from(corners != 6),
-        }
+    let cost = |f: FaceId| match cells.corners(f, &merged) {
+        Some(0..3) => NO_PANEL,
+        Some(n) => usize::from(n != 6),
+        None => 0,
     };
-    topology.faces().map(cost).sum()
+    cells.topology.faces().map(cost).sum()
 }
 
 struct WallCells<'a> {
@@ -125,15 +115,7 @@ impl<'a> WallCells<'a> {
 
     /// The walls across which each cell is joined with its image.
     fn merged(&self) -> PerFace<u32> {
-        let share = |f: FaceId| {
-            let full = CELL * self.layout.face_length[f].powi(2);
-            let at = |v: &VertexId| self.layout.mesh.position(*v);
-            let ring: Vec<Vec3> = self.topology.face_vertices(f).iter().map(at).collect();
-            let fan = ring
-                .windows(2)
-                .map(|p| (p[0] - ring[0]).cross(&(p[1] - ring[0])));
-            0.5 * fan.sum::<Vec3>().norm() / full
-        };
+        let share = |f| self.share(f);
         let mut merged = PerFace::from_fn(self.topology.n_faces(), |f| {
             let walls = self.sides(f);
             match walls.count_ones() {
@@ -166,7 +148,88 @@ impl<'a> WallCells<'a> {
                 }
             }
         }
+        self.choose(&mut merged);
         merged
+    }
+
+    /// Area of a cell over that of a panel.
+    fn share(&self, f: FaceId) -> f64 {
+        let full = CELL * self.layout.face_length[f].powi(2);
+        let at = |v: &VertexId| self.layout.mesh.position(*v);
+        let ring: Vec<Vec3> = self.topology.face_vertices(f).iter().map(at).collect();
+        let fan = ring
+            .windows(2)
+            .map(|p| (p[0] - ring[0]).cross(&(p[1] - ring[0])));
+        0.5 * fan.sum::<Vec3>().norm() / full
+    }
+
+    /// Joins cells of doubtful size, or parts them, where that makes the panels there more regular.
+    fn choose(&self, merged: &mut PerFace<u32>) {
+        let in_doubt = |f: &FaceId| {
+            let over = self.share(*f) / HALF;
+            self.sides(*f) != 0 && over.max(1.0 / over) < DOUBT
+        };
+        let doubtful: Vec<FaceId> = self.topology.faces().filter(in_doubt).collect();
+        for _ in 0..ROUNDS {
+            let before = merged.clone();
+            for f in &doubtful {
+                let cost = |choice: u32| {
+                    let mut next = merged.clone();
+                    next[*f] = choice;
+                    self.irregularity(*f, &next)
+                };
+                let best = self.choices(*f).min_by_key(|c| (cost(*c), *c != merged[*f]));
+                merged[*f] = best.unwrap_or(merged[*f]);
+            }
+            if merged.as_slice() == before.as_slice() {
+                break;
+            }
+        }
+    }
+
+    /// Walls across which a cell may be joined with its image.
+    fn choices(&self, f: FaceId) -> impl Iterator<Item = u32> {
+        let sides = self.sides(f);
+        (0..=sides).filter(move |choice| choice & sides == *choice)
+    }
+
+    /// How irregular a cell and those beside it in a wall are as panels; the most where two whole
+    /// ones lie side by side there, or one is no panel.
+    fn irregularity(&self, f: FaceId, merged: &PerFace<u32>) -> usize {
+        let held = self.topology.face_vertices(f).iter().filter(|v| self.on[**v] != 0);
+        let mut beside = BTreeSet::from([f]);
+        let mut cost = 0;
+        for v in held {
+            let around = self.topology.outgoing(*v).map(|h| self.topology.face(h));
+            let whole = around.filter(|g| {
+                beside.insert(*g);
+                self.sides(*g) & !merged[*g] & self.on[*v] != 0
+            });
+            cost += NO_PANEL * whole.count().saturating_sub(1);
+        }
+        let of = |g: &FaceId| match self.corners(*g, merged) {
+            Some(0..3) => NO_PANEL,
+            Some(n) => n.abs_diff(6).pow(2),
+            None => 0,
+        };
+        cost + beside.iter().map(of).sum::<usize>()
+    }
+
+    /// Corners of the panel that a cell is, or is a part of: 0 if it can't be one, and nothing at
+    /// the open boundary, where any number will do.
+    fn corners(&self, f: FaceId, merged: &PerFace<u32>) -> Option<usize> {
+        let ring = self.topology.face_vertices(f);
+        let n = ring.len();
+        let is_open = |i: usize| {
+            let [a, b] = [ring[i], ring[(i + 1) % n]];
+            let on_boundary = [a, b].iter().all(|v| self.topology.is_boundary_vertex(*v));
+            on_boundary && self.on[a] & self.on[b] == 0
+        };
+        let corners = match merged[f] {
+            0 => self.corners_of_whole(f).len(),
+            _ => self.half(f, merged).map_or(0, |h| h.corners()),
+        };
+        (corners < 3 || !(0..n).any(is_open)).then_some(corners)
     }
 
     /// Whether a cell has a corner on the axis in which walls meet. One that has not, and a side in

@@ -4,9 +4,9 @@ use super::group::number_of;
 use crate::optimise::Quotient;
 use crate::smooth_surface::Similarity;
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, PerVertex, TopologyError, Vec3};
+use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, TopologyError, Vec3};
 use serde::Serialize;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// An isometry `x -> M x + t`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -89,6 +89,28 @@ pub(crate) struct Unfolded {
     pub mesh: HexMesh,
     pub vertices: Vec<(u32, u32)>,
     pub panels: Vec<(u32, u32)>,
+    /// The number of the image of each panel of the part under each element.
+    of_part: Vec<Vec<u32>>,
+}
+
+impl Unfolded {
+    /// What is known of each panel of the part, for all its images.
+    pub fn repeated<T: Copy>(&self, of_part: &PerFace<T>) -> PerFace<T> {
+        let of = |(source, _): &(u32, u32)| of_part[FaceId::new(*source)];
+        PerFace::from_vec(self.panels.iter().map(of).collect())
+    }
+
+    /// The image of each panel under each element but the identity, which comes first.
+    pub fn panel_images(&self, elements: &[Matrix3<f64>]) -> Vec<PerFace<FaceId>> {
+        let image = |map: &Matrix3<f64>| {
+            let under = |(source, g): &(u32, u32)| {
+                let product = number_of(elements, &(map * elements[*g as usize])).unwrap_or(0);
+                FaceId::new(self.of_part[product][*source as usize])
+            };
+            PerFace::from_vec(self.panels.iter().map(under).collect())
+        };
+        elements[1..].iter().map(image).collect()
+    }
 }
 
 /// All images of panels under the elements of a group, the panels themselves first.
@@ -102,15 +124,18 @@ pub(crate) fn unfolded(
 ) -> Result<Unfolded, TopologyError> {
     let topology = mesh.topology();
     let mut orbits = VertexOrbits::new(quotient, mesh, elements);
-    let mut known: BTreeSet<Vec<u32>> = BTreeSet::new();
+    let mut known: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
     let (mut faces, mut panels) = (Vec::new(), Vec::new());
+    let mut of_part = vec![Vec::new(); elements.len()];
     for (g, map) in elements.iter().enumerate() {
         for f in topology.faces() {
             let ring = topology.face_vertices(f).iter();
             let mut ring: Vec<u32> = ring.map(|v| orbits.number(v.index(), g)).collect();
             let mut corners = ring.clone();
             corners.sort_unstable();
-            if known.insert(corners) {
+            let number = *known.entry(corners).or_insert(faces.len() as u32);
+            of_part[g].push(number);
+            if number as usize == faces.len() {
                 if map.determinant() < 0.0 {
                     ring.reverse();
                 }
@@ -129,6 +154,7 @@ pub(crate) fn unfolded(
         vertices: first.collect(),
         mesh: HexMesh::new(positions, &faces)?,
         panels,
+        of_part,
     })
 }
 

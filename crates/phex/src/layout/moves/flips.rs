@@ -12,7 +12,7 @@ use crate::layout::{Layout, VertexKind};
 use crate::progress::Progress;
 use phex_mesh::{EdgeId, FaceId, HalfEdgeId, HexMesh, PerVertex, Topology, Vec3, VertexId};
 use std::cmp::Reverse;
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 /// Rounds of turns at the most; each round makes the panels more regular, so this is only a guard.
 const ROUNDS: usize = 30;
@@ -53,14 +53,32 @@ fn glided(layout: &Layout) -> Option<Layout> {
     (!sequences.is_empty()).then(|| turned_between(layout.clone(), &sequences))?
 }
 
+/// Turns edges inside together with all their images while that makes the panels of a symmetric
+/// layout more regular; `None` if none can.
+pub(crate) fn turn_with_images(layout: &Layout, images: &glide::PanelImages) -> Option<Layout> {
+    let next = |layout: &Layout| {
+        let sequences = glide::sequences_beside(layout.mesh.topology(), BTreeSet::new(), images);
+        let all: Vec<_> = (sequences.iter())
+            .flat_map(|path| glide::with_images(path, images))
+            .collect();
+        (!all.is_empty()).then(|| turned_between(layout.clone(), &all))?
+    };
+    let rounds = std::iter::successors(next(layout), next);
+    rounds.take(ROUNDS).last()
+}
+
 /// The layout after sequences of turns of the edges between panels, side by side: no two of them
-/// may change the same panel. `None` if a turn can't be.
+/// may turn edges with a corner in common at the same step, and an edge that two of them turn turns
+/// once. `None` if a turn can't be.
 pub(super) fn turned_between(layout: Layout, sequences: &[Vec<glide::Sides>]) -> Option<Layout> {
     let longest = sequences.iter().map(Vec::len).max().unwrap_or(0);
     (0..longest).try_fold(layout, |layout, step| {
         let topology = layout.mesh.topology();
         let sides = sequences.iter().filter_map(|s| s.get(step));
-        let turns: Option<Vec<EdgeTurn>> = sides.map(|s| turn_between(topology, *s)).collect();
+        let ordered = |&[a, b]: &glide::Sides| [a.min(b), a.max(b)];
+        let mut seen = BTreeSet::new();
+        let once = sides.filter(|s| seen.insert(ordered(s)));
+        let turns: Option<Vec<EdgeTurn>> = once.map(|s| turn_between(topology, *s)).collect();
         turned(&layout, &turns?)
     })
 }

@@ -3,9 +3,9 @@
 //! A pentagon and a heptagon side by side are a dislocation; turning an edge beside it lets it
 //! glide by one panel at no cost. Gliding into a cone or into its opposite it vanishes. The search
 //! is exhaustive up to a few steps round each irregular panel, on the dual triangulation, where a
-//! turn is an edge flip.
+//! turn is an edge flip. In a symmetric mesh an edge turns together with all its images.
 
-use phex_mesh::{FaceId, Topology};
+use phex_mesh::{FaceId, PerFace, Topology};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most steps of a sequence.
@@ -21,6 +21,10 @@ const STEPS_AFTER_JOIN: usize = 3;
 /// Panels on the sides of an edge that turns.
 pub(crate) type Sides = [FaceId; 2];
 
+/// The image of each panel under each element of a group but the identity: none for a mesh that
+/// need not be symmetric.
+pub(crate) type PanelImages = [PerFace<FaceId>];
+
 /// Turns after which the panels inside are more regular than before, if first the second of `sides`
 /// becomes part of the first, with the panels that all that changes; `None` if there are none
 /// beside the panels in `taken`.
@@ -29,7 +33,7 @@ pub(crate) fn turns_after_join(
     sides: Sides,
     taken: &BTreeSet<FaceId>,
 ) -> Option<(Vec<Sides>, BTreeSet<FaceId>)> {
-    let mut patch = DualPatch::around(topology, sides[0], taken);
+    let mut patch = DualPatch::around(topology, sides[0], taken, &[]);
     let [Some(a), Some(b)] = sides.map(|f| patch.number(f)) else {
         return None;
     };
@@ -58,23 +62,28 @@ fn neighbours(topology: &Topology, f: FaceId) -> impl Iterator<Item = FaceId> {
 /// Sequences of turns, each of which makes the panels inside more regular; no two of them change
 /// the same panel.
 pub(crate) fn sequences(topology: &Topology) -> Vec<Vec<Sides>> {
-    sequences_beside(topology, BTreeSet::new())
+    sequences_beside(topology, BTreeSet::new(), &[])
 }
 
-/// The same where some panels must stay as they are.
+/// The same where some panels must stay as they are, and where edges turn with all their images:
+/// of a sequence and its images one is given.
 pub(crate) fn sequences_beside(
     topology: &Topology,
     mut taken: BTreeSet<FaceId>,
+    images: &PanelImages,
 ) -> Vec<Vec<Sides>> {
+    let first = |f: &FaceId| images.iter().all(|of| *f <= of[*f]);
     let irregular = |f: &FaceId| !topology.is_boundary_face(*f) && topology.valence(*f) != 6;
     let mut found = Vec::new();
-    for f in topology.faces().filter(irregular) {
-        let mut patch = DualPatch::around(topology, f, &taken);
+    for f in topology.faces().filter(irregular).filter(first) {
+        let mut patch = DualPatch::around(topology, f, &taken, images);
         let most = if patch.most_gain() > 0 { STEPS } else { 0 };
         for steps in 1..=most {
             let mut path = Vec::new();
             if patch.search(steps, 0, 0, &mut path) {
-                taken.extend(patch.changed(topology, &path));
+                for path in with_images(&path, images) {
+                    taken.extend(patch.changed(topology, &path));
+                }
                 found.push(path);
                 break;
             }
@@ -83,22 +92,42 @@ pub(crate) fn sequences_beside(
     found
 }
 
+/// A sequence and all its images.
+pub(super) fn with_images<'a>(
+    path: &'a [Sides],
+    images: &'a PanelImages,
+) -> impl Iterator<Item = Vec<Sides>> + 'a {
+    let image = |of: &PerFace<FaceId>| path.iter().map(|s| s.map(|f| of[f])).collect();
+    std::iter::once(path.to_vec()).chain(images.iter().map(image))
+}
+
 /// A piece of the dual triangulation, its panels numbered in their order.
 struct DualPatch {
     names: Vec<FaceId>,
     /// The neighbours of each panel in the order of its outline; none of those that stay as they
     /// are.
     ring: Vec<Vec<usize>>,
+    /// The image of each panel under each element of a group but the identity.
+    images: Vec<Vec<usize>>,
 }
 
 /// Numbers of panels on the sides of an edge, or at its ends.
 type DualEdge = [usize; 2];
 
+/// The panels on the sides of an edge that turns, and those at its ends.
+type DualTurn = [DualEdge; 2];
+
 impl DualPatch {
-    /// The panels inside within reach of `centre`, without those in `taken`.
-    fn around(topology: &Topology, centre: FaceId, taken: &BTreeSet<FaceId>) -> Self {
+    /// The panels inside within reach of `centre`, or of one of its images, without those in
+    /// `taken`.
+    fn around(
+        topology: &Topology,
+        centre: FaceId,
+        taken: &BTreeSet<FaceId>,
+        images: &PanelImages,
+    ) -> Self {
         let mut around: BTreeMap<FaceId, Vec<FaceId>> = BTreeMap::new();
-        let mut front = vec![centre];
+        let mut front: Vec<FaceId> = images.iter().map(|of| of[centre]).chain([centre]).collect();
         for _ in 0..=REACH {
             let mut next = Vec::new();
             for f in front {
@@ -117,8 +146,10 @@ impl DualPatch {
         let names: Vec<FaceId> = names.into_iter().collect();
         let number = |f: &FaceId| names.binary_search(f).expect("a panel that was seen");
         let ring = |f: &FaceId| around.get(f).into_iter().flatten().map(number).collect();
+        let numbers = |of: &PerFace<FaceId>| names.iter().map(|f| number(&of[*f])).collect();
         Self {
             ring: names.iter().map(ring).collect(),
+            images: images.iter().map(numbers).collect(),
             names,
         }
     }
@@ -162,27 +193,85 @@ impl DualPatch {
             return false;
         }
         for sides in self.candidates() {
-            let Some((ends, change)) = self.turn_at(sides) else {
+            let Some((turns, change)) = self.turn_all(sides, floor - gain) else {
                 continue;
             };
-            if gain + change < floor {
-                continue;
-            }
-            self.turn(sides, ends);
             path.push(self.name(sides));
             if self.search(steps - 1, gain + change, floor, path) {
                 return true;
             }
             path.pop();
-            self.turn(ends, [sides[1], sides[0]]);
+            self.turn_back(&turns);
         }
         false
+    }
+
+    /// Turns an edge and all its images, and tells what that gains; `None`, and nothing has
+    /// changed, if one of them can't turn or it gains less than `least`.
+    fn turn_all(&mut self, sides: DualEdge, least: i32) -> Option<(Vec<DualTurn>, i32)> {
+        let (_, first) = self.turn_at(sides)?;
+        if self.images.is_empty() && first < least {
+            return None;
+        }
+        let all = self.with_images(sides)?;
+        let (mut turns, mut gain) = (Vec::new(), 0);
+        for sides in all {
+            let Some((ends, change)) = self.turn_at(sides) else {
+                self.turn_back(&turns);
+                return None;
+            };
+            self.turn(sides, ends);
+            turns.push([sides, ends]);
+            gain += change;
+        }
+        if gain < least {
+            self.turn_back(&turns);
+            return None;
+        }
+        Some((turns, gain))
+    }
+
+    fn turn_back(&mut self, turns: &[DualTurn]) {
+        for [sides, ends] in turns.iter().rev() {
+            self.turn(*ends, [sides[1], sides[0]]);
+        }
+    }
+
+    /// An edge and its images; `None` if two of them have a corner in common, so that the order in
+    /// which they turn would matter.
+    fn with_images(&self, sides: DualEdge) -> Option<Vec<DualEdge>> {
+        let mut all = vec![sides];
+        for of in &self.images {
+            let image = sides.map(|f| of[f]);
+            if all.iter().any(|other| self.meet(*other, image)) {
+                return None;
+            }
+            if !all.iter().any(|other| is_same(*other, image)) {
+                all.push(image);
+            }
+        }
+        Some(all)
+    }
+
+    /// Whether two edges have a corner in common.
+    fn meet(&self, one: DualEdge, other: DualEdge) -> bool {
+        let beyond = |[a, b]: DualEdge, f: usize| if a == f { b } else { a };
+        let shared = one.into_iter().find(|f| other.contains(f));
+        shared.filter(|_| !is_same(one, other)).is_some_and(|f| {
+            let (ring, n) = (&self.ring[f], self.ring[f].len());
+            let place = |g: usize| ring.iter().position(|x| *x == g);
+            match (place(beyond(one, f)), place(beyond(other, f))) {
+                (Some(i), Some(k)) => (i + 1) % n == k || (k + 1) % n == i,
+                _ => false,
+            }
+        })
     }
 
     /// Edges whose turn takes a corner from a panel with many or gives one to a panel with few.
     fn candidates(&self) -> Vec<DualEdge> {
         let mut list = Vec::new();
-        for f in self.irregular() {
+        let first = |f: &usize| self.images.iter().all(|of| *f <= of[*f]);
+        for f in self.irregular().filter(first) {
             let ring = &self.ring[f];
             for (i, &g) in ring.iter().enumerate() {
                 let next = ring[(i + 1) % ring.len()];
@@ -215,7 +304,8 @@ impl DualPatch {
         for (f, change) in [(a, -1), (b, -1), (ends[0], 1), (ends[1], 1)] {
             let before = self.corners(f) as i32;
             let after = before + change;
-            if !(CORNERS[0] as i32..=CORNERS[1] as i32).contains(&after) {
+            let is_allowed = (CORNERS[0] as i32..=CORNERS[1] as i32).contains(&after);
+            if !is_allowed && (after - 6).abs() > (before - 6).abs() {
                 return None;
             }
             gain += (before - 6).pow(2) - (after - 6).pow(2);
@@ -285,6 +375,11 @@ impl DualPatch {
             })
             .collect()
     }
+}
+
+/// Whether two edges are the same, whichever of their sides is named first.
+fn is_same([a, b]: DualEdge, other: DualEdge) -> bool {
+    other == [a, b] || other == [b, a]
 }
 
 /// Puts `new` between `first` and `second`, which follow each other in one order or the other.

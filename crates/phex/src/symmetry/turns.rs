@@ -1,0 +1,92 @@
+//! Panels at mirror planes and axes made more regular: edges turn together with all their images.
+//!
+//! The panels of a domain are made regular by themselves, up to its mirror planes. What is
+//! irregular there shows once they are whole, and an edge beside a plane can turn only if its
+//! images do.
+
+use super::group::{Group, in_walls};
+use super::quotient::{WholePanels, quotient_of};
+use super::unfold::{Unfolded, unfolded};
+use crate::layout::moves::flips::turn_with_images;
+use crate::layout::{Layout, VertexKind};
+use nalgebra::Matrix3;
+use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
+use std::collections::BTreeMap;
+
+/// Distance from a mirror plane, mean edges, within which a vertex lies in it.
+const IN_PLANE: f64 = 1e-6;
+
+impl WholePanels {
+    /// The same with edges turned while that makes panels more regular.
+    pub fn calmed(self, group: Group) -> Self {
+        self.turned(group).unwrap_or(self)
+    }
+
+    /// The same with edges turned; `None` where none can.
+    fn turned(&self, group: Group) -> Option<Self> {
+        let elements = group.elements();
+        let all = unfolded(&self.quotient, &self.layout.mesh, &elements).ok()?;
+        let images = all.panel_images(&elements);
+        let turned = turn_with_images(&self.with_images(all, &elements), &images)?;
+        self.restored(&turned, group)
+    }
+
+    /// The layout of the panels and all their images.
+    fn with_images(&self, all: Unfolded, elements: &[Matrix3<f64>]) -> Layout {
+        let part = &self.layout;
+        let mut kind = vec![VertexKind::Interior; all.vertices.len()];
+        for f in part.mesh.topology().faces() {
+            let ring = |topology: &Topology| topology.face_vertices(f).to_vec();
+            for (v, w) in ring(part.mesh.topology()).iter().zip(ring(all.mesh.topology())) {
+                kind[w.index()] = part.vertex_kind[*v];
+            }
+        }
+        let kinds = all.vertices.iter().map(|(first, _)| kind[*first as usize]);
+        let mapped = |of: &PerFace<Vec3>| {
+            let image = |(f, g): &(u32, u32)| elements[*g as usize] * of[FaceId::new(*f)];
+            PerFace::from_vec(all.panels.iter().map(image).collect())
+        };
+        Layout {
+            vertex_kind: PerVertex::from_vec(kinds.collect()),
+            face_point: mapped(&part.face_point),
+            face_normal: mapped(&part.face_normal),
+            face_length: all.repeated(&part.face_length),
+            face_wish: all.repeated(&part.face_wish),
+            face_seed: all.repeated(&part.face_seed),
+            mesh: all.mesh,
+        }
+    }
+
+    /// The panels of the part among those of all images, which come first.
+    fn restored(&self, all: &Layout, group: Group) -> Option<Self> {
+        let topology = all.mesh.topology();
+        let part = self.layout.mesh.topology().faces();
+        let rings: Vec<&[VertexId]> = part.map(|f| topology.face_vertices(f)).collect();
+        let mut number: BTreeMap<VertexId, u32> = BTreeMap::new();
+        for v in rings.iter().copied().flatten() {
+            let next = number.len() as u32;
+            number.entry(*v).or_insert(next);
+        }
+        let mut old = vec![VertexId::new(0); number.len()];
+        number.iter().for_each(|(v, k)| old[*k as usize] = *v);
+        let (walls, near) = (group.walls(), IN_PLANE * self.layout.mesh.mean_edge());
+        let place = |v: &VertexId| {
+            let p = all.mesh.position(*v);
+            let held = walls.iter().enumerate().filter(|(_, n)| n.dot(&p).abs() < near);
+            in_walls(&walls, held.fold(0, |bits, (k, _)| bits | (1 << k)), p)
+        };
+        let faces: Vec<Vec<u32>> = (rings.iter())
+            .map(|ring| ring.iter().map(|v| number[v]).collect())
+            .collect();
+        let mesh = HexMesh::new(old.iter().map(place).collect(), &faces).ok()?;
+        let kinds = old.iter().map(|v| all.vertex_kind[*v]);
+        Some(Self {
+            quotient: quotient_of(&mesh, group).ok()?,
+            layout: Layout {
+                vertex_kind: PerVertex::from_vec(kinds.collect()),
+                mesh,
+                ..self.layout.clone()
+            },
+        })
+    }
+}
