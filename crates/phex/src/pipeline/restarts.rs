@@ -19,6 +19,9 @@ const MISCOUNT: f64 = 0.1;
 /// Lattices at the most, and their panels in all: with 10,000 panels the best of four has a
 /// twentieth fewer irregular ones than the first, with 1,000 a fifth.
 const STARTS: usize = 4;
+/// The same between mirror planes, where what is irregular has images and a lattice costs a part of
+/// what one of the whole would: 16 are not better.
+const MIRRORED_STARTS: usize = 8;
 const PANELS: usize = 8000;
 /// Restarts number themselves in the upper half of the seed, so that seeds one after the other
 /// share none.
@@ -100,9 +103,13 @@ impl Drawn {
 
 /// Lattices of a field that are tried at the most.
 pub(super) fn restarts(ground: &Ground) -> usize {
+    let most = match ground.options.directions.mirrors.is_empty() {
+        true => STARTS,
+        false => MIRRORED_STARTS,
+    };
     match ground.options.effort {
         Effort::Draft => 1,
-        _ => STARTS.min(PANELS / ground.panels.max(1)),
+        _ => most.min(PANELS / ground.panels.max(1)),
     }
 }
 

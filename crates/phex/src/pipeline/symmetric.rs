@@ -72,8 +72,8 @@ pub(super) fn mesh_with_panels(
             None => format!("the surface has no mirror plane within {share} % of its diagonal"),
         });
     };
-    let group = match used(&found, whole, panels, asked) {
-        Ok(group) => group,
+    let groups = match used(&found, whole, panels, asked) {
+        Ok(groups) => groups,
         Err(reason) => return without(reason),
     };
     let references = References {
@@ -81,19 +81,23 @@ pub(super) fn mesh_with_panels(
         ..References::default()
     };
     let judge = Judge::new(whole, references, options.limits());
-    let mut tried = |share: f64| {
+    let mut tried = |(group, share): (Group, f64)| {
         let panels = (share * panels as f64).round() as usize;
         let domain = DomainPanels::new(whole, &found, group, panels, options)?;
         let run = domain.mesh(&found, whole, clock)?;
         Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
     };
-    let mut made = tried(1.0);
-    for share in OTHER_COUNTS {
+    let counts = || [1.0].into_iter().chain(OTHER_COUNTS);
+    let ways = groups
+        .iter()
+        .flat_map(|group| counts().map(|share| (*group, share)));
+    let mut made = tried((groups[0], 1.0));
+    for way in ways.skip(1) {
         let is_over = matches!(made, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
         if is_over || matches!(&made, Ok((merit, _)) if merit.is_within()) {
             break;
         }
-        let next = tried(share);
+        let next = tried(way);
         let is_better = match (&made, &next) {
             (Ok((first, _)), Ok((second, _))) => second.is_better(first),
             _ => next.is_ok(),
@@ -102,12 +106,15 @@ pub(super) fn mesh_with_panels(
             made = next;
         }
     }
-    match made.map(|(_, run)| run) {
-        Ok(run) if asked == Symmetry::Auto && !run.is_sound() => without(format!(
-            "with the symmetry {} panels are not valid",
-            group.name()
-        )),
-        Ok(mut run) => {
+    let names: Vec<String> = groups.iter().map(|group| group.name()).collect();
+    let names = names.join(", ");
+    // What is there is kept where there is no time for anything else.
+    let is_welcome = asked == Symmetry::Auto && !progress.is_cancelled();
+    match made {
+        Ok((merit, run)) if is_welcome && !(run.is_sound() && merit.is_within()) => without(
+            format!("with the symmetry {names} panels are outside limits"),
+        ),
+        Ok((_, mut run)) => {
             run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
             run.statistics.panels_asked = panels;
             let message = run
@@ -122,7 +129,7 @@ pub(super) fn mesh_with_panels(
         }
         Err(NotSymmetric::Pipeline(error)) => Err(error),
         Err(NotSymmetric::Symmetry(reason)) => {
-            without(format!("with the symmetry {}: {reason}", group.name()))
+            without(format!("with the symmetry {names}: {reason}"))
         }
     }
 }
@@ -170,7 +177,7 @@ impl<E: Into<PipelineError>> From<E> for NotSymmetric {
     }
 }
 
-/// The part of the group that panels follow.
+/// The parts of the group that panels may follow, one after the other until they are within limits.
 ///
 /// # Errors
 /// What the surface has instead of what is wanted.
@@ -179,29 +186,39 @@ fn used(
     surface: &TriangleSurface,
     panels: usize,
     wanted: Symmetry,
-) -> Result<Group, String> {
-    let all = found.group.rotations;
+) -> Result<Vec<Group>, String> {
+    let (all, level) = (found.group.rotations, found.group.level);
     let rotations = match wanted {
         Symmetry::Mirror => {
-            return Ok(Group {
+            return Ok(vec![Group {
                 rotations: 1,
                 level: false,
-            });
+            }]);
         }
-        Symmetry::Turns(n) if found.revolution || all.is_multiple_of(n) => n,
+        Symmetry::Turns(n) if found.revolution || all.is_multiple_of(n) => vec![n],
         Symmetry::Turns(n) => {
             return Err(format!(
                 "the surface has the symmetry {}, and no rotation of order {n}",
                 found.group.name()
             ));
         }
-        _ if found.revolution => turns_of_revolution(found, surface, panels),
-        _ => all,
+        _ if found.revolution => fewer_turns(turns_of_revolution(found, surface, panels)),
+        _ => fewer_turns(all),
     };
-    Ok(Group {
-        rotations,
-        level: found.group.level,
-    })
+    let group = |rotations| Group { rotations, level };
+    Ok(rotations.into_iter().map(group).collect())
+}
+
+/// Rotations of the largest of the smaller groups that is tried.
+const FEW_TURNS: u32 = 6;
+
+/// A number of rotations, the largest of its divisors that is small, and 1.
+fn fewer_turns(all: u32) -> Vec<u32> {
+    let small = (1..=FEW_TURNS.min(all / 2)).rev();
+    let divisor = small.into_iter().find(|n| all.is_multiple_of(*n));
+    let mut turns = vec![all, divisor.unwrap_or(1), 1];
+    turns.dedup();
+    turns
 }
 
 /// Panels round a surface of revolution for each of its rotations.
@@ -505,5 +522,20 @@ impl DomainPanels {
             unrepeated: before.map(|b| outside(&b.mesh)),
             stages: std::mem::take(&mut clock.stages),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fewer_turns;
+
+    #[test]
+    fn smaller_groups_are_parts_of_the_larger_ones() {
+        assert_eq!(fewer_turns(20), [20, 5, 1]);
+        assert_eq!(fewer_turns(12), [12, 6, 1]);
+        assert_eq!(fewer_turns(4), [4, 2, 1]);
+        assert_eq!(fewer_turns(5), [5, 1]);
+        assert_eq!(fewer_turns(2), [2, 1]);
+        assert_eq!(fewer_turns(1), [1]);
     }
 }

@@ -178,7 +178,9 @@ impl<'a> WallCells<'a> {
                     next[*f] = choice;
                     self.irregularity(*f, &next)
                 };
-                let best = self.choices(*f).min_by_key(|c| (cost(*c), *c != merged[*f]));
+                let best = self
+                    .choices(*f)
+                    .min_by_key(|c| (cost(*c), *c != merged[*f]));
                 merged[*f] = best.unwrap_or(merged[*f]);
             }
             if merged.as_slice() == before.as_slice() {
@@ -196,7 +198,11 @@ impl<'a> WallCells<'a> {
     /// How irregular a cell and those beside it in a wall are as panels; the most where two whole
     /// ones lie side by side there, or one is no panel.
     fn irregularity(&self, f: FaceId, merged: &PerFace<u32>) -> usize {
-        let held = self.topology.face_vertices(f).iter().filter(|v| self.on[**v] != 0);
+        let held = self
+            .topology
+            .face_vertices(f)
+            .iter()
+            .filter(|v| self.on[**v] != 0);
         let mut beside = BTreeSet::from([f]);
         let mut cost = 0;
         for v in held {

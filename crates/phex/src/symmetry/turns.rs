@@ -37,7 +37,10 @@ impl WholePanels {
         let mut kind = vec![VertexKind::Interior; all.vertices.len()];
         for f in part.mesh.topology().faces() {
             let ring = |topology: &Topology| topology.face_vertices(f).to_vec();
-            for (v, w) in ring(part.mesh.topology()).iter().zip(ring(all.mesh.topology())) {
+            for (v, w) in ring(part.mesh.topology())
+                .iter()
+                .zip(ring(all.mesh.topology()))
+            {
                 kind[w.index()] = part.vertex_kind[*v];
             }
         }
@@ -72,7 +75,10 @@ impl WholePanels {
         let (walls, near) = (group.walls(), IN_PLANE * self.layout.mesh.mean_edge());
         let place = |v: &VertexId| {
             let p = all.mesh.position(*v);
-            let held = walls.iter().enumerate().filter(|(_, n)| n.dot(&p).abs() < near);
+            let held = walls
+                .iter()
+                .enumerate()
+                .filter(|(_, n)| n.dot(&p).abs() < near);
             in_walls(&walls, held.fold(0, |bits, (k, _)| bits | (1 << k)), p)
         };
         let faces: Vec<Vec<u32>> = (rings.iter())

@@ -287,6 +287,7 @@ mod tests {
     use super::*;
     use crate::layout::tests::lattice_patch;
     use crate::progress::Silent;
+    use phex_mesh::PerFace;
 
     fn valences(layout: &Layout) -> Vec<usize> {
         let topology = layout.mesh.topology();
@@ -341,6 +342,59 @@ mod tests {
                 .iter()
                 .all(|n| *n == 6)
         );
+    }
+
+    /// The image of each panel in the mirror plane through the origin that swaps the two directions
+    /// of a lattice patch, a sixth of a turn apart.
+    fn mirrored(mesh: &HexMesh) -> PerFace<FaceId> {
+        let (s, c) = std::f64::consts::FRAC_PI_3.sin_cos();
+        let image = |p: Vec3| Vec3::new(c * p.x + s * p.y, s * p.x - c * p.y, p.z);
+        let faces = || mesh.topology().faces();
+        let at = |p: Vec3| faces().find(|g| (mesh.centre(*g) - p).norm() < 1e-9);
+        PerFace::from_vec(
+            faces()
+                .map(|f| at(image(mesh.centre(f))).unwrap())
+                .collect(),
+        )
+    }
+
+    /// Wherever an edge has turned with its image, both turn back, and the panels stay symmetric.
+    #[test]
+    fn edges_turn_together_with_their_images() {
+        let mut layout = lattice_patch(7);
+        let middle =
+            layout.mesh.positions.iter().sum::<Vec3>() / layout.mesh.positions.len() as f64;
+        layout.mesh = (layout.mesh).with_positions(layout.mesh.positions.map(|p| p - middle));
+        let images = [mirrored(&layout.mesh)];
+        let (mut alone, mut pairs) = (0, 0);
+        let topology = layout.mesh.topology();
+        let is_inside = |t: &EdgeTurn| t.panels().all(|f| !topology.is_boundary_face(f));
+        for turn in inner_turns(&layout).into_iter().filter(is_inside) {
+            let path = [[turn.left, turn.right]];
+            let both: Vec<_> = glide::with_images(&path, &images).collect();
+            let Some(image) = turn_between(topology, both[1][0]) else {
+                continue;
+            };
+            let ends = |t: &EdgeTurn| [topology.origin(t.half_edge), topology.target(t.half_edge)];
+            let shared = ends(&turn)
+                .iter()
+                .filter(|v| ends(&image).contains(v))
+                .count();
+            // Edges with one corner in common do not turn together.
+            if shared == 1 {
+                continue;
+            }
+            let Some(spoilt) = turned_between(layout.clone(), &both) else {
+                continue;
+            };
+            *(if shared == 2 { &mut alone } else { &mut pairs }) += 1;
+            assert!(valences(&spoilt).iter().any(|n| *n != 6));
+            let after = turn_with_images(&spoilt, &images).unwrap();
+            assert!(valences(&after).iter().all(|n| *n == 6));
+            assert_eq!(mirrored(&after.mesh).as_slice(), images[0].as_slice());
+        }
+        assert!(alone > 3 && pairs > 20, "{alone} {pairs}");
+        assert!(turn_with_images(&layout, &images).is_none());
     }
 
     /// A pentagon behind the rim reaches the boundary: the panels inside that are left are
