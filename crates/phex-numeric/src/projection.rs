@@ -257,7 +257,8 @@ impl MinimumNorm {
     }
 }
 
-/// Lets the residual rise for a few iterations, and knows the best place to go back to.
+/// Lets the residual rise for a few iterations, and fall again for as many as it takes, and knows
+/// the best place to go back to.
 ///
 /// Near dependent constraints a full step is long, and its second-order error disturbs
 /// well-determined constraints, which the next steps repair; to demand a falling residual there
@@ -265,6 +266,8 @@ impl MinimumNorm {
 struct Watchdog {
     place: Vec<f64>,
     best: f64,
+    last: f64,
+    /// Iterations since the best one in which the residual has not fallen.
     waited: usize,
     patience: usize,
 }
@@ -277,6 +280,7 @@ impl Watchdog {
         Self {
             place: x.to_vec(),
             best: residual,
+            last: residual,
             waited: 0,
             patience: Self::PATIENCE,
         }
@@ -296,9 +300,10 @@ impl Watchdog {
             self.place.copy_from_slice(x);
             self.best = residual;
             self.waited = 0;
-        } else {
+        } else if residual >= self.last {
             self.waited += 1;
         }
+        self.last = residual;
     }
 
     fn has_waited(&self) -> bool {
@@ -498,6 +503,58 @@ mod tests {
             outcome.iterations
         });
         assert!(ends[1] <= ends[0] + 1, "{ends:?}");
+    }
+
+    /// An equation in one unknown whose full steps go from each number to the next, with given
+    /// residuals there and larger ones between.
+    struct Ridge([f64; 7]);
+
+    impl Constraints for Ridge {
+        fn linearise(&mut self, _: &[f64], values: &mut [f64], normal: &mut SymmetricMatrix) {
+            values[0] = 1.0;
+            normal.values_mut()[0] = 1.0;
+        }
+        fn transposed(&self, y: &[f64], d: &mut [f64]) {
+            d[0] = -y[0];
+        }
+        fn step_bound(&mut self, _: &[f64], _: &[f64]) -> f64 {
+            1.0
+        }
+        fn admissible(&mut self, x: &[f64]) -> Option<f64> {
+            let at = x[0].round();
+            Some(self.0[at as usize] + (x[0] - at).abs())
+        }
+        fn hold_back(&mut self, _: &[f64], step: &mut [f64]) {
+            step[0] *= 0.5;
+        }
+        fn step_length(&self, step: &[f64]) -> f64 {
+            step[0].abs()
+        }
+    }
+
+    #[test]
+    fn a_residual_that_has_risen_and_falls_again_is_waited_for() {
+        let ends = [
+            [1.0, 5.0, 4.0, 3.0, 2.0, 1.5, 0.0],
+            [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.0],
+        ];
+        let [falls, rises] = ends.map(|residuals| {
+            let normal = SymmetricMatrix::from_triplets(1, [(0, 0, 1.0)].into_iter()).unwrap();
+            let cholesky = Cholesky::new(&normal).unwrap();
+            let options = ProjectionOptions {
+                max_iterations: 20,
+                goal: 1e-9,
+                tolerance: 1e-9,
+                phase: 0.0,
+            };
+            let observe = |_: &Record| ControlFlow::Continue(());
+            let mut x = [0.0];
+            let mut projector = MinimumNorm::new(cholesky, normal);
+            let outcome = projector.project(&mut Ridge(residuals), &mut x, &options, observe);
+            (outcome.status, outcome.iterations)
+        });
+        assert_eq!(falls, (Status::Converged, 6));
+        assert_eq!(rises, (Status::Stalled, 3), "three steps, and back");
     }
 
     #[test]
