@@ -14,7 +14,7 @@ use super::{
     Candidate, Clock, Effort, MeshOptions, MeshRun, PipelineError, Statistics, between_panels,
 };
 use crate::optimise::{self, BoundaryHold, Quotient, Steering};
-use crate::progress::Event;
+use crate::progress::{Event, Progress};
 use crate::quality::{Judge, Limits, Merit, References};
 use crate::repetition::RepetitionTask;
 use crate::search::{AreaField, Site, search};
@@ -81,31 +81,16 @@ pub(super) fn mesh_with_panels(
         ..References::default()
     };
     let judge = Judge::new(whole, references, options.limits());
-    let mut tried = |(group, share): (Group, f64)| {
+    let tried = |(group, share): (Group, f64)| {
         let panels = (share * panels as f64).round() as usize;
         let domain = DomainPanels::new(whole, &found, group, panels, options)?;
         let run = domain.mesh(&found, whole, clock)?;
         Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
     };
-    let counts = || [1.0].into_iter().chain(OTHER_COUNTS);
-    let ways = groups
-        .iter()
-        .flat_map(|group| counts().map(|share| (*group, share)));
-    let mut made = tried((groups[0], 1.0));
-    for way in ways.skip(1) {
-        let is_over = matches!(made, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
-        if is_over || matches!(&made, Ok((merit, _)) if merit.is_within()) {
-            break;
-        }
-        let next = tried(way);
-        let is_better = match (&made, &next) {
-            (Ok((first, _)), Ok((second, _))) => second.is_better(first),
-            _ => next.is_ok(),
-        };
-        if is_better {
-            made = next;
-        }
-    }
+    let counts = || std::iter::once(1.0).chain(OTHER_COUNTS);
+    let of_group = |group: Group| counts().map(move |share| (group, share));
+    let ways: Vec<(Group, f64)> = groups.iter().copied().flat_map(of_group).collect();
+    let made = best_of(&ways, tried, progress);
     let names: Vec<String> = groups.iter().map(|group| group.name()).collect();
     let names = names.join(", ");
     // What is there is kept where there is no time for anything else.
@@ -117,14 +102,10 @@ pub(super) fn mesh_with_panels(
         Ok((_, mut run)) => {
             run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
             run.statistics.panels_asked = panels;
-            let message = run
-                .statistics
-                .symmetry
-                .as_ref()
-                .map(SymmetrySummary::sentence);
-            message
-                .into_iter()
-                .for_each(|message| progress.report(&Event::Note { message }));
+            let summary = run.statistics.symmetry.as_ref();
+            if let Some(message) = summary.map(SymmetrySummary::sentence) {
+                progress.report(&Event::Note { message });
+            }
             Ok(Some(run))
         }
         Err(NotSymmetric::Pipeline(error)) => Err(error),
@@ -132,6 +113,34 @@ pub(super) fn mesh_with_panels(
             without(format!("with the symmetry {names}: {reason}"))
         }
     }
+}
+
+/// A symmetric mesh and what the judge says of it.
+type Tried = Result<(Merit, MeshRun), NotSymmetric>;
+
+/// The best mesh that groups and numbers of panels, over the one that is asked for, lead to, one
+/// after the other until panels are within limits.
+fn best_of(
+    ways: &[(Group, f64)],
+    mut tried: impl FnMut((Group, f64)) -> Tried,
+    progress: &dyn Progress,
+) -> Tried {
+    let mut made = tried(ways[0]);
+    for way in &ways[1..] {
+        let is_over = matches!(made, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
+        if is_over || matches!(&made, Ok((merit, _)) if merit.is_within()) {
+            break;
+        }
+        let next = tried(*way);
+        let is_better = match (&made, &next) {
+            (Ok((first, _)), Ok((second, _))) => second.is_better(first),
+            _ => next.is_ok(),
+        };
+        if is_better {
+            made = next;
+        }
+    }
+    made
 }
 
 /// What keeps panels from following the symmetries of a surface, whichever it has.
