@@ -116,15 +116,15 @@ pub(super) fn mesh_with_panels(
 }
 
 /// A symmetric mesh and what the judge says of it.
-type Tried = Result<(Merit, MeshRun), NotSymmetric>;
+type SymmetricAttempt = Result<(Merit, MeshRun), NotSymmetric>;
 
 /// The best mesh that groups and numbers of panels, over the one that is asked for, lead to, one
 /// after the other until panels are within limits.
 fn best_of(
     ways: &[(Group, f64)],
-    mut tried: impl FnMut((Group, f64)) -> Tried,
+    mut tried: impl FnMut((Group, f64)) -> SymmetricAttempt,
     progress: &dyn Progress,
-) -> Tried {
+) -> SymmetricAttempt {
     let mut made = tried(ways[0]);
     for way in &ways[1..] {
         let is_over = matches!(made, Err(NotSymmetric::Pipeline(_))) || progress.is_cancelled();
