@@ -134,8 +134,8 @@ pub struct Judgement {
     pub of_face: PerFace<Findings>,
     /// In all.
     pub merit: Merit,
-    /// The face closest to each of the points that were to be covered.
-    pub nearest: Vec<FaceId>,
+    /// The face closest to each of the points that were to be covered, and its distance, a length.
+    pub closest: Vec<(FaceId, f64)>,
 }
 
 impl Judgement {
@@ -241,8 +241,9 @@ impl<'a> Judge<'a> {
             PerFace::filled(mesh.topology().n_faces(), Findings::default());
         self.add_violations(mesh, yardstick, &mut of_face);
         self.add_distances(mesh, &mut of_face);
-        let nearest = self.add_coverage(scope, yardstick, &mut of_face);
-        self.add_boundary(scope, &nearest, &mut of_face);
+        let closest = self.closest_faces(mesh, scope.points);
+        self.add_coverage((scope.points, &closest), yardstick, &mut of_face);
+        self.add_boundary(scope, &closest, &mut of_face);
         self.add_panel_limits(mesh, &mut of_face);
         add_shapes(scope, yardstick, &mut of_face);
         let counted = of_face.as_slice().iter().zip(scope.counts);
@@ -250,8 +251,18 @@ impl<'a> Judge<'a> {
         Judgement {
             merit: Merit::of(counted, yardstick.panels, 0),
             of_face,
-            nearest,
+            closest,
         }
+    }
+
+    /// The face closest to each of some points of the surface, and its distance, a length.
+    pub fn closest_faces(&self, mesh: &HexMesh, points: &[VertexId]) -> Vec<(FaceId, f64)> {
+        let places: Vec<Vec3> = self.places(points).collect();
+        closest_faces(mesh, &places)
+    }
+
+    fn places(&self, points: &[VertexId]) -> impl Iterator<Item = Vec3> {
+        points.iter().map(|v| self.surface.positions()[*v])
     }
 
     /// What lies at the rim of a part is judged as far as it can be seen.
@@ -327,19 +338,16 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Points of the surface that are farther from a mesh than a share of the largest distance, by
-    /// the face that is nearest to each; those near the boundary do not count.
+    /// Points of the surface that are farther from a mesh of `n_faces` than a share of the largest
+    /// distance, by the face that is `closest` to each; those near the boundary do not count.
     pub fn far_points(
         &self,
-        mesh: &HexMesh,
-        points: &[VertexId],
+        n_faces: usize,
+        (points, closest): (&[VertexId], &[(FaceId, f64)]),
         (mean_edge, share): (f64, f64),
     ) -> Vec<Vec<Vec3>> {
-        let place = |v: &VertexId| self.surface.positions()[*v];
-        let places: Vec<Vec3> = points.iter().map(place).collect();
-        let mut far = vec![Vec::new(); mesh.topology().n_faces()];
-        let closest = closest_faces(mesh, &places);
-        for (p, (f, distance)) in places.into_iter().zip(closest) {
+        let mut far = vec![Vec::new(); n_faces];
+        for (p, &(f, distance)) in self.places(points).zip(closest) {
             if distance > share * self.largest_distance() && self.is_inside(p, mean_edge) {
                 far[f.index()].push(p);
             }
@@ -355,14 +363,11 @@ impl<'a> Judge<'a> {
 
     fn add_coverage(
         &self,
-        scope: &Scope<'_>,
+        (points, closest): (&[VertexId], &[(FaceId, f64)]),
         yardstick: &Yardstick,
         of_face: &mut PerFace<Findings>,
-    ) -> Vec<FaceId> {
-        let place = |v: &VertexId| self.surface.positions()[*v];
-        let places: Vec<Vec3> = scope.points.iter().map(place).collect();
-        let closest = closest_faces(scope.mesh, &places);
-        for (p, &(f, distance)) in places.into_iter().zip(&closest) {
+    ) {
+        for (p, &(f, distance)) in self.places(points).zip(closest) {
             let face = &mut of_face[f];
             let off = distance / self.largest_distance();
             let bare = self.excess(self.limits.deviation_rel, distance);
@@ -372,11 +377,15 @@ impl<'a> Judge<'a> {
                 face.bare = face.bare.max(bare);
             }
         }
-        closest.into_iter().map(|c| c.0).collect()
     }
 
     /// How far the boundaries are apart, from both.
-    fn add_boundary(&self, scope: &Scope<'_>, nearest: &[FaceId], of_face: &mut PerFace<Findings>) {
+    fn add_boundary(
+        &self,
+        scope: &Scope<'_>,
+        closest: &[(FaceId, f64)],
+        of_face: &mut PerFace<Findings>,
+    ) {
         let (Some(curve), Some(limit)) = (&self.curve, self.limits.boundary_rel) else {
             return;
         };
@@ -392,8 +401,8 @@ impl<'a> Judge<'a> {
         let Some(own) = rim_curve(scope, &rim) else {
             return;
         };
-        let points = scope.points.iter().zip(nearest);
-        for (v, f) in points.filter(|(v, _)| self.on_boundary[**v]) {
+        let points = scope.points.iter().zip(closest);
+        for (v, (f, _)) in points.filter(|(v, _)| self.on_boundary[**v]) {
             let p = self.surface.positions()[*v];
             add(*f, (own.closest_point(p).position - p).norm());
         }

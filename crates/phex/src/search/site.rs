@@ -160,8 +160,8 @@ impl Site<'_> {
         }
     }
 
-    /// What the panels of a part are to have.
-    fn limits(&self, part: &HexMesh, whole: &Whole, points: &[VertexId]) -> FaceLimits {
+    /// What the panels of a part are to have, and the points of the surface that draw them.
+    fn limits(&self, part: &HexMesh, whole: &Whole, cover: Vec<Vec<Vec3>>) -> FaceLimits {
         let (topology, yardstick) = (part.topology(), &whole.yardstick);
         let (wished, _) = self.areas_wished(part, Some(whole.wish_scale));
         let areas = FlatFace::all(part).map(FlatFace::area);
@@ -191,7 +191,7 @@ impl Site<'_> {
             shape: vec![ShapeWish::ANY; topology.n_faces()],
             area: topology.faces().map(least).collect(),
             distance: self.judge.largest_distance(),
-            cover: (self.judge).far_points(part, points, (yardstick.mean_edge, FAR)),
+            cover,
         }
     }
 
@@ -200,9 +200,15 @@ impl Site<'_> {
         &self,
         built: &Built,
         (whole, points): (&Whole, &[VertexId]),
-        step: LocalStep,
+        step: LocalStep<'_>,
         progress: &dyn Progress,
     ) -> Option<HexMesh> {
+        let closest = match step {
+            LocalStep::Settle => &self.judge.closest_faces(&built.mesh, points),
+            LocalStep::Improve(_, judgement) => &judgement.closest,
+        };
+        let (n_faces, edge) = (built.mesh.topology().n_faces(), whole.yardstick.mean_edge);
+        let cover = (self.judge).far_points(n_faces, (points, closest), (edge, FAR));
         // What lies in a mirror plane and moves along the boundary would leave its image.
         let near = IN_PLANE * whole.diagonal;
         let in_plane = |p: &Vec3| self.mirrors.iter().any(|n| n.dot(p).abs() <= near);
@@ -214,14 +220,14 @@ impl Site<'_> {
             layout: &self.layout(&built.mesh),
             free: &free,
             hold: self.hold.as_ref(),
-            limits: &self.limits(&built.mesh, whole, points),
+            limits: &self.limits(&built.mesh, whole, cover),
             diagonal: whole.diagonal,
         };
         let target = SurfaceTarget::new(self.close_to);
         let quiet = Quiet::new(progress);
         let made = match step {
             LocalStep::Settle => part.settled(&target, self.options, &quiet),
-            LocalStep::Improve(round) => part.emphasised(round, &target, self.options, &quiet),
+            LocalStep::Improve(round, _) => part.emphasised(round, &target, self.options, &quiet),
         };
         Some(made.ok()?.mesh)
     }
@@ -229,11 +235,11 @@ impl Site<'_> {
 
 /// What the optimiser does with a part.
 #[derive(Clone, Copy)]
-pub(super) enum LocalStep {
+pub(super) enum LocalStep<'a> {
     /// From joined panels to planar ones.
     Settle,
-    /// From planar panels to better ones, in a round.
-    Improve(usize),
+    /// From planar panels, of which the judge says this, to better ones, in a round.
+    Improve(usize, &'a Judgement),
 }
 
 /// What is known of a mesh as a whole.
@@ -255,7 +261,7 @@ impl Whole {
         let (wished, wish_scale) = site.areas_wished(mesh, None);
         let findings = site.judge.whole_by(&yardstick, mesh, &wished);
         let mut covers = vec![Vec::new(); mesh.topology().n_faces()];
-        for (v, f) in site.judge.points().into_iter().zip(&findings.nearest) {
+        for (v, (f, _)) in site.judge.points().into_iter().zip(&findings.closest) {
             covers[f.index()].push(v);
         }
         Self {

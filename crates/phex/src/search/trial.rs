@@ -38,7 +38,7 @@ impl DefectPatch {
         let trial = PlaceTrial {
             place: self,
             goal: before.amount(&now.counts) - CURED * self.defect.amount,
-            before,
+            before: &before,
             points,
             whole,
             site,
@@ -57,32 +57,41 @@ struct PlaceTrial<'a> {
     /// The vertices of the surface that the patch is to cover.
     points: Vec<VertexId>,
     /// What the judge says of the patch as it is.
-    before: Judgement,
+    before: &'a Judgement,
     /// Amount of defects with which that at the place is cured.
     goal: f64,
 }
 
 /// A candidate with planar panels.
 struct Settled {
-    merit: Merit,
+    judgement: Judgement,
     /// Whether the optimiser has done all that it can for it.
     is_improved: bool,
     draft: Draft,
     built: Built,
 }
 
+impl Settled {
+    fn merit(&self) -> &Merit {
+        &self.judgement.merit
+    }
+
+    fn amount(&self) -> f64 {
+        self.judgement.amount(&self.built.counts)
+    }
+}
+
 impl PlaceTrial<'_> {
     fn best(&self, now: Built) -> (Option<Change>, usize) {
         let patch = &self.place.patch;
         let same = self.improved(Settled {
-            merit: self.before.merit,
+            judgement: self.before.clone(),
             is_improved: false,
             draft: patch.draft.clone(),
             built: now,
         });
-        let is_enough = self.judged(&same).amount(&same.built.counts) <= self.goal;
-        if self.place.defect.is_slight || is_enough {
-            let is_better = same.merit.is_less(&self.before.merit);
+        if self.place.defect.is_slight || same.amount() <= self.goal {
+            let is_better = same.merit().is_less(&self.before.merit);
             return (is_better.then(|| self.change(&same)), 1);
         }
         let mut settled = vec![same];
@@ -95,39 +104,35 @@ impl PlaceTrial<'_> {
                 break;
             }
             tried += 1;
-            let Some((next, judgement)) = self.settled(draft, built) else {
+            let Some(next) = self.settled(draft, built) else {
                 continue;
             };
-            if self.is_cured(&next, &judgement) && self.is_fair(&judgement) {
+            if self.is_cured(&next) && self.is_fair(&next.judgement) {
                 return (Some(self.change(&next)), tried);
             }
             settled.push(next);
         }
-        settled.sort_by(|a, b| a.merit.total_cmp(&b.merit));
+        settled.sort_by(|a, b| a.merit().total_cmp(b.merit()));
         settled.truncate(IMPROVED);
         let improved = settled.into_iter().map(|s| self.improved(s));
-        let best = improved.min_by(|a, b| a.merit.total_cmp(&b.merit));
+        let best = improved.min_by(|a, b| a.merit().total_cmp(b.merit()));
         let best = best
-            .filter(|best| best.merit.is_better(&self.before.merit))
-            .filter(|best| self.is_fair(&self.judged(best)));
+            .filter(|best| best.merit().is_better(&self.before.merit))
+            .filter(|best| self.is_fair(&best.judgement));
         (best.map(|best| self.change(&best)), tried)
     }
 
-    fn judged(&self, settled: &Settled) -> Judgement {
-        self.judged_as(&settled.built, &settled.built.mesh)
-    }
-
-    fn judged_as(&self, built: &Built, mesh: &HexMesh) -> Judgement {
+    fn judged(&self, built: &Built, mesh: &HexMesh) -> Judgement {
         (self.site).judged_part(mesh, &built.counts, self.whole, &self.points)
     }
 
-    fn made_planar(&self, built: &Built, step: LocalStep) -> Option<HexMesh> {
+    fn made_planar(&self, built: &Built, step: LocalStep<'_>) -> Option<HexMesh> {
         let place = (self.whole, &self.points[..]);
         self.site.settled(built, place, step, self.progress)
     }
 
-    fn is_cured(&self, next: &Settled, judgement: &Judgement) -> bool {
-        judgement.amount(&next.built.counts) <= self.goal && next.merit.is_less(&self.before.merit)
+    fn is_cured(&self, next: &Settled) -> bool {
+        next.amount() <= self.goal && next.merit().is_less(&self.before.merit)
     }
 
     /// No corner and no edge is worth a distance that no panel has, and no edge a corner.
@@ -141,29 +146,28 @@ impl PlaceTrial<'_> {
     }
 
     /// A candidate made planar, and what the judge says of it.
-    fn settled(&self, draft: Draft, built: Built) -> Option<(Settled, Judgement)> {
+    fn settled(&self, draft: Draft, built: Built) -> Option<Settled> {
         let mesh = self.made_planar(&built, LocalStep::Settle)?;
-        let judgement = self.judged_as(&built, &mesh);
-        let settled = Settled {
-            merit: judgement.merit,
+        Some(Settled {
+            judgement: self.judged(&built, &mesh),
             is_improved: false,
             draft,
             built: built.with(mesh),
-        };
-        Some((settled, judgement))
+        })
     }
 
     /// A candidate with more weight on what it lacks, as long as it is better for it.
     fn improved(&self, mut next: Settled) -> Settled {
         let rounds = if next.is_improved { 0 } else { EMPHASES };
         for round in 0..rounds {
-            let Some(mesh) = self.made_planar(&next.built, LocalStep::Improve(round)) else {
+            let step = LocalStep::Improve(round, &next.judgement);
+            let Some(mesh) = self.made_planar(&next.built, step) else {
                 continue;
             };
-            let judgement = self.judged_as(&next.built, &mesh);
-            if judgement.merit.is_less(&next.merit) && self.is_fair(&judgement) {
-                (next.merit, next.built.mesh) = (judgement.merit, mesh);
-                if self.is_cured(&next, &judgement) {
+            let judgement = self.judged(&next.built, &mesh);
+            if judgement.merit.is_less(next.merit()) && self.is_fair(&judgement) {
+                (next.judgement, next.built.mesh) = (judgement, mesh);
+                if self.is_cured(&next) {
                     break;
                 }
             }
