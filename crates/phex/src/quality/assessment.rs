@@ -1,7 +1,7 @@
 //! Measures, checks and verdict of a mesh.
 
 use super::Limits;
-use super::check::{Check, boundary_checks, surface_checks, validity_checks};
+use super::check::{Check, boundary_checks, fold_advice, surface_checks, validity_checks};
 use super::panel_checks::panel_checks;
 use phex_mesh::measure::{
     BoundaryFit, Deviation, MeshMeasures, boundary_fit, deviation_beyond, measure,
@@ -123,6 +123,19 @@ impl Assessment {
         };
         let boundary = references.judge().and_then(|s| boundary_fit(mesh, s));
         let mut checks = validity_checks(mesh, &measures, &violations, &limits.validity);
+        if let Some(advice) = references
+            .judge()
+            .and_then(|s| fold_advice(mesh, s, &violations))
+        {
+            let advised = |c: Check| {
+                if c.name == "folds" {
+                    c.advised(&advice)
+                } else {
+                    c
+                }
+            };
+            checks = checks.into_iter().map(advised).collect();
+        }
         checks.extend(panel_checks(mesh, &limits.panels));
         let deviation = deviation_smooth.as_ref().or(deviation_facets.as_ref());
         if let (Some(deviation), Some(surface)) = (deviation, references.judge()) {
