@@ -7,10 +7,10 @@ use crate::quality::USUAL_DEVIATION;
 use crate::smooth_surface::extend::{self, Extension};
 use crate::smooth_surface::teeth::without_teeth;
 use crate::smooth_surface::{
-    self, Coarsened, Normalised, SmoothTarget, TargetKind, boundary_corners,
+    self, Coarsened, CutShort, Normalised, SmoothTarget, TargetKind, boundary_corners,
 };
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
-use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, VertexId};
+use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::sync::Arc;
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
@@ -40,9 +40,8 @@ pub(crate) struct Ground {
     facets: TriangleSurface,
     /// What panels are compared with where they are laid out on fewer vertices.
     finer: Option<Finer>,
-    /// The vertex of the input that each vertex of the level of the fewest vertices is, where there
-    /// are others.
-    source: Option<Arc<PerVertex<VertexId>>>,
+    /// How the level of the fewest vertices came from the input, where it is not the input's own.
+    source: Option<Arc<Source>>,
     /// How far teeth of its boundary stand out of what panels are laid out on, where it has some.
     pub calmed: Option<f64>,
     trimming: Option<Arc<Trimming>>,
@@ -88,6 +87,33 @@ struct Finer {
     close: TriangleSurface,
 }
 
+/// How the vertices that panels are laid out on came from those of the input.
+struct Source {
+    /// The vertices that are left without teeth of the boundary.
+    calm: Option<PerVertex<VertexId>>,
+    /// The surface whose long triangles were cut short.
+    cut: Option<CutShort>,
+    /// The vertices that are left of these.
+    coarse: Option<PerVertex<VertexId>>,
+}
+
+impl Source {
+    /// Values at the vertices that panels are laid out on, from those at the input's.
+    fn carried(&self, values: &[f64]) -> Vec<f64> {
+        let mut values = PerVertex::from_vec(values.to_vec());
+        if let Some(calm) = &self.calm {
+            values = calm.map(|v| values[*v]);
+        }
+        if let Some(cut) = &self.cut {
+            values = cut.carried(values);
+        }
+        if let Some(coarse) = &self.coarse {
+            values = coarse.map(|v| values[*v]);
+        }
+        values.into_vec()
+    }
+}
+
 /// What panels are trimmed to.
 struct Trimming {
     extension: Extension,
@@ -117,12 +143,12 @@ impl Ground {
         // Methods by planes name vertices of the input: they get all of them.
         let is_laid_out = matches!(options.method, Method::Lattice | Method::BrickWall);
         let calm = is_laid_out.then(|| without_teeth(given, most)).flatten();
-        let part = calm.as_ref().map(|c| &c.part);
-        let near = part.map_or(given, |c| &c.surface);
-        let coarse = with_fewer_vertices(near, panels, options);
+        let (calm, moved) = calm.map(|c| (c.part, c.moved)).unzip();
+        let near = calm.as_ref().map_or(given, |c| &c.surface);
+        let cut = without_long_triangles(near, panels, options);
+        let near = cut.as_ref().map_or(near, |c| &c.surface);
+        let coarse = with_fewer_vertices(near, cut.is_some(), panels, options);
         let facets = coarse.as_ref().map_or(near, |c| &c.surface);
-        let parts = part.into_iter().chain(&coarse).map(|c| &c.source);
-        let source = parts.cloned().reduce(|of, part| part.map(|v| of[*v]));
 
         let density = options.cell_density.max(options.field_density);
         let smooth = |surface: &TriangleSurface, panels: usize| {
@@ -143,16 +169,16 @@ impl Ground {
         let share = (extension.as_ref()).map_or(1.0, |e| e.surface.area() / facets.area());
         let panels_in_all = (share * panels as f64).round() as usize;
         let all = extension.as_ref().map_or(facets, |e| &e.surface);
+        let is_given = calm.is_none() && coarse.is_none();
         Self {
             smooth: Arc::new(smooth(all, panels_in_all)),
             given: given.clone(),
-            facets: match source {
-                Some(_) => with_strip(given),
-                None => all.clone(),
+            facets: match is_given {
+                true => all.clone(),
+                false => with_strip(given),
             },
             finer,
-            source: source.map(Arc::new),
-            calmed: calm.as_ref().map(|c| c.moved),
+            calmed: moved,
             panels: panels_in_all,
             known: KnownCurvature::default(),
             options: options.clone(),
@@ -160,6 +186,13 @@ impl Ground {
                 Arc::new(Trimming {
                     smooth: smooth(facets, panels),
                     extension,
+                })
+            }),
+            source: (!is_given).then(|| {
+                Arc::new(Source {
+                    calm: calm.map(|c| c.source),
+                    coarse: coarse.map(|c| c.source),
+                    cut,
                 })
             }),
         }
@@ -185,7 +218,7 @@ impl Ground {
     pub(super) fn with_options(&self, options: &MeshOptions) -> Self {
         let mut options = options.clone();
         if let (Some(values), Some(source)) = (&mut options.size_field, &self.source) {
-            *values = source.iter().map(|v| values[v.index()]).collect();
+            *values = source.carried(values);
         }
         if let (Some(values), Some(trimming)) = (&mut options.size_field, &self.trimming) {
             let origin = trimming.extension.origin.iter().skip(values.len());
@@ -261,18 +294,91 @@ impl Ground {
     }
 }
 
-/// The input with fewer vertices, where it has many more than are `needed`.
-fn with_fewer_vertices(
+/// Vertices that cells need.
+fn needed(panels: usize, options: &MeshOptions) -> f64 {
+    options.cell_density.max(options.field_density) * panels as f64
+}
+
+/// Vertices on which panels are laid out where the input has more: one refinement brings them to
+/// what cells need.
+fn wanted(panels: usize, options: &MeshOptions) -> usize {
+    let before = (0.25 * needed(panels, options)).max(options.field_vertices(panels));
+    (ENOUGH * before) as usize
+}
+
+/// The input with long triangles cut short, where it has many.
+fn without_long_triangles(
     input: &TriangleSurface,
     panels: usize,
     options: &MeshOptions,
+) -> Option<CutShort> {
+    let mirrors = options.directions.mirrors.iter();
+    let mirrors: Vec<[Vec3; 2]> = mirrors.map(|m| [m.point.into(), m.normal.into()]).collect();
+    let is_laid_out =
+        options.method == Method::Lattice && options.target.kind != TargetKind::HalfWay;
+    is_laid_out
+        .then(|| smooth_surface::cut_short(input, wanted(panels, options), &mirrors))
+        .flatten()
+}
+
+/// The input with fewer vertices, where it has many more than cells need, or long triangles were
+/// cut.
+fn with_fewer_vertices(
+    input: &TriangleSurface,
+    was_cut: bool,
+    panels: usize,
+    options: &MeshOptions,
 ) -> Option<Coarsened> {
-    let needed = options.cell_density.max(options.field_density) * panels as f64;
-    let is_lattice = options.method == Method::Lattice;
-    let is_fine = is_lattice && input.positions().len() as f64 > FINE * needed;
-    is_fine.then(|| {
+    let many = FINE * needed(panels, options);
+    let is_fine = was_cut || input.positions().len() as f64 > many;
+    (is_fine && options.method == Method::Lattice).then(|| {
         let corners = boundary_corners(input, options.target.corner_angle.to_radians());
-        let wanted = (0.25 * needed).max(options.field_vertices(panels));
-        smooth_surface::coarsened(input, &corners, (ENOUGH * wanted) as usize)
+        smooth_surface::coarsened(input, &corners, wanted(panels, options))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Strips of a vault, half a turn of a cylinder of radius 1 and length 3.
+    fn strips() -> TriangleSurface {
+        let ends = |j: u32| {
+            let angle = std::f64::consts::PI * f64::from(j) / 40.0;
+            [0.0, 3.0].map(|x| Vec3::new(x, angle.cos(), angle.sin()))
+        };
+        let triangles = (0..40).flat_map(|j| {
+            let [a, b, c, d] = [2 * j, 2 * j + 1, 2 * j + 3, 2 * j + 2];
+            [[a, b, c], [a, c, d]]
+        });
+        let places = (0..=40).flat_map(ends).collect();
+        TriangleSurface::new(places, &triangles.collect::<Vec<_>>()).unwrap()
+    }
+
+    #[test]
+    fn panels_on_long_strips_have_vertices_near_one_another() {
+        let strips = strips();
+        let size_field = strips.positions().iter().map(|p| 1.0 + p.x).collect();
+        let options = MeshOptions {
+            size_field: Some(size_field),
+            ..MeshOptions::default()
+        };
+        let ground = Ground::new(&strips, 200, &options);
+        let fine = ground.smooth.finest();
+        let topology = fine.topology();
+        let ends = topology.edges().map(|e| topology.edge_vertices(e));
+        let lengths = ends.map(|[a, b]| (fine.positions()[a] - fine.positions()[b]).norm());
+        let longest = lengths.fold(0.0, f64::max);
+        let panel = mean_length(&strips, 200);
+        assert!(longest < 0.6 * panel, "{longest} of {panel}");
+        let vertices = fine.positions().len() as f64 / needed(200, &options);
+        assert!((0.8..1.5).contains(&vertices), "{vertices}");
+        // Sizes asked for at the two ends are those between them on the way.
+        let sizes = ground.options.size_field.unwrap();
+        let first = &ground.smooth.levels[0];
+        assert_eq!(sizes.len(), first.positions().len());
+        for (size, p) in sizes.iter().zip(first.positions().iter()) {
+            assert!((size - 1.0 - p.x).abs() < 0.02, "{size} at {p}");
+        }
+    }
 }

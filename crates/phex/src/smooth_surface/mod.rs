@@ -18,6 +18,7 @@
 //! the input are used.
 
 mod coarsen;
+mod elongated;
 pub(crate) mod extend;
 mod local;
 mod normalise;
@@ -25,6 +26,7 @@ pub(crate) mod subdivide;
 pub(crate) mod teeth;
 
 pub use coarsen::{Coarsened, coarsened};
+pub(crate) use elongated::{CutShort, cut_short};
 pub use extend::{Extension, extend};
 pub use normalise::Normalised;
 pub use subdivide::Refinement;
@@ -116,6 +118,16 @@ pub struct SmoothTarget {
 }
 
 impl SmoothTarget {
+    /// A surface that is smooth already, as the only level.
+    pub(super) fn of(surface: TriangleSurface) -> Self {
+        Self {
+            levels: vec![surface],
+            refinements: Vec::new(),
+            corners: Vec::new(),
+            interpolation_error: 0.0,
+        }
+    }
+
     /// The finest surface.
     pub fn finest(&self) -> &TriangleSurface {
         self.levels

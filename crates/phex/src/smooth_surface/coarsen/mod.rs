@@ -51,6 +51,13 @@ pub fn coarsened(surface: &TriangleSurface, corners: &[VertexId], wanted: usize)
     mesh.finished()
 }
 
+/// The surface with edges turned where that makes triangles Delaunay.
+pub(super) fn delaunay(surface: &TriangleSurface) -> TriangleSurface {
+    let mut mesh = ChangingMesh::of(surface, &[], surface.positions().len());
+    flips::turn_edges(&mut mesh);
+    mesh.finished().surface
+}
+
 /// The mesh that changes, with what is known at its vertices.
 struct ChangingMesh {
     table: CornerTable,

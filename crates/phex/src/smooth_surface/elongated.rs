@@ -1,0 +1,228 @@
+//! Long triangles cut short, as strips of a vault that were triangulated from edge to edge.
+//!
+//! New vertices lie on the cubic curves that the normals at the ends of an edge ask for, and have
+//! the normals that belong to these (A. Vlachos et al., "Curved PN triangles", 2001).
+//!
+//! Fields, lattices and cells need vertices near one another in all directions. Where most of a
+//! surface is in triangles much longer than wide, all edges longer than panels need are split; what
+//! is finer than that in the other direction is left to [`super::coarsened`].
+
+use super::coarsen::delaunay;
+use super::{Refinement, SmoothTarget};
+use phex_mesh::{EdgeId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+
+/// Square of the longest edge over the area, that of an equilateral triangle being 1, from which on
+/// a triangle is long: one that is half of a rectangle of sides 1 and 4 has 4.
+const LONG: f64 = 4.0;
+/// Share of the area in long triangles from which on they are cut.
+const MUCH: f64 = 0.25;
+/// Longest edge that is left, in units of the spacing: half of it, as inputs have that are finer
+/// than panels need.
+const LONGEST: f64 = 0.5;
+/// Edges that are longer than that by no more are left where nothing longer is: diagonals of
+/// rectangles whose sides are short enough.
+const DIAGONAL: f64 = 1.5;
+/// Times that edges are halved at the most.
+const ROUNDS: usize = 12;
+/// Distance from a mirror plane, diagonals, within which both ends of an edge lie in it.
+const IN_PLANE: f64 = 1e-7;
+
+/// A surface whose long triangles are cut short.
+pub(crate) struct CutShort {
+    /// The surface; its first vertices are those of the other one.
+    pub surface: TriangleSurface,
+    steps: Vec<Refinement>,
+}
+
+impl CutShort {
+    /// Values at its vertices from those of the surface with long triangles.
+    pub fn carried(&self, values: PerVertex<f64>) -> PerVertex<f64> {
+        self.steps.iter().fold(values, |v, step| step.apply(&v))
+    }
+}
+
+/// The surface with edges no longer than 3/4 of the spacing of `wanted` vertices; `None` where most
+/// triangles are about as wide as long. Edges in one of the `mirrors`, each a point of a
+/// plane and its unit normal, stay in it.
+pub(crate) fn cut_short(
+    surface: &TriangleSurface,
+    wanted: usize,
+    mirrors: &[[Vec3; 2]],
+) -> Option<CutShort> {
+    if !is_elongated(surface) {
+        return None;
+    }
+    let spacing = (surface.area() * 2.0 / (3.0_f64.sqrt() * wanted.max(1) as f64)).sqrt();
+    let mut steps = Vec::new();
+    let mut now = surface.clone();
+    for _ in 0..ROUNDS {
+        let Some((finer, step)) = halved(&now, LONGEST * spacing, mirrors) else {
+            break;
+        };
+        now = finer;
+        steps.push(step);
+    }
+    let surface = now;
+    Some(CutShort { surface, steps })
+}
+
+/// Whether much of a surface is in long triangles.
+fn is_elongated(surface: &TriangleSurface) -> bool {
+    let equilateral = 0.25 * 3.0_f64.sqrt();
+    let topology = surface.topology();
+    let is_long = |f| {
+        let [a, b, c] = surface.corners(f);
+        let longest = [b - a, c - b, a - c].map(|side| side.norm_squared());
+        let longest = longest.into_iter().fold(0.0, f64::max);
+        equilateral * longest > LONG * 0.5 * surface.area_vector(f).norm()
+    };
+    let long = topology.faces().filter(|f| is_long(*f));
+    let area: f64 = long.map(|f| 0.5 * surface.area_vector(f).norm()).sum();
+    area > MUCH * surface.area()
+}
+
+/// The surface with its edges longer than a limit split in two; `None` if there are none.
+fn halved(
+    surface: &TriangleSurface,
+    limit: f64,
+    mirrors: &[[Vec3; 2]],
+) -> Option<(TriangleSurface, Refinement)> {
+    let topology = surface.topology();
+    let place = |v| surface.positions()[v];
+    let length = PerEdge::from_fn(topology.n_edges(), |e| {
+        let [a, b] = topology.edge_vertices(e);
+        (place(a) - place(b)).norm()
+    });
+    if length.iter().all(|l| *l <= DIAGONAL * limit) {
+        return None;
+    }
+    let length = without_diagonals(topology, length, limit);
+    let mut split_once = SmoothTarget::of(surface.clone()).split_longer(0, &length, limit)?;
+    let (mut levels, step) = (split_once.levels, split_once.refinements.remove(0));
+    let split = topology.edges().filter(|e| length[*e] > limit);
+    let normals = split.map(|e| middle_normal(surface, topology.edge_vertices(e)));
+    let normals = surface.normals().iter().copied().chain(normals);
+    let normals = PerVertex::from_vec(normals.collect());
+    let surface = levels.remove(1);
+    let near = IN_PLANE * surface.diagonal();
+    let half_way = step.apply(levels[0].positions());
+    let held = surface.positions().enumerate().map(|(v, p)| {
+        let holds = |[o, n]: &&[Vec3; 2]| n.dot(&(half_way[v] - o)).abs() <= near;
+        let planes = mirrors.iter().filter(holds);
+        planes.fold(*p, |p, [o, n]| p - n * n.dot(&(p - o)))
+    });
+    let held = PerVertex::from_vec(held.collect());
+    // Edges turn in the planes of the long triangles: bent along a strip, half of one is steep.
+    let flat = TriangleSurface::from_topology(half_way, surface.topology().clone());
+    let turned = delaunay(&flat).topology().clone();
+    let finer = TriangleSurface::from_topology(held, turned).with_normals(normals);
+    Some((finer, step))
+}
+
+/// The lengths of edges, those that are longest in each of their triangles no longer than the limit
+/// where others are: two sides of a strip are halved, and the diagonal between them turns. Halved
+/// with them it would halve the width of the strip, too.
+fn without_diagonals(topology: &Topology, length: PerEdge<f64>, limit: f64) -> PerEdge<f64> {
+    let is_side = |e: EdgeId| {
+        let h = topology.edge_half_edge(e);
+        let mut faces = std::iter::once(h)
+            .chain(topology.twin(h))
+            .map(|h| topology.face(h));
+        faces.any(|f| {
+            let mut sides = topology.face_half_edges(f).map(|h| topology.edge(h));
+            sides.any(|other| length[other] > length[e])
+        })
+    };
+    if !topology.edges().any(|e| length[e] > limit && is_side(e)) {
+        return length;
+    }
+    PerEdge::from_fn(topology.n_edges(), |e| match is_side(e) {
+        true => length[e],
+        false => length[e].min(limit),
+    })
+}
+
+/// The normal in the middle of an edge of a surface whose normals change quadratically along it
+/// (Vlachos et al., as above): those of short and narrow triangles would tell of rounding.
+fn middle_normal(surface: &TriangleSurface, ends: [VertexId; 2]) -> Vec3 {
+    let [p, q] = ends.map(|v| surface.positions()[v]);
+    let [m, n] = ends.map(|v| surface.normals()[v]);
+    let (along, sum) = (q - p, m + n);
+    let bent = sum - along * (2.0 * along.dot(&sum) / along.norm_squared());
+    bent.try_normalize(0.0).unwrap_or(m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A vault of `along` by `around` rectangles, half a turn of a cylinder of radius 1.
+    fn vault(along: u32, around: u32) -> TriangleSurface {
+        let id = |i: u32, j: u32| i * (around + 1) + j;
+        let place = |i: u32, j: u32| {
+            let angle = std::f64::consts::PI * f64::from(j) / f64::from(around);
+            Vec3::new(
+                3.0 * f64::from(i) / f64::from(along),
+                angle.cos(),
+                angle.sin(),
+            )
+        };
+        let places = (0..=along).flat_map(|i| (0..=around).map(move |j| place(i, j)));
+        let cells = (0..along).flat_map(|i| (0..around).map(move |j| (i, j)));
+        let triangles = cells.flat_map(|(i, j)| {
+            let [a, b, c, d] = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        });
+        TriangleSurface::new(places.collect(), &triangles.collect::<Vec<_>>()).unwrap()
+    }
+
+    #[test]
+    fn strips_of_a_vault_are_cut_along_it() {
+        let strips = vault(1, 40);
+        let cut = cut_short(&strips, 500, &[]).unwrap();
+        let topology = cut.surface.topology();
+        assert_eq!(topology.euler_characteristic(), 1);
+        let most = DIAGONAL * LONGEST * (strips.area() * 2.0 / (3.0_f64.sqrt() * 500.0)).sqrt();
+        for e in topology.edges() {
+            let [a, b] = topology
+                .edge_vertices(e)
+                .map(|v| cut.surface.positions()[v]);
+            assert!((a - b).norm() <= most);
+        }
+        // Facets are off by 1 - cos(pi / 80), 8e-4, in their middles; so are normals at the ends.
+        let off = |p: &Vec3| (p.y.hypot(p.z) - 1.0).abs();
+        let places = cut.surface.positions();
+        let mean = places.iter().map(off).sum::<f64>() / places.len() as f64;
+        let worst = places.iter().map(off).fold(0.0, f64::max);
+        assert!(mean < 5e-5 && worst < 5e-4, "{mean} {worst}");
+        // Values that are linear along the vault stay so.
+        let along = cut.carried(strips.positions().map(|p| p.x));
+        for (v, x) in along.enumerate() {
+            assert!((x - cut.surface.positions()[v].x).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn triangles_about_as_wide_as_long_stay() {
+        assert!(cut_short(&vault(40, 40), 5000, &[]).is_none());
+        assert!(cut_short(&vault(12, 40), 5000, &[]).is_none());
+    }
+
+    #[test]
+    fn what_lies_in_a_mirror_plane_stays_in_it() {
+        let tilted = vault(1, 40);
+        // Normals at the edge of half a ball's strip are not in the plane of its boundary.
+        let narrower = |p: &Vec3| Vec3::new(p.x, p.y * (1.0 - 0.2 * p.x), p.z * (1.0 - 0.2 * p.x));
+        let tilted = TriangleSurface::from_topology(
+            tilted.positions().map(narrower),
+            tilted.topology().clone(),
+        );
+        let cut = cut_short(&tilted, 500, &[[Vec3::zeros(), Vec3::x()]]).unwrap();
+        let at_end = cut.surface.topology().boundary_loops().concat();
+        let places = at_end.iter().map(|v| cut.surface.positions()[*v]);
+        let in_plane = places.filter(|p| p.x.abs() < 1e-3);
+        let (mut count, mut worst) = (0, 0.0_f64);
+        in_plane.for_each(|p| (count, worst) = (count + 1, worst.max(p.x.abs())));
+        assert!(count > 41 && worst < 1e-15, "{count} {worst}");
+    }
+}
