@@ -41,7 +41,7 @@ pub(crate) struct Ground {
     /// What panels are compared with where they are laid out on fewer vertices.
     finer: Option<Finer>,
     /// How the level of the fewest vertices came from the input, where it is not the input's own.
-    source: Option<Arc<Source>>,
+    source: Option<Arc<VertexCarry>>,
     /// How far teeth of its boundary stand out of what panels are laid out on, where it has some.
     pub calmed: Option<f64>,
     trimming: Option<Arc<Trimming>>,
@@ -88,7 +88,7 @@ struct Finer {
 }
 
 /// How the vertices that panels are laid out on came from those of the input.
-struct Source {
+struct VertexCarry {
     /// The vertices that are left without teeth of the boundary.
     calm: Option<PerVertex<VertexId>>,
     /// The surface whose long triangles were cut short.
@@ -97,7 +97,7 @@ struct Source {
     coarse: Option<PerVertex<VertexId>>,
 }
 
-impl Source {
+impl VertexCarry {
     /// Values at the vertices that panels are laid out on, from those at the input's.
     fn carried(&self, values: &[f64]) -> Vec<f64> {
         let mut values = PerVertex::from_vec(values.to_vec());
@@ -189,7 +189,7 @@ impl Ground {
                 })
             }),
             source: (!is_given).then(|| {
-                Arc::new(Source {
+                Arc::new(VertexCarry {
                     calm: calm.map(|c| c.source),
                     coarse: coarse.map(|c| c.source),
                     cut,
