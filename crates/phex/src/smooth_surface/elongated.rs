@@ -54,7 +54,7 @@ pub(crate) fn cut_short(
     }
     let spacing = (surface.area() * 2.0 / (3.0_f64.sqrt() * wanted.max(1) as f64)).sqrt();
     let mut steps = Vec::new();
-    let mut now = surface.clone();
+    let mut now = surface.clone().with_normals(arched_normals(surface));
     for _ in 0..ROUNDS {
         let Some((finer, step)) = halved(&now, LONGEST * spacing, mirrors) else {
             break;
@@ -64,6 +64,30 @@ pub(crate) fn cut_short(
     }
     let surface = now;
     Some(CutShort { surface, steps })
+}
+
+/// Normals with which the surface goes on bending up to its boundary: triangles there lie on one side
+/// of a vertex, and their normals are those half-way to the next one. An arc has the normals of one
+/// end at the other, mirrored across the edge between them.
+fn arched_normals(surface: &TriangleSurface) -> PerVertex<Vec3> {
+    let topology = surface.topology();
+    PerVertex::from_fn(topology.n_vertices(), |v| {
+        let inside = |w: &VertexId| !topology.is_boundary_vertex(*w);
+        let neighbours = topology.neighbours(v).into_iter().filter(inside);
+        let mirrored = |w: VertexId| {
+            let (n, along) = (
+                surface.normals()[w],
+                surface.positions()[w] - surface.positions()[v],
+            );
+            let square = along.norm_squared();
+            (n - along * (2.0 * n.dot(&along) / square)) / square.sqrt()
+        };
+        let sum: Vec3 = neighbours.map(mirrored).sum();
+        let arched = sum
+            .try_normalize(0.0)
+            .filter(|_| topology.is_boundary_vertex(v));
+        arched.unwrap_or(surface.normals()[v])
+    })
 }
 
 /// Whether much of a surface is in long triangles.
@@ -199,6 +223,26 @@ mod tests {
         let along = cut.carried(strips.positions().map(|p| p.x));
         for (v, x) in along.enumerate() {
             assert!((x - cut.surface.positions()[v].x).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn the_boundary_bends_as_the_inside_does() {
+        // Four strips round the axis, each a quarter of 180 degrees, and many rows along it.
+        let steep = vault(200, 4);
+        let normals = arched_normals(&steep);
+        for (v, n) in normals
+            .enumerate()
+            .filter(|(v, _)| steep.topology().is_boundary_vertex(*v))
+        {
+            let p = steep.positions()[v];
+            // Corners have no neighbour inside, or one.
+            if p.y.abs() < 0.99 || (p.x - 1.5).abs() > 1.4 {
+                continue;
+            }
+            let out = Vec3::new(0.0, p.y, p.z);
+            let [arched, given] = [*n, steep.normals()[v]].map(|n| n.angle(&out).to_degrees());
+            assert!(arched < 0.1 && given > 10.0, "{arched} {given}");
         }
     }
 
