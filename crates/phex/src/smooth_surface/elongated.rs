@@ -66,9 +66,9 @@ pub(crate) fn cut_short(
     Some(CutShort { surface, steps })
 }
 
-/// Normals with which the surface goes on bending up to its boundary: triangles there lie on one side
-/// of a vertex, and their normals are those half-way to the next one. An arc has the normals of one
-/// end at the other, mirrored across the edge between them.
+/// Normals with which the surface goes on bending up to its boundary: triangles there lie on one
+/// side of a vertex, and their normals are those half-way to the next one. An arc has the normals
+/// of one end at the other, mirrored across the edge between them.
 fn arched_normals(surface: &TriangleSurface) -> PerVertex<Vec3> {
     let topology = surface.topology();
     PerVertex::from_fn(topology.n_vertices(), |v| {
