@@ -24,6 +24,8 @@ const LONGEST: f64 = 0.5;
 const DIAGONAL: f64 = 1.5;
 /// Times that edges are halved at the most.
 const ROUNDS: usize = 12;
+/// Turn of the boundary, degrees, from which on a vertex is a corner.
+const CORNER: f64 = 40.0;
 /// Distance from a mirror plane, diagonals, within which both ends of an edge lie in it.
 const IN_PLANE: f64 = 1e-7;
 
@@ -128,12 +130,20 @@ fn halved(
     let normals = surface.normals().iter().copied().chain(normals);
     let normals = PerVertex::from_vec(normals.collect());
     let surface = levels.remove(1);
+    let lines = BoundaryLines::of(&levels[0]);
+    let split = topology.edges().filter(|e| length[*e] > limit);
+    let on_lines: Vec<Option<Vec3>> = split.map(|e| lines.middle(&levels[0], e)).collect();
+    let first = topology.n_vertices();
+    let placed = |v: VertexId, p: Vec3| {
+        let new = v.index().checked_sub(first);
+        new.and_then(|k| on_lines[k]).unwrap_or(p)
+    };
     let near = IN_PLANE * surface.diagonal();
     let half_way = step.apply(levels[0].positions());
     let held = surface.positions().enumerate().map(|(v, p)| {
         let holds = |[o, n]: &&[Vec3; 2]| n.dot(&(half_way[v] - o)).abs() <= near;
         let planes = mirrors.iter().filter(holds);
-        planes.fold(*p, |p, [o, n]| p - n * n.dot(&(p - o)))
+        planes.fold(placed(v, *p), |p, [o, n]| p - n * n.dot(&(p - o)))
     });
     let held = PerVertex::from_vec(held.collect());
     // Edges turn in the planes of the long triangles: bent along a strip, half of one is steep.
@@ -143,19 +153,63 @@ fn halved(
     Some((finer, step))
 }
 
+/// The boundary of a surface, which bends by itself: along a cut in a plane normals are tilted.
+struct BoundaryLines {
+    /// The vertices before and after each vertex of the boundary.
+    beside: PerVertex<Option<[VertexId; 2]>>,
+}
+
+impl BoundaryLines {
+    fn of(surface: &TriangleSurface) -> Self {
+        let mut beside = PerVertex::filled(surface.topology().n_vertices(), None);
+        for line in surface.topology().boundary_loops() {
+            let n = line.len();
+            for (i, v) in line.iter().enumerate() {
+                beside[*v] = Some([line[(i + n - 1) % n], line[(i + 1) % n]]);
+            }
+        }
+        Self { beside }
+    }
+
+    /// The middle of the cubic over an edge of the boundary; its tangents are those of parabolas
+    /// through three vertices, of which no corner is the middle one. `None` for an edge inside.
+    fn middle(&self, surface: &TriangleSurface, e: EdgeId) -> Option<Vec3> {
+        if !surface.topology().is_boundary_edge(e) {
+            return None;
+        }
+        let [a, b] = surface.topology().edge_vertices(e);
+        let [[a0, a1], [b0, b1]] = [self.beside[a]?, self.beside[b]?];
+        let (before, after) = if a1 == b { (a0, b1) } else { (a1, b0) };
+        let [o, p, q, r] = [before, a, b, after].map(|v| surface.positions()[v]);
+        let (along, length) = (q - p, (q - p).norm());
+        let tangent = |way: Vec3| {
+            let far = way.norm();
+            let is_corner = way.angle(&along).to_degrees() > CORNER;
+            (!is_corner).then(|| (way * (length / far) * length + along * far) / (length + far))
+        };
+        let [at_p, at_q] = match [tangent(p - o), tangent(r - q)] {
+            [Some(s), Some(t)] => [s, t],
+            [Some(s), None] => [s, along * 2.0 - s],
+            [None, Some(t)] => [along * 2.0 - t, t],
+            [None, None] => [along, along],
+        };
+        Some((p + q) * 0.5 + (at_p - at_q) * 0.125)
+    }
+}
+
 /// The lengths of edges, those that are longest in each of their triangles no longer than the limit
 /// where others are: two sides of a strip are halved, and the diagonal between them turns. Halved
 /// with them it would halve the width of the strip, too.
 fn without_diagonals(topology: &Topology, length: PerEdge<f64>, limit: f64) -> PerEdge<f64> {
     let is_side = |e: EdgeId| {
         let h = topology.edge_half_edge(e);
-        let mut faces = std::iter::once(h)
-            .chain(topology.twin(h))
-            .map(|h| topology.face(h));
-        faces.any(|f| {
-            let mut sides = topology.face_half_edges(f).map(|h| topology.edge(h));
-            sides.any(|other| length[other] > length[e])
-        })
+        let mut faces = [Some(h), topology.twin(h)].into_iter().flatten();
+        let is_longest = |h| {
+            let mut sides = topology.face_half_edges(topology.face(h));
+            sides.all(|k| length[topology.edge(k)] <= length[e])
+        };
+        // An edge of the boundary is no diagonal.
+        topology.is_boundary_edge(e) || !faces.all(is_longest)
     };
     if !topology.edges().any(|e| length[e] > limit && is_side(e)) {
         return length;
@@ -240,9 +294,34 @@ mod tests {
             if p.y.abs() < 0.99 || (p.x - 1.5).abs() > 1.4 {
                 continue;
             }
-            let out = Vec3::new(0.0, p.y, p.z);
-            let [arched, given] = [*n, steep.normals()[v]].map(|n| n.angle(&out).to_degrees());
-            assert!(arched < 0.1 && given > 10.0, "{arched} {given}");
+            let inwards = Vec3::new(0.0, -p.y, -p.z);
+            let [arched, given] = [*n, steep.normals()[v]].map(|n| n.angle(&inwards).to_degrees());
+            assert!(arched < 1.0 && given > 20.0, "{arched} {given}");
+        }
+    }
+
+    #[test]
+    fn a_boundary_in_a_plane_stays_there() {
+        // A paraboloid over a square of side 2, bent along its eight strips, where normals at the
+        // boundary are tilted.
+        let flat = vault(8, 200);
+        let bent = |(v, _): (VertexId, &Vec3)| {
+            let (i, j) = (v.index() / 201, v.index() % 201);
+            let (x, y) = (i as f64 / 4.0 - 1.0, j as f64 / 100.0 - 1.0);
+            Vec3::new(x, y, -0.5 * (x * x + y * y))
+        };
+        let places = flat.positions().enumerate().map(bent).collect();
+        let cap =
+            TriangleSurface::from_topology(PerVertex::from_vec(places), flat.topology().clone());
+        let cut = cut_short(&cap, 1000, &[]).unwrap();
+        let topology = cut.surface.topology();
+        for (v, p) in cut.surface.positions().enumerate() {
+            let beyond = p.x.abs().max(p.y.abs()) - 1.0;
+            assert!(beyond < 1e-3, "{p}");
+            assert!(
+                !topology.is_boundary_vertex(v) || beyond.abs() < 1e-12,
+                "{p}"
+            );
         }
     }
 
