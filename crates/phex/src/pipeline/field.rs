@@ -341,6 +341,7 @@ pub(super) fn spaced_corners(
 mod tests {
     use super::*;
     use crate::progress::Silent;
+    use crate::smooth_surface::TargetKind;
 
     #[test]
     fn a_needle_is_not_refined_without_end() {
@@ -352,7 +353,9 @@ mod tests {
             seamless: true,
             resolving: false,
         };
-        let options = way.options(&MeshOptions::default());
+        // Half-way to their facets surfaces keep their long triangles.
+        let mut options = way.options(&MeshOptions::default());
+        options.target.kind = TargetKind::HalfWay;
         let ground = Ground::new(&needle, 50, &options);
         let settings = direction_options(&options, way.anisotropy);
         let (finer, _) = finer_ground(&ground, &options, &settings, &mut Clock::new(&Silent))

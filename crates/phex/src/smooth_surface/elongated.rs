@@ -22,6 +22,10 @@ const LONGEST: f64 = 0.5;
 /// Edges that are longer than that by no more are left where nothing longer is: diagonals of
 /// rectangles whose sides are short enough.
 const DIAGONAL: f64 = 1.5;
+/// Vertices after which no round begins, over those that are wanted, and over those given: needles
+/// without end are not cut without end.
+const MANY: usize = 40;
+const MORE: usize = 4;
 /// Times that edges are halved at the most.
 const ROUNDS: usize = 12;
 /// Turn of the boundary, degrees, from which on a vertex is a corner.
@@ -57,7 +61,11 @@ pub(crate) fn cut_short(
     let spacing = (surface.area() * 2.0 / (3.0_f64.sqrt() * wanted.max(1) as f64)).sqrt();
     let mut steps = Vec::new();
     let mut now = surface.clone().with_normals(arched_normals(surface));
+    let most = (MANY * wanted).max(MORE * now.positions().len());
     for _ in 0..ROUNDS {
+        if now.positions().len() > most {
+            break;
+        }
         let Some((finer, step)) = halved(&now, LONGEST * spacing, mirrors) else {
             break;
         };
@@ -323,6 +331,13 @@ mod tests {
                 "{p}"
             );
         }
+    }
+
+    #[test]
+    fn needles_are_not_cut_without_end() {
+        let needles = vault(1, 4000);
+        let cut = cut_short(&needles, 10, &[]).unwrap();
+        assert!(cut.surface.positions().len() < 10 * needles.positions().len());
     }
 
     #[test]
