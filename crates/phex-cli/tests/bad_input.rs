@@ -92,8 +92,8 @@ fn vertex_numbers_that_do_not_exist() {
 fn face_with_a_repeated_vertex() {
     refused(
         "a.obj",
-        SQUARE.replacen("f 1 2 3", "f 1 2 2", 1),
-        &["face 0", "vertex 1", "more than once"],
+        format!("{SQUARE}v 2 1 0\nv 2 2 0\nf 3 5 6 3 2\n"),
+        &["face 2", "vertex 2", "more than once"],
     );
 }
 
@@ -105,11 +105,11 @@ fn triangle_that_is_there_twice() {
 }
 
 #[test]
-fn triangles_without_area() {
+fn triangles_without_area_on_one_another() {
     refused(
         "a.obj",
-        SQUARE.replacen("v 0 1 0", "v 0.5 0.5 0", 1),
-        &["without area", "1"],
+        format!("{SQUARE}v 2 0 0\nv 3 0 0\nv 2.4 0 0\nv 2.6 0 0\nf 5 6 7\nf 6 5 8\n"),
+        &["without area", "2, 3"],
     );
 }
 

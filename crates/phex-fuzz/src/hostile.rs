@@ -15,14 +15,14 @@ pub struct HostileSurface {
     pub name: String,
     /// The file's bytes.
     pub bytes: Vec<u8>,
-    /// What is in the file, as far as it is a mesh.
+    /// What is in the file, as far as it is a mesh, without damages that can be mended.
     pub mesh: RawMesh,
     /// Whether there is no surface in it that could be meshed.
     pub refused: bool,
 }
 
 /// Nothing can be made of these damages.
-const HOPELESS: [&str; 8] = [
+const HOPELESS: [&str; 7] = [
     "one-nan",
     "one-infinite",
     "huge-1e200",
@@ -30,7 +30,14 @@ const HOPELESS: [&str; 8] = [
     "faces-twice",
     "one-face-twice",
     "faces-twice-reversed",
+];
+
+/// What these damages do can be mended: the surface is the one before.
+const MENDABLE: [&str; 4] = [
+    "not-welded",
+    "nearly-welded",
     "degenerate-triangles",
+    "t-junctions",
 ];
 
 /// All of them, in a fixed order; names are different.
@@ -41,21 +48,26 @@ pub fn hostile_surfaces() -> Vec<HostileSurface> {
         let chosen = (0..3).map(move |i| (3 * k + 5 * i) % count);
         let chosen: Vec<_> = chosen.map(|i| (sound[i].0, sound[i].1.clone())).collect();
         chosen.into_iter().map(move |(shape, mesh)| {
-            let refused = HOPELESS.contains(damage);
-            (format!("{shape}_{damage}"), apply(mesh), refused)
+            let (refused, name) = (HOPELESS.contains(damage), format!("{shape}_{damage}"));
+            let written = apply(mesh.clone());
+            let is_mendable = MENDABLE.contains(damage);
+            let meant = if is_mendable { mesh } else { written.clone() };
+            (name, written, meant, refused)
         })
     });
-    let given = |(name, mesh): (&str, RawMesh)| (name.to_owned(), mesh, false);
-    let all = damaged
-        .chain(strange_shapes().into_iter().map(given))
-        .chain(few_triangles())
-        .chain(
-            no_surfaces()
-                .into_iter()
-                .map(|(name, mesh)| (name.to_owned(), mesh, true)),
-        );
+    let named = |(name, mesh): (&str, RawMesh), refused| (name.to_owned(), mesh, refused);
+    let given = strange_shapes()
+        .into_iter()
+        .map(|shape| named(shape, false));
+    let none = no_surfaces().into_iter().map(|shape| named(shape, true));
+    let as_they_are = given.chain(few_triangles()).chain(none);
+    let all =
+        damaged.chain(as_they_are.map(|(name, mesh, refused)| (name, mesh.clone(), mesh, refused)));
     all.enumerate()
-        .map(|(k, what)| in_a_file(k, what))
+        .map(|(k, (name, written, meant, refused))| HostileSurface {
+            mesh: meant,
+            ..in_a_file(k, (name, written, refused))
+        })
         .collect()
 }
 

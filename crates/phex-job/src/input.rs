@@ -97,10 +97,27 @@ impl MeshFile {
     /// # Errors
     /// If the faces are no oriented manifold; the message names element and cause.
     pub fn polygon_mesh(&self) -> Result<(HexMesh, usize), JobError> {
-        let used = without_unused_vertices(&self.soup);
+        let used = self.soup.without_unused_vertices();
         let dropped = self.soup.positions.len() - used.positions.len();
         let mesh = HexMesh::from_soup(&used).map_err(|e| JobError::in_file(&self.path, &e))?;
         Ok((mesh, dropped))
+    }
+
+    /// As [`polygon_mesh`](Self::polygon_mesh), with faces sewn together that lie side by side and
+    /// share no vertices, as far as that makes a mesh; and what was done, as sentences.
+    ///
+    /// # Errors
+    /// As [`polygon_mesh`](Self::polygon_mesh).
+    pub fn sewn_polygon_mesh(&self) -> Result<(HexMesh, Vec<String>), JobError> {
+        let sewn = self.soup.sewn();
+        let sewn = sewn.and_then(|(soup, notes)| Some((HexMesh::from_soup(&soup).ok()?, notes)));
+        if let Some((mesh, notes)) = sewn {
+            return Ok((mesh, notes.sentences()));
+        }
+        let (mesh, dropped) = self.polygon_mesh()?;
+        let told = (dropped > 0)
+            .then(|| format!("{dropped} vertices belong to no face and were left out"));
+        Ok((mesh, told.into_iter().collect()))
     }
 }
 
@@ -239,39 +256,29 @@ fn polyline<'a>(
     words.map(|w| index(w).ok_or_else(|| none(w))).collect()
 }
 
-/// The same faces without vertices that none of them names; indices that do not exist are left for
-/// others to find.
-fn without_unused_vertices(soup: &PolygonSoup) -> PolygonSoup {
-    let mut is_used = vec![false; soup.positions.len()];
-    for &v in soup.faces.iter().flatten() {
-        match is_used.get_mut(v as usize) {
-            Some(used) => *used = true,
-            None => return soup.clone(),
-        }
-    }
-    let count = |kept: &mut u32, &used: &bool| {
-        let number = *kept;
-        *kept += u32::from(used);
-        Some(number)
-    };
-    let number: Vec<u32> = is_used.iter().scan(0, count).collect();
-    let positions = soup
-        .positions
-        .iter()
-        .zip(&is_used)
-        .filter(|(_, used)| **used)
-        .map(|(p, _)| *p)
-        .collect();
-    let renumber = |face: &Vec<u32>| face.iter().map(|&v| number[v as usize]).collect();
-    PolygonSoup {
-        positions,
-        faces: soup.faces.iter().map(renumber).collect(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Panels that share no vertices are one mesh, and those that touch in a point are not.
+    #[test]
+    fn panels_that_lie_side_by_side_are_sewn() {
+        let square = |x: f64, y: f64| {
+            [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+                .map(|[u, v]| Vec3::new(x + u, y + v, 0.0))
+        };
+        let squares = |second: [Vec3; 4]| PolygonSoup {
+            positions: [square(0.0, 0.0), second].concat(),
+            faces: vec![vec![0, 1, 2, 3], vec![4, 5, 6, 7]],
+        };
+        let mesh = |soup| {
+            let file = MeshFile::in_memory("squares", soup);
+            let (mesh, notes) = file.sewn_polygon_mesh().unwrap();
+            (mesh.topology().n_vertices(), notes.len())
+        };
+        assert_eq!(mesh(squares(square(1.0, 0.0))), (6, 1));
+        assert_eq!(mesh(squares(square(1.0, 1.0))), (8, 0));
+    }
 
     #[test]
     fn unused_vertices_are_left_out_and_faces_renumbered() {
@@ -280,7 +287,7 @@ mod tests {
             positions,
             faces: vec![vec![4, 1, 3]],
         };
-        let used = without_unused_vertices(&soup);
+        let used = soup.without_unused_vertices();
         assert_eq!(used.faces, [[2, 0, 1]]);
         assert_eq!(used.positions, [1.0, 3.0, 4.0].map(Vec3::repeat));
     }

@@ -31,6 +31,7 @@ pub mod id_map;
 pub mod ids;
 pub mod io;
 pub mod measure;
+mod mend;
 mod panel_limits;
 pub mod per_element;
 pub mod plane;

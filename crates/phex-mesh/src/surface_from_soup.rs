@@ -15,6 +15,7 @@
 use crate::disjoint_sets::DisjointSets;
 use crate::ear_clip::ear_clip_corners;
 use crate::extent;
+use crate::mend::{self, least_height};
 use crate::topology::{TopologyError, check_corners};
 use crate::{ElementId, FaceId, PolygonSoup, TriangleSurface, Vec3, VertexId};
 use thiserror::Error;
@@ -71,7 +72,7 @@ pub enum SurfaceError {
 }
 
 /// What was changed to make a surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfaceNotes {
     /// Vertices that belong to no face and were dropped.
     pub unused_vertices: usize,
@@ -79,6 +80,13 @@ pub struct SurfaceNotes {
     pub turned_faces: usize,
     /// Faces with more than three corners, cut into triangles.
     pub cut_polygons: usize,
+    /// Faces without area that were left out.
+    pub dropped_faces: usize,
+    /// Edges of boundaries that lay on one another and were joined.
+    pub sewn_edges: usize,
+    /// Largest distance over which they were joined, in the unit of the coordinates; zero for one
+    /// below 1e-9 diagonals.
+    pub widest_gap: f64,
 }
 
 /// A connected surface and where its elements come from.
@@ -104,7 +112,7 @@ pub struct SurfaceParts {
 impl SurfaceNotes {
     /// What was changed, as sentences.
     pub fn sentences(&self) -> Vec<String> {
-        [
+        let counted = [
             (
                 self.unused_vertices,
                 "vertices belong to no face and were left out",
@@ -114,11 +122,22 @@ impl SurfaceNotes {
                 "faces were turned round to agree with their neighbours",
             ),
             (self.cut_polygons, "polygons were cut into triangles"),
-        ]
-        .into_iter()
-        .filter(|&(count, _)| count > 0)
-        .map(|(count, what)| format!("{count} {what}"))
-        .collect()
+            (self.dropped_faces, "faces without area were left out"),
+        ];
+        let counted = counted.into_iter().filter(|&(count, _)| count > 0);
+        let seams = (self.sewn_edges > 0).then(|| {
+            let (edges, gap) = (self.sewn_edges, self.widest_gap);
+            let gap = if gap > 0.0 {
+                format!(", over gaps of at most {gap:.1e}")
+            } else {
+                String::new()
+            };
+            format!("{edges} edges of boundaries lay on one another and were joined{gap}")
+        });
+        counted
+            .map(|(count, what)| format!("{count} {what}"))
+            .chain(seams)
+            .collect()
     }
 }
 
@@ -158,15 +177,43 @@ impl TriangleSurface {
     }
 
     /// Builds the connected surfaces of faces of any valence: drops unused vertices, makes the
-    /// orientation consistent, cuts polygons into triangles. Equal positions are *not* joined.
-    /// Whether more than one component is welcome is for the caller to say.
+    /// orientation consistent, cuts polygons into triangles, takes out faces without area and sews
+    /// boundaries together that lie on one another (module `mend`). Mending that leads to no
+    /// surface is not done. Whether more than one component is welcome is for the caller to say.
     ///
     /// # Errors
     /// A [`SurfaceError`] that names the elements: a coordinate that is not finite, a face with
     /// fewer than three corners, a missing or repeated vertex, an edge with three faces, a bow-tie
-    /// vertex, a one-sided surface, a polygon that is not simple, a triangle without area.
+    /// vertex, a one-sided surface, a polygon that is not simple, a triangle without area that
+    /// can't be taken out.
     pub fn from_soup(soup: &PolygonSoup) -> Result<SurfaceParts, SurfaceError> {
         check_size(soup)?;
+        check_vertices(soup)?;
+        let (largest, unused_vertices) = check_positions(soup)?;
+        let clean = mend::without_degenerate_faces(soup, rounding(largest));
+        let sewn = mend::sewn(clean.as_ref().map_or(soup, |clean| &clean.soup));
+        let sewn = sewn.map(|sewn| match &clean {
+            Some(clean) => sewn.after(clean),
+            None => sewn,
+        });
+        let mended = [sewn, clean].into_iter().flatten();
+        for mended in mended {
+            if let Ok(mut parts) = Self::from_sound_soup(&mended.soup) {
+                parts.notes.unused_vertices = unused_vertices;
+                parts.notes.dropped_faces = mended.dropped_faces;
+                parts.notes.sewn_edges = mended.sewn_edges;
+                parts.notes.widest_gap = mended.widest_gap;
+                let original = |f: &mut u32| *f = mended.original_faces[*f as usize];
+                let components = parts.components.iter_mut();
+                components.for_each(|c| c.original_faces.iter_mut().for_each(original));
+                return Ok(parts);
+            }
+        }
+        Self::from_sound_soup(soup)
+    }
+
+    /// As [`from_soup`](Self::from_soup), without mending.
+    fn from_sound_soup(soup: &PolygonSoup) -> Result<SurfaceParts, SurfaceError> {
         check_corners(soup.positions.len(), &soup.faces)?;
         let (largest, unused_vertices) = check_positions(soup)?;
         let corners = Corners::new(&soup.faces);
@@ -180,8 +227,63 @@ impl TriangleSurface {
             unused_vertices,
             turned_faces: sides.turned.iter().filter(|&&turned| turned).count(),
             cut_polygons: soup.faces.iter().filter(|f| f.len() > 3).count(),
+            ..SurfaceNotes::default()
         };
         Ok(SurfaceParts { components, notes })
+    }
+}
+
+impl PolygonSoup {
+    /// The same faces with boundaries sewn together that lie on one another (as
+    /// [`TriangleSurface::from_soup`] does), on the vertices that they use, and what was done.
+    /// `None` where there are none, or no faces that could be sewn.
+    ///
+    /// ```
+    /// use phex_mesh::{PolygonSoup, Vec3};
+    /// let corners = [0.0, 1.0, 1.0, 2.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x, 1.0, 0.0)]);
+    /// let soup = PolygonSoup {
+    ///     positions: corners.concat(),
+    ///     faces: vec![vec![0, 2, 3, 1], vec![4, 6, 7, 5]],
+    /// };
+    /// let (sewn, notes) = soup.sewn().expect("two squares that share a side");
+    /// assert_eq!((sewn.positions.len(), notes.sewn_edges), (6, 2));
+    /// ```
+    pub fn sewn(&self) -> Option<(Self, SurfaceNotes)> {
+        check_corners(self.positions.len(), &self.faces).ok()?;
+        check_positions(self).ok()?;
+        let sewn = mend::sewn(self)?;
+        let notes = SurfaceNotes {
+            sewn_edges: sewn.sewn_edges,
+            widest_gap: sewn.widest_gap,
+            ..SurfaceNotes::default()
+        };
+        Some((sewn.soup.without_unused_vertices(), notes))
+    }
+
+    /// The same faces without vertices that none of them names; indices that do not exist are left
+    /// for others to find.
+    pub fn without_unused_vertices(&self) -> Self {
+        let exists = |v: &u32| (*v as usize) < self.positions.len();
+        if !self.faces.iter().flatten().all(exists) {
+            return self.clone();
+        }
+        let is_used = used_vertices(self);
+        let count = |kept: &mut u32, &used: &bool| {
+            let number = *kept;
+            *kept += u32::from(used);
+            Some(number)
+        };
+        let number: Vec<u32> = is_used.iter().scan(0, count).collect();
+        let used = self
+            .positions
+            .iter()
+            .zip(&is_used)
+            .filter(|(_, used)| **used);
+        let renumber = |face: &Vec<u32>| face.iter().map(|&v| number[v as usize]).collect();
+        Self {
+            positions: used.map(|(p, _)| *p).collect(),
+            faces: self.faces.iter().map(renumber).collect(),
+        }
     }
 }
 
@@ -197,6 +299,21 @@ fn check_size(soup: &PolygonSoup) -> Result<(), TopologyError> {
     Ok(())
 }
 
+fn check_vertices(soup: &PolygonSoup) -> Result<(), TopologyError> {
+    let vertices = soup.positions.len();
+    let missing = |&v: &u32| v as usize >= vertices;
+    let first = |face: &Vec<u32>| face.iter().copied().find(missing);
+    let mut found = soup.faces.iter().map(first).enumerate();
+    match found.find_map(|(f, v)| Some((FaceId::from_index(f), v?))) {
+        Some((face, vertex)) => Err(TopologyError::IndexOutOfRange {
+            face,
+            vertex,
+            vertices,
+        }),
+        None => Ok(()),
+    }
+}
+
 /// The largest coordinate of the vertices that are used, and the number of those that are not.
 fn check_positions(soup: &PolygonSoup) -> Result<(f64, usize), SurfaceError> {
     let finite = |p: &Vec3| p.iter().all(|x| x.is_finite());
@@ -204,21 +321,22 @@ fn check_positions(soup: &PolygonSoup) -> Result<(f64, usize), SurfaceError> {
         let vertex = VertexId::from_index(i);
         return Err(SurfaceError::NonFinite { vertex });
     }
-    let mut is_used = vec![false; soup.positions.len()];
-    soup.faces
+    let is_used = used_vertices(soup);
+    let used = soup
+        .positions
         .iter()
-        .flatten()
-        .for_each(|&v| is_used[v as usize] = true);
-    let used = || {
-        soup.positions
-            .iter()
-            .zip(&is_used)
-            .filter(|(_, used)| **used)
-            .map(|(p, _)| p)
-    };
-    let largest =
-        extent::largest_coordinate(used()).map_err(|extent| SurfaceError::Extent { extent })?;
-    Ok((largest, soup.positions.len() - used().count()))
+        .zip(&is_used)
+        .filter(|(_, used)| **used);
+    let largest = extent::largest_coordinate(used.map(|(p, _)| p))
+        .map_err(|extent| SurfaceError::Extent { extent })?;
+    Ok((largest, is_used.iter().filter(|used| !**used).count()))
+}
+
+fn used_vertices(soup: &PolygonSoup) -> Vec<bool> {
+    let mut is_used = vec![false; soup.positions.len()];
+    let corners = soup.faces.iter().flatten();
+    corners.for_each(|&v| is_used[v as usize] = true);
+    is_used
 }
 
 /// Face corners in one list. Corner `c` also stands for the side from it to the next corner.
@@ -443,10 +561,8 @@ fn is_straight(points: &[Vec3]) -> bool {
     };
     let direction = far(points[0]).unwrap_or_default();
     let height = |p: &Vec3| (p - points[0]).cross(&direction).norm();
-    let rounding = largest_coordinate(points) * direction.norm();
-    points
-        .iter()
-        .all(|p| height(p) <= 4.0 * f64::EPSILON * rounding)
+    let rounding = rounding(largest_coordinate(points)) * direction.norm();
+    points.iter().all(|p| height(p) <= rounding)
 }
 
 fn check_areas(
@@ -454,7 +570,7 @@ fn check_areas(
     triangles: &[Triangle],
     largest: f64,
 ) -> Result<(), SurfaceError> {
-    let rounding = 4.0 * f64::EPSILON * largest;
+    let rounding = rounding(largest);
     let flat = |t: &&Triangle| least_height(t.vertices.map(|v| positions[v as usize])) <= rounding;
     let mut faces: Vec<FaceId> = triangles
         .iter()
@@ -469,17 +585,13 @@ fn check_areas(
     }
 }
 
-fn largest_coordinate(positions: &[Vec3]) -> f64 {
-    positions.iter().map(|p| p.amax()).fold(0.0, f64::max)
+/// Heights of triangles up to here are roundings of their corners.
+fn rounding(largest: f64) -> f64 {
+    4.0 * f64::EPSILON * largest
 }
 
-fn least_height([a, b, c]: [Vec3; 3]) -> f64 {
-    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-    if longest > 0.0 {
-        (b - a).cross(&(c - a)).norm() / longest
-    } else {
-        0.0
-    }
+fn largest_coordinate(positions: &[Vec3]) -> f64 {
+    positions.iter().map(|p| p.amax()).fold(0.0, f64::max)
 }
 
 fn split(

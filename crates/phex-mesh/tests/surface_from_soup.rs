@@ -255,9 +255,10 @@ fn crossing_and_flat_polygons_are_named() {
 }
 
 #[test]
-fn triangles_without_area_are_named_at_any_scale_and_place() {
+fn triangles_without_area_are_taken_out_at_any_scale_and_place() {
     for scale in [1e-3, 1.0, 1e4] {
         for shift in [0.0, 10.0] {
+            // Vertex 1 lies on the side from 0 to 2 of the last face.
             let collinear = [
                 [0.1, 0.2, 0.3],
                 [0.2, 0.4, 0.6],
@@ -270,18 +271,197 @@ fn triangles_without_area_are_named_at_any_scale_and_place() {
                 &collinear.map(at),
                 &[&[0, 1, 3], &[0, 2, 1], &[1, 2, 3], &[2, 0, 4]],
             );
-            assert_eq!(
-                error(&soup),
-                SurfaceError::ZeroArea { faces: faces(&[1]) },
-                "scale {scale} shift {shift}"
-            );
-            assert!(
-                error(&soup)
-                    .to_string()
-                    .contains("one face is without area: 1")
-            );
+            let parts = build(&soup);
+            let [part] = &parts.components[..] else {
+                panic!("scale {scale} shift {shift}: one component")
+            };
+            assert_eq!(parts.notes.dropped_faces, 1);
+            assert_eq!(part.original_faces, [0, 2, 3, 3]);
+            let topology = part.surface.topology();
+            assert_eq!((topology.n_vertices(), topology.n_faces()), (5, 4));
+            assert_eq!(topology.boundary_loops().len(), 1);
+            assert!(parts.notes.sentences()[1].contains("1 faces without area"));
         }
     }
+}
+
+/// A triangle without area whose neighbour has none, either.
+#[test]
+fn triangles_without_area_that_can_not_be_taken_out_are_named() {
+    let points = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.4, 0.0, 0.0],
+        [0.6, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
+    let soup = soup(&points, &[&[0, 1, 2], &[1, 0, 3], &[0, 2, 4]]);
+    let error = error(&soup);
+    assert_eq!(
+        error,
+        SurfaceError::ZeroArea {
+            faces: faces(&[0, 1])
+        }
+    );
+    assert!(error.to_string().contains("2 faces are without area: 0, 1"));
+}
+
+/// A sphere as CAD programs write it: a grid whose first and last rows lie in the poles, and whose
+/// first and last columns lie on one another.
+#[test]
+fn poles_and_the_seam_of_a_sphere_close() {
+    let (rows, columns) = (9, 16);
+    let at = |i: usize| {
+        let (u, v) = ((i / (columns + 1)) as f64, (i % (columns + 1)) as f64);
+        let (polar, round) = (
+            std::f64::consts::PI * u / rows as f64,
+            std::f64::consts::TAU * v / columns as f64,
+        );
+        Vec3::new(
+            polar.sin() * round.cos(),
+            polar.sin() * round.sin(),
+            polar.cos(),
+        )
+    };
+    let n = columns as u32 + 1;
+    let quad = |k: u32| {
+        let (i, j) = (k / (n - 1), k % (n - 1));
+        let a = i * n + j;
+        [[a, a + n, a + n + 1], [a, a + n + 1, a + 1]].map(|f| f.to_vec())
+    };
+    let soup = PolygonSoup {
+        positions: (0..(rows + 1) * (columns + 1)).map(at).collect(),
+        faces: (0..(rows * columns) as u32).flat_map(quad).collect(),
+    };
+    let parts = build(&soup);
+    assert_eq!(parts.components.len(), 1);
+    let topology = parts.components[0].surface.topology();
+    assert_eq!(topology.euler_characteristic(), 2);
+    assert!(topology.boundary_loops().is_empty());
+    assert_eq!(topology.n_vertices(), (rows - 1) * columns + 2);
+    assert_eq!(parts.notes.dropped_faces, 2 * columns);
+    assert_eq!(parts.notes.sewn_edges, 2 * (rows - 2) + 4);
+    assert!(parts.notes.widest_gap < 1e-15);
+}
+
+/// A patch of a curved surface over a rectangle, with so many quads, moved and scaled.
+fn patch(from: [f64; 2], to: [f64; 2], quads: [usize; 2], shift: f64, scale: f64) -> PolygonSoup {
+    let [m, n] = quads;
+    let at = |k: usize| {
+        let part = [
+            (k / (n + 1)) as f64 / m as f64,
+            (k % (n + 1)) as f64 / n as f64,
+        ];
+        let [x, y] = [0, 1].map(|i| from[i] + (to[i] - from[i]) * part[i]);
+        let z = 2.0 * (x / 6.0).sin() * (y / 7.0).cos();
+        Vec3::new(x + shift, y, z) * scale
+    };
+    let quad = |k: usize| {
+        let a = (k / n * (n + 1) + k % n) as u32;
+        let b = a + n as u32 + 1;
+        vec![a, b, b + 1, a + 1]
+    };
+    PolygonSoup {
+        positions: (0..(m + 1) * (n + 1)).map(at).collect(),
+        faces: (0..m * n).map(quad).collect(),
+    }
+}
+
+fn together(parts: &[PolygonSoup]) -> PolygonSoup {
+    let mut whole = PolygonSoup {
+        positions: Vec::new(),
+        faces: Vec::new(),
+    };
+    for part in parts {
+        let first = whole.positions.len() as u32;
+        whole.positions.extend(&part.positions);
+        let moved = part.faces.iter();
+        whole
+            .faces
+            .extend(moved.map(|f| f.iter().map(|v| v + first).collect::<Vec<_>>()));
+    }
+    whole
+}
+
+/// Patches of a CAD model: along their seams each has vertices of its own.
+#[test]
+fn patches_are_sewn_whatever_their_vertices_and_their_unit() {
+    let mut faces = Vec::new();
+    for scale in [-10, 0, 20].map(|power| 2f64.powi(power)) {
+        let soup = together(&[
+            patch([0.0, 0.0], [10.0, 8.0], [20, 16], 0.0, scale),
+            patch([10.0, 0.0], [20.0, 8.0], [32, 24], 1e-3, scale),
+            patch([0.0, 8.0], [10.0, 15.0], [26, 22], 0.0, scale),
+            patch([10.0, 8.0], [20.0, 15.0], [39, 30], 1e-3, scale),
+        ]);
+        let parts = build(&soup);
+        assert_eq!(parts.components.len(), 1, "scale {scale}");
+        let surface = &parts.components[0].surface;
+        let topology = surface.topology();
+        assert_eq!(topology.euler_characteristic(), 1);
+        assert_eq!(topology.boundary_loops().len(), 1);
+        let flat = |p: &PolygonSoup| build(p).whole().area();
+        let whole = flat(&patch([0.0, 0.0], [20.0, 15.0], [200, 150], 0.0, scale));
+        assert!((surface.area() / whole - 1.0).abs() < 2e-3);
+        let gap = parts.notes.widest_gap / scale;
+        assert!((1e-3..2e-2).contains(&gap), "gap {gap}");
+        faces.push(topology.face_lists());
+    }
+    assert!(faces.iter().all(|f| *f == faces[0]));
+}
+
+#[test]
+fn faces_that_share_no_vertices_are_sewn() {
+    let grid = patch([0.0, 0.0], [10.0, 8.0], [12, 9], 0.0, 1.0);
+    let apart: Vec<PolygonSoup> = (grid.faces.iter())
+        .map(|face| PolygonSoup {
+            positions: face.iter().map(|&v| grid.positions[v as usize]).collect(),
+            faces: vec![(0..face.len() as u32).collect()],
+        })
+        .collect();
+    let parts = build(&together(&apart));
+    assert_eq!(parts.components.len(), 1);
+    let [sewn, whole] = [parts.whole(), build(&grid).whole()];
+    let counts = |s: &TriangleSurface| (s.topology().n_vertices(), s.topology().n_faces());
+    assert_eq!(counts(&sewn), counts(&whole));
+    assert_eq!(parts.notes.sewn_edges, 2 * (11 * 9 + 12 * 8));
+}
+
+#[test]
+fn what_touches_in_a_point_or_runs_apart_is_not_sewn() {
+    let square = |x: f64, y: f64| patch([x, y], [x + 1.0, y + 1.0], [4, 4], 0.0, 1.0);
+    let corner = together(&[square(0.0, 0.0), square(1.0, 1.0)]);
+    // A gap of a thousandth is more than a ten-thousandth of the diagonal.
+    let slit = together(&[square(0.0, 0.0), square(1.01, 0.0)]);
+    for soup in [corner, slit] {
+        let parts = build(&soup);
+        assert_eq!((parts.components.len(), parts.notes.sewn_edges), (2, 0));
+    }
+    // A strip much narrower than its edges are long is no seam.
+    let strip = patch([0.0, 0.0], [10.0, 1e-3], [12, 1], 0.0, 1.0);
+    let parts = build(&strip);
+    assert_eq!((parts.components.len(), parts.notes.sewn_edges), (1, 0));
+}
+
+/// Three sheets at an edge are no surface however they are sewn: they stay as they are.
+#[test]
+fn three_sheets_at_an_edge_stay_apart() {
+    let floor = patch([0.0, 0.0], [4.0, 2.0], [8, 4], 0.0, 1.0);
+    let other = patch([0.0, -2.0], [4.0, 0.0], [8, 4], 0.0, 1.0);
+    let mut wall = floor.clone();
+    wall.positions
+        .iter_mut()
+        .for_each(|p| (p.y, p.z) = (0.0, p.z + p.y));
+    for (k, p) in wall
+        .positions
+        .iter_mut()
+        .enumerate()
+        .filter(|(k, _)| k % 5 == 0)
+    {
+        *p = floor.positions[k];
+    }
+    let parts = build(&together(&[floor, other, wall]));
+    assert_eq!((parts.components.len(), parts.notes.sewn_edges), (3, 0));
 }
 
 #[test]
@@ -326,7 +506,7 @@ fn bad_elements_are_named_by_their_numbers_in_the_input() {
         TopologyError::BowTieVertex { vertex: v(1) }
     );
     assert_eq!(
-        topology(with(&[&[1, 2, 3], &[3, 4, 3]])),
+        topology(with(&[&[1, 2, 3], &[3, 4, 5, 3, 6]])),
         TopologyError::RepeatedVertex {
             face: FaceId::new(1),
             vertex: v(3)

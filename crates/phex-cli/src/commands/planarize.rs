@@ -30,7 +30,7 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let threads = use_threads(command.threads)?;
     let reporter = Reporter::new(&command.talk);
     let files = PlanarizeInput::read(command)?;
-    let (start, dropped) = files.mesh.polygon_mesh()?;
+    let (start, notes) = files.mesh.sewn_polygon_mesh()?;
     let surface = files.surface()?;
     let mut how = planarization(command, settings)?;
     let limits = TypedLimits::from(&command.limits);
@@ -52,11 +52,7 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let mut report = report(assessment, &limits, &how, &reached);
     report.threads = threads;
     report.inputs = files.records();
-    if dropped > 0 {
-        report.notes.push(format!(
-            "{dropped} vertices belong to no face and were left out"
-        ));
-    }
+    report.notes.extend(notes);
     report.notes.iter().for_each(|note| reporter.note(note));
     let shown = Shown {
         surface: facets.as_ref(),
