@@ -226,6 +226,10 @@ impl<'a> MeshTask<'a> {
         sentences.into_iter().for_each(|note| notes.say(note));
         let field = size_field(job)?;
         let panels = panels(job, field.as_ref(), &facets)?;
+        let edge = edge_length(facets.area() / panels as f64);
+        let parts = job.parts.components.iter();
+        let thin = parts.filter_map(|part| thinner_than(edge, &part.surface));
+        thin.for_each(|note| notes.say(note));
         let mut settings = job.settings.complete(panels);
         let (stages, given) = (&mut settings.stages, job.given.clone());
         (settings.steering).apply(given.steering, &mut stages.steering, &mut stages.optimise);
@@ -236,7 +240,6 @@ impl<'a> MeshTask<'a> {
         if job.start.is_some() {
             limits.boundary = None;
         }
-        let edge = edge_length(facets.area() / panels as f64);
         let extent = facets.diagonal();
         limits.demand(&mut settings.stages.optimise, edge, extent, extent);
         Ok(Self {
@@ -443,6 +446,16 @@ fn panels(
     }
 }
 
+/// What is said of a closed surface that is thinner than the edges of its panels are long: most
+/// often it is a shell with its thickness.
+fn thinner_than(edge: f64, surface: &TriangleSurface) -> Option<String> {
+    let thickness = surface.thickness().filter(|t| *t < edge)?;
+    Some(format!(
+        "the surface is closed and only {thickness:.2e} thick (twice its volume over its area), edges of panels are \
+         {edge:.2e}: to cover a shell that has a thickness, give one of its two sides"
+    ))
+}
+
 /// What is set and a warm start does not heed, and what asks for a boundary that there is not.
 fn without_effect(job: &MeshJob, facets: &TriangleSurface) -> Vec<String> {
     let mut told = Vec::new();
@@ -544,6 +557,36 @@ fn summed<'a>(times: impl Iterator<Item = &'a StageTime>) -> Vec<StageTime> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_plate_is_told_from_a_shell_and_from_a_body() {
+        let corner = |k: u32| {
+            let at = |bit: u32| f64::from(k >> bit & 1);
+            phex_mesh::Vec3::new(10.0 * at(0), 10.0 * at(1), 0.2 * at(2))
+        };
+        let mut faces = vec![
+            vec![0, 2, 3, 1],
+            vec![4, 5, 7, 6],
+            vec![0, 1, 5, 4],
+            vec![2, 6, 7, 3],
+            vec![0, 4, 6, 2],
+            vec![1, 3, 7, 5],
+        ];
+        let surface = |faces: &[Vec<u32>]| {
+            let soup = phex_mesh::PolygonSoup {
+                positions: (0..8).map(corner).collect(),
+                faces: faces.to_vec(),
+            };
+            TriangleSurface::from_soup(&soup).unwrap().whole()
+        };
+        let plate = surface(&faces);
+        assert!(
+            thinner_than(0.5, &plate).is_some_and(|note| note.contains("one of its two sides"))
+        );
+        assert_eq!(thinner_than(0.1, &plate), None);
+        faces.pop();
+        assert_eq!(thinner_than(0.5, &surface(&faces)), None);
+    }
 
     #[test]
     fn times_are_summed_by_stage() {

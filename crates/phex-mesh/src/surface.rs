@@ -168,6 +168,19 @@ impl TriangleSurface {
             .sum()
     }
 
+    /// Mean thickness of what a closed surface encloses: twice its volume over its area. Of a plate
+    /// it is the distance of the two sides, of a thin pipe its radius. `None` with a boundary.
+    pub fn thickness(&self) -> Option<f64> {
+        let is_closed = self.topology.boundary_loops().is_empty();
+        let first = self.positions.as_slice()[0];
+        let volume = |f: FaceId| {
+            let [a, b, c] = self.corners(f).map(|p| p - first);
+            a.dot(&b.cross(&c)) / 6.0
+        };
+        let volume: f64 = self.topology.faces().map(volume).sum();
+        is_closed.then(|| 2.0 * volume.abs() / self.area())
+    }
+
     /// Corner with the smallest and corner with the largest coordinates.
     pub fn bounding_box(&self) -> (Vec3, Vec3) {
         let first = self.positions.as_slice()[0];
