@@ -113,13 +113,13 @@ pub fn of_features(
     mesh: &HexMesh,
     surface: Option<&TriangleSurface>,
 ) -> String {
-    of_warning(add_features(report, mesh, surface))
+    of_warnings(add_features(report, mesh, surface))
 }
 
-/// The warning that panels are too large, if there is one.
-pub fn of_warning(warning: Option<String>) -> String {
+/// What is told though no check fails by it.
+pub fn of_warnings(warnings: impl IntoIterator<Item = String>) -> String {
     let mut table = SummaryTable::default();
-    warning.iter().for_each(|w| table.row("WARNING", w));
+    warnings.into_iter().for_each(|w| table.row("WARNING", w));
     table.into_text()
 }
 

@@ -103,8 +103,9 @@ pub struct JobResult {
     pub limits: TypedLimits,
     /// What came of guides, cones and sizes, by what each sentence is about.
     pub wishes: Vec<(&'static str, String)>,
-    /// Panels that are too large for the surface's features, if there are any.
-    pub warning: Option<String>,
+    /// What is told though no check fails by it: panels too large for the surface's features, facets
+    /// too large for panels.
+    pub warnings: Vec<String>,
     /// The ways of the portfolio, for each part of the surface.
     pub tried: Vec<Vec<AttemptSummary>>,
     /// What methods by planes and poles met with, for each part of the surface.
@@ -352,7 +353,9 @@ impl<'a> MeshTask<'a> {
         if self.job.until.is_some() {
             report.notes.push(LAYOUT_ALONE.to_owned());
         }
-        let warning = add_features(&mut report, &mesh, smooth.as_ref().or(Some(&self.facets)));
+        let features = add_features(&mut report, &mesh, smooth.as_ref().or(Some(&self.facets)));
+        let coarse = add_coarse_input(&mut report);
+        let warnings = features.into_iter().chain(coarse).collect();
         Ok(JobResult {
             mesh,
             start,
@@ -361,7 +364,7 @@ impl<'a> MeshTask<'a> {
             report,
             limits,
             wishes,
-            warning,
+            warnings,
             tried,
             classical,
         })
@@ -414,6 +417,29 @@ pub fn add_features(
     report.notes.extend(warning.clone());
     report.feature_sizes = sizes;
     warning
+}
+
+/// Distance of panels from the facets, by the limit on that from the smooth surface, from which on
+/// it is told.
+const FAR_FROM_FACETS: f64 = 2.0;
+
+/// Adds a sentence to a report, and returns it, where panels within their limit of the smooth
+/// surface are far from the facets that were given.
+fn add_coarse_input(report: &mut RunReport) -> Option<String> {
+    let far = report.deviation_facets.as_ref()?.deviation_max;
+    report.deviation_smooth.as_ref()?;
+    let check = report.checks.iter().find(|c| c.name == "deviation")?;
+    let is_told = check.pass && far > FAR_FROM_FACETS * check.limit;
+    let warning = is_told.then(|| {
+        format!(
+            "panels are up to {:.1} % of the diagonal off the given facets: the facets are large, and the smooth surface \
+             through their corners, which panels follow, bulges between them. Edges that turn by less than 41 degrees \
+             count as smooth; smaller facets say what is meant, and --target facets keeps to these",
+            100.0 * far
+        )
+    })?;
+    report.notes.push(warning.clone());
+    Some(warning)
 }
 
 fn size_field(job: &MeshJob) -> Result<Option<SizeField>, JobError> {

@@ -99,7 +99,7 @@ fn deliver(command: &MeshCommand, mut made: JobResult) -> Result<Exit, Failure> 
         before,
         after: summary::of_repetition(&report)
             + &summary::of_wishes(&made.wishes)
-            + &summary::of_warning(made.warning),
+            + &summary::of_warnings(made.warnings),
         report,
     }
     .send()

@@ -3,18 +3,23 @@
 //! New vertices lie on the cubic curves that the normals at the ends of an edge ask for, and have
 //! the normals that belong to these (A. Vlachos et al., "Curved PN triangles", 2001).
 //!
-//! Fields, lattices and cells need vertices near one another in all directions. Where most of a
+//! Fields, lattices and cells need vertices near one another in all directions. Where much of a
 //! surface is in triangles much longer than wide, all edges longer than panels need are split; what
-//! is finer than that in the other direction is left to [`super::coarsened`].
+//! is finer than that in the other direction is left to [`super::coarsened`]. Large triangles at
+//! creases count as well: the smooth surface would round them off by as much as they are large.
+//!
+//! Creases stay: the surface is cut open along them, so that no normal knows what is beyond, and
+//! they bend by themselves, as the boundary does ([`super::opened`]).
 
 use super::coarsen::delaunay;
+use super::opened::{Opened, is_crease};
 use super::{Refinement, SmoothTarget};
-use phex_mesh::{EdgeId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{EdgeId, FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 
 /// Square of the longest edge over the area, that of an equilateral triangle being 1, from which on
 /// a triangle is long: one that is half of a rectangle of sides 1 and 4 has 4.
 const LONG: f64 = 4.0;
-/// Share of the area in long triangles from which on they are cut.
+/// Share of the area in long triangles, and in large ones at creases, from which on they are cut.
 const MUCH: f64 = 0.25;
 /// Longest edge that is left, in units of the spacing: half of it, as inputs have that are finer
 /// than panels need.
@@ -37,43 +42,53 @@ const IN_PLANE: f64 = 1e-7;
 pub(crate) struct CutShort {
     /// The surface; its first vertices are those of the other one.
     pub surface: TriangleSurface,
+    opened: Opened,
     steps: Vec<Refinement>,
 }
 
 impl CutShort {
     /// Values at its vertices from those of the surface with long triangles.
     pub fn carried(&self, values: PerVertex<f64>) -> PerVertex<f64> {
-        self.steps.iter().fold(values, |v, step| step.apply(&v))
+        let values = self.opened.opened(&values);
+        let values = self.steps.iter().fold(values, |v, step| step.apply(&v));
+        self.opened.closed(&values)
     }
 }
 
 /// The surface with edges no longer than 3/4 of the spacing of `wanted` vertices; `None` where most
-/// triangles are about as wide as long. Edges in one of the `mirrors`, each a point of a
-/// plane and its unit normal, stay in it.
+/// triangles are about as wide as long, and small at creases. Edges in one of the `mirrors`, each a
+/// point of a plane and its unit normal, stay in it.
 pub(crate) fn cut_short(
     surface: &TriangleSurface,
     wanted: usize,
     mirrors: &[[Vec3; 2]],
 ) -> Option<CutShort> {
-    if !is_elongated(surface) {
+    let spacing = (surface.area() * 2.0 / (3.0_f64.sqrt() * wanted.max(1) as f64)).sqrt();
+    if !is_elongated(surface, spacing) {
         return None;
     }
-    let spacing = (surface.area() * 2.0 / (3.0_f64.sqrt() * wanted.max(1) as f64)).sqrt();
     let mut steps = Vec::new();
-    let mut now = surface.clone().with_normals(arched_normals(surface));
+    let (mut opened, open) = Opened::along_creases(surface);
+    let normals = arched_normals(&open);
+    let mut now = open.with_normals(normals);
     let most = (MANY * wanted).max(MORE * now.positions().len());
     for _ in 0..ROUNDS {
         if now.positions().len() > most {
             break;
         }
-        let Some((finer, step)) = halved(&now, LONGEST * spacing, mirrors) else {
+        let Some((finer, step, split)) = halved(&now, LONGEST * spacing, mirrors) else {
             break;
         };
+        opened.split(&now, &split);
         now = finer;
         steps.push(step);
     }
-    let surface = now;
-    Some(CutShort { surface, steps })
+    let surface = opened.glued(&now)?;
+    Some(CutShort {
+        surface,
+        opened,
+        steps,
+    })
 }
 
 /// Normals with which the surface goes on bending up to its boundary: triangles there lie on one
@@ -100,27 +115,35 @@ fn arched_normals(surface: &TriangleSurface) -> PerVertex<Vec3> {
     })
 }
 
-/// Whether much of a surface is in long triangles.
-fn is_elongated(surface: &TriangleSurface) -> bool {
+/// Whether much of a surface is in triangles that are long, or at creases and larger than the
+/// spacing.
+fn is_elongated(surface: &TriangleSurface, spacing: f64) -> bool {
     let equilateral = 0.25 * 3.0_f64.sqrt();
     let topology = surface.topology();
-    let is_long = |f| {
-        let [a, b, c] = surface.corners(f);
+    let mut at_crease = PerVertex::filled(topology.n_vertices(), false);
+    for e in topology.edges().filter(|e| is_crease(surface, *e)) {
+        let ends = topology.edge_vertices(e);
+        ends.into_iter().for_each(|v| at_crease[v] = true);
+    }
+    let area = |f: FaceId| 0.5 * surface.area_vector(f).norm();
+    let is_long = |f: &FaceId| {
+        let [a, b, c] = surface.corners(*f);
         let longest = [b - a, c - b, a - c].map(|side| side.norm_squared());
         let longest = longest.into_iter().fold(0.0, f64::max);
-        equilateral * longest > LONG * 0.5 * surface.area_vector(f).norm()
+        let touches = || topology.face_vertices(*f).iter().any(|v| at_crease[*v]);
+        equilateral * longest > LONG * area(*f) || longest > spacing * spacing && touches()
     };
-    let long = topology.faces().filter(|f| is_long(*f));
-    let area: f64 = long.map(|f| 0.5 * surface.area_vector(f).norm()).sum();
-    area > MUCH * surface.area()
+    let long: f64 = topology.faces().filter(is_long).map(area).sum();
+    long > MUCH * surface.area()
 }
 
-/// The surface with its edges longer than a limit split in two; `None` if there are none.
+/// The surface with its edges longer than a limit split in two, and these edges; `None` if there
+/// are none.
 fn halved(
     surface: &TriangleSurface,
     limit: f64,
     mirrors: &[[Vec3; 2]],
-) -> Option<(TriangleSurface, Refinement)> {
+) -> Option<(TriangleSurface, Refinement, Vec<EdgeId>)> {
     let topology = surface.topology();
     let place = |v| surface.positions()[v];
     let length = PerEdge::from_fn(topology.n_edges(), |e| {
@@ -133,14 +156,15 @@ fn halved(
     let length = without_diagonals(topology, length, limit);
     let mut split_once = SmoothTarget::of(surface.clone()).split_longer(0, &length, limit)?;
     let (mut levels, step) = (split_once.levels, split_once.refinements.remove(0));
-    let split = topology.edges().filter(|e| length[*e] > limit);
-    let normals = split.map(|e| middle_normal(surface, topology.edge_vertices(e)));
+    let split: Vec<EdgeId> = topology.edges().filter(|e| length[*e] > limit).collect();
+    let normals = split.iter();
+    let normals = normals.map(|e| middle_normal(surface, topology.edge_vertices(*e)));
     let normals = surface.normals().iter().copied().chain(normals);
     let normals = PerVertex::from_vec(normals.collect());
     let surface = levels.remove(1);
     let lines = BoundaryLines::of(&levels[0]);
-    let split = topology.edges().filter(|e| length[*e] > limit);
-    let on_lines: Vec<Option<Vec3>> = split.map(|e| lines.middle(&levels[0], e)).collect();
+    let middles = split.iter().map(|e| lines.middle(&levels[0], *e));
+    let on_lines: Vec<Option<Vec3>> = middles.collect();
     let first = topology.n_vertices();
     let placed = |v: VertexId, p: Vec3| {
         let new = v.index().checked_sub(first);
@@ -158,7 +182,7 @@ fn halved(
     let flat = TriangleSurface::from_topology(half_way, surface.topology().clone());
     let turned = delaunay(&flat).topology().clone();
     let finer = TriangleSurface::from_topology(held, turned).with_normals(normals);
-    Some((finer, step))
+    Some((finer, step, split))
 }
 
 /// The boundary of a surface, which bends by itself: along a cut in a plane normals are tilted.
@@ -285,6 +309,54 @@ mod tests {
         let along = cut.carried(strips.positions().map(|p| p.x));
         for (v, x) in along.enumerate() {
             assert!((x - cut.surface.positions()[v].x).abs() < 1e-3);
+        }
+    }
+
+    /// A cylinder of radius 1 and length 4 with its bases, as strips and two fans.
+    fn can(around: u32) -> TriangleSurface {
+        let rim = |z: f64| {
+            (0..around).map(move |k| {
+                let angle = std::f64::consts::TAU * f64::from(k) / f64::from(around);
+                Vec3::new(angle.cos(), angle.sin(), z)
+            })
+        };
+        let centres = [0.0, 4.0].map(|z| Vec3::new(0.0, 0.0, z));
+        let places: Vec<Vec3> = rim(0.0).chain(rim(4.0)).chain(centres).collect();
+        let triangles = (0..around).flat_map(|k| {
+            let [a, b] = [k, (k + 1) % around];
+            let [c, d] = [a + around, b + around];
+            let [low, high] = [2 * around, 2 * around + 1];
+            [[a, b, d], [a, d, c], [b, a, low], [c, d, high]]
+        });
+        TriangleSurface::new(places, &triangles.collect::<Vec<_>>()).unwrap()
+    }
+
+    /// Normals at a rim that know both sides would bulge the strips by a tenth of their length.
+    #[test]
+    fn a_rim_stays_sharp_and_round() {
+        let around = 48;
+        let can = can(around);
+        let cut = cut_short(&can, 1000, &[]).unwrap();
+        let topology = cut.surface.topology();
+        assert_eq!(topology.euler_characteristic(), 2);
+        let sagitta = 1.0 - (std::f64::consts::PI / f64::from(around)).cos();
+        let count = cut.surface.positions().len();
+        let (mut on_rim, mut on_base) = (0, 0);
+        for (v, p) in cut.surface.positions().enumerate() {
+            let (radius, off) = (p.x.hypot(p.y), p.z.min(4.0 - p.z));
+            let is_side = (radius - 1.0).abs() <= 0.6 * sagitta && off > -1e-12;
+            let is_base = off.abs() < 1e-12 && radius < 1.0;
+            assert!(is_side || is_base, "{v:?} at {p}");
+            on_rim += usize::from(is_side && off < 1e-12);
+            on_base += usize::from(!is_side);
+        }
+        assert!(
+            on_rim >= 4 * around as usize && on_base > count / 20,
+            "{on_rim} {on_base}"
+        );
+        let heights = cut.carried(can.positions().map(|p| p.z));
+        for (v, z) in heights.enumerate() {
+            assert!((z - cut.surface.positions()[v].z).abs() < 0.1);
         }
     }
 

@@ -22,6 +22,7 @@ mod elongated;
 pub(crate) mod extend;
 mod local;
 mod normalise;
+mod opened;
 pub(crate) mod subdivide;
 pub(crate) mod teeth;
 

@@ -14,6 +14,7 @@ mod collapse;
 mod corner_table;
 mod flips;
 
+use super::opened::CREASE;
 use corner_table::{CornerTable, NONE};
 use phex_mesh::{HalfEdgeId, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
 
@@ -25,9 +26,6 @@ pub struct Coarsened {
     /// The vertex of the finer surface that each vertex is.
     pub source: PerVertex<VertexId>,
 }
-
-/// Cosine of the angle between triangles from which on their common edge is a crease.
-const CREASE: f64 = 0.75;
 
 /// A surface with about `wanted` of its vertices, evenly spread; `corners` stay.
 ///
