@@ -3,7 +3,8 @@
 //! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the
 //! same panels with more weight on what they lack; where that is not enough edges that fold cut off
 //! (`chamfer`), two of them merged, an edge turned, a panel split; where panels are too large all
-//! of them split. Each candidate is made regular again by turns of edges (`draft`); the most
+//! of them split. Where many panels are broken, as along the edges of a box, all of them are tried at
+//! once first, with more weight alone. Each candidate is made regular again by turns of edges (`draft`); the most
 //! regular ones are made planar by the optimiser with everything around it at rest, and judged
 //! ([`crate::quality::Judge`]) with the same figures as the whole mesh; the best is kept if it is
 //! better than what there was, else nothing has changed. Places that do not touch are searched side
@@ -30,7 +31,7 @@ mod trial;
 mod tests;
 
 use crate::progress::{Event, Progress};
-use crate::quality::{Judgement, Shapes, defects};
+use crate::quality::{Defect, Judgement, Shapes, defects};
 use patch::{Change, Patch, applied};
 use phex_mesh::{FaceId, HexMesh, Vec3};
 use rayon::prelude::*;
@@ -59,6 +60,8 @@ const FRUITLESS: usize = RINGS.len();
 /// Candidates after which no sweep begins, and one more for each panel: the cost follows the
 /// panels.
 const LEAST_TRIED: usize = 60;
+/// Broken places from which on all are tried at once, first.
+const MANY_BROKEN: usize = 8;
 /// Mean edges within which two places are the same.
 const SAME: f64 = 0.8;
 /// Mean edges from a change within which other changes may help that have not before.
@@ -148,6 +151,7 @@ pub fn search(mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Search
     let many = HOPELESS * state.mesh.topology().n_faces() as f64;
     state.summary.is_hopeless = state.whole.findings.merit.invalid > 0.0 && broken as f64 > many;
     if !state.summary.is_hopeless {
+        state.together(site, progress);
         state.sweep(site, progress);
     }
     state.summary.left = defects(&state.mesh, &state.whole.findings).len();
@@ -186,6 +190,33 @@ impl SearchState {
             }
         }
         plain
+    }
+
+    /// All places with broken panels at once, with more emphasis alone: what one of them needs of
+    /// its neighbours they can't give while they rest.
+    fn together(&mut self, site: &Site<'_>, progress: &dyn Progress) {
+        let all = defects(&self.mesh, &self.whole.findings);
+        let broken: Vec<Defect> = all.into_iter().filter(|d| d.is_broken).collect();
+        if broken.len() < MANY_BROKEN {
+            return;
+        }
+        let faces: Vec<FaceId> = broken.iter().flat_map(|d| d.faces.clone()).collect();
+        let resting = site.resting(&self.mesh);
+        let place = DefectPatch {
+            patch: Patch::around(&self.mesh, &faces, RINGS[1], &resting),
+            defect: Defect {
+                faces,
+                amount: broken.iter().map(|d| d.amount).sum(),
+                ..broken[0].clone()
+            },
+            wide: false,
+        };
+        self.summary.places += 1;
+        self.summary.tried += 1;
+        if let Some(change) = place.emphasised(&self.whole, site, progress) {
+            let kept = take(&mut self.mesh, &mut self.whole, &[change], site);
+            self.summary.kept += usize::from(kept == [Some(true)]);
+        }
     }
 
     /// Sweeps over the defects until none of them is cured.

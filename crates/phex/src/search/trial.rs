@@ -30,9 +30,31 @@ impl DefectPatch {
         site: &Site<'_>,
         progress: &dyn Progress,
     ) -> (Option<Change>, usize) {
-        let Some(now) = self.patch.built(&self.patch.draft) else {
-            return (None, 0);
-        };
+        self.tried(whole, site, progress, |trial, now| trial.best(now))
+            .unwrap_or((None, 0))
+    }
+
+    /// The same panels with more weight on what they lack, if they are better for it.
+    pub fn emphasised(
+        &self,
+        whole: &Whole,
+        site: &Site<'_>,
+        progress: &dyn Progress,
+    ) -> Option<Change> {
+        self.tried(whole, site, progress, |trial, now| {
+            let same = trial.same(now);
+            trial.is_less(&same).then(|| trial.change(&same))
+        })?
+    }
+
+    fn tried<T>(
+        &self,
+        whole: &Whole,
+        site: &Site<'_>,
+        progress: &dyn Progress,
+        what: impl FnOnce(PlaceTrial<'_>, Built) -> T,
+    ) -> Option<T> {
+        let now = self.patch.built(&self.patch.draft)?;
         let points = whole.points(&self.patch);
         let before = site.judged_part(&now.mesh, &now.counts, whole, &points);
         let trial = PlaceTrial {
@@ -44,7 +66,7 @@ impl DefectPatch {
             site,
             progress,
         };
-        trial.best(now)
+        Some(what(trial, now))
     }
 }
 
@@ -84,15 +106,9 @@ impl Settled {
 impl PlaceTrial<'_> {
     fn best(&self, now: Built) -> (Option<Change>, usize) {
         let patch = &self.place.patch;
-        let same = self.improved(Settled {
-            judgement: self.before.clone(),
-            is_improved: false,
-            draft: patch.draft.clone(),
-            built: now,
-        });
+        let same = self.same(now);
         if self.place.defect.is_slight || same.amount() <= self.goal {
-            let is_better = same.merit().is_less(&self.before.merit);
-            return (is_better.then(|| self.change(&same)), 1);
+            return (self.is_less(&same).then(|| self.change(&same)), 1);
         }
         let mut settled = vec![same];
         let mut tried = 1;
@@ -120,6 +136,20 @@ impl PlaceTrial<'_> {
             .filter(|best| best.merit().is_better(&self.before.merit))
             .filter(|best| self.is_fair(&best.judgement));
         (best.map(|best| self.change(&best)), tried)
+    }
+
+    /// The panels as they are with more weight on what they lack.
+    fn same(&self, now: Built) -> Settled {
+        self.improved(Settled {
+            judgement: self.before.clone(),
+            is_improved: false,
+            draft: self.place.patch.draft.clone(),
+            built: now,
+        })
+    }
+
+    fn is_less(&self, settled: &Settled) -> bool {
+        settled.merit().is_less(&self.before.merit)
     }
 
     fn judged(&self, built: &Built, mesh: &HexMesh) -> Judgement {
