@@ -103,8 +103,8 @@ pub struct JobResult {
     pub limits: TypedLimits,
     /// What came of guides, cones and sizes, by what each sentence is about.
     pub wishes: Vec<(&'static str, String)>,
-    /// What is told though no check fails by it: panels too large for the surface's features, facets
-    /// too large for panels.
+    /// What is told though no check fails by it: panels too large for the surface's features,
+    /// facets too large for panels.
     pub warnings: Vec<String>,
     /// The ways of the portfolio, for each part of the surface.
     pub tried: Vec<Vec<AttemptSummary>>,

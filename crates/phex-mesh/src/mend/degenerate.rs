@@ -1,7 +1,7 @@
 //! Faces without area: poles where a row of vertices lies in one point, triangles with a corner on
 //! their opposite side.
 
-use super::{Mended, Side, sides};
+use super::{FaceSide, Mended, sides};
 use crate::disjoint_sets::DisjointSets;
 use crate::{PolygonSoup, Vec3};
 
@@ -50,7 +50,7 @@ fn takes_flat_triangles(mended: &mut Mended, rounding: f64) -> bool {
         return false;
     }
     let sides = sides(&mended.soup.faces);
-    let users = |a: u32, b: u32| -> &[Side] {
+    let users = |a: u32, b: u32| -> &[FaceSide] {
         let ends = [a.min(b), a.max(b)];
         let first = sides.partition_point(|s| s.ends < ends);
         let count = sides[first..].partition_point(|s| s.ends == ends);
@@ -61,7 +61,7 @@ fn takes_flat_triangles(mended: &mut Mended, rounding: f64) -> bool {
     let mut keep = vec![true; is_flat.len()];
     for f in (0..is_flat.len()).filter(|&f| is_flat[f]) {
         let [middle, a, b] = middle_first(positions, &mended.soup.faces[f]);
-        let beyond: Vec<&Side> = (users(a, b).iter())
+        let beyond: Vec<&FaceSide> = (users(a, b).iter())
             .filter(|s| s.face as usize != f)
             .collect();
         if beyond.iter().any(|s| is_flat[s.face as usize]) {

@@ -71,19 +71,19 @@ impl Mended {
 
 /// A side of a face: its ends, lower vertex first, the face, and the corner where it starts.
 #[derive(Clone, Copy)]
-struct Side {
+struct FaceSide {
     ends: [u32; 2],
     face: u32,
     corner: u32,
 }
 
 /// The sides of all faces, those with the same ends one after another.
-fn sides(faces: &[Vec<u32>]) -> Vec<Side> {
+fn sides(faces: &[Vec<u32>]) -> Vec<FaceSide> {
     let of_face = |(f, face): (usize, &Vec<u32>)| {
-        let corners: Vec<Side> = (0..face.len())
+        let corners: Vec<FaceSide> = (0..face.len())
             .map(|i| {
                 let (a, b) = (face[i], face[(i + 1) % face.len()]);
-                Side {
+                FaceSide {
                     ends: [a.min(b), a.max(b)],
                     face: f as u32,
                     corner: i as u32,
@@ -92,7 +92,7 @@ fn sides(faces: &[Vec<u32>]) -> Vec<Side> {
             .collect();
         corners
     };
-    let mut sides: Vec<Side> = faces.iter().enumerate().flat_map(of_face).collect();
+    let mut sides: Vec<FaceSide> = faces.iter().enumerate().flat_map(of_face).collect();
     sides.sort_unstable_by_key(|s| (s.ends, s.face, s.corner));
     sides
 }

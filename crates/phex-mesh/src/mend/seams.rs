@@ -8,10 +8,10 @@
 //! *The gap.* A ten-thousandth of the diagonal, since files are rounded to six digits and CAD
 //! programs work to tolerances of that size, and no more than a twentieth of the edges there.
 //! To it come the sagittas of the two polylines, since the same curve with other vertices lies
-//! beside its chords by so much: for chords of length `c` that turn by `t` at their ends, `c t / 8`.
+//! beside its chords by so much: `c t / 8` for chords of length `c` that turn by `t` at their ends.
 //! No gap is wider than a fifth of the height of the faces there, so that narrow strips stay open.
 
-use super::{Mended, Side, sides};
+use super::{FaceSide, Mended, sides};
 use crate::disjoint_sets::DisjointSets;
 use crate::{PolygonSoup, Vec3};
 use parry3d_f64::bounding_volume::Aabb;
@@ -38,7 +38,7 @@ const SAMPLES: [f64; 3] = [0.25, 0.5, 0.75];
 ///
 /// Vertices exist, coordinates are finite, and no face repeats a vertex.
 pub(crate) fn sewn(soup: &PolygonSoup) -> Option<Mended> {
-    let boundary = Boundary::new(soup)?;
+    let boundary = OpenEdges::new(soup)?;
     let marked: Vec<bool> = (0..boundary.edges.len())
         .map(|e| boundary.lies_on_others(e))
         .collect();
@@ -82,14 +82,14 @@ pub(crate) fn sewn(soup: &PolygonSoup) -> Option<Mended> {
 }
 
 /// Sides of faces that no other face has.
-fn single_sides(faces: &[Vec<u32>]) -> Vec<Side> {
+fn single_sides(faces: &[Vec<u32>]) -> Vec<FaceSide> {
     let sides = sides(faces);
     let edges = sides.chunk_by(|a, b| a.ends == b.ends);
     edges.filter(|e| e.len() == 1).map(|e| e[0]).collect()
 }
 
 /// The edges of one face each.
-struct Boundary<'a> {
+struct OpenEdges<'a> {
     positions: &'a [Vec3],
     edges: Vec<BoundaryEdge>,
     /// The edges at each vertex that has any.
@@ -104,7 +104,7 @@ struct Boundary<'a> {
 }
 
 struct BoundaryEdge {
-    side: Side,
+    side: FaceSide,
     length: f64,
     sagitta: f64,
     /// Height of the face over it.
@@ -130,7 +130,7 @@ struct Insertion {
     vertex: u32,
 }
 
-impl<'a> Boundary<'a> {
+impl<'a> OpenEdges<'a> {
     fn new(soup: &'a PolygonSoup) -> Option<Self> {
         let single = single_sides(&soup.faces);
         if single.is_empty() {
@@ -288,7 +288,7 @@ fn insert(mended: &mut Mended, mut insertions: Vec<Insertion>) {
 }
 
 /// Angle by which a boundary turns at a vertex with two edges; zero at corners.
-fn turn(positions: &[Vec3], sides: &[Side], edges: &[usize], v: u32) -> f64 {
+fn turn(positions: &[Vec3], sides: &[FaceSide], edges: &[usize], v: u32) -> f64 {
     let [e, f] = edges[..] else { return 0.0 };
     let away = |e: usize| {
         let [a, b] = sides[e].ends;

@@ -3,15 +3,16 @@
 //! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the
 //! same panels with more weight on what they lack; where that is not enough edges that fold cut off
 //! (`chamfer`), two of them merged, an edge turned, a panel split; where panels are too large all
-//! of them split. Where many panels are broken, as along the edges of a box, all of them are tried at
-//! once first, with more weight alone. Each candidate is made regular again by turns of edges (`draft`); the most
-//! regular ones are made planar by the optimiser with everything around it at rest, and judged
-//! ([`crate::quality::Judge`]) with the same figures as the whole mesh; the best is kept if it is
-//! better than what there was, else nothing has changed. Places that do not touch are searched side
-//! by side. It is one mechanism for closed and open, uniform and adaptive meshes, whatever made
-//! them. Where nothing is left outside limits, sharp corners are blunted in the same way, as far as
-//! no panel moves farther off the surface than the farthest was; then long edges are shortened and
-//! large or slender panels at the boundary made smaller, as far as that and no corner gets sharper.
+//! of them split. Where many panels are broken, as along the edges of a box, all of them are tried
+//! at once first, with more weight alone. Each candidate is made regular again by turns of edges
+//! (`draft`); the most regular ones are made planar by the optimiser with everything around it at
+//! rest, and judged ([`crate::quality::Judge`]) with the same figures as the whole mesh; the best
+//! is kept if it is better than what there was, else nothing has changed. Places that do not touch
+//! are searched side by side. It is one mechanism for closed and open, uniform and adaptive meshes,
+//! whatever made them. Where nothing is left outside limits, sharp corners are blunted in the same
+//! way, as far as no panel moves farther off the surface than the farthest was; then long edges are
+//! shortened and large or slender panels at the boundary made smaller, as far as that and no corner
+//! gets sharper.
 //!
 //! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three
 //! panels; outside of the patches that are kept positions are the same to the last bit; the same

@@ -4,7 +4,7 @@
 use super::*;
 use crate::optimise::{BoundaryHold, OptimiseOptions};
 use crate::progress::Silent;
-use crate::quality::{Judge, Limits, Merit, References};
+use crate::quality::{Assessment, Judge, Limits, Merit, References};
 use crate::trim::Boundary;
 use crate::{Effort, MeshOptions, PanelSize, mesh_surface};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
@@ -319,4 +319,53 @@ fn the_same_for_any_number_of_threads() {
         bits(&pool.build().unwrap().install(run).mesh)
     };
     assert_eq!(with(1), with(2));
+}
+
+/// Panels at a right-angled edge fold by less than rounding shows: all of them are tilted at once.
+#[test]
+fn the_edges_of_a_box_are_no_folds() {
+    let corner = |k: u32| {
+        Vec3::new(
+            6.0 * f64::from(k & 1),
+            4.0 * f64::from(k >> 1 & 1),
+            3.0 * f64::from(k >> 2),
+        )
+    };
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let cut = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    let triangles: Vec<[u32; 3]> = sides.into_iter().flat_map(cut).collect();
+    let cuboid = TriangleSurface::new((0..8).map(corner).collect(), &triangles).unwrap();
+    let options = MeshOptions {
+        size: PanelSize::Panels(350),
+        ..Default::default()
+    };
+    let run = mesh_surface(&cuboid, &options, &Silent).unwrap();
+    let references = References {
+        smooth: Some(&run.target),
+        facets: Some(&cuboid),
+        ..Default::default()
+    };
+    let found = Assessment::new(&run.mesh, references, &Limits::new(Some(5e-3), None));
+    let failed: Vec<&str> = found.failures().map(|c| c.name).collect();
+    assert!(failed.is_empty(), "{failed:?}");
+    // Its twelve large facets are followed, not a smooth surface through its corners.
+    let far = found.deviation_facets.unwrap();
+    assert!(
+        far.deviation_max < 5e-3 && far.coverage_max < 5e-3,
+        "{} {}",
+        far.deviation_max,
+        far.coverage_max
+    );
+    let search = run.statistics.search.unwrap();
+    assert!(
+        search.defects > 50 && search.left == 0 && search.tried < 20,
+        "{search:?}"
+    );
 }

@@ -10,10 +10,10 @@ use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::Assembly;
 
-/// Angle `t_0`, radians, up to which nothing is to pay at the most: 88.5 degrees, since more than 90
-/// is a fold, and a penalty leaves a rest. With 85 degrees panels at the edges of a box leave it by
-/// more than the limit, with 89.5 folds are left.
-const FREE: f64 = 1.544_616_388_054_9;
+/// Angle `t_0`, radians, up to which nothing is to pay at the most: 88.5 degrees, since more than
+/// 90 is a fold, and a penalty leaves a rest. With 85 degrees panels at the edges of a box leave it
+/// by more than the limit, with 89.5 folds are left.
+const FREE: f64 = 1.5446;
 /// Share of the turn that a joint may have which is free: a penalty leaves a rest.
 const SPARE: f64 = 0.97;
 /// Least sine that is divided by: at half a turn the angle has no gradient.
