@@ -5,7 +5,7 @@ use super::inspect::inspect;
 use super::options::{OptimiseOptions, PathKind, Solver, StartKind};
 use super::panels::FaceShapes;
 use super::simple::is_simple;
-use super::solver::emphasis::EMPHASES;
+use super::solver::emphasis::{EMPHASES, FREE_TURN};
 use super::solver::path::Path;
 use super::solver::reached::{Reached, ResultOrigin, Run, better};
 use super::solver::solvers::Solvers;
@@ -123,7 +123,7 @@ impl Stage<'_> {
             if lack == (0, 0.0) || best.is_cancelled() || progress.is_cancelled() {
                 break;
             }
-            let mut now = self.emphasised(&best.x, round, options, progress)?;
+            let mut now = self.emphasised(&best.x, (round, FREE_TURN), options, progress)?;
             if now.summary.quality.planarity <= options.planarity_tolerance
                 && self.lack(&now) < lack
             {

@@ -5,6 +5,7 @@ mod rim;
 
 use super::holds::Hold;
 use super::panels::{FaceShapes, unknowns};
+use super::solver::emphasis::FREE_TURN_IN_SEARCH;
 use super::solver::solvers::Solvers;
 use super::terms::areas;
 use super::{
@@ -71,7 +72,7 @@ impl LocalPart<'_> {
         let mut stage = self.stage(target, options)?;
         let x = unknowns(mesh);
         stage.areas = areas::of_layout(self.layout, &stage.panels, &x, options.evenness);
-        let run = stage.emphasised(&x, round, options, progress)?;
+        let run = stage.emphasised(&x, (round, FREE_TURN_IN_SEARCH), options, progress)?;
         Ok(finished(mesh, run))
     }
 

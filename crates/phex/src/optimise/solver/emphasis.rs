@@ -29,6 +29,15 @@ const HEAVIER: f64 = 10.0;
 /// are met by Newton's method on the constraints, which follows, alone.
 const PHASES: [usize; EMPHASES] = [0, 1, 3];
 
+/// Turn of panels against each other, radians, that is free: 85 degrees, since more than 90 is a
+/// fold, and a penalty leaves a rest.
+pub(crate) const FREE_TURN: f64 = 1.483_529_864_195_180_1;
+/// The same where edges can be cut off if they still fold, 88.5 degrees: with 85 panels at the edges
+/// of a box leave it by more than the limit, with 89.5 folds are left there.
+pub(crate) const FREE_TURN_IN_SEARCH: f64 = 1.5446;
+/// Share of the turn that a joint may have which is free: a penalty leaves a rest.
+const SPARE: f64 = 0.97;
+
 /// Rounds of rising emphasis.
 pub(crate) const EMPHASES: usize = 3;
 
@@ -80,18 +89,22 @@ impl Lack {
         }
     }
 
-    /// Solvers for a path that is to be emphasised, and what folds pay, if there are any.
+    /// Solvers for a path that is to be emphasised, and what folds beyond a free turn pay, if there
+    /// are any.
     pub fn solvers(
         &self,
         setting: &Setting<'_>,
         x: &[f64],
+        free_turn: f64,
     ) -> Result<(Solvers, Option<FoldTerm>), OptimiseError> {
         let panels: &Panels = setting.panels;
         if !self.has_folds {
             return Ok((Solvers::new(panels)?, None));
         }
         let joint = setting.limits.min_dihedral();
-        let folds = FoldTerm::new(panels, setting.guard, x, joint);
+        let joint = joint.map(|angle| SPARE * (180.0 - angle).to_radians());
+        let free = joint.map_or(free_turn, |turn| turn.min(free_turn));
+        let folds = FoldTerm::new(panels, setting.guard, x, free);
         Ok((Solvers::with_folds(panels, &folds)?, Some(folds)))
     }
 }
@@ -110,11 +123,11 @@ fn has_folds(setting: &Setting<'_>, shape: &FaceShapes, x: &[f64]) -> bool {
 }
 
 impl Stage<'_> {
-    /// One round of emphasis from planar positions.
+    /// One round of emphasis from planar positions, with turns of panels that are free.
     pub(in crate::optimise) fn emphasised(
         &self,
         x: &[f64],
-        round: usize,
+        (round, free_turn): (usize, f64),
         options: &OptimiseOptions,
         progress: &dyn Progress,
     ) -> Result<Run, OptimiseError> {
@@ -124,7 +137,7 @@ impl Stage<'_> {
         };
         let setting = self.setting(x);
         let lack = Lack::at(&setting, x);
-        let (mut solvers, folds) = lack.solvers(&setting, x)?;
+        let (mut solvers, folds) = lack.solvers(&setting, x, free_turn)?;
         let mut path = Path::new(&setting, &mut solvers, x, options, progress)?;
         let now = path.emphasised(x, (&lack, folds), round)?;
         let reached = Reached::at(&setting, now);

@@ -10,12 +10,6 @@ use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::Assembly;
 
-/// Angle `t_0`, radians, up to which nothing is to pay at the most: 88.5 degrees, since more than
-/// 90 is a fold, and a penalty leaves a rest. With 85 degrees panels at the edges of a box leave it
-/// by more than the limit, with 89.5 folds are left.
-const FREE: f64 = 1.5446;
-/// Share of the turn that a joint may have which is free: a penalty leaves a rest.
-const SPARE: f64 = 0.97;
 /// Least sine that is divided by: at half a turn the angle has no gradient.
 const LEAST_SINE: f64 = 0.1;
 
@@ -35,9 +29,8 @@ pub(in crate::optimise) struct FoldTerm {
 }
 
 impl FoldTerm {
-    /// For the inner edges of `guard`, without weight; joints have at least an angle in degrees, if
-    /// one is asked for.
-    pub fn new(panels: &Panels, guard: &Guard, x: &[f64], joint: Option<f64>) -> Self {
+    /// For the inner edges of `guard`, without weight; turns up to `free`, radians, are free.
+    pub fn new(panels: &Panels, guard: &Guard, x: &[f64], free: f64) -> Self {
         let shape = FaceShapes::at(panels, x);
         let hinge = |faces: &[u32; 2]| {
             let faces = faces.map(|f| f as usize);
@@ -54,7 +47,7 @@ impl FoldTerm {
         };
         Self {
             weight: 0.0,
-            free: joint.map_or(FREE, |angle| FREE.min(SPARE * (180.0 - angle).to_radians())),
+            free,
             hinges: guard.hinges().iter().map(hinge).collect(),
         }
     }
@@ -187,7 +180,7 @@ mod tests {
         let panels = Panels::new(mesh.topology());
         let guard = Guard::new(mesh.topology(), None, 0.0);
         let x = unknowns(&mesh);
-        let mut term = FoldTerm::new(&panels, &guard, &x, None);
+        let mut term = FoldTerm::new(&panels, &guard, &x, 1.5);
         term.weight = 2.0;
         let assembly = energy_assembly_with(&panels, term.vertices());
         let mut blocks = vec![0.0; assembly.n_block_entries()];
