@@ -32,8 +32,8 @@ const PHASES: [usize; EMPHASES] = [0, 1, 3];
 /// Turn of panels against each other, radians, that is free: 85 degrees, since more than 90 is a
 /// fold, and a penalty leaves a rest.
 pub(crate) const FREE_TURN: f64 = 1.483_529_864_195_180_1;
-/// The same where edges can be cut off if they still fold, 88.5 degrees: with 85 panels at the edges
-/// of a box leave it by more than the limit, with 89.5 folds are left there.
+/// The same where edges can be cut off if they still fold, 88.5 degrees: with 85 panels at the
+/// edges of a box leave it by more than the limit, with 89.5 folds are left there.
 pub(crate) const FREE_TURN_IN_SEARCH: f64 = 1.5446;
 /// Share of the turn that a joint may have which is free: a penalty leaves a rest.
 const SPARE: f64 = 0.97;
