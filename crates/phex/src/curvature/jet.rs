@@ -98,26 +98,6 @@ pub(super) fn fit(surface: &TriangleSurface, v: VertexId, members: &[VertexId], 
     }
 }
 
-/// How far the vertices around `v`, two rings of them or more, are off the jet that fits them best:
-/// the largest distance along the normal. Of a smooth surface it falls with the third power of the
-/// edges; noise stays.
-pub(crate) fn roughness(surface: &TriangleSurface, v: VertexId) -> f64 {
-    let mut neighbourhood = Neighbourhood::new(surface);
-    let (p, n) = (surface.positions()[v], surface.normals()[v]);
-    let [e1, e2] = tangent_frame(n);
-    let offsets = neighbourhood.collect(v, 0.0).iter();
-    let local: Vec<Vec3> = offsets
-        .map(|w| surface.positions()[*w] - p)
-        .map(|d| Vec3::new(d.dot(&e1), d.dot(&e2), d.dot(&n)))
-        .collect();
-    let reach = local.iter().map(|q| q.xy().norm()).fold(0.0, f64::max);
-    let Some(c) = (reach > 0.0).then(|| solve(&local, reach)).flatten() else {
-        return 0.0;
-    };
-    let off = |q: &Vec3| (q.z - reach * row(q.x / reach, q.y / reach).dot(&c)).abs();
-    local.iter().map(off).fold(0.0, f64::max)
-}
-
 fn row(x: f64, y: f64) -> SVector<f64, 6> {
     SVector::from([1.0, x, y, 0.5 * x * x, x * y, 0.5 * y * y])
 }

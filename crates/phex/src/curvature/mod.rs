@@ -23,7 +23,6 @@ mod jet;
 mod tensor;
 
 pub use dupin::{Indicatrix, free_panels, indicatrix_distances, inscribing_curves};
-pub(crate) use jet::roughness;
 pub use tensor::{Principal, principal, tangent_frame};
 pub(crate) use tensor::{large_curvature, smoothed, turn_to_pole};
 

@@ -139,8 +139,7 @@ impl Assessment {
         checks.extend(panel_checks(mesh, &limits.panels));
         let deviation = deviation_smooth.as_ref().or(deviation_facets.as_ref());
         if let (Some(deviation), Some(surface)) = (deviation, references.judge()) {
-            let samples = references.facets.unwrap_or(surface);
-            checks.extend(surface_checks(mesh, [surface, samples], deviation, limits));
+            checks.extend(surface_checks(mesh, surface, deviation, limits));
             if let Some(fit) = &boundary {
                 let elsewhere = references.elsewhere;
                 let size = (mesh.topology().n_faces(), deviation.diagonal);

@@ -1,7 +1,6 @@
 //! One check: a figure, its limit, the panels that exceed it, the worst place, and what would help.
 
 use super::Limits;
-use crate::curvature::roughness;
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures, Spot};
 use phex_mesh::validate::{ValidateOptions, Violation, planarity_floor};
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3, VertexId};
@@ -277,10 +276,10 @@ pub(super) fn fold_advice(
     }
 }
 
-/// The checks of a mesh against a surface; `facets` are the samples that it goes through.
+/// The checks of a mesh against a surface.
 pub(super) fn surface_checks(
     mesh: &HexMesh,
-    [surface, facets]: [&TriangleSurface; 2],
+    surface: &TriangleSurface,
     deviation: &Deviation,
     limits: &Limits,
 ) -> Vec<Check> {
@@ -288,13 +287,11 @@ pub(super) fn surface_checks(
     let Some(limit) = limits.deviation_rel else {
         return vec![topology];
     };
-    [
+    vec![
         topology,
         deviation_check(mesh, deviation, limit),
         coverage_check(surface, deviation, limit),
     ]
-    .map(|check| with_noise_told(check, facets))
-    .to_vec()
 }
 
 /// Turn of the surface between two panels, degrees, from which on a fold is its own: a right angle,
@@ -308,27 +305,6 @@ const SMALLER: &str = "smaller ones there (--adaptive)";
 fn nearer(panels: usize, [limit, value]: [f64; 2], or: &str) -> String {
     let enough = (panels as f64 * value / limit).ceil();
     format!("about {enough} panels, if all shrink alike, {or}, or a larger deviation")
-}
-
-/// Share of a distance from which on the roughness of the samples there is its reason.
-const OF_NOISE: f64 = 0.5;
-
-/// The same, with what would help where the samples themselves are off any smooth surface by as
-/// much as the distance that is too large: more panels would not.
-fn with_noise_told(check: Check, facets: &TriangleSurface) -> Check {
-    let (Some(place), Some(distance)) = (check.place, check.value_length) else {
-        return check;
-    };
-    let closest = facets.closest_point(Vec3::from(place));
-    let corners = facets.topology().face_vertices(closest.triangle).iter();
-    let rough = corners.map(|&v| roughness(facets, v)).fold(0.0, f64::max);
-    if rough < OF_NOISE * distance {
-        return check;
-    }
-    check.advised(&format!(
-        "the surface is rough or sharp there: its vertices are off the smooth surface through those around them by up to \
-         {rough:.2e}, which no number of panels follows: smooth it, or allow a larger deviation"
-    ))
 }
 
 fn deviation_check(mesh: &HexMesh, deviation: &Deviation, limit: f64) -> Check {
@@ -485,43 +461,6 @@ mod tests {
         let mesh = HexMesh::new(places.clone(), &[[0, 2, 3, 1], [2, 4, 5, 3]]).unwrap();
         let triangles = [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]];
         (mesh, TriangleSurface::new(places, &triangles).unwrap())
-    }
-
-    /// A bowl with one vertex that stands out of it, `panels` of which are `distance` off there.
-    #[test]
-    fn what_noise_does_is_told_from_what_the_size_of_panels_does() {
-        let n = 12;
-        let advice = |spike: f64| {
-            let at = |k: usize| {
-                let [x, y] = [k % (n + 1), k / (n + 1)].map(|i| i as f64 / n as f64 - 0.5);
-                let out = if k == (n + 1) * n / 2 + n / 2 {
-                    spike
-                } else {
-                    0.0
-                };
-                Vec3::new(x, y, 0.2 * (x * x + y * y) + out)
-            };
-            let quad = |k: usize| {
-                let a = (k / n * (n + 1) + k % n) as u32;
-                let b = a + n as u32 + 1;
-                [[a, a + 1, b + 1], [a, b + 1, b]]
-            };
-            let triangles: Vec<[u32; 3]> = (0..n * n).flat_map(quad).collect();
-            let surface =
-                TriangleSurface::new((0..(n + 1) * (n + 1)).map(at).collect(), &triangles).unwrap();
-            let far = Check::new("deviation", [0.01, 0.02], Scale::Diagonals, false)
-                .in_lengths(1.0)
-                .at([], Some(Vec3::new(0.01, 0.01, 0.0)))
-                .advised("smaller panels");
-            with_noise_told(far, &surface).advice.unwrap()
-        };
-        assert_eq!(advice(0.0), "smaller panels");
-        assert_eq!(advice(2e-3), "smaller panels");
-        let noise = advice(0.03);
-        assert!(
-            noise.contains("rough or sharp there") && noise.contains("smooth it"),
-            "{noise}"
-        );
     }
 
     #[test]
