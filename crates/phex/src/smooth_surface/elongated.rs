@@ -13,6 +13,7 @@
 
 use super::coarsen::delaunay;
 use super::opened::{Opened, is_crease};
+use super::slivers::{IN_PLANE, without_slivers};
 use super::{Refinement, SmoothTarget};
 use phex_mesh::{EdgeId, FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 
@@ -38,8 +39,8 @@ const MORE: usize = 4;
 const ROUNDS: usize = 12;
 /// Turn of the boundary, degrees, from which on a vertex is a corner.
 const CORNER: f64 = 40.0;
-/// Distance from a mirror plane, diagonals, within which both ends of an edge lie in it.
-const IN_PLANE: f64 = 1e-7;
+/// Height over the boundary, in units of the spacing, below which a triangle there is taken away.
+const SLIVER: f64 = 0.05;
 
 /// A surface whose long triangles are cut short.
 pub(crate) struct CutShort {
@@ -71,7 +72,8 @@ pub(crate) fn cut_short(
         return None;
     }
     let mut steps = Vec::new();
-    let (mut opened, open) = Opened::along_creases(surface);
+    let calm = without_slivers(surface, SLIVER * spacing, mirrors);
+    let (mut opened, open) = Opened::along_creases(calm.as_ref().unwrap_or(surface));
     let normals = arched_normals(&open);
     let mut now = open.with_normals(normals);
     let most = (MANY * wanted).max(MORE * now.positions().len());

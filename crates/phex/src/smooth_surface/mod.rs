@@ -23,6 +23,7 @@ pub(crate) mod extend;
 mod local;
 mod normalise;
 mod opened;
+mod slivers;
 pub(crate) mod subdivide;
 pub(crate) mod teeth;
 
