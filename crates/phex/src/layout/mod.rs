@@ -40,7 +40,7 @@ use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
 use crate::progress::Progress;
-use cells::complex::{CellComplex, Node, disc_cells, node_index};
+use cells::complex::{CellComplex, Node, NotDiscs, disc_cells, node_index};
 use cells::{boundary_nodes, clusters, rim};
 use lattice::eisenstein::Charts;
 use lattice::seamless::Offsets;
@@ -109,7 +109,20 @@ pub enum LayoutError {
     /// The caller cancelled before there was a layout.
     #[error("cancelled")]
     Cancelled,
-    /// Cells are not discs.
+    /// Panels are larger than what the surface goes round.
+    #[error(
+        "no panelling with the topology of the surface was found: {}; ask for smaller panels",
+        told_not_discs(*panels, *place, *handles)
+    )]
+    NotDiscs {
+        /// How many.
+        panels: usize,
+        /// The middle of the first one.
+        place: Vec3,
+        /// Handles of the surface: the holes through a closed one, one of a torus.
+        handles: usize,
+    },
+    /// There are no panels, or they are joined otherwise than the surface.
     #[error(
         "no panelling with the topology of the surface was found: {reason}; ask for smaller panels"
     )]
@@ -117,6 +130,49 @@ pub enum LayoutError {
         /// What went wrong.
         reason: String,
     },
+}
+
+impl LayoutError {
+    pub(crate) fn not_discs(surface: &TriangleSurface, cells: NotDiscs) -> Self {
+        let topology = surface.topology();
+        let loops = topology.boundary_loops().len() as i64;
+        let handles = (2 - topology.euler_characteristic() - loops) / 2;
+        Self::NotDiscs {
+            panels: cells.cells,
+            place: surface.positions()[cells.seed],
+            handles: handles.max(0) as usize,
+        }
+    }
+
+    /// The error with places mapped.
+    pub(crate) fn mapped(self, map: impl Fn(Vec3) -> Vec3) -> Self {
+        match self {
+            Self::Duality(e) => e.mapped(map).into(),
+            Self::Network(e) => e.mapped(map).into(),
+            Self::NotDiscs {
+                panels,
+                place,
+                handles,
+            } => Self::NotDiscs {
+                panels,
+                place: map(place),
+                handles,
+            },
+            other => other,
+        }
+    }
+}
+
+fn told_not_discs(panels: usize, place: Vec3, handles: usize) -> String {
+    let [x, y, z] = [place.x, place.y, place.z];
+    let why = match handles {
+        0 => ", where the surface has a neck or a hole that is smaller than a panel".into(),
+        n => format!(
+            " (handles of the surface: {n}; one that is smaller than a panel, as reconstructed \
+             surfaces have by mistake, must be closed first)"
+        ),
+    };
+    format!("{panels} panels could not be made discs, the first near ({x:.6}, {y:.6}, {z:.6}){why}")
 }
 
 /// What the position step reached.
@@ -248,7 +304,7 @@ pub fn panelling(
     unless_cancelled(progress)?;
     let vertices = seeds.iter().map(|s| s.vertex).collect();
     let mut complex = disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
-        .map_err(|reason| LayoutError::Topology { reason })?;
+        .map_err(|cells| LayoutError::not_discs(fine.surface, cells))?;
     boundary_nodes::follow_boundary(fine.surface, &mut complex);
     unless_cancelled(progress)?;
     record(fine, &complex, |node| place(fine.surface, node))
@@ -371,6 +427,33 @@ fn same_topology(surface: &Topology, panels: &Topology) -> Result<(), String> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+
+    #[test]
+    fn panels_that_are_no_discs_are_told_with_their_place_and_why() {
+        let made = |name| {
+            let shape = Shape::from_name(name, &[]).unwrap();
+            let surface = triangulate(&shape, &TriangulationOptions::default()).unwrap();
+            let seed = VertexId::new(7);
+            let error = LayoutError::not_discs(&surface, NotDiscs { cells: 2, seed });
+            let p = surface.positions()[seed] * 10.0;
+            let place = format!("({:.6}, {:.6}, {:.6})", p.x, p.y, p.z);
+            (error.mapped(|p| p * 10.0).to_string(), place)
+        };
+        for (name, why) in [
+            ("torus", "handles of the surface: 1"),
+            ("sphere", "a neck or a hole"),
+        ] {
+            let (told, place) = made(name);
+            assert!(
+                told.contains(&format!(
+                    "2 panels could not be made discs, the first near {place}"
+                )),
+                "{told}"
+            );
+            assert!(told.contains(why), "{told}");
+        }
+    }
 
     /// Regular hexagons in a rhombus of `n` by `n`.
     pub(crate) fn lattice_patch(n: i32) -> Layout {

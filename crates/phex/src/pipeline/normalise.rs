@@ -62,8 +62,7 @@ impl PipelineError {
             Self::Layout(LayoutError::Domain(e)) => {
                 LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()
             }
-            Self::Layout(LayoutError::Duality(e)) => LayoutError::from(e.mapped(restore)).into(),
-            Self::Layout(LayoutError::Network(e)) => LayoutError::from(e.mapped(restore)).into(),
+            Self::Layout(e) => e.mapped(restore).into(),
             other => other,
         }
     }

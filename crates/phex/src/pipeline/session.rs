@@ -144,9 +144,8 @@ impl Session {
         let made = match options.method {
             Method::Lattice => {
                 if options.symmetry != Symmetry::None {
-                    let made =
-                        symmetric::mesh_with_panels((surface, panels), &options, &mut clock)?;
-                    if let Some(run) = made {
+                    let made = symmetric::mesh_with_panels((surface, panels), &options, &mut clock);
+                    if let Some(run) = made.map_err(|error| error.in_model(model))? {
                         return Ok(run.restored(model, &given.steering));
                     }
                 }

@@ -8,6 +8,9 @@
 //! is finer than that in the other direction is left to [`super::coarsened`]. Large triangles at
 //! creases count as well: the smooth surface would round them off by as much as they are large.
 //!
+//! Loop's surface through such triangles would bend to and fro across them, which is noise in the
+//! curvature. Slivers along the boundary, which have no normals, are taken away ([`super::slivers`]).
+//!
 //! Creases stay: the surface is cut open along them, so that no normal knows what is beyond, and
 //! they bend by themselves, as the boundary does ([`super::opened`]).
 

@@ -179,7 +179,7 @@ impl<'a> Wall<'a> {
         let bricks = grid.bricks(topology);
         let (label, middles) = grid.cells(topology, &bricks);
         let complex = disc_cells(topology, &mesh, on.corners, label, middles)
-            .map_err(|reason| LayoutError::Topology { reason })?;
+            .map_err(|cells| LayoutError::not_discs(on.surface, cells))?;
         Ok(Self {
             on: *on,
             grid,

@@ -44,6 +44,15 @@ pub(crate) struct CellComplex {
     pub panels: Vec<(u32, Vec<Node>)>,
 }
 
+/// Cells that could not be made discs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotDiscs {
+    /// How many.
+    pub cells: usize,
+    /// The seed of the first one.
+    pub seed: VertexId,
+}
+
 /// Rounds of relabelling.
 const ROUNDS: usize = 20;
 
@@ -52,20 +61,20 @@ const ROUNDS: usize = 20;
 /// neighbour.
 ///
 /// # Errors
-/// A sentence that says what remains when that does not end.
+/// The cells that remain when that does not end.
 pub(crate) fn disc_cells(
     topology: &Topology,
     mesh: &IntrinsicMesh,
     corners: &HashSet<VertexId>,
     label: PerVertex<u32>,
     seed: Vec<VertexId>,
-) -> Result<CellComplex, String> {
+) -> Result<CellComplex, NotDiscs> {
     let mut complex = CellComplex {
         label,
         seed,
         panels: Vec::new(),
     };
-    let mut remaining = 0;
+    let mut remaining = Vec::new();
     let mut outlines = Vec::new();
     let mut changed = vec![true; complex.seed.len()];
     let holes = topology.boundary_loops();
@@ -75,7 +84,6 @@ pub(crate) fn disc_cells(
         let area = areas(mesh, &complex.label, complex.seed.len());
         let surrounding = surrounding(&holes, &complex.label);
         let faults = faults(&outlines, &area, &surrounding);
-        remaining = faults.len();
         if faults.is_empty() {
             complex.panels = panels(outlines);
             return Ok(complex);
@@ -83,10 +91,13 @@ pub(crate) fn disc_cells(
         let before = complex.label.clone();
         mend((topology, mesh), &holes, &mut complex, &faults);
         changed = changed_cells(topology, &before, &complex);
+        remaining = faults;
     }
-    Err(format!(
-        "{remaining} panels could not be made discs; the panels are too large for the surface's features"
-    ))
+    let first = remaining.first().map_or(0, |(cell, _)| *cell as usize);
+    Err(NotDiscs {
+        cells: remaining.len(),
+        seed: complex.seed[first],
+    })
 }
 
 /// Which cells have other vertices, or other cells beside them, than before.
