@@ -9,7 +9,7 @@
 //! creases count as well: the smooth surface would round them off by as much as they are large.
 //!
 //! Loop's surface through such triangles would bend to and fro across them, which is noise in the
-//! curvature. Slivers along the boundary, which have no normals, are taken away ([`super::slivers`]).
+//! curvature. Slivers along the boundary have no normals and are taken away ([`super::slivers`]).
 //!
 //! Creases stay: the surface is cut open along them, so that no normal knows what is beyond, and
 //! they bend by themselves, as the boundary does ([`super::opened`]).
