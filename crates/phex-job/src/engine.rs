@@ -242,9 +242,9 @@ fn pipeline_failure(error: PipelineError) -> JobError {
         PipelineError::Layout(LayoutError::Duality(_) | LayoutError::Power(_))
         | PipelineError::Fit(_)
         | PipelineError::Trim(_) => JobError::NoResult(told),
-        PipelineError::Layout(LayoutError::Topology { .. } | LayoutError::Network(_)) => {
-            JobError::NoResult(told)
-        }
+        PipelineError::Layout(
+            LayoutError::Topology { .. } | LayoutError::NotDiscs { .. } | LayoutError::Network(_),
+        ) => JobError::NoResult(told),
         _ => JobError::Internal(told),
     }
 }
@@ -257,11 +257,18 @@ mod tests {
     fn errors_of_the_pipeline_keep_apart_whose_fault_it_is() {
         let unusable = pipeline_failure(PipelineError::Components(2));
         assert!(matches!(unusable, JobError::Input(_)), "{unusable:?}");
-        let layout = LayoutError::Topology {
+        let joined = LayoutError::Topology {
             reason: String::new(),
         };
-        let none = pipeline_failure(layout.into());
-        assert!(matches!(none, JobError::NoResult(_)), "{none:?}");
+        let too_large = LayoutError::NotDiscs {
+            panels: 1,
+            place: phex_mesh::Vec3::zeros(),
+            handles: 1,
+        };
+        for layout in [joined, too_large] {
+            let none = pipeline_failure(layout.into());
+            assert!(matches!(none, JobError::NoResult(_)), "{none:?}");
+        }
         assert_eq!(
             pipeline_failure(PipelineError::Cancelled),
             JobError::Cancelled
