@@ -21,8 +21,8 @@ use crate::optimise::terms::setting::{Setting, deviation};
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
 
-/// Factor of the barriers of tight panels where the projection has not arrived.
-const STRONGER: f64 = 4.0;
+/// Iterations of Newton's method on the constraints where the projection has not arrived.
+const INSISTING: usize = 12;
 
 /// Hold on the start that never keeps panels from becoming planar.
 const WEAK_HOLD: f64 = 1e-4;
@@ -316,6 +316,23 @@ impl<'a> Path<'a> {
         self.options.newton_iterations.unwrap_or(by_default)
     }
 
+    /// Begins again without limits, since planar panels come before them, and from rest at once
+    /// with the highest penalty: those before it may lead to where rows turn round and few panels
+    /// hinder all others. Newton's method on the constraints goes on, whose steps cost the least
+    /// energy, where the projection's are the shortest.
+    pub fn insist(&mut self) -> Result<Reached, OptimiseError> {
+        self.weights.limits = 0.0;
+        self.weights.closeness.limit.elastic.weight = 0.0;
+        self.restart();
+        let count = if self.starts_at_rest() {
+            1
+        } else {
+            PENALTIES.len()
+        };
+        self.descend_last(count)?;
+        self.minimise_on_constraints(INSISTING)
+    }
+
     /// The minimum on the constraints, from planar positions. They stand if that comes to nothing,
     /// or if a vertex or panel would stand off the surface more than any does now (and more than is
     /// near): what counts is the sum, and one panel may have to pay.
@@ -336,6 +353,12 @@ impl<'a> Path<'a> {
             return Ok(None);
         }
         self.x.copy_from_slice(&reached.x);
+        self.minimise_on_constraints(most).map(Some)
+    }
+
+    /// Minimises on the constraints from where the positions are, with `most` iterations at the
+    /// most, and projects what is left.
+    fn minimise_on_constraints(&mut self, most: usize) -> Result<Reached, OptimiseError> {
         let weights = Weights {
             planarity: RIGIDITY,
             ..self.weights
@@ -372,28 +395,6 @@ impl<'a> Path<'a> {
             }
         };
         self.outcome.append(outcome);
-        Ok(Some(self.project(Some(KEPT_CLEARANCE))))
-    }
-
-    /// Begins again without limits, since planar panels come before them; with stronger barriers of
-    /// the panels that have come out tight, and then higher penalties.
-    pub(crate) fn insist(&mut self) -> Result<Reached, OptimiseError> {
-        self.weights.limits = 0.0;
-        self.weights.closeness.limit.elastic.weight = 0.0;
-        const TIGHT: f64 = 1.5;
-        let panels = self.setting.panels;
-        let shape = FaceShapes::at(panels, &self.x);
-        let limit = TIGHT * KEPT_CLEARANCE * panels.mean_edge(&self.x);
-        for (f, barrier) in self.barriers.iter_mut().enumerate() {
-            if clearance(shape.face(panels, f)) < limit {
-                barrier.weight *= STRONGER;
-            }
-        }
-        self.restart();
-        self.descend_all()?;
-        let last = PENALTIES.into_iter().fold(0.0, f64::max);
-        self.descend(10.0 * last)?;
-        self.descend(100.0 * last)?;
         Ok(self.project(Some(KEPT_CLEARANCE)))
     }
 }

@@ -12,7 +12,7 @@ use crate::optimise::targets::reference::Reference;
 use crate::optimise::terms::barrier::barriers;
 use crate::optimise::{Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, planarize};
 use crate::progress::Silent;
-use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
 use phex_numeric::{DampedOptions, DampedProblem, SymmetricMatrix};
 use std::f64::consts::PI;
 
@@ -165,16 +165,30 @@ fn tight_panels_get_room() {
     assert!(result.quality.clearance >= 0.28, "{:?}", result.quality);
 }
 
+/// A wall over a whole period of the egg-crate, where curvature across the rows changes sign.
+fn whole_period(columns: usize, rows: usize) -> HexMesh {
+    let wall = brick_wall(Shape::Wave, columns, rows);
+    wall.with_positions(PerVertex::from_fn(wall.topology().n_vertices(), |v| {
+        let at = PI / 2.0 * (wall.position(v) + Vec3::new(2.0, 2.0, 0.0));
+        Vec3::new(at.x, at.y, Shape::Wave.height(at.x, at.y))
+    }))
+}
+
+/// Phases of low penalty lead rows of so fine a wall to where they turn round, and few panels keep
+/// all others from becoming planar; the highest penalty at once does not.
+#[test]
+fn rows_that_turn_round_begin_again_with_the_highest_penalty() {
+    let wall = whole_period(142, 70);
+    let result = planarize(&wall, None, &OptimiseOptions::default(), &Silent).unwrap();
+    assert_sound(&result, 1e-13);
+    assert!(result.quality.clearance >= 0.3, "{:?}", result.quality);
+}
+
 /// On a wall that has to slide along the surface the hold on the start is given up early, not after
 /// all phases.
 #[test]
 fn a_hold_that_is_too_strong_is_given_up_early() {
-    let wall = brick_wall(Shape::Wave, 100, 48);
-    // A whole period, where curvature across the rows changes sign.
-    let wall = wall.with_positions(PerVertex::from_fn(wall.topology().n_vertices(), |v| {
-        let at = PI / 2.0 * (wall.position(v) + Vec3::new(2.0, 2.0, 0.0));
-        Vec3::new(at.x, at.y, Shape::Wave.height(at.x, at.y))
-    }));
+    let wall = whole_period(100, 48);
     let result = planarize(&wall, None, &OptimiseOptions::default(), &Silent).unwrap();
     assert_sound(&result, 1e-13);
     assert!(
