@@ -316,19 +316,23 @@ impl<'a> Path<'a> {
         self.options.newton_iterations.unwrap_or(by_default)
     }
 
-    /// Begins again without limits, since planar panels come before them, and from rest at once
-    /// with the highest penalty: those before it may lead to where rows turn round and few panels
-    /// hinder all others. Newton's method on the constraints goes on, whose steps cost the least
-    /// energy, where the projection's are the shortest.
+    /// Begins again without limits, since planar panels come before them: at once with the highest
+    /// penalty, since those before it may lead to where rows turn round and few panels hinder all
+    /// others, and else with all. Newton's method on the constraints goes on, whose steps cost the
+    /// least energy, where the projection's are the shortest.
     pub fn insist(&mut self) -> Result<Reached, OptimiseError> {
         self.weights.limits = 0.0;
         self.weights.closeness.limit.elastic.weight = 0.0;
+        let at_once = self.begin_again(1)?;
+        if self.is_over() || at_once.is_planar(self.options) {
+            return Ok(at_once);
+        }
+        Ok(better(at_once, self.begin_again(PENALTIES.len())?))
+    }
+
+    /// The last `count` phases from the start, and Newton's method on the constraints.
+    fn begin_again(&mut self, count: usize) -> Result<Reached, OptimiseError> {
         self.restart();
-        let count = if self.starts_at_rest() {
-            1
-        } else {
-            PENALTIES.len()
-        };
         self.descend_last(count)?;
         self.minimise_on_constraints(INSISTING)
     }
