@@ -8,8 +8,9 @@ use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 
 /// Half of the turning angle, radians, above which a vertex of the boundary is a corner or a tooth.
 pub(super) const SHARP: f64 = 0.3;
-/// Edges of a loop below which its turns are its shape, and no teeth.
-const FEWEST: usize = 20;
+/// Edges of a loop below which its turns are its shape, and no teeth: a star of six points has 12,
+/// a hole from which whole triangles of a grid were cut has 14 and more.
+const FEWEST: usize = 14;
 /// Edges of the boundary within which sharp turns to either side are teeth.
 const NEAR: usize = 2;
 /// Share of a turn that an opposite one has at least: smaller ones are waves beside a corner.
@@ -145,5 +146,38 @@ pub(crate) mod tests {
             }
             assert_eq!(corner, Some(Vec3::zeros()));
         }
+    }
+
+    /// A square grid of triangles without those whose centre lies in a circle.
+    fn pierced(radius: f64) -> TriangleSurface {
+        let n = 24;
+        let place = |v: u32| Vec3::new(f64::from(v % n), f64::from(v / n), 0.0);
+        let cells = (0..(n - 1) * (n - 1)).map(|c| c % (n - 1) + c / (n - 1) * n);
+        let triangles = cells.flat_map(|a| [[a, a + 1, a + n], [a + 1, a + n + 1, a + n]]);
+        let middle = Vec3::new(11.6, 11.3, 0.0);
+        let centre = |t: &[u32; 3]| t.map(place).iter().sum::<Vec3>() / 3.0;
+        let kept = triangles.filter(|t| (centre(t) - middle).norm() > radius);
+        let kept: Vec<[u32; 3]> = kept.collect();
+        let used: std::collections::BTreeSet<u32> = kept.iter().flatten().copied().collect();
+        let number = |v: u32| used.iter().position(|u| *u == v).unwrap() as u32;
+        let triangles: Vec<[u32; 3]> = kept.iter().map(|t| t.map(number)).collect();
+        TriangleSurface::new(used.iter().map(|v| place(*v)).collect(), &triangles).unwrap()
+    }
+
+    #[test]
+    fn small_holes_in_a_grid_are_calmed() {
+        let surface = pierced(2.4);
+        let holes: Vec<usize> = surface.boundary_loops().iter().map(Vec::len).collect();
+        assert!(holes.iter().any(|n| (14..20).contains(n)), "{holes:?}");
+        let sharpest = |surface: &TriangleSurface| {
+            let loops = surface.boundary_loops();
+            let hole = loops.iter().min_by_key(|b| b.len()).unwrap();
+            let at = |i: usize| surface.positions()[hole[i % hole.len()]];
+            let turn = |i: usize| (at(i + 1) - at(i)).angle(&(at(i + 2) - at(i + 1)));
+            (0..hole.len()).map(turn).fold(0.0, f64::max)
+        };
+        let calm = without_teeth(&surface, 1.0).unwrap().part.surface;
+        let (before, after) = (sharpest(&surface), sharpest(&calm));
+        assert!(after < 0.7 * before, "{before} {after}");
     }
 }
