@@ -55,6 +55,18 @@ fn pulled_inside_the_rim_stays_on_the_boundary() {
 }
 
 #[test]
+fn a_closed_surface_has_no_boundary_to_hold() {
+    let shop = Workshop::new();
+    shop.write(
+        "ball.off",
+        "OFF\n6 8 0\n1 0 0\n-1 0 0\n0 1 0\n0 -1 0\n0 0 1\n0 0 -1\n\
+        3 0 2 4\n3 2 1 4\n3 1 3 4\n3 3 0 4\n3 2 0 5\n3 1 2 5\n3 3 1 5\n3 0 3 5\n",
+    );
+    let run = shop.phex("mesh ball.off -o m.obj -n 60 --ground");
+    run.refuses(4, &["no boundary that a ground plane could hold"]);
+}
+
+#[test]
 fn points_are_met_to_the_last_digit_and_an_earlier_mesh_is_taken_up() {
     let shop = Workshop::new();
     shop.write("hill.obj", hill(20));

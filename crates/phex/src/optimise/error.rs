@@ -90,6 +90,12 @@ pub enum SteeringError {
         /// The vertex.
         vertex: VertexId,
     },
+    /// A curve or plane is to hold the boundary of a closed surface.
+    #[error("the surface is closed: it has no boundary that {what} could hold")]
+    NoBoundary {
+        /// Curve or plane.
+        what: &'static str,
+    },
     /// A curve or plane holds nothing.
     #[error("no vertex of the boundary lies within {reach} mean edges of {what}")]
     NothingNear {

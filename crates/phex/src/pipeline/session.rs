@@ -7,6 +7,7 @@ use super::symmetric;
 use super::watched::InModel;
 use super::{Clock, MeshRun, PipelineError};
 use super::{brick_wall, classical, normalise, portfolio, repeated, size, steered};
+use crate::optimise::OptimiseError;
 use crate::progress::{Event, Progress};
 use crate::smooth_surface::{Normalised, TargetOptions};
 use crate::symmetry::Symmetry;
@@ -90,6 +91,9 @@ impl Session {
         progress: &dyn Progress,
     ) -> Result<MeshRun, PipelineError> {
         options.check()?;
+        let is_closed = self.surface.boundary_loops().is_empty();
+        let steering = options.steering.check_boundary(is_closed);
+        steering.map_err(OptimiseError::from)?;
         let run = |panels: usize, options: &MeshOptions| self.made(panels, options, progress);
         let panels = size::wished_panels(&self.surface, options, run, progress)?;
         self.made(panels, options, progress)

@@ -81,6 +81,18 @@ impl Steering {
         *self == Self::default()
     }
 
+    /// Refuses what holds the boundary where there is none, before anything is computed.
+    pub(crate) fn check_boundary(&self, is_closed: bool) -> Result<(), SteeringError> {
+        let holders = [
+            ("a curve", !self.curves.is_empty()),
+            ("a ground plane", !self.grounds.is_empty()),
+        ];
+        let given = holders.into_iter().find(|(_, is_given)| *is_given);
+        given
+            .filter(|_| is_closed)
+            .map_or(Ok(()), |(what, _)| Err(SteeringError::NoBoundary { what }))
+    }
+
     /// The same with all points mapped by a similarity.
     pub(crate) fn moved(&self, map: impl Fn(Vec3) -> Vec3) -> Self {
         let move_to = |p: &mut [f64; 3]| *p = map(Vec3::from(*p)).into();
