@@ -13,7 +13,7 @@ use crate::optimise::options::{
 };
 use crate::optimise::panels::FaceShapes;
 use crate::optimise::targets::reference::Reference;
-use crate::optimise::terms::barrier::{Barrier, barriers, clearance};
+use crate::optimise::terms::barrier::{Barrier, barriers};
 use crate::optimise::terms::concavity::ConcavityTerm;
 use crate::optimise::terms::edge_lengths::EdgeLengths;
 use crate::optimise::terms::folds::FoldTerm;
