@@ -13,7 +13,7 @@ use crate::optimise::options::{
 };
 use crate::optimise::panels::FaceShapes;
 use crate::optimise::targets::reference::Reference;
-use crate::optimise::terms::barrier::{Barrier, barriers};
+use crate::optimise::terms::barrier::{Barrier, barriers, clearance};
 use crate::optimise::terms::concavity::ConcavityTerm;
 use crate::optimise::terms::edge_lengths::EdgeLengths;
 use crate::optimise::terms::folds::FoldTerm;
@@ -21,7 +21,12 @@ use crate::optimise::terms::setting::{Setting, deviation};
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
 
-/// Iterations of Newton's method on the constraints where the projection has not arrived.
+/// Factor of the barriers of tight panels where the projection has not arrived, and the clearance
+/// over the one that is kept below which they are tight.
+const STRONGER: f64 = 4.0;
+const TIGHT: f64 = 1.5;
+
+/// Iterations of Newton's method on the constraints there.
 const INSISTING: usize = 12;
 
 /// Hold on the start that never keeps panels from becoming planar.
@@ -316,25 +321,41 @@ impl<'a> Path<'a> {
         self.options.newton_iterations.unwrap_or(by_default)
     }
 
-    /// Begins again without limits, since planar panels come before them: at once with the highest
-    /// penalty, since those before it may lead to where rows turn round and few panels hinder all
-    /// others, and else with all. Newton's method on the constraints goes on, whose steps cost the
-    /// least energy, where the projection's are the shortest.
+    /// Begins again without limits, since planar panels come before them.
     pub fn insist(&mut self) -> Result<Reached, OptimiseError> {
         self.weights.limits = 0.0;
         self.weights.closeness.limit.elastic.weight = 0.0;
-        let at_once = self.begin_again(1)?;
-        if self.is_over() || at_once.is_planar(self.options) {
-            return Ok(at_once);
+        match self.starts_at_rest() {
+            true => self.insist_at_once(),
+            false => self.insist_by_penalties(),
         }
-        Ok(better(at_once, self.begin_again(PENALTIES.len())?))
     }
 
-    /// The last `count` phases from the start, and Newton's method on the constraints.
-    fn begin_again(&mut self, count: usize) -> Result<Reached, OptimiseError> {
+    /// From rest at once the highest penalty: those before it may lead to where rows turn round
+    /// and few panels hinder all others. Newton's method on the constraints goes on, whose steps
+    /// cost the least energy, where the projection's are the shortest.
+    fn insist_at_once(&mut self) -> Result<Reached, OptimiseError> {
         self.restart();
-        self.descend_last(count)?;
+        self.descend_last(1)?;
         self.minimise_on_constraints(INSISTING)
+    }
+
+    /// All phases with stronger barriers of the panels that have come out tight, and two more.
+    fn insist_by_penalties(&mut self) -> Result<Reached, OptimiseError> {
+        let panels = self.setting.panels;
+        let shape = FaceShapes::at(panels, &self.x);
+        let limit = TIGHT * KEPT_CLEARANCE * panels.mean_edge(&self.x);
+        for (f, barrier) in self.barriers.iter_mut().enumerate() {
+            if clearance(shape.face(panels, f)) < limit {
+                barrier.weight *= STRONGER;
+            }
+        }
+        self.restart();
+        self.descend_all()?;
+        let last = PENALTIES.into_iter().fold(0.0, f64::max);
+        self.descend(10.0 * last)?;
+        self.descend(100.0 * last)?;
+        Ok(self.project(Some(KEPT_CLEARANCE)))
     }
 
     /// The minimum on the constraints, from planar positions. They stand if that comes to nothing,
