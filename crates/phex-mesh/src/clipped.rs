@@ -1,9 +1,9 @@
 //! The mesh with its faces ear-clipped, under a bounding volume hierarchy.
 
 use crate::ear_clip::ear_clip_or_fan;
+use crate::segment::to_parry;
 use crate::surface::in_runs;
 use crate::{FaceId, FlatFace, HexMesh, PerFace, Vec3};
-use parry3d_f64::math::Vector;
 use parry3d_f64::query::{PointQuery, PointQueryWithLocation};
 use parry3d_f64::shape::TriMesh;
 
@@ -83,8 +83,4 @@ fn diagonals(corners: [usize; 3], valence: usize) -> [bool; 3] {
         let (a, b) = (corners[k], corners[(k + 1) % 3]);
         (a + 1) % valence != b && (b + 1) % valence != a
     })
-}
-
-pub(crate) fn to_parry(p: Vec3) -> Vector {
-    Vector::new(p.x, p.y, p.z)
 }

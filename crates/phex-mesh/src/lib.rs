@@ -36,6 +36,7 @@ mod panel_limits;
 pub mod per_element;
 pub mod plane;
 pub mod polygon;
+mod segment;
 pub mod shapes;
 pub mod surface;
 pub mod surface_from_soup;

@@ -4,8 +4,9 @@
 //! volume hierarchy.
 
 use crate::Vec3;
-use crate::ids::{FaceId, VertexId};
+use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::per_element::PerVertex;
+use crate::segment::{bounds, passes_through, to_parry};
 use crate::topology::{Topology, TopologyError};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
@@ -21,6 +22,8 @@ pub struct TriangleSurface {
     topology: Arc<Topology>,
     /// Made by the first query.
     hierarchy: Arc<OnceLock<TriMesh>>,
+    /// Found when they are first asked for.
+    self_crossings: Arc<OnceLock<Vec<Vec3>>>,
 }
 
 /// A point on a [`TriangleSurface`].
@@ -70,6 +73,7 @@ impl TriangleSurface {
             positions: Arc::new(positions),
             topology,
             hierarchy: Arc::default(),
+            self_crossings: Arc::default(),
         }
     }
 
@@ -96,6 +100,7 @@ impl TriangleSurface {
         Self {
             positions: Arc::new(self.positions.map(place)),
             hierarchy: Arc::default(),
+            self_crossings: Arc::default(),
             ..self.clone()
         }
     }
@@ -213,8 +218,7 @@ impl TriangleSurface {
 
     fn hierarchy(&self) -> &TriMesh {
         self.hierarchy.get_or_init(|| {
-            let vector = |p: &Vec3| parry3d_f64::math::Vector::new(p.x, p.y, p.z);
-            let points = self.positions.iter().map(vector).collect();
+            let points = self.positions.iter().map(|&p| to_parry(p)).collect();
             let corners = |f| self.topology.face_vertices(f);
             let faces = self.topology.faces();
             let triangles = faces.map(|f| std::array::from_fn(|k| corners(f)[k].index() as u32));
@@ -222,9 +226,43 @@ impl TriangleSurface {
         })
     }
 
+    /// Where it passes through itself: the middle of each edge that passes through a triangle with
+    /// which it has no vertex in common, in the order of edges. None in an embedded surface.
+    ///
+    /// ```
+    /// # use phex_mesh::{TriangleSurface, Vec3};
+    /// let places = [[0., 0., 0.], [4., 0., 0.], [0., 4., 0.], [1., 1., 1.], [1., 1., -1.], [9., 9., 0.]];
+    /// let through = |n: [u32; 6]| {
+    ///     TriangleSurface::new(places.map(Vec3::from).to_vec(), &[[n[0], n[1], n[2]], [n[3], n[4], n[5]]])
+    /// };
+    /// assert_eq!(through([0, 1, 2, 3, 4, 5])?.self_crossings(), [Vec3::new(1.0, 1.0, 0.0)]);
+    /// # Ok::<(), phex_mesh::TopologyError>(())
+    /// ```
+    pub fn self_crossings(&self) -> &[Vec3] {
+        self.self_crossings.get_or_init(|| {
+            let edges = 0..self.topology.n_edges() as u32;
+            let found = edges.into_par_iter().map(EdgeId::new);
+            found.filter_map(|e| self.crossing_at(e)).collect()
+        })
+    }
+
+    fn crossing_at(&self, edge: EdgeId) -> Option<Vec3> {
+        let ends = self.topology.edge_vertices(edge);
+        let [from, to] = ends.map(|v| self.positions[v]);
+        let crosses = |t: u32| {
+            let triangle = FaceId::new(t);
+            let corners = self.topology.face_vertices(triangle);
+            !ends.iter().any(|v| corners.contains(v))
+                && passes_through(from, to, self.corners(triangle), [false; 3])
+        };
+        let bvh = self.hierarchy().bvh();
+        let crossed = bvh.intersect_aabb(&bounds(from, to)).any(crosses);
+        crossed.then(|| (from + to) * 0.5)
+    }
+
     /// The point of the surface that is closest to `p` among those nearer than `bound`.
     pub fn closest_within(&self, p: Vec3, bound: f64) -> Option<SurfacePoint> {
-        let query = parry3d_f64::math::Vector::new(p.x, p.y, p.z);
+        let query = to_parry(p);
         let (_, (triangle, location)) = self
             .hierarchy()
             .project_local_point_and_get_location_with_max_dist(query, false, bound)?;

@@ -1,17 +1,11 @@
 //! Edges that pass through faces they do not belong to, and faces that overlap at the boundary.
 
 use super::violation::{Violation, edge_faces};
-use crate::clipped::{ClippedMesh, to_parry};
+use crate::clipped::ClippedMesh;
+use crate::segment::{TOUCHING, bounds, passes_through, shares};
 use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, Topology, Vec3};
-use parry3d_f64::bounding_volume::Aabb;
 use rayon::prelude::*;
-use robust::{Coord3D, orient3d};
 use std::collections::BTreeSet;
-
-/// Relative to the length of the edge and the heights of the triangle. At a corner of 180 degrees
-/// an edge starts on the border of a face up to rounding, so that exact signs alone would see
-/// crossings in valid meshes.
-const TOUCHING: f64 = 1e-9;
 
 /// Height, in mean edges, up to which a face that lies over another one overlaps it.
 const OVERLAP_HEIGHT: f64 = 0.25;
@@ -99,7 +93,6 @@ fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Vi
     let vertices = topology.edge_vertices(edge);
     let own: Vec<FaceId> = edge_faces(topology, edge).collect();
     let [from, to] = vertices.map(|v| mesh.position(v));
-    let bounds = Aabb::new(to_parry(from.inf(&to)), to_parry(from.sup(&to)));
     let numbers = vertices.map(|v| v.index() as u32);
     let crosses = |t: usize| {
         let corners = clipped.hierarchy.indices()[t];
@@ -112,6 +105,7 @@ fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Vi
                 clipped.diagonal[t],
             )
     };
+    let bounds = bounds(from, to);
     let candidates = clipped
         .hierarchy
         .bvh()
@@ -131,97 +125,4 @@ fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Vi
             face,
         })
         .collect()
-}
-
-/// Whether the segment passes through the inside of a triangle; all signs are exact. Sides that are
-/// diagonals of the face belong to its inside, but not their ends. What passes within [`TOUCHING`]
-/// of an end of the segment or of a side that is no diagonal only touches.
-fn passes_through(from: Vec3, to: Vec3, triangle: [Vec3; 3], diagonal: [bool; 3]) -> bool {
-    let [a, b, c] = triangle;
-    let along = shares([volume(a, b, c, from), -volume(a, b, c, to)]);
-    if !along.iter().all(|&share| share > TOUCHING) {
-        return false;
-    }
-    let across = shares([
-        volume(from, to, a, b),
-        volume(from, to, b, c),
-        volume(from, to, c, a),
-    ]);
-    let on_diagonal = (0..3).find(|&k| diagonal[k] && across[k] == 0.0);
-    (0..3).all(|k| {
-        let least = if diagonal[k] { 0.0 } else { TOUCHING };
-        across[k] > least || on_diagonal == Some(k)
-    })
-}
-
-/// Each value over their sum; all are positive if and only if the values have the same sign.
-fn shares<const N: usize>(values: [f64; N]) -> [f64; N] {
-    let total: f64 = values.iter().sum();
-    values.map(|x| x / total)
-}
-
-/// Exact sign of the volume of a tetrahedron.
-fn volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
-    let coord = |p: Vec3| Coord3D {
-        x: p.x,
-        y: p.y,
-        z: p.z,
-    };
-    orient3d(coord(a), coord(b), coord(c), coord(d))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TRIANGLE: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
-
-    fn passes(from: [f64; 3], to: [f64; 3], diagonal: [bool; 3]) -> bool {
-        passes_through(from.into(), to.into(), TRIANGLE.map(Vec3::from), diagonal)
-    }
-
-    #[test]
-    fn inside_outside_and_one_side() {
-        assert!(passes([1.0, 1.0, 1.0], [1.0, 1.0, -1.0], [false; 3]));
-        assert!(passes([1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [false; 3]));
-        assert!(
-            !passes([3.0, 3.0, 1.0], [3.0, 3.0, -1.0], [false; 3]),
-            "beside"
-        );
-        assert!(
-            !passes([1.0, 1.0, 1.0], [1.0, 1.0, 0.5], [false; 3]),
-            "above"
-        );
-        assert!(
-            !passes([1.0, 1.0, 1.0], [1.0, 1.0, 0.0], [false; 3]),
-            "touching with an end"
-        );
-        assert!(
-            !passes([-1.0, 1.0, 0.0], [5.0, 1.0, 0.0], [false; 3]),
-            "in the plane"
-        );
-    }
-
-    #[test]
-    fn within_rounding_of_an_end_or_a_border_is_touching() {
-        let upright = |x: f64, low: f64| passes([x, 1.0, 1.0], [x, 1.0, low], [false; 3]);
-        assert!(upright(1e-6, -1.0) && !upright(1e-12, -1.0));
-        assert!(upright(1.0, -1e-6) && !upright(1.0, -1e-12));
-        assert!(passes(
-            [1e-12, 1.0, 1.0],
-            [1e-12, 1.0, -1.0],
-            [false, false, true]
-        ));
-    }
-
-    #[test]
-    fn a_diagonal_is_inside_and_a_border_is_not() {
-        let hypotenuse = ([2.0, 2.0, 1.0], [2.0, 2.0, -1.0]);
-        assert!(!passes(hypotenuse.0, hypotenuse.1, [false; 3]));
-        assert!(passes(hypotenuse.0, hypotenuse.1, [false, true, false]));
-        assert!(
-            !passes([4.0, 0.0, 1.0], [4.0, 0.0, -1.0], [true; 3]),
-            "a vertex is never inside"
-        );
-    }
 }

@@ -1,7 +1,8 @@
 //! Measures, checks and verdict of a mesh.
 
 use super::Limits;
-use super::check::{Check, boundary_checks, fold_advice, surface_checks, validity_checks};
+use super::advice::with_advice;
+use super::check::{Check, boundary_checks, surface_checks, validity_checks};
 use super::panel_checks::panel_checks;
 use phex_mesh::measure::{
     BoundaryFit, Deviation, MeshMeasures, boundary_fit, deviation_beyond, measure,
@@ -48,7 +49,7 @@ pub struct References<'a> {
 
 impl<'a> References<'a> {
     /// The surface that the limits refer to: the smooth one where there is one.
-    fn judge(&self) -> Option<&'a TriangleSurface> {
+    pub(super) fn judge(&self) -> Option<&'a TriangleSurface> {
         self.smooth.or(self.facets)
     }
 
@@ -122,20 +123,8 @@ impl Assessment {
             false => references.facets.map(|s| away(s, 1)),
         };
         let boundary = references.judge().and_then(|s| boundary_fit(mesh, s));
-        let mut checks = validity_checks(mesh, &measures, &violations, &limits.validity);
-        if let Some(advice) = references
-            .judge()
-            .and_then(|s| fold_advice(mesh, s, &violations))
-        {
-            let advised = |c: Check| {
-                if c.name == "folds" {
-                    c.advised(&advice)
-                } else {
-                    c
-                }
-            };
-            checks = checks.into_iter().map(advised).collect();
-        }
+        let checks = validity_checks(mesh, &measures, &violations, &limits.validity);
+        let mut checks = with_advice(checks, mesh, &references, limits, &violations);
         checks.extend(panel_checks(mesh, &limits.panels));
         let deviation = deviation_smooth.as_ref().or(deviation_facets.as_ref());
         if let (Some(deviation), Some(surface)) = (deviation, references.judge()) {

@@ -248,34 +248,6 @@ pub(super) fn validity_checks(
     [planar].into_iter().chain(rest).chain(counted).collect()
 }
 
-/// What would help where panels fold; `None` where none do. Most folds of a body with sharp edges
-/// are its own, and no other panels would do without them.
-pub(super) fn fold_advice(
-    mesh: &HexMesh,
-    surface: &TriangleSurface,
-    violations: &[Violation],
-) -> Option<String> {
-    let folds = violations.iter().filter_map(|v| match v {
-        Violation::Fold { faces, .. } => Some(faces.map(|f| mesh.centre(f))),
-        _ => None,
-    });
-    let turn = |centres: [Vec3; 2]| {
-        let normal = |p| surface.area_vector(surface.closest_point(p).triangle);
-        let [a, b] = centres.map(normal);
-        a.angle(&b).to_degrees()
-    };
-    let turns: Vec<f64> = folds.map(turn).collect();
-    let own: Vec<f64> = turns.iter().copied().filter(|t| *t > OWN_FOLD).collect();
-    let most = own.iter().copied().fold(0.0, f64::max);
-    match (turns.len(), own.len()) {
-        (0, _) => None,
-        (_, 0) => Some(SMALLER.to_owned()),
-        (all, own) => Some(format!(
-            "at {own} of {all} the surface itself turns between two panels, by up to {most:.0} degrees: round its edges off there, or leave them"
-        )),
-    }
-}
-
 /// The checks of a mesh against a surface.
 pub(super) fn surface_checks(
     mesh: &HexMesh,
@@ -294,12 +266,8 @@ pub(super) fn surface_checks(
     ]
 }
 
-/// Turn of the surface between two panels, degrees, from which on a fold is its own: a right angle,
-/// less what facets are off.
-const OWN_FOLD: f64 = 89.0;
-
 /// What would help where the surface is missed inside.
-const SMALLER: &str = "smaller ones there (--adaptive)";
+pub(super) const SMALLER: &str = "smaller ones there (--adaptive)";
 
 /// What would help where a distance is beyond its limit: it falls with the area of panels.
 fn nearer(panels: usize, [limit, value]: [f64; 2], or: &str) -> String {
@@ -445,37 +413,4 @@ fn loneliest(loops: &[Vec<Vec3>], others: &[Vec<Vec3>]) -> usize {
     let gaps: Vec<f64> = loops.iter().map(gap).collect();
     let order = (0..gaps.len()).max_by(|&i, &j| gaps[i].total_cmp(&gaps[j]));
     order.unwrap_or(0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use phex_mesh::violations;
-
-    /// Two rectangles that meet in a ridge and turn by `degrees` over it; as panels, and as
-    /// triangles.
-    fn gable(degrees: f64) -> (HexMesh, TriangleSurface) {
-        let (sin, cos) = (0.5 * degrees).to_radians().sin_cos();
-        let ends = |x: f64, z: f64| [Vec3::new(x, 0.0, z), Vec3::new(x, 1.0, z)];
-        let places = [ends(-cos, -sin), ends(0.0, 0.0), ends(cos, -sin)].concat();
-        let mesh = HexMesh::new(places.clone(), &[[0, 2, 3, 1], [2, 4, 5, 3]]).unwrap();
-        let triangles = [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]];
-        (mesh, TriangleSurface::new(places, &triangles).unwrap())
-    }
-
-    #[test]
-    fn folds_of_the_surface_are_told_from_those_of_panels() {
-        let advice = |panels: f64, surface: f64| {
-            let (mesh, surface) = (gable(panels).0, gable(surface).1);
-            let found = violations(&mesh, None, &ValidateOptions::default());
-            fold_advice(&mesh, &surface, &found)
-        };
-        assert_eq!(advice(80.0, 80.0), None);
-        let own = advice(120.0, 120.0).unwrap();
-        assert!(
-            own.contains("at 1 of 1") && own.contains("by up to 120 degrees"),
-            "{own}"
-        );
-        assert_eq!(advice(120.0, 60.0).as_deref(), Some(SMALLER));
-    }
 }

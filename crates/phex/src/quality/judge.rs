@@ -1,5 +1,6 @@
 //! The judge: by how much each face of a mesh, or of a part of one, is outside its limits.
 
+use super::advice::is_of_surface;
 use super::findings::Findings;
 use super::merit::Merit;
 use super::{Limits, References, USUAL_DEVIATION};
@@ -284,7 +285,11 @@ impl<'a> Judge<'a> {
         if let Some(facets) = self.references.facets {
             add_flips(&mut found, mesh, facets);
         }
+        let facets = self.references.facets.unwrap_or(self.surface);
         for violation in &found {
+            if is_of_surface(violation, mesh, facets) {
+                continue;
+            }
             let faces = violation.faces(mesh.topology());
             let share = 1.0 / faces.len().max(1) as f64;
             for f in &faces {

@@ -43,4 +43,10 @@ impl Limits {
             ..Self::default()
         }
     }
+
+    /// Whether panels are left whole at the boundary, so that those of two sides of a slit or a
+    /// notch can overlap.
+    pub(super) fn leaves_boundary(&self) -> bool {
+        self.covered.is_some() && self.deviation_rel.is_some() && self.boundary_rel.is_none()
+    }
 }

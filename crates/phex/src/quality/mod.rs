@@ -17,6 +17,7 @@
 //! Guaranteed: pure functions of their arguments. A mesh of which the judge finds nothing invalid
 //! and nothing outside passes every located check of the report, and the other way round.
 
+mod advice;
 mod assessment;
 mod check;
 mod defect;
