@@ -48,6 +48,10 @@ pub struct SurfaceKind {
     pub strongest: f64,
     /// Number of edges that are sharper than 30 degrees.
     pub creases: usize,
+    /// Number of edges at which the surface passes through itself.
+    pub self_crossings: usize,
+    /// The middle of the first of them.
+    pub crosses_at: Option<[f64; 3]>,
     /// Area in squared model units.
     pub area: f64,
     /// Larger curvature of places, and the area of each.
@@ -87,6 +91,8 @@ impl SurfaceKind {
             flat: share(&flat),
             strongest: at_most(bends(&places)),
             creases: creases(surface),
+            self_crossings: surface.self_crossings().len(),
+            crosses_at: surface.self_crossings().first().map(|&p| p.into()),
             area,
             bends: bends(&places).collect(),
         }
@@ -158,6 +164,12 @@ impl SurfaceKind {
             sentences.push(format!(
                 "{} edges are sharper than {CREASE} degrees: panels round them off; `--crease` lets rows run along them",
                 self.creases
+            ));
+        }
+        if let Some([x, y, z]) = self.crosses_at {
+            sentences.push(format!(
+                "{} edges pass through other triangles, as at ({x:.6}, {y:.6}, {z:.6}): the surface passes through itself, and panels will, too",
+                self.self_crossings
             ));
         }
         sentences

@@ -34,3 +34,12 @@ fn numbers_of_panels_agree_with_lengths_of_edges_and_distances() {
     // A flat surface needs one panel, whatever is asked for.
     assert_eq!(kind("plane", &[]).of_deviation(0.01).panels, 1);
 }
+
+#[test]
+fn a_surface_that_passes_through_itself_is_told() {
+    assert_eq!(kind("enneper", &[("radius", 1.2)]).crosses_at, None);
+    let crossed = kind("enneper", &[("radius", 2.2)]);
+    assert!(crossed.self_crossings > 10, "{}", crossed.self_crossings);
+    let told = crossed.sentences().pop().unwrap();
+    assert!(told.contains("passes through itself"), "{told}");
+}
