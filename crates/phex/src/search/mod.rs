@@ -58,9 +58,9 @@ const FEW_SHARE: f64 = 0.06;
 /// Sweeps in a row that change nothing after which no more begin: each width has failed by then at
 /// the worst place, and at what touches it.
 const FRUITLESS: usize = RINGS.len();
-/// Candidates after which no sweep begins, and one more for two panels: the cost follows the
+/// Candidates after which no sweep begins, and one more for each panel: the cost follows the
 /// panels.
-const LEAST_TRIED: usize = 100;
+const LEAST_TRIED: usize = 60;
 /// Broken places from which on all are tried at once, first.
 const MANY_BROKEN: usize = 8;
 /// Mean edges within which two places are the same.
@@ -228,7 +228,7 @@ impl SearchState {
             summary,
             failed,
         } = self;
-        let most = LEAST_TRIED + mesh.topology().n_faces() / 2;
+        let most = LEAST_TRIED + mesh.topology().n_faces();
         let mut fruitless = 0;
         while summary.sweeps < SWEEPS
             && summary.tried < most
