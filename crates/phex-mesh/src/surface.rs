@@ -231,11 +231,13 @@ impl TriangleSurface {
     ///
     /// ```
     /// # use phex_mesh::{TriangleSurface, Vec3};
-    /// let places = [[0., 0., 0.], [4., 0., 0.], [0., 4., 0.], [1., 1., 1.], [1., 1., -1.], [9., 9., 0.]];
-    /// let through = |n: [u32; 6]| {
-    ///     TriangleSurface::new(places.map(Vec3::from).to_vec(), &[[n[0], n[1], n[2]], [n[3], n[4], n[5]]])
-    /// };
-    /// assert_eq!(through([0, 1, 2, 3, 4, 5])?.self_crossings(), [Vec3::new(1.0, 1.0, 0.0)]);
+    /// let flat = [[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]];
+    /// let upright = [[1., 1., 1.], [1., 1., -1.], [9., 9., 0.]];
+    /// let places = [flat, upright].concat().into_iter().map(Vec3::from).collect();
+    /// let surface = TriangleSurface::new(places, &[[0, 1, 2], [3, 4, 5]])?;
+    /// // An edge of each of them passes through the other.
+    /// assert_eq!(surface.self_crossings().len(), 2);
+    /// assert!(surface.self_crossings().contains(&Vec3::new(1.0, 1.0, 0.0)));
     /// # Ok::<(), phex_mesh::TopologyError>(())
     /// ```
     pub fn self_crossings(&self) -> &[Vec3] {

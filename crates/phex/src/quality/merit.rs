@@ -28,6 +28,8 @@ pub struct Merit {
 const GAIN: f64 = 0.02;
 /// The same for sums over a whole mesh, of which most has not changed.
 const ROUNDING: f64 = 1e-9;
+/// By how much the worst place may become worse, over what is gained in all.
+const WORTH: f64 = 0.005;
 /// Costs of a mesh in which every panel is irregular, and in which every area is off by a factor of
 /// e.
 const IRREGULAR: f64 = 10.0;
@@ -84,9 +86,11 @@ impl Merit {
         orders.fold(Ordering::Equal, Ordering::then)
     }
 
-    /// Whether it is less, by however little, and the worst place no worse beyond its limit.
+    /// Whether it is less, by however little, and the worst place no worse beyond its limit, or by
+    /// little against what is gained elsewhere.
     pub fn is_less(&self, other: &Self) -> bool {
-        let farther = self.off > other.off.max(1.0) * (1.0 + ROUNDING);
+        let worth = WORTH * (other.outside - self.outside).max(0.0);
+        let farther = self.off > other.off.max(1.0) * (1.0 + ROUNDING) + worth;
         if farther && self.invalid >= other.invalid {
             return false;
         }
@@ -133,6 +137,8 @@ mod tests {
         let (before, after) = (merit(0.0, 3.0, 0.0), merit(0.0, 2.0, 0.0));
         assert!(off(after, 1.5).is_less(&off(before, 1.5)));
         assert!(!off(after, 1.6).is_less(&off(before, 1.5)));
+        let many = merit(0.0, 40.0, 0.0);
+        assert!(off(after, 1.6).is_less(&off(many, 1.5)), "worth it");
         assert!(
             off(after, 0.9).is_less(&off(before, 0.5)),
             "within the limit"

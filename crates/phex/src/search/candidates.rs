@@ -1,6 +1,5 @@
 //! What is tried at a defect, mild changes first.
 
-use super::chamfer::chamfered;
 use super::draft::{DirectedEdge, Draft};
 use super::patch::Patch;
 
@@ -10,10 +9,10 @@ const WORST: usize = 2;
 const SPLITS: usize = 2;
 const MERGES: usize = 4;
 
-/// Changes that are tried at a place, those with the most regular panels, besides cuts.
+/// Changes that are tried at a place, those with the most regular panels, besides chamfers.
 const MOST: usize = 8;
 
-/// The drafts that are tried: folds cut off, then other changes, the most regular ones first.
+/// The drafts that are tried, the most regular ones first.
 /// `needs_more` tells that panels are too large, `wide` that mild changes have failed.
 pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Draft> {
     let draft = &patch.draft;
@@ -49,12 +48,11 @@ pub(super) fn candidates(patch: &Patch, needs_more: bool, wide: bool) -> Vec<Dra
     let mut calmed = distinct(all.into_iter().map(Draft::calmed));
     calmed.sort_by_key(Draft::irregularities);
     calmed.truncate(MOST);
-    let cut = [Some(&patch.core[..]), None].map(|core| chamfered(draft, core));
-    distinct(cut.into_iter().flatten().chain(calmed))
+    calmed
 }
 
 /// Drafts without those whose panels have the same corners as those of an earlier one.
-fn distinct(drafts: impl Iterator<Item = Draft>) -> Vec<Draft> {
+pub(super) fn distinct(drafts: impl Iterator<Item = Draft>) -> Vec<Draft> {
     let mut kept: Vec<Draft> = Vec::new();
     for draft in drafts {
         if kept.iter().all(|other| other.faces != draft.faces) {

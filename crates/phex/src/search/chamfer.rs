@@ -1,41 +1,52 @@
-//! Chamfers: an edge over which two panels fold by more than a right angle is cut off, so that they
+//! Chamfers: a crease over which panels fold by more than a right angle is cut off, so that they
 //! turn in two steps.
 //!
-//! Where a body is thinner than its panels (a fin, the edge of a wing) two of them meet like the
-//! sides of a blade. A plane parallel to their edge and as steep to one as to the other cuts the
-//! edge off. It leaves a narrow quadrilateral; the planes of all other panels stay, so that
-//! everything is as planar as before, and interior vertices still have three faces. The optimiser
-//! then makes a panel of it.
+//! Where a body is thinner than its panels, or has an edge like the sides of a blade, the edges of
+//! a mesh over which panels fold lie one behind the other, as *runs*. A strip as steep to the one
+//! side as to the other takes the place of a run: its two sides lie in the panels beside the run,
+//! which stay as planar as before, and edges across divide it into a row of panels of its own, of
+//! six corners each but for the last. Interior vertices still have three faces. The optimiser then
+//! makes them planar.
 
-use super::draft::{DirectedEdge, Draft};
+use super::draft::{DirectedEdge, Draft, Incidence};
 use phex_mesh::{FlatFace, Vec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_2;
 
-/// Share of the depth of the nearest corner below an edge at which it is cut off.
-const DEPTH: f64 = 0.3;
-/// Edges that are cut off in one patch at the most.
-const CUTS: usize = 24;
+/// Width of a strip on either side of a run, as a share of the lower panel's height above it.
+const WIDTH: f64 = 0.3;
+/// Share of an edge that meets a run, after which a strip ends at the farthest.
+const REACH: f64 = 0.45;
+/// Runs that are cut off in one patch at the most.
+const RUNS: usize = 64;
+/// Vertices of a run that one panel of its strip has.
+const PER_PANEL: usize = 2;
 
 /// The panels with all folds cut off that panels of `core` have, or any panel of the patch if it is
-/// `None`; the sharpest first. `None` where there is none.
-pub(super) fn chamfered(draft: &Draft, core: Option<&[usize]>) -> Option<Draft> {
+/// `None`, by strips whose depth is at most `deepest`; the sharpest first. `None` where there is
+/// none.
+pub(super) fn chamfered(draft: &Draft, core: Option<&[usize]>, deepest: f64) -> Option<Draft> {
     let mut now = draft.clone();
     let mut tried: BTreeSet<DirectedEdge> = BTreeSet::new();
+    let old = draft.faces.len();
     let counts = |f: usize| core.is_none_or(|core| core.contains(&f));
-    for _ in 0..CUTS {
-        let folds = now.folds().into_iter();
-        let sharpest = folds
-            .filter(|fold| fold.faces.iter().any(|f| counts(now.origin[*f])))
-            .filter(|fold| !tried.contains(&fold.side))
-            .max_by(|a, b| a.angle.total_cmp(&b.angle).then(b.side.cmp(&a.side)));
+    for _ in 0..RUNS {
+        let mut folds = now.folds();
+        folds.retain(|fold| {
+            fold.faces.iter().all(|f| *f < old)
+                && fold.faces.iter().any(|f| counts(*f))
+                && !tried.contains(&fold.side)
+        });
+        let sharpest =
+            (folds.iter()).max_by(|a, b| a.angle.total_cmp(&b.angle).then(b.side.cmp(&a.side)));
         let Some(fold) = sharpest else { break };
-        tried.insert(fold.side);
-        if let Some(next) = now.cut_off(fold.side) {
+        let run = Run::through(&now, fold.side, &folds);
+        tried.extend(run.edges().map(|[a, b]| [a.min(b), a.max(b)]));
+        if let Some(next) = now.cut_off(run, deepest) {
             now = next;
         }
     }
-    (now.faces.len() > draft.faces.len()).then_some(now)
+    (now.faces.len() > old).then_some(now)
 }
 
 /// Two panels that turn by more than a right angle over an edge.
@@ -44,6 +55,67 @@ struct BladeEdge {
     faces: [usize; 2],
     angle: f64,
 }
+
+/// Edges one behind the other over which panels fold.
+struct Run {
+    vertices: Vec<u32>,
+    /// Whether the last vertex comes before the first one.
+    is_closed: bool,
+}
+
+impl Run {
+    /// The longest run through a fold: it ends where more than two folds meet, or one does.
+    fn through(draft: &Draft, side: DirectedEdge, folds: &[BladeEdge]) -> Self {
+        let mut beside: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for [a, b] in folds.iter().map(|fold| fold.side) {
+            beside.entry(a).or_default().push(b);
+            beside.entry(b).or_default().push(a);
+        }
+        let incidence = draft.incidence();
+        let inside = |v: u32| !draft.on_boundary[v as usize] && incidence.faces_at(v).count() == 3;
+        let after = |from: u32, v: u32| match beside[&v][..] {
+            [a, b] if inside(v) => Some(if a == from { b } else { a }),
+            _ => None,
+        };
+        let mut vertices = side.to_vec();
+        for _ in 0..2 {
+            while let Some(next) = after(vertices[vertices.len() - 2], vertices[vertices.len() - 1])
+            {
+                if next == vertices[0] {
+                    return Self {
+                        vertices,
+                        is_closed: true,
+                    };
+                }
+                vertices.push(next);
+            }
+            vertices.reverse();
+        }
+        Self {
+            vertices,
+            is_closed: false,
+        }
+    }
+
+    fn edges(&self) -> impl Iterator<Item = DirectedEdge> {
+        let n = self.vertices.len();
+        let count = if self.is_closed { n } else { n - 1 };
+        (0..count).map(move |k| [self.vertices[k], self.vertices[(k + 1) % n]])
+    }
+}
+
+/// One edge of a run: the panels on its left and right, the ways into them, at right angles to the
+/// edge, and the width of the strip there.
+struct RunEdge {
+    faces: [usize; 2],
+    inwards: [Vec3; 2],
+    width: f64,
+    middle: Vec3,
+}
+
+/// What takes the place of a vertex of a run, or of the middle of one of its edges, on the left and
+/// on the right of it.
+type Cut = [Option<u32>; 2];
 
 impl Draft {
     fn folds(&self) -> Vec<BladeEdge> {
@@ -57,7 +129,8 @@ impl Draft {
         let fold = |side: DirectedEdge| {
             let faces = incidence.beside(side)?;
             let angle = normals[faces[0]].angle(&normals[faces[1]]);
-            (angle > FRAC_PI_2).then_some(BladeEdge { side, faces, angle })
+            let open = faces.iter().all(|f| self.open[*f]);
+            (open && angle > FRAC_PI_2).then_some(BladeEdge { side, faces, angle })
         };
         sides.filter_map(fold).collect()
     }
@@ -67,86 +140,250 @@ impl Draft {
         FlatFace::new(&corners)
     }
 
-    /// The panels with an edge cut off; `None` if a panel there can't take part.
-    fn cut_off(&self, side: DirectedEdge) -> Option<Self> {
-        let incidence = self.incidence();
-        let sides = incidence.beside(side)?;
-        let third = |x: u32| {
-            let others: Vec<usize> = (incidence.faces_at(x))
-                .filter(|f| !sides.contains(f))
-                .collect();
-            // With more panels at an end there is no one panel that a cut would end in.
-            (others.len() < 2).then(|| others.first().copied())
-        };
-        let thirds = [third(side[0])?, third(side[1])?];
-        let changed = sides.into_iter().chain(thirds.into_iter().flatten());
-        if changed.clone().any(|f| !self.open[f]) {
-            return None;
-        }
-        let first = self.places.len() as u32;
-        let mut next = self.clone();
-        next.places.extend(self.corners_of_cut(sides, side)?);
-        for end in [0, 1, 0, 1] {
-            let at_end = self.on_boundary[side[end] as usize];
-            next.on_boundary.push(at_end);
-        }
-        let number = |of: usize, end: usize| first + (2 * of + end) as u32;
-        let mut replace = |f: usize, end: usize, new: &[u32]| {
-            let put = |v: u32| {
-                if v == side[end] {
-                    new.to_vec()
-                } else {
-                    vec![v]
-                }
-            };
-            next.faces[f] = next.faces[f].iter().flat_map(|v| put(*v)).collect();
-        };
-        for (end, third) in thirds.into_iter().enumerate() {
-            (0..2).for_each(|of| replace(sides[of], end, &[number(of, end)]));
-            // The third panel at the first end goes from the right side to the left one, at the
-            // second end the other way.
-            if let Some(f) = third {
-                replace(f, end, &[number(1 - end, end), number(end, end)]);
-            }
-        }
-        let quadrilateral = vec![number(0, 1), number(0, 0), number(1, 0), number(1, 1)];
-        next.faces.push(quadrilateral);
-        next.open.push(true);
-        next.origin.push(self.origin[sides[0]]);
-        Some(next)
+    fn place(&self, v: u32) -> Vec3 {
+        self.places[v as usize]
     }
 
-    /// Where a plane cuts the sides next to an edge: those of the left panel at both ends, then
-    /// those of the right one.
-    fn corners_of_cut(&self, faces: [usize; 2], side: DirectedEdge) -> Option<[Vec3; 4]> {
-        let place = |v: u32| self.places[v as usize];
-        let along = (place(side[1]) - place(side[0])).try_normalize(0.0)?;
-        let [left, right] = faces.map(|f| self.flat(&self.faces[f]).normal());
-        let into = left.cross(&along) + along.cross(&right);
-        let outwards = -into.try_normalize(0.0)?;
-        let beyond = |of: usize, end: usize| {
-            let face = &self.faces[faces[of]];
-            let k = face.iter().position(|v| *v == side[end])?;
-            // The left panel comes to the edge at its first end, the right one at its second.
-            let step = if of == end { face.len() - 1 } else { 1 };
-            Some(place(face[(k + step) % face.len()]))
-        };
-        let mut slopes = Vec::with_capacity(4);
-        for (of, end) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            slopes.push((place(side[end]), beyond(of, end)? - place(side[end])));
+    /// The panels with a run cut off, or what of it can be; `None` if that is nothing.
+    fn cut_off(&self, mut run: Run, deepest: f64) -> Option<Self> {
+        let incidence = self.incidence();
+        if !run.is_closed {
+            while !self.can_end(&incidence, [run.vertices[0], run.vertices[1]]) {
+                run.vertices.remove(0);
+                (run.vertices.len() > 1).then_some(())?;
+            }
+            while let [.., before, last] = run.vertices[..]
+                && !self.can_end(&incidence, [last, before])
+            {
+                run.vertices.pop();
+            }
+            (run.vertices.len() > 1).then_some(())?;
         }
-        let depth = |way: &Vec3| -outwards.dot(way);
-        let downwards = slopes
-            .iter()
-            .map(|(_, way)| depth(way))
-            .filter(|d| *d > 0.0);
-        let nearest = downwards.fold(f64::INFINITY, f64::min);
-        // Where a panel turns inwards at the end, its adjacent edge is lengthened.
-        let cut = |(top, way): &(Vec3, Vec3)| top + way * (DEPTH * nearest / depth(way));
-        let corners: Vec<Vec3> = slopes.iter().map(cut).collect();
-        let finite = corners.iter().all(|p| p.iter().all(|x| x.is_finite()));
-        corners.try_into().ok().filter(|_| finite)
+        let edges: Vec<RunEdge> = (run.edges())
+            .map(|side| self.run_edge(&incidence, side, deepest))
+            .collect::<Option<_>>()?;
+        Strip::new(self, run, edges)?.laid()
     }
+
+    /// Whether a strip can end at the first vertex of a side: in one panel that may change, or at
+    /// the boundary.
+    fn can_end(&self, incidence: &Incidence, side: DirectedEdge) -> bool {
+        let Some(faces) = incidence.beside(side) else {
+            return false;
+        };
+        let others = || incidence.faces_at(side[0]).filter(|f| !faces.contains(f));
+        others().count() < 2 && others().all(|f| self.open[f])
+    }
+
+    fn run_edge(&self, incidence: &Incidence, side: DirectedEdge, deepest: f64) -> Option<RunEdge> {
+        let faces = incidence.beside(side)?;
+        let [a, b] = side.map(|v| self.place(v));
+        let along = (b - a).try_normalize(0.0)?;
+        let normals = faces.map(|f| self.flat(&self.faces[f]).normal());
+        let inwards = [normals[0].cross(&along), along.cross(&normals[1])];
+        let height = |k: usize| {
+            let corners = self.faces[faces[k]].iter();
+            let heights = corners.map(|v| (self.place(*v) - a).dot(&inwards[k]));
+            heights.fold(0.0, f64::max)
+        };
+        let half_turn = 0.5 * normals[0].angle(&normals[1]);
+        let width = (WIDTH * height(0).min(height(1))).min(deepest / half_turn.sin());
+        (width > 0.0).then_some(RunEdge {
+            faces,
+            inwards,
+            width,
+            middle: (a + b) * 0.5,
+        })
+    }
+}
+
+/// A strip while it is laid along a run.
+struct Strip<'a> {
+    old: &'a Draft,
+    next: Draft,
+    run: Run,
+    edges: Vec<RunEdge>,
+    /// By vertex of the run.
+    at: Vec<Cut>,
+    /// By edge of the run.
+    across: Vec<Cut>,
+}
+
+impl<'a> Strip<'a> {
+    /// The new vertices; `None` where a vertex of the run does not have three panels.
+    fn new(old: &'a Draft, run: Run, edges: Vec<RunEdge>) -> Option<Self> {
+        let (n, m) = (run.vertices.len(), edges.len());
+        let mut strip = Self {
+            old,
+            next: old.clone(),
+            at: vec![Cut::default(); n],
+            across: vec![Cut::default(); m],
+            run,
+            edges,
+        };
+        for k in 0..n {
+            let ends = !strip.run.is_closed && (k == 0 || k + 1 == n);
+            let (before, after) = ((k + m - 1) % m, k % m);
+            for side in 0..2 {
+                let [f, g] = [before, after].map(|e| strip.edges[e].faces[side]);
+                if ends || f != g {
+                    let edge = if ends && k > 0 { before } else { after };
+                    strip.at[k][side] = Some(strip.beside(k, edge, side)?);
+                }
+            }
+            let sides = strip.at[k].iter().flatten().count();
+            (sides == if ends { 2 } else { 1 }).then_some(())?;
+        }
+        let crossed = strip.crossed();
+        (!strip.run.is_closed || crossed.len() > 1).then_some(())?;
+        for e in crossed {
+            for side in 0..2 {
+                let edge = &strip.edges[e];
+                let place = edge.middle + edge.inwards[side] * edge.width;
+                strip.across[e][side] = Some(strip.added(place, false));
+            }
+        }
+        Some(strip)
+    }
+
+    /// The edges of the run that have a panel of the strip on either side of their middle: between
+    /// them it has two vertices each.
+    fn crossed(&self) -> Vec<usize> {
+        let n = self.run.vertices.len();
+        match self.run.is_closed {
+            true => (0..n - 1).step_by(PER_PANEL).collect(),
+            false => (PER_PANEL..n - 2).step_by(PER_PANEL).collect(),
+        }
+    }
+
+    fn added(&mut self, place: Vec3, on_boundary: bool) -> u32 {
+        self.next.places.push(place);
+        self.next.on_boundary.push(on_boundary);
+        self.next.places.len() as u32 - 1
+    }
+
+    /// A vertex on the edge that meets the run at its vertex `k`, on a side of its edge `e`.
+    fn beside(&mut self, k: usize, e: usize, side: usize) -> Option<u32> {
+        let v = self.run.vertices[k];
+        let edge = &self.edges[e];
+        let face = &self.old.faces[edge.faces[side]];
+        let at = face.iter().position(|x| *x == v)?;
+        // The edge of the run goes from `v` on, in the panel on its left, if it comes after it.
+        let comes_after = e == k;
+        let step = if comes_after == (side == 0) {
+            face.len() - 1
+        } else {
+            1
+        };
+        let way = self.old.place(face[(at + step) % face.len()]) - self.old.place(v);
+        let height = way.dot(&edge.inwards[side]);
+        let share = if height > 0.0 {
+            (edge.width / height).min(REACH)
+        } else {
+            REACH
+        };
+        let place = self.old.place(v) + way * share;
+        Some(self.added(place, self.old.on_boundary[v as usize]))
+    }
+
+    /// The panels with the strip.
+    fn laid(mut self) -> Option<Draft> {
+        let vertices = self.run.vertices.iter().enumerate();
+        let number: BTreeMap<u32, usize> = vertices.map(|(k, v)| (*v, k)).collect();
+        let edges: BTreeMap<DirectedEdge, usize> = self
+            .run
+            .edges()
+            .enumerate()
+            .map(|(e, side)| (side, e))
+            .collect();
+        for f in 0..self.old.faces.len() {
+            let face = &self.old.faces[f];
+            if face.iter().any(|v| number.contains_key(v)) {
+                self.next.faces[f] = self.replaced(face, &number, &edges)?;
+            }
+        }
+        self.add_panels();
+        Some(self.next)
+    }
+
+    /// Corners of a panel beside the run or at one of its ends.
+    fn replaced(
+        &self,
+        face: &[u32],
+        number: &BTreeMap<u32, usize>,
+        edges: &BTreeMap<DirectedEdge, usize>,
+    ) -> Option<Vec<u32>> {
+        let n = face.len();
+        let mut corners = Vec::with_capacity(n + 2);
+        for (i, &v) in face.iter().enumerate() {
+            let [before, after] = [face[(i + n - 1) % n], face[(i + 1) % n]];
+            let Some(&k) = number.get(&v) else {
+                corners.push(v);
+                continue;
+            };
+            let is_run = |side: DirectedEdge| edges.contains_key(&side);
+            let left = is_run([before, v]) || is_run([v, after]);
+            let right = is_run([v, before]) || is_run([after, v]);
+            let cut = self.at[k];
+            match (left, right) {
+                (true, true) => return None,
+                (true, false) => corners.extend(cut[0]),
+                (false, true) => corners.extend(cut[1]),
+                // A panel in which the strip ends goes from its right to its left at the first
+                // vertex, and the other way at the last.
+                (false, false) if k == 0 => corners.extend([cut[1]?, cut[0]?]),
+                (false, false) => corners.extend([cut[0]?, cut[1]?]),
+            }
+            if let Some(e) = edges.get(&[v, after]) {
+                corners.extend(self.across[*e][0]);
+            }
+            if let Some(e) = edges.get(&[after, v]) {
+                corners.extend(self.across[*e][1]);
+            }
+        }
+        (corners.len() > 2).then_some(corners)
+    }
+
+    /// The panels of the strip itself, from one edge across it to the next.
+    fn add_panels(&mut self) {
+        let n = self.run.vertices.len();
+        let mut cuts: Vec<(Cut, usize)> = Vec::new();
+        for k in 0..n {
+            cuts.push((self.at[k], k.min(self.edges.len() - 1)));
+            if let Some(across) = self.across.get(k) {
+                cuts.push((*across, k));
+            }
+        }
+        if self.run.is_closed {
+            // From the first edge across round to it again.
+            let first = cuts.iter().position(is_whole).unwrap_or(0);
+            cuts.rotate_left(first);
+            cuts.push(cuts[0]);
+        }
+        let extend = |lines: &mut [Vec<u32>; 2], (cut, _): &(Cut, usize)| {
+            let both = lines.iter_mut().zip(cut);
+            both.for_each(|(line, v)| line.extend(v));
+        };
+        let mut lines: [Vec<u32>; 2] = Default::default();
+        for (i, cut) in cuts.iter().enumerate() {
+            extend(&mut lines, cut);
+            if i > 0 && is_whole(cut) {
+                let [mut corners, right] = std::mem::take(&mut lines);
+                corners.reverse();
+                corners.extend(right);
+                self.next.faces.push(corners);
+                self.next.open.push(true);
+                let beside = self.edges[cut.1].faces[0];
+                self.next.origin.push(self.old.origin[beside]);
+                extend(&mut lines, cut);
+            }
+        }
+    }
+}
+
+/// Whether something lies on both sides: an edge across the strip, or an end of it.
+fn is_whole(cut: &(Cut, usize)) -> bool {
+    cut.0.iter().all(Option::is_some)
 }
 
 #[cfg(test)]
@@ -205,7 +442,7 @@ mod tests {
         for half in [0.9, 0.5, 0.2] {
             let whole = wedge(half);
             assert_eq!(built(&whole).1, 3, "the blade and both edges of the back");
-            let (mesh, folds, wrong) = built(&chamfered(&whole, None).unwrap());
+            let (mesh, folds, wrong) = built(&chamfered(&whole, None, f64::INFINITY).unwrap());
             assert_eq!((folds, wrong), (0, 0), "{half}");
             let topology = mesh.topology();
             assert_eq!(topology.euler_characteristic(), 2);
@@ -215,9 +452,115 @@ mod tests {
         }
     }
 
+    /// Two rows of bricks that meet in a ridge, over which they turn by two right angles less that
+    /// of which `half` is the tangent of the half; each of them is two long, but the first and the
+    /// last one of the other side.
+    fn ridge(half: f64) -> Draft {
+        let (mut places, mut faces, mut on_boundary) = (Vec::new(), Vec::new(), Vec::new());
+        let mut number = BTreeMap::new();
+        let mut corner = |x: i32, y: i32| {
+            *number.entry((x, y)).or_insert_with(|| {
+                let (along, out) = (f64::from(x), f64::from(y));
+                places.push(Vec3::new(along, 2.0 * half * out, -2.0 * out.abs()));
+                on_boundary.push(y != 0 || !(2..=7).contains(&x));
+                places.len() as u32 - 1
+            })
+        };
+        for (side, first) in [(1, 0), (-1, 1)] {
+            for x in (first..first + 8).step_by(2) {
+                let ring = [(x, 0), (x + 1, 0), (x + 2, 0), (x + 2, side), (x, side)];
+                let square = ring.map(|(x, y)| (x.clamp(1, 8), y));
+                let mut face: Vec<u32> = square.iter().map(|&(x, y)| corner(x, y)).collect();
+                face.dedup();
+                if side < 0 {
+                    face.reverse();
+                }
+                faces.push(face);
+            }
+        }
+        Draft {
+            open: vec![true; faces.len()],
+            origin: (0..faces.len()).collect(),
+            faces,
+            places,
+            on_boundary,
+        }
+    }
+
+    #[test]
+    fn a_run_of_folds_becomes_one_row_of_hexagons() {
+        let whole = ridge(0.4);
+        assert_eq!(built(&whole).1, 7);
+        let cut = chamfered(&whole, None, f64::INFINITY).unwrap();
+        let (mesh, folds, wrong) = built(&cut);
+        assert_eq!((folds, wrong, mesh.topology().n_faces()), (0, 0, 11));
+        assert!(phex_mesh::measure(&mesh).planarity.max < 1e-14);
+        assert!(cut.faces[8..].iter().all(|face| face.len() == 6));
+        let depth = |deepest: f64| {
+            let cut = chamfered(&whole, None, deepest).unwrap();
+            let new = cut.places[whole.places.len()..].iter();
+            new.map(|p| -p.z).fold(0.0, f64::max)
+        };
+        assert!((depth(0.1) - 0.1).abs() < 1e-12, "{}", depth(0.1));
+    }
+
+    #[test]
+    fn a_run_ends_before_what_may_not_change() {
+        let mut part = ridge(0.4);
+        part.open[7] = false;
+        let cut = chamfered(&part, None, f64::INFINITY).unwrap();
+        assert_eq!(cut.faces[7], part.faces[7]);
+        let (mesh, folds, _) = built(&cut);
+        assert!((1..=3).contains(&folds), "{folds}");
+        assert_eq!(mesh.topology().boundary_loops().len(), 1);
+    }
+
+    #[test]
+    fn a_closed_run_becomes_a_closed_row() {
+        // Two pyramids over a polygon, whose panels are as wide as two of its sides, on one
+        // pyramid one side on from those on the other.
+        let n = 12_u32;
+        let ring = |k: u32| {
+            let turn = std::f64::consts::TAU * f64::from(k) / f64::from(n);
+            Vec3::new(turn.cos(), turn.sin(), 0.0)
+        };
+        let mut places: Vec<Vec3> = (0..n).map(ring).collect();
+        let mut faces: Vec<Vec<u32>> = Vec::new();
+        for (first, up) in [(0, 1.0), (1, -1.0)] {
+            let top = places.len() as u32;
+            let crown =
+                (0..n / 2).map(|k| ring(2 * k + first) * 0.5 + Vec3::new(0.0, 0.0, 0.2 * up));
+            places.extend(crown);
+            let around = |k: u32| (2 * k + first) % n;
+            let oriented = |mut face: Vec<u32>| {
+                if up < 0.0 {
+                    face.reverse();
+                }
+                face
+            };
+            for k in 0..n / 2 {
+                let next = (k + 1) % (n / 2);
+                let [a, b, c] = [around(k), (around(k) + 1) % n, around(next)];
+                faces.push(oriented(vec![a, b, c, top + next, top + k]));
+            }
+            faces.push(oriented((top..top + n / 2).collect()));
+        }
+        let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
+        let whole = draft(places, &faces, false);
+        assert_eq!(built(&whole).1, n as usize);
+        let cut = chamfered(&whole, None, f64::INFINITY).unwrap();
+        let mesh = built(&cut).0;
+        let topology = mesh.topology();
+        assert_eq!(topology.euler_characteristic(), 2);
+        assert!(topology.vertices().all(|v| topology.face_degree(v) == 3));
+        let row = &cut.faces[faces.len()..];
+        assert!(row.len() == 6 && row.iter().all(|face| face.len() == 6));
+        assert_eq!(built(&cut).1, 0);
+    }
+
     #[test]
     fn a_blade_at_the_boundary_is_cut_to_it() {
-        let cut = chamfered(&knife(), None).unwrap();
+        let cut = chamfered(&knife(), None, f64::INFINITY).unwrap();
         let (mesh, folds, wrong) = built(&cut);
         assert_eq!((folds, wrong, mesh.topology().n_faces()), (0, 0, 3));
         assert_eq!(mesh.topology().boundary_loops().len(), 1);
@@ -227,10 +570,13 @@ mod tests {
     #[test]
     fn what_is_closed_or_not_meant_stays() {
         let mut whole = wedge(0.5);
-        let back = chamfered(&whole, Some(&[3])).unwrap();
+        let back = chamfered(&whole, Some(&[3]), f64::INFINITY).unwrap();
         assert!(built(&back).1 < 3, "the edges of the back, not the blade");
         whole.open = vec![false; 5];
-        assert!(chamfered(&whole, None).is_none());
-        assert!(chamfered(&wedge(1.5), Some(&[0])).is_none(), "no fold");
+        assert!(chamfered(&whole, None, f64::INFINITY).is_none());
+        assert!(
+            chamfered(&wedge(1.5), Some(&[0]), f64::INFINITY).is_none(),
+            "no fold"
+        );
     }
 }

@@ -1,18 +1,18 @@
 //! Search: local changes of a finished mesh, each kept if the judge says that it is better.
 //!
 //! A *transaction* takes the panels within a few rings of a defect and tries what may cure it: the
-//! same panels with more weight on what they lack; where that is not enough edges that fold cut off
-//! (`chamfer`), two of them merged, an edge turned, a panel split; where panels are too large all
-//! of them split. Where many panels are broken, as along the edges of a box, all of them are tried
-//! at once first, with more weight alone. Each candidate is made regular again by turns of edges
-//! (`draft`); the most regular ones are made planar by the optimiser with everything around it at
-//! rest, and judged ([`crate::quality::Judge`]) with the same figures as the whole mesh; the best
-//! is kept if it is better than what there was, else nothing has changed. Places that do not touch
-//! are searched side by side. It is one mechanism for closed and open, uniform and adaptive meshes,
-//! whatever made them. Where nothing is left outside limits, sharp corners are blunted in the same
-//! way, as far as no panel moves farther off the surface than the farthest was; then long edges are
-//! shortened and large or slender panels at the boundary made smaller, as far as that and no corner
-//! gets sharper.
+//! same panels with more weight on what they lack; where that is not enough creases that fold cut
+//! off (`chamfer`), two of them merged, an edge turned, a panel split; where panels are too large
+//! all of them split. Where many panels are broken, as along the edges of a box, all of them are
+//! tried at once first, with more weight alone, and then with all creases cut off. Each candidate
+//! is made regular again by turns of edges (`draft`); the most regular ones are made planar by the
+//! optimiser with everything around it at rest, and judged ([`crate::quality::Judge`]) with the
+//! same figures as the whole mesh; the best is kept if it is better than what there was, else
+//! nothing has changed. Places that do not touch are searched side by side. It is one mechanism for
+//! closed and open, uniform and adaptive meshes, whatever made them. Where nothing is left outside
+//! limits, sharp corners are blunted in the same way, as far as no panel moves farther off the
+//! surface than the farthest was; then long edges are shortened and large or slender panels at the
+//! boundary made smaller, as far as that and no corner gets sharper.
 //!
 //! *Guaranteed*: a mesh never gets worse by [`crate::quality::Merit`]; interior vertices keep three
 //! panels; outside of the patches that are kept positions are the same to the last bit; the same
@@ -193,30 +193,33 @@ impl SearchState {
         plain
     }
 
-    /// All places with broken panels at once, with more emphasis alone: what one of them needs of
-    /// its neighbours they can't give while they rest.
+    /// All places with broken panels at once: with more emphasis alone, since what one of them
+    /// needs of its neighbours they can't give while they rest; then with folds cut off, since a
+    /// strip has fewest ends where it follows the whole of a crease.
     fn together(&mut self, site: &Site<'_>, progress: &dyn Progress) {
-        let all = defects(&self.mesh, &self.whole.findings);
-        let broken: Vec<Defect> = all.into_iter().filter(|d| d.is_broken).collect();
-        if broken.len() < MANY_BROKEN {
-            return;
-        }
-        let faces: Vec<FaceId> = broken.iter().flat_map(|d| d.faces.clone()).collect();
-        let resting = site.resting(&self.mesh);
-        let place = DefectPatch {
-            patch: Patch::around(&self.mesh, &faces, RINGS[1], &resting),
-            defect: Defect {
-                faces,
-                amount: broken.iter().map(|d| d.amount).sum(),
-                ..broken[0].clone()
-            },
-            wide: false,
-        };
-        self.summary.places += 1;
-        self.summary.tried += 1;
-        if let Some(change) = place.emphasised(&self.whole, site, progress) {
-            let kept = take(&mut self.mesh, &mut self.whole, &[change], site);
-            self.summary.kept += usize::from(kept == [Some(true)]);
+        for how in [DefectPatch::emphasised, DefectPatch::chamfered] {
+            let all = defects(&self.mesh, &self.whole.findings);
+            let broken: Vec<Defect> = all.into_iter().filter(|d| d.is_broken).collect();
+            if broken.len() < MANY_BROKEN {
+                return;
+            }
+            let faces: Vec<FaceId> = broken.iter().flat_map(|d| d.faces.clone()).collect();
+            let resting = site.resting(&self.mesh);
+            let place = DefectPatch {
+                patch: Patch::around(&self.mesh, &faces, RINGS[1], &resting),
+                defect: Defect {
+                    faces,
+                    amount: broken.iter().map(|d| d.amount).sum(),
+                    ..broken[0].clone()
+                },
+                wide: false,
+            };
+            self.summary.places += 1;
+            self.summary.tried += 1;
+            if let Some(change) = how(&place, &self.whole, site, progress) {
+                let kept = take(&mut self.mesh, &mut self.whole, &[change], site);
+                self.summary.kept += usize::from(kept == [Some(true)]);
+            }
         }
     }
 

@@ -204,7 +204,7 @@ impl Site<'_> {
         progress: &dyn Progress,
     ) -> Option<HexMesh> {
         let closest = match step {
-            LocalStep::Settle => &self.judge.closest_faces(&built.mesh, points),
+            LocalStep::Settle | LocalStep::Cut(_) => &self.judge.closest_faces(&built.mesh, points),
             LocalStep::Improve(_, judgement) => &judgement.closest,
         };
         let (n_faces, edge) = (built.mesh.topology().n_faces(), whole.yardstick.mean_edge);
@@ -227,7 +227,9 @@ impl Site<'_> {
         let quiet = Quiet::new(progress);
         let made = match step {
             LocalStep::Settle => part.settled(&target, self.options, &quiet),
-            LocalStep::Improve(round, _) => part.emphasised(round, &target, self.options, &quiet),
+            LocalStep::Improve(round, _) | LocalStep::Cut(round) => {
+                part.emphasised(round, &target, self.options, &quiet)
+            }
         };
         Some(made.ok()?.mesh)
     }
@@ -238,6 +240,8 @@ impl Site<'_> {
 pub(super) enum LocalStep<'a> {
     /// From joined panels to planar ones.
     Settle,
+    /// From panels with folds cut off, to planar ones that do not fold, in a round.
+    Cut(usize),
     /// From planar panels, of which the judge says this, to better ones, in a round.
     Improve(usize, &'a Judgement),
 }

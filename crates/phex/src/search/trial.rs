@@ -1,6 +1,7 @@
 //! What is tried at one place, and which of it is best.
 
-use super::candidates::candidates;
+use super::candidates::{candidates, distinct};
+use super::chamfer::chamfered;
 use super::draft::Draft;
 use super::patch::{Built, Change, Patch};
 use super::site::{LocalStep, Site, Whole};
@@ -11,6 +12,10 @@ use phex_mesh::{HexMesh, VertexId};
 
 /// Share of a defect with which it counts as cured: nothing else is tried then.
 const CURED: f64 = 0.99;
+/// Depths of strips that take the place of folds, in largest distances that are allowed, and the
+/// round of emphasis that makes their panels planar: those that are just deep enough in the first
+/// one, deeper ones in the last, in which closeness makes them flatter again.
+const STRIPS: [(f64, usize); 2] = [(0.8, 0), (1.2, EMPHASES - 1)];
 /// Candidates that are tried again with all that the optimiser can do for them.
 const IMPROVED: usize = 2;
 
@@ -44,6 +49,23 @@ impl DefectPatch {
         self.tried(whole, site, progress, |trial, now| {
             let same = trial.same(now);
             trial.is_less(&same).then(|| trial.change(&same))
+        })?
+    }
+
+    /// All folds cut off, if the panels are better for it.
+    pub fn chamfered(
+        &self,
+        whole: &Whole,
+        site: &Site<'_>,
+        progress: &dyn Progress,
+    ) -> Option<Change> {
+        self.tried(whole, site, progress, |trial, _| {
+            let strips = STRIPS.into_iter().filter_map(|strip| trial.cut(strip));
+            let best = strips
+                .map(|settled| trial.improved(settled))
+                .min_by(|a, b| a.merit().total_cmp(b.merit()));
+            best.filter(|best| trial.is_less(best))
+                .map(|best| trial.change(&best))
         })?
     }
 
@@ -112,7 +134,9 @@ impl PlaceTrial<'_> {
         }
         let mut settled = vec![same];
         let mut tried = 1;
-        for draft in candidates(patch, self.place.defect.needs_more, self.place.wide) {
+        let others = candidates(patch, self.place.defect.needs_more, self.place.wide);
+        let others = others.into_iter().map(|draft| (draft, LocalStep::Settle));
+        for (draft, step) in self.cuts().into_iter().chain(others) {
             let Some(built) = patch.built(&draft) else {
                 continue;
             };
@@ -120,7 +144,7 @@ impl PlaceTrial<'_> {
                 break;
             }
             tried += 1;
-            let Some(next) = self.settled(draft, built) else {
+            let Some(next) = self.settled(draft, built, step) else {
                 continue;
             };
             if self.is_cured(&next) && self.is_fair(&next.judgement) {
@@ -175,9 +199,36 @@ impl PlaceTrial<'_> {
         }
     }
 
+    /// Folds of the defect, or of the whole patch, cut off, and what makes the panels planar.
+    fn cuts(&self) -> Vec<(Draft, LocalStep<'_>)> {
+        let patch = &self.place.patch;
+        let strips = if self.place.wide {
+            &STRIPS[..]
+        } else {
+            &STRIPS[..1]
+        };
+        let cuts = strips.iter().flat_map(|&(depth, round)| {
+            let deepest = depth * self.site.judge.largest_distance();
+            let cores = [Some(&patch.core[..]), None];
+            let cuts = cores.map(|core| chamfered(&patch.draft, core, deepest));
+            let cuts = distinct(cuts.into_iter().flatten()).into_iter();
+            cuts.map(move |draft| (draft, LocalStep::Cut(round)))
+        });
+        cuts.collect()
+    }
+
+    /// All folds of the patch cut off by strips of a depth.
+    fn cut(&self, (depth, round): (f64, usize)) -> Option<Settled> {
+        let patch = &self.place.patch;
+        let deepest = depth * self.site.judge.largest_distance();
+        let draft = chamfered(&patch.draft, None, deepest)?;
+        let built = patch.built(&draft)?;
+        self.settled(draft, built, LocalStep::Cut(round))
+    }
+
     /// A candidate made planar, and what the judge says of it.
-    fn settled(&self, draft: Draft, built: Built) -> Option<Settled> {
-        let mesh = self.made_planar(&built, LocalStep::Settle)?;
+    fn settled(&self, draft: Draft, built: Built, step: LocalStep<'_>) -> Option<Settled> {
+        let mesh = self.made_planar(&built, step)?;
         Some(Settled {
             judgement: self.judged(&built, &mesh),
             is_improved: false,
