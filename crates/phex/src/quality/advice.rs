@@ -1,6 +1,5 @@
 //! What would help where a check of the mesh in itself fails.
 
-use super::References;
 use super::check::{Check, SMALLER};
 use super::limits::Limits;
 use phex_mesh::{HexMesh, TriangleSurface, Vec3, Violation};
@@ -17,17 +16,17 @@ const OVERLAPS: &str = "panels that end at the boundary (--boundary snap or clip
 /// there.
 const OWN_CROSSING: f64 = 2.0;
 
-/// The checks with what would help where they fail. Crossings alone that the surface has, too, do
-/// not decide that a mesh is none.
+/// The checks with what would help where they fail, by the surface that they are judged by and its
+/// facets. Crossings alone that the facets have, too, do not decide that a mesh is none.
 pub(super) fn with_advice(
     checks: Vec<Check>,
     mesh: &HexMesh,
-    references: &References<'_>,
+    (judge, facets): (Option<&TriangleSurface>, Option<&TriangleSurface>),
     limits: &Limits,
     violations: &[Violation],
 ) -> Vec<Check> {
-    let folds = (references.judge()).and_then(|s| fold_advice(mesh, s, violations));
-    let [own, crossings] = count_crossings(mesh, references, violations);
+    let folds = judge.and_then(|s| fold_advice(mesh, s, violations));
+    let [own, crossings] = count_crossings(mesh, facets.or(judge), violations);
     let passes = (own > 0).then(|| {
         format!(
             "at {own} of {crossings} the surface passes through itself: take away what lies inside, or leave them"
@@ -53,10 +52,9 @@ pub(super) fn with_advice(
 /// How many edges cross panels where the surface does, too, and how many do in all.
 fn count_crossings(
     mesh: &HexMesh,
-    references: &References<'_>,
+    facets: Option<&TriangleSurface>,
     violations: &[Violation],
 ) -> [usize; 2] {
-    let facets = references.facets.or(references.smooth);
     let (mut all, mut others) = (BTreeSet::new(), BTreeSet::new());
     for violation in violations {
         if let Violation::Crossing { edge, .. } = violation {
@@ -120,8 +118,6 @@ fn fold_advice(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quality::{Assessment, Verdict};
-    use crate::trim::Boundary;
     use phex_mesh::{ValidateOptions, violations};
 
     /// Two rectangles that meet in a ridge and turn by `degrees` over it; as panels, and as
@@ -133,53 +129,6 @@ mod tests {
         let mesh = HexMesh::new(places.clone(), &[[0, 2, 3, 1], [2, 4, 5, 3]]).unwrap();
         let triangles = [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]];
         (mesh, TriangleSurface::new(places, &triangles).unwrap())
-    }
-
-    /// Two squares that pass through each other, or that stand `apart`.
-    fn squares(apart: f64) -> (HexMesh, TriangleSurface) {
-        let flat = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-        let lying = flat.map(|[x, y]| Vec3::new(x, y, 0.0));
-        let upright = flat.map(|[x, z]| Vec3::new(x, 0.1, z + apart) * 0.7);
-        let places = [lying, upright].concat();
-        let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-        (
-            HexMesh::new(places.clone(), &[[0, 1, 2, 3], [4, 5, 6, 7]]).unwrap(),
-            TriangleSurface::new(places, &triangles).unwrap(),
-        )
-    }
-
-    /// The verdict, and what is said of crossings, where panels cross.
-    fn judged(surface: &TriangleSurface, limits: &Limits) -> (Verdict, Option<String>) {
-        let references = References {
-            facets: Some(surface),
-            ..Default::default()
-        };
-        let found = Assessment::new(&squares(0.0).0, references, limits);
-        let check = found.failures().find(|c| c.name == "crossings").unwrap();
-        (found.verdict, check.advice.clone())
-    }
-
-    #[test]
-    fn crossings_of_the_surface_are_told_from_those_of_panels() {
-        let (verdict, advice) = judged(&squares(0.0).1, &Limits::default());
-        let advice = advice.unwrap();
-        assert_eq!(verdict, Verdict::OutsideTolerance);
-        assert!(
-            advice.contains("at 2 of 2 the surface passes through itself"),
-            "{advice}"
-        );
-        let (verdict, advice) = judged(&squares(2.0).1, &Limits::default());
-        assert_eq!((verdict, advice), (Verdict::Invalid, None));
-    }
-
-    #[test]
-    fn panels_that_are_left_whole_and_overlap_are_told_to_end_at_the_boundary() {
-        let advice = |boundary| {
-            let limits = Limits::new(Some(0.5), Some(boundary));
-            judged(&squares(2.0).1, &limits).1
-        };
-        assert_eq!(advice(Boundary::Whole).as_deref(), Some(OVERLAPS));
-        assert_eq!(advice(Boundary::Snap), None);
     }
 
     #[test]

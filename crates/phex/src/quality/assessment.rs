@@ -49,7 +49,7 @@ pub struct References<'a> {
 
 impl<'a> References<'a> {
     /// The surface that the limits refer to: the smooth one where there is one.
-    pub(super) fn judge(&self) -> Option<&'a TriangleSurface> {
+    fn judge(&self) -> Option<&'a TriangleSurface> {
         self.smooth.or(self.facets)
     }
 
@@ -124,7 +124,13 @@ impl Assessment {
         };
         let boundary = references.judge().and_then(|s| boundary_fit(mesh, s));
         let checks = validity_checks(mesh, &measures, &violations, &limits.validity);
-        let mut checks = with_advice(checks, mesh, &references, limits, &violations);
+        let mut checks = with_advice(
+            checks,
+            mesh,
+            (references.judge(), references.facets),
+            limits,
+            &violations,
+        );
         checks.extend(panel_checks(mesh, &limits.panels));
         let deviation = deviation_smooth.as_ref().or(deviation_facets.as_ref());
         if let (Some(deviation), Some(surface)) = (deviation, references.judge()) {
@@ -202,6 +208,7 @@ fn verdict(checks: &[Check]) -> Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trim::Boundary;
     use phex_mesh::Vec3;
 
     /// Three panels round one vertex; `lift` raises a corner of the first out of its plane, `slide`
@@ -257,6 +264,53 @@ mod tests {
                 .iter()
                 .any(|name| ["faces_not_simple", "flipped_faces", "wrong_fans"].contains(name))
         );
+    }
+
+    /// Two squares that pass through each other, or that stand `apart`.
+    fn squares(apart: f64) -> (HexMesh, TriangleSurface) {
+        let flat = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let lying = flat.map(|[x, y]| Vec3::new(x, y, 0.0));
+        let upright = flat.map(|[x, z]| Vec3::new(x, 0.1, z + apart) * 0.7);
+        let places = [lying, upright].concat();
+        let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+        (
+            HexMesh::new(places.clone(), &[[0, 1, 2, 3], [4, 5, 6, 7]]).unwrap(),
+            TriangleSurface::new(places, &triangles).unwrap(),
+        )
+    }
+
+    /// The verdict, and what is said of crossings, where panels cross.
+    fn judged(surface: &TriangleSurface, limits: &Limits) -> (Verdict, Option<String>) {
+        let references = References {
+            facets: Some(surface),
+            ..Default::default()
+        };
+        let found = Assessment::new(&squares(0.0).0, references, limits);
+        let check = found.failures().find(|c| c.name == "crossings").unwrap();
+        (found.verdict, check.advice.clone())
+    }
+
+    #[test]
+    fn crossings_of_the_surface_are_told_from_those_of_panels() {
+        let (verdict, advice) = judged(&squares(0.0).1, &Limits::default());
+        let advice = advice.unwrap();
+        assert_eq!(verdict, Verdict::OutsideTolerance);
+        assert!(
+            advice.contains("at 2 of 2 the surface passes through itself"),
+            "{advice}"
+        );
+        let (verdict, advice) = judged(&squares(2.0).1, &Limits::default());
+        assert_eq!((verdict, advice), (Verdict::Invalid, None));
+    }
+
+    #[test]
+    fn panels_that_are_left_whole_and_overlap_are_told_to_end_at_the_boundary() {
+        let advice = |boundary| {
+            let limits = Limits::new(Some(0.5), Some(boundary));
+            judged(&squares(2.0).1, &limits).1
+        };
+        assert!(advice(Boundary::Whole).unwrap().contains("--boundary snap"));
+        assert_eq!(advice(Boundary::Snap), None);
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub(super) fn chamfered(draft: &Draft, core: Option<&[usize]>, deepest: f64) -> 
         let sharpest =
             (folds.iter()).max_by(|a, b| a.angle.total_cmp(&b.angle).then(b.side.cmp(&a.side)));
         let Some(fold) = sharpest else { break };
-        let run = Run::through(&now, fold.side, &folds);
+        let run = FoldRun::through(&now, fold.side, &folds);
         tried.extend(run.edges().map(|[a, b]| [a.min(b), a.max(b)]));
         if let Some(next) = now.cut_off(run, deepest) {
             now = next;
@@ -57,13 +57,13 @@ struct BladeEdge {
 }
 
 /// Edges one behind the other over which panels fold.
-struct Run {
+struct FoldRun {
     vertices: Vec<u32>,
     /// Whether the last vertex comes before the first one.
     is_closed: bool,
 }
 
-impl Run {
+impl FoldRun {
     /// The longest run through a fold: it ends where more than two folds meet, or one does.
     fn through(draft: &Draft, side: DirectedEdge, folds: &[BladeEdge]) -> Self {
         let mut beside: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
@@ -106,7 +106,7 @@ impl Run {
 
 /// One edge of a run: the panels on its left and right, the ways into them, at right angles to the
 /// edge, and the width of the strip there.
-struct RunEdge {
+struct CreaseEdge {
     faces: [usize; 2],
     inwards: [Vec3; 2],
     width: f64,
@@ -115,7 +115,7 @@ struct RunEdge {
 
 /// What takes the place of a vertex of a run, or of the middle of one of its edges, on the left and
 /// on the right of it.
-type Cut = [Option<u32>; 2];
+type SidePair = [Option<u32>; 2];
 
 impl Draft {
     fn folds(&self) -> Vec<BladeEdge> {
@@ -145,7 +145,7 @@ impl Draft {
     }
 
     /// The panels with a run cut off, or what of it can be; `None` if that is nothing.
-    fn cut_off(&self, mut run: Run, deepest: f64) -> Option<Self> {
+    fn cut_off(&self, mut run: FoldRun, deepest: f64) -> Option<Self> {
         let incidence = self.incidence();
         if !run.is_closed {
             while !self.can_end(&incidence, [run.vertices[0], run.vertices[1]]) {
@@ -159,10 +159,10 @@ impl Draft {
             }
             (run.vertices.len() > 1).then_some(())?;
         }
-        let edges: Vec<RunEdge> = (run.edges())
+        let edges: Vec<CreaseEdge> = (run.edges())
             .map(|side| self.run_edge(&incidence, side, deepest))
             .collect::<Option<_>>()?;
-        Strip::new(self, run, edges)?.laid()
+        ChamferStrip::new(self, run, edges)?.laid()
     }
 
     /// Whether a strip can end at the first vertex of a side: in one panel that may change, or at
@@ -175,7 +175,12 @@ impl Draft {
         others().count() < 2 && others().all(|f| self.open[f])
     }
 
-    fn run_edge(&self, incidence: &Incidence, side: DirectedEdge, deepest: f64) -> Option<RunEdge> {
+    fn run_edge(
+        &self,
+        incidence: &Incidence,
+        side: DirectedEdge,
+        deepest: f64,
+    ) -> Option<CreaseEdge> {
         let faces = incidence.beside(side)?;
         let [a, b] = side.map(|v| self.place(v));
         let along = (b - a).try_normalize(0.0)?;
@@ -188,7 +193,7 @@ impl Draft {
         };
         let half_turn = 0.5 * normals[0].angle(&normals[1]);
         let width = (WIDTH * height(0).min(height(1))).min(deepest / half_turn.sin());
-        (width > 0.0).then_some(RunEdge {
+        (width > 0.0).then_some(CreaseEdge {
             faces,
             inwards,
             width,
@@ -198,26 +203,26 @@ impl Draft {
 }
 
 /// A strip while it is laid along a run.
-struct Strip<'a> {
+struct ChamferStrip<'a> {
     old: &'a Draft,
     next: Draft,
-    run: Run,
-    edges: Vec<RunEdge>,
+    run: FoldRun,
+    edges: Vec<CreaseEdge>,
     /// By vertex of the run.
-    at: Vec<Cut>,
+    at: Vec<SidePair>,
     /// By edge of the run.
-    across: Vec<Cut>,
+    across: Vec<SidePair>,
 }
 
-impl<'a> Strip<'a> {
+impl<'a> ChamferStrip<'a> {
     /// The new vertices; `None` where a vertex of the run does not have three panels.
-    fn new(old: &'a Draft, run: Run, edges: Vec<RunEdge>) -> Option<Self> {
+    fn new(old: &'a Draft, run: FoldRun, edges: Vec<CreaseEdge>) -> Option<Self> {
         let (n, m) = (run.vertices.len(), edges.len());
         let mut strip = Self {
             old,
             next: old.clone(),
-            at: vec![Cut::default(); n],
-            across: vec![Cut::default(); m],
+            at: vec![SidePair::default(); n],
+            across: vec![SidePair::default(); m],
             run,
             edges,
         };
@@ -347,7 +352,7 @@ impl<'a> Strip<'a> {
     /// The panels of the strip itself, from one edge across it to the next.
     fn add_panels(&mut self) {
         let n = self.run.vertices.len();
-        let mut cuts: Vec<(Cut, usize)> = Vec::new();
+        let mut cuts: Vec<(SidePair, usize)> = Vec::new();
         for k in 0..n {
             cuts.push((self.at[k], k.min(self.edges.len() - 1)));
             if let Some(across) = self.across.get(k) {
@@ -360,7 +365,7 @@ impl<'a> Strip<'a> {
             cuts.rotate_left(first);
             cuts.push(cuts[0]);
         }
-        let extend = |lines: &mut [Vec<u32>; 2], (cut, _): &(Cut, usize)| {
+        let extend = |lines: &mut [Vec<u32>; 2], (cut, _): &(SidePair, usize)| {
             let both = lines.iter_mut().zip(cut);
             both.for_each(|(line, v)| line.extend(v));
         };
@@ -382,7 +387,7 @@ impl<'a> Strip<'a> {
 }
 
 /// Whether something lies on both sides: an edge across the strip, or an end of it.
-fn is_whole(cut: &(Cut, usize)) -> bool {
+fn is_whole(cut: &(SidePair, usize)) -> bool {
     cut.0.iter().all(Option::is_some)
 }
 
