@@ -37,8 +37,19 @@ fn numbers_of_panels_agree_with_lengths_of_edges_and_distances() {
 
 #[test]
 fn a_surface_that_passes_through_itself_is_told() {
-    assert_eq!(kind("enneper", &[("radius", 1.2)]).crosses_at, None);
-    let crossed = kind("enneper", &[("radius", 2.2)]);
+    assert_eq!(kind("enneper", &[]).crosses_at, None);
+    let options = TriangulationOptions {
+        triangles: 4000,
+        ..Default::default()
+    };
+    let plane = triangulate(&Shape::from_name("plane", &[]).unwrap(), &options).unwrap();
+    let (low, high) = plane.bounding_box();
+    // A sheet that is rolled up until its two ends pass through each other.
+    let rolled = plane.mapped(|p| {
+        let t = 4.4 * (p.x - low.x) / (high.x - low.x) - 2.2;
+        [t * t * t / 3.0 - 1.2 * t, p.y + 0.1 * t, t * t].into()
+    });
+    let crossed = SurfaceKind::new(&rolled);
     assert!(crossed.self_crossings > 10, "{}", crossed.self_crossings);
     let told = crossed.sentences().pop().unwrap();
     assert!(told.contains("passes through itself"), "{told}");
