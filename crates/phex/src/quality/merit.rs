@@ -29,7 +29,7 @@ const GAIN: f64 = 0.02;
 /// The same for sums over a whole mesh, of which most has not changed.
 const ROUNDING: f64 = 1e-9;
 /// By how much the worst place may become worse, over what is gained in all.
-const WORTH: f64 = 0.005;
+const WORTH: f64 = 0.02;
 /// Costs of a mesh in which every panel is irregular, and in which every area is off by a factor of
 /// e.
 const IRREGULAR: f64 = 10.0;
