@@ -15,7 +15,7 @@ const CURED: f64 = 0.99;
 /// Depths of strips that take the place of folds, in largest distances that are allowed, and the
 /// round of emphasis that makes their panels planar: those that are just deep enough in the first
 /// one, deeper ones in the last, in which closeness makes them flatter again.
-const STRIPS: [(f64, usize); 2] = [(0.7, 0), (1.2, EMPHASES - 1)];
+const STRIPS: [(f64, usize); 2] = [(0.75, 0), (1.2, EMPHASES - 1)];
 /// Candidates that are tried again with all that the optimiser can do for them.
 const IMPROVED: usize = 2;
 

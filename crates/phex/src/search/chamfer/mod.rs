@@ -7,8 +7,8 @@
 //! which stay as planar as before, and edges across divide it into a row of panels of its own, of
 //! six corners each but for the last. Where a run bends, as at the corners of the base of a
 //! pyramid, a short panel of the strip keeps it from cutting the bend short; where three runs meet,
-//! as at a corner of a sharp body, their strips meet in a vertex. Interior vertices still have three
-//! faces. The optimiser then makes panels planar.
+//! as at a corner of a sharp body, their strips meet in a vertex. Interior vertices still have
+//! three faces. The optimiser then makes panels planar.
 
 mod corners;
 mod strip;
