@@ -218,6 +218,34 @@ fn components_are_meshed_together_on_request() {
     assert!((panels / 120.0 - 1.0).abs() <= 0.15, "{panels} panels");
 }
 
+/// A scan leaves crumbs behind: they are no part of what is to be covered.
+#[test]
+fn crumbs_beside_a_surface_are_left_out_and_told() {
+    let shop = Workshop::new();
+    shop.succeed("shape wave -o wave.obj");
+    let text = |name: &str| String::from_utf8(shop.read(name)).unwrap();
+    let wave = text("wave.obj");
+    let vertices = wave.lines().filter(|l| l.starts_with("v ")).count();
+    let [a, b, c] = [1, 2, 3].map(|k| vertices + k);
+    let crumb = format!("v 9 0 0\nv 9.01 0 0\nv 9 0.01 0\nf {a} {b} {c}\n");
+    shop.write("scan.obj", format!("{wave}{crumb}"));
+    let told =
+        shop.succeed("mesh scan.obj -o scan-phex.obj -n 60 --effort draft --report run.json");
+    shop.succeed("mesh wave.obj -o wave-phex.obj -n 60 --effort draft");
+    assert!(
+        told.stderr.contains("1 triangles in all), were left out"),
+        "{}",
+        told.stderr
+    );
+    assert_eq!(shop.json("run.json")["measures"]["components"], 1);
+    let panels = ["scan-phex.obj", "wave-phex.obj"].map(|name| {
+        let lines = text(name);
+        let lines = lines.lines().filter(|l| !l.starts_with('#'));
+        lines.map(str::to_owned).collect::<Vec<String>>()
+    });
+    assert_eq!(panels[0], panels[1]);
+}
+
 /// A honeycomb on an egg-crate, whose panels have to slide.
 fn egg_crate() -> String {
     let height = |x: f64, y: f64| 0.9 * (x / 2.4).sin() + 0.6 * (y / 2.4).sin();

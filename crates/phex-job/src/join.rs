@@ -62,9 +62,9 @@ pub(crate) fn joined_target(runs: &[Computed]) -> Result<Option<TriangleSurface>
 
 /// The smooth surfaces and the facets, continued beyond their boundaries where panels were kept
 /// whole; nothing if they were nowhere.
-pub(crate) fn joined_beyond(
-    runs: &[Computed],
-    components: &[SurfaceComponent],
+pub(crate) fn joined_beyond<'a>(
+    runs: &'a [Computed],
+    components: impl Iterator<Item = &'a SurfaceComponent>,
 ) -> Result<Option<[TriangleSurface; 2]>, JobError> {
     if runs.iter().all(|run| run.beyond.is_none()) {
         return Ok(None);
@@ -81,7 +81,8 @@ pub(crate) fn joined_beyond(
     Ok(Some([joined(smooth)?, joined(facets)?]))
 }
 
-fn joined<'a>(
+/// Parts as one surface.
+pub(crate) fn joined<'a>(
     parts: impl IntoIterator<Item = &'a TriangleSurface>,
 ) -> Result<TriangleSurface, JobError> {
     let joined = TriangleSurface::joined(parts);

@@ -6,7 +6,8 @@ use crate::error::JobError;
 use crate::given::Given;
 use crate::hexagon::edge_length;
 use crate::join::{
-    joined_beyond, joined_mesh, joined_start, joined_target, joined_unrepeated, joined_wished,
+    joined, joined_beyond, joined_mesh, joined_start, joined_target, joined_unrepeated,
+    joined_wished,
 };
 use crate::limits::TypedLimits;
 use crate::panel_size::{self, shares};
@@ -202,7 +203,9 @@ impl<'a> Notes<'a> {
 struct MeshTask<'a> {
     job: &'a MeshJob,
     progress: &'a Timed<'a>,
-    /// All components.
+    /// The parts that are covered.
+    parts: Vec<WantedPart<'a>>,
+    /// All of them.
     facets: TriangleSurface,
     panels: u64,
     field: Option<SizeField>,
@@ -220,16 +223,18 @@ impl<'a> MeshTask<'a> {
         if job.start.is_none() {
             job.settings.check_effects(&job.given)?;
         }
-        check_components(&job.parts.components, &job.settings)?;
-        let facets = job.parts.whole();
+        let (parts, crumbs) = wanted_parts(job)?;
+        let components: Vec<&SurfaceComponent> = parts.iter().map(|part| part.component).collect();
+        let facets = joined(components.iter().map(|c| &c.surface))?;
         let mut sentences = job.parts.notes.sentences();
+        sentences.extend(crumbs);
         sentences.extend(without_effect(job, &facets));
         sentences.into_iter().for_each(|note| notes.say(note));
-        let field = size_field(job)?;
-        let panels = panels(job, field.as_ref(), &facets)?;
+        let field = size_field(job, &components)?;
+        let panels = panels(job, field.as_ref(), &facets, &components)?;
         let edge = edge_length(facets.area() / panels as f64);
-        let parts = job.parts.components.iter();
-        let thin = parts.filter_map(|part| thinner_than(edge, &part.surface));
+        let thin = components.iter();
+        let thin = thin.filter_map(|part| thinner_than(edge, &part.surface));
         thin.for_each(|note| notes.say(note));
         let mut settings = job.settings.complete(panels);
         let (stages, given) = (&mut settings.stages, job.given.clone());
@@ -246,6 +251,7 @@ impl<'a> MeshTask<'a> {
         Ok(Self {
             job,
             progress,
+            parts,
             facets,
             panels,
             field,
@@ -263,14 +269,14 @@ impl<'a> MeshTask<'a> {
     }
 
     fn mesh_each(&self) -> Result<Vec<Computed>, JobError> {
-        let components = &self.job.parts.components;
-        let areas: Vec<f64> = components.iter().map(|c| c.surface.area()).collect();
+        let surfaces = self.parts.iter().map(|part| &part.component.surface);
+        let areas: Vec<f64> = surfaces.clone().map(TriangleSurface::area).collect();
         let edge = edge_length(areas.iter().sum::<f64>() / self.panels as f64);
-        let surfaces: Vec<TriangleSurface> = components.iter().map(|c| c.surface.clone()).collect();
+        let surfaces: Vec<TriangleSurface> = surfaces.cloned().collect();
         let steering = self.settings.stages.steering.shared(&surfaces, edge);
         let counts = shares(self.panels, &areas);
-        let mesh = |(k, (part, &count)): (usize, (&SurfaceComponent, &u64))| {
-            let surface = &self.job.kept[k];
+        let mesh = |(k, (part, &count)): (usize, (&WantedPart<'_>, &u64))| {
+            let surface = part.kept;
             let mut options = self.settings.options(count);
             if let TypedPanelSize::EdgeLength(length) = self.settings.size() {
                 let unit = self.settings.unit.unwrap_or_default();
@@ -278,7 +284,7 @@ impl<'a> MeshTask<'a> {
                 options.size = phex::PanelSize::EdgeLength(length);
             }
             options.steering = steering[k].clone();
-            self.demand(&mut options, &part.surface, edge);
+            self.demand(&mut options, &part.component.surface, edge);
             if let Some(field) = &self.field {
                 options.size_field = Some(field.of(k).to_vec());
             }
@@ -288,7 +294,7 @@ impl<'a> MeshTask<'a> {
             };
             self.unless_interrupted(made?)
         };
-        let parts = components.iter().zip(&counts).enumerate();
+        let parts = self.parts.iter().zip(&counts).enumerate();
         parts.map(mesh).collect()
     }
 
@@ -316,7 +322,7 @@ impl<'a> MeshTask<'a> {
         notes: Vec<String>,
     ) -> Result<JobResult, JobError> {
         let smooth = joined_target(&runs)?;
-        let beyond = joined_beyond(&runs, &self.job.parts.components)?;
+        let beyond = joined_beyond(&runs, self.parts.iter().map(|part| part.component))?;
         let elsewhere = led_elsewhere(&self.settings.stages.steering, &mesh);
         let references = References {
             smooth: smooth.as_ref(),
@@ -442,11 +448,14 @@ fn add_coarse_input(report: &mut RunReport) -> Option<String> {
     Some(warning)
 }
 
-fn size_field(job: &MeshJob) -> Result<Option<SizeField>, JobError> {
+fn size_field(
+    job: &MeshJob,
+    components: &[&SurfaceComponent],
+) -> Result<Option<SizeField>, JobError> {
     let path = job.settings.size_field.as_deref();
     let source = path.map_or_else(|| "size-field".to_owned(), |p| p.display().to_string());
     let field = job.given.size_field.as_ref();
-    let of = |sizes: &Vec<f64>| SizeField::new(sizes, &source, &job.input, &job.parts.components);
+    let of = |sizes: &Vec<f64>| SizeField::new(sizes, &source, &job.input, components);
     field.map(of).transpose()
 }
 
@@ -454,10 +463,11 @@ fn panels(
     job: &MeshJob,
     field: Option<&SizeField>,
     facets: &TriangleSurface,
+    components: &[&SurfaceComponent],
 ) -> Result<u64, JobError> {
     match field {
         Some(field) if !job.settings.is_sized() => {
-            let panels = field.panels(&job.parts.components).round().max(1.0);
+            let panels = field.panels(components).round().max(1.0);
             panel_size::checked(panels as u64, facets)
         }
         _ => {
@@ -498,29 +508,55 @@ fn without_effect(job: &MeshJob, facets: &TriangleSurface) -> Vec<String> {
     told
 }
 
-fn check_components(
-    components: &[SurfaceComponent],
-    settings: &MeshSettings,
-) -> Result<(), JobError> {
-    if components.len() == 1 || settings.all_components {
-        return Ok(());
+/// A part of the surface that is covered, and what earlier jobs have computed of it.
+struct WantedPart<'a> {
+    component: &'a SurfaceComponent,
+    kept: &'a Session,
+}
+
+/// Area of a part over that of the largest one below which it is a crumb, as scans and level sets
+/// leave them behind.
+const CRUMB: f64 = 1e-3;
+
+/// The parts that are covered, and what is said of crumbs that are not.
+fn wanted_parts(job: &MeshJob) -> Result<(Vec<WantedPart<'_>>, Option<String>), JobError> {
+    let parts = job.parts.components.iter().zip(job.kept.iter());
+    let parts = parts.map(|(component, kept)| WantedPart { component, kept });
+    let parts: Vec<WantedPart<'_>> = parts.collect();
+    if job.settings.all_components {
+        return Ok((parts, None));
     }
-    let sizes: Vec<String> = components
-        .iter()
-        .take(10)
-        .map(|c| c.surface.topology().n_faces().to_string())
-        .collect();
-    let more = if components.len() > sizes.len() {
-        ", ..."
-    } else {
-        ""
-    };
-    Err(JobError::input(format!(
-        "the surface has {} connected parts ({}{more} triangles): mesh every one with --all-components, or remove \
-         those that are not wanted",
-        components.len(),
-        sizes.join(", ")
-    )))
+    let area = |part: &WantedPart<'_>| part.component.surface.area();
+    let least = CRUMB * parts.iter().map(area).fold(0.0, f64::max);
+    let (wanted, crumbs): (Vec<_>, Vec<_>) = parts.into_iter().partition(|p| area(p) >= least);
+    let triangles = |part: &WantedPart<'_>| part.component.surface.topology().n_faces();
+    if wanted.len() > 1 {
+        let sizes: Vec<String> = wanted
+            .iter()
+            .take(10)
+            .map(|p| triangles(p).to_string())
+            .collect();
+        let more = if wanted.len() > sizes.len() {
+            ", ..."
+        } else {
+            ""
+        };
+        return Err(JobError::input(format!(
+            "the surface has {} connected parts ({}{more} triangles): mesh every one with --all-components, or \
+             remove those that are not wanted",
+            wanted.len(),
+            sizes.join(", ")
+        )));
+    }
+    let said = (!crumbs.is_empty()).then(|| {
+        format!(
+            "{} parts, each with less than a thousandth of the area of the largest one ({} triangles in all), \
+             were left out; --all-components keeps them",
+            crumbs.len(),
+            crumbs.iter().map(triangles).sum::<usize>()
+        )
+    });
+    Ok((wanted, said))
 }
 
 /// Numbers of vertices refer to a mesh that is known.

@@ -34,7 +34,7 @@ impl SizeField {
         sizes: &[f64],
         source: &str,
         input: &InputFile,
-        components: &[SurfaceComponent],
+        components: &[&SurfaceComponent],
     ) -> Result<Self, JobError> {
         let (found, expected) = (sizes.len(), input.vertices);
         if found != expected {
@@ -47,7 +47,7 @@ impl SizeField {
             let message = format!("{source}: the size of vertex {k} is no positive number");
             return Err(JobError::Input(message));
         }
-        let of = |component: &SurfaceComponent| {
+        let of = |component: &&SurfaceComponent| {
             let vertices = component.original_vertices.iter();
             vertices.map(|&v| sizes[v as usize]).collect()
         };
@@ -62,7 +62,7 @@ impl SizeField {
     }
 
     /// The number of panels that the sizes mean as edge lengths.
-    pub fn panels(&self, components: &[SurfaceComponent]) -> f64 {
+    pub fn panels(&self, components: &[&SurfaceComponent]) -> f64 {
         let pairs = components.iter().zip(&self.components);
         pairs.map(|(c, sizes)| panels_on(&c.surface, sizes)).sum()
     }

@@ -158,7 +158,7 @@ class Mesh(Polygons):
 
         ``area`` (model units), ``clearance`` (mean edges), ``planarity`` (mean edges),
         ``deviation`` (% of the diagonal; needs a surface), ``curvature``, ``feature-size``,
-        ``valence``, ``validity``, ``corners``.
+        ``panel-area`` (mean areas), ``panel-aspect``, ``valence``, ``validity``, ``corners``.
         """
         if not isinstance(name, str):
             raise InputError(f"name: {shown(name)} is no text")

@@ -15,6 +15,8 @@
 //! | [`Map::Dihedral`] | edge | angle between the panels, degrees; less than 180 is convex | 160 to 200 |
 //! | [`Map::Curvature`] | face | `k1 / k2` with `abs(k1) <= abs(k2)`: has the sign of `K`, 0 is parabolic | -1 to 1 |
 //! | [`Map::FeatureSize`] | face | distance of two corners times the curvature under it in that direction, the largest ([`FeatureSizes`]) | 0 to 2 |
+//! | [`Map::PanelArea`] | face | over the mean area | 1/4 to 4, logarithmic |
+//! | [`Map::PanelAspect`] | face | length over width ([`phex_mesh::measure::aspect`]) | 1 to 4 |
 //! | [`Map::Valence`] | face | number of corners, hexagons convex or concave | classes |
 //! | [`Map::Validity`] | face | what holds of the panel | classes |
 //! | [`Map::MaxPanel`] and the other limits of a workshop | face | the panel's worst figure over the limit, or the limit over it where it is a smallest one: beyond 1 it is outside | 0 to 2 |
@@ -47,6 +49,10 @@ pub enum Map {
     Curvature,
     /// Size of the panels over that of the surface's features.
     FeatureSize,
+    /// Areas of panels.
+    PanelArea,
+    /// Lengths of panels over their widths.
+    PanelAspect,
     /// Numbers of corners.
     #[default]
     Valence,
@@ -72,11 +78,13 @@ pub enum Map {
 
 impl Map {
     /// All maps of any mesh, in the order in which they are offered.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Valence,
         Self::Validity,
         Self::Planarity,
         Self::Deviation,
+        Self::PanelArea,
+        Self::PanelAspect,
         Self::EdgeLength,
         Self::Dihedral,
         Self::Curvature,
@@ -104,6 +112,8 @@ impl Map {
             Self::Dihedral => "dihedral",
             Self::Curvature => "curvature",
             Self::FeatureSize => "feature-size",
+            Self::PanelArea => "panel-area",
+            Self::PanelAspect => "panel-aspect",
             Self::Valence => "valence",
             Self::Validity => "validity",
             Self::MaxPanel => "max-panel",
@@ -126,6 +136,8 @@ impl Map {
             Self::Dihedral => "Dihedral angle",
             Self::Curvature => "Sign of curvature",
             Self::FeatureSize => "Feature size",
+            Self::PanelArea => "Panel area",
+            Self::PanelAspect => "Panel shape",
             Self::Valence => "Valence",
             Self::Validity => "Pass or fail",
             Self::MaxPanel => "Sheet",
@@ -148,6 +160,8 @@ impl Map {
             Self::Dihedral => "dihedral angle, degrees",
             Self::Curvature => "k1 / k2, saddles below 0, parabolic band at 0",
             Self::FeatureSize => "panel length times largest curvature",
+            Self::PanelArea => "area, mean areas",
+            Self::PanelAspect => "length over width",
             Self::Valence => "number of corners",
             Self::Validity => "what the checks say of each panel",
             _ => "how near to the limit, 1 is at it, more is outside",
@@ -279,6 +293,11 @@ fn scale(map: Map, subject: &Subject<'_>) -> ColourScale {
             limit: Some(FeatureSizes::BOUND),
             ..continuous(0.0, 2.0, false, ramps::SEQUENTIAL)
         }),
+        Map::PanelArea => {
+            let areas = continuous(0.25, 4.0, true, ramps::DIVERGING);
+            ColourScale::Continuous(about(1.0, areas))
+        }
+        Map::PanelAspect => ColourScale::Continuous(continuous(1.0, 4.0, false, ramps::SEQUENTIAL)),
         Map::Valence => ColourScale::Classes(panel_kinds::classes()),
         Map::Validity => ColourScale::Classes(values::VALIDITY.to_vec()),
         _ => ColourScale::Continuous(Continuous {

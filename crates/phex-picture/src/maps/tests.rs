@@ -112,6 +112,23 @@ fn edges_of_mean_length_are_in_the_middle_of_the_scale() {
 }
 
 #[test]
+fn areas_are_over_the_mean_one_and_shapes_over_a_square() {
+    let corners = [
+        [0.0, 0.0],
+        [1.0, 0.0],
+        [4.0, 0.0],
+        [4.0, 1.0],
+        [1.0, 1.0],
+        [0.0, 1.0],
+    ];
+    let corners = corners.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
+    let mesh = HexMesh::new(corners, &[[0, 1, 4, 5], [1, 2, 3, 4]]).unwrap();
+    assert_eq!(map(&mesh, Map::PanelArea).values, [0.5, 1.5]);
+    let shapes = map(&mesh, Map::PanelAspect).values;
+    assert!((shapes[0] - 1.0).abs() < 1e-12 && (shapes[1] - 3.0).abs() < 1e-12);
+}
+
+#[test]
 fn a_panel_that_crosses_itself_is_told_from_a_concave_one() {
     let class = |x, y| map(&corner([x, y]), Map::Validity).values[0] as usize;
     assert_eq!(values::VALIDITY[class(1.0, 1.0)].label, "convex, valid");

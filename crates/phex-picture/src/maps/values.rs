@@ -4,7 +4,8 @@ use super::{Class, Coloured, Map, panel_kinds};
 use phex::curvature::{self, Curvature, CurvatureOptions, Principal};
 use phex::quality::Assessment;
 use phex::report::FeatureSizes;
-use phex_mesh::{ElementId, FaceId, HexMesh, PerFace, TriangleSurface};
+use phex_mesh::measure::aspect;
+use phex_mesh::{ElementId, FaceId, FlatFace, HexMesh, PerFace, TriangleSurface};
 use std::collections::BTreeSet;
 
 /// A mesh with everything that is known of it.
@@ -57,6 +58,15 @@ pub fn values(map: Map, subject: &Subject<'_>) -> Option<(Coloured, Vec<f64>)> {
             let sizes = FeatureSizes::new(subject.mesh, subject.surface?);
             (Face, sizes.per_face)
         }
+        Map::PanelArea => {
+            let mean = measures.area / measures.faces as f64;
+            (Face, elements.area.iter().map(|a| a / mean).collect())
+        }
+        Map::PanelAspect => {
+            let faces = FlatFace::all(subject.mesh);
+            let aspects = faces.iter().map(|f| aspect(&f.polygon));
+            (Face, aspects.map(finite).collect())
+        }
         Map::Valence => (Face, panel_kinds::class_numbers(subject.mesh)),
         Map::Validity => (Face, validity(subject)),
         _ => (Face, limited(map, subject)?),
@@ -68,8 +78,12 @@ fn limited(map: Map, subject: &Subject<'_>) -> Option<Vec<f64>> {
     let name = map.limit()?;
     let mut checks = subject.assessment.checks.iter();
     let check = checks.find(|c| c.name == name)?;
-    let finite = |x: &f64| if x.is_finite() { *x } else { f64::NAN };
-    Some(check.of_face.iter().map(finite).collect())
+    Some(check.of_face.iter().copied().map(finite).collect())
+}
+
+/// A value that can be drawn.
+fn finite(x: f64) -> f64 {
+    if x.is_finite() { x } else { f64::NAN }
 }
 
 /// Largest distance of a panel's corners and centre to the surface, in % of the surface's diagonal.
