@@ -5,7 +5,7 @@
 //! smooth surface, the edges of offsets at +-1 % and +-0.3 % of the diagonal, and the order of the
 //! root mean square deviation in the panels' length between the first and the last number.
 
-#[path = "../tests/common/patches.rs"]
+#[path = "../tests/it/common/patches.rs"]
 mod patches;
 
 use patches::{PATCHES, patch};

@@ -38,7 +38,7 @@ extern crate self as phex;
 
 pub mod classical;
 #[cfg(test)]
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod common;
 pub mod curvature;
 pub mod directions;

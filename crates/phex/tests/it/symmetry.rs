@@ -1,0 +1,242 @@
+//! Panels have the symmetries of their surface, to the last bit.
+use crate::common::mapped;
+use phex::pipeline::PipelineError;
+use phex::symmetry::{SYMMETRY_TOLERANCE, Symmetry};
+use phex::{Boundary, Effort, MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
+use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId, measure};
+use std::collections::BTreeSet;
+
+fn surface(name: &str, parameters: &[(&str, f64)], jitter: f64) -> TriangleSurface {
+    let options = TriangulationOptions {
+        triangles: 4000,
+        jitter,
+        seed: 3,
+    };
+    triangulate(&Shape::from_name(name, parameters).unwrap(), &options).unwrap()
+}
+
+fn round_dome() -> TriangleSurface {
+    surface("elliptic-paraboloid", &[("a", 1.2), ("b", 1.2)], 0.0)
+}
+
+fn meshed(
+    surface: &TriangleSurface,
+    panels: usize,
+    symmetry: Symmetry,
+) -> Result<MeshRun, PipelineError> {
+    let options = MeshOptions {
+        size: PanelSize::Panels(panels),
+        symmetry,
+        ..Default::default()
+    };
+    mesh_surface(surface, &options, &Silent)
+}
+
+/// Corners of a panel.
+fn ring(run: &MeshRun, f: usize) -> Vec<u32> {
+    let ring = run.mesh.topology().face_vertices(FaceId::new(f as u32));
+    ring.iter().map(|v| v.index() as u32).collect()
+}
+
+/// What holds for every mesh that is symmetric by construction: images to the last bit, panels that
+/// are images of others, and a valid mesh with three panels at each vertex.
+fn check(run: &MeshRun, group: &str, order: u32) {
+    let found = run.statistics.symmetry.as_ref().expect("a symmetry");
+    assert_eq!((found.group.as_str(), found.order), (group, order));
+    assert!(found.distance_rel <= SYMMETRY_TOLERANCE);
+    assert!(run.is_sound(), "{group}: {:?}", run.violations);
+    let (topology, orbits) = (run.mesh.topology(), run.orbits.as_ref().unwrap());
+    assert!(measure(&run.mesh).planarity.max <= 1e-12);
+    let mut inner = topology
+        .vertices()
+        .filter(|v| !topology.is_boundary_vertex(*v));
+    assert!(inner.all(|v| topology.face_degree(v) == 3));
+    let place = |v: u32| run.mesh.position(VertexId::new(v));
+    assert_eq!(orbits.operations.len() as u32, order);
+    assert_eq!(orbits.vertices.len(), topology.n_vertices());
+    for (v, (source, operation)) in orbits.vertices.iter().enumerate() {
+        assert_eq!(orbits.vertices[*source as usize], (*source, 0));
+        if *operation > 0 {
+            let image = orbits.operations[*operation as usize].image(place(*source));
+            assert_eq!(image, place(v as u32), "vertex {v}");
+        }
+    }
+    // Every operation maps the mesh to itself.
+    let near = 1e-9 * run.mesh.diagonal();
+    let all: BTreeSet<Vec<u32>> = (0..topology.n_faces())
+        .map(|f| {
+            let mut corners = ring(run, f);
+            corners.sort_unstable();
+            corners
+        })
+        .collect();
+    for operation in &orbits.operations {
+        let image = |v: u32| {
+            let p = operation.image(place(v));
+            let same = |q: &Vec3| (q - p).norm() < near;
+            run.mesh.positions.iter().position(same).unwrap() as u32
+        };
+        let images: Vec<u32> = (0..topology.n_vertices() as u32).map(image).collect();
+        for f in 0..topology.n_faces() {
+            let mut corners: Vec<u32> = ring(run, f).iter().map(|v| images[*v as usize]).collect();
+            corners.sort_unstable();
+            assert!(all.contains(&corners), "panel {f} has no image");
+        }
+    }
+    let distinct: BTreeSet<u32> = orbits.panels.iter().map(|p| p.0).collect();
+    assert_eq!(distinct.len(), found.distinct_panels);
+    assert!(distinct.len() * order as usize >= topology.n_faces());
+}
+
+#[test]
+fn a_dome_of_revolution_has_the_order_that_is_asked_for() {
+    for n in [5, 6] {
+        let run = meshed(&round_dome(), 200, Symmetry::Turns(n)).unwrap();
+        check(&run, &format!("C{n}v"), 2 * n);
+        assert!(run.statistics.symmetry.as_ref().unwrap().revolution);
+        // One panel lies round the axis.
+        let middle = run.mesh.topology().faces();
+        let closest = middle.map(|f| run.mesh.centre(f).xy().norm());
+        assert!(closest.fold(f64::INFINITY, f64::min) < 1e-9);
+    }
+}
+
+/// Where the domain is narrow a cell beside the one at the axis has a side in both mirror planes.
+#[test]
+fn a_dome_of_few_panels_is_meshed_whichever_their_number() {
+    let dome = round_dome();
+    for (n, panels) in [6, 8, 12]
+        .map(|n| [60, 80, 140, 200].map(|p| (n, p)))
+        .concat()
+    {
+        let options = MeshOptions {
+            size: PanelSize::Panels(panels),
+            symmetry: Symmetry::Turns(n),
+            effort: Effort::Draft,
+            ..Default::default()
+        };
+        let run = mesh_surface(&dome, &options, &Silent).unwrap();
+        check(&run, &format!("C{n}v"), 2 * n);
+    }
+}
+
+#[test]
+fn two_mirror_planes_of_a_dome_are_found_on_irregular_triangles() {
+    for jitter in [0.0, 0.3] {
+        let dome = surface("elliptic-paraboloid", &[], jitter);
+        let run = meshed(&dome, 150, Symmetry::Auto).unwrap();
+        check(&run, "C2v", 4);
+        let run = meshed(&dome, 150, Symmetry::Mirror).unwrap();
+        check(&run, "Cs", 2);
+    }
+}
+
+/// A dome that is round inside of a square plan: the boundary alone tells where its mirror planes
+/// are, and the triangles have none.
+#[test]
+fn the_boundary_of_a_round_dome_has_mirror_planes_of_its_own() {
+    let plan = surface("plane", &[], 0.3);
+    let [wide, deep] = [0, 1].map(|k| {
+        let along = plan.positions().iter().map(|p| p[k].abs());
+        along.fold(0.0, f64::max)
+    });
+    let square = mapped(&plan, |p| Vec3::new(p.x / wide, p.y / deep, 0.0));
+    let dome = mapped(&square, |p| p - Vec3::z() * (0.3 * p.norm_squared()));
+    check(&meshed(&dome, 120, Symmetry::Auto).unwrap(), "C4v", 8);
+}
+
+/// What is irregular at mirror planes has an image in each part: edges turn with their images, and
+/// cells of doubtful size are halves or wholes as panels are more regular. Without that the mean
+/// share is 0.84.
+#[test]
+fn panels_between_mirror_planes_are_regular_on_average() {
+    let share = |order: u32| {
+        let run = meshed(&round_dome(), 300, Symmetry::Turns(order)).unwrap();
+        check(&run, &format!("C{order}v"), 2 * order);
+        measure(&run.mesh).hex.unwrap()
+    };
+    let shares = [4, 5, 6, 8].map(share);
+    let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+    assert!(mean > 0.87, "{shares:?}");
+}
+
+#[test]
+fn mirror_images_about_coordinate_planes_differ_in_a_sign() {
+    let run = meshed(
+        &surface("elliptic-paraboloid", &[], 0.0),
+        100,
+        Symmetry::Auto,
+    )
+    .unwrap();
+    for operation in &run.orbits.unwrap().operations {
+        assert_eq!(operation.shift, [0.0; 3]);
+        let mut entries = operation.rows.as_flattened().iter();
+        assert!(entries.all(|e| [0.0, 1.0, -1.0].contains(e)));
+    }
+}
+
+#[test]
+fn closed_and_open_surfaces_of_revolution_follow_planes_across_the_axis() {
+    let run = meshed(&surface("torus", &[], 0.0), 250, Symmetry::Turns(6)).unwrap();
+    check(&run, "D6h", 24);
+    let run = meshed(&surface("catenoid", &[], 0.0), 250, Symmetry::Turns(6)).unwrap();
+    check(&run, "D6h", 24);
+}
+
+#[test]
+fn symmetries_are_found_wherever_the_surface_lies() {
+    let dome = surface("elliptic-paraboloid", &[], 0.0);
+    for k in 0..4 {
+        let k = f64::from(k);
+        let turn = nalgebra::Rotation3::from_euler_angles(0.4 + k, 1.1 * k, 2.3 - 0.7 * k);
+        let moved = dome.mapped(|p| turn * p * 7.0 + Vec3::new(k, -20.0, 3.0 * k));
+        let run = meshed(&moved, 80, Symmetry::Auto).unwrap();
+        check(&run, "C2v", 4);
+    }
+}
+
+#[test]
+fn what_a_surface_does_not_have_is_refused_by_name() {
+    let says = |surface: &TriangleSurface, symmetry| match meshed(surface, 60, symmetry) {
+        Err(error @ PipelineError::Symmetry { .. }) => error.to_string(),
+        Err(error) => panic!("{error}"),
+        Ok(_) => panic!("a mesh"),
+    };
+    let free = surface("b-spline", &[], 0.0);
+    assert!(says(&free, Symmetry::Mirror).contains("no mirror plane within 0.1 %"));
+    let dome = surface("elliptic-paraboloid", &[], 0.0);
+    assert!(says(&dome, Symmetry::Turns(5)).contains("C2v, and no rotation of order 5"));
+    // A ramp has rotations alone.
+    assert!(says(&surface("helicoid", &[], 0.0), Symmetry::Turns(2)).contains("mirror plane"));
+    // A bump of a hundredth of the diagonal on one side.
+    let bump = |p: &Vec3| {
+        let d = (p - Vec3::new(0.5, 0.1, p.z)).norm();
+        Vec3::new(p.x, p.y, p.z + 0.04 * (-d * d / 0.02).exp())
+    };
+    assert!(says(&dome.mapped(bump), Symmetry::Mirror).contains("no mirror plane"));
+    let options = MeshOptions {
+        size: PanelSize::Panels(60),
+        symmetry: Symmetry::Mirror,
+        boundary: Boundary::Clip,
+        ..Default::default()
+    };
+    let refused = mesh_surface(&dome, &options, &Silent).map(|_| ());
+    assert!(
+        refused
+            .unwrap_err()
+            .to_string()
+            .contains("boundary can be `snap`")
+    );
+}
+
+#[test]
+fn surfaces_without_symmetry_are_meshed_as_without_the_option() {
+    let free = surface("b-spline", &[], 0.0);
+    let [plain, auto] = [Symmetry::None, Symmetry::Auto].map(|s| meshed(&free, 60, s).unwrap());
+    assert!(auto.statistics.symmetry.is_none() && auto.orbits.is_none());
+    assert_eq!(
+        plain.mesh.positions.as_slice(),
+        auto.mesh.positions.as_slice()
+    );
+}
