@@ -1,4 +1,4 @@
-//! What the layout hands to the optimiser, and what the repair loop edits.
+//! What the layout hands to the optimiser.
 
 use crate::classical::duality::Flipped;
 use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Vec3, VertexId};
@@ -55,8 +55,7 @@ pub struct Layout {
     /// Area and shape of each panel as the field of sizes and the metric ask for them, whatever the
     /// lattice could give it.
     pub face_wish: PerFace<PanelWish>,
-    /// Vertex of the refined surface that each cell grew from; the repair loop drops seeds of
-    /// panels that stay invalid.
+    /// Vertex of the refined surface that each cell grew from: panels have the wishes there.
     pub face_seed: PerFace<VertexId>,
 }
 
