@@ -9,6 +9,7 @@ use phex_mesh::measure::{
 };
 use phex_mesh::validate::{Violation, violations};
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, add_flips};
+use rayon::join;
 use serde::Serialize;
 
 /// A check that was not made.
@@ -111,18 +112,29 @@ impl Assessment {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(mesh: &HexMesh, references: References<'_>, limits: &Limits) -> Self {
-        let measures = measure(mesh);
-        let mut violations = violations(mesh, references.judge(), &limits.validity);
-        if let Some(facets) = references.facets {
-            add_flips(&mut violations, mesh, facets);
-        }
+        let found = || {
+            let mut found = violations(mesh, references.judge(), &limits.validity);
+            if let Some(facets) = references.facets {
+                add_flips(&mut found, mesh, facets);
+            }
+            found
+        };
         let away = |s, k: usize| deviation_beyond(mesh, s, references.beyond.map_or(s, |b| b[k]));
-        let deviation_smooth = references.smooth.map(|s| away(s, 0));
-        let deviation_facets = match references.are_one() {
-            true => deviation_smooth.clone(),
+        let from_smooth = || references.smooth.map(|s| away(s, 0));
+        let from_facets = || match references.are_one() {
+            true => None,
             false => references.facets.map(|s| away(s, 1)),
         };
-        let boundary = references.judge().and_then(|s| boundary_fit(mesh, s));
+        let ends = || references.judge().and_then(|s| boundary_fit(mesh, s));
+        // What has to be found out at the end of a run, where nothing else is left to do.
+        let ((measures, violations), ((deviation_smooth, from_facets), boundary)) = join(
+            || join(|| measure(mesh), found),
+            || join(|| join(from_smooth, from_facets), ends),
+        );
+        let deviation_facets = match references.are_one() {
+            true => deviation_smooth.clone(),
+            false => from_facets,
+        };
         let checks = validity_checks(mesh, &measures, &violations, &limits.validity);
         let mut checks = with_advice(
             checks,
