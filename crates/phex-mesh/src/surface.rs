@@ -216,6 +216,12 @@ impl TriangleSurface {
             .unwrap_or_else(|| self.closest_point(p))
     }
 
+    /// Makes what closest points are sought with, once for all clones: the first query then does not
+    /// wait for it.
+    pub fn prepare(&self) {
+        self.hierarchy();
+    }
+
     fn hierarchy(&self) -> &TriMesh {
         self.hierarchy.get_or_init(|| {
             let points = self.positions.iter().map(|&p| to_parry(p)).collect();

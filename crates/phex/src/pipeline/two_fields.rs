@@ -89,7 +89,12 @@ impl FieldPanels {
     fn of(ground: &Ground, field: Field, clock: &mut Clock<'_>) -> Result<Self, PipelineError> {
         let fine = FineSurface::new(ground, &field);
         let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
-        let first = Drawn::first(ground, &field, made, clock)?;
+        // The panels' middles are sought on the fine surface as soon as cells have grown.
+        let (first, ()) = rayon::join(
+            || Drawn::first(ground, &field, made, clock),
+            || fine.surface.prepare(),
+        );
+        let first = first?;
         Ok(Self { field, fine, first })
     }
 }
