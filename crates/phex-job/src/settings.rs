@@ -106,7 +106,8 @@ pub struct MeshSettings {
     /// Unit of the model's coordinates [default: m]
     #[cfg_attr(feature = "clap", arg(long, value_enum))]
     pub unit: Option<Unit>,
-    /// Mesh every connected part of a surface that has several, even crumbs (less than a thousandth of the largest one's area), which are left out else
+    /// Mesh every connected part of a surface that has several, even crumbs with less than a
+    /// thousandth of the area of the largest one, which are left out otherwise
     #[cfg_attr(feature = "clap", arg(long))]
     pub all_components: bool,
     /// Seed of every random choice [default: 0]

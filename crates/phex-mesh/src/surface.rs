@@ -216,8 +216,8 @@ impl TriangleSurface {
             .unwrap_or_else(|| self.closest_point(p))
     }
 
-    /// Makes what closest points are sought with, once for all clones: the first query then does not
-    /// wait for it.
+    /// Makes what closest points are sought with, once for all clones, so that the first query does
+    /// not wait for it.
     pub fn prepare(&self) {
         self.hierarchy();
     }
