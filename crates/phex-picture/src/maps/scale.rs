@@ -87,7 +87,10 @@ impl Continuous {
                 let last = (most.log10().ceil() as i32).max(first + 1);
                 Some([first, last].map(|n| 10_f64.powi(n)))
             }
-            (None, false) => (most > 0.0).then(|| [0.0, rounded_up(most)]),
+            (None, false) => {
+                let low = self.low;
+                (most > low).then(|| [low, low + rounded_up(most - low)])
+            }
         }
     }
 

@@ -124,8 +124,12 @@ fn areas_are_over_the_mean_one_and_shapes_over_a_square() {
     let corners = corners.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
     let mesh = HexMesh::new(corners, &[[0, 1, 4, 5], [1, 2, 3, 4]]).unwrap();
     assert_eq!(map(&mesh, Map::PanelArea).values, [0.5, 1.5]);
-    let shapes = map(&mesh, Map::PanelAspect).values;
-    assert!((shapes[0] - 1.0).abs() < 1e-12 && (shapes[1] - 3.0).abs() < 1e-12);
+    let shapes = map(&mesh, Map::PanelAspect);
+    assert!((shapes.values[0] - 1.0).abs() < 1e-12 && (shapes.values[1] - 3.0).abs() < 1e-12);
+    let ColourScale::Continuous(scale) = &shapes.scale else {
+        panic!("shapes are no classes")
+    };
+    assert_eq!(scale.low, 1.0, "no panel is wider than long");
 }
 
 #[test]
