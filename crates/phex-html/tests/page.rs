@@ -132,6 +132,8 @@ fn data_come_back_as_they_were() {
             "valence",
             "validity",
             "planarity",
+            "panel-area",
+            "panel-aspect",
             "edge-length",
             "dihedral",
             "curvature"
@@ -168,7 +170,7 @@ fn without_a_viewer_there_are_pictures_and_a_reason() {
     let html = made(&corner(1.0), None);
     assert!(html.contains("built without npm"));
     assert!(html.contains("<details id=\"pictures\" open>"));
-    assert_eq!(html.matches("src=\"data:image/png;base64,").count(), 6);
+    assert_eq!(html.matches("src=\"data:image/png;base64,").count(), 8);
     assert!(!html.contains("phex-data") && !html.contains("id=\"phex-viewer\""));
     assert!(html.contains("Simple panels"), "tables are there");
 }
