@@ -154,7 +154,7 @@ impl<'a> Path<'a> {
         if self.is_over() || held.as_ref().is_some_and(is_done) || !self.loosen() {
             return Ok(held.unwrap_or_else(|| self.project(Some(KEPT_CLEARANCE))));
         }
-        self.descend_all()?;
+        self.descend_loosened()?;
         let free = self.project(Some(KEPT_CLEARANCE));
         Ok(match held {
             Some(held) => better(held, free),
@@ -178,6 +178,23 @@ impl<'a> Path<'a> {
         }
         self.stiffen()?;
         Ok(true)
+    }
+
+    /// All phases with a weak hold on the start; from rest the highest penalty at once, and once
+    /// more where it has ended early: a weak hold and less weight on planarity may lead rows to
+    /// where they turn round, and few panels hinder all others. Parts of a mesh, of which each
+    /// rests on its neighbours, come there sooner by phases.
+    fn descend_loosened(&mut self) -> Result<(), OptimiseError> {
+        let is_whole = matches!(self.descent, Descent::Whole(_));
+        if !(is_whole && self.starts_at_rest()) {
+            return self.descend_all().map(|_| ());
+        }
+        let bent = self.bending();
+        self.descend_last(1)?;
+        if self.bending() > STUBBORN * bent {
+            self.descend_last(1)?;
+        }
+        Ok(())
     }
 
     /// Goes on with higher penalties where a mesh that is minimised in parts is still bent.
@@ -326,17 +343,17 @@ impl<'a> Path<'a> {
         self.weights.limits = 0.0;
         self.weights.closeness.limit.elastic.weight = 0.0;
         match self.starts_at_rest() {
-            true => self.insist_at_once(),
+            true => self.insist_by_phases(),
             false => self.insist_by_penalties(),
         }
     }
 
-    /// From rest at once the highest penalty: those before it may lead to where rows turn round
-    /// and few panels hinder all others. Newton's method on the constraints goes on, whose steps
-    /// cost the least energy, where the projection's are the shortest.
-    fn insist_at_once(&mut self) -> Result<Reached, OptimiseError> {
+    /// From rest all phases, where the highest penalty at once was not enough. Newton's method on
+    /// the constraints goes on, whose steps cost the least energy, where the projection's are the
+    /// shortest.
+    fn insist_by_phases(&mut self) -> Result<Reached, OptimiseError> {
         self.restart();
-        self.descend_last(1)?;
+        self.descend_all()?;
         self.minimise_on_constraints(INSISTING)
     }
 
