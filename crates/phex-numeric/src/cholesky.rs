@@ -18,7 +18,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
 use faer::traits::ext::ComplexFieldExt;
-use faer::{Conj, MatMut, Par, Side, Spec};
+use faer::{Conj, MatMut, Par, Side, Spec, c64};
 use std::sync::Arc;
 
 /// Refinements of a solution at the most.
@@ -36,7 +36,7 @@ pub struct Cholesky<T = f64> {
     factorisations: usize,
 }
 
-impl<T: Scalar<Real = f64>> Cholesky<T> {
+impl<T: CholeskyNumber> Cholesky<T> {
     /// Analyses and factorises `matrix`.
     ///
     /// ```
@@ -134,23 +134,9 @@ impl<T: Scalar<Real = f64>> Cholesky<T> {
         if let Some(pivot) = self.matrix.diagonal().position(|d| d.is_nan() || d <= 0.0) {
             return Err(NumericError::NotPositiveDefinite { pivot });
         }
-        let columns = columns(self.matrix.pattern());
-        self.symbolic
-            .factorize_numeric_llt(
-                &mut self.factor,
-                SparseColMatRef::new(columns, self.matrix.values()),
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut self.scratch),
-                Spec::default(),
-            )
-            .map(|_| ())
-            .map_err(
-                |PivotError::NonPositivePivot { index }| NumericError::NotPositiveDefinite {
-                    pivot: index,
-                },
-            )
+        let (factor, scratch) = (&mut self.factor, MemStack::new(&mut self.scratch));
+        T::factorise(&self.symbolic, &self.matrix, factor, scratch)
+            .map_err(|pivot| NumericError::NotPositiveDefinite { pivot })
     }
 
     /// Solves `A x = b` in place: `rhs` holds `b` before and `x` after.
@@ -188,14 +174,8 @@ impl<T: Scalar<Real = f64>> Cholesky<T> {
     }
 
     fn solve_unrefined(&self, columns: &mut [T], count: usize) {
-        let request = self.symbolic.solve_in_place_scratch::<T>(count, Par::Seq);
-        let mut scratch = MemBuffer::new(request);
-        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(columns, self.dimension(), count),
-            Par::Seq,
-            MemStack::new(&mut scratch),
-        );
+        let columns = MatMut::from_column_major_slice_mut(columns, self.dimension(), count);
+        T::solve(&self.symbolic, &self.factor, columns);
     }
 
     fn refine(&self, b: &[T], x: &mut [T]) {
@@ -243,7 +223,59 @@ impl<T: Scalar<Real = f64>> Cholesky<T> {
     }
 }
 
-impl<T: Scalar<Real = f64>> std::fmt::Debug for Cholesky<T> {
+/// Numbers whose factorisation is compiled here, and not again in every crate that uses it.
+pub trait CholeskyNumber: Scalar<Real = f64> {
+    /// Writes the factor of a positive definite matrix, or names the pivot that is not positive.
+    #[doc(hidden)]
+    fn factorise(
+        symbolic: &SymbolicCholesky<u32>,
+        matrix: &SymmetricMatrix<Self>,
+        factor: &mut [Self],
+        scratch: &mut MemStack,
+    ) -> Result<(), usize>;
+
+    /// Solves for all columns in place.
+    #[doc(hidden)]
+    fn solve(symbolic: &SymbolicCholesky<u32>, factor: &[Self], columns: MatMut<'_, Self>);
+}
+
+macro_rules! factor {
+    ($($number:ty),*) => {$(
+        impl CholeskyNumber for $number {
+            fn factorise(
+                symbolic: &SymbolicCholesky<u32>,
+                matrix: &SymmetricMatrix<Self>,
+                factor: &mut [Self],
+                scratch: &mut MemStack,
+            ) -> Result<(), usize> {
+                let matrix = SparseColMatRef::new(columns(matrix.pattern()), matrix.values());
+                let (side, regular) = (Side::Lower, LltRegularization::default());
+                symbolic
+                    .factorize_numeric_llt(
+                        factor, matrix, side, regular, Par::Seq, scratch, Spec::default(),
+                    )
+                    .map(|_| ())
+                    .map_err(|PivotError::NonPositivePivot { index }| index)
+            }
+
+            fn solve(
+                symbolic: &SymbolicCholesky<u32>,
+                factor: &[Self],
+                columns: MatMut<'_, Self>,
+            ) {
+                let request = symbolic.solve_in_place_scratch::<Self>(columns.ncols(), Par::Seq);
+                let mut scratch = MemBuffer::new(request);
+                let factor = LltRef::new(symbolic, factor);
+                let stack = MemStack::new(&mut scratch);
+                factor.solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
+            }
+        }
+    )*};
+}
+
+factor!(f64, c64);
+
+impl<T: CholeskyNumber> std::fmt::Debug for Cholesky<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Cholesky")
             .field("dimension", &self.dimension())
@@ -337,7 +369,6 @@ fn quotient(pattern: &Pattern, block: usize) -> Pattern {
 mod tests {
     use super::*;
     use crate::{ConjugateGradientOptions, conjugate_gradients};
-    use faer::c64;
     use proptest::prelude::*;
 
     /// Dense Gaussian elimination, the other method.

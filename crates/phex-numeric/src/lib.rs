@@ -11,6 +11,7 @@
 //! | [`damped`] | descent whose damping follows the collision step |
 //! | [`projection`] | minimum-norm projection onto constraints, guarded |
 //! | [`lagrange`] | Newton's method on the Lagrangian, to the last digits |
+//! | [`quadratic`] | convex quadratic programs, by interior points |
 //! | [`outcome`] | how an iteration ended |
 //! | [`error`] | what can be wrong with a system |
 
@@ -22,11 +23,12 @@ pub mod error;
 pub mod lagrange;
 pub mod outcome;
 pub mod projection;
+pub mod quadratic;
 pub mod schur;
 pub mod symmetric;
 
 pub use assembly::Assembly;
-pub use cholesky::Cholesky;
+pub use cholesky::{Cholesky, CholeskyNumber};
 pub use conjugate_gradients::{
     ConjugateGradientOptions, ConjugateGradientResult, conjugate_gradients,
     preconditioned_conjugate_gradients,
@@ -36,5 +38,6 @@ pub use error::NumericError;
 pub use lagrange::{LagrangeNewton, LagrangeOptions, LagrangeProblem};
 pub use outcome::{Outcome, Record, Status};
 pub use projection::{Constraints, MinimumNorm, ProjectionOptions};
+pub use quadratic::{LinearConstraints, Triplet, minimise};
 pub use schur::{LaggedCholesky, SchurOptions, SchurProblem, SchurSqp};
 pub use symmetric::{Pattern, Scalar, SymmetricMatrix};

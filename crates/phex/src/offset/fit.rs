@@ -36,14 +36,10 @@ use super::null_space::Rows;
 use super::signs::{EdgeSigns, SignError, SignedLengths, Waist, closest_normal, crossed};
 use super::space::{ParallelError, ParallelSpace};
 use crate::progress::{Event, Progress};
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
-};
 use phex_mesh::{
     EdgeId, FaceId, HexMesh, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId,
 };
-use phex_numeric::Status;
+use phex_numeric::{LinearConstraints, Status, Triplet, minimise};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -371,9 +367,7 @@ struct Program<'a> {
     /// Lengths that edges are wished to have; by default those of the input's, with mean 1.
     natural: PerEdge<f64>,
     signed: bool,
-    constraints: CscMatrix<f64>,
-    bounds: Vec<f64>,
-    n_equalities: usize,
+    constraints: LinearConstraints,
 }
 
 impl<'a> Program<'a> {
@@ -399,17 +393,18 @@ impl<'a> Program<'a> {
             None => (space.lengths(space.mesh()).map(|l| l / mean_edge), &[][..]),
         };
         let least = natural.map(|l| options.least_edge * l.signum());
-        let mut equalities = Rows::new(3 * t.n_vertices());
         let parallel = space.parallelism_rows();
-        (0..parallel.n_rows()).for_each(|i| equalities.push(entries_of(parallel, i)));
+        let mut rows = Rows::new(3 * t.n_vertices());
+        (0..parallel.n_rows()).for_each(|i| rows.push(entries_of(parallel, i)));
         if options.minimal {
-            minimal_rows(space, &mut equalities);
+            minimal_rows(space, &mut rows);
         }
-        let n_equalities = equalities.n_rows();
+        let n_equalities = rows.n_rows();
         let mut bounds = vec![0.0; n_equalities];
-        let mut inequalities = Rows::new(3 * t.n_vertices());
-        length_rows(space, &least, &mut inequalities, &mut bounds);
-        waist_rows(t, waists, &least, &mut inequalities, &mut bounds);
+        length_rows(space, &least, &mut rows, &mut bounds);
+        waist_rows(t, waists, &least, &mut rows, &mut bounds);
+        let of_row = |i| entries_of(&rows, i).map(move |(j, a)| (i, j, a));
+        let entries = (0..rows.n_rows()).flat_map(of_row).collect();
         Some(Self {
             space,
             options,
@@ -418,9 +413,7 @@ impl<'a> Program<'a> {
             centre: feet.position.iter().sum::<Vec3>() / feet.position.len() as f64,
             natural,
             signed: signed.is_some(),
-            constraints: stacked(&equalities, &inequalities),
-            bounds,
-            n_equalities,
+            constraints: LinearConstraints::new(rows.n_columns(), entries, bounds, n_equalities),
         })
     }
 
@@ -446,40 +439,16 @@ impl<'a> Program<'a> {
     /// Positions of the vertices for given foot points; `None` if the solver gives up.
     fn solve(&self, feet: &SurfaceFeet, current: &HexMesh) -> Option<PerVertex<Vec3>> {
         let (hessian, gradient) = self.objective(feet, current);
-        let cones = [
-            ZeroConeT(self.n_equalities),
-            NonnegativeConeT(self.bounds.len() - self.n_equalities),
-        ];
-        let settings = DefaultSettings {
-            verbose: false,
-            max_threads: 1,
-            ..DefaultSettings::default()
-        };
-        let mut solver = DefaultSolver::new(
-            &hessian,
-            &gradient,
-            &self.constraints,
-            &self.bounds,
-            &cones,
-            settings,
-        )
-        .ok()?;
-        solver.solve();
-        let x = &solver.solution.x;
-        let usable = matches!(
-            solver.solution.status,
-            SolverStatus::Solved | SolverStatus::AlmostSolved
-        );
+        let x = minimise(hessian, &gradient, &self.constraints)?;
         let position = |v: VertexId| {
             let i = 3 * v.index();
             Vec3::new(x[i], x[i + 1], x[i + 2]) * self.unit + self.centre
         };
-        (usable && x.iter().all(|x| x.is_finite()))
-            .then(|| PerVertex::from_fn(feet.position.len(), position))
+        Some(PerVertex::from_fn(feet.position.len(), position))
     }
 
     /// Upper triangle of the Hessian, and the gradient at the origin.
-    fn objective(&self, feet: &SurfaceFeet, current: &HexMesh) -> (CscMatrix<f64>, Vec<f64>) {
+    fn objective(&self, feet: &SurfaceFeet, current: &HexMesh) -> (Vec<Triplet>, Vec<f64>) {
         let n = 3 * feet.position.len();
         let (mut triplets, mut gradient) = (Vec::new(), vec![0.0; n]);
         for (v, (p, normal)) in feet.position.iter().zip(&feet.normal).enumerate() {
@@ -498,7 +467,7 @@ impl<'a> Program<'a> {
         if self.options.constant_mean_curvature > 0.0 {
             self.add_curvature(current, &mut triplets, &mut gradient);
         }
-        (csc(n, n, triplets), gradient)
+        (triplets, gradient)
     }
 
     fn add_fairness(&self, triplets: &mut Vec<Triplet>, gradient: &mut [f64]) {
@@ -539,8 +508,6 @@ impl<'a> Program<'a> {
         }
     }
 }
-
-type Triplet = (usize, usize, f64);
 
 /// Adds `weight (row . x + constant)^2 / 2` to an objective.
 fn add_square(
@@ -613,40 +580,6 @@ fn minimal_rows(space: &ParallelSpace, rows: &mut Rows) {
 
 fn entries_of(rows: &Rows, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     rows.row(i).iter().map(|&(j, a)| (j as usize, a))
-}
-
-fn stacked(first: &Rows, second: &Rows) -> CscMatrix<f64> {
-    let entries = |rows: &Rows, offset: usize| -> Vec<(usize, usize, f64)> {
-        let row = |i: usize| {
-            rows.row(i)
-                .iter()
-                .map(move |&(j, a)| (offset + i, j as usize, a))
-        };
-        (0..rows.n_rows()).flat_map(row).collect()
-    };
-    let mut triplets = entries(first, 0);
-    triplets.extend(entries(second, first.n_rows()));
-    csc(
-        first.n_rows() + second.n_rows(),
-        first.n_columns(),
-        triplets,
-    )
-}
-
-/// A matrix from triplets, those at one place added.
-fn csc(n_rows: usize, n_columns: usize, mut triplets: Vec<(usize, usize, f64)>) -> CscMatrix<f64> {
-    triplets.sort_by_key(|&(i, j, _)| (j, i));
-    triplets.dedup_by(|next, kept| {
-        let same = (next.0, next.1) == (kept.0, kept.1);
-        kept.2 += if same { next.2 } else { 0.0 };
-        same
-    });
-    let mut column_start = vec![0; n_columns + 1];
-    triplets.iter().for_each(|t| column_start[t.1 + 1] += 1);
-    (0..n_columns).for_each(|j| column_start[j + 1] += column_start[j]);
-    let rows = triplets.iter().map(|t| t.0).collect();
-    let values = triplets.iter().map(|t| t.2).collect();
-    CscMatrix::new(n_rows, n_columns, column_start, rows, values)
 }
 
 #[cfg(test)]
