@@ -78,7 +78,7 @@ impl From<String> for Stop {
     }
 }
 
-const CHECK: [Step; 18] = [
+const CHECK: [Step; 17] = [
     Step {
         name: "formatting",
         run: |root| Ok(cargo(root, &["fmt", "--all", "--check"])?),
@@ -130,8 +130,8 @@ const CHECK: [Step; 18] = [
         run: |root| Ok(cargo(root, &["test", "--workspace"])?),
     },
     Step {
-        name: "a minute of random inputs",
-        run: |root| Ok(attacks::fuzz(root, 1.0)?),
+        name: "a minute of random inputs, and files in other programs",
+        run: |root| side_by_side(|| Ok(attacks::fuzz(root, 1.0)?), || foreign::check(root)),
     },
     Step {
         name: "the book's commands do what it says",
@@ -140,10 +140,6 @@ const CHECK: [Step; 18] = [
     Step {
         name: "no row of the ledger is worse",
         run: |root| Ok(ledger::check(root)?),
-    },
-    Step {
-        name: "files in other programs",
-        run: foreign::check,
     },
     Step {
         name: "the report and the studio in a browser",
@@ -229,6 +225,22 @@ fn check(root: &Path) -> ExitCode {
     }
     println!("{}", passed(&skipped));
     ExitCode::SUCCESS
+}
+
+/// What takes a minute whatever else runs, and something else; a failure comes before a skip.
+fn side_by_side(
+    first: impl FnOnce() -> Result<(), Stop> + Send,
+    second: impl FnOnce() -> Result<(), Stop>,
+) -> Result<(), Stop> {
+    let ends = std::thread::scope(|scope| {
+        let first = scope.spawn(first);
+        let second = second();
+        let panicked = |_| Err(Stop::Failed("a step panicked".into()));
+        [first.join().unwrap_or_else(panicked), second]
+    });
+    let stops = ends.into_iter().filter_map(Result::err);
+    let first = stops.min_by_key(|stop| matches!(stop, Stop::Skipped(_)));
+    first.map_or(Ok(()), Err)
 }
 
 /// The last line of a check in which nothing failed.
@@ -355,16 +367,24 @@ mod tests {
     #[test]
     fn steps_that_were_skipped_are_named_and_not_counted_as_passed() {
         assert_eq!(passed(&[]), format!("== all {} steps passed", CHECK.len()));
-        let text = passed(&[
-            "files in other programs",
-            "the report and the studio in a browser",
-        ]);
+        let text = passed(&["files in other programs", "the Python package"]);
         let taken = CHECK.len() - 2;
         assert_eq!(
             text,
             format!(
-                "== {taken} steps passed, skipped: files in other programs, the report and the studio in a browser"
+                "== {taken} steps passed, skipped: files in other programs, the Python package"
             )
         );
+    }
+
+    #[test]
+    fn a_failure_beside_a_skip_fails() {
+        let failed = || Err(Stop::Failed("wrong".into()));
+        let skipped = || Err(Stop::skipped("not there"));
+        let [a, b] = [side_by_side(failed, skipped), side_by_side(skipped, failed)];
+        assert!(matches!(a, Err(Stop::Failed(_))) && matches!(b, Err(Stop::Failed(_))));
+        let one = side_by_side(|| Ok(()), skipped);
+        assert!(matches!(one, Err(Stop::Skipped(_))));
+        assert!(side_by_side(|| Ok(()), || Ok(())).is_ok());
     }
 }
