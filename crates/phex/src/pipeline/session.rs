@@ -153,10 +153,13 @@ impl Session {
                         return Ok(run.restored(model, &given.steering));
                     }
                 }
-                let ground = clock.stage("target", || self.ground(panels, &options))?;
-                if let Some(moved) = ground.calmed {
-                    progress.report(&teeth_note(moved));
-                }
+                let (ground, unused) = clock.stage("target", || {
+                    let ground = self.ground(panels, &options);
+                    let unused = symmetric::unused(&ground);
+                    (ground, unused)
+                })?;
+                let notes = ground.calmed.map(teeth_note).into_iter().chain(unused);
+                notes.for_each(|message| progress.report(&Event::Note { message }));
                 portfolio::mesh_with_panels((surface, panels), &ground, &options, clock)
             }
             Method::BrickWall => brick_wall::mesh_with_panels(surface, panels, &options, clock),
@@ -189,11 +192,9 @@ impl Session {
 }
 
 /// What is told of a boundary with teeth that stand out so far, over the diagonal.
-fn teeth_note(moved: f64) -> Event {
+fn teeth_note(moved: f64) -> String {
     let share = 100.0 * moved;
-    Event::Note {
-        message: format!(
-            "the boundary has teeth, and panels follow a calmer line, up to {share:.2} % of the diagonal off it; the check `boundary` compares with that line"
-        ),
-    }
+    format!(
+        "the boundary has teeth, and panels follow a calmer line, up to {share:.2} % of the diagonal off it; the check `boundary` compares with that line"
+    )
 }

@@ -115,6 +115,22 @@ pub(super) fn mesh_with_panels(
     }
 }
 
+/// What is told where panels could have symmetries of the surface and were not asked to.
+pub(super) fn unused(ground: &Ground) -> Option<String> {
+    let options = &ground.options;
+    if options.symmetry != Symmetry::None || not_symmetric(options).is_some() {
+        return None;
+    }
+    let found = symmetry::find(ground.smooth.finest(), SYMMETRY_TOLERANCE).0?;
+    let planes = match found.revolution {
+        true => "through its axis of revolution".to_owned(),
+        false => format!("({})", found.group.name()),
+    };
+    Some(format!(
+        "the surface has mirror planes {planes} that panels do not follow; with `--symmetry auto` they do"
+    ))
+}
+
 /// A symmetric mesh and what the judge says of it.
 type SymmetricAttempt = Result<(Merit, MeshRun), NotSymmetric>;
 

@@ -2,10 +2,13 @@
 use crate::common::mapped;
 use phex::pipeline::PipelineError;
 use phex::symmetry::{SYMMETRY_TOLERANCE, Symmetry};
-use phex::{Boundary, Effort, MeshOptions, MeshRun, PanelSize, Silent, mesh_surface};
+use phex::{
+    Boundary, Effort, Event, MeshOptions, MeshRun, PanelSize, Progress, Silent, mesh_surface,
+};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{FaceId, TriangleSurface, Vec3, VertexId, measure};
 use std::collections::BTreeSet;
+use std::sync::Mutex;
 
 fn surface(name: &str, parameters: &[(&str, f64)], jitter: f64) -> TriangleSurface {
     let options = TriangulationOptions {
@@ -239,4 +242,33 @@ fn surfaces_without_symmetry_are_meshed_as_without_the_option() {
         plain.mesh.positions.as_slice(),
         auto.mesh.positions.as_slice()
     );
+}
+
+#[test]
+fn symmetries_that_panels_could_have_are_told() {
+    #[derive(Default)]
+    struct Notes(Mutex<Vec<String>>);
+    impl Progress for Notes {
+        fn report(&self, event: &Event) {
+            if let Event::Note { message } = event {
+                self.0.lock().unwrap().push(message.clone());
+            }
+        }
+    }
+    let notes = |surface: &TriangleSurface, boundary| {
+        let options = MeshOptions {
+            size: PanelSize::Panels(60),
+            effort: Effort::Draft,
+            boundary,
+            ..Default::default()
+        };
+        let notes = Notes::default();
+        mesh_surface(surface, &options, &notes).unwrap();
+        notes.0.into_inner().unwrap().join(" ")
+    };
+    let dome = surface("elliptic-paraboloid", &[], 0.0);
+    assert!(notes(&dome, Boundary::Snap).contains("mirror planes (C2v)"));
+    assert!(notes(&round_dome(), Boundary::Snap).contains("axis of revolution"));
+    assert!(!notes(&dome, Boundary::Clip).contains("mirror"));
+    assert!(!notes(&surface("b-spline", &[], 0.0), Boundary::Snap).contains("mirror"));
 }
