@@ -60,6 +60,7 @@ pub(crate) struct Found {
 }
 
 /// What a surface allows about one axis.
+#[derive(Clone, Copy)]
 struct About {
     frame: Frame,
     turns: u32,
@@ -76,10 +77,12 @@ pub(crate) fn find(surface: &TriangleSurface, tolerance: f64) -> (Option<Found>,
         .map(|axis| search.about(axis))
         .collect();
     about.sort_by_key(About::rank);
-    let mut with_mirrors = about.iter().rev().filter(|a| a.mirrors);
+    let with_mirrors = about.iter().rev().filter(|a| a.mirrors).copied();
+    // A door in one wall leaves the mirror plane through it.
+    let one_plane = with_mirrors.clone().map(About::one_plane);
     // Only some vertices have been looked at.
-    let fits = |a: &&About| search.distance(&a.frame, &a.generators(), usize::MAX) <= tolerance;
-    let found = with_mirrors.find(fits).map(|a| Found {
+    let fits = |a: &About| search.distance(&a.frame, &a.generators(), usize::MAX) <= tolerance;
+    let found = with_mirrors.chain(one_plane).find(fits).map(|a| Found {
         frame: a.frame,
         group: Group {
             rotations: a.turns,
@@ -107,6 +110,16 @@ impl About {
             self.turns
         };
         turns * (1 + u32::from(self.level))
+    }
+
+    /// The mirror plane through the axis alone.
+    fn one_plane(self) -> Self {
+        Self {
+            turns: 1,
+            level: false,
+            revolution: false,
+            ..self
+        }
     }
 
     fn generators(&self) -> Vec<Matrix3<f64>> {

@@ -245,6 +245,19 @@ fn surfaces_without_symmetry_are_meshed_as_without_the_option() {
 }
 
 #[test]
+fn a_door_in_one_wall_leaves_the_plane_through_it() {
+    let dome = surface("elliptic-paraboloid", &[], 0.0);
+    for door in [Vec3::new(0.6, 0.0, 0.0), Vec3::new(0.0, 0.4, 0.0)] {
+        let bump = |p: &Vec3| {
+            let d = (p - Vec3::new(door.x, door.y, p.z)).norm();
+            Vec3::new(p.x, p.y, p.z + 0.05 * (-d * d / 5e-4).exp())
+        };
+        let run = meshed(&dome.mapped(bump), 60, Symmetry::Mirror).unwrap();
+        assert_eq!(run.statistics.symmetry.unwrap().group, "Cs");
+    }
+}
+
+#[test]
 fn symmetries_that_panels_could_have_are_told() {
     #[derive(Default)]
     struct Notes(Mutex<Vec<String>>);
