@@ -281,7 +281,7 @@ fn symmetries_that_panels_could_have_are_told() {
     };
     let dome = surface("elliptic-paraboloid", &[], 0.0);
     assert!(notes(&dome, Boundary::Snap).contains("mirror planes (C2v)"));
-    assert!(notes(&round_dome(), Boundary::Snap).contains("axis of revolution"));
+    assert!(notes(&round_dome(), Boundary::Snap).contains("mirror planes"));
     assert!(!notes(&dome, Boundary::Clip).contains("mirror"));
     assert!(!notes(&surface("b-spline", &[], 0.0), Boundary::Snap).contains("mirror"));
 }
