@@ -8,6 +8,7 @@ use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::per_element::PerVertex;
 use crate::segment::{bounds, passes_through, to_parry};
 use crate::topology::{Topology, TopologyError};
+use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use rayon::prelude::*;
@@ -233,7 +234,8 @@ impl TriangleSurface {
     }
 
     /// Where it passes through itself: the middle of each edge that passes through a triangle with
-    /// which it has no vertex in common, in the order of edges. None in an embedded surface.
+    /// which it has no vertex in common, in the order of edges. None in an embedded surface; sheets
+    /// that meet in their vertices count.
     ///
     /// ```
     /// # use phex_mesh::{TriangleSurface, Vec3};
@@ -248,23 +250,47 @@ impl TriangleSurface {
     /// ```
     pub fn self_crossings(&self) -> &[Vec3] {
         self.self_crossings.get_or_init(|| {
+            let (places, margin) = self.nudged();
             let edges = 0..self.topology.n_edges() as u32;
             let found = edges.into_par_iter().map(EdgeId::new);
-            found.filter_map(|e| self.crossing_at(e)).collect()
+            let crossing = |e| self.crossing_at(e, &places, margin);
+            found.filter_map(crossing).collect()
         })
     }
 
-    fn crossing_at(&self, edge: EdgeId) -> Option<Vec3> {
-        let ends = self.topology.edge_vertices(edge);
-        let [from, to] = ends.map(|v| self.positions[v]);
-        let crosses = |t: u32| {
-            let triangle = FaceId::new(t);
-            let corners = self.topology.face_vertices(triangle);
-            !ends.iter().any(|v| corners.contains(v))
-                && passes_through(from, to, self.corners(triangle), [false; 3])
+    /// Vertices off the boundary moved at random, so that sheets that meet in a row of vertices
+    /// pass through each other as all others do; and how far, model units.
+    fn nudged(&self) -> (PerVertex<Vec3>, f64) {
+        let t = &self.topology;
+        let lengths = t.edges().map(|e| {
+            let [a, b] = t.edge_vertices(e).map(|v| self.positions[v]);
+            (a - b).norm()
+        });
+        let far = NUDGE * lengths.sum::<f64>() / t.n_edges() as f64;
+        let place = |v: VertexId| {
+            let share = |ratio: f64| 2.0 * (ratio * (1.0 + v.index() as f64)).fract() - 1.0;
+            let is_fixed = t.is_boundary_vertex(v);
+            self.positions[v] + Vec3::from(SPREAD.map(share)) * if is_fixed { 0.0 } else { far }
         };
-        let bvh = self.hierarchy().bvh();
-        let crossed = bvh.intersect_aabb(&bounds(from, to)).any(crosses);
+        (PerVertex::from_fn(t.n_vertices(), place), far)
+    }
+
+    fn crossing_at(&self, edge: EdgeId, places: &PerVertex<Vec3>, margin: f64) -> Option<Vec3> {
+        let ends = self.topology.edge_vertices(edge);
+        let [from, to] = ends.map(|v| places[v]);
+        let crosses = |t: u32| {
+            let corners = self.topology.face_vertices(FaceId::new(t));
+            !ends.iter().any(|v| corners.contains(v))
+                && passes_through(
+                    from,
+                    to,
+                    std::array::from_fn(|k| places[corners[k]]),
+                    [false; 3],
+                )
+        };
+        let near = bounds(from, to).loosened(2.0 * margin);
+        let crossed = self.hierarchy().bvh().intersect_aabb(&near).any(crosses);
+        let [from, to] = ends.map(|v| self.positions[v]);
         crossed.then(|| (from + to) * 0.5)
     }
 
@@ -304,6 +330,13 @@ impl TriangleSurface {
         }
     }
 }
+
+/// How far vertices are moved before edges are asked whether they pass through triangles, over the
+/// mean edge: as little as is told from a mere touch.
+const NUDGE: f64 = 1e-7;
+/// Multiples of these spread evenly over the unit cube, modulo 1: powers of the root of
+/// `x^4 = x + 1`. Source: Roberts, "The unreasonable effectiveness of quasirandom sequences" (2018).
+const SPREAD: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
 
 /// Points in a run, in which each is sought from what was found for the one before.
 const RUN: usize = 64;
@@ -383,6 +416,41 @@ mod tests {
             })
             .collect();
         TriangleSurface::new(positions.collect(), &triangles).unwrap()
+    }
+
+    /// Two square sheets of `2 n^2` triangles: the second is the image of the first.
+    fn sheets(
+        n: u32,
+        first: impl Fn(f64, f64) -> Vec3,
+        image: fn(Vec3) -> Vec3,
+    ) -> TriangleSurface {
+        let grid = bumps(n, 1.0, 0.0);
+        let flat: Vec<Vec3> = grid.positions().iter().map(|p| first(p.x, p.y)).collect();
+        let images = flat.iter().map(|p| image(*p));
+        let places = flat.iter().copied().chain(images).collect();
+        let shift = flat.len() as u32;
+        let own: Vec<[u32; 3]> = (grid.topology().faces())
+            .map(|f| std::array::from_fn(|k| grid.topology().face_vertices(f)[k].index() as u32))
+            .collect();
+        let moved = own.iter().map(|t| t.map(|v| v + shift));
+        TriangleSurface::new(
+            places,
+            &own.iter().copied().chain(moved).collect::<Vec<_>>(),
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn sheets_that_cross_in_a_row_of_vertices_pass_through_each_other() {
+        let slope = |x: f64, y: f64| Vec3::new(x - 0.5, y, x - 0.5);
+        let crossed = sheets(6, slope, |p| Vec3::new(p.x, p.y, -p.z));
+        let found = crossed.self_crossings();
+        assert!(!found.is_empty());
+        assert!(found.iter().all(|p| p.x.abs() < 0.2));
+        // Beside each other, with boundaries that coincide, as along a slit.
+        let flat = |x: f64, y: f64| Vec3::new(x, y, 0.1 * (3.0 * y).sin());
+        let beside = sheets(6, flat, |p| Vec3::new(-p.x, p.y, p.z));
+        assert!(beside.self_crossings().is_empty());
     }
 
     fn random_points(surface: &TriangleSurface, count: usize, margin: f64) -> Vec<Vec3> {
