@@ -18,6 +18,7 @@ use crate::extent;
 use crate::mend::{self, least_height};
 use crate::topology::{TopologyError, check_corners};
 use crate::{ElementId, FaceId, PolygonSoup, TriangleSurface, Vec3, VertexId};
+use std::collections::HashMap;
 use thiserror::Error;
 
 /// Messages list at most this many elements.
@@ -518,8 +519,12 @@ struct Triangle {
     face: u32,
 }
 
+/// Triangles of polygons. Quadrilaterals on both sides of a corner where only two faces meet, as at
+/// the corners of a cushion, have three vertices in common, and are cut along different diagonals.
 fn cut_polygons(soup: &PolygonSoup, turned: &[bool]) -> Result<Vec<Triangle>, SurfaceError> {
     let mut triangles = Vec::with_capacity(soup.faces.len());
+    // The ends of each diagonal, and the other two corners.
+    let mut diagonals = HashMap::new();
     let (mut not_simple, mut without_area) = (Vec::new(), Vec::new());
     for (f, face) in soup.faces.iter().enumerate() {
         let mut vertices = face.clone();
@@ -532,10 +537,27 @@ fn cut_polygons(soup: &PolygonSoup, turned: &[bool]) -> Result<Vec<Triangle>, Su
             .map(|&v| soup.positions[v as usize])
             .collect();
         match ear_clip_corners(&points) {
-            Ok(ears) => triangles.extend(ears.iter().map(|ear| Triangle {
-                vertices: ear.map(|i| vertices[i as usize]),
-                face: f as u32,
-            })),
+            Ok(mut ears) => {
+                if vertices.len() == 4 {
+                    let pair = |corners: [usize; 2]| {
+                        let [a, b] = corners.map(|i| vertices[i]);
+                        [a.min(b), a.max(b)]
+                    };
+                    let cut = diagonal(&ears);
+                    let across = pair([cut[0] ^ 1, cut[1] ^ 1]);
+                    // Two that have all vertices in common enclose nothing.
+                    match diagonals.insert(pair(cut), across) {
+                        Some(other) if other != across => {
+                            ears = other_half(&ears, &points).unwrap_or(ears);
+                        }
+                        _ => {}
+                    }
+                }
+                triangles.extend(ears.iter().map(|ear| Triangle {
+                    vertices: ear.map(|i| vertices[i as usize]),
+                    face: f as u32,
+                }));
+            }
             Err(_) if is_straight(&points) => without_area.push(FaceId::from_index(f)),
             Err(_) => not_simple.push(FaceId::from_index(f)),
         }
@@ -549,6 +571,25 @@ fn cut_polygons(soup: &PolygonSoup, turned: &[bool]) -> Result<Vec<Triangle>, Su
         return Err(SurfaceError::NotSimple { faces: not_simple });
     }
     Ok(triangles)
+}
+
+/// The corners of a quadrilateral that are in both of its triangles.
+fn diagonal(ears: &[[u32; 3]]) -> [usize; 2] {
+    let is_cut = |i: u32| ears.iter().all(|ear| ear.contains(&i));
+    if is_cut(0) { [0, 2] } else { [1, 3] }
+}
+
+/// The two triangles of a convex quadrilateral along its other diagonal.
+fn other_half(ears: &[[u32; 3]], points: &[Vec3]) -> Option<Vec<[u32; 3]>> {
+    let others = match diagonal(ears) {
+        [0, _] => [[1, 2, 3], [1, 3, 0]],
+        _ => [[0, 1, 2], [0, 2, 3]],
+    };
+    let normal = |t: [u32; 3]| {
+        let [a, b, c] = t.map(|i| points[i as usize]);
+        (b - a).cross(&(c - a))
+    };
+    (normal(others[0]).dot(&normal(others[1])) > 0.0).then(|| others.to_vec())
 }
 
 /// Whether all points lie on a line, up to rounding.

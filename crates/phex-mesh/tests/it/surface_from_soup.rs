@@ -604,3 +604,20 @@ fn hex_mesh_from_a_soup_welds_and_turns_nothing() {
             .contains("vertex 4")
     );
 }
+
+#[test]
+fn quadrilaterals_that_share_three_vertices_are_cut_along_different_diagonals() {
+    let mut positions = Vec::new();
+    for y in [0.0, 1.0, 2.0] {
+        positions.extend([0.0, 2.0, 4.0].map(|x| [x, y, 0.0]));
+    }
+    positions[4] = [2.0, 1.2, 0.5];
+    positions.push([2.0, 1.2, -0.5]);
+    let above: [&[u32]; 4] = [&[0, 1, 4, 3], &[1, 2, 5, 4], &[3, 4, 7, 6], &[4, 5, 8, 7]];
+    let below: [&[u32]; 4] = [&[3, 9, 1, 0], &[9, 5, 2, 1], &[6, 7, 9, 3], &[7, 8, 5, 9]];
+    let cushion = build(&soup(&positions, &[above, below].concat()));
+    let surface = &cushion.components[0].surface;
+    assert_eq!(cushion.components.len(), 1);
+    assert_eq!(surface.topology().n_faces(), 16);
+    assert!(surface.topology().boundary_loops().is_empty());
+}

@@ -41,6 +41,7 @@ use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
 use crate::progress::Progress;
 use cells::complex::{CellComplex, Node, NotDiscs, disc_cells, node_index};
+use cells::voronoi::UNREACHED;
 use cells::{boundary_nodes, clusters, rim};
 use lattice::eisenstein::Charts;
 use lattice::seamless::Offsets;
@@ -302,6 +303,11 @@ pub fn panelling(
     let topology = fine.surface.topology();
     let (seeds, grown) = rim::even_rim(fine, seeds, progress);
     unless_cancelled(progress)?;
+    if grown.label.iter().any(|l| *l == UNREACHED) {
+        return Err(LayoutError::Topology {
+            reason: "a part of it is not connected with the rest, and no panel is there".into(),
+        });
+    }
     let vertices = seeds.iter().map(|s| s.vertex).collect();
     let mut complex = disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
         .map_err(|cells| LayoutError::not_discs(fine.surface, cells))?;

@@ -307,7 +307,7 @@ fn wanted(panels: usize, options: &MeshOptions) -> usize {
 }
 
 /// The input with long triangles cut short, where it has many.
-fn without_long_triangles(
+pub(super) fn without_long_triangles(
     input: &TriangleSurface,
     panels: usize,
     options: &MeshOptions,

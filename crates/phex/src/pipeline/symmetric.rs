@@ -5,7 +5,7 @@
 //! used: the seam of its domain would be free, and a lattice on the domain has no reason to meet
 //! itself there.
 
-use super::domain::Ground;
+use super::domain::{Ground, without_long_triangles};
 use super::field::LatticeFreedom;
 use super::preview::LaidOut;
 use super::repeated::made_equal;
@@ -59,7 +59,9 @@ pub(super) fn mesh_with_panels(
     let density = options.cell_density.max(options.field_density);
     let vertices = (density * panels as f64) as usize;
     let smooth = clock.stage("target", || {
-        smooth_surface::smooth_target(surface, vertices, &options.target)
+        let cut = without_long_triangles(surface, panels, options);
+        let near = cut.as_ref().map_or(surface, |c| &c.surface);
+        smooth_surface::smooth_target(near, vertices, &options.target)
     })?;
     let whole = smooth.finest();
     let (found, turns) = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
@@ -102,8 +104,13 @@ pub(super) fn mesh_with_panels(
         Ok((_, mut run)) => {
             run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
             run.statistics.panels_asked = panels;
-            let summary = run.statistics.symmetry.as_ref();
-            if let Some(message) = summary.map(SymmetrySummary::sentence) {
+            if let Some(summary) = &run.statistics.symmetry {
+                let all = groups.iter().map(|group| group.name());
+                let larger: Vec<String> = all.take_while(|name| *name != summary.group).collect();
+                let mut message = summary.sentence();
+                if !larger.is_empty() {
+                    message += &format!("; with {} they are outside limits", larger.join(", "));
+                }
                 progress.report(&Event::Note { message });
             }
             Ok(Some(run))
@@ -290,8 +297,7 @@ impl DomainPanels {
         options: &MeshOptions,
     ) -> Result<Self, NotSymmetric> {
         let inside = whole.mapped(|p| found.frame.inside(*p));
-        let part = symmetry::cut(&inside, &group.walls())
-            .map_err(|e| NotSymmetric::Symmetry(e.to_string()))?;
+        let part = symmetry::cut(&inside, &group.walls()).map_err(NotSymmetric::Symmetry)?;
         let scale = part.diagonal();
         let surface = part.mapped(|p| p / scale);
         // Panels in mirror planes are half there: two in three of them, about, are cut.

@@ -1,12 +1,16 @@
 //! The part of a surface on the inner side of planes through the origin, its new boundary in them.
 
 use super::group::in_walls;
-use phex_mesh::{TopologyError, TriangleSurface, Vec3};
+use phex_mesh::{PerFace, TriangleSurface, Vec3};
 use std::collections::BTreeMap;
 
 /// Share of its shortest edge within which a vertex is moved into a plane, so that no slivers are
 /// cut off.
 const SNAP: f64 = 0.2;
+
+/// Area of pieces over that of the largest one up to which they are crumbs, as planes cut them off
+/// where they pass along a sharp rim.
+const CRUMBS: f64 = 1e-3;
 
 /// Triangles that are cut plane by plane.
 struct Pieces {
@@ -19,11 +23,8 @@ struct Pieces {
 /// The part of a surface on the inner side of all planes, given by their unit normals.
 ///
 /// # Errors
-/// If it is no manifold, or nothing is left.
-pub(crate) fn cut(
-    surface: &TriangleSurface,
-    normals: &[Vec3],
-) -> Result<TriangleSurface, TopologyError> {
+/// A sentence, if it is no manifold or not in one piece, crumbs aside.
+pub(crate) fn cut(surface: &TriangleSurface, normals: &[Vec3]) -> Result<TriangleSurface, String> {
     let topology = surface.topology();
     let triangle = |f| {
         let corners = topology.face_vertices(f);
@@ -38,7 +39,32 @@ pub(crate) fn cut(
         pieces.snap(normals, k);
         pieces.clip(normals, k);
     }
+    let part = pieces.surface()?;
+    let (piece, count) = part.topology().components();
+    if count == 1 {
+        return Ok(part);
+    }
+    pieces.triangles = largest(&part, &piece, &pieces.triangles, count)?;
     pieces.surface()
+}
+
+/// The triangles of the largest piece of a part, where the others are crumbs.
+fn largest(
+    part: &TriangleSurface,
+    piece: &PerFace<u32>,
+    triangles: &[[u32; 3]],
+    count: usize,
+) -> Result<Vec<[u32; 3]>, String> {
+    let mut area = vec![0.0; count];
+    for (f, k) in piece.enumerate() {
+        area[*k as usize] += part.area_vector(f).norm();
+    }
+    let most = (0..count).max_by(|a, b| area[*a].total_cmp(&area[*b]));
+    let most = most.filter(|k| area.iter().sum::<f64>() <= (1.0 + CRUMBS) * area[*k]);
+    let most = most.ok_or("the part between its mirror planes is not in one piece")?;
+    let of_it = piece.iter().map(|k| *k as usize == most);
+    let kept = triangles.iter().zip(of_it).filter(|(_, kept)| *kept);
+    Ok(kept.map(|(t, _)| *t).collect())
 }
 
 impl Pieces {
@@ -116,7 +142,7 @@ impl Pieces {
         self.triangles = kept;
     }
 
-    fn surface(self) -> Result<TriangleSurface, TopologyError> {
+    fn surface(&self) -> Result<TriangleSurface, String> {
         let mut number = BTreeMap::new();
         let mut positions = Vec::new();
         let triangles: Vec<[u32; 3]> = (self.triangles.iter())
@@ -129,6 +155,40 @@ impl Pieces {
                 })
             })
             .collect();
-        TriangleSurface::new(positions, &triangles)
+        TriangleSurface::new(positions, &triangles).map_err(|e| e.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A flat U, one of whose arms is a triangle that reaches a height beyond `y = 0`, the other
+    /// one a strip of width 1 up to 60.
+    fn two_arms(height: f64) -> TriangleSurface {
+        let places = [
+            [0.0, -1.0],
+            [3.0, -1.0],
+            [3.0, -0.5],
+            [2.0, -0.5],
+            [1.0, -0.5],
+            [0.0, -0.5],
+            [1.0, 60.0],
+            [0.0, 60.0],
+            [2.5, height],
+        ];
+        let base = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
+        let arms = [[5, 4, 6], [5, 6, 7], [3, 2, 8]];
+        let places = places.iter().map(|[x, y]| Vec3::new(*x, *y, 0.0)).collect();
+        TriangleSurface::new(places, &[&base[..], &arms[..]].concat()).unwrap()
+    }
+
+    #[test]
+    fn crumbs_are_left_out_and_parts_in_two_pieces_refused() {
+        let part = cut(&two_arms(0.2), &[Vec3::y()]).unwrap();
+        assert_eq!(part.topology().components().1, 1);
+        assert!((part.area() - 60.0).abs() < 1e-9, "{}", part.area());
+        let reason = cut(&two_arms(5.0), &[Vec3::y()]).unwrap_err();
+        assert!(reason.contains("not in one piece"), "{reason}");
     }
 }

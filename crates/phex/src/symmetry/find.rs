@@ -144,32 +144,34 @@ struct AxisSearch<'a> {
     boundary: Option<BoundaryCurve>,
     tolerance: f64,
     centroid: Vec3,
-    /// Centres and doubled areas of the triangles.
-    triangles: Vec<(Vec3, f64)>,
+    /// Middles of the sides of triangles and their areas, in any unit: sums over them are integrals
+    /// of squares, to the last bit, however polygons were cut into triangles.
+    middles: Vec<(Vec3, f64)>,
 }
 
 impl<'a> AxisSearch<'a> {
     fn new(surface: &'a TriangleSurface, tolerance: f64) -> Self {
-        let triangle = |f| {
-            let middle = surface.corners(f).iter().sum::<Vec3>() / 3.0;
-            (middle, surface.area_vector(f).norm())
+        let of_sides = |f| {
+            let [a, b, c] = surface.corners(f);
+            let area = surface.area_vector(f).norm();
+            [a + b, b + c, c + a].map(|sum| (sum / 2.0, area))
         };
-        let triangles: Vec<(Vec3, f64)> = surface.topology().faces().map(triangle).collect();
-        let area: f64 = triangles.iter().map(|t| t.1).sum();
-        let sum: Vec3 = triangles.iter().map(|(p, a)| p * *a).sum();
+        let middles: Vec<(Vec3, f64)> = surface.topology().faces().flat_map(of_sides).collect();
+        let area: f64 = middles.iter().map(|m| m.1).sum();
+        let sum: Vec3 = middles.iter().map(|(p, a)| p * *a).sum();
         Self {
             boundary: BoundaryCurve::of(surface),
             surface,
             tolerance,
             centroid: sum / area,
-            triangles,
+            middles,
         }
     }
 
     /// Axes of inertia, and the coordinate axes where there are none.
     fn axes(&self) -> Vec<Vec3> {
         let mut moments = Matrix3::zeros();
-        for (p, a) in &self.triangles {
+        for (p, a) in &self.middles {
             let d = p - self.centroid;
             moments += d * d.transpose() * *a;
         }
@@ -222,20 +224,23 @@ impl<'a> AxisSearch<'a> {
         about
     }
 
-    /// The frame turned about its axis so that `y = 0` is a mirror plane.
+    /// The frame turned about its axis so that `y = 0` is a mirror plane: as harmonics have it, or
+    /// with an axis of the model in it.
     fn mirror(&self, frame: &Frame, harmonics: &[Complex<f64>]) -> Option<Frame> {
         let strength = |m: &usize| harmonics[*m].norm();
         let m = (1..harmonics.len()).max_by(|a, b| strength(a).total_cmp(&strength(b)))?;
         let first = harmonics[m].arg() / m as f64;
         let turned = |k: usize| {
             let angle = first + std::f64::consts::PI * k as f64 / m as f64;
-            let x = frame.axes.transpose() * Vec3::new(angle.cos(), angle.sin(), 0.0);
-            frame_about(frame.origin, frame.axes.row(2).transpose(), x)
+            frame.axes.transpose() * Vec3::new(angle.cos(), angle.sin(), 0.0)
         };
+        let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+        let about = |x| frame_about(frame.origin, frame.axes.row(2).transpose(), x);
         let distance = |f: &Frame| self.distance(f, &[reflection(Vec3::y())], FEW);
         let best = (0..m)
             .map(turned)
-            .map(|f| (distance(&f), f))
+            .chain(axes)
+            .map(|x| (distance(&about(x)), about(x)))
             .min_by(|a, b| a.0.total_cmp(&b.0))?;
         self.holds(&best.1, &reflection(Vec3::y()))
             .then_some(best.1)
@@ -248,7 +253,7 @@ impl<'a> AxisSearch<'a> {
         let count = MOST_TURNS as usize + 1;
         let mut sums = vec![[Complex::default(); WEIGHTS]; count];
         let mut totals = [0.0; WEIGHTS];
-        for (p, area) in &self.triangles {
+        for (p, area) in &self.middles {
             let q = frame.inside(*p);
             let direction = Complex::new(q.x, q.y);
             let r = direction.norm();
@@ -410,11 +415,9 @@ impl<'a> AxisSearch<'a> {
 /// A right-handed frame about an axis, its first axis as near to `x` as can be.
 fn frame_about(origin: Vec3, axis: Vec3, x: Vec3) -> Frame {
     let axis = axis.normalize();
-    let across = |d: Vec3| d - axis * axis.dot(&d);
-    let first = match across(x) {
-        d if d.norm() > 0.1 => d.normalize(),
-        _ => across(Vec3::y()).normalize(),
-    };
+    let across = [x, Vec3::y(), Vec3::z()].map(|d| d - axis * axis.dot(&d));
+    let first = across.into_iter().find(|d| d.norm() > 0.1);
+    let first = first.map_or_else(Vec3::x, |d| d.normalize());
     Frame {
         origin,
         axes: Matrix3::from_rows(&[

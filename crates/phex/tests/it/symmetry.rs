@@ -285,3 +285,43 @@ fn symmetries_that_panels_could_have_are_told() {
     assert!(!notes(&dome, Boundary::Clip).contains("mirror"));
     assert!(!notes(&surface("b-spline", &[], 0.0), Boundary::Snap).contains("mirror"));
 }
+
+/// A cylinder of length 10 with half a sphere at each end, as CAD programs write it: its straight
+/// part in triangles from end to end.
+fn capsule() -> TriangleSurface {
+    let (around, up) = (48_u32, 12_u32);
+    let ring = |k: u32| {
+        let angle = std::f64::consts::FRAC_PI_2 * f64::from(k) / f64::from(up);
+        (2.0 * angle.cos(), 2.0 * angle.sin())
+    };
+    let above = (0..up).map(|k| (ring(k).0, 5.0 + ring(k).1));
+    let below = (0..up).rev().map(|k| (ring(k).0, -5.0 - ring(k).1));
+    let rows: Vec<(f64, f64)> = below.chain(above).collect();
+    let turn = |j: u32| std::f64::consts::TAU * f64::from(j) / f64::from(around);
+    let of_row = |(r, z): &(f64, f64)| {
+        let (r, z) = (*r, *z);
+        (0..around).map(move |j| Vec3::new(r * turn(j).cos(), r * turn(j).sin(), z))
+    };
+    let mut places: Vec<Vec3> = rows.iter().flat_map(of_row).collect();
+    let [bottom, top] = [0, 1].map(|k| places.len() as u32 + k);
+    places.extend([-7.0, 7.0].map(|z| Vec3::new(0.0, 0.0, z)));
+    let next = |j: u32| (j + 1) % around;
+    let between = (1..rows.len() as u32).flat_map(|k| {
+        let [low, high] = [around * (k - 1), around * k];
+        (0..around).flat_map(move |j| {
+            let [a, b, c, d] = [low + j, low + next(j), high + next(j), high + j];
+            [[a, b, c], [a, c, d]]
+        })
+    });
+    let last = around * (rows.len() as u32 - 1);
+    let caps = (0..around).flat_map(|j| [[next(j), j, bottom], [last + j, last + next(j), top]]);
+    TriangleSurface::new(places, &between.chain(caps).collect::<Vec<_>>()).unwrap()
+}
+
+#[test]
+fn long_triangles_are_cut_short_before_panels_follow_mirror_planes() {
+    let run = meshed(&capsule(), 120, Symmetry::Auto).unwrap();
+    check(&run, "D6h", 24);
+    let mirrored = meshed(&capsule(), 120, Symmetry::Mirror).unwrap();
+    check(&mirrored, "Cs", 2);
+}
