@@ -28,9 +28,9 @@ pub struct FabCommand {
     /// Where the thickness goes from the mesh
     #[arg(long, value_enum, default_value_t)]
     pub side: PanelSide,
-    /// Unit of the model's coordinates
-    #[arg(long, value_enum, default_value_t)]
-    pub unit: Unit,
+    /// Unit of the model's coordinates [default: that of `--limits`, or m]
+    #[arg(long, value_enum)]
+    pub unit: Option<Unit>,
     /// Size of a sheet: `1250x2500` in millimetres, or with units, `4ftx8ft`
     #[arg(
         long,

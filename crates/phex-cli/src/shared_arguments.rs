@@ -63,9 +63,9 @@ pub struct ToleranceArguments {
     /// 0.5%]
     #[arg(long, value_name = "LENGTH", help_heading = "Tolerances")]
     pub max_deviation: Option<Quantity>,
-    /// Unit of the model's coordinates
-    #[arg(long, value_enum, default_value_t)]
-    pub unit: Unit,
+    /// Unit of the model's coordinates [default: that of the job or run whose limits hold, or m]
+    #[arg(long, value_enum)]
+    pub unit: Option<Unit>,
 }
 
 impl ToleranceArguments {

@@ -22,14 +22,14 @@ impl From<&ToleranceArguments> for TypedLimits {
         Self {
             planarity: limits.planarity,
             max_deviation: settings.max_deviation(),
-            unit: limits.unit,
+            unit: limits.unit.unwrap_or_default(),
             boundary: None,
             panels: LimitSettings::default(),
         }
     }
 }
 
-/// What is typed, and where nothing is what an earlier run promised; the unit is that run's.
+/// What is typed, and where nothing is what an earlier run promised.
 pub fn or_promised(
     limits: &ToleranceArguments,
     boundary: Option<Boundary>,
@@ -45,7 +45,7 @@ pub fn or_promised(
     TypedLimits {
         planarity: limits.planarity.or(promised.planarity),
         max_deviation: limits.max_deviation.unwrap_or(promised.max_deviation),
-        unit: promised.unit,
+        unit: limits.unit.unwrap_or(promised.unit),
         boundary: boundary.or(promised.boundary),
         panels: promised.panels,
     }

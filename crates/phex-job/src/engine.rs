@@ -230,6 +230,7 @@ fn pipeline_failure(error: PipelineError) -> JobError {
         | PipelineError::Components(_)
         | PipelineError::NoPreview
         | PipelineError::Snap { .. }
+        | PipelineError::Symmetry { .. }
         | PipelineError::Koebe(_)
         | PipelineError::Cones(_) => JobError::Input(told),
         PipelineError::Optimise(OptimiseError::Steering(_) | OptimiseError::BadOption(_)) => {

@@ -13,7 +13,7 @@ use phex_job::MeshFile;
 pub fn run(command: &ConvertCommand) -> Result<Exit, Failure> {
     check_writable(&[(&command.output, Content::Mesh)], &[&command.input])?;
     let file = MeshFile::read(&command.input)?;
-    write_mesh(&command.output, &file.soup)?;
+    write_mesh(&command.output, &file.soup, command.unit)?;
     let (vertices, faces) = (file.record.vertices, file.record.faces);
     tell(
         command.talk.quiet,

@@ -48,7 +48,7 @@ impl Delivery<'_> {
         let verdict = report.verdict;
         let kept = !self.panels || verdict != Verdict::Invalid || self.keep_invalid;
         if let Some(path) = output.filter(|_| kept) {
-            write_mesh(path, &self.shown.mesh.to_soup())?;
+            write_mesh(path, &self.shown.mesh.to_soup(), self.limits.unit)?;
             report.outputs.push(written("mesh", path));
         }
         self.extras.write(&self.shown, &mut report)?;

@@ -47,13 +47,14 @@ pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
 }
 
 fn options(command: &FabCommand, mesh: &HexMesh) -> Result<FabOptions, Failure> {
-    let (unit, size) = (command.unit, diagonal(mesh));
-    let planarity = command
-        .planarity
-        .map(|q| q.fraction(unit, mesh.mean_edge()));
     let limits = command.limits.as_deref().map(MeshSettings::from_file);
     let limits = limits.transpose()?.unwrap_or_default();
     limits.check()?;
+    let unit = command.unit.or(limits.unit).unwrap_or_default();
+    let size = diagonal(mesh);
+    let planarity = command
+        .planarity
+        .map(|q| q.fraction(unit, mesh.mean_edge()));
     Ok(FabOptions {
         thickness: command.thickness.length(unit, size),
         gap: command.gap.map_or(0.0, |gap| gap.length(unit, size)),

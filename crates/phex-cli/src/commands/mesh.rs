@@ -72,7 +72,7 @@ fn deliver(command: &MeshCommand, mut made: JobResult) -> Result<Exit, Failure> 
         ways.map(|(tried, classical)| of_portfolio(tried) + &of_method(classical.as_ref()));
     let mut report = made.report;
     if let (Some(path), Some(smooth)) = (&command.write_target, &made.smooth) {
-        write_mesh(path, &to_soup(smooth))?;
+        write_mesh(path, &to_soup(smooth), made.limits.unit)?;
         report.outputs.push(written("smooth_target", path));
     }
     let before = match command.until {

@@ -4,6 +4,7 @@ use super::tell;
 use crate::args::ShapeCommand;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::output::{self, Content, check_writable, write_mesh};
+use phex_job::Unit;
 use phex_mesh::shapes::{Shape, ShapeInfo, TriangulationOptions, triangulate_with_parameters};
 
 /// Runs the command.
@@ -34,7 +35,7 @@ pub fn run(command: &ShapeCommand) -> Result<Exit, Failure> {
         seed,
     };
     let surface = triangulate_with_parameters(&shape, &options).or_exit(Exit::InputUnusable)?;
-    write_mesh(path, &surface.to_soup())?;
+    write_mesh(path, &surface.to_soup(), Unit::M)?;
     let (vertices, triangles) = (surface.positions.len(), surface.triangles.len());
     tell(
         command.talk.quiet,

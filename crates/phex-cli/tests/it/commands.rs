@@ -551,3 +551,34 @@ fn tiny_inner_panels_are_listed() {
     let small = &shop.json("run.json")["measures"]["small_faces"];
     assert_eq!(small, &serde_json::json!([4]));
 }
+
+/// Formats that demand metres have them, whatever the unit of the model.
+#[test]
+fn glb_and_3mf_are_in_metres() {
+    let shop = Workshop::new();
+    shop.write("h.obj", honeycomb(3, 4, |_, p| p.map(|x| 1000.0 * x)));
+    let largest = |unit: &str| {
+        shop.succeed(&format!("convert h.obj h.glb --unit {unit}"));
+        let file = shop.read("h.glb");
+        let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+        let text: serde_json::Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
+        let largest = text["accessors"].as_array().unwrap().iter();
+        let largest = largest.filter_map(|a| a["max"][0].as_f64());
+        largest.fold(0.0, f64::max)
+    };
+    let [metres, millimetres] = ["m", "mm"].map(largest);
+    assert!(
+        (metres / millimetres - 1000.0).abs() < 0.01,
+        "{metres} {millimetres}"
+    );
+}
+
+/// A symmetry that a surface does not have is no fault of the program.
+#[test]
+fn a_symmetry_that_is_not_there_is_refused_by_name() {
+    let shop = Workshop::new();
+    shop.succeed("shape b-spline -o s.obj --triangles 1000");
+    shop.phex("mesh s.obj -n 40 --symmetry mirror -o m.obj")
+        .refuses(4, &["symmetry `mirror`", "no mirror plane"]);
+    assert_eq!(shop.files(), ["s.obj"]);
+}

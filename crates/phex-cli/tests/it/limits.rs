@@ -1,5 +1,5 @@
 //! Limits of a workshop: met where they can be, told where not, judged here by code of its own.
-use crate::common::Workshop;
+use crate::common::{Workshop, honeycomb};
 use serde_json::Value;
 
 /// Corners of every panel of an OBJ file.
@@ -245,4 +245,23 @@ fn limits_have_no_unit_inside() {
     for (p, q) in a.iter().flatten().zip(b.iter().flatten()) {
         assert!(norm(minus(p.map(|c| c * 1024.0), *q)) < 1e-9 * 1024.0);
     }
+}
+
+/// The unit of a job's limits holds unless another one is typed.
+#[test]
+fn a_typed_unit_comes_before_that_of_a_job() {
+    let shop = Workshop::new();
+    shop.write("h.obj", honeycomb(3, 4, |_, p| p));
+    shop.write(
+        "job.toml",
+        "unit = \"mm\"\n[limits]\nmax-edge = \"500mm\"\n",
+    );
+    shop.succeed("check h.obj --limits job.toml");
+    let run = shop.phex("check h.obj --limits job.toml --unit m");
+    assert_eq!(run.code, Some(3), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("FAILED       max_edge"),
+        "{}",
+        run.stdout
+    );
 }

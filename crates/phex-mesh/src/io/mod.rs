@@ -74,6 +74,11 @@ impl Format {
     /// The formats that are only written.
     pub const WRITTEN_ONLY: [Self; 4] = [Self::Compas, Self::Glb, Self::Dxf, Self::ThreeMf];
 
+    /// Whether coordinates in it are metres.
+    pub const fn is_in_metres(self) -> bool {
+        matches!(self, Self::Glb | Self::ThreeMf)
+    }
+
     /// The format's file extension, without the dot.
     pub const fn extension(self) -> &'static str {
         match self {

@@ -4,8 +4,8 @@
 //! The standard finds the model by its relation, but many readers by the name `3D/3dmodel.model`,
 //! so it is given that name.
 //!
-//! The format wants a unit. A plain mesh has none, and metres are written, the program's own
-//! default.
+//! The format wants a unit. A plain mesh has none, and metres are written; who knows of another one
+//! brings coordinates to metres first.
 
 use super::error::WriteCause;
 use super::triangles::of_face;
