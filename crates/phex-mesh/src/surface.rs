@@ -335,7 +335,8 @@ impl TriangleSurface {
 /// mean edge: as little as is told from a mere touch.
 const NUDGE: f64 = 1e-7;
 /// Multiples of these spread evenly over the unit cube, modulo 1: powers of the root of
-/// `x^4 = x + 1`. Source: Roberts, "The unreasonable effectiveness of quasirandom sequences" (2018).
+/// `x^4 = x + 1`. Source: Roberts, "The unreasonable effectiveness of quasirandom sequences"
+/// (2018).
 const SPREAD: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
 
 /// Points in a run, in which each is sought from what was found for the one before.
