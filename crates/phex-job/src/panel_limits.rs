@@ -1,5 +1,6 @@
 //! What a workshop can make, as it is typed.
 
+use crate::error::JobError;
 use crate::hexagon::hexagon_area;
 use crate::units::{Area, Quantity, Rectangle, Unit};
 use phex_mesh::PanelLimits;
@@ -83,6 +84,29 @@ impl LimitSettings {
             min_dihedral: self.min_dihedral,
             max_dihedral: self.max_dihedral,
         }
+    }
+
+    /// Refuses a least figure above the largest one, in the words in which they were typed.
+    ///
+    /// # Errors
+    /// If there are such figures.
+    pub(crate) fn check(&self, unit: Unit) -> Result<(), JobError> {
+        // A percentage and a length are compared where the model is known.
+        let exceeds =
+            |a: &Quantity, b: &Quantity| a.length(unit, f64::NAN) > b.length(unit, f64::NAN);
+        let edges = self
+            .min_edge
+            .zip(self.max_edge)
+            .filter(|(a, b)| exceeds(a, b));
+        let joints = self
+            .min_dihedral
+            .zip(self.max_dihedral)
+            .filter(|(a, b)| a > b);
+        let edges = edges.map(|(a, b)| format!("min-edge {a} is more than max-edge {b}"));
+        let joints = joints.map(|(a, b)| format!("min-dihedral {a} is more than max-dihedral {b}"));
+        edges
+            .or(joints)
+            .map_or(Ok(()), |told| Err(JobError::input(told)))
     }
 
     /// Area of a mean panel that leaves room below the limits of size; `None` where there is none.

@@ -359,6 +359,7 @@ impl MeshSettings {
     /// # Errors
     /// The first of them, by its name.
     pub fn check(&self) -> Result<(), JobError> {
+        self.limits.check(self.unit.unwrap_or_default())?;
         let own = || -> Result<(), BadOption> {
             ranges::within(-360.0..=360.0, &[("rotate", self.rotate.unwrap_or(0.0))])?;
             ranges::positive(&[

@@ -199,8 +199,8 @@ fn nonsense_is_refused() {
         ("--min-angle 0", "positive"),
         ("--min-angle 180", "min_angle"),
         ("--max-aspect 0.5", "max_aspect"),
-        ("--min-edge 2 --max-edge 1", "min_edge"),
-        ("--min-dihedral 170 --max-dihedral 160", "min_dihedral"),
+        ("--min-edge 2m --max-edge 1m", "min-edge 2m"),
+        ("--min-dihedral 170 --max-dihedral 160", "min-dihedral 170"),
         ("--max-dihedral 190", "max_dihedral"),
         ("--max-edge 1e300m", "max_edge"),
     ] {
