@@ -215,6 +215,8 @@ impl Attack<'_> {
             ("clearance", "clearance"),
             ("length", "edge_length"),
             ("folded", "folds"),
+            // Of the surface itself, which is why the mesh is not invalid.
+            ("passes through", "crossings"),
         ];
         let failed = |check: &str| {
             let mut lines = table.lines().filter(|l| l.starts_with("FAILED"));
