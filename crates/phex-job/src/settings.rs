@@ -341,6 +341,12 @@ impl MeshSettings {
                 "`max_deviation` has no effect in `[stages.optimise]`: write `max-deviation` before all tables",
             ));
         }
+        let tolerance = MeshOptions::default().optimise.planarity_tolerance;
+        if self.stages.optimise.planarity_tolerance != tolerance {
+            return Err(JobError::input(
+                "`planarity_tolerance` has no effect in `[stages.optimise]`: write `planarity` before all tables",
+            ));
+        }
         if self.stages.repeat_rel.is_some() {
             return Err(JobError::input(
                 "`repeat_rel` has no effect in `[stages]`: write `repeat` before all tables",

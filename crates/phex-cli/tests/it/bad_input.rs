@@ -371,7 +371,6 @@ fn settings_that_are_not_finite_or_out_of_range() {
         ("layout", "max_distortion = inf"),
         ("layout", "max_pull = nan"),
         ("layout", "sweeps = 1000000000000"),
-        ("optimise", "planarity_tolerance = nan"),
         ("optimise", "fairness = -1"),
         ("optimise", "least_side = nan"),
         ("dual", "levels = 40"),

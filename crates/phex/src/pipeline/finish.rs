@@ -1,5 +1,5 @@
 //! The last steps of a pass, before it is searched: the boundary. Each is kept unless the judge
-//! finds more that is invalid, or that limits are left.
+//! finds more that is invalid or outside limits.
 
 use super::domain::Ground;
 use super::rim::{Rim, follow_rim, on_curve};
@@ -24,12 +24,11 @@ impl<'a> JudgedMesh<'a> {
         }
     }
 
-    /// Takes another mesh in its place unless more of it is invalid, or it leaves the limits.
+    /// Takes another mesh in its place unless more of it is invalid or outside limits.
     fn offer(&mut self, mesh: Option<HexMesh>) {
         let Some(mesh) = mesh else { return };
         let judgement = self.site.judged(&mesh);
-        let (next, now) = (&judgement.merit, &self.judgement.merit);
-        if next.invalid <= now.invalid && (next.is_within() || !now.is_within()) {
+        if judgement.merit.is_no_worse(&self.judgement.merit) {
             (self.mesh, self.judgement) = (mesh, judgement);
         }
     }

@@ -47,7 +47,8 @@ pub(super) fn follow_rim(
     surface: &TriangleSurface,
     options: &MeshOptions,
 ) -> Option<HexMesh> {
-    follow::followed(mesh, surface, options.target.corner_angle.to_radians())
+    let corner_angle = options.target.corner_angle.to_radians();
+    follow::followed(mesh, surface, corner_angle, options.limits().boundary_rel)
 }
 
 /// The mesh with vertices held as the user wants it, those on the boundary of `surface` staying

@@ -61,10 +61,17 @@ impl KnownCurvature {
             return found;
         }
         let made = SizedCurvature::new(smooth, level, panels, options);
-        known().push((key, made.clone()));
+        let mut known = known();
+        if known.len() == KEPT {
+            known.remove(0);
+        }
+        known.push((key, made.clone()));
         made
     }
 }
+
+/// What a session keeps at most, the last ones: a run needs a few of them.
+const KEPT: usize = 16;
 
 impl SizedCurvature {
     /// Where curvature makes panels smaller, it is estimated again at their scale: at that of large

@@ -1,6 +1,6 @@
 //! Subdivision of a P-Hex mesh in space: finer connectivity, then the optimiser, level by level.
 
-use super::PipelineError;
+use super::{MAX_PANELS, PipelineError};
 use crate::classical::dual_subdivision::chamfer;
 use crate::layout::{Layout, LayoutError, PanelWish, VertexKind};
 use crate::optimise::{self, OptimiseOptions, Optimised, SurfaceTarget};
@@ -36,7 +36,12 @@ pub fn subdivide(
 ) -> Result<Vec<Level>, PipelineError> {
     let model = Normalised::of(surface);
     let similarity = &model.similarity;
-    let panels = mesh.topology().n_faces() << (2 * levels);
+    let panels = mesh.topology().n_faces() as f64 * 4f64.powi(levels as i32);
+    if panels > MAX_PANELS as f64 {
+        let told = format!("{levels} levels make {panels:.0} panels, more than {MAX_PANELS}");
+        return Err(PipelineError::Size(told));
+    }
+    let panels = panels as usize;
     let smooth = smooth_surface::smooth_target(
         &model.surface,
         TARGET_DENSITY * panels,

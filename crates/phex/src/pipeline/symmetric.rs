@@ -439,9 +439,8 @@ impl DomainPanels {
                 )
             })?;
             let next = next.map(|n| n.mesh);
-            let better =
-                |next: &HexMesh| site.judged(next).merit.invalid <= site.judged(&now).merit.invalid;
-            if let Some(next) = next.filter(better) {
+            let merit = |mesh: &HexMesh| site.judged(mesh).merit;
+            if let Some(next) = next.filter(|next| merit(next).is_no_worse(&merit(&now))) {
                 now = next;
             }
         }

@@ -3,6 +3,7 @@
 use super::check::{Check, SMALLER};
 use super::limits::Limits;
 use phex_mesh::{HexMesh, TriangleSurface, Vec3, Violation};
+use std::cell::LazyCell;
 use std::collections::BTreeSet;
 
 /// Turn of the surface between two panels, degrees, from which on a fold is its own: a right angle,
@@ -56,10 +57,11 @@ fn count_crossings(
     violations: &[Violation],
 ) -> [usize; 2] {
     let (mut all, mut others) = (BTreeSet::new(), BTreeSet::new());
+    let is_own = facets.map(|s| crossings_of(s, mesh));
     for violation in violations {
         if let Violation::Crossing { edge, .. } = violation {
             all.insert(*edge);
-            if !facets.is_some_and(|s| is_of_surface(violation, mesh, s)) {
+            if !is_own.as_ref().is_some_and(|is_own| is_own(violation)) {
                 others.insert(*edge);
             }
         }
@@ -67,24 +69,25 @@ fn count_crossings(
     [all.len() - others.len(), all.len()]
 }
 
-/// Whether panels cross because the surface passes through itself there: no others would do without
-/// it.
-pub(super) fn is_of_surface(
-    violation: &Violation,
-    mesh: &HexMesh,
-    facets: &TriangleSurface,
-) -> bool {
-    let Violation::Crossing { .. } = violation else {
-        return false;
-    };
-    let place = violation
-        .place(mesh)
-        .filter(|p| p.iter().all(|x| x.is_finite()));
-    let reach = OWN_CROSSING * mesh.mean_edge();
-    place.is_some_and(|place| {
-        let own = facets.self_crossings().iter();
-        own.into_iter().any(|p| (p - place).norm() < reach)
-    })
+/// Tells whether panels cross because the surface passes through itself there: no others would do
+/// without it.
+pub(super) fn crossings_of<'a>(
+    facets: &'a TriangleSurface,
+    mesh: &'a HexMesh,
+) -> impl Fn(&Violation) -> bool + 'a {
+    let reach = LazyCell::new(|| OWN_CROSSING * mesh.mean_edge());
+    move |violation| {
+        let Violation::Crossing { .. } = violation else {
+            return false;
+        };
+        let place = violation
+            .place(mesh)
+            .filter(|p| p.iter().all(|x| x.is_finite()));
+        place.is_some_and(|place| {
+            let mut own = facets.self_crossings().iter();
+            own.any(|p| (p - place).norm() < *reach)
+        })
+    }
 }
 
 /// What would help where panels fold; `None` where none do. Most folds of a body with sharp edges

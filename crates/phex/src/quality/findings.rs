@@ -22,7 +22,7 @@ pub struct Findings {
     pub bare: f64,
     /// Distance between the boundaries.
     pub rim: f64,
-    /// MaxPanel, edges, corners and joints, summed.
+    /// Amounts of panels, edges, corners and joints, summed.
     pub unfit: f64,
     /// Whether a smaller panel would fit.
     pub too_large: bool,

@@ -1,6 +1,6 @@
 //! The judge: by how much each face of a mesh, or of a part of one, is outside its limits.
 
-use super::advice::is_of_surface;
+use super::advice::crossings_of;
 use super::findings::Findings;
 use super::merit::Merit;
 use super::{Limits, References, USUAL_DEVIATION};
@@ -286,8 +286,9 @@ impl<'a> Judge<'a> {
             add_flips(&mut found, mesh, facets);
         }
         let facets = self.references.facets.unwrap_or(self.surface);
+        let is_own = crossings_of(facets, mesh);
         for violation in &found {
-            if is_of_surface(violation, mesh, facets) {
+            if is_own(violation) {
                 continue;
             }
             let faces = violation.faces(mesh.topology());

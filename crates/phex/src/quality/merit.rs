@@ -103,6 +103,13 @@ impl Merit {
             .is_some_and(|(a, b)| a < b)
     }
 
+    /// Whether no more is invalid or outside limits than of another one, up to rounding, whatever
+    /// it costs.
+    pub(crate) fn is_no_worse(&self, other: &Self) -> bool {
+        let no_more = |a: f64, b: f64| a <= b * (1.0 + ROUNDING);
+        no_more(self.invalid, other.invalid) && no_more(self.outside, other.outside)
+    }
+
     /// The same before a search, which cures what is broken like what is outside limits.
     pub(crate) fn before_search(self) -> Self {
         Self {
@@ -121,6 +128,15 @@ impl Merit {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_worse_is_no_more_invalid_or_outside_whatever_it_costs() {
+        let now = merit(1.0, 2.0, 0.0);
+        assert!(merit(1.0, 2.0, 9.0).is_no_worse(&now));
+        assert!(merit(0.0, 1.0, 9.0).is_no_worse(&now));
+        assert!(!merit(1.0, 2.1, 0.0).is_no_worse(&now));
+        assert!(!merit(1.1, 0.0, 0.0).is_no_worse(&now));
+    }
 
     fn merit(invalid: f64, outside: f64, cost: f64) -> Merit {
         Merit {

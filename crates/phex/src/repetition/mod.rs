@@ -53,8 +53,6 @@ const WEIGHTS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 const TRIALS: usize = 6;
 /// Factor by which distinct lengths may be more than the clusters that were asked for.
 const NEARLY: f64 = 1.2;
-/// Share of a sum of excesses that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// A mesh and what it is drawn to.
 pub(crate) struct RepetitionTask<'a> {
@@ -106,7 +104,7 @@ impl RepetitionTask<'_> {
                 break;
             };
             let found = distinct_lengths(&next, self.tolerance);
-            let is_better = found < many && is_kept(&(self.merit)(&next), &before);
+            let is_better = found < many && (self.merit)(&next).is_no_worse(&before);
             if is_better {
                 (best, many) = (next, found);
             }
@@ -139,10 +137,4 @@ impl RepetitionTask<'_> {
         }
         Ok(Some(now))
     }
-}
-
-/// Whether no more is invalid or outside than before.
-fn is_kept(next: &Merit, before: &Merit) -> bool {
-    let no_more = |a: f64, b: f64| a <= b * (1.0 + ROUNDING);
-    no_more(next.invalid, before.invalid) && no_more(next.outside, before.outside)
 }

@@ -6,8 +6,10 @@
 use super::curve::{OutlineLoops, distance_to_segment};
 use phex_mesh::{FacePlane, HalfEdgeId, HexMesh, TriangleSurface, Vec3, polygon};
 
-/// Largest distance between the curve and an edge along it, diagonals.
+/// Largest distance between the curve and an edge along it, diagonals; and share of that which is
+/// allowed, where it is less.
 const TOLERANCE: f64 = 2.5e-3;
+const OF_LIMIT: f64 = 0.5;
 
 /// Clearance, mean edges, that panels keep which get corners.
 const ROOM: f64 = 0.06;
@@ -16,14 +18,17 @@ const ROOM: f64 = 0.06;
 const GAIN: f64 = 0.7;
 
 /// The mesh with more corners along the boundary of `surface`; vertices where that turns by more
-/// than `corner_angle`, radians, become corners of a panel where they are not yet.
+/// than `corner_angle`, radians, become corners of a panel where they are not yet. Edges are to
+/// stay within `limit` diagonals of it, where there is one.
 pub(crate) fn followed(
     mesh: &HexMesh,
     surface: &TriangleSurface,
     corner_angle: f64,
+    limit: Option<f64>,
 ) -> Option<HexMesh> {
     let topology = mesh.topology();
-    let curve = OutlineLoops::of(surface, corner_angle, TOLERANCE);
+    let tolerance = limit.map_or(TOLERANCE, |limit| TOLERANCE.min(OF_LIMIT * limit));
+    let curve = OutlineLoops::of(surface, corner_angle, tolerance);
     let room = ROOM * mesh.mean_edge();
     let mut positions = mesh.positions.as_slice().to_vec();
     let mut faces = topology.face_lists();
@@ -135,10 +140,12 @@ mod tests {
         let (mesh, surface) = disc();
         let before = boundary_fit(&mesh, &surface).unwrap();
         assert!(before.distance_max() > 0.1);
-        let followed = followed(&mesh, &surface, 0.7).unwrap();
+        let followed = followed(&mesh, &surface, 0.7, None).unwrap();
         assert_eq!(followed.topology().n_faces(), 4);
         let after = boundary_fit(&followed, &surface).unwrap();
         assert!(after.distance_max() <= TOLERANCE && after.vertices_max < 1e-12);
-        assert!(super::followed(&followed, &surface, 0.7).is_none());
+        assert!(super::followed(&followed, &surface, 0.7, None).is_none());
+        let nearer = super::followed(&mesh, &surface, 0.7, Some(2e-3)).unwrap();
+        assert!(boundary_fit(&nearer, &surface).unwrap().distance_max() <= OF_LIMIT * 2e-3);
     }
 }

@@ -116,5 +116,4 @@ fn a_draft_is_one_pass() {
     let run = mesh_surface(&wave(), &draft, &Silent).unwrap();
     assert_eq!(run.statistics.tried.len(), 1);
     assert!(run.statistics.search.is_none());
-    assert_eq!(run.is_sound(), run.violations.is_empty());
 }

@@ -503,7 +503,6 @@ fn a_crossed_panel_does_not_hang_and_is_named_or_cured() {
     )
     .unwrap();
     assert!(result.runs[0].start_faults > 0);
-    assert_eq!(result.is_sound(), result.offenders.is_empty());
     let named = result.offenders.iter().any(|o| o.fault == Fault::NotSimple);
     assert_eq!(all_simple(&result.mesh), !named);
 }
