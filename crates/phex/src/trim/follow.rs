@@ -106,7 +106,7 @@ mod tests {
 
     /// A disc of radius 1 and four panels in it with their outer corners on the circle.
     fn disc() -> (HexMesh, TriangleSurface) {
-        let n = 96;
+        let n = 64;
         let at = |i: usize, of: usize| {
             let (s, c) = (TAU * i as f64 / of as f64).sin_cos();
             Vec3::new(c, s, 0.0)
