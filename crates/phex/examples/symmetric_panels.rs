@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         figures.faces,
         phex_mesh::irregular_faces(run.mesh.topology()),
         figures.planarity.max,
-        run.violations.len()
+        run.violations().len()
     );
     if let (Some(found), Some(orbits)) = (&run.statistics.symmetry, &run.orbits) {
         let place = |v: u32| run.mesh.position(VertexId::new(v));

@@ -48,7 +48,7 @@ use crate::progress::Progress;
 use clock::Clock;
 
 use phex_mesh::TriangleSurface;
-use run::{any_area, between_panels};
+use run::any_area;
 use size::panel_count;
 use sized::panel_length;
 

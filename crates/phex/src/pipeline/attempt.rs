@@ -1,6 +1,6 @@
 //! What is told and decided of one member of the portfolio.
 
-use super::options::{Candidate, MeshOptions};
+use super::options::{Candidate, MeshOptions, Method};
 use crate::quality::{Merit, USUAL_DEVIATION};
 use phex_mesh::{HexMesh, Vec3};
 use serde::Serialize;
@@ -107,7 +107,8 @@ impl AttemptSummary {
 impl Candidate {
     /// The same with sizes that resolve the surface, where the options leave sizes free.
     pub(super) fn resolving(self, options: &MeshOptions) -> Option<Self> {
-        (!options.varies_sizes()).then_some(Self {
+        let is_lattice = self.method == Method::Lattice;
+        (is_lattice && !options.varies_sizes()).then_some(Self {
             resolving: true,
             ..self
         })

@@ -1,14 +1,9 @@
-//! The flow for a brick wall: one layout, one run of the optimiser from its kinked start, trimmed
-//! where the boundary asks for it, and searched as a lattice is.
+//! Panels as a brick wall: how they are laid out, and the curves that they follow.
 
 use super::domain::Ground;
 use super::field::spaced_corners;
-use super::lattice::Surfaces;
-use super::preview::LatticePreview;
-use super::{
-    Clock, Effort, MeshOptions, MeshRun, PipelineError, Statistics, any_area, panel_count,
-    panel_length,
-};
+use super::preview::LaidOut;
+use super::{Clock, MeshOptions, PipelineError, panel_count, panel_length};
 use crate::curvature::{self, Curvature};
 use crate::directions::network::{
     Conjugacy, ConjugateNetwork, Curve, Function, NetworkError, RowField, conjugacy,
@@ -16,10 +11,8 @@ use crate::directions::network::{
 };
 use crate::layout::brick_wall::{BrickSurface, brick_wall, first_scale};
 use crate::layout::{LayoutError, LayoutStatistics, PanelWish};
-use crate::optimise::{self, OptimiseOptions, SurfaceTarget};
+use crate::optimise::OptimiseOptions;
 use crate::progress::Progress;
-use crate::quality::{Judge, Merit, References};
-use crate::search::search;
 use crate::smooth_surface::Normalised;
 use phex_mesh::{PerVertex, TriangleSurface, VertexId};
 use std::collections::HashSet;
@@ -29,10 +22,22 @@ use std::collections::HashSet;
 const CORNER: f64 = 30.0;
 
 /// The options with the corners that bricks keep.
-fn with_corners(options: &MeshOptions) -> MeshOptions {
+pub(super) fn with_corners(options: &MeshOptions) -> MeshOptions {
     let mut options = options.clone();
     options.target.corner_angle = options.target.corner_angle.min(CORNER);
     options
+}
+
+/// The same ground with the corners that bricks keep.
+fn ground_with_corners(ground: &Ground) -> Ground {
+    let options = MeshOptions {
+        size_field: None,
+        ..with_corners(&ground.options)
+    };
+    match options.target == ground.options.target {
+        true => ground.clone(),
+        false => ground.again(&options),
+    }
 }
 
 /// The ground with everything that bricks are laid on, in normalised coordinates.
@@ -45,14 +50,9 @@ struct BrickSite {
 }
 
 impl BrickSite {
-    fn new(
-        normalised: &TriangleSurface,
-        panels: usize,
-        options: &MeshOptions,
-        clock: &mut Clock<'_>,
-    ) -> Result<Self, PipelineError> {
-        let options = &with_corners(options);
-        let ground = clock.stage("target", || Ground::new(normalised, panels, options))?;
+    fn new(ground: &Ground, clock: &mut Clock<'_>) -> Result<Self, PipelineError> {
+        let ground = clock.stage("target", || ground_with_corners(ground))?;
+        let options = &ground.options;
         let smooth = &ground.smooth;
         let level = ground.field_level(options);
         let coarse = &smooth.levels[level];
@@ -93,88 +93,22 @@ impl BrickSite {
     }
 }
 
-/// Lays out a brick wall on a normalised surface.
-pub(super) fn lay_out(
-    normalised: &TriangleSurface,
-    panels: usize,
-    options: &MeshOptions,
-    clock: &mut Clock<'_>,
-) -> Result<LatticePreview, PipelineError> {
-    let site = BrickSite::new(normalised, panels, options, clock)?;
-    let (layout, _) = clock.stage("layout", || {
-        brick_wall(&site.bricks(), site.ground.panels, &options.brick_wall)
-    })??;
-    Ok(LatticePreview {
-        mesh: layout.mesh,
-        statistics: LayoutStatistics::default(),
-        cones: Vec::new(),
-        stages: std::mem::take(&mut clock.stages),
-    })
-}
-
-/// Makes a brick wall of a normalised surface planar.
-pub(super) fn mesh_with_panels(
-    normalised: &TriangleSurface,
-    panels: usize,
-    options: &MeshOptions,
-    mut clock: Clock<'_>,
-) -> Result<MeshRun, PipelineError> {
-    let progress = clock.progress;
-    let site = BrickSite::new(normalised, panels, options, &mut clock)?;
-    let ground = &site.ground;
+/// A brick wall laid out on what its ground is laid on, with the corners that bricks keep.
+pub(super) fn laid_out(ground: &Ground, clock: &mut Clock<'_>) -> Result<LaidOut, PipelineError> {
+    let site = BrickSite::new(ground, clock)?;
     let (layout, wall) = clock.stage("layout", || {
-        brick_wall(&site.bricks(), ground.panels, &options.brick_wall)
+        brick_wall(&site.bricks(), site.ground.panels, &ground.options.brick_wall)
     })??;
-    let target = SurfaceTarget::new(ground.close_to(&site.surface));
-    let result = clock.timed("optimise", || {
-        optimise::optimise(&layout, &target, &kinked(&options.optimise), progress)
-    })?;
-    let trimmed = clock.timed("trim", || ground.trimmed(&result.mesh, &site.surface))?;
-    let mut mesh = trimmed.mesh;
-    let any = PerVertex::filled(site.surface.positions().len(), PanelWish::ANY);
-    let surfaces = Surfaces::new(ground, site.surface.clone(), any);
-    let mut found = None;
-    if options.effort != Effort::Draft && !progress.is_cancelled() {
-        let searched = clock.timed("search", || {
-            surfaces.with_site(options, |site| search(mesh, site, progress))
-        });
-        mesh = searched.mesh;
-        found = Some(searched.summary);
-    }
-    let violations = clock.timed("validate", || surfaces.violations(&mesh));
-    let statistics = Statistics {
-        search: found,
+    Ok(LaidOut {
+        wish: PerVertex::filled(site.surface.positions().len(), PanelWish::ANY),
+        own: Some(site.ground),
+        surface: site.surface,
+        layout,
+        statistics: LayoutStatistics::default(),
         brick_wall: Some(wall),
-        factorisations: result.runs.iter().map(|r| r.factorisations).sum(),
-        runs: result.runs.clone(),
-        ..Statistics::of(&ground.smooth, panels)
-    };
-    Ok(MeshRun {
-        wished: any_area(&mesh),
-        start: Some(layout.mesh.to_soup()),
-        mesh,
-        target: surfaces.reported,
-        beyond: surfaces.beyond,
-        orbits: None,
-        unrepeated: None,
-        outcome: result.outcome,
-        violations,
-        statistics,
-        stages: clock.stages,
+        cones: Vec::new(),
+        regular_possible: false,
     })
-}
-
-/// What a wall is compared with others by.
-pub(super) fn merit(run: &MeshRun, ground: &Ground) -> Merit {
-    let references = References {
-        smooth: Some(&run.target),
-        facets: Some(ground.given_facets()),
-        beyond: run.beyond.as_ref().map(|b| [&b.smooth, &b.facets]),
-        elsewhere: &[],
-    };
-    let judge = Judge::new(&run.target, references, ground.options.limits());
-    let any = vec![0.0; run.mesh.topology().n_faces()];
-    judge.whole(&run.mesh, &any).merit
 }
 
 /// Options that do not smooth a start which is simple: smoothing would undo the kinks.
@@ -211,7 +145,8 @@ pub fn network_curves(
     let panels = panel_count(input, options.size)?;
     let model = Normalised::of(input);
     let in_model = |e: PipelineError| e.in_model(&model);
-    let site = BrickSite::new(&model.surface, panels, options, &mut clock).map_err(in_model)?;
+    let ground = Ground::new(&model.surface, panels, &with_corners(options));
+    let site = BrickSite::new(&ground, &mut clock).map_err(in_model)?;
     let sampled = clock.stage("layout", || {
         sampled_network(&site, site.ground.panels, options)
     })?;

@@ -18,7 +18,6 @@ use super::field::{Field, FineSurface};
 use super::sized::{boundary_length, panel_length};
 use super::{
     ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, any_area,
-    between_panels,
 };
 use crate::classical::domain::DomainError;
 use crate::directions::guides::{Cone, Guides};
@@ -43,7 +42,6 @@ pub(super) fn mesh_with_panels(
         _ => Ground::new(&model.surface, panels, options),
     })?;
     let made = make(&ground, &mut clock)?;
-    let reported = &made.reported;
     let mut classical = made.classical;
     let mesh = match &made.fine {
         Some(fine) => {
@@ -54,7 +52,6 @@ pub(super) fn mesh_with_panels(
         None => made.mesh,
     };
     classical.compare(&mesh);
-    let violations = clock.timed("validate", || between_panels(&mesh, reported));
     let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(fine));
     let outside = classical.outside.take();
     classical.outside_domain = outside.map(|e| e.mapped(|p| place_in(model, p)).to_string());
@@ -76,7 +73,6 @@ pub(super) fn mesh_with_panels(
         orbits: None,
         unrepeated: None,
         outcome: made.outcome,
-        violations,
         statistics,
         stages: clock.stages,
     })

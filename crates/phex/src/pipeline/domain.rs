@@ -45,6 +45,8 @@ pub(crate) struct Ground {
     /// How far teeth of its boundary stand out of what panels are laid out on, where it has some.
     pub calmed: Option<f64>,
     trimming: Option<Arc<Trimming>>,
+    /// Panels on the surface.
+    pub asked: usize,
     /// Panels on all of it.
     pub panels: usize,
     /// Curvature and panel lengths that have been computed on it.
@@ -179,6 +181,7 @@ impl Ground {
             },
             finer,
             calmed: moved,
+            asked: panels,
             panels: panels_in_all,
             known: KnownCurvature::default(),
             options: options.clone(),
@@ -203,6 +206,11 @@ impl Ground {
     /// by their numbers.
     pub(crate) fn is_extended(&self) -> bool {
         self.trimming.is_some()
+    }
+
+    /// The ground of the same surface for other options.
+    pub(super) fn again(&self, options: &MeshOptions) -> Self {
+        Self::new(&self.given, self.asked, options)
     }
 
     /// The same with other levels of its surface.

@@ -1,19 +1,20 @@
-//! One pass for a lattice of one kind: layout, optimiser, boundary; then it is judged, and nothing
-//! has been repaired.
+//! One pass for panels laid out in one way: layout, optimiser, boundary; then they are judged, and
+//! nothing has been repaired.
 
 use super::domain::{Beyond, Ground};
 use super::field::LatticeFreedom;
 use super::finish::finished;
 use super::preview::LaidOut;
 use super::rim::Rim;
-use super::{Clock, MeshOptions, PipelineError, between_panels};
+use super::{Candidate, Clock, MeshOptions, Method, PipelineError, brick_wall};
 use crate::directions::guides::Cone;
+use crate::layout::brick_wall::BrickWallStatistics;
 use crate::layout::{Layout, LayoutStatistics, PanelWish};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::quality::{Judge, Judgement, References};
 use crate::search::{AreaField, Searched, Site, search};
 use crate::trim::Trimmed;
-use phex_mesh::{FaceId, HexMesh, PerVertex, PolygonSoup, TriangleSurface, Violation};
+use phex_mesh::{FaceId, HexMesh, PerVertex, PolygonSoup, TriangleSurface};
 use std::collections::BTreeSet;
 
 /// A panelling made in one way.
@@ -22,6 +23,8 @@ pub(super) struct Pass {
     /// The panels as they were laid out.
     pub start: PolygonSoup,
     pub layout: LayoutStatistics,
+    /// The brick wall, if it is one.
+    pub brick_wall: Option<BrickWallStatistics>,
     /// Cones of the direction field, normalised.
     pub cones: Vec<Cone>,
     /// See [`Field::regular_possible`].
@@ -42,7 +45,7 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    pub fn new(ground: &Ground, fine: TriangleSurface, wish: PerVertex<PanelWish>) -> Self {
+    fn new(ground: &Ground, fine: TriangleSurface, wish: PerVertex<PanelWish>) -> Self {
         Self {
             reported: ground.reported(&fine).clone(),
             facets: ground.given_facets().clone(),
@@ -64,13 +67,6 @@ impl Surfaces {
         self.fine = fine;
     }
 
-    /// What is wrong between the panels of a mesh, and with the sides that they show.
-    pub fn violations(&self, mesh: &HexMesh) -> Vec<Violation> {
-        let mut violations = between_panels(mesh, &self.reported);
-        phex_mesh::add_flips(&mut violations, mesh, &self.facets);
-        violations
-    }
-
     /// Areas that panels are to have.
     pub fn areas(&self) -> AreaField<'_> {
         AreaField {
@@ -80,7 +76,7 @@ impl Surfaces {
     }
 
     /// Does something with the site of these surfaces.
-    pub(crate) fn with_site<T>(
+    fn with_site<T>(
         &self,
         options: &MeshOptions,
         work: impl FnOnce(&Site<'_>) -> T,
@@ -105,20 +101,30 @@ impl Surfaces {
     }
 }
 
-/// One pass for a lattice of one kind.
+/// One pass for panels laid out in one way.
 pub(super) fn pass(
     ground: &Ground,
-    way: LatticeFreedom,
+    candidate: Candidate,
     clock: &mut Clock<'_>,
 ) -> Result<Pass, PipelineError> {
+    let way = LatticeFreedom::from(candidate);
     let (options, progress) = (&way.options(&ground.options), clock.progress);
-    let laid = LaidOut::new(ground, way, options, clock)?;
+    let (laid, settings) = match candidate.method {
+        Method::BrickWall => {
+            let settings = brick_wall::kinked(&options.optimise);
+            (brick_wall::laid_out(ground, clock)?, settings)
+        }
+        _ => {
+            let settings = options.optimise.clone();
+            (LaidOut::new(ground, way, options, clock)?, settings)
+        }
+    };
     let (ground, layout, fine) = (laid.ground(ground), &laid.layout, &laid.surface);
     clock.unless_unwanted()?;
     progress.preview("layout", &|| layout.mesh.to_soup());
     let optimised = {
         let target = SurfaceTarget::new(ground.close_to(fine));
-        let made = || optimise::optimise(layout, &target, &options.optimise, progress);
+        let made = || optimise::optimise(layout, &target, &settings, progress);
         clock.timed("optimise", made)?
     };
     clock.unless_unwanted()?;
@@ -135,6 +141,7 @@ pub(super) fn pass(
         mesh,
         start,
         layout: laid.statistics,
+        brick_wall: laid.brick_wall,
         cones: laid.cones,
         regular_possible: laid.regular_possible,
         optimised,

@@ -1,6 +1,6 @@
 //! The options for the normalised surface.
 
-use super::{MeshOptions, PipelineError, classical};
+use super::{MeshOptions, Method, PipelineError, brick_wall, classical};
 use crate::layout::LayoutError;
 use crate::ranges::without_unit;
 use crate::smooth_surface::Normalised;
@@ -11,7 +11,10 @@ pub(super) fn normalised(
     given: &MeshOptions,
     model: &Normalised,
 ) -> Result<MeshOptions, PipelineError> {
-    let mut options = given.clone();
+    let mut options = match given.method {
+        Method::BrickWall => brick_wall::with_corners(given),
+        _ => given.clone(),
+    };
     let guides = given.directions.guides.moved(|p| model.place(p));
     options.directions.guides = guides.with_creases(&model.surface);
     options.dual.quadric = classical::quadric(&given.dual, &model.similarity)?;

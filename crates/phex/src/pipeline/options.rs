@@ -216,12 +216,13 @@ impl Candidate {
         lattices.into_iter().chain([wall]).collect()
     }
 
-    /// The lattice that the options describe.
+    /// The panels that the options describe.
     pub(super) fn first(options: &MeshOptions) -> Self {
         Self {
+            method: options.method,
             anisotropy: options.directions.anisotropy,
             seamless: options.regular,
-            ..Self::default()
+            resolving: false,
         }
     }
 }

@@ -19,14 +19,12 @@
 use super::attempt::{AttemptSummary, is_tight};
 use super::domain::Ground;
 use super::lattice::{Pass, pass};
-use super::{
-    Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics, brick_wall,
-};
+use super::{Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics};
 use crate::progress::{Event, Progress};
 use crate::quality::{Merit, USUAL_DEVIATION};
 use crate::ranges::without_unit;
 use crate::search::SearchSummary;
-use phex_mesh::{PolygonSoup, TriangleSurface};
+use phex_mesh::PolygonSoup;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -36,37 +34,21 @@ const HOPELESS: &str = "more than a third of the panels are broken: they are too
 /// A member of the portfolio after its single pass.
 struct Member {
     summary: AttemptSummary,
-    made: AttemptMesh,
+    made: Pass,
     clock: Vec<super::StageSeconds>,
-}
-
-enum AttemptMesh {
-    Lattice(Box<Pass>),
-    Wall(Box<MeshRun>),
-}
-
-impl Member {
-    /// Makes room for the next.
-    fn set_aside(&mut self) {
-        if let AttemptMesh::Lattice(pass) = &mut self.made {
-            pass.set_aside();
-        }
-    }
 }
 
 /// A member, searched.
 struct SearchedMember {
     /// Which of those that were tried it is.
     number: usize,
-    made: AttemptMesh,
+    made: Pass,
     merit: Merit,
     search: Option<SearchSummary>,
 }
 
-/// What is made, of what, and how large, all normalised.
+/// What is made, and on what, all normalised.
 struct Task<'a> {
-    surface: &'a TriangleSurface,
-    panels: usize,
     options: &'a MeshOptions,
     ground: &'a Ground,
 }
@@ -76,28 +58,18 @@ struct Task<'a> {
 /// # Errors
 /// If no member gives a mesh: what the first says.
 pub(super) fn mesh_with_panels(
-    (surface, panels): (&TriangleSurface, usize),
     ground: &Ground,
     options: &MeshOptions,
     mut clock: Clock<'_>,
 ) -> Result<MeshRun, PipelineError> {
     let progress = clock.progress;
-    let task = Task {
-        surface,
-        panels,
-        options,
-        ground,
-    };
+    let task = Task { options, ground };
     let (mut found, mut tried) = task.best(&mut clock)?;
     let misses = is_tight(options) && !found.merit.is_within();
     if misses && task.searches() && !progress.is_cancelled() {
         let options = &with_usual_deviation(options);
-        let ground = &Ground::new(surface, panels, options);
-        let usual = Task {
-            options,
-            ground,
-            ..task
-        };
+        let ground = &ground.again(options);
+        let usual = Task { options, ground };
         if let Ok((other, others)) = usual.best(&mut clock) {
             let mut other = task.searched(other, &mut clock);
             other.number += tried.len();
@@ -109,7 +81,7 @@ pub(super) fn mesh_with_panels(
     }
     clock.unless_unwanted()?;
     tried[found.number].kept = true;
-    let mut run = task.run(found, &mut clock);
+    let mut run = task.run(found);
     run.statistics.tried = tried;
     run.stages = clock.stages;
     Ok(run)
@@ -166,7 +138,7 @@ impl Task<'_> {
         let mut members = vec![first];
         let other = members[0].summary.alternative(self.options);
         if let Some(candidate) = other.filter(|_| self.searches() && !progress.is_cancelled()) {
-            members.iter_mut().for_each(Member::set_aside);
+            members.iter_mut().for_each(|m| m.made.set_aside());
             members.extend(self.member(candidate, progress));
         }
         Ok(members)
@@ -179,7 +151,10 @@ impl Task<'_> {
         let others = self.options.portfolio.iter().copied();
         let others = first.resolving(self.options).into_iter().chain(others);
         let fits = |c: &Candidate| c.seamless || c.method == Method::BrickWall;
-        let others = others.filter(|c| *c != first && (fits(c) || !self.options.regular));
+        let others = others.filter(|c| {
+            let is_open = self.options.method == Method::Lattice;
+            is_open && *c != first && (fits(c) || !self.options.regular)
+        });
         let all: Vec<Candidate> = std::iter::once(first).chain(others).collect();
         let one = |c: &Candidate| self.member(*c, &one_at_a_time);
         let results: Vec<_> = all.par_iter().with_max_len(1).map(one).collect();
@@ -201,19 +176,8 @@ impl Task<'_> {
         candidate: Candidate,
         progress: &dyn Progress,
     ) -> Result<Member, PipelineError> {
-        match candidate.method {
-            Method::BrickWall => self.wall(candidate, progress),
-            _ => self.lattice(candidate, progress),
-        }
-    }
-
-    fn lattice(
-        &self,
-        candidate: Candidate,
-        progress: &dyn Progress,
-    ) -> Result<Member, PipelineError> {
         let mut clock = Clock::new(progress);
-        let made = pass(self.ground, candidate.into(), &mut clock)?;
+        let made = pass(self.ground, candidate, &mut clock)?;
         let merit = made.judgement.merit;
         let summary = AttemptSummary {
             dislocations: made.layout.annihilation.kept,
@@ -227,7 +191,7 @@ impl Task<'_> {
         };
         Ok(Member {
             summary,
-            made: AttemptMesh::Lattice(Box::new(made)),
+            made,
             clock: clock.stages,
         })
     }
@@ -270,7 +234,7 @@ impl Task<'_> {
         Some((1, member))
     }
 
-    /// A member, searched if it is a lattice.
+    /// A member, searched unless there is no time.
     fn finished(&self, (number, member): (usize, Member), clock: &mut Clock<'_>) -> SearchedMember {
         let member = SearchedMember {
             number,
@@ -286,44 +250,37 @@ impl Task<'_> {
 
     /// A member searched with the limits of this task.
     fn searched(&self, mut member: SearchedMember, clock: &mut Clock<'_>) -> SearchedMember {
-        match &mut member.made {
-            AttemptMesh::Lattice(pass) => {
-                let found = pass.searched(self.ground, clock);
-                pass.mesh = found.mesh;
-                clock.progress.preview("search", &|| pass.mesh.to_soup());
-                if found.summary.is_hopeless {
-                    let message = HOPELESS.to_owned();
-                    clock.progress.report(&Event::Note { message });
-                }
-                member.merit = found.judgement.merit;
-                member.search = Some(found.summary);
-            }
-            AttemptMesh::Wall(wall) => member.merit = brick_wall::merit(wall, self.ground),
+        let found = member.made.searched(self.ground, clock);
+        member.made.mesh = found.mesh;
+        let mesh = &member.made.mesh;
+        clock.progress.preview("search", &|| mesh.to_soup());
+        if found.summary.is_hopeless {
+            let message = HOPELESS.to_owned();
+            clock.progress.report(&Event::Note { message });
         }
+        member.merit = found.judgement.merit;
+        member.search = Some(found.summary);
         member
     }
 
     /// A member as a run.
-    fn run(&self, member: SearchedMember, clock: &mut Clock<'_>) -> MeshRun {
-        let pass = match member.made {
-            AttemptMesh::Lattice(pass) => *pass,
-            AttemptMesh::Wall(wall) => return *wall,
-        };
+    fn run(&self, member: SearchedMember) -> MeshRun {
+        let pass = member.made;
         let runs = pass.optimised.runs.clone();
         let statistics = Statistics {
             layout: pass.layout,
+            brick_wall: pass.brick_wall.clone(),
             cones: pass.cones.clone(),
             factorisations: runs.iter().map(|r| r.factorisations).sum(),
             runs,
             search: member.search,
-            ..Statistics::of(&self.ground.smooth, self.panels)
+            ..Statistics::of(&self.ground.smooth, self.ground.asked)
         };
         let (mesh, start) = (pass.mesh.clone(), pass.start.clone());
         let outcome = pass.optimised.outcome.clone();
         let surfaces = pass.into_surfaces();
         MeshRun {
             start: Some(start),
-            violations: clock.timed("validate", || surfaces.violations(&mesh)),
             wished: surfaces.areas().wished(&mesh),
             mesh,
             target: surfaces.reported,
@@ -334,17 +291,6 @@ impl Task<'_> {
             statistics,
             stages: Vec::new(),
         }
-    }
-
-    fn wall(&self, candidate: Candidate, progress: &dyn Progress) -> Result<Member, PipelineError> {
-        let clock = Clock::new(progress);
-        let run = brick_wall::mesh_with_panels(self.surface, self.panels, self.options, clock)?;
-        let merit = brick_wall::merit(&run, self.ground);
-        Ok(Member {
-            summary: AttemptSummary::new(candidate, &run.mesh, merit, false, self.options),
-            clock: run.stages.clone(),
-            made: AttemptMesh::Wall(Box::new(run)),
-        })
     }
 }
 

@@ -5,8 +5,9 @@ use super::field::{LatticeFreedom, direction_options, finer_ground};
 use super::options::{Candidate, MeshOptions};
 use super::restarts::most_regular;
 use super::two_fields::FieldPanels;
-use super::{Clock, PipelineError, StageSeconds};
+use super::{Clock, Method, PipelineError, StageSeconds, brick_wall};
 use crate::directions::guides::Cone;
+use crate::layout::brick_wall::BrickWallStatistics;
 use crate::layout::seeds::Seed;
 use crate::layout::{Layout, LayoutStatistics, PanelWish};
 use crate::progress::Progress;
@@ -37,16 +38,18 @@ impl LatticePreview {
     }
 }
 
-/// A lattice that is laid out, and what it lies on.
+/// Panels that are laid out, and what they lie on.
 pub(super) struct LaidOut {
-    /// The ground where it was refined for this lattice.
-    finer: Option<Ground>,
+    /// The ground where they have one of their own.
+    pub own: Option<Ground>,
     /// The surface on which cells were drawn.
     pub surface: TriangleSurface,
     /// Area that a panel is to have at each of its vertices.
     pub wish: PerVertex<PanelWish>,
     pub layout: Layout,
     pub statistics: LayoutStatistics,
+    /// The brick wall, if it is one.
+    pub brick_wall: Option<BrickWallStatistics>,
     /// Cones of the direction field, normalised.
     pub cones: Vec<Cone>,
     /// See [`Field::regular_possible`].
@@ -78,7 +81,8 @@ impl LaidOut {
         Ok(Self {
             cones: field.cones(&ground.smooth),
             regular_possible: field.regular_possible(&ground.smooth),
-            finer,
+            own: finer,
+            brick_wall: None,
             surface: fine.surface,
             wish: fine.wish,
             layout: drawn.layout,
@@ -86,19 +90,22 @@ impl LaidOut {
         })
     }
 
-    /// What it lies on, given that it was laid out on `given`.
+    /// What they lie on, given that they were laid out on `given`.
     pub fn ground<'a>(&'a self, given: &'a Ground) -> &'a Ground {
-        self.finer.as_ref().unwrap_or(given)
+        self.own.as_ref().unwrap_or(given)
     }
 }
 
-/// Lays out the lattice of the ground's options, normalised.
+/// Lays out the panels of the ground's options, normalised.
 pub(super) fn lay_out(
     ground: &Ground,
     clock: &mut Clock<'_>,
 ) -> Result<LatticePreview, PipelineError> {
     let way = LatticeFreedom::from(Candidate::first(&ground.options));
-    let laid = LaidOut::new(ground, way, &way.options(&ground.options), clock)?;
+    let laid = match ground.options.method {
+        Method::BrickWall => brick_wall::laid_out(ground, clock)?,
+        _ => LaidOut::new(ground, way, &way.options(&ground.options), clock)?,
+    };
     Ok(LatticePreview {
         cones: laid.cones,
         mesh: laid.layout.mesh,

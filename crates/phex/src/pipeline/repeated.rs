@@ -1,7 +1,7 @@
 //! Edges made equal in a finished run, where that is asked for.
 
 use super::rim::Rim;
-use super::{Clock, MeshOptions, MeshRun, PipelineError, between_panels};
+use super::{Clock, MeshOptions, MeshRun, PipelineError};
 use crate::optimise::{Quotient, SurfaceTarget, led_elsewhere};
 use crate::progress::{Event, Progress};
 use crate::quality::{Judge, References};
@@ -56,7 +56,6 @@ pub(super) fn repeated(
         tolerance: tolerance_rel * facets.diagonal(),
     };
     let mesh = clock.timed("repetition", || made_equal(&task, &run.mesh, progress))?;
-    run.violations = clock.timed("validate", || between_panels(&mesh, &run.target));
     run.unrepeated = Some(std::mem::replace(&mut run.mesh, mesh));
     run.stages = clock.stages;
     Ok(run)

@@ -98,8 +98,6 @@ pub struct MeshRun {
     pub orbits: Option<Orbits>,
     /// How the optimiser ended.
     pub outcome: Outcome,
-    /// Everything that is wrong with the mesh; empty if it is sound.
-    pub violations: Vec<Violation>,
     /// What the stages did.
     pub statistics: Statistics,
     /// Where the time went.
@@ -141,18 +139,18 @@ impl MeshRun {
         self
     }
 
+    /// Everything that is wrong with the mesh in itself, and with the sides that its panels show.
+    pub fn violations(&self) -> Vec<Violation> {
+        phex_mesh::violations(&self.mesh, Some(&self.target), &ValidateOptions::default())
+    }
+
     /// Whether every panel is planar and simple, and no two of them meet where they should not.
     pub fn is_sound(&self) -> bool {
-        self.violations.is_empty()
+        self.violations().is_empty()
     }
 }
 
 /// Wishes of panels that may have any area.
 pub(super) fn any_area(mesh: &HexMesh) -> PerFace<f64> {
     PerFace::filled(mesh.topology().n_faces(), 0.0)
-}
-
-/// What is wrong with a mesh in itself, and with the sides that its panels show.
-pub(super) fn between_panels(mesh: &HexMesh, surface: &TriangleSurface) -> Vec<Violation> {
-    phex_mesh::violations(mesh, Some(surface), &ValidateOptions::default())
 }

@@ -6,7 +6,7 @@ use super::preview::{LatticePreview, lay_out};
 use super::symmetric;
 use super::watched::InModel;
 use super::{Clock, MeshRun, PipelineError};
-use super::{brick_wall, classical, normalise, portfolio, repeated, size, steered};
+use super::{classical, normalise, portfolio, repeated, size, steered};
 use crate::optimise::OptimiseError;
 use crate::progress::{Event, Progress};
 use crate::smooth_surface::{Normalised, TargetOptions};
@@ -117,14 +117,8 @@ impl Session {
         let model = self.model();
         let options = normalise::normalised(options, model)?;
         let mut clock = Clock::new(progress);
-        let made = match options.method {
-            Method::BrickWall => brick_wall::lay_out(&model.surface, panels, &options, &mut clock),
-            _ => {
-                let ground = clock.stage("target", || self.ground(panels, &options))?;
-                lay_out(&ground, &mut clock)
-            }
-        };
-        match made {
+        let ground = clock.stage("target", || self.ground(panels, &options))?;
+        match lay_out(&ground, &mut clock) {
             Ok(preview) => Ok(preview.restored(&model.similarity)),
             Err(error) => Err(error.in_model(model)),
         }
@@ -146,7 +140,7 @@ impl Session {
         let surface = &model.surface;
         let mut clock = Clock::new(progress);
         let made = match options.method {
-            Method::Lattice => {
+            Method::Lattice | Method::BrickWall => {
                 if options.symmetry != Symmetry::None {
                     let made = symmetric::mesh_with_panels((surface, panels), &options, &mut clock);
                     if let Some(run) = made.map_err(|error| error.in_model(model))? {
@@ -160,9 +154,8 @@ impl Session {
                 })?;
                 let notes = ground.calmed.map(teeth_note).into_iter().chain(unused);
                 notes.for_each(|message| progress.report(&Event::Note { message }));
-                portfolio::mesh_with_panels((surface, panels), &ground, &options, clock)
+                portfolio::mesh_with_panels(&ground, &options, clock)
             }
-            Method::BrickWall => brick_wall::mesh_with_panels(surface, panels, &options, clock),
             _ => classical::mesh_with_panels(model, panels, &options, clock),
         };
         let held = made.and_then(|run| steered::steered(run, &options, progress));

@@ -6,7 +6,7 @@
 //! the user nor planarity wants them elsewhere.
 
 use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics};
-use super::{any_area, between_panels, normalise, repeated, rim};
+use super::{any_area, normalise, repeated, rim};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::smooth_surface::{self, Normalised, TargetKind};
@@ -72,7 +72,6 @@ pub fn refit_surface(
         orbits: None,
         unrepeated: None,
         outcome: refitted.outcome.clone(),
-        violations: Vec::new(),
         statistics: Statistics::of(&smooth, panels),
         stages: Vec::new(),
     };
@@ -86,8 +85,7 @@ pub fn refit_surface(
     Ok(run)
 }
 
-fn with_result(mut run: MeshRun, result: Optimised, mut clock: Clock<'_>) -> MeshRun {
-    run.violations = clock.timed("validate", || between_panels(&result.mesh, &run.target));
+fn with_result(mut run: MeshRun, result: Optimised, clock: Clock<'_>) -> MeshRun {
     run.statistics.factorisations += result.outcome.factorisations;
     run.statistics.runs.extend(result.runs);
     run.mesh = result.mesh;

@@ -11,7 +11,7 @@ use super::preview::LaidOut;
 use super::repeated::made_equal;
 use super::sized::mean_length;
 use super::{
-    Candidate, Clock, Effort, MeshOptions, MeshRun, PipelineError, Statistics, between_panels,
+    Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics,
 };
 use crate::optimise::{self, BoundaryHold, Quotient, Steering};
 use crate::progress::{Event, Progress};
@@ -80,6 +80,7 @@ pub(super) fn mesh_with_panels(
     };
     let references = References {
         smooth: Some(whole),
+        facets: Some(surface),
         ..References::default()
     };
     let judge = Judge::new(whole, references, options.limits());
@@ -98,7 +99,7 @@ pub(super) fn mesh_with_panels(
     // What is there is kept where there is no time for anything else.
     let is_welcome = asked == Symmetry::Auto && !progress.is_cancelled();
     match made {
-        Ok((merit, run)) if is_welcome && !(run.is_sound() && merit.is_within()) => without(
+        Ok((merit, _)) if is_welcome && !merit.is_within() => without(
             format!("with the symmetry {names} panels are outside limits"),
         ),
         Ok((_, mut run)) => {
@@ -171,6 +172,10 @@ fn not_symmetric(options: &MeshOptions) -> Option<&'static str> {
     let guides = &options.directions.guides;
     let lines = !guides.lines.is_empty() || !guides.cones.is_empty();
     let reasons = [
+        (
+            options.method != Method::Lattice,
+            "rows of a brick wall follow curves of the whole surface and not of its parts",
+        ),
         (
             options.boundary != Boundary::Snap,
             "panels that are cut at the boundary or stick out of it are not laid out between mirror planes; the boundary can be `snap`",
@@ -542,7 +547,6 @@ impl DomainPanels {
         Ok(MeshRun {
             wished: wished.map(|area| area * self.scale.powi(2)),
             start: None,
-            violations: clock.timed("validate", || between_panels(&mesh, &target)),
             mesh,
             target,
             beyond: None,

@@ -132,7 +132,7 @@ fn corner_distance(surface: &TriangleSurface, mesh: &HexMesh) -> f64 {
 }
 
 fn is_sound(name: &str, surface: &TriangleSurface, run: &MeshRun) {
-    assert!(run.is_sound(), "{name}: {:?}", run.violations);
+    assert!(run.is_sound(), "{name}: {:?}", run.violations());
     let again = phex_mesh::violations(&run.mesh, Some(&run.target), &ValidateOptions::default());
     assert!(again.is_empty(), "{name}: {again:?}");
     let figures = |t: &phex_mesh::Topology| (t.euler_characteristic(), t.boundary_loops().len());

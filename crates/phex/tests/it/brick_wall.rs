@@ -28,7 +28,7 @@ fn meshes_of_patches_annuli_and_the_torus_are_sound() {
     for name in names {
         let surface = shape(name, 6000);
         let run = brick_run(&surface, 250).unwrap();
-        assert!(run.is_sound(), "{name}: {:?}", run.violations);
+        assert!(run.is_sound(), "{name}: {:?}", run.violations());
         assert!(measure(&run.mesh).planarity.max <= 1e-12, "{name}");
         assert_eq!(
             figures(run.mesh.topology()),

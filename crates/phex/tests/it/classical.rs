@@ -75,7 +75,7 @@ fn planar_and_simple_on_their_domain() {
                     Violation::FlippedFace { .. } | Violation::WrongFan { .. }
                 )
             };
-            let turned = run.violations.iter().any(flipped);
+            let turned = run.violations().iter().any(flipped);
             assert!(!turned, "{method:?} on {shape}");
         }
     }
@@ -93,7 +93,7 @@ fn faults_on(surface: &TriangleSurface, method: Method, panels: usize) -> usize 
     let measures = measure(&run.mesh);
     assert!(measures.planarity.max < 1e-12);
     assert_eq!(measures.faces_not_simple, 0);
-    let wrong = run.violations.iter().filter(|v| {
+    let wrong = run.violations().iter().filter(|v| {
         use Violation::{Crossing, FlippedFace, Fold, NotSimple, WrongFan};
         matches!(
             v,

@@ -75,7 +75,7 @@ fn patches_of_both_signs_have_edge_offsets_on_both_sides() {
     for ((name, size, saddle, point), panels) in small.chain(large) {
         let surface = patch(60, size, point);
         let run = run(&surface, &options(panels));
-        assert!(run.is_sound(), "{name}: {:?}", run.violations.first());
+        assert!(run.is_sound(), "{name}: {:?}", run.violations().first());
         assert_hexagons(name, &run.mesh);
         let measures = measure(&run.mesh);
         assert!(
@@ -123,7 +123,7 @@ fn inner_edges_of_cut_panels_keep_their_distance() {
                 Violation::SmallClearance { .. } | Violation::CollapsedEdge { .. }
             )
         };
-        assert!(run.violations.iter().all(small), "{name}");
+        assert!(run.violations().iter().all(small), "{name}");
         let (mesh, given) = (&run.mesh, OffsetOptions::default());
         let found = edge_gauss_image(mesh, &given).unwrap();
         let t = mesh.topology();
@@ -154,7 +154,7 @@ fn inner_edges_of_cut_panels_keep_their_distance() {
 fn edges_of_a_wide_cap_are_not_short() {
     let cap = patch(100, 0.69, PATCHES[1].3);
     let run = run(&cap, &options(500));
-    assert!(run.is_sound(), "{:?}", run.violations.first());
+    assert!(run.is_sound(), "{:?}", run.violations().first());
     let (measures, t) = (measure(&run.mesh), run.mesh.topology());
     let lengths = t.edges().map(|e| run.mesh.edge_length(e));
     assert!(lengths.fold(f64::INFINITY, f64::min) > 0.2 * run.mesh.mean_edge());
@@ -167,7 +167,7 @@ fn a_closed_convex_surface_has_twelve_pentagons_and_edge_offsets() {
     let surface =
         crate::common::shape_with("ellipsoid", &[("a", 1.2), ("b", 1.0), ("c", 0.9)], 4000);
     let run = run(&surface, &options(150));
-    assert!(run.is_sound(), "{:?}", run.violations.first());
+    assert!(run.is_sound(), "{:?}", run.violations().first());
     let t = run.mesh.topology();
     let pentagons = t.faces().filter(|f| t.valence(*f) == 5).count();
     let hexagons = t.faces().filter(|f| t.valence(*f) == 6).count();
@@ -182,7 +182,7 @@ fn minimal_surfaces_have_mean_curvature_zero_by_steiner() {
         let mut options = options(120);
         options.dual.minimal = true;
         let run = run(&surface, &options);
-        assert!(run.is_sound(), "{name}: {:?}", run.violations.first());
+        assert!(run.is_sound(), "{name}: {:?}", run.violations().first());
         let found = edge_gauss_image(&run.mesh, &OffsetOptions::default()).unwrap();
         let image = found.image.mesh(&run.mesh);
         let curvatures = face_curvatures(&run.mesh, &image);

@@ -26,7 +26,7 @@ fn panelled(shape: &str) -> HexMesh {
         ..Default::default()
     };
     let run = mesh_surface(&surface, &options, &Silent).unwrap();
-    assert!(run.is_sound(), "{:?}", run.violations);
+    assert!(run.is_sound(), "{:?}", run.violations());
     run.mesh
 }
 

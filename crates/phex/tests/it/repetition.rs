@@ -48,7 +48,7 @@ fn told(run: &MeshRun, surface: &TriangleSurface, options: &MeshOptions) -> Repe
 }
 
 fn assert_kept(run: &MeshRun) {
-    assert!(run.is_sound(), "{:?}", run.violations);
+    assert!(run.is_sound(), "{:?}", run.violations());
     assert!(measure(&run.mesh).planarity.max <= 1e-12);
     let off = |mesh: &HexMesh| deviation(mesh, &run.target).deviation_max;
     let before = off(run.unrepeated.as_ref().unwrap());
@@ -95,7 +95,7 @@ fn every_boundary_keeps_its_place() {
             told.after.edge_lengths <= told.before.edge_lengths,
             "{boundary:?}: {told:?}"
         );
-        assert!(run.is_sound(), "{boundary:?}: {:?}", run.violations);
+        assert!(run.is_sound(), "{boundary:?}: {:?}", run.violations());
         assert!(measure(&run.mesh).planarity.max <= 1e-12);
     }
 }

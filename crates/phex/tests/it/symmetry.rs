@@ -48,7 +48,7 @@ fn check(run: &MeshRun, group: &str, order: u32) {
     let found = run.statistics.symmetry.as_ref().expect("a symmetry");
     assert_eq!((found.group.as_str(), found.order), (group, order));
     assert!(found.distance_rel <= SYMMETRY_TOLERANCE);
-    assert!(run.is_sound(), "{group}: {:?}", run.violations);
+    assert!(run.is_sound(), "{group}: {:?}", run.violations());
     let (topology, orbits) = (run.mesh.topology(), run.orbits.as_ref().unwrap());
     assert!(measure(&run.mesh).planarity.max <= 1e-12);
     let mut inner = topology
