@@ -4,12 +4,13 @@ use crate::surface::TriangleSurface;
 use crate::{Vec3, VertexId};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::Polyline;
+use std::sync::Arc;
 
-/// All boundary loops of a surface, or other polylines.
+/// All boundary loops of a surface, or other polylines. Clones share them.
 #[derive(Clone)]
 pub struct BoundaryCurve {
-    ends: Vec<[Vec3; 2]>,
-    hierarchy: Polyline,
+    ends: Arc<[[Vec3; 2]]>,
+    hierarchy: Arc<Polyline>,
 }
 
 /// A point on a [`BoundaryCurve`].
@@ -51,8 +52,8 @@ impl BoundaryCurve {
             ends.push([pair[0], pair[1]]);
         }
         (!ends.is_empty()).then(|| Self {
-            ends,
-            hierarchy: Polyline::new(points, Some(segments)),
+            ends: ends.into(),
+            hierarchy: Arc::new(Polyline::new(points, Some(segments))),
         })
     }
 

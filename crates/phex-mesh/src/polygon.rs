@@ -10,6 +10,7 @@
 //! Nothing here allocates. Edge `i` runs from corner `i` to corner `i + 1`, cyclically.
 
 use crate::Vec2;
+use nalgebra::SVector;
 use robust::{Coord, orient2d};
 use std::f64::consts::TAU;
 
@@ -109,8 +110,12 @@ pub fn contains(polygon: &[Vec2], p: Vec2) -> bool {
     (0..n).filter(crosses).count() % 2 == 1
 }
 
-/// Distance of the point `p` to the closed segment `ab`.
-pub fn point_segment_distance(p: Vec2, a: Vec2, b: Vec2) -> f64 {
+/// Distance of the point `p` to the closed segment `ab`, in the plane or in space.
+pub fn point_segment_distance<const D: usize>(
+    p: SVector<f64, D>,
+    a: SVector<f64, D>,
+    b: SVector<f64, D>,
+) -> f64 {
     let (edge, d) = (b - a, p - a);
     let length_squared = edge.norm_squared();
     if length_squared == 0.0 {

@@ -10,7 +10,6 @@ use phex::offset::{
 };
 use phex::{MeshOptions, PanelSize, Progress};
 use phex_job::{JobError, Quantity, TypedPanelSize, Unit, chain};
-use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, ValidateOptions};
 use serde::Deserialize;
 use serde_json::json;
@@ -185,7 +184,7 @@ pub fn lengths(
     inputs: Inputs,
     _: &dyn Progress,
 ) -> Result<Answer, JobError> {
-    let size = diagonal(&inputs.panels()?);
+    let size = inputs.panels()?.diagonal();
     let lengths = request.lengths.iter().map(|q| q.length(request.unit, size));
     Ok(vec![("lengths", AnswerPart::Numbers(lengths.collect()))])
 }

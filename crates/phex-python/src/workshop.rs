@@ -7,7 +7,6 @@ use phex_fab::folder::{files, summary};
 use phex_fab::{FabError, FabOptions, PanelIds, Rotations, Side, fabricate, valid_mesh};
 use phex_job::{JobError, MeshSettings, Quantity, Unit, chain};
 use phex_mesh::ValidateOptions;
-use phex_mesh::measure::diagonal;
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -43,7 +42,7 @@ pub fn fabricated(
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let mesh = inputs.panels()?;
-    let (unit, size) = (request.unit, diagonal(&mesh));
+    let (unit, size) = (request.unit, mesh.diagonal());
     let [a, b] = [
         millimetres("sheet", request.sheet[0])?,
         millimetres("sheet", request.sheet[1])?,

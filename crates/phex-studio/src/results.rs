@@ -12,7 +12,6 @@ use phex_fab::{FabError, FabOptions, PanelIds, Side, fabricate, valid_mesh};
 use phex_html::{PackedArray, Report, Viewer, ViewerData, conjugate_curves, page, viewer_data};
 use phex_job::{JobResult, Quantity, Unit};
 use phex_mesh::io::{Format, write_soup_to};
-use phex_mesh::measure::diagonal;
 use phex_picture::maps::{ColourMap, Map, Range, Subject};
 use phex_picture::{PictureOptions, draw_map, draw_svg};
 use serde::{Deserialize, Serialize};
@@ -290,7 +289,7 @@ impl RunResult {
     }
 
     fn fab_options(&self, wish: &WorkshopWish) -> Result<FabOptions, RefusedRequest> {
-        let (unit, size) = (self.made.limits.unit, diagonal(&self.made.mesh));
+        let (unit, size) = (self.made.limits.unit, self.made.mesh.diagonal());
         let quantity = |name: &str, text: &Option<String>| {
             let parsed = text.as_deref().map(str::parse::<Quantity>).transpose();
             let parsed = parsed.map_err(|e| RefusedRequest::unusable(format!("{name}: {e}")))?;

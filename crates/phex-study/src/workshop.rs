@@ -2,7 +2,7 @@
 
 use phex_fab::{FabOptions, PanelIds, fabricate, folder, valid_mesh};
 use phex_job::{Quantity, Unit, chain};
-use phex_mesh::{HexMesh, ValidateOptions, measure};
+use phex_mesh::{HexMesh, ValidateOptions};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
@@ -51,7 +51,7 @@ fn made(
 ) -> Result<Map<String, Value>, String> {
     let [a, b] = workshop.sheet.map(|side| side.length(Unit::Mm, f64::NAN));
     let options = FabOptions {
-        thickness: workshop.thickness.length(unit, measure::diagonal(mesh)),
+        thickness: workshop.thickness.length(unit, mesh.diagonal()),
         unit_mm: unit.metres() / Unit::Mm.metres(),
         sheet_mm: [a.max(b), a.min(b)],
         nest_effort: workshop.nest_effort,

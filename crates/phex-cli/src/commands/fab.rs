@@ -12,7 +12,6 @@ use phex_fab::{FabError, FabOptions, Fabrication, PanelIds, fabricate, valid_mes
 use phex_job::MeshFile;
 use phex_job::MeshSettings;
 use phex_job::Unit;
-use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, ValidateOptions};
 use std::path::Path;
 
@@ -51,7 +50,7 @@ fn options(command: &FabCommand, mesh: &HexMesh) -> Result<FabOptions, Failure> 
     let limits = limits.transpose()?.unwrap_or_default();
     limits.check()?;
     let unit = command.unit.or(limits.unit).unwrap_or_default();
-    let size = diagonal(mesh);
+    let size = mesh.diagonal();
     let planarity = command
         .planarity
         .map(|q| q.fraction(unit, mesh.mean_edge()));

@@ -18,7 +18,6 @@ use base::{Base, OffsetLayer};
 use files::Files;
 use phex::offset::OffsetOptions;
 use phex_job::{MeshFile, number, read_text};
-use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, LARGEST_COORDINATE, PerFace, ValidateOptions};
 use std::path::Path;
 use told::Told;
@@ -82,7 +81,7 @@ struct OffsetJob<'a> {
 
 impl<'a> OffsetJob<'a> {
     fn new(command: &'a OffsetCommand, mesh: &HexMesh) -> Result<Self, Failure> {
-        let (unit, size) = (command.unit, diagonal(mesh));
+        let (unit, size) = (command.unit, mesh.diagonal());
         let planarity = command
             .planarity
             .map(|q| q.fraction(unit, mesh.mean_edge()));

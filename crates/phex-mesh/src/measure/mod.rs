@@ -206,7 +206,7 @@ pub fn measure(mesh: &HexMesh) -> MeshMeasures {
             .filter(|&(&c, &s)| c && s)
             .count(),
         mean_edge,
-        diagonal: diagonal(mesh),
+        diagonal: mesh.diagonal(),
         area,
         largest_face_over_area: face_area.max,
         planarity: Metric::large_is_bad(scaled(&values.planarity_length, 1.0 / mean_edge)),
@@ -322,16 +322,6 @@ fn scaled<I: crate::ElementId>(
     factor: f64,
 ) -> impl Iterator<Item = (I, f64)> {
     values.enumerate().map(move |(i, x)| (i, x * factor))
-}
-
-/// Diagonal of the bounding box of a mesh, in model units.
-pub fn diagonal(mesh: &HexMesh) -> f64 {
-    let first = mesh.positions.as_slice()[0];
-    let (low, high) = mesh
-        .positions
-        .iter()
-        .fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p)));
-    (high - low).norm()
 }
 
 fn interior_vertices(topology: &Topology) -> usize {

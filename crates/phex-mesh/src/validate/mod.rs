@@ -12,7 +12,6 @@ mod violation;
 
 pub use violation::{FlipReference, Violation};
 
-use crate::measure::diagonal;
 use crate::polygon::{interior_angles, is_simple};
 use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, TriangleSurface, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
@@ -73,7 +72,7 @@ const RIGHT_ANGLE: f64 = 1e-9;
 /// the origin) over the mean edge.
 pub fn planarity_floor(mesh: &HexMesh) -> f64 {
     let largest = mesh.positions.iter().map(|p| p.amax()).fold(0.0, f64::max);
-    4.0 * f64::EPSILON * diagonal(mesh).max(largest) / mesh.mean_edge()
+    4.0 * f64::EPSILON * mesh.diagonal().max(largest) / mesh.mean_edge()
 }
 
 /// A mesh that [`validate`] found no violation in. It cannot be changed.

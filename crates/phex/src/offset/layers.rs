@@ -4,7 +4,6 @@ use super::contact::first_contact;
 use super::gauss_image::GaussImage;
 use super::inheritance::Inheritance;
 use super::{OffsetError, OffsetOptions};
-use phex_mesh::measure::diagonal;
 use phex_mesh::{HexMesh, Violation};
 
 /// Steps at which the way to the first contact is looked at, before the first invalid one is
@@ -149,7 +148,7 @@ fn safe_distance(
     largest: f64,
     inheritance: &Inheritance,
 ) -> SafeDistance {
-    let far = FAR * diagonal(mesh);
+    let far = FAR * mesh.diagonal();
     let contact = first_contact(mesh, image, side).min(far);
     let fault = |d: f64| inheritance.first_fault(mesh, &image.offset(mesh, side * d));
     let place = |k: usize| {

@@ -53,15 +53,15 @@ impl Stage<'_> {
         // A place that is tried in other ways is not worth a second run.
         let insists = kind != StartKind::Local && !path.is_over();
         if insists && !best.is_planar(options) {
-            best = better(best, path.insist()?);
+            best = better(best, path.insist()?, options);
             if !path.is_over() && !best.is_planar(options) {
-                best = better(best, path.project(Some(options.least_clearance)));
+                best = better(best, path.project(Some(options.least_clearance)), options);
             }
         }
         // A few panels stand in the way. The others become planar without regard to them, and the
         // search, which follows a layout, repairs these.
         if !path.is_over() && !best.is_planar(options) && kind == StartKind::SmoothedCells {
-            best = better(best, path.project(None));
+            best = better(best, path.project(None), options);
         }
         if !path.is_over() && best.is_planar(options) {
             best = path.finish(best)?;

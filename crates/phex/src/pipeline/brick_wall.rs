@@ -97,7 +97,11 @@ impl BrickSite {
 pub(super) fn laid_out(ground: &Ground, clock: &mut Clock<'_>) -> Result<LaidOut, PipelineError> {
     let site = BrickSite::new(ground, clock)?;
     let (layout, wall) = clock.stage("layout", || {
-        brick_wall(&site.bricks(), site.ground.panels, &ground.options.brick_wall)
+        brick_wall(
+            &site.bricks(),
+            site.ground.panels,
+            &ground.options.brick_wall,
+        )
     })??;
     Ok(LaidOut {
         wish: PerVertex::filled(site.surface.positions().len(), PanelWish::ANY),

@@ -76,11 +76,7 @@ impl Surfaces {
     }
 
     /// Does something with the site of these surfaces.
-    fn with_site<T>(
-        &self,
-        options: &MeshOptions,
-        work: impl FnOnce(&Site<'_>) -> T,
-    ) -> T {
+    fn with_site<T>(&self, options: &MeshOptions, work: impl FnOnce(&Site<'_>) -> T) -> T {
         let beyond = self.beyond.as_ref().map(|b| [&b.smooth, &b.facets]);
         let references = References {
             smooth: Some(&self.reported),
@@ -92,7 +88,7 @@ impl Surfaces {
         let rim = Rim::kept(&self.reported, options);
         work(&Site {
             judge: &judge,
-            close_to: beyond.map_or(&self.reported, |b| b[0]),
+            close_to: &SurfaceTarget::new(beyond.map_or(&self.reported, |b| b[0])),
             hold: rim.as_ref().map(Rim::hold),
             mirrors: &[],
             areas: Some(self.areas()),

@@ -38,7 +38,7 @@ pub(super) fn repeated(
     };
     let judge = Judge::new(&run.target, references, options.limits());
     let rim = Rim::kept(&run.target, options);
-    let close_to = beyond.map_or(&run.target, |b| b[0]);
+    let close_to = &SurfaceTarget::new(beyond.map_or(&run.target, |b| b[0]));
     let site = Site {
         judge: &judge,
         close_to,
@@ -50,7 +50,7 @@ pub(super) fn repeated(
     let task = RepetitionTask {
         site: &site,
         merit: &|mesh| site.judged(mesh).merit,
-        target: &SurfaceTarget::new(close_to),
+        target: close_to,
         quotient: &Quotient::default(),
         steering: &options.steering,
         tolerance: tolerance_rel * facets.diagonal(),

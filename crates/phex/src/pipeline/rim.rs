@@ -85,10 +85,9 @@ pub(super) fn on_curve(
     rim: &Rim,
     progress: &dyn Progress,
 ) -> Result<Option<Optimised>, OptimiseError> {
-    let target = SurfaceTarget::new(site.judge.surface());
     optimise::onto_boundary(
         mesh,
-        &target,
+        site.close_to,
         &rim.hold(),
         &Quotient::default(),
         site.options,

@@ -10,10 +10,8 @@ use super::field::LatticeFreedom;
 use super::preview::LaidOut;
 use super::repeated::made_equal;
 use super::sized::mean_length;
-use super::{
-    Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics,
-};
-use crate::optimise::{self, BoundaryHold, Quotient, Steering};
+use super::{Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics};
+use crate::optimise::{self, BoundaryHold, Quotient, Steering, SurfaceTarget};
 use crate::progress::{Event, Progress};
 use crate::quality::{Judge, Limits, Merit, References};
 use crate::repetition::RepetitionTask;
@@ -99,9 +97,9 @@ pub(super) fn mesh_with_panels(
     // What is there is kept where there is no time for anything else.
     let is_welcome = asked == Symmetry::Auto && !progress.is_cancelled();
     match made {
-        Ok((merit, _)) if is_welcome && !merit.is_within() => without(
-            format!("with the symmetry {names} panels are outside limits"),
-        ),
+        Ok((merit, _)) if is_welcome && !merit.is_within() => without(format!(
+            "with the symmetry {names} panels are outside limits"
+        )),
         Ok((_, mut run)) => {
             run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
             run.statistics.panels_asked = panels;
@@ -424,7 +422,7 @@ impl DomainPanels {
         });
         let site = Site {
             judge: &judge,
-            close_to: reported,
+            close_to: &SurfaceTarget::new(reported),
             hold,
             mirrors: &walls,
             areas: Some(areas_of(laid)),

@@ -162,7 +162,7 @@ impl Judgement {
         for face in self.of_face.iter_mut() {
             (face.sharp, face.large) = (0.0, 0.0);
         }
-        self.merit = Merit::of(self.of_face.iter(), self.of_face.len(), 0);
+        self.merit = Merit::of(self.of_face.iter(), self.of_face.len());
         self
     }
 
@@ -250,7 +250,7 @@ impl<'a> Judge<'a> {
         let counted = of_face.as_slice().iter().zip(scope.counts);
         let counted = counted.filter(|(_, c)| **c).map(|(f, _)| f);
         Judgement {
-            merit: Merit::of(counted, yardstick.panels, 0),
+            merit: Merit::of(counted, yardstick.panels),
             of_face,
             closest,
         }
@@ -395,7 +395,8 @@ impl<'a> Judge<'a> {
         let (Some(curve), Some(limit)) = (&self.curve, self.limits.boundary_rel) else {
             return;
         };
-        let counts = |f: &FaceId| scope.counts[f.index()];
+        let elsewhere = self.references.elsewhere;
+        let counts = |f: &FaceId| scope.counts[f.index()] && !elsewhere.contains(f);
         let rim = points_on_boundary(scope.mesh);
         let mut add = |f: FaceId, distance: f64| {
             let face = &mut of_face[f];
@@ -408,7 +409,9 @@ impl<'a> Judge<'a> {
             return;
         };
         let points = scope.points.iter().zip(closest);
-        for (v, (f, _)) in points.filter(|(v, _)| self.on_boundary[**v]) {
+        for (v, (f, _)) in
+            points.filter(|(v, (f, _))| self.on_boundary[**v] && !elsewhere.contains(f))
+        {
             let p = self.surface.positions()[*v];
             add(*f, (own.closest_point(p).position - p).norm());
         }

@@ -37,12 +37,8 @@ const UNEVEN: f64 = 4.0;
 /// Cost of a distance to the surface that is just allowed.
 const OFF: f64 = 0.5;
 impl Merit {
-    /// The merit of faces of a mesh that has so many `panels`; `needed` of them must be irregular.
-    pub(super) fn of<'a>(
-        faces: impl Iterator<Item = &'a Findings>,
-        panels: usize,
-        needed: usize,
-    ) -> Self {
+    /// The merit of faces of a mesh that has so many `panels`.
+    pub(super) fn of<'a>(faces: impl Iterator<Item = &'a Findings>, panels: usize) -> Self {
         let (mut merit, mut irregular, mut off) = (Self::default(), 0, 0.0_f64);
         let share = 1.0 / panels.max(1) as f64;
         for face in faces {
@@ -53,7 +49,7 @@ impl Merit {
             off = off.max(face.off);
         }
         merit.off = off;
-        merit.cost += IRREGULAR * share * irregular.saturating_sub(needed) as f64 + OFF * off;
+        merit.cost += IRREGULAR * share * irregular as f64 + OFF * off;
         merit
     }
 

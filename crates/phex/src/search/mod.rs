@@ -109,7 +109,7 @@ struct Failed {
 /// ```
 /// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 /// # let torus = triangulate(&Shape::from_name("torus", &[])?, &TriangulationOptions::default())?;
-/// use phex::optimise::OptimiseOptions;
+/// use phex::optimise::{OptimiseOptions, SurfaceTarget};
 /// use phex::quality::{Judge, Limits, References};
 /// use phex::search::{Site, search};
 /// use phex::{Effort, MeshOptions, PanelSize, Silent, mesh_surface};
@@ -120,7 +120,7 @@ struct Failed {
 /// let judge = Judge::new(&run.target, references, Limits::new(Some(0.02), None));
 /// let site = Site {
 ///     judge: &judge,
-///     close_to: &run.target,
+///     close_to: &SurfaceTarget::new(&run.target),
 ///     hold: None,
 ///     mirrors: &[],
 ///     areas: None,

@@ -3,7 +3,7 @@
 use super::patch::{Built, Patch};
 use crate::layout::{Layout, PanelWish, VertexKind};
 use crate::optimise::{
-    BoundaryHold, FaceLimits, LocalPart, OptimiseOptions, ShapeWish, SurfaceTarget,
+    BoundaryHold, FaceLimits, LocalPart, OptimiseOptions, ShapeWish, SurfaceTarget, Target,
 };
 use crate::progress::{Progress, Quiet};
 use crate::quality::{Judge, Judgement, Scope, Shapes, Yardstick};
@@ -53,7 +53,7 @@ pub struct Site<'a> {
     /// The judge.
     pub judge: &'a Judge<'a>,
     /// The surface that panels are kept close to.
-    pub close_to: &'a TriangleSurface,
+    pub close_to: &'a SurfaceTarget<'a>,
     /// The boundary that panels end at; `None` where they rest.
     pub hold: Option<BoundaryHold<'a>>,
     /// Unit normals of mirror planes through the origin: panels that lie across one rest.
@@ -142,7 +142,7 @@ impl Site<'_> {
     fn layout(&self, part: &HexMesh) -> Layout {
         let topology = part.topology();
         let centres = centres(part);
-        let feet = self.close_to.closest_points(&centres);
+        let feet = self.close_to.closest_points(&centres, &[]);
         let lengths = topology.faces().map(|f| {
             let sides = topology
                 .face_half_edges(f)
@@ -223,12 +223,11 @@ impl Site<'_> {
             limits: &self.limits(&built.mesh, whole, cover),
             diagonal: whole.diagonal,
         };
-        let target = SurfaceTarget::new(self.close_to);
         let quiet = Quiet::new(progress);
         let made = match step {
-            LocalStep::Settle => part.settled(&target, self.options, &quiet),
+            LocalStep::Settle => part.settled(self.close_to, self.options, &quiet),
             LocalStep::Improve(round, _) | LocalStep::Cut(round) => {
-                part.emphasised(round, &target, self.options, &quiet)
+                part.emphasised(round, self.close_to, self.options, &quiet)
             }
         };
         Some(made.ok()?.mesh)

@@ -59,7 +59,7 @@ fn searched_between(
         mesh.clone(),
         &Site {
             judge: &Judge::new(surface, references, limits),
-            close_to: surface,
+            close_to: &SurfaceTarget::new(surface),
             hold: Some(BoundaryHold {
                 curves: &BoundaryCurve::of(surface).unwrap(),
                 corners: &[],
@@ -299,7 +299,7 @@ fn a_search_ends_where_nothing_is_found() {
     let deviation = 2.0 * farthest / mesh.diagonal();
     let site = Site {
         judge: &Judge::new(&bumpy, references, Limits::new(Some(deviation), None)),
-        close_to: surface,
+        close_to: &SurfaceTarget::new(surface),
         hold: None,
         mirrors: &[],
         areas: None,

@@ -1,6 +1,7 @@
 //! The boundary loops as polylines with places on them.
 
 use crate::smooth_surface::boundary_corners;
+use phex_mesh::polygon::point_segment_distance;
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
 use std::collections::BTreeSet;
 
@@ -118,7 +119,7 @@ impl OutlineLoops {
         let points = &self.loops[of];
         let distance = |i: usize| {
             let bonus = f64::from(u8::from(self.corners[of][path[i]])) * self.diagonal;
-            distance_to_segment(points[path[i]], begin, end) + bonus
+            point_segment_distance(points[path[i]], begin, end) + bonus
         };
         let farthest = (0..path.len()).max_by(|&i, &k| distance(i).total_cmp(&distance(k)));
         let Some(i) = farthest.filter(|&i| distance(i) > self.tolerance) else {
@@ -129,12 +130,6 @@ impl OutlineLoops {
         kept.push(middle);
         self.simplify(of, &path[i + 1..], middle, end, kept);
     }
-}
-
-pub(super) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
-    let (d, q) = (b - a, p - a);
-    let t = (q.dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    (q - d * t).norm()
 }
 
 #[cfg(test)]

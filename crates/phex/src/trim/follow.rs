@@ -3,7 +3,7 @@
 //! They lie in the plane of their panel, over the curve, so the panel stays planar. An edge gets
 //! those of them with which its panel stays simple and keeps some clearance.
 
-use super::curve::{OutlineLoops, distance_to_segment};
+use super::curve::OutlineLoops;
 use phex_mesh::{FacePlane, HalfEdgeId, HexMesh, TriangleSurface, Vec3, polygon};
 
 /// Largest distance between the curve and an edge along it, diagonals; and share of that which is
@@ -45,7 +45,9 @@ pub(crate) fn followed(
         let f = topology.face(h);
         let plane = FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
         // Where the curve leaves the plane, corners in the plane bring nothing.
-        let gains = |p: &Vec3| plane.height(*p).abs() < GAIN * distance_to_segment(*p, begin, end);
+        let gains = |p: &Vec3| {
+            plane.height(*p).abs() < GAIN * polygon::point_segment_distance(*p, begin, end)
+        };
         let first = positions.len();
         let over = way.into_iter().filter(gains);
         let mut new: Vec<Vec3> = over.map(|p| p - plane.normal * plane.height(p)).collect();

@@ -10,7 +10,6 @@ use phex::optimise::{AngleOptions, SurfaceTarget, satisfy_angle_condition};
 use phex::pipeline::Method;
 use phex::trim::Boundary;
 use phex::{MeshOptions, PanelSize, Silent, mesh_surface};
-use phex_mesh::measure::diagonal;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{FlatFace, HexMesh, PerFace, Topology, measure};
 
@@ -43,7 +42,7 @@ fn check_distance(name: &str, mesh: &HexMesh, d: f64) {
         }
         bend = bend.max(FlatFace::of(&moved, f).planarity_length);
     }
-    let (miss, bend) = (miss / diagonal(mesh), bend / moved.mean_edge());
+    let (miss, bend) = (miss / mesh.diagonal(), bend / moved.mean_edge());
     println!("{name} at {d:.3}: distances to {miss:.1e} diagonals, planarity {bend:.1e}");
     assert!(miss <= 1e-12, "{name}: {miss:e}");
     assert!(bend <= 1e-12, "{name}: {bend:e}");
@@ -142,7 +141,7 @@ fn whole_bricks_have_vertex_offsets() {
         let d = 0.1 * made.mesh.mean_edge();
         let moved = layer(&made.mesh, &spherical.image, d, &OffsetOptions::default()).unwrap();
         for (p, q) in made.mesh.positions.iter().zip(&moved.positions) {
-            assert!(((q - p).norm() - d).abs() <= 1e-12 * diagonal(&bricks));
+            assert!(((q - p).norm() - d).abs() <= 1e-12 * bricks.diagonal());
         }
         let along = |mesh: &HexMesh, [a, b]: [phex_mesh::VertexId; 2]| {
             (mesh.position(b) - mesh.position(a)).normalize()
@@ -191,7 +190,7 @@ fn a_distance_for_each_face() {
     for f in mesh.topology().faces() {
         for (p, q) in mesh.corners(f).zip(moved.corners(f)) {
             let miss = (q - p).dot(&offset.normals[f]) - wish[f];
-            assert!(miss.abs() <= 1e-12 * diagonal(&mesh), "{f}: {miss:e}");
+            assert!(miss.abs() <= 1e-12 * mesh.diagonal(), "{f}: {miss:e}");
         }
     }
 }

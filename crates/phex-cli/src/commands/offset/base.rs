@@ -13,7 +13,7 @@ use phex::optimise::{
     AngleOptimised, AngleOptions, Fault, Offender, SurfaceTarget, Target, satisfy_angle_condition,
 };
 use phex_job::MeshFile;
-use phex_mesh::measure::{deviation, diagonal};
+use phex_mesh::measure::deviation;
 use phex_mesh::{EdgeId, FlatFace, HexMesh, PerFace, Vec3, VertexId};
 use serde::Serialize;
 
@@ -221,7 +221,7 @@ fn optimise(job: &OffsetJob<'_>, mesh: &HexMesh) -> Result<MovedVertices, Failur
                 found.diagonal,
             )
         }
-        None => (result.deviation[1], "given mesh", diagonal(mesh)),
+        None => (result.deviation[1], "given mesh", mesh.diagonal()),
     };
     let (limit, unit) = (job.command.max_deviation, job.command.unit);
     let step = |(p, q): (&Vec3, &Vec3)| (p - q).norm();

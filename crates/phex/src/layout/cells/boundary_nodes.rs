@@ -3,6 +3,7 @@
 
 use super::complex::{CellComplex, Node};
 use crate::layout::place;
+use phex_mesh::polygon::point_segment_distance;
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use std::collections::HashSet;
 
@@ -92,7 +93,7 @@ fn split(
     least: f64,
     outline: &mut Vec<Node>,
 ) {
-    let distance = |v: &VertexId| distance_to_segment(surface.positions()[*v], from, to);
+    let distance = |v: &VertexId| point_segment_distance(surface.positions()[*v], from, to);
     let farthest =
         (0..path.len()).max_by(|&i, &k| distance(&path[i]).total_cmp(&distance(&path[k])));
     let Some(i) = farthest.filter(|&i| distance(&path[i]) >= least) else {
@@ -102,11 +103,4 @@ fn split(
     split(surface, &path[..i], [from, middle], TOLERANCE, outline);
     outline.push(Node::Rim(path[i]));
     split(surface, &path[i + 1..], [middle, to], TOLERANCE, outline);
-}
-
-/// Distance of a point to a segment.
-pub(in crate::layout) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f64 {
-    let (d, q) = (b - a, p - a);
-    let t = (q.dot(&d) / d.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    (q - d * t).norm()
 }

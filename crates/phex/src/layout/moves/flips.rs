@@ -7,9 +7,9 @@
 //! sum of `6 - n` over all panels stays, so what topology demands stays too.
 
 use super::glide;
-use crate::layout::cells::boundary_nodes::distance_to_segment;
 use crate::layout::{Layout, VertexKind};
 use crate::progress::Progress;
+use phex_mesh::polygon::point_segment_distance;
 use phex_mesh::{EdgeId, FaceId, HalfEdgeId, HexMesh, PerVertex, Topology, Vec3, VertexId};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, HashSet};
@@ -234,7 +234,7 @@ fn turned(layout: &Layout, turns: &[EdgeTurn]) -> Option<Layout> {
         if turn.at_target.is_none() {
             kinds[ends[0].index()] = VertexKind::Boundary;
             let b = layout.mesh.position(ends[1]);
-            if distance_to_segment(b, places[0], places[1]) > BEND {
+            if point_segment_distance(b, places[0], places[1]) > BEND {
                 let between = positions.len() as u32;
                 positions.push(b);
                 kinds.push(VertexKind::Boundary);

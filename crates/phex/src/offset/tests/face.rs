@@ -5,7 +5,6 @@ use crate::offset::face_offset::face_normals;
 use crate::offset::solids::volume;
 use crate::offset::*;
 use crate::optimise::tests::fixtures::planar_paraboloid;
-use phex_mesh::measure::diagonal;
 use phex_mesh::{FlatFace, HexMesh, PerFace, Vec3, VertexId, Violation};
 
 fn image(mesh: &HexMesh) -> GaussImage {
@@ -31,7 +30,7 @@ fn meshes() -> Vec<(&'static str, HexMesh)> {
 #[test]
 fn every_face_moves_by_the_distance_and_stays_planar() {
     for (name, mesh) in meshes() {
-        let (normals, size) = (face_normals(&mesh).unwrap(), diagonal(&mesh));
+        let (normals, size) = (face_normals(&mesh).unwrap(), mesh.diagonal());
         for d in [0.01, -0.02] {
             let moved = image(&mesh).offset(&mesh, d);
             let faces = FlatFace::all(&moved);
@@ -117,7 +116,7 @@ fn there_and_back_is_the_identity() {
         let back = image(&away).offset(&away, -0.02);
         // What rounding has done to flat faces may turn them by their rounding over their size.
         assert!(
-            distance(&mesh, &back) < 1e-12 * diagonal(&mesh),
+            distance(&mesh, &back) < 1e-12 * mesh.diagonal(),
             "{name}: {:e}",
             distance(&mesh, &back)
         );
@@ -132,7 +131,7 @@ fn the_offset_of_the_scaled_mesh_is_the_scaled_offset() {
             let scaled = mapped(&mesh, |p| p * scale);
             let moved = image(&scaled).offset(&scaled, 0.02 * scale);
             let error = distance(&moved, &mapped(&offset, |p| p * scale));
-            assert!(error < 1e-12 * scale * diagonal(&mesh), "{name}: {error:e}");
+            assert!(error < 1e-12 * scale * mesh.diagonal(), "{name}: {error:e}");
         }
     }
 }

@@ -157,7 +157,7 @@ impl<'a> Path<'a> {
         self.descend_loosened()?;
         let free = self.project(Some(KEPT_CLEARANCE));
         Ok(match held {
-            Some(held) => better(held, free),
+            Some(held) => better(held, free, self.options),
             None => free,
         })
     }

@@ -56,9 +56,8 @@ impl Reached {
 }
 
 /// The planar one; of two planar ones that with more clearance.
-pub(in crate::optimise) fn better(a: Reached, b: Reached) -> Reached {
-    const PLANAR: f64 = 1e-12;
-    let planar = [a.planarity <= PLANAR, b.planarity <= PLANAR];
+pub(in crate::optimise) fn better(a: Reached, b: Reached, options: &OptimiseOptions) -> Reached {
+    let planar = [&a, &b].map(|reached| reached.is_planar(options));
     let second = match planar {
         [true, false] => false,
         [false, true] => true,
