@@ -60,6 +60,9 @@ pub fn of_assessment(assessment: &Assessment, limits: &TypedLimits, every_check:
     if let Some(fit) = &assessment.boundary {
         table.row("boundary", boundary(fit));
     }
+    if let Some(line) = assessment.calm_line() {
+        table.row("note", line);
+    }
     table.row("areas", areas(measures));
     for check in assessment.checks.iter().filter(|c| every_check || !c.pass) {
         table.row(if check.pass { "ok" } else { "FAILED" }, said(check));
@@ -95,6 +98,14 @@ fn not_checked(assessment: &Assessment) -> String {
         (
             Reason::NoSmoothSurface,
             "the smooth surface was not kept (`phex mesh --write-target` writes it)",
+        ),
+        (
+            Reason::LeftWhole,
+            "panels are left whole at the boundary and may stick out",
+        ),
+        (
+            Reason::LedElsewhere,
+            "the boundary of panels is led elsewhere than along the surface's own",
         ),
     ];
     for (reason, why) in reasons {

@@ -491,6 +491,13 @@ fn check_says_what_it_could_not_check() {
         "{}",
         run.stdout
     );
+    let run = shop.phex("check mesh.obj --surface plane.obj --boundary whole");
+    assert!(
+        run.stdout
+            .contains("not checked  boundary: panels are left whole"),
+        "{}",
+        run.stdout
+    );
     let run = shop.phex("check mesh.obj --surface plane.obj --report run.json");
     assert!(
         run.stdout.contains("not checked  boundary, covered_area")

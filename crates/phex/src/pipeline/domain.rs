@@ -5,7 +5,7 @@ use super::sized::{KnownCurvature, mean_length};
 use crate::layout::lattice::eisenstein::CELL;
 use crate::quality::USUAL_DEVIATION;
 use crate::smooth_surface::extend::{self, Extension};
-use crate::smooth_surface::teeth::without_teeth;
+use crate::smooth_surface::teeth::{LARGEST_TOOTH, without_teeth};
 use crate::smooth_surface::{
     self, Coarsened, CutShort, Normalised, SmoothTarget, TargetKind, boundary_corners,
 };
@@ -24,10 +24,6 @@ const CLIP_STRIP: f64 = 0.2;
 const FINE: f64 = 1.3;
 /// Vertices that are left then, over those that directions and lattice need.
 const ENOUGH: f64 = 1.1;
-
-/// Share of the largest distance between panels and surface by which teeth of its boundary are
-/// moved to make that calm.
-const LARGEST_TOOTH: f64 = 0.8;
 
 /// What panels are laid out on: the surface, or with its boundary trimmed later the surface and a
 /// strip beyond it; with fewer vertices where the input is finer than panels need.

@@ -4,6 +4,7 @@ use super::Limits;
 use super::advice::with_advice;
 use super::check::{Check, boundary_checks, surface_checks, validity_checks};
 use super::panel_checks::panel_checks;
+use crate::smooth_surface::teeth::{Calmed, LARGEST_TOOTH, without_teeth};
 use phex_mesh::measure::{
     BoundaryFit, Deviation, MeshMeasures, boundary_fit, deviation_beyond, measure,
 };
@@ -31,6 +32,10 @@ pub enum Reason {
     NoLimit,
     /// The smooth surface that the mesh was fitted to is not at hand.
     NoSmoothSurface,
+    /// Panels are left whole at the boundary and may stick out of it.
+    LeftWhole,
+    /// The boundary of panels is led elsewhere than along the surface's own.
+    LedElsewhere,
 }
 
 /// The surfaces that a mesh stands for, in its coordinates.
@@ -52,6 +57,14 @@ impl<'a> References<'a> {
     /// The surface that the limits refer to: the smooth one where there is one.
     fn judge(&self) -> Option<&'a TriangleSurface> {
         self.smooth.or(self.facets)
+    }
+
+    /// The facets with the calm line that panels follow through teeth of their boundary, where they
+    /// have some; a smooth surface has it.
+    fn calm(&self, limits: &Limits) -> Option<Calmed> {
+        let facets = self.facets.filter(|_| self.smooth.is_none())?;
+        let most = LARGEST_TOOTH * limits.boundary_rel? * facets.diagonal();
+        without_teeth(facets, most)
     }
 
     /// Whether the smooth surface and the facets are the same surface, and end where it ends.
@@ -91,6 +104,10 @@ pub struct Assessment {
     /// How the mesh ends where the surface ends; `None` without a surface, or if one of the two is
     /// closed.
     pub boundary: Option<BoundaryFit>,
+    /// How far teeth of the surface's boundary stand out of the calm line that the mesh's boundary
+    /// was compared with instead, a length; `None` without teeth, or where a smooth surface, which
+    /// has none, was compared with.
+    pub calmed: Option<f64>,
     /// Everything that is wrong, located.
     pub violations: Vec<Violation>,
 }
@@ -125,7 +142,12 @@ impl Assessment {
             true => None,
             false => references.facets.map(|s| away(s, 1)),
         };
-        let ends = || references.judge().and_then(|s| boundary_fit(mesh, s));
+        let calm = references.calm(limits);
+        let ends = || {
+            let line = calm.as_ref().map(|calmed| &calmed.part.surface);
+            line.or(references.judge())
+                .and_then(|s| boundary_fit(mesh, s))
+        };
         // What has to be found out at the end of a run, where nothing else is left to do.
         let ((measures, violations), ((deviation_smooth, from_facets), boundary)) = join(
             || join(|| measure(mesh), found),
@@ -156,11 +178,12 @@ impl Assessment {
         Self {
             verdict: verdict(&checks),
             checks,
-            not_checked: omitted(references.judge(), boundary.is_some(), limits),
+            not_checked: omitted(&references, boundary.is_some(), limits),
             measures,
             deviation_smooth,
             deviation_facets,
             boundary,
+            calmed: calm.map(|calmed| calmed.moved),
             violations,
         }
     }
@@ -172,6 +195,14 @@ impl Assessment {
             .or(self.deviation_facets.as_ref())
     }
 
+    /// What the boundary of the mesh was compared with, where that of the surface has teeth.
+    pub fn calm_line(&self) -> Option<String> {
+        let share = 100.0 * self.calmed? / self.judged_deviation()?.diagonal;
+        Some(format!(
+            "the boundary has teeth: panels are compared with a calmer line, up to {share:.2} % of the diagonal off it"
+        ))
+    }
+
     /// The checks that do not hold.
     pub fn failures(&self) -> impl Iterator<Item = &Check> {
         self.checks.iter().filter(|c| !c.pass)
@@ -179,10 +210,17 @@ impl Assessment {
 }
 
 /// The checks that a mesh is not put to; `ends` says whether mesh and surface both have a boundary.
-fn omitted(surface: Option<&TriangleSurface>, ends: bool, limits: &Limits) -> Vec<Omitted> {
-    let free = limits.boundary_rel.is_none() && limits.covered.is_none();
+fn omitted(references: &References<'_>, ends: bool, limits: &Limits) -> Vec<Omitted> {
     let no_limit = |name, without: bool| without.then_some((name, Reason::NoLimit));
-    let named: Vec<(&'static str, Reason)> = match surface {
+    let apart = match limits.leaves_boundary() {
+        true => Reason::LeftWhole,
+        false => Reason::NoLimit,
+    };
+    let bare = match references.elsewhere {
+        [] => limits.covered.is_none().then_some(Reason::NoLimit),
+        _ => Some(Reason::LedElsewhere),
+    };
+    let named: Vec<(&'static str, Reason)> = match references.judge() {
         None => [
             "same_topology",
             "deviation",
@@ -195,8 +233,8 @@ fn omitted(surface: Option<&TriangleSurface>, ends: bool, limits: &Limits) -> Ve
         Some(_) => [
             no_limit("deviation", limits.deviation_rel.is_none()),
             no_limit("coverage_inner", limits.deviation_rel.is_none()),
-            no_limit("boundary", ends && free),
-            no_limit("covered_area", ends && free),
+            (ends && limits.boundary_rel.is_none()).then_some(("boundary", apart)),
+            bare.filter(|_| ends).map(|reason| ("covered_area", reason)),
         ]
         .into_iter()
         .flatten()
@@ -323,6 +361,30 @@ mod tests {
         };
         assert!(advice(Boundary::Whole).unwrap().contains("--boundary snap"));
         assert_eq!(advice(Boundary::Snap), None);
+    }
+
+    #[test]
+    fn the_boundary_is_compared_with_the_calm_line_through_teeth() {
+        let toothed = crate::smooth_surface::teeth::tests::rhomb(true);
+        let limits = Limits::new(Some(0.05), Some(Boundary::Snap));
+        let calm = without_teeth(&toothed, toothed.diagonal()).unwrap();
+        let of = |surface: &TriangleSurface| {
+            let topology = surface.topology();
+            let corners = topology.faces().map(|f| topology.face_vertices(f));
+            let faces: Vec<[u32; 3]> = corners
+                .map(|c| [0, 1, 2].map(|k| c[k].index() as u32))
+                .collect();
+            let mesh = HexMesh::new(surface.positions().as_slice().to_vec(), &faces).unwrap();
+            let references = References {
+                facets: Some(&toothed),
+                ..Default::default()
+            };
+            Assessment::new(&mesh, references, &limits)
+        };
+        let distance = |found: &Assessment| found.boundary.as_ref().unwrap().distance_max();
+        let (followed, zigzag) = (of(&calm.part.surface), of(&toothed));
+        assert!(distance(&followed) < 1e-3 && followed.calm_line().is_some());
+        assert!(distance(&zigzag) > 0.01);
     }
 
     #[test]

@@ -132,6 +132,7 @@ impl RunReport {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(command: &'static str, assessment: Assessment) -> Self {
+        let notes = assessment.calm_line().into_iter().collect();
         Self {
             schema_version: SCHEMA_VERSION,
             tool: Tool::default(),
@@ -155,7 +156,7 @@ impl RunReport {
             feature_sizes: None,
             repetition: None,
             violations: assessment.violations,
-            notes: Vec::new(),
+            notes,
             outputs: Vec::new(),
         }
     }
@@ -170,6 +171,7 @@ impl RunReport {
             deviation_smooth: self.deviation_smooth.clone(),
             deviation_facets: self.deviation_facets.clone(),
             boundary: self.boundary.clone(),
+            calmed: None,
             violations: self.violations.clone(),
         }
     }

@@ -15,6 +15,9 @@ const FEWEST: usize = 14;
 const NEAR: usize = 2;
 /// Share of a turn that an opposite one has at least: smaller ones are waves beside a corner.
 const ALIKE: f64 = 0.5;
+/// Share of the largest distance between panels and surface by which teeth of its boundary are
+/// moved to make that calm.
+pub(crate) const LARGEST_TOOTH: f64 = 0.8;
 /// Passes of averaging along the boundary.
 const SMOOTHING: usize = 6;
 
