@@ -8,6 +8,7 @@ use phex_job::Unit;
 use phex_mesh::PolygonSoup;
 use phex_mesh::io::{Format, WriteCause, WriteError, atomic_write, link_target, shown, write_soup};
 use phex_picture::Picture;
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -109,12 +110,9 @@ fn nearest_folder(path: &Path) -> PathBuf {
 /// # Errors
 /// If the user interrupted, the mesh has no place in the format, or writing fails.
 pub fn write_mesh(path: &Path, soup: &PolygonSoup, unit: Unit) -> Result<(), Failure> {
-    let is_in_metres = Format::from_path(path).is_ok_and(Format::is_in_metres);
-    let metres = is_in_metres.then(|| PolygonSoup {
-        positions: soup.positions.iter().map(|p| p * unit.metres()).collect(),
-        faces: soup.faces.clone(),
-    });
-    write_with(|| write_soup(path, metres.as_ref().unwrap_or(soup)))
+    let in_its_unit = |format: Format| format.in_its_unit(soup, unit.metres());
+    let written = Format::from_path(path).map_or(Cow::Borrowed(soup), in_its_unit);
+    write_with(|| write_soup(path, &written))
 }
 
 /// Writes a text.

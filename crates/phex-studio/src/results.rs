@@ -245,9 +245,10 @@ impl RunResult {
 
     fn mesh(&self, what: &str) -> Result<Vec<u8>, RefusedRequest> {
         let format = Format::from_path(Path::new(what)).map_err(RefusedRequest::unusable)?;
+        let soup = self.made.mesh.to_soup();
+        let written = format.in_its_unit(&soup, self.made.limits.unit.metres());
         let mut bytes = Vec::new();
-        write_soup_to(&mut bytes, &self.made.mesh.to_soup(), format)
-            .map_err(RefusedRequest::unusable)?;
+        write_soup_to(&mut bytes, &written, format).map_err(RefusedRequest::unusable)?;
         Ok(bytes)
     }
 
