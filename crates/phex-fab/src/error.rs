@@ -38,6 +38,14 @@ pub enum FabError {
         /// What fails.
         cause: OffsetError,
     },
+    /// No panel fits on a sheet, however small it is.
+    #[error("a sheet of {} x {} mm has no room for a panel with {spacing} mm around it", sheet[0], sheet[1])]
+    NoRoom {
+        /// The sheet, in mm.
+        sheet: [f64; 2],
+        /// The spacing, in mm.
+        spacing: f64,
+    },
     /// Panels do not fit on a sheet.
     #[error("{0}")]
     TooLarge(Box<TooLarge>),

@@ -205,8 +205,16 @@ fn check(options: &FabOptions) -> Result<(), FabError> {
             range: "a finite number of at least 0",
             value,
         }),
-        None => Ok(()),
+        None => check_room(options),
     }
+}
+
+fn check_room(options: &FabOptions) -> Result<(), FabError> {
+    let (sheet, spacing) = (options.sheet_mm, options.spacing_mm);
+    if sheet[0].min(sheet[1]) > 2.0 * spacing {
+        return Ok(());
+    }
+    Err(FabError::NoRoom { sheet, spacing })
 }
 
 fn solids(
@@ -268,4 +276,26 @@ fn faces_of(error: &OffsetError, mesh: &HexMesh) -> Vec<FaceId> {
 
 fn names(ids: &PanelIds, faces: Vec<FaceId>) -> Vec<String> {
     faces.into_iter().map(|f| ids.panel(f).to_owned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sheet_without_room_inside_of_its_spacing_is_refused() {
+        let checked = |sheet_mm, spacing_mm| {
+            check(&FabOptions {
+                sheet_mm,
+                spacing_mm,
+                ..FabOptions::default()
+            })
+        };
+        for sheet in [[5.0, 5.0], [2500.0, 10.0], [4.0, 1250.0]] {
+            let told = checked(sheet, 5.0).unwrap_err().to_string();
+            assert!(told.contains("no room for a panel with 5 mm"), "{told}");
+        }
+        assert!(checked([10.1, 10.1], 5.0).is_ok());
+        assert!(checked([5.0, 5.0], 0.0).is_ok());
+    }
 }
