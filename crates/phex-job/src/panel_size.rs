@@ -21,7 +21,6 @@ pub fn panels(
     surface: &TriangleSurface,
     unit: Unit,
 ) -> Result<u64, JobError> {
-    let area = surface.area();
     let panels = match size {
         TypedPanelSize::Panels(0) => {
             return Err(JobError::input("--panels 0: at least one panel is needed"));
@@ -29,17 +28,32 @@ pub fn panels(
         TypedPanelSize::Panels(panels) => panels,
         TypedPanelSize::EdgeLength(length) => {
             let edge = length.length(unit, surface.diagonal());
-            let panels = (area / hexagon_area(edge)).round();
-            if panels < 1.0 {
-                return Err(JobError::input(format!(
-                    "--edge-length {length}: less than one panel fits on the surface"
-                )));
-            }
-            // Saturates, so that a length of zero is too many panels.
-            panels as u64
+            of_edge(edge, surface.area())
+                .map_err(|cause| JobError::input(format!("--edge-length {length}: {cause}")))?
         }
     };
     checked(panels, surface)
+}
+
+/// The number of panels with edges of a length that cover an area, or what is wrong with it.
+fn of_edge(edge: f64, area: f64) -> Result<u64, String> {
+    if edge == 0.0 {
+        return Err("the length must be positive".to_owned());
+    }
+    let panels = (area / hexagon_area(edge)).round();
+    if panels < 1.0 {
+        return Err("less than one panel fits on the surface".to_owned());
+    }
+    if panels > MAX_PANELS as f64 {
+        let needed = match panels {
+            0.0..1e15 => panels.to_string(),
+            _ => "more than 1e15".to_owned(),
+        };
+        return Err(format!(
+            "{needed} panels would be needed, and at most {MAX_PANELS} make sense"
+        ));
+    }
+    Ok(panels as u64)
 }
 
 /// A number of panels, if it makes sense on a surface.
@@ -127,12 +141,24 @@ mod tests {
     fn senseless_sizes_are_refused() {
         assert!(message(TypedPanelSize::Panels(0), 0.0).contains("--panels 0"));
         assert!(message(TypedPanelSize::Panels(MAX_PANELS as u64 + 1), 0.0).contains("at most"));
-        assert!(message(TypedPanelSize::EdgeLength("0".parse().unwrap()), 0.0).contains("at most"));
-        assert!(
-            message(TypedPanelSize::EdgeLength("30m".parse().unwrap()), 0.0)
-                .contains("less than one")
-        );
         assert!(message(TypedPanelSize::Panels(1000), 1e12).contains("move the model"));
+    }
+
+    #[test]
+    fn senseless_lengths_are_refused_by_what_they_would_take() {
+        for (typed, told) in [
+            ("0", "the length must be positive"),
+            ("30m", "less than one panel fits"),
+            ("1mm", "38490018 panels would be needed, and at most"),
+            ("1e-200", "more than 1e15 panels would be needed"),
+        ] {
+            let size = TypedPanelSize::EdgeLength(typed.parse().unwrap());
+            let message = message(size, 0.0);
+            assert!(
+                message.starts_with(&format!("--edge-length {typed}: ")) && message.contains(told),
+                "{message}"
+            );
+        }
     }
 
     #[test]
