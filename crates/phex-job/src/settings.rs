@@ -5,7 +5,7 @@ use crate::guides::GuideSettings;
 use crate::input::read_text;
 use crate::panel_limits::LimitSettings;
 use crate::steering::SteeringSettings;
-use crate::toml_text::from_toml;
+use crate::toml_text::{from_toml, table};
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
 use phex::MeshOptions;
@@ -118,16 +118,20 @@ pub struct MeshSettings {
     pub threads: Option<u16>,
     /// What is held, and the dials; in a job file the table `[steering]`.
     #[cfg_attr(feature = "clap", command(flatten))]
+    #[serde(deserialize_with = "table")]
     pub steering: SteeringSettings,
     /// Lines that rows run along, and cones; in a job file the table `[guides]`.
     #[cfg_attr(feature = "clap", command(flatten))]
+    #[serde(deserialize_with = "table")]
     pub guides: GuideSettings,
     /// What a workshop can make; in a job file the table `[limits]`.
     #[cfg_attr(feature = "clap", command(flatten))]
+    #[serde(deserialize_with = "table")]
     pub limits: LimitSettings,
     /// Options of every stage; in a job file only, as the table `[stages]` with a table for each of
     /// them.
     #[cfg_attr(feature = "clap", arg(skip))]
+    #[serde(deserialize_with = "table")]
     pub stages: MeshOptions,
 }
 

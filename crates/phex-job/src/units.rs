@@ -1,7 +1,9 @@
 //! Lengths as they are typed: a number with a unit, a percentage, or a plain number.
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+use serde::de::{self, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
+use std::marker::PhantomData;
 use std::str::FromStr;
 use thiserror::Error;
 
@@ -278,25 +280,49 @@ impl fmt::Display for Area {
     }
 }
 
-/// What stands in a file: a number, or a text.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Written {
-    Integer(i64),
-    Number(f64),
-    Text(String),
+/// A value that is typed as a text, which in a file may be a number, too.
+trait Typed: FromStr<Err: fmt::Display> {
+    /// What is expected, for messages.
+    const EXPECTED: &str;
 }
 
-/// A value that is read as what it is written as.
-fn read<'de, D: Deserializer<'de>, T: FromStr<Err: fmt::Display>>(
-    deserializer: D,
-) -> Result<T, D::Error> {
-    let text = match Written::deserialize(deserializer)? {
-        Written::Integer(number) => number.to_string(),
-        Written::Number(number) => number.to_string(),
-        Written::Text(text) => text,
-    };
-    text.parse().map_err(de::Error::custom)
+impl Typed for Quantity {
+    const EXPECTED: &str = "a length such as `5mm` or `0.2%`";
+}
+
+impl Typed for Rectangle {
+    const EXPECTED: &str = "a rectangle such as `1.5x3.0m`";
+}
+
+impl Typed for Area {
+    const EXPECTED: &str = "an area such as `2.5m2`";
+}
+
+/// Reads such a value.
+struct TypedVisitor<T>(PhantomData<T>);
+
+impl<T: Typed> Visitor<'_> for TypedVisitor<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(T::EXPECTED)
+    }
+
+    fn visit_i64<E: de::Error>(self, number: i64) -> Result<T, E> {
+        self.visit_str(&number.to_string())
+    }
+
+    fn visit_u64<E: de::Error>(self, number: u64) -> Result<T, E> {
+        self.visit_str(&number.to_string())
+    }
+
+    fn visit_f64<E: de::Error>(self, number: f64) -> Result<T, E> {
+        self.visit_str(&number.to_string())
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<T, E> {
+        text.parse().map_err(E::custom)
+    }
 }
 
 /// Values that are written in files as they are typed.
@@ -310,7 +336,7 @@ macro_rules! written_as_typed {
 
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                read(deserializer)
+                deserializer.deserialize_any(TypedVisitor(PhantomData))
             }
         }
     )*};

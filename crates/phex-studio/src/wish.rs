@@ -168,10 +168,7 @@ mod tests {
     fn what_a_job_can_not_say_is_refused_by_name() {
         let refused = |job| granted(job).err().unwrap_or_default();
         assert!(refused(json!({ "pannels": 3 })).contains("pannels"));
-        assert!(
-            refused(json!({ "panels": -1 })).contains("panels")
-                || refused(json!({ "panels": -1 })).contains("u64")
-        );
+        assert!(refused(json!({ "panels": -1 })).contains("panels: a whole number"));
         assert!(refused(json!({ "rotate": 1e9 })).contains("rotate"));
         assert!(refused(json!(3)).contains("job"));
         for job in [

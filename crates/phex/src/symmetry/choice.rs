@@ -1,6 +1,7 @@
 //! What the user asks for.
 
-use serde::{Deserialize, Serialize};
+use serde::de::{self, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
@@ -17,8 +18,8 @@ const MOST_TURNS: u32 = 1000;
 /// assert_eq!(Symmetry::Mirror.to_string(), "mirror");
 /// assert!("1".parse::<Symmetry>().is_err());
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "Typed")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
 pub enum Symmetry {
     /// All that are found and can be used.
     Auto,
@@ -29,14 +30,6 @@ pub enum Symmetry {
     Mirror,
     /// Rotations by a turn over this number, at least 2, with the mirror planes through their axis.
     Turns(u32),
-}
-
-/// What a file may say: a word, or a number without quotes.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Typed {
-    Number(u32),
-    Word(String),
 }
 
 impl fmt::Display for Symmetry {
@@ -67,21 +60,41 @@ impl FromStr for Symmetry {
             _ => {}
         }
         let number = text.parse().ok().filter(|n| (2..=MOST_TURNS).contains(n));
-        number.map(Self::Turns).ok_or_else(|| {
-            format!(
-                "symmetry is `auto`, `none`, `mirror` or the order of a rotation from 2 to {MOST_TURNS}"
-            )
-        })
+        number
+            .map(Self::Turns)
+            .ok_or_else(|| format!("symmetry is {}", choices()))
     }
 }
 
-impl TryFrom<Typed> for Symmetry {
-    type Error = String;
+fn choices() -> String {
+    format!("`auto`, `none`, `mirror` or the order of a rotation from 2 to {MOST_TURNS}")
+}
 
-    fn try_from(typed: Typed) -> Result<Self, String> {
-        match typed {
-            Typed::Number(n) => n.to_string().parse(),
-            Typed::Word(word) => word.parse(),
-        }
+impl<'de> Deserialize<'de> for Symmetry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(SymmetryVisitor)
+    }
+}
+
+/// Reads what a file may say: a word, or a number without quotes.
+struct SymmetryVisitor;
+
+impl Visitor<'_> for SymmetryVisitor {
+    type Value = Symmetry;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&choices())
+    }
+
+    fn visit_i64<E: de::Error>(self, order: i64) -> Result<Symmetry, E> {
+        self.visit_str(&order.to_string())
+    }
+
+    fn visit_u64<E: de::Error>(self, order: u64) -> Result<Symmetry, E> {
+        self.visit_str(&order.to_string())
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Symmetry, E> {
+        text.parse().map_err(E::custom)
     }
 }
