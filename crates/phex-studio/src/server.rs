@@ -32,6 +32,9 @@ const FAREWELL: Duration = Duration::from_millis(300);
 const ANSWERING: usize = 2;
 const READING: usize = 4;
 
+/// The largest whole number up to which double precision has all of them.
+const MOST_WHOLE: u64 = (1 << 53) - 1;
+
 /// How the studio is started.
 #[derive(Clone, Debug, Default)]
 pub struct StudioOptions {
@@ -190,7 +193,24 @@ async fn read_job(body: Body) -> Result<axum::Json<Value>, RefusedRequest> {
     let _: MeshSettings = settings(&text).map_err(RefusedRequest::unusable)?;
     let table: toml::Table = text.parse().map_err(RefusedRequest::unusable)?;
     let value = serde_json::to_value(table).map_err(RefusedRequest::unusable)?;
+    if !keeps_digits(&value) {
+        return Err(RefusedRequest::unusable(format!(
+            "the job file has a whole number above {MOST_WHOLE}, of which the studio does not keep all digits: use `phex mesh`"
+        )));
+    }
     Ok(axum::Json(value))
+}
+
+/// Whether the page, whose numbers are those of double precision, keeps all digits of whole numbers.
+fn keeps_digits(value: &Value) -> bool {
+    match value {
+        Value::Array(items) => items.iter().all(keeps_digits),
+        Value::Object(entries) => entries.values().all(keeps_digits),
+        Value::Number(number) => number
+            .as_i64()
+            .is_none_or(|n| n.unsigned_abs() <= MOST_WHOLE),
+        _ => true,
+    }
 }
 
 async fn run(State(studio): State<Arc<Studio>>, body: Body) -> Result<Body, RefusedRequest> {
@@ -221,12 +241,23 @@ async fn result(
     drop(waits);
     let handout = made.map_err(RefusedRequest::internal)??;
     let mut response = as_type("application/octet-stream", handout.bytes);
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    let name = handout.name.replace(|c| !plain(c), "_");
-    let value = HeaderValue::from_str(&format!("attachment; filename=\"{name}\""));
+    let value = HeaderValue::from_str(&attachment(&handout.name));
     let value = value.map_err(RefusedRequest::internal)?;
     (response.headers_mut()).insert(header::CONTENT_DISPOSITION, value);
     Ok(response)
+}
+
+/// A name as a header holds it: in ASCII, and whole as RFC 5987 encodes it.
+fn attachment(name: &str) -> String {
+    let is_plain = |b: &u8| b.is_ascii_alphanumeric() || b"-_.".contains(b);
+    let is_other = |c: char| !u8::try_from(c).is_ok_and(|b| is_plain(&b));
+    let ascii = name.replace(is_other, "_");
+    let encoded = |b: u8| match is_plain(&b) {
+        true => char::from(b).to_string(),
+        false => format!("%{b:02X}"),
+    };
+    let whole: String = name.bytes().map(encoded).collect();
+    format!("attachment; filename=\"{ascii}\"; filename*=UTF-8''{whole}")
 }
 
 /// Whether somebody still waits for a file: what is dropped on the way cancels it.

@@ -1,5 +1,6 @@
 //! Who is answered, and what becomes of runs, uploads and clients that misbehave.
 
+use phex_mesh::io::{Format, parse_soup, write_soup_to};
 use phex_studio::{StudioOptions, serve};
 use serde_json::{Value, json};
 use std::io::{Read, Write};
@@ -327,6 +328,8 @@ fn what_can_not_be_wanted_is_refused_by_name() {
         studio.answer("POST", "job", "", b"panels = 40\n").json(),
         json!({ "panels": 40 })
     );
+    let large = studio.answer("POST", "job", "", b"seed = 9007199254740993\n");
+    assert!(large.message().contains("does not keep all digits"));
     assert_eq!(
         studio.answer("GET", "result/77/mesh.obj", "", b"").status,
         410
@@ -454,6 +457,29 @@ fn a_run_is_told_in_frames_and_its_result_becomes_files() {
     );
     assert_eq!(refused.status, 422);
     assert!(refused.message().len() > 10);
+}
+
+#[test]
+fn files_have_the_unit_of_their_format_and_the_name_of_the_surface() {
+    let studio = Running::new(None);
+    let roof = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/roof.obj");
+    let roof = std::fs::read(roof).unwrap();
+    let dropped = studio.answer("POST", "surface?name=Dach-S%C3%BCd%22.obj", "", &roof);
+    let id = dropped.frames()[0]["id"].as_str().unwrap().to_owned();
+    let wish = studio.wish(&id, json!({ "panels": 40, "unit": "mm" }), None);
+    let told = studio.answer("POST", "run", "", &wish).frames();
+    let run = told.last().unwrap()["run"].as_u64().unwrap();
+    let file = |name: &str| studio.answer("GET", &format!("result/{run}/mesh.{name}"), "", b"");
+    let mut soup = parse_soup(&file("obj").body, Format::Obj).unwrap();
+    soup.positions.iter_mut().for_each(|p| *p *= 1e-3);
+    for format in [Format::Glb, Format::ThreeMf] {
+        let mut metres = Vec::new();
+        write_soup_to(&mut metres, &soup, format).unwrap();
+        assert!(file(format.extension()).body == metres, "{format:?}");
+    }
+    let head = file("obj").head;
+    let named = "filename=\"Dach-S_d_-phex.obj\"; filename*=UTF-8''Dach-S%C3%BCd%22-phex.obj";
+    assert!(head.contains(named), "{head}");
 }
 
 #[test]

@@ -245,9 +245,13 @@ async function filesAreTakenHome() {
   assert.equal(program(...words, "--quiet").status, 0);
   assert.deepEqual(readFileSync(join(folder, "roof-phex.obj")), own);
   // A job file that is dropped sets what it says.
-  await drop(page, "job.toml", "panels = 70\nrotate = 10\n");
+  await drop(page, "job.toml", "panels = 70\nrotate = 10\nunit = 'mm'\n");
   await page.waitForFunction(() => location.hash.includes("70") && location.hash.includes("rotate"));
   assert.equal(await verdict(page), "pass");
+  // Formats in metres have them.
+  const metres = readFileSync(await saved(page, '[data-file="mesh.glb"]'));
+  assert.equal(program("mesh", "roof.obj", "-n", "70", "--rotate", "10", "--unit", "mm", "-o", "again.glb", "--quiet").status, 0);
+  assert.deepEqual(readFileSync(join(folder, "again.glb")), metres);
   await leave(page);
 }
 
@@ -264,6 +268,49 @@ async function aRunIsStopped() {
   console.log(`   the run has ended ${Date.now() - begun} ms after it was stopped`);
   await page.click('[data-act="undo"]');
   assert.equal(await verdict(page), "pass");
+  await leave(page);
+}
+
+/** What is wrong with a value is told by its field, and stays told while a file of the run before is saved. */
+async function wrongValuesAreToldByTheirField() {
+  const page = await visit();
+  await drop(page, "Dach-Süd.obj", readFileSync(roof));
+  await page.waitForSelector('[data-setting="panels"]');
+  await set(page, "panels", "80");
+  assert.equal(await verdict(page), "pass");
+  assert.ok(!(await page.isVisible(".earlier")));
+  const staysTold = async (notice) => {
+    assert.match(await text(page, ".status"), notice);
+    assert.ok(await page.isVisible(".earlier"), "the files are said to be of the run before");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.click('[data-file="mesh.obj"]')]);
+    assert.equal(download.suggestedFilename(), "Dach-Süd-phex.obj");
+    assert.match(await text(page, ".status"), notice);
+    assert.ok(await page.isVisible(".status"));
+  };
+  for (const [name, value, told] of [
+    ["panels", "1,000", /^Number: `1,000` is not a whole number$/],
+    ["panels", "-3", /^Number: a whole number that is not negative is expected, not the number `-3`$/],
+    ["edge-length", "3,5", /^Edge length: `3,5` has a comma/],
+    ["edge-length", "0", /^Edge length 0: the length must be positive$/],
+    ["edge-length", "", null],
+    ["seed", "12345678901234567890", /^Seed: `12345678901234567890` is too large/],
+    ["seed", "", null],
+    ["symmetry", "1", /^Symmetry is `auto`/],
+    ["symmetry", "", null],
+    ["rotate", "abc", /^Rotation: `abc` is not a number$/],
+  ]) {
+    await set(page, name, value);
+    if (told) await staysTold(told);
+    else await verdict(page);
+  }
+  await page.click('[data-act="language"]');
+  assert.ok(await page.isVisible(".earlier"));
+  await page.click('[data-act="language"]');
+  await set(page, "rotate", "");
+  assert.equal(await verdict(page), "pass");
+  assert.ok(!(await page.isVisible(".earlier")));
+  await studio(page, "(s) => { s.begin(); s.stop(); }");
+  await staysTold(/Stopped/);
   await leave(page);
 }
 
@@ -407,6 +454,7 @@ const TESTS = [
   runsAreCompared,
   filesAreTakenHome,
   aRunIsStopped,
+  wrongValuesAreToldByTheirField,
   theAddressHoldsTheState,
   twoPagesTakeTurns,
   badFilesAreRefused,

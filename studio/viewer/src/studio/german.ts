@@ -131,6 +131,8 @@ export const GERMAN: Record<string, string> = {
   "Mesh files": "Netzdateien",
   "Other files": "Weitere Dateien",
   Workshop: "Werkstatt",
+  "These files are of the run before: what is set now has no result.":
+    "Diese Dateien sind die der Rechnung davor: zu den jetzigen Einstellungen gibt es kein Ergebnis.",
   "Command line": "Befehlszeile",
   "Command line that repeats the run": "Befehlszeile, die das Ergebnis wiederholt",
   "The mesh as {}": "Das Netz als {}",
@@ -165,6 +167,11 @@ export const GERMAN: Record<string, string> = {
   "Set on the surface": "Auf der Fläche gesetzt",
   "Distance: {} {}": "Abstand: {} {}",
   // Settings.
+  "`{}` is too large: the studio keeps all digits up to {}": "`{}` ist zu groß: das Studio behält alle Ziffern bis {}",
+  "`{}` is not a whole number": "`{}` ist keine ganze Zahl",
+  "`{}` is not a number": "`{}` ist keine Zahl",
+  "`{}` has a comma: write a point before decimals, and nothing between thousands":
+    "`{}` hat ein Komma: Dezimalen stehen nach einem Punkt, und zwischen Tausendern steht nichts",
   "Default: {}.": "Vorgabe: {}.",
   "Back to the default": "Zurück zur Vorgabe",
   Number: "Anzahl",

@@ -188,6 +188,6 @@ export async function* run(wish: object, signal: AbortSignal): AsyncGenerator<Ru
 /** A file of a result. */
 export async function download(address: string): Promise<{ name: string; blob: Blob }> {
   const response = await ask(address);
-  const name = /filename="([^"]+)"/.exec(response.headers.get("content-disposition") ?? "")?.[1];
-  return { name: name ?? "file", blob: await response.blob() };
+  const name = /filename\*=UTF-8''(\S+)/.exec(response.headers.get("content-disposition") ?? "")?.[1];
+  return { name: decodeURIComponent(name ?? "file"), blob: await response.blob() };
 }

@@ -19,6 +19,8 @@ interface Setting {
   toggle?: boolean;
   /** Whether a text is wanted, a length with a unit, say, and not a number. */
   text?: boolean;
+  /** Whether a text may have commas, which elsewhere stand for decimals in one country and thousands in another. */
+  commas?: boolean;
   whole?: boolean;
 }
 
@@ -290,6 +292,7 @@ export const GROUPS: Group[] = [
         sentence: "Keeps corners of the boundary in a level plane: lowest, or a height.",
         fallback: "none",
         text: true,
+        commas: true,
       },
       {
         path: "steering.ground-reach",
@@ -307,6 +310,8 @@ export const GROUPS: Group[] = [
     ],
   },
 ];
+
+const SETTINGS = GROUPS.flatMap(({ settings }) => settings);
 
 /** What happens when something is changed: while it is, and when it is done. */
 export interface Listener {
@@ -327,6 +332,20 @@ function fromPlace({ low, high, step, logarithmic }: NonNullable<Setting["slider
   // Numbers that a person would have typed.
   return whole ? Number(value.toPrecision(value < 100 ? 2 : 2)) : Math.max(step, Number(value.toPrecision(2)));
 }
+
+/** What is wrong with a value that was typed, as far as the page can tell; null where nothing is. */
+function wrong(setting: Setting, value: unknown): string | null {
+  if (typeof value !== "string" || setting.choices || setting.toggle) return null;
+  if (setting.whole && WHOLE.test(value)) return say("`{}` is too large: the studio keeps all digits up to {}", value, Number.MAX_SAFE_INTEGER);
+  if (setting.whole) return say("`{}` is not a whole number", value);
+  if (value.includes(",") && !setting.commas) return say("`{}` has a comma: write a point before decimals, and nothing between thousands", value);
+  return setting.text ? null : say("`{}` is not a number", value);
+}
+
+const WHOLE = /^-?\d+$/;
+
+/** Where a message of the program begins with a setting: in a job file, as an option, or before a colon. */
+const NAMED = /^(?:line \d+: |--|(?=[\w.-]+: ))([\w.-]+)/;
 
 export class Settings {
   private updates: (() => void)[] = [];
@@ -351,6 +370,23 @@ export class Settings {
   /** Shows what is set. */
   update(): void {
     for (const act of this.updates) act();
+  }
+
+  /** What is wrong with what is typed, by its field; null where nothing is. */
+  problem(): string | null {
+    for (const setting of SETTINGS) {
+      const cause = wrong(setting, this.state.get(setting.path));
+      if (cause !== null) return `${say(setting.label)}: ${cause}`;
+    }
+    return null;
+  }
+
+  /** A message of the program, with the field's name in place of the setting's. */
+  named(message: string): string {
+    return message.replace(NAMED, (whole, name: string) => {
+      const setting = SETTINGS.find(({ path }) => path === name || path.endsWith(`.${name}`));
+      return setting ? say(setting.label) : whole;
+    });
   }
 
   private row(setting: Setting): HTMLElement {
@@ -404,12 +440,13 @@ export class Settings {
     return box;
   }
 
-  /** A number where one is typed; what is none goes to the program as it is, which says what is wrong. */
+  /** A number where one is typed that keeps all its digits; else the text as it is, and what is wrong is told of it. */
   private typed(setting: Setting, text: string): unknown {
     const clean = text.trim().replace("−", "-");
     if (clean === "") return undefined;
-    const number = Number(clean.replace(",", "."));
-    return setting.text || Number.isNaN(number) ? clean : number;
+    const number = Number(clean);
+    const kept = setting.whole ? WHOLE.test(clean) && Number.isSafeInteger(number) : Number.isFinite(number);
+    return kept && !setting.text ? number : clean;
   }
 
   private slider(setting: Setting, range: NonNullable<Setting["slider"]>): HTMLElement {

@@ -72,6 +72,8 @@ export class Studio {
   private beside: Remembered[] = [];
   private others: View[] = [];
   private running: AbortController | null = null;
+  /** Whether something else is wanted by now than the result that is shown. */
+  private stale = false;
   private previewing = false;
   private previewWanted = false;
   private theme: Theme = "light";
@@ -287,6 +289,7 @@ export class Studio {
   /** A slider moves. */
   private moving(): void {
     this.change();
+    this.outdate(true);
     this.running?.abort();
     this.running = null;
     this.previewWanted = true;
@@ -341,13 +344,24 @@ export class Studio {
     this.previewWanted = false;
     this.previewStop?.abort();
     this.running?.abort();
+    this.running = null;
+    this.outdate(true);
+    const problem = this.settings.problem();
+    if (problem !== null) {
+      this.changedAt = 0;
+      return this.say(problem, "problem");
+    }
     const stop = new AbortController();
     this.running = stop;
-    // What is shown is that of other wishes now.
-    this.parts("outcome").toggleAttribute("data-stale", true);
     this.times.released = performance.now();
     this.say(say("Beginning …"), "running");
     void this.attempt(() => this.follow(stop), stop);
+  }
+
+  /** Notes whether the result that is shown is of earlier wishes, and says so at its files. */
+  private outdate(stale: boolean): void {
+    this.stale = stale;
+    for (const name of ["outcome", "files"]) this.parts(name).toggleAttribute("data-stale", stale && this.result !== null);
   }
 
   private async follow(stop: AbortController): Promise<void> {
@@ -376,7 +390,7 @@ export class Studio {
         return true;
       case "failed":
         this.running = null;
-        this.say(told.message, "problem");
+        this.say(this.settings.named(told.message), "problem");
         return true;
       case "result":
         this.running = null;
@@ -405,6 +419,7 @@ export class Studio {
     this.times.verdict = performance.now() - this.times.released;
     this.changedAt = 0;
     this.result = result;
+    this.stale = false;
     this.view.showResult(result.view);
     this.say("", "");
     this.announce(say(result.verdict === "pass" ? "Pass" : result.verdict === "invalid" ? "Invalid" : "Outside limits"));
@@ -437,16 +452,19 @@ export class Studio {
       await act();
     } catch (error) {
       if (stop?.signal.aborted) return;
-      this.running = null;
-      this.changedAt = 0;
-      this.failed(error);
+      // What goes wrong beside a run does not end it.
+      if (stop) {
+        this.running = null;
+        this.changedAt = 0;
+      }
+      this.failed(error, stop !== undefined);
     }
   }
 
-  private failed(error: unknown): void {
+  private failed(error: unknown, ofRun = false): void {
     const gone = error instanceof Refusal && error.isGone;
     const text = gone ? say("The program has ended. Start phex studio again; what is shown stays.") : error instanceof Error ? error.message : String(error);
-    this.say(text, gone ? "gone" : "problem");
+    this.say(ofRun && !gone ? this.settings.named(text) : text, gone ? "gone" : "problem");
   }
 
   /** The line over the view: what happens, what went wrong. */
@@ -483,7 +501,7 @@ export class Studio {
   private showOutcome(): void {
     const { result } = this;
     const box = this.parts("outcome");
-    box.toggleAttribute("data-stale", false);
+    this.outdate(this.stale);
     this.parts("view-sections").hidden = result === null;
     this.parts("legend").hidden = result === null;
     this.parts("compare").hidden = result === null;
@@ -532,6 +550,7 @@ export class Studio {
     copy.dataset.act = "copy";
     const block = (title: string, ...inside: Node[]): HTMLElement => h("section", {}, h("h2", {}, say(title)), ...inside);
     box.replaceChildren(
+      h("p", { class: "earlier" }, say("These files are of the run before: what is set now has no result.")),
       block("Mesh files", h("div", { class: "files-row" }, ...meshes)),
       block("Other files", h("div", { class: "files-row" }, ...files)),
       block("Workshop", this.workshop(address("workshop.zip"))),
@@ -557,13 +576,14 @@ export class Studio {
   }
 
   private async save(address: string): Promise<void> {
-    this.say(say("Making the file …"), "busy");
+    // A notice of a run stays: it tells why the file is not of what is set now.
+    if (!this.stale) this.say(say("Making the file …"), "busy");
     await this.attempt(async () => {
       const { name, blob } = await server.download(address);
       const link = h("a", { href: URL.createObjectURL(blob), download: name }) as HTMLAnchorElement;
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-      this.say("");
+      if (this.parts("status").dataset.kind === "busy") this.say("");
     });
   }
 
@@ -626,6 +646,7 @@ export class Studio {
       this.state.commit();
       if (!entry.result) return this.begin();
       this.result = entry.result;
+      this.stale = false;
       this.view.showResult(entry.result.view);
       this.say("");
       this.showOutcome();
