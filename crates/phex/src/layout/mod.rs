@@ -294,7 +294,7 @@ pub fn panelling(
 ) -> Result<Layout, LayoutError> {
     if seeds.is_empty() {
         return Err(LayoutError::Topology {
-            reason: "there is no panel".into(),
+            reason: "panels are too large for the surface: none of them lies on it".into(),
         });
     }
     let topology = fine.surface.topology();
@@ -406,7 +406,11 @@ fn place(surface: &TriangleSurface, node: Node) -> Vec3 {
     }
 }
 
-fn same_topology(surface: &Topology, panels: &Topology) -> Result<(), String> {
+/// Whether panels have the Euler characteristic and as many boundary loops as their surface.
+///
+/// # Errors
+/// What they have instead.
+pub(crate) fn same_topology(surface: &Topology, panels: &Topology) -> Result<(), String> {
     let figures = |t: &Topology| (t.euler_characteristic(), t.boundary_loops().len());
     let (want, got) = (figures(surface), figures(panels));
     if want == got {
