@@ -1,6 +1,5 @@
 """What phex computes."""
 
-import hashlib
 import json
 import os
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
@@ -9,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _options, _phex
-from ._arrays import checked_numbers, path_text, shown
+from ._arrays import checked_numbers, is_path, path_text, shown
 from ._compute import Future, begin, close, finish, floats, listener, no_valid, run
 from ._errors import InputError
-from ._mesh import Mesh, Panelling, Surface, as_polygons, write_whole
+from ._folder import check_folder, save_folder
+from ._mesh import Mesh, Panelling, Surface, as_polygons
 from ._options import UNITS, Option, checked, real, measured, whole
+from ._output import write_whole
 
 
 def mesh(
@@ -604,8 +605,9 @@ class Fabrication(NamedTuple):
     files: Dict[str, bytes]
 
     def save(self, folder: Any) -> None:
-        """Writes a folder: a new or an empty one, or that of an earlier run, of which files that
-        were changed since are not touched and stop it."""
+        """Writes a folder: a new or an empty one, or that of an earlier run. Files of others in it
+        stay; nothing is written if files of the earlier run were changed since, or if others have
+        names that are needed."""
         save_folder(path_text(folder, "folder"), self.files)
 
 
@@ -662,6 +664,9 @@ def fabricate(
         "limits": None if limits is None else path_text(limits, "limits"),
         "planarity": None if planarity is None else measured("planarity", planarity),
     }
+    if folder is not None:
+        read = [str(given) for given in (mesh, limits) if is_path(given)]
+        check_folder(path_text(folder, "folder"), inputs=read)
     hear = listener(progress, False, False)
     count = _options.threads(threads)
     try:
@@ -672,54 +677,6 @@ def fabricate(
     if folder is not None:
         made.save(folder)
     return made
-
-
-#: The list of a folder's files with their checksums, which the program keeps, too.
-LIST = "phex.sha256"
-#: Its first line, by which the program knows it.
-HEAD = (
-    "# Files of `phex fab`: it writes over them and removes them as long as they are as listed.\n"
-)
-
-
-def save_folder(folder: str, files: Dict[str, bytes]) -> None:
-    """Writes files into a folder in which nothing of others is touched."""
-    listed: Dict[str, str] = {}
-    try:
-        with open(os.path.join(folder, LIST), encoding="utf-8") as old:
-            listed = {line[66:].rstrip("\n"): line[:64] for line in old if line[:1] != "#"}
-    except FileNotFoundError:
-        pass
-    except (OSError, UnicodeDecodeError) as cause:
-        raise InputError(f"{folder}: {cause}") from None
-    there = [
-        os.path.relpath(os.path.join(where, name), folder).replace(os.sep, "/")
-        for where, _, names in os.walk(folder)
-        for name in names
-    ]
-    foreign = sorted(n for n in there if n != LIST and not _is_ours(folder, n, listed))
-    if foreign:
-        named = ", ".join(foreign[:5])
-        raise InputError(f"{folder}: holds files of others, or that were changed: {named}")
-    for name, content in files.items():
-        path = os.path.join(folder, *name.split("/"))
-        try:
-            os.makedirs(os.path.dirname(path), exist_ok=True)
-        except OSError as cause:
-            raise InputError(f"{folder}: {cause}") from None
-        write_whole(path, content)
-    sums = (f"{hashlib.sha256(c).hexdigest()}  {n}\n" for n, c in sorted(files.items()))
-    write_whole(os.path.join(folder, LIST), (HEAD + "".join(sums)).encode())
-    for name in there:
-        if name != LIST and name not in files:
-            os.unlink(os.path.join(folder, *name.split("/")))
-
-
-def _is_ours(folder: str, name: str, listed: Dict[str, str]) -> bool:
-    if name not in listed:
-        return False
-    with open(os.path.join(folder, *name.split("/")), "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest() == listed[name]
 
 
 class Network(NamedTuple):

@@ -4,7 +4,6 @@ import base64
 import html
 import json
 import os
-import tempfile
 from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from ._arrays import checked_corners, checked_faces, checked_vertices, is_path, path_text, shown
 from ._compute import no_valid, run
 from ._errors import InputError
+from ._output import make_parent, write_whole
 
 #: Formats that the compiled part writes.
 MESH_FORMATS = (".obj", ".ply", ".off", ".stl", ".json", ".dxf", ".glb", ".3mf")
@@ -315,25 +315,6 @@ def _truth(name: str, value: Any) -> bool:
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     raise InputError(f"{name}: {shown(value)} is not True or False")
-
-
-def write_whole(path: str, content: bytes) -> None:
-    """Writes a file whole or not at all."""
-    folder = os.path.dirname(os.path.abspath(path))
-    try:
-        handle, new = tempfile.mkstemp(dir=folder, prefix=".phex-")
-    except OSError as cause:
-        raise InputError(f"{path}: {cause}") from None
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(new, 0o666 & ~mask)
-        os.replace(new, path)
-    except OSError as cause:
-        os.unlink(new)
-        raise InputError(f"{path}: {cause}") from None
 
 
 def as_polygons(given: Any, kind: Any, what: str) -> Any:

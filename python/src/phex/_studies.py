@@ -28,8 +28,9 @@ from . import _options
 from ._arrays import is_path, path_text, shown
 from ._compute import close, listener, run
 from ._errors import Cancelled, InputError, PhexError
-from ._mesh import Polygons, Surface, as_polygons, write_whole
+from ._mesh import Polygons, Surface, as_polygons
 from ._options import Option, checked, measured, real, whole
+from ._output import write_whole
 
 Row = Dict[str, Any]
 Variants = List[Dict[str, Any]]
