@@ -97,6 +97,8 @@ def test_the_folder_is_checked_before_the_nesting(ball, monkeypatch):
         phex.fabricate(ball, "other", **HOW)
     with pytest.raises(phex.InputError, match="no folder"):
         phex.fabricate(ball, "other/mine.txt", **HOW)
+    with pytest.raises(phex.InputError, match="folder: '' is no path"):
+        phex.fabricate(ball, "", **HOW)
     folder_of({})
     ball.save("folder/ball.obj")
     with pytest.raises(phex.InputError, match="is read and lies in the folder"):

@@ -29,7 +29,8 @@ def test_places_that_take_no_file_are_refused_first(idle, sphere, name, file):
     pathlib.Path("taken").write_text("a file")
     pathlib.Path(file).mkdir()
     refusing = [f"/proc/{file}"] if os.path.isdir("/proc/self") else []
-    for path in (f"taken/{file}", f"taken/deep/{file}", file, *refusing):
+    long = [300 * "x" + file, f"deep/{300 * 'x'}/{file}"]
+    for path in (f"taken/{file}", f"taken/deep/{file}", file, "", *long, *refusing):
         for call in (phex.mesh, phex.start):
             with pytest.raises(phex.InputError) as raised:
                 call(sphere, **HOW, **{name: path})

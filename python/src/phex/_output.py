@@ -16,6 +16,14 @@ def check_writable(path: str, name: str) -> None:
     folder = nearest_folder(path)
     if not os.path.isdir(folder):
         raise InputError(f"{name}: {path} can't be written: {folder} is no folder")
+    for part in os.path.relpath(path, folder).split(os.sep):
+        try:
+            os.lstat(os.path.join(folder, part))
+        except FileNotFoundError:
+            pass
+        except OSError as cause:
+            # The file system does not take the name, which may be too long.
+            raise InputError(f"{name}: {path} can't be written: {cause.strerror}") from None
     try:
         # A file without a name: nothing is left behind.
         with tempfile.TemporaryFile(dir=folder):
