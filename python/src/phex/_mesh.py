@@ -188,7 +188,8 @@ class Mesh(Polygons):
         self, color: str = "valence", svg: bool = False, **options: Any
     ) -> bytes:
         """A picture as PNG or SVG, without a display; ``options`` are those of ``phex render``:
-        ``width``, ``height`` (16 to 16384 pixels), ``azimuth``, ``elevation``, ``edges``, ``legend``, ``ground``."""
+        ``width``, ``height`` (16 to 16384 pixels), ``azimuth``, ``elevation``, ``edges``,
+        ``legend``, ``ground``."""
         if not isinstance(color, str):
             raise InputError(f"color: {shown(color)} is no text")
         for name in ("width", "height"):
