@@ -4,7 +4,7 @@ use crate::exit::{Exit, Failure, OrExit};
 use crate::printable::printable;
 use crate::progress::{is_interrupted, while_writing};
 use anyhow::Context;
-use phex_job::Unit;
+use phex_job::{Unit, in_file};
 use phex_mesh::PolygonSoup;
 use phex_mesh::io::{Format, WriteCause, WriteError, atomic_write, link_target, shown, write_soup};
 use phex_picture::Picture;
@@ -109,12 +109,7 @@ fn nearest_folder(path: &Path) -> PathBuf {
 /// # Errors
 /// If the user interrupted, the mesh has no place in the format, or writing fails.
 pub fn write_mesh(path: &Path, soup: &PolygonSoup, unit: Unit) -> Result<(), Failure> {
-    let is_in_metres = Format::from_path(path).is_ok_and(Format::is_in_metres);
-    let metres = is_in_metres.then(|| PolygonSoup {
-        positions: soup.positions.iter().map(|p| p * unit.metres()).collect(),
-        faces: soup.faces.clone(),
-    });
-    write_with(|| write_soup(path, metres.as_ref().unwrap_or(soup)))
+    write_with(|| write_soup(path, &in_file(path, soup, unit)))
 }
 
 /// Writes a text.
