@@ -2,8 +2,8 @@
 //! triangulations, closest points.
 
 use phex_mesh::shapes::{
-    ParametricSurface, Region, Shape, ShapeProjector, Triangulation, TriangulationOptions,
-    triangulate, triangulate_with_parameters,
+    ParametricSurface, Region, Shape, Triangulation, TriangulationOptions, triangulate,
+    triangulate_with_parameters,
 };
 use phex_mesh::{TriangleSurface, Vec3};
 use rand::{Rng, SeedableRng};
