@@ -1,5 +1,5 @@
 //! Every built-in shape: derivatives against differences, curvature against formulas,
-//! triangulations, closest points.
+//! triangulations.
 
 use phex_mesh::shapes::{
     ParametricSurface, Region, Shape, Triangulation, TriangulationOptions, triangulate,
@@ -44,12 +44,6 @@ fn random_parameters(surface: &Shape, count: usize) -> Vec<[f64; 2]> {
         }
     }
     found
-}
-
-fn diagonal(surface: &Shape) -> f64 {
-    triangulate(surface, &options(500, 0.0, 0))
-        .unwrap()
-        .diagonal()
 }
 
 fn assert_near(name: &str, what: &str, computed: Vec3, exact: Vec3, tolerance: f64) {
