@@ -152,6 +152,39 @@ def test_foreign_surfaces_are_refused():
             phex.mesh(thing)
 
 
+@pytest.mark.parametrize("text", ["20MM", "20Mm", "1.5E2 M", "3 Ft", "0.5m2", "٣mm"])
+def test_lengths_are_spelt_as_in_the_program(roof, text):
+    with pytest.raises(phex.InputError, match=r"^max_deviation: .* is not a length"):
+        phex.mesh(roof, max_deviation=text)
+
+
+def test_whole_numbers_tell_their_limits(roof):
+    with pytest.raises(phex.InputError, match="threads: 100000 .*to 65535"):
+        phex.mesh(roof, threads=100000)
+    with pytest.raises(phex.InputError, match="seed: .*to 9223372036854775807"):
+        phex.mesh(roof, seed=2**64)
+
+
+def test_one_polyline_is_a_list_of_points():
+    from phex._options import polylines
+
+    line = [[0, 0, 0], [1, 1, 1]]
+    for given in (line, [line], np.array(line), [np.array(line)], np.array([line]), tuple(line)):
+        assert polylines("curve", given) == [line]
+
+
+def test_rotations_pictures_and_names(ball):
+    with pytest.raises(phex.InputError, match="rotations: there is none"):
+        phex.fabricate(ball, thickness="20mm", rotations=[])
+    for size in (0, 15, 16385, 10**9, 2.5, True):
+        for side in ("width", "height"):
+            with pytest.raises(phex.InputError, match=f"{side}: .*from 16 to 16384"):
+                ball.picture(**{side: size})
+    assert ball.picture(width=16, height=np.int64(16))
+    with pytest.raises(phex.InputError, match="name: 5 is no text"):
+        phex.Surface(SQUARE, [[0, 1, 2, 3]], name=5)
+
+
 VALUES = [
     None, True, False, 0, 1, -1, 3, 10**18, 10**40, 0.5, -0.0, 1e308, math.nan, math.inf, "", "a",
     "1%", "2mm", "\ud800", "\0", b"x", [], [[]], [1, 2, 3], [[0, 0, 0]], [[1, 2, 3, 4]], {}, {1: 2},

@@ -133,3 +133,23 @@ def test_rhino_meshes_are_surfaces(roof):
     size = np.linalg.norm(np.ptp(roof.vertices, axis=0))
     assert np.abs(surface.vertices - roof.vertices).max() < 1e-7 * size, "single precision"
     assert phex.mesh(there, panels=30, max_deviation="5%", keep_invalid=True).sound
+
+
+def test_objects_without_polygons_are_refused_by_their_type():
+    trimesh, pyvista = pytest.importorskip("trimesh"), pytest.importorskip("pyvista")
+    rhino3dm = pytest.importorskip("rhino3dm")
+    from phex.interop import pyvista as of_pyvista, rhino3dm as of_rhino, trimesh as of_trimesh
+
+    line = rhino3dm.LineCurve(rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(1, 1, 1))
+    grid = pyvista.ImageData(dimensions=(2, 2, 2))
+    objects = {
+        "Scene": (trimesh.Scene(), of_trimesh.from_trimesh),
+        "PointCloud": (trimesh.PointCloud(np.eye(3)), of_trimesh.from_trimesh),
+        "ImageData": (grid, of_pyvista.from_pyvista),
+        "UnstructuredGrid": (grid.cast_to_unstructured_grid(), of_pyvista.from_pyvista),
+        "LineCurve": (line, of_rhino.from_rhino),
+    }
+    for name, (thing, read) in objects.items():
+        for call in (read, phex.mesh, phex.check, lambda given: phex.offset(given, 0.1)):
+            with pytest.raises(phex.InputError, match=rf"an object of \S*{name} is no surface"):
+                call(thing)

@@ -66,6 +66,33 @@ def test_a_callback_ends_it_at_once_in_its_own_thread(large):
     assert {thread for thread, _ in heard} == {threading.get_ident()}
 
 
+def test_a_false_of_numpy_ends_it_too(large):
+    with pytest.raises(phex.Cancelled):
+        phex.mesh(large, panels=3000, progress=lambda event: np.bool_(False))
+
+
+def test_what_would_be_shown_has_no_effect_in_the_background(roof):
+    session = phex.Session(roof, progress=print, verbose=True)
+    wrong = {"progress": [print, "json", True, "loud", 3], "verbose": [True, 1], "quiet": [1, "no"]}
+    for name, values in wrong.items():
+        for value in values:
+            for call in (session.start, lambda **options: phex.start(roof, **options)):
+                with pytest.raises(phex.InputError, match=name):
+                    call(**{name: value})
+    for start in (session.start, lambda **options: phex.start(roof, **options)):
+        start(progress=False, quiet=True).cancel()
+        start(progress="none").cancel()
+
+
+def test_files_of_the_background_are_written_when_the_result_is_asked_for(sphere):
+    future = phex.start(sphere, panels=32, max_deviation="5%", output="deep/a.obj")
+    while not future.done():
+        time.sleep(0.01)
+    assert not os.path.exists("deep")
+    future.result()
+    assert os.path.exists("deep/a.obj")
+
+
 def test_an_error_of_a_callback_comes_out(large):
     def hear(event):
         raise ZeroDivisionError

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 
+import numpy as np
 import phex
 import pytest
 
@@ -257,7 +258,7 @@ def test_a_full_disk_is_a_row_and_tried_again(dome):
 
 def test_a_study_is_stopped_and_goes_on(dome):
     def stop(event):
-        return event["event"] != "variant"
+        return np.bool_(event["event"] != "variant")
 
     space = {"surface": dome, **SPACE}
     with pytest.raises(phex.Cancelled):
@@ -346,3 +347,43 @@ def test_explore_finds_and_goes_on(dome):
         assert row["out:status"] == "pass" and row["out:deviation"] <= 4.0
     with pytest.raises(phex.InputError, match="objectives"):
         phex.explore(space, ["panels"], out="search", trials=10)
+
+
+def test_columns_that_no_study_has_are_named(solved, dome):
+    for call in (
+        lambda: solved.column("nope"),
+        lambda: solved.column(["nope"]),
+        lambda: solved.pareto("panels", "nope"),
+        lambda: solved.pareto(("nope", "max")),
+    ):
+        with pytest.raises(phex.InputError, match="no column .*nope.*deviation"):
+            call()
+    for name in ("out:deviation", "rotate", "in:rotate", "in:steering.closeness", "sheets"):
+        assert len(solved.column(name)) == 8
+    assert solved.column("sheets") == [None] * 8
+    assert set(solved.column("deviation")) == set(solved.column("out:deviation")) != {None}
+
+
+def test_every_figure_of_a_row_may_be_an_objective(solved):
+    from phex._studies import FIGURES
+
+    texts = {"out:status", "out:exit", "out:reason", "out:mesh"}
+    there = {c for row in solved for c in row if c.startswith("out:")}
+    assert there - texts == {f"out:{name}" for name in FIGURES}
+
+
+@pytest.mark.parametrize(
+    "aims, more, word",
+    [
+        (["devation"], {}, "'devation'.*deviation"),
+        ([("devation", "max")], {}, "'devation'.*deviation"),
+        ("panels", {}, "'panels' is no list"),
+        (["sheets"], {}, "'sheets'.*deviation"),
+        (["panels"], {"constraints": {"clearence": (0.1, None)}}, "'clearence'.*clearance"),
+    ],
+)
+def test_a_search_for_what_no_row_has_is_refused(dome, aims, more, word):
+    pytest.importorskip("optuna")
+    with pytest.raises(phex.InputError, match=word):
+        phex.explore({"surface": dome, "panels": [40, 46]}, aims, out="search", trials=2, **more)
+    assert not pathlib.Path("search").exists()

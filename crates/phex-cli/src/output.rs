@@ -4,11 +4,10 @@ use crate::exit::{Exit, Failure, OrExit};
 use crate::printable::printable;
 use crate::progress::{is_interrupted, while_writing};
 use anyhow::Context;
-use phex_job::Unit;
+use phex_job::{Unit, in_file};
 use phex_mesh::PolygonSoup;
 use phex_mesh::io::{Format, WriteCause, WriteError, atomic_write, link_target, shown, write_soup};
 use phex_picture::Picture;
-use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -110,9 +109,7 @@ fn nearest_folder(path: &Path) -> PathBuf {
 /// # Errors
 /// If the user interrupted, the mesh has no place in the format, or writing fails.
 pub fn write_mesh(path: &Path, soup: &PolygonSoup, unit: Unit) -> Result<(), Failure> {
-    let in_its_unit = |format: Format| format.in_its_unit(soup, unit.metres());
-    let written = Format::from_path(path).map_or(Cow::Borrowed(soup), in_its_unit);
-    write_with(|| write_soup(path, &written))
+    write_with(|| write_soup(path, &in_file(path, soup, unit)))
 }
 
 /// Writes a text.

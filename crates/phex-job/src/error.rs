@@ -31,6 +31,15 @@ impl JobError {
         Self::Input(chain(error))
     }
 
+    /// The same of a part of what is given.
+    pub(crate) fn of_part(self, part: &str) -> Self {
+        match self {
+            Self::Input(cause) => Self::Input(format!("{part}: {cause}")),
+            Self::NoResult(cause) => Self::NoResult(format!("{part}: {cause}")),
+            other => other,
+        }
+    }
+
     /// The same in a file.
     pub(crate) fn in_file(path: &std::path::Path, error: &dyn Error) -> Self {
         Self::Input(format!("{}: {}", path.display(), chain(error)))

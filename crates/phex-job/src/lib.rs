@@ -12,6 +12,7 @@
 //! | `suggestion` | what kind of surface one is, and how many panels suit it |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
 //! | `run`, `join`, `engine`, `deadline`, `surface_session` | the computation |
+//! | `output` | in which unit files hold meshes |
 //! | `limits`, `wishes`, `portfolio`, `ways` | what was reached, measured by what was wanted |
 //! | `whole_run` | how much is done |
 //!
@@ -31,6 +32,7 @@ mod input;
 mod join;
 mod limits;
 mod number_lists;
+mod output;
 mod panel_limits;
 mod panel_size;
 mod portfolio;
@@ -56,6 +58,7 @@ pub use guides::GuideSettings;
 pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read_text};
 pub use limits::TypedLimits;
 pub use number_lists::{finite, ten, three};
+pub use output::in_file;
 pub use panel_limits::LimitSettings;
 pub use panel_size::panels;
 pub use portfolio::members;

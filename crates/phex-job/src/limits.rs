@@ -1,5 +1,6 @@
 //! Limits as they are typed: what a mesh is judged by, and what its report says of that.
 
+use crate::error::JobError;
 use crate::panel_limits::LimitSettings;
 use crate::settings::MeshSettings;
 use crate::units::{Quantity, Unit};
@@ -10,6 +11,7 @@ use phex::report::RunReport;
 use phex_mesh::{HexMesh, TriangleSurface};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::path::Path;
 
 /// Planarity that the optimiser reaches in double precision, in diagonals over mean edges. What is
 /// asked for below is judged as it is, but nothing else is given up for it.
@@ -47,6 +49,19 @@ impl From<&MeshSettings> for TypedLimits {
 }
 
 impl TypedLimits {
+    /// Those of a job file, by which any mesh is judged; those of the boundary where it names one.
+    ///
+    /// # Errors
+    /// As [`MeshSettings::from_file`] and [`MeshSettings::check`].
+    pub fn of_job(path: &Path) -> Result<Self, JobError> {
+        let settings = MeshSettings::from_file(path)?;
+        settings.check()?;
+        Ok(Self {
+            boundary: settings.boundary.map(Into::into),
+            ..Self::from(&settings)
+        })
+    }
+
     /// Tells the optimiser what is demanded of a mesh with edges of length `edge` and diagonal
     /// `extent`, model units; percentages of the deviation refer to the diagonal `whole`.
     pub fn demand(&self, options: &mut OptimiseOptions, edge: f64, extent: f64, whole: f64) {

@@ -292,10 +292,23 @@ impl<'a> MeshTask<'a> {
                 Some(LastStage::Layout) => engine::lay_out(surface, &options, self.progress),
                 None => engine::mesh(surface, &options, self.progress),
             };
-            self.unless_interrupted(made?)
+            self.unless_interrupted(made.map_err(|error| self.of_part(error, k, count))?)
         };
         let parts = self.parts.iter().zip(&counts).enumerate();
         parts.map(mesh).collect()
+    }
+
+    /// The error of a part, which names it where there are several.
+    fn of_part(&self, error: JobError, part: usize, panels: u64) -> JobError {
+        let (number, all) = (part + 1, self.parts.len());
+        let across = self.parts[part].component.surface.diagonal();
+        let unit = self.limits.unit;
+        match all {
+            1 => error,
+            _ => error.of_part(&format!(
+                "part {number} of {all} ({across:.4} {unit} across, {panels} of the panels)"
+            )),
+        }
     }
 
     /// What a run has reached, unless the caller wants nothing any more.

@@ -126,7 +126,7 @@ impl HexMesh {
     }
 
     /// Twice the area vector of a face.
-    fn area_vector(&self, f: FaceId) -> Vec3 {
+    pub fn area_vector(&self, f: FaceId) -> Vec3 {
         let corners: Vec<Vec3> = self.corners(f).collect();
         let shifted = |i: usize| corners[i % corners.len()] - corners[0];
         let sides = 1..corners.len();

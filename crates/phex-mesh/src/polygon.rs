@@ -110,6 +110,9 @@ pub fn contains(polygon: &[Vec2], p: Vec2) -> bool {
     (0..n).filter(crosses).count() % 2 == 1
 }
 
+/// Area of a regular hexagon over the square of its edge.
+pub const HEXAGON: f64 = 2.598_076_211_353_316;
+
 /// Distance of the point `p` to the closed segment `ab`, in the plane or in space.
 pub fn point_segment_distance<const D: usize>(
     p: SVector<f64, D>,

@@ -311,18 +311,22 @@ pub struct CheckRequest {
     limits: LimitsRequest,
     /// What an earlier run was judged by.
     promised: Option<TypedLimits>,
+    /// A job file, whose limits come before those of the earlier run.
+    job: Option<PathBuf>,
 }
 
 impl CheckRequest {
-    /// What is typed, and where nothing is what an earlier run promised; the unit is that run's.
+    /// What is typed, and where nothing is what a job or an earlier run promised.
     fn limits(&self, has_surface: bool) -> Result<TypedLimits, JobError> {
         let typed = self.limits.limits(has_surface)?;
-        let Some(promised) = self.promised else {
+        let job = self.job.as_deref().map(TypedLimits::of_job).transpose()?;
+        let Some(promised) = job.or(self.promised) else {
             return Ok(typed);
         };
         Ok(TypedLimits {
             planarity: typed.planarity.or(promised.planarity),
             max_deviation: self.limits.max_deviation.unwrap_or(promised.max_deviation),
+            unit: self.limits.unit.unwrap_or(promised.unit),
             boundary: typed.boundary.or(promised.boundary),
             ..promised
         })

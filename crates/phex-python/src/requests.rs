@@ -4,7 +4,7 @@ use crate::answer::{Answer, AnswerPart, json};
 use crate::inputs::Inputs;
 use crate::{judged, offsets, pictures, studies, workshop};
 use phex::Progress;
-use phex_job::{JobError, MeshFile, chain};
+use phex_job::{JobError, MeshFile, Unit, chain, in_file};
 use phex_mesh::io::write_soup;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate_with_parameters};
 use serde::Deserialize;
@@ -84,8 +84,18 @@ fn read(place: Place, _: Inputs, _: &dyn Progress) -> Result<Answer, JobError> {
     ])
 }
 
-fn write(place: Place, inputs: Inputs, _: &dyn Progress) -> Result<Answer, JobError> {
-    let written = write_soup(&place.path, &inputs.first()?.soup);
+/// A file to write.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WriteRequest {
+    path: PathBuf,
+    /// That of the coordinates.
+    unit: Unit,
+}
+
+fn write(request: WriteRequest, inputs: Inputs, _: &dyn Progress) -> Result<Answer, JobError> {
+    let WriteRequest { path, unit } = request;
+    let written = write_soup(&path, &in_file(&path, &inputs.first()?.soup, unit));
     written.map_err(|e| JobError::Input(chain(&e)))?;
     Ok(Answer::new())
 }

@@ -20,7 +20,9 @@ pub struct WorkshopRequest {
     thickness: Quantity,
     gap: Option<Quantity>,
     side: Side,
-    unit: Unit,
+    unit: Option<Unit>,
+    /// That of the run which made the mesh.
+    mesh_unit: Option<Unit>,
     sheet: [Quantity; 2],
     spacing: Quantity,
     rotations: Option<Vec<f64>>,
@@ -30,6 +32,18 @@ pub struct WorkshopRequest {
     angle_tolerance: f64,
     planarity: Option<Quantity>,
     limits: Option<PathBuf>,
+}
+
+impl WorkshopRequest {
+    /// The unit of the mesh: what is given, or else what its run and the job file agree on.
+    fn model_unit(&self, job: Option<Unit>) -> Result<Unit, JobError> {
+        match (self.unit, self.mesh_unit, job) {
+            (None, Some(mesh), Some(job)) if mesh != job => Err(JobError::Input(format!(
+                "limits: the job's unit is {job}, and that of the mesh {mesh}: give `unit`"
+            ))),
+            (given, mesh, job) => Ok(given.or(mesh).or(job).unwrap_or_default()),
+        }
+    }
 }
 
 /// Workshop files of a valid mesh.
@@ -42,17 +56,17 @@ pub fn fabricated(
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let mesh = inputs.panels()?;
-    let (unit, size) = (request.unit, mesh.diagonal());
     let [a, b] = [
         millimetres("sheet", request.sheet[0])?,
         millimetres("sheet", request.sheet[1])?,
     ];
-    let planarity = request
-        .planarity
-        .map(|q| q.fraction(unit, mesh.mean_edge()));
     let limits = request.limits.as_deref().map(MeshSettings::from_file);
     let limits = limits.transpose()?.unwrap_or_default();
     limits.check()?;
+    let (unit, size) = (request.model_unit(limits.unit)?, mesh.diagonal());
+    let planarity = request
+        .planarity
+        .map(|q| q.fraction(unit, mesh.mean_edge()));
     let options = FabOptions {
         thickness: request.thickness.length(unit, size),
         gap: request.gap.map_or(0.0, |gap| gap.length(unit, size)),

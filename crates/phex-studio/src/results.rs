@@ -10,7 +10,7 @@ use phex::quality::{Check, Verdict};
 use phex_fab::folder::files;
 use phex_fab::{FabError, FabOptions, PanelIds, Side, fabricate, valid_mesh};
 use phex_html::{PackedArray, Report, Viewer, ViewerData, conjugate_curves, page, viewer_data};
-use phex_job::{JobResult, Quantity, Unit};
+use phex_job::{JobResult, Quantity, Unit, in_file};
 use phex_mesh::io::{Format, write_soup_to};
 use phex_picture::maps::{ColourMap, Map, Range, Subject};
 use phex_picture::{PictureOptions, draw_map, draw_svg};
@@ -244,9 +244,10 @@ impl RunResult {
     }
 
     fn mesh(&self, what: &str) -> Result<Vec<u8>, RefusedRequest> {
-        let format = Format::from_path(Path::new(what)).map_err(RefusedRequest::unusable)?;
+        let path = Path::new(what);
+        let format = Format::from_path(path).map_err(RefusedRequest::unusable)?;
         let soup = self.made.mesh.to_soup();
-        let written = format.in_its_unit(&soup, self.made.limits.unit.metres());
+        let written = in_file(path, &soup, self.made.limits.unit);
         let mut bytes = Vec::new();
         write_soup_to(&mut bytes, &written, format).map_err(RefusedRequest::unusable)?;
         Ok(bytes)

@@ -11,7 +11,7 @@ mod domain;
 mod error;
 mod field;
 mod finish;
-
+mod laid_out;
 mod lattice;
 mod normalise;
 mod options;

@@ -118,7 +118,7 @@ def path_text(value: Any, name: str) -> str:
     if not is_path(value):
         raise InputError(f"{name}: {_shown(value)} is no path")
     text = os.fspath(value)
-    if not isinstance(text, str) or "\0" in text:
+    if not isinstance(text, str) or not text or "\0" in text:
         raise InputError(f"{name}: {_shown(value)} is no path")
     try:
         text.encode("utf-8")

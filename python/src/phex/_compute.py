@@ -50,7 +50,7 @@ def finish(
             ended = computation.wait(TICK)
             if hear is not None and not was_stopped:
                 for text in computation.events():
-                    if hear(json.loads(text)) is False:
+                    if stops(hear(json.loads(text))):
                         raise Cancelled("the callback asked to stop")
             if ended:
                 break
@@ -179,22 +179,35 @@ class Future:
         threading.Thread(target=wait, daemon=True).start()
 
 
+def stops(answer: Any) -> bool:
+    """Whether a callback's answer, ``False`` of Python or numpy, ends the computation."""
+    return isinstance(answer, (bool, np.bool_)) and not answer
+
+
 def listener(progress: Any, quiet: bool, verbose: bool) -> Optional[Listener]:
     """What hears the events: a callback, a bar, lines of JSON, or nothing."""
-    for name, value in (("quiet", quiet), ("verbose", verbose)):
-        if not isinstance(value, (bool, np.bool_)):
-            raise InputError(f"{name}: {shown(value)} is not True or False")
-    if callable(progress):
-        return progress  # type: ignore[no-any-return]
-    mode = {True: "bar", False: "none"}[progress] if isinstance(progress, bool) else progress
-    if not isinstance(mode, str) or mode not in ("auto", "none", "json", "bar"):
-        told = "'auto', 'none', 'json', a bool or a function"
-        raise InputError(f"progress: {shown(progress)} is not {told}")
+    mode = progress_mode(progress, quiet, verbose)
+    if callable(mode):
+        return mode  # type: ignore[no-any-return]
     if mode == "json":
         return lambda event: print(json.dumps(event), file=sys.stderr, flush=True)
     if mode == "bar" or (mode == "auto" and not quiet and _is_watched()):
         return Bar(verbose)
     return None
+
+
+def progress_mode(progress: Any, quiet: Any, verbose: Any) -> Any:
+    """How progress is shown: a callback, or ``auto``, ``none``, ``json`` or ``bar``."""
+    for name, value in (("quiet", quiet), ("verbose", verbose)):
+        if not isinstance(value, (bool, np.bool_)):
+            raise InputError(f"{name}: {shown(value)} is not True or False")
+    if callable(progress):
+        return progress
+    mode = {True: "bar", False: "none"}[progress] if isinstance(progress, bool) else progress
+    if not isinstance(mode, str) or mode not in ("auto", "none", "json", "bar"):
+        told = "'auto', 'none', 'json', a bool or a function"
+        raise InputError(f"progress: {shown(progress)} is not {told}")
+    return mode
 
 
 def _is_watched() -> bool:

@@ -4,10 +4,12 @@ import os
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from ._arrays import path_text, shown
-from ._compute import close, listener
+from ._compute import close, listener, stops
 from ._errors import InputError
 from ._options import real, whole
 from ._studies import (
+    FIGURES,
+    WORKSHOP_FIGURES,
     Between,
     Row,
     Study,
@@ -17,6 +19,7 @@ from ._studies import (
     _job,
     _objective,
     _solved,
+    checked_column,
 )
 
 #: What an objective is: a column, a column with a way, or a function of a row.
@@ -95,10 +98,13 @@ def explore(
 
     folder = os.path.abspath(path_text(out, "out"))
     count, seed = whole("trials", trials, 10**7), whole("seed", seed, (1 << 32) - 1)
-    aims = [_aim(objective) for objective in objectives]
+    known = FIGURES + (WORKSHOP_FIGURES if workshop is not None else ())
+    if not isinstance(objectives, (list, tuple)):
+        raise InputError(f"objectives: {shown(objectives)} is no list of columns")
+    aims = [_aim(objective, known) for objective in objectives]
     if not aims:
         raise InputError("objectives: there is none")
-    limits = _limits(constraints or {})
+    limits = _limits(constraints or {}, known)
     axes = _axes(space)
     how = _how(threads, workshop, time_limit, memory_limit, html)
     engine = _engine(executor, workers, how["threads"])
@@ -128,7 +134,7 @@ def explore(
             done = [t for t in study.get_trials(deepcopy=False) if "row" in t.user_attrs]
             if hear is not None:
                 event = {"event": "progress", "done": len(done) / count, "left_seconds": 0.0}
-                if hear(event) is False:
+                if stops(hear(event)):
                     break
     finally:
         close(hear)
@@ -154,11 +160,12 @@ def _usual_sampler(optuna: Any, seed: int) -> Any:
         )
 
 
-def _aim(objective: Any) -> Tuple[str, Callable[[Row], Optional[float]]]:
+def _aim(objective: Any, known: Sequence[str]) -> Tuple[str, Callable[[Row], Optional[float]]]:
     """An objective's name, and what of a row is to be small."""
     if callable(objective):
         return getattr(objective, "__name__", "function"), lambda row: _finite(objective(row))
     name, sign = _objective(objective)
+    checked_column(name, known, "objectives")
 
     def value(row: Row) -> Optional[float]:
         found = _finite(row.get(f"out:{name}"))
@@ -177,12 +184,13 @@ def _finite(value: Any) -> Optional[float]:
 Limits = List[Tuple[str, float, float]]
 
 
-def _limits(constraints: Any) -> Limits:
+def _limits(constraints: Any, known: Sequence[str]) -> Limits:
     """Columns with the factor and limit by which more than 0 is not allowed."""
     if not isinstance(constraints, dict):
         raise InputError(f"constraints: {shown(constraints)} is no dictionary")
     made: Limits = []
-    for name, ends in constraints.items():
+    for column, ends in constraints.items():
+        name = checked_column(column, known, "constraints")
         if not isinstance(ends, (tuple, list)) or len(ends) != 2:
             raise InputError(f"constraints: {name}: {shown(ends)} is no pair (low, high)")
         low, high = ends

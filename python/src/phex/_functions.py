@@ -1,19 +1,21 @@
 """What phex computes."""
 
-import hashlib
 import json
 import os
+import re
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _options, _phex
-from ._arrays import checked_numbers, path_text, shown
-from ._compute import Future, begin, close, finish, floats, listener, no_valid, run
+from ._arrays import checked_numbers, is_path, path_text, shown
+from ._compute import Future, begin, close, finish, floats, listener, no_valid, progress_mode, run
 from ._errors import InputError
-from ._mesh import Mesh, Panelling, Surface, as_polygons, write_whole
-from ._options import UNITS, Option, checked, real, measured, whole
+from ._folder import check_folder, save_folder
+from ._mesh import MESH_FORMATS, Mesh, Panelling, Surface, as_polygons, model_unit
+from ._options import Option, checked, real, measured, whole
+from ._output import check_writable, write_whole
 
 
 def mesh(
@@ -110,6 +112,11 @@ def mesh(
 def start(surface: Any, **options: Any) -> Future:
     """As :func:`mesh`, in the background: gives a :class:`phex.Future` at once.
 
+    Files (``output``, ``report``, ``png`` and so on) are written by the first
+    :meth:`phex.Future.result`, and are not if nobody asks for it. Nothing is shown meanwhile:
+    ``progress`` is ``"auto"`` or ``"none"``, and what happens is told by
+    :attr:`phex.Future.progress` and :meth:`phex.Future.events`.
+
     >>> import phex
     >>> future = phex.start(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
     >>> future.result().verdict, future.progress
@@ -118,8 +125,25 @@ def start(surface: Any, **options: Any) -> Future:
     for name in options:
         if name not in _options.MESH:
             raise TypeError(f"start() got an unexpected keyword argument {name!r}")
+    _check_silent(**_talk(options))
     job = _MeshJob(surface, options)
     return Future(job.begin(preview=True), job.made)
+
+
+def _talk(options: Dict[str, Any]) -> Dict[str, Any]:
+    """What options say of how progress is shown."""
+    usual = {"progress": "auto", "quiet": False, "verbose": False}
+    return {name: options.get(name, value) for name, value in usual.items()}
+
+
+def _check_silent(progress: Any, quiet: Any, verbose: Any) -> None:
+    """Refuses what would be shown of a computation in the background."""
+    mode = progress_mode(progress, quiet, verbose)
+    if mode not in ("auto", "none"):
+        told = "has no effect in the background: ask the future for its progress and events()"
+        raise InputError(f"progress: {shown(progress)} {told}")
+    if verbose:
+        raise InputError("verbose: has no effect in the background: ask the future for its events()")
 
 
 class Session:
@@ -144,9 +168,8 @@ class Session:
     def mesh(self, **options: Any) -> Panelling:
         """As :func:`phex.mesh`."""
         options = {**self.options, **options}
-        bars = [options.get(n, d) for n, d in (("progress", "auto"), ("quiet", False), ("verbose", False))]
         job = self._job(options)
-        hear = listener(*bars)
+        hear = listener(**_talk(options))
         try:
             answer = finish(job.begin(session=self._kept), hear, job.keep_best)
         finally:
@@ -155,6 +178,7 @@ class Session:
 
     def start(self, **options: Any) -> Future:
         """As :func:`phex.start`."""
+        _check_silent(**_talk(options))
         job = self._job({**self.options, **options})
         return Future(job.begin(preview=True, session=self._kept), job.made)
 
@@ -171,6 +195,24 @@ class Session:
         Session.__init__(self, state["surface"], **state["options"])
 
 
+#: Keywords that name files to write.
+FILES = ("output", "write_target", "contact_sheet", "png", "html", "report")
+
+
+def _check_output(name: str, path: str) -> None:
+    """Refuses a file that can't be written, before the computation."""
+    extension = os.path.splitext(path)[1].lower()
+    if name in ("output", "write_target"):
+        if extension == ".3dm":
+            from .interop.rhino3dm import library
+
+            library(path)
+        elif extension not in MESH_FORMATS:
+            known = ", ".join((*MESH_FORMATS, ".3dm"))
+            raise InputError(f"{name}: {path}: a mesh is written as one of {known}")
+    check_writable(path, name)
+
+
 class _MeshJob:
     """The options of a panelling, checked."""
 
@@ -183,9 +225,7 @@ class _MeshJob:
         self.keep_best, self.keep_invalid = flags["keep_best"], flags["keep_invalid"]
         self.threads = _options.threads(options["threads"])
         self.paths = {
-            name: path_text(options[name], name)
-            for name in ("output", "write_target", "contact_sheet", "png", "html", "report")
-            if options[name] is not None
+            name: path_text(options[name], name) for name in FILES if options[name] is not None
         }
         time_limit = options["time_limit"]
         if time_limit is not None:
@@ -207,6 +247,8 @@ class _MeshJob:
             "until": until,
             "contact_sheet": self._sheet(earlier is not None or until is not None),
         }
+        for name, path in self.paths.items():
+            _check_output(name, path)
         # What is laid out alone is a picture of what will be, and no invalid result.
         self.keep_invalid = self.keep_invalid or until is not None
 
@@ -237,7 +279,7 @@ def _delivered(
     if "contact_sheet" in paths:
         write_whole(paths["contact_sheet"], answer["contact_sheet"])
     if "html" in paths:
-        made.save(paths["html"])
+        made._save_page(paths["html"])
     if "report" in paths:
         made.save_report(paths["report"])
     if "write_target" in paths and made.target is not None:
@@ -306,6 +348,8 @@ def planarize(
     """
     options = locals()
     typed, given, _ = _options.settings({name: options[name] for name in _options.STEERING})
+    panels = as_polygons(mesh, Mesh, "mesh")
+    unit = model_unit(unit, panels)
     request = {
         "steering": typed["steering"],
         "given": given,
@@ -313,7 +357,7 @@ def planarize(
         "limits": _limits(max_deviation=max_deviation, planarity=planarity, unit=unit),
         "refit": _flag("refit", refit),
     }
-    return _judged("planarize", request, mesh, surface, threads, keep_invalid, progress)
+    return _judged("planarize", request, panels, surface, threads, keep_invalid, progress)
 
 
 def _judged(
@@ -341,6 +385,7 @@ def check(
     surface: Any = None,
     *,
     report_of: Any = None,
+    limits: Any = None,
     boundary: Optional[str] = None,
     max_deviation: Any = None,
     planarity: Any = None,
@@ -350,21 +395,24 @@ def check(
     """Judges any polygon mesh: planar, simple, sound, close to a surface. The answer is the mesh
     with a report; an invalid one is no error.
 
-    ``report_of`` is an earlier run, a :class:`phex.Panelling` or the path of its report: limits and
-    surfaces that are not given are those of that run, and the unit is.
+    ``report_of`` is an earlier run, a :class:`phex.Panelling` or the path of its report: limits, the
+    unit and surfaces that are not given are those of that run. ``limits`` is a job file, whose
+    limits and unit come before those of the run.
 
     >>> import phex
     >>> phex.check(([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0]], [[0, 1, 2, 3]])).verdict
     'outside_tolerance'
     """
-    limits = _limits(
-        boundary=boundary, max_deviation=max_deviation, planarity=planarity, unit=unit
-    )
+    job = None if limits is None else path_text(limits, "limits")
+    panels = as_polygons(mesh, Mesh, "mesh")
+    if job is None and report_of is None:
+        unit = model_unit(unit, panels)
+    typed = _limits(boundary=boundary, max_deviation=max_deviation, planarity=planarity, unit=unit)
     promised, there, smooth = (None, None, None) if report_of is None else _promise(report_of)
     if surface is not None:
         there, smooth = as_polygons(surface, Surface, "surface"), None
-    request = {"limits": limits, "promised": promised}
-    meshes = [as_polygons(mesh, Mesh, "mesh")]
+    request = {"limits": typed, "promised": promised, "job": job}
+    meshes = [panels]
     meshes += [m for m in (there, smooth) if m is not None]
     answer = finish(begin("check", request, meshes))
     return _delivered(answer, there, _flag("keep_invalid", keep_invalid), {})
@@ -447,13 +495,14 @@ def offset(
     gap: Any = None,
     beams: bool = False,
     planarity: Any = None,
-    unit: str = "m",
+    unit: Optional[str] = None,
     threads: Optional[int] = None,
 ) -> Offset:
     """Layers at constant distance of faces, edges or vertices, each a valid mesh.
 
     ``distance`` is one or a list of lengths: numbers, ``"-20mm"``, ``"1%"`` of the diagonal;
-    positive is the side of the face normals. ``solids`` gives the panels between successive layers
+    positive is the side of the face normals. Without ``unit``, it is that of the run which made the
+    mesh, or else metres. ``solids`` gives the panels between successive layers
     as solids, with joints as wide as ``gap``; ``beams`` the axes of beams and nodes between them.
 
     >>> import phex
@@ -463,7 +512,7 @@ def offset(
     (2, True)
     """
     panels = as_polygons(mesh, Mesh, "mesh")
-    unit = checked("unit", unit, Option("choice", choices=UNITS))
+    unit = model_unit(unit, panels) or "m"
     wanted = [] if distance is None else distance
     if isinstance(wanted, np.ndarray):
         wanted = checked_numbers(wanted.reshape(-1), "distance").tolist()
@@ -488,12 +537,18 @@ def offset(
     made = run("offset", request, panels, threads=_options.threads(threads))
     ends = made.get("max_distance")
     touching = made.get("gauss_image")
+
+    def in_unit(arrays: Any) -> Mesh:
+        layer: Mesh = Mesh._of(arrays)
+        layer._unit = unit
+        return layer
+
     return Offset(
-        [Mesh._of(arrays) for arrays in made["layers"]],
+        [in_unit(arrays) for arrays in made["layers"]],
         distances,
         None if ends is None else (float(ends[0]), float(ends[1])),
         None if touching is None else Mesh._of(touching),
-        tuple(Mesh._of(arrays) for arrays in made.get("solids", ())),
+        tuple(in_unit(arrays) for arrays in made.get("solids", ())),
         tuple(floats(made["volumes"])) if "volumes" in made else (),
         tuple(
             {name: np.array(values) for name, values in pair.items()}
@@ -567,6 +622,8 @@ def parallel(
     >>> found.basis.shape[1], found.report["statistics"]["dimension"] > 1
     (5, True)
     """
+    panels = as_polygons(mesh, Mesh, "mesh")
+    unit = model_unit(unit, panels)
     request = {
         "start": checked("start", start, Option("choice", choices=("normals", "positions"))),
         "least_edge": real("least_edge", least_edge),
@@ -578,7 +635,7 @@ def parallel(
     }
     if surface is not None and lengths is not None:
         raise InputError("lengths: has no effect with a surface")
-    return _judged("parallel", request, mesh, surface, None, keep_invalid, progress)
+    return _judged("parallel", request, panels, surface, None, keep_invalid, progress)
 
 
 def _edge_lengths(lengths: Any) -> List[List[Any]]:
@@ -604,8 +661,9 @@ class Fabrication(NamedTuple):
     files: Dict[str, bytes]
 
     def save(self, folder: Any) -> None:
-        """Writes a folder: a new or an empty one, or that of an earlier run, of which files that
-        were changed since are not touched and stop it."""
+        """Writes a folder: a new or an empty one, or that of an earlier run. Files of others in it
+        stay; nothing is written if files of the earlier run were changed since, or if others have
+        names that are needed."""
         save_folder(path_text(folder, "folder"), self.files)
 
 
@@ -616,7 +674,7 @@ def fabricate(
     thickness: Any,
     gap: Any = None,
     side: str = "inside",
-    unit: str = "m",
+    unit: Optional[str] = None,
     sheet: Any = "1250x2500",
     spacing: Any = "5mm",
     rotations: Any = "free",
@@ -634,6 +692,7 @@ def fabricate(
 
     ``sheet`` is ``"1250x2500"`` or a pair, plain numbers are mm; ``rotations`` ``"free"`` or a list
     of angles in degrees; ``limits`` a job file, whose limits get columns in the table of panels.
+    Without ``unit``, it is that of the run which made the mesh or of the job file, or else metres.
 
     >>> import phex
     >>> made = phex.mesh(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
@@ -642,16 +701,19 @@ def fabricate(
     (True, True)
     """
     panels = as_polygons(mesh, Mesh, "mesh")
-    sides = sheet.lower().split("x") if isinstance(sheet, str) else sheet
+    sides = re.split("[xX]", sheet) if isinstance(sheet, str) else sheet
     if not isinstance(sides, (list, tuple)) or len(sides) != 2:
         raise InputError(f"sheet: {shown(sheet)} is not WIDTHxLENGTH")
     free = isinstance(rotations, str) and rotations == "free"
     angles = None if free else checked_numbers(rotations, "rotations").tolist()
+    if angles == []:
+        raise InputError("rotations: there is none: give 'free' or angles in degrees")
     request = {
         "thickness": measured("thickness", thickness),
         "gap": None if gap is None else measured("gap", gap),
         "side": checked("side", side, Option("choice", choices=("inside", "outside", "centre"))),
-        "unit": checked("unit", unit, Option("choice", choices=UNITS)),
+        "unit": None if unit is None else checked("unit", unit, _options.MESH["unit"]),
+        "mesh_unit": panels._unit,
         "sheet": [measured("sheet", s) for s in sides],
         "spacing": measured("spacing", spacing),
         "rotations": angles,
@@ -662,6 +724,9 @@ def fabricate(
         "limits": None if limits is None else path_text(limits, "limits"),
         "planarity": None if planarity is None else measured("planarity", planarity),
     }
+    if folder is not None:
+        read = [str(given) for given in (mesh, limits) if is_path(given)]
+        check_folder(path_text(folder, "folder"), inputs=read)
     hear = listener(progress, False, False)
     count = _options.threads(threads)
     try:
@@ -672,54 +737,6 @@ def fabricate(
     if folder is not None:
         made.save(folder)
     return made
-
-
-#: The list of a folder's files with their checksums, which the program keeps, too.
-LIST = "phex.sha256"
-#: Its first line, by which the program knows it.
-HEAD = (
-    "# Files of `phex fab`: it writes over them and removes them as long as they are as listed.\n"
-)
-
-
-def save_folder(folder: str, files: Dict[str, bytes]) -> None:
-    """Writes files into a folder in which nothing of others is touched."""
-    listed: Dict[str, str] = {}
-    try:
-        with open(os.path.join(folder, LIST), encoding="utf-8") as old:
-            listed = {line[66:].rstrip("\n"): line[:64] for line in old if line[:1] != "#"}
-    except FileNotFoundError:
-        pass
-    except (OSError, UnicodeDecodeError) as cause:
-        raise InputError(f"{folder}: {cause}") from None
-    there = [
-        os.path.relpath(os.path.join(where, name), folder).replace(os.sep, "/")
-        for where, _, names in os.walk(folder)
-        for name in names
-    ]
-    foreign = sorted(n for n in there if n != LIST and not _is_ours(folder, n, listed))
-    if foreign:
-        named = ", ".join(foreign[:5])
-        raise InputError(f"{folder}: holds files of others, or that were changed: {named}")
-    for name, content in files.items():
-        path = os.path.join(folder, *name.split("/"))
-        try:
-            os.makedirs(os.path.dirname(path), exist_ok=True)
-        except OSError as cause:
-            raise InputError(f"{folder}: {cause}") from None
-        write_whole(path, content)
-    sums = (f"{hashlib.sha256(c).hexdigest()}  {n}\n" for n, c in sorted(files.items()))
-    write_whole(os.path.join(folder, LIST), (HEAD + "".join(sums)).encode())
-    for name in there:
-        if name != LIST and name not in files:
-            os.unlink(os.path.join(folder, *name.split("/")))
-
-
-def _is_ours(folder: str, name: str, listed: Dict[str, str]) -> bool:
-    if name not in listed:
-        return False
-    with open(os.path.join(folder, *name.split("/")), "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest() == listed[name]
 
 
 class Network(NamedTuple):
@@ -758,10 +775,10 @@ def network(
     return Network(made["rows"], made["columns"], floats(made["conjugacy"]))
 
 
-def convert(source: Any, output: Any) -> None:
-    """Reads a file and writes it in the format of the other one's extension, as ``phex
-    convert``."""
-    Mesh.read(path_text(source, "source")).save(path_text(output, "output"))
+def convert(source: Any, output: Any, *, unit: Optional[str] = None) -> None:
+    """Reads a file and writes it in the format of the other one's extension, as ``phex convert``.
+    ``unit`` is that of the coordinates, in metres if it is not given: GLB and 3MF hold metres."""
+    Mesh.read(path_text(source, "source")).save(path_text(output, "output"), unit=unit)
 
 
 def shapes() -> Dict[str, Dict[str, Any]]:

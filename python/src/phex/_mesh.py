@@ -4,7 +4,6 @@ import base64
 import html
 import json
 import os
-import tempfile
 from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
@@ -13,6 +12,8 @@ from numpy.typing import NDArray
 from ._arrays import checked_corners, checked_faces, checked_vertices, is_path, path_text, shown
 from ._compute import no_valid, run
 from ._errors import InputError
+from ._options import UNITS, Option, checked, whole
+from ._output import write_whole
 
 #: Formats that the compiled part writes.
 MESH_FORMATS = (".obj", ".ply", ".off", ".stl", ".json", ".dxf", ".glb", ".3mf")
@@ -32,7 +33,12 @@ class Polygons:
     Raises :class:`phex.InputError` that names the vertex or face which can't be used.
     """
 
+    #: Unit of the coordinates, where it is known.
+    _unit: Optional[str] = None
+
     def __init__(self, vertices: Any, faces: Any, name: str = "") -> None:
+        if not isinstance(name, str):
+            raise InputError(f"name: {shown(name)} is no text")
         points = checked_vertices(vertices)
         corners, offsets = checked_faces(faces, len(points))
         self._set(points, corners, offsets, name)
@@ -113,16 +119,23 @@ class Polygons:
         made = run("ears", {}, self)
         return made["mesh"][1].reshape(-1, 3).astype(np.int64), made["face"].astype(np.int64)
 
-    def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
+    def save(
+        self, path: Union[str, "os.PathLike[str]"], *, unit: Optional[str] = None
+    ) -> None:
         """Writes a file; the extension decides the format: OBJ, PLY, OFF, STL, COMPAS JSON, DXF,
-        GLB, 3MF, or 3DM (with rhino3dm)."""
+        GLB, 3MF, or 3DM (with rhino3dm).
+
+        ``unit`` (``"mm"``, ``"cm"``, ``"m"``, ``"in"``, ``"ft"``) is that of the coordinates: GLB
+        and 3MF hold metres, and 3DM names it. Without it, it is that of the run which made the
+        mesh, or else metres."""
         name = path_text(path, "path")
+        unit = model_unit(unit, self) or "m"
         if name.lower().endswith(".3dm"):
             from .interop.rhino3dm import save_3dm
 
-            save_3dm(self, name)
+            save_3dm(self, name, unit)
         else:
-            run("write", {"path": name}, self)
+            run("write", {"path": name, "unit": unit}, self)
 
     def to_compas(self) -> Any:
         """A ``compas.datastructures.Mesh``; see :mod:`phex.interop.compas`."""
@@ -175,15 +188,25 @@ class Mesh(Polygons):
         self, color: str = "valence", svg: bool = False, **options: Any
     ) -> bytes:
         """A picture as PNG or SVG, without a display; ``options`` are those of ``phex render``:
-        ``width``, ``height``, ``azimuth``, ``elevation``, ``edges``, ``legend``, ``ground``."""
+        ``width``, ``height`` (16 to 16384 pixels), ``azimuth``, ``elevation``, ``edges``,
+        ``legend``, ``ground``."""
         if not isinstance(color, str):
             raise InputError(f"color: {shown(color)} is no text")
+        for name in ("width", "height"):
+            if name in options:
+                options[name] = whole(name, options[name], 16384, 16)
         request = {"color": color, "svg": _truth("svg", svg), "options": options}
         surface = self._reference()
         meshes = [self] if surface is None else [self, surface]
         return run("picture", request, *meshes)["picture"]  # type: ignore[no-any-return]
 
-    def save(self, path: Union[str, "os.PathLike[str]"], keep_invalid: bool = False) -> None:
+    def save(
+        self,
+        path: Union[str, "os.PathLike[str]"],
+        keep_invalid: bool = False,
+        *,
+        unit: Optional[str] = None,
+    ) -> None:
         """Writes a file; the extension decides what: a mesh as :meth:`Polygons.save`, or a picture
         (PNG, SVG)."""
         name = path_text(path, "path")
@@ -191,7 +214,7 @@ class Mesh(Polygons):
         if extension in (".png", ".svg"):
             write_whole(name, self.picture(svg=extension == ".svg"))
         else:
-            super().save(name)
+            super().save(name, unit=unit)
 
     def _repr_png_(self) -> bytes:
         return self.picture(width=800, height=600)
@@ -216,11 +239,14 @@ class Panelling(Mesh):
         made._kept = answer["kept"]
         made._verdict = json.loads(answer["verdict"])
         made._keep_invalid = keep_invalid
+        made._unit = made.report["unit"]
         made.surface = surface
         found = answer.get("basis")
         made.basis = None if found is None else found.reshape(-1, 5)
         target = answer["target"]
         made.target = None if target is None else Surface._of(target)
+        if made.target is not None:
+            made.target._unit = made._unit
         return made
 
     _verdict: str
@@ -271,18 +297,25 @@ class Panelling(Mesh):
         return run("page", request, kept=kept)["page"]  # type: ignore[no-any-return]
 
     def save(
-        self, path: Union[str, "os.PathLike[str]"], keep_invalid: bool = False
+        self,
+        path: Union[str, "os.PathLike[str]"],
+        keep_invalid: bool = False,
+        *,
+        unit: Optional[str] = None,
     ) -> None:
         """Writes a file; the extension decides what: a mesh as :meth:`Polygons.save`, a picture
         (PNG, SVG), or the report (HTML). A mesh that is not valid needs ``keep_invalid``."""
         name = path_text(path, "path")
         extension = os.path.splitext(name)[1].lower()
         if extension in (".html", ".htm"):
-            write_whole(name, self.page(os.path.basename(name)).encode())
+            self._save_page(name)
         elif extension in (".png", ".svg") or self.sound or keep_invalid or self._keep_invalid:
-            super().save(name)
+            super().save(name, unit=unit)
         else:
             raise no_valid(f"{name}: not written, since the mesh is not valid", self)
+
+    def _save_page(self, path: str) -> None:
+        write_whole(path, self.page(os.path.basename(path)).encode())
 
     def save_report(self, path: Union[str, "os.PathLike[str]"]) -> None:
         """Writes the run report as JSON."""
@@ -317,23 +350,11 @@ def _truth(name: str, value: Any) -> bool:
     raise InputError(f"{name}: {shown(value)} is not True or False")
 
 
-def write_whole(path: str, content: bytes) -> None:
-    """Writes a file whole or not at all."""
-    folder = os.path.dirname(os.path.abspath(path))
-    try:
-        handle, new = tempfile.mkstemp(dir=folder, prefix=".phex-")
-    except OSError as cause:
-        raise InputError(f"{path}: {cause}") from None
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(new, 0o666 & ~mask)
-        os.replace(new, path)
-    except OSError as cause:
-        os.unlink(new)
-        raise InputError(f"{path}: {cause}") from None
+def model_unit(given: Any, mesh: Polygons) -> Optional[str]:
+    """The unit that is given, or else that of a mesh, where it is known."""
+    if given is None:
+        return mesh._unit
+    return str(checked("unit", given, Option("choice", choices=UNITS)))
 
 
 def as_polygons(given: Any, kind: Any, what: str) -> Any:
@@ -349,14 +370,22 @@ def as_polygons(given: Any, kind: Any, what: str) -> Any:
     if hasattr(type(given), "to_vertices_and_faces"):
         vertices, faces = given.to_vertices_and_faces()
         return kind(vertices, faces)
-    if module == "pyvista":
+    if module == "pyvista" and hasattr(given, "GetPolys"):
         from .interop.pyvista import from_pyvista
 
         return from_pyvista(given, kind)
-    if module == "trimesh":
+    if module == "trimesh" and hasattr(given, "vertices") and hasattr(given, "faces"):
         return kind(np.asarray(given.vertices), np.asarray(given.faces))
     if module in ("rhino3dm", "Rhino"):
         from .interop.rhino3dm import from_rhino
 
         return from_rhino(given, kind)
-    raise InputError(f"{what}: {shown(given)} is no surface, mesh, path or (vertices, faces)")
+    raise no_polygons(given, what)
+
+
+def no_polygons(given: Any, what: str) -> InputError:
+    """The error of an object that holds no polygons."""
+    kind = type(given)
+    is_plain = kind.__module__ == "builtins"
+    told = shown(given) if is_plain else f"an object of {kind.__module__}.{kind.__qualname__}"
+    return InputError(f"{what}: {told} is no surface, mesh, path or (vertices, faces)")

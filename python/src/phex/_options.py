@@ -164,12 +164,12 @@ def checked(name: str, value: Any, option: Option) -> Any:
     raise AssertionError(option.kind)
 
 
-def whole(name: str, value: Any, most: int = (1 << 63) - 1) -> int:
-    """A whole number from 0 to ``most``."""
+def whole(name: str, value: Any, most: int = (1 << 63) - 1, least: int = 0) -> int:
+    """A whole number from ``least`` to ``most``."""
     if isinstance(value, numbers.Integral) and not isinstance(value, bool):
-        if 0 <= value <= most:
+        if least <= value <= most:
             return int(value)
-    raise _wrong(name, value, "a whole number from 0")
+    raise _wrong(name, value, f"a whole number from {least} to {most}")
 
 
 def real(name: str, value: Any) -> float:
@@ -184,10 +184,11 @@ def real(name: str, value: Any) -> float:
     raise _wrong(name, value, "a finite number")
 
 
-NUMBER = r"[+]?(\d+[.]?\d*|[.]\d+)(e[+-]?\d+)?"
-LENGTH = re.compile(rf"\s*{NUMBER}\s*(mm|cm|m|in|ft|%)?\s*", re.IGNORECASE | re.ASCII)
-AREA = re.compile(rf"\s*{NUMBER}\s*((mm|cm|m|in|ft)[2²])?\s*", re.IGNORECASE)
-TIME = re.compile(rf"\s*{NUMBER}\s*(s|min|h)?\s*", re.IGNORECASE | re.ASCII)
+#: Units are written small, as in job files.
+NUMBER = r"[+]?(\d+[.]?\d*|[.]\d+)([eE][+-]?\d+)?"
+LENGTH = re.compile(rf"\s*{NUMBER}\s*(mm|cm|m|in|ft|%)?\s*", re.ASCII)
+AREA = re.compile(rf"\s*{NUMBER}\s*((mm|cm|m|in|ft)[2²])?\s*", re.ASCII)
+TIME = re.compile(rf"\s*{NUMBER}\s*(s|min|h)?\s*", re.ASCII)
 
 
 def measured(name: str, value: Any, form: Any = LENGTH) -> Any:
@@ -288,10 +289,11 @@ def rows(name: str, value: Any) -> Any:
 
 def polylines(name: str, value: Any) -> Any:
     """One polyline (n, 3), or a list of them."""
-    if isinstance(value, np.ndarray) and value.ndim == 2:
-        value = [value]
     try:
         lines = list(value)
+        # Its first point is no polyline: its coordinates are numbers.
+        if lines and all(isinstance(x, numbers.Real) for x in lines[0]):
+            lines = [lines]
     except Exception:  # whatever a foreign object does
         raise _wrong(name, value, "a path, a polyline or a list of polylines") from None
     return [checked_vertices(line, name).tolist() for line in lines]

@@ -20,16 +20,18 @@ from typing import (
     NamedTuple,
     Optional,
     Sequence,
+    Set,
     Tuple,
     Union,
 )
 
 from . import _options
 from ._arrays import is_path, path_text, shown
-from ._compute import close, listener, run
+from ._compute import close, listener, run, stops
 from ._errors import Cancelled, InputError, PhexError
-from ._mesh import Polygons, Surface, as_polygons, write_whole
+from ._mesh import Polygons, Surface, as_polygons
 from ._options import Option, checked, measured, real, whole
+from ._output import write_whole
 
 Row = Dict[str, Any]
 Variants = List[Dict[str, Any]]
@@ -40,6 +42,22 @@ MOST_WAITING = 4096
 GO_ON = "what is finished is kept: go on with the same call"
 #: Figures of which more is better; of all others less is.
 MORE_IS_BETTER = frozenset({"clearance", "hexagons", "least-angle", "sheet-use"})
+#: Figures of every mesh that a study makes.
+FIGURES = (
+    "panels",
+    "deviation",
+    "clearance",
+    "planarity",
+    "hexagons",
+    "irregular",
+    "concave",
+    "least-angle",
+    "area-spread",
+    "mean-edge",
+    "distinct-lengths",
+)
+#: Figures of a study with a workshop.
+WORKSHOP_FIGURES = ("sheets", "sheet-use", "distinct-panels", "distinct-angles")
 #: What can be asked for besides the options of ``phex mesh``.
 SAMPLES = ("grid", "random", "latin-hypercube")
 
@@ -150,8 +168,14 @@ class Study:
         return {end: ends.count(end) for end in sorted(set(ends))}
 
     def column(self, name: str) -> List[Any]:
-        """A figure of all variants, ``None`` where there is none; ``out:`` may be left out."""
+        """A figure or setting of all variants, ``None`` where one has none; ``out:`` and ``in:``
+        may be left out."""
         names = (name, f"out:{name}", f"in:{name}")
+        there = {column for row in self.rows for column in row}
+        there |= {f"out:{figure}" for figure in (*FIGURES, *WORKSHOP_FIGURES)}
+        # A setting that is at its default has no column.
+        if not isinstance(name, str) or not there.union(_settings()).intersection(names):
+            raise _no_column("column", name, sorted(there))
         return [next((row[n] for n in names if n in row), None) for row in self.rows]
 
     def pareto(self, *objectives: Any) -> List[Row]:
@@ -159,6 +183,8 @@ class Study:
         of which less is better (more of clearance, hexagons, least-angle, sheet-use), or a pair
         such as ``("panels", "max")``."""
         signs = [_objective(o) for o in objectives]
+        for name, _ in signs:
+            checked_column(name, (*FIGURES, *WORKSHOP_FIGURES), "objective")
         found = [(_costs(row, signs), row) for row in self.rows if _is_mesh(row)]
         there = [(c, row) for c, row in found if c is not None]
         return [row for c, row in there if not any(_beats(other, c) for other, _ in there)]
@@ -222,6 +248,25 @@ def _objective(objective: Any) -> Tuple[str, float]:
     bare = name[4:] if name.startswith("out:") else name
     is_max = way == "max" or (way is None and bare in MORE_IS_BETTER)
     return bare, -1.0 if is_max else 1.0
+
+
+def checked_column(name: Any, known: Sequence[str], what: str) -> str:
+    """A figure without ``out:``, if it is one that is known."""
+    bare = name[4:] if isinstance(name, str) and name.startswith("out:") else name
+    if isinstance(bare, str) and bare in known:
+        return bare
+    raise _no_column(what, name, known)
+
+
+def _no_column(what: str, name: Any, known: Sequence[str]) -> InputError:
+    return InputError(f"{what}: there is no column {shown(name)}; there are {', '.join(known)}")
+
+
+def _settings() -> Set[str]:
+    """The columns that settings may have."""
+    settings = {n: o for n, o in _options.MESH.items() if n not in _options.NO_SETTINGS}
+    keys = ((o.table, n.replace("_", "-")) for n, o in settings.items())
+    return {f"in:{table}.{key}" if table else f"in:{key}" for table, key in keys}
 
 
 def _is_mesh(row: Row) -> bool:
@@ -594,7 +639,7 @@ def _tell(hear: Any, row: Optional[Row], done: int, count: int, left: float) -> 
     share = done / count if count else 1.0
     events.append({"event": "progress", "done": share, "left_seconds": left})
     for event in events:
-        if hear(event) is False:
+        if stops(hear(event)):
             raise Cancelled("the callback asked to stop; what is finished is kept")
 
 

@@ -17,8 +17,7 @@ use phex::layout::CELL;
 use phex::quality::{Assessment, Omitted, Reason, References, Verdict};
 use phex::report::{InputFile, RunReport};
 use phex::{Boundary, continued};
-use phex_job::TypedLimits;
-use phex_job::{MeshFile, MeshSettings};
+use phex_job::{MeshFile, TypedLimits};
 use phex_mesh::measure::Metric;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface};
 use serde::Serialize;
@@ -46,7 +45,7 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         .map(Promise::read)
         .transpose()?;
     let promised = match &command.limits {
-        Some(job) => Some(limits_of(job)?),
+        Some(job) => Some(TypedLimits::of_job(job)?),
         None => promise.as_ref().map(Promise::limits).transpose()?,
     };
     let boundary = command.boundary.map(Into::into);
@@ -113,16 +112,6 @@ fn read(command: &CheckCommand, report: &RunReport) -> Vec<PathBuf> {
     inputs
         .chain(others.into_iter().flatten().cloned())
         .collect()
-}
-
-/// The limits of a job file; those of the boundary where it names one.
-fn limits_of(job: &Path) -> Result<TypedLimits, Failure> {
-    let settings = MeshSettings::from_file(job)?;
-    settings.check()?;
-    Ok(TypedLimits {
-        boundary: settings.boundary.map(Into::into),
-        ..TypedLimits::from(&settings)
-    })
 }
 
 /// The surfaces that a mesh stands for.

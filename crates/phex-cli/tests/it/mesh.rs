@@ -216,6 +216,36 @@ fn components_are_meshed_together_on_request() {
     assert!((panels / 120.0 - 1.0).abs() <= 0.15, "{panels} panels");
 }
 
+/// A part that can't be covered is named, with its size and its share of the panels.
+#[test]
+fn an_error_says_of_which_part_it_is() {
+    let shop = Workshop::new();
+    shop.succeed("shape wave -o wave.obj");
+    shop.succeed("shape torus -o torus.obj --triangles 1000");
+    let text = |name: &str| String::from_utf8(shop.read(name)).unwrap();
+    let vertices = text("wave.obj")
+        .lines()
+        .filter(|l| l.starts_with("v "))
+        .count();
+    let moved = text("torus.obj")
+        .lines()
+        .map(|line| {
+            let mut words = line.split(' ');
+            let kind = words.next().unwrap();
+            let words = words.map(|word| match kind {
+                "v" => (9.0 + 0.01 * word.parse::<f64>().unwrap()).to_string(),
+                "f" => (vertices + word.parse::<usize>().unwrap()).to_string(),
+                _ => String::new(),
+            });
+            format!("{kind} {}\n", words.collect::<Vec<_>>().join(" "))
+        })
+        .filter(|line| line.starts_with(['v', 'f']))
+        .collect::<String>();
+    shop.write("two.obj", format!("{}{moved}", text("wave.obj")));
+    shop.phex("mesh two.obj -o out.obj -n 60 --effort draft --all-components")
+        .refuses(5, &["part 2 of 2 (0.0404 m across, 1 of the panels): "]);
+}
+
 /// A scan leaves crumbs behind: they are no part of what is to be covered.
 #[test]
 fn crumbs_beside_a_surface_are_left_out_and_told() {

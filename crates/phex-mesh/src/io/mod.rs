@@ -44,7 +44,6 @@ pub use surface::SurfaceReadError;
 pub use text::shown;
 
 use crate::PolygonSoup;
-use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
@@ -75,16 +74,9 @@ impl Format {
     /// The formats that are only written.
     pub const WRITTEN_ONLY: [Self; 4] = [Self::Compas, Self::Glb, Self::Dxf, Self::ThreeMf];
 
-    /// A mesh with the coordinates that this format wants: metres in glTF and 3MF, and what they are
-    /// in all others. The unit of the mesh is `metres` long.
-    pub fn in_its_unit(self, soup: &PolygonSoup, metres: f64) -> Cow<'_, PolygonSoup> {
-        match self {
-            Self::Glb | Self::ThreeMf => Cow::Owned(PolygonSoup {
-                positions: soup.positions.iter().map(|p| p * metres).collect(),
-                faces: soup.faces.clone(),
-            }),
-            _ => Cow::Borrowed(soup),
-        }
+    /// Whether coordinates in it are metres.
+    pub const fn is_in_metres(self) -> bool {
+        matches!(self, Self::Glb | Self::ThreeMf)
     }
 
     /// The format's file extension, without the dot.

@@ -8,7 +8,6 @@
 //!   |x_u x x_v|`, `L = n.x_uu`, `M = n.x_uv`, `N = n.x_vv`, and the principal curvatures as
 //!   eigenvalues of `II` with respect to `I`.
 //! * [`triangulate`] makes a triangle surface of it whose vertices lie on the surface exactly.
-//! * [`ShapeProjector`] finds closest points.
 //!
 //! | symbol | name | meaning |
 //! |---|---|---|
@@ -21,7 +20,6 @@
 //! parameters are extreme (a torus with `minor` near `major`).
 
 mod b_spline;
-mod closest_point;
 mod domain;
 mod ellipsoid;
 mod graph;
@@ -32,7 +30,6 @@ mod revolution;
 mod roof;
 mod triangulate;
 
-pub use closest_point::{ShapePoint, ShapeProjector, closest_point};
 pub use domain::{BoundaryArc, Interval, ParameterDomain, Region};
 pub use parametric::{FirstForm, ParametricSurface, PrincipalCurvatures, SecondForm, SurfaceJet};
 pub use registry::{Shape, ShapeInfo, ShapeParameter};

@@ -115,12 +115,6 @@ pub trait ParametricSurface: Send + Sync {
         [jet.du, jet.dv]
     }
 
-    /// `[x_uu, x_uv, x_vv]`.
-    fn second_derivatives(&self, u: f64, v: f64) -> [Vec3; 3] {
-        let jet = self.jet(u, v);
-        [jet.duu, jet.duv, jet.dvv]
-    }
-
     /// Unit normal. NaN where `x_u` and `x_v` are parallel, unless the surface knows better (as the
     /// ellipsoid does at its poles).
     fn normal(&self, u: f64, v: f64) -> Vec3 {
@@ -176,12 +170,5 @@ pub trait ParametricSurface: Send + Sync {
     fn parameters_toward(&self, direction: Vec3) -> [f64; 2] {
         let latitude = direction.z.atan2(direction.x.hypot(direction.y));
         [direction.y.atan2(direction.x), latitude]
-    }
-
-    /// Parameters of the point closest to `p`, where the surface has a direct method; `None` asks
-    /// for a search.
-    fn closest_parameters(&self, p: Vec3) -> Option<[f64; 2]> {
-        let _ = p;
-        None
     }
 }

@@ -191,9 +191,6 @@ impl ParametricSurface for Shape {
     fn parameters_toward(&self, direction: Vec3) -> [f64; 2] {
         self.surface.parameters_toward(direction)
     }
-    fn closest_parameters(&self, p: Vec3) -> Option<[f64; 2]> {
-        self.surface.closest_parameters(p)
-    }
 }
 
 /// A length that must be positive.

@@ -1,9 +1,9 @@
 //! Every built-in shape: derivatives against differences, curvature against formulas,
-//! triangulations, closest points.
+//! triangulations.
 
 use phex_mesh::shapes::{
-    ParametricSurface, Region, Shape, ShapeProjector, Triangulation, TriangulationOptions,
-    triangulate, triangulate_with_parameters,
+    ParametricSurface, Region, Shape, Triangulation, TriangulationOptions, triangulate,
+    triangulate_with_parameters,
 };
 use phex_mesh::{TriangleSurface, Vec3};
 use rand::{Rng, SeedableRng};
@@ -44,12 +44,6 @@ fn random_parameters(surface: &Shape, count: usize) -> Vec<[f64; 2]> {
         }
     }
     found
-}
-
-fn diagonal(surface: &Shape) -> f64 {
-    triangulate(surface, &options(500, 0.0, 0))
-        .unwrap()
-        .diagonal()
 }
 
 fn assert_near(name: &str, what: &str, computed: Vec3, exact: Vec3, tolerance: f64) {
@@ -470,137 +464,6 @@ fn areas_converge_to_the_surface() {
         assert!(coarse < 2e-3, "{name}: {coarse}");
         assert!(fine < 0.3 * coarse + 1e-12, "{name}: {coarse}, then {fine}");
     }
-}
-
-/// Random points near and far: no sample of the surface may be closer than the answer.
-#[test]
-fn closest_point_is_no_further_than_any_sample() {
-    let hard = [
-        ("torus", "minor", 0.95),
-        ("enneper", "radius", 1.7),
-        ("ellipsoid", "a", 10.0),
-        ("helicoid", "turns", 3.0),
-    ];
-    let hard =
-        hard.map(|(name, parameter, value)| Shape::from_name(name, &[(parameter, value)]).unwrap());
-    for surface in shapes().chain(hard) {
-        let name = surface.info().name;
-        let dense = triangulate_with_parameters(&surface, &options(60_000, 0.4, 3)).unwrap();
-        let projector = ShapeProjector::new(surface.clone()).unwrap();
-        let size = diagonal(&surface);
-        let mut rng = ChaCha8Rng::seed_from_u64(5);
-        for i in 0..300 {
-            let spread = size * [0.02, 0.3, 2.0][i % 3];
-            let start = dense.positions[rng.random_range(0..dense.positions.len())];
-            let p = start + Vec3::from_fn(|_, _| spread * (rng.random::<f64>() - 0.5));
-            let found = projector.closest_point(p);
-            let [u, v] = found.parameters;
-            assert!(surface.domain().contains([u, v]), "{name}");
-            assert_eq!(found.position, surface.point(u, v), "{name}");
-            let distances = dense.positions.iter().map(|x| (x - p).norm());
-            let excess = (found.position - p).norm() - distances.fold(f64::INFINITY, f64::min);
-            assert!(
-                excess <= 1e-12 * size,
-                "{name}: a sample is {excess} nearer to {p:?}"
-            );
-        }
-    }
-}
-
-/// Along the normal, up to a part of the least radius of curvature, the foot is the closest point:
-/// found to rounding.
-#[test]
-fn closest_point_of_a_point_on_the_normal_is_its_foot() {
-    for surface in shapes() {
-        let name = surface.info().name;
-        let size = diagonal(&surface);
-        let projector = ShapeProjector::new(surface.clone()).unwrap();
-        for [u, v] in random_parameters(&surface, 200) {
-            let (foot, normal) = (surface.point(u, v), surface.normal(u, v));
-            for height in [-0.02, 0.0, 0.03].map(|h| h * size) {
-                let found = projector.closest_point(foot + normal * height);
-                let error = (found.position - foot).norm();
-                assert!(error < 1e-12 * size, "{name} {u} {v} {height}: {error}");
-                assert_near(name, "normal", found.normal, normal, 1e-10);
-            }
-        }
-    }
-}
-
-/// Beyond the rim the answer lies on the rim: at the foot of a perpendicular, or in a corner.
-/// The nearest of many boundary points is no nearer, and the way there is square to the tangent.
-#[test]
-fn closest_point_on_the_boundary() {
-    for name in ["wave", "monkey-saddle", "hyperboloid", "helicoid"] {
-        let shape = Shape::from_name(name, &[]).unwrap();
-        let projector = ShapeProjector::new(shape.clone()).unwrap();
-        let arcs = shape.domain().boundary_arcs();
-        for p in [[0.3, -0.2, 0.4], [2.0, 1.0, -1.0], [-0.7, 0.9, 0.1]].map(Vec3::from) {
-            let found = projector.closest_on_boundary(p).unwrap();
-            let distance = (found.position - p).norm();
-            let samples = arcs
-                .iter()
-                .flat_map(|arc| (0..2000).map(move |k| arc.at(f64::from(k) / 2000.0)));
-            let least = samples
-                .map(|[u, v]| (shape.point(u, v) - p).norm())
-                .fold(f64::INFINITY, f64::min);
-            assert!(
-                distance <= least + 1e-12 && distance > least - 0.02,
-                "{name} {distance} {least}"
-            );
-            assert!((found.tangent.norm() - 1.0).abs() < 1e-12);
-        }
-    }
-    let sphere = ShapeProjector::new(Shape::from_name("sphere", &[]).unwrap()).unwrap();
-    assert!(sphere.closest_on_boundary(Vec3::x()).is_none());
-}
-
-#[test]
-fn closest_point_beyond_the_boundary_is_on_it() {
-    let closest = |name: &str, p: [f64; 3]| {
-        let projector = ShapeProjector::new(shape(name)).unwrap();
-        projector.closest_point(Vec3::from(p))
-    };
-    let [u, v] = closest("roof", [60.0, 0.0, 2.0]).parameters;
-    let domain = shape("roof").domain();
-    assert!(domain.contains([u, v]) && !domain.contains([u * (1.0 + 1e-9), v * (1.0 + 1e-9)]));
-    let corner = closest("plane", [5.0, 7.0, 1.0]).position;
-    assert_near("plane", "corner", corner, Vec3::new(1.0, 1.0, 0.0), 1e-14);
-    let side = closest("plane", [0.3, -7.0, 1.0]).position;
-    assert_near("plane", "side", side, Vec3::new(0.3, -1.0, 0.0), 1e-14);
-    // Next to the seam of the angle, on either side.
-    for y in [-2e-3, 2e-3] {
-        let rim = closest("cylinder", [-2.0, y, 3.0]).position;
-        let exact = Vec3::new(-2.0, y, 0.0).normalize() + Vec3::z();
-        assert_near("cylinder", "rim", rim, exact, 1e-13);
-    }
-}
-
-/// Centres of curvature have many closest points; one of them must come, at the right distance.
-#[test]
-fn closest_point_of_a_centre_of_curvature_is_at_the_radius() {
-    let distance = |name: &str, p: [f64; 3]| {
-        let projector = ShapeProjector::new(shape(name)).unwrap();
-        let p = Vec3::from(p);
-        (projector.closest_point(p).position - p).norm()
-    };
-    assert!((distance("torus", [1.0, 0.0, 0.0]) - 0.4).abs() < 1e-12);
-    assert!((distance("torus", [0.0; 3]) - 0.6).abs() < 1e-12);
-    assert!((distance("sphere", [0.0; 3]) - 1.0).abs() < 1e-12);
-    assert!((distance("cylinder", [0.0, 0.0, 0.2]) - 1.0).abs() < 1e-12);
-    assert!((distance("catenoid", [0.0; 3]) - 0.6).abs() < 1e-12);
-}
-
-#[test]
-fn many_queries_at_once_give_the_same_answers() {
-    let projector = ShapeProjector::new(shape("b-spline")).unwrap();
-    let wander = |i: u32| {
-        let t = f64::from(i);
-        2.5 * Vec3::new(t.sin(), (2.3 * t).cos(), 0.3 * (0.7 * t).sin())
-    };
-    let points: Vec<Vec3> = (0..500).map(wander).collect();
-    let one_by_one: Vec<_> = points.iter().map(|&p| projector.closest_point(p)).collect();
-    assert_eq!(projector.closest_points(&points), one_by_one);
 }
 
 /// `data/roof.obj` is the shape `roof` with 4000 triangles, rounded to 5 decimals.

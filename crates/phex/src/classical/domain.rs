@@ -400,10 +400,7 @@ const FLAT_RINGS: usize = 4;
 /// A vertex next to a flat point of a surface with `K < 0` else: the principal directions turn by a
 /// multiple of a half-turn round a triangle, and the curvature falls towards it. Umbilics, round
 /// which they turn elsewhere, need `K > 0`.
-pub(crate) fn flat_point(
-    surface: &TriangleSurface,
-    curvature: &Curvature,
-) -> Option<LocatedVertex> {
+fn flat_point(surface: &TriangleSurface, curvature: &Curvature) -> Option<LocatedVertex> {
     let topology = surface.topology();
     let principal = curvature.principal();
     let curved = |v: &VertexId| principal[*v].large.abs();
@@ -497,8 +494,11 @@ pub(crate) fn no_flat_point(
     method: &'static str,
     consequence: &'static str,
 ) -> Result<CurvatureSign, DomainError> {
-    let hyperbolic = sign == CurvatureSign::Hyperbolic;
-    match flat_point(surface, curvature).filter(|_| hyperbolic) {
+    let found = match sign {
+        CurvatureSign::Hyperbolic => flat_point(surface, curvature),
+        _ => None,
+    };
+    match found {
         None => Ok(sign),
         Some(place) => Err(DomainError::FlatPoint {
             method,

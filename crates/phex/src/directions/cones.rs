@@ -179,14 +179,7 @@ fn prescribe(
     while let Some(f) = topology.faces().find(|f| excess[*f] != 0) {
         let sign = excess[f].signum();
         let opposite = |g: FaceId| excess[g].signum() == -sign;
-        let ways = routes(
-            topology,
-            mesh,
-            f,
-            (f64::INFINITY, usize::MAX),
-            open,
-            opposite,
-        );
+        let ways = routes(topology, mesh, f, (f64::INFINITY, 1), open, opposite);
         let Some(way) = ways.first() else { break };
         turns.carry(topology, way, sign);
         excess[f] -= sign;

@@ -54,9 +54,6 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use thiserror::Error;
 
-/// Weight that draws rows along the boundary to half a row's distance from it, per panel length.
-const BOUNDARY_PHASE: f64 = 3.0;
-
 /// How panels are laid out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -212,7 +209,7 @@ pub fn place_seeds(
 ) -> Result<Placed, LayoutError> {
     let mesh = &directions.intrinsic;
     let charts = Charts::new(topology, directions);
-    let pins = boundary::pins(topology, directions, BOUNDARY_PHASE);
+    let pins = boundary::pins(topology, directions);
     let mut position = waves::diffuse(topology, mesh, &charts, &pins, options.seed, progress);
     unless_cancelled(progress)?;
     polish::polish(
@@ -297,7 +294,7 @@ pub fn panelling(
 ) -> Result<Layout, LayoutError> {
     if seeds.is_empty() {
         return Err(LayoutError::Topology {
-            reason: "there is no panel".into(),
+            reason: "panels are too large for the surface: none of them lies on it".into(),
         });
     }
     let topology = fine.surface.topology();
@@ -328,24 +325,15 @@ pub fn calmed(layout: Layout, progress: &dyn Progress) -> Result<Layout, LayoutE
     unless_cancelled(progress).map(|()| calm)
 }
 
-fn centroids(
-    fine: &CellSurface<'_>,
-    label: &PerVertex<u32>,
-    count: usize,
-) -> (Vec<Vec3>, Vec<f64>) {
+fn centroids(fine: &CellSurface<'_>, label: &PerVertex<u32>, count: usize) -> Vec<Vec3> {
     let mut sum = vec![Vec3::zeros(); count];
     let mut area = vec![0.0; count];
     for (v, &l) in label.enumerate() {
         sum[l as usize] += fine.surface.positions()[v] * fine.mesh.mass[v];
         area[l as usize] += fine.mesh.mass[v];
     }
-    (
-        sum.into_iter()
-            .zip(&area)
-            .map(|(s, a)| s / a.max(f64::MIN_POSITIVE))
-            .collect(),
-        area,
-    )
+    let middle = |(s, a): (Vec3, &f64)| s / a.max(f64::MIN_POSITIVE);
+    sum.into_iter().zip(&area).map(middle).collect()
 }
 
 /// The layout whose panels are the cells, with its vertices where `place` says.
@@ -366,7 +354,7 @@ fn record(
         reason: e.to_string(),
     })?;
     same_topology(topology, mesh.topology()).map_err(|reason| LayoutError::Topology { reason })?;
-    let (centroid, _) = centroids(fine, &complex.label, complex.seed.len());
+    let centroid = centroids(fine, &complex.label, complex.seed.len());
     let middle: Vec<Vec3> = complex
         .panels
         .iter()
@@ -418,7 +406,11 @@ fn place(surface: &TriangleSurface, node: Node) -> Vec3 {
     }
 }
 
-fn same_topology(surface: &Topology, panels: &Topology) -> Result<(), String> {
+/// Whether panels have the Euler characteristic and as many boundary loops as their surface.
+///
+/// # Errors
+/// What they have instead.
+pub(crate) fn same_topology(surface: &Topology, panels: &Topology) -> Result<(), String> {
     let figures = |t: &Topology| (t.euler_characteristic(), t.boundary_loops().len());
     let (want, got) = (figures(surface), figures(panels));
     if want == got {

@@ -5,7 +5,7 @@ use super::gauss_image::{GaussImage, OffsetKind};
 use super::vertex_normal::{Displacement, TrivalentVertex, minimum_norm, three_face_displacement};
 use super::{OffsetError, OffsetOptions};
 use phex_mesh::{
-    FlatFace, HalfEdgeId, HexMesh, PerFace, PerVertex, Topology, ValidateOptions, Vec3, VertexId,
+    FlatFace, HalfEdgeId, HexMesh, PerFace, PerVertex, ValidateOptions, Vec3, VertexId,
 };
 
 /// Residual, over the largest distance, above which no point is called common to the moved planes.
@@ -139,24 +139,13 @@ fn displacement(
 pub fn face_normals(mesh: &HexMesh) -> Result<PerFace<Vec3>, OffsetError> {
     let topology = mesh.topology();
     let normal = |face| {
-        newell(mesh, topology, face)
+        mesh.area_vector(face)
             .try_normalize(0.0)
             .filter(|n| n.iter().all(|x| x.is_finite()))
             .ok_or(OffsetError::NoArea { face })
     };
     let normals: Result<Vec<Vec3>, OffsetError> = topology.faces().map(normal).collect();
     normals.map(PerFace::from_vec)
-}
-
-/// Twice the vector area of a face.
-pub(super) fn newell(mesh: &HexMesh, topology: &Topology, face: phex_mesh::FaceId) -> Vec3 {
-    let vertices = topology.face_vertices(face);
-    let origin = mesh.position(vertices[0]);
-    let arms: Vec<Vec3> = vertices[1..]
-        .iter()
-        .map(|&v| mesh.position(v) - origin)
-        .collect();
-    arms.windows(2).map(|w| w[0].cross(&w[1])).sum()
 }
 
 /// Most faces at a vertex of the boundary where all of them say how it moves.

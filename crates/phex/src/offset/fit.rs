@@ -240,6 +240,9 @@ fn check(options: &FitOptions) -> Result<(), FitError> {
     if !(curvature >= 0.0 && curvature.is_finite()) {
         return fail("constant_mean_curvature", curvature, "0 or positive");
     }
+    if !(options.tolerance >= 0.0 && options.tolerance.is_finite()) {
+        return fail("tolerance", options.tolerance, "0 or positive");
+    }
     if !(options.least_edge > 0.0 && options.least_edge < 1.0) {
         return fail("least_edge", options.least_edge, "between 0 and 1");
     }

@@ -111,7 +111,6 @@ pub(crate) use steering::lengthened::{KeptVertices, LengthStage};
 pub use steering::on_boundary::BoundaryHold;
 pub(crate) use steering::on_boundary::{onto_boundary, steer_on_boundary};
 pub use steering::wishes::{Anchor, GroundPlane, Steering, led_elsewhere};
-pub use targets::shape_target::ShapeTarget;
 pub use targets::surface_target::SurfaceTarget;
 pub(crate) use terms::angle_term::walks::free_edges;
 pub(crate) use terms::shape_limits::{FaceLimits, ShapeWish};

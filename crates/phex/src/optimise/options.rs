@@ -77,7 +77,7 @@ pub struct OptimiseOptions {
     /// to 1e-1. Below 1e-3 panels may come to touch themselves.
     pub barrier: f64,
     /// `tau`: distance at which the barrier begins, over the square root of the panel's area, in
-    /// (0, 0.5).
+    /// (0, 0.5].
     pub barrier_reach: f64,
     /// Iterations of a phase at the most.
     pub max_iterations: usize,
@@ -105,7 +105,7 @@ pub struct OptimiseOptions {
     pub limits: f64,
     /// Least clearance of panels, over what is wanted of them, >= 0; an inequality, too.
     pub wished_clearance: f64,
-    /// Least angle at corners, degrees, in [0, 180): an inequality, too, which sharp corners of the
+    /// Least angle at corners, degrees, in [0, 180]: an inequality, too, which sharp corners of the
     /// boundary and asymptotic rows can't meet.
     pub wished_angle: f64,
     /// Clearance, in mean edges, below which a panel is an offender.
@@ -270,7 +270,6 @@ impl OptimiseOptions {
             ("vertex_closeness", self.vertex_closeness),
             ("anchor", self.anchor),
             ("barrier", self.barrier),
-            ("barrier_reach", self.barrier_reach),
             ("planarity_tolerance", self.planarity_tolerance),
         ])?;
         ranges::not_negative(&[
@@ -286,6 +285,10 @@ impl OptimiseOptions {
             ("wished_clearance", self.wished_clearance),
         ])?;
         ranges::within(-1.0..=1.0, &[("least_side", self.least_side)])?;
+        ranges::within(
+            f64::MIN_POSITIVE..=0.5,
+            &[("barrier_reach", self.barrier_reach)],
+        )?;
         ranges::within(0.0..=180.0, &[("wished_angle", self.wished_angle)])?;
         ranges::counts(&[
             ("max_iterations", self.max_iterations),

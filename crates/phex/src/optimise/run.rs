@@ -7,7 +7,7 @@ use super::panels::FaceShapes;
 use super::simple::is_simple;
 use super::solver::emphasis::{EMPHASES, FREE_TURN};
 use super::solver::path::Path;
-use super::solver::reached::{Reached, ResultOrigin, Run, better};
+use super::solver::reached::{ResultOrigin, Run, better};
 use super::solver::solvers::Solvers;
 use super::solver::start::Start;
 use super::terms::setting::{Setting, deviation, distances};
@@ -72,7 +72,7 @@ impl Stage<'_> {
             in_parts: path.in_parts,
             outcome: path.outcome,
         };
-        Ok(self.conclude(start.n_bad, best, way, options))
+        Ok(self.conclude(start.n_bad, best.x, way, options))
     }
 
     /// Makes a mesh planar as it is: nothing if it is sound, a projection if that is enough, then
@@ -160,14 +160,13 @@ impl Stage<'_> {
     pub(crate) fn conclude(
         &self,
         start_faults: usize,
-        reached: Reached,
+        x: Vec<f64>,
         way: ResultOrigin,
         options: &OptimiseOptions,
     ) -> Run {
         let mut outcome = way.outcome;
-        let deviation = deviation(&self.setting(&reached.x), &reached.x);
-        let (quality, offenders) =
-            inspect(&self.panels, &self.guard, &reached.x, deviation, options);
+        let deviation = deviation(&self.setting(&x), &x);
+        let (quality, offenders) = inspect(&self.panels, &self.guard, &x, deviation, options);
         let planar = quality.planarity <= options.planarity_tolerance;
         if planar && outcome.status != Status::Cancelled {
             outcome.status = Status::Converged;
@@ -184,7 +183,7 @@ impl Stage<'_> {
             quality,
         };
         Run {
-            x: reached.x,
+            x,
             outcome,
             offenders,
             summary,

@@ -2,7 +2,7 @@
 
 use super::domain::Ground;
 use super::field::spaced_corners;
-use super::preview::LaidOut;
+use super::laid_out::LaidOut;
 use super::{Clock, MeshOptions, PipelineError, panel_count, panel_length};
 use crate::curvature::{self, Curvature};
 use crate::directions::network::{

@@ -4,7 +4,7 @@
 use super::domain::{Beyond, Ground};
 use super::field::LatticeFreedom;
 use super::finish::finished;
-use super::preview::LaidOut;
+use super::laid_out::LaidOut;
 use super::rim::Rim;
 use super::{Candidate, Clock, MeshOptions, Method, PipelineError, brick_wall};
 use crate::directions::guides::Cone;
@@ -97,6 +97,21 @@ impl Surfaces {
     }
 }
 
+/// Panels laid out in one way.
+pub(super) fn laid_out(
+    ground: &Ground,
+    candidate: Candidate,
+    clock: &mut Clock<'_>,
+) -> Result<LaidOut, PipelineError> {
+    match candidate.method {
+        Method::BrickWall => brick_wall::laid_out(ground, clock),
+        _ => {
+            let way = LatticeFreedom::from(candidate);
+            LaidOut::new(ground, way, &way.options(&ground.options), clock)
+        }
+    }
+}
+
 /// One pass for panels laid out in one way.
 pub(super) fn pass(
     ground: &Ground,
@@ -105,15 +120,10 @@ pub(super) fn pass(
 ) -> Result<Pass, PipelineError> {
     let way = LatticeFreedom::from(candidate);
     let (options, progress) = (&way.options(&ground.options), clock.progress);
-    let (laid, settings) = match candidate.method {
-        Method::BrickWall => {
-            let settings = brick_wall::kinked(&options.optimise);
-            (brick_wall::laid_out(ground, clock)?, settings)
-        }
-        _ => {
-            let settings = options.optimise.clone();
-            (LaidOut::new(ground, way, options, clock)?, settings)
-        }
+    let laid = laid_out(ground, candidate, clock)?;
+    let settings = match candidate.method {
+        Method::BrickWall => brick_wall::kinked(&options.optimise),
+        _ => options.optimise.clone(),
     };
     let (ground, layout, fine) = (laid.ground(ground), &laid.layout, &laid.surface);
     clock.unless_unwanted()?;

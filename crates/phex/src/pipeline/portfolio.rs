@@ -269,7 +269,7 @@ impl Task<'_> {
         let runs = pass.optimised.runs.clone();
         let statistics = Statistics {
             layout: pass.layout,
-            brick_wall: pass.brick_wall.clone(),
+            brick_wall: pass.brick_wall,
             cones: pass.cones.clone(),
             factorisations: runs.iter().map(|r| r.factorisations).sum(),
             runs,

@@ -1,18 +1,13 @@
 //! Panels before any of them is planar.
 
 use super::domain::Ground;
-use super::field::{LatticeFreedom, direction_options, finer_ground};
-use super::options::{Candidate, MeshOptions};
-use super::restarts::most_regular;
-use super::two_fields::FieldPanels;
-use super::{Clock, Method, PipelineError, StageSeconds, brick_wall};
+use super::lattice::laid_out;
+use super::options::Candidate;
+use super::{Clock, PipelineError, StageSeconds};
 use crate::directions::guides::Cone;
-use crate::layout::brick_wall::BrickWallStatistics;
-use crate::layout::seeds::Seed;
-use crate::layout::{Layout, LayoutStatistics, PanelWish};
-use crate::progress::Progress;
+use crate::layout::LayoutStatistics;
 use crate::smooth_surface::Similarity;
-use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
+use phex_mesh::HexMesh;
 
 /// The panels of a lattice as they are laid out, on the surface and not planar.
 #[derive(Clone)]
@@ -38,74 +33,12 @@ impl LatticePreview {
     }
 }
 
-/// Panels that are laid out, and what they lie on.
-pub(super) struct LaidOut {
-    /// The ground where they have one of their own.
-    pub own: Option<Ground>,
-    /// The surface on which cells were drawn.
-    pub surface: TriangleSurface,
-    /// Area that a panel is to have at each of its vertices.
-    pub wish: PerVertex<PanelWish>,
-    pub layout: Layout,
-    pub statistics: LayoutStatistics,
-    /// The brick wall, if it is one.
-    pub brick_wall: Option<BrickWallStatistics>,
-    /// Cones of the direction field, normalised.
-    pub cones: Vec<Cone>,
-    /// See [`Field::regular_possible`].
-    pub regular_possible: bool,
-}
-
-impl LaidOut {
-    /// Lays out a lattice of one kind, whose `options` these are. Field and metric, the largest
-    /// things of a run, end here.
-    pub fn new(
-        ground: &Ground,
-        way: LatticeFreedom,
-        options: &MeshOptions,
-        clock: &mut Clock<'_>,
-    ) -> Result<Self, PipelineError> {
-        let settings = direction_options(options, way.anisotropy);
-        let finer = match way.seamless {
-            true => finer_ground(ground, options, &settings, clock)?,
-            false => None,
-        };
-        let (finer, level) = finer.map_or((None, ground.field_level(options)), |(finer, level)| {
-            (Some(finer), level)
-        });
-        let ground = finer.as_ref().unwrap_or(ground);
-        let better = FieldPanels::better(ground, level, options, &settings, clock)?;
-        let FieldPanels { field, fine, first } = better;
-        let made = |seeds: &[Seed], progress: &dyn Progress| fine.calm_panels(seeds, progress);
-        let drawn = most_regular(ground, &field, first, made, clock)?;
-        Ok(Self {
-            cones: field.cones(&ground.smooth),
-            regular_possible: field.regular_possible(&ground.smooth),
-            own: finer,
-            brick_wall: None,
-            surface: fine.surface,
-            wish: fine.wish,
-            layout: drawn.layout,
-            statistics: drawn.placed.statistics,
-        })
-    }
-
-    /// What they lie on, given that they were laid out on `given`.
-    pub fn ground<'a>(&'a self, given: &'a Ground) -> &'a Ground {
-        self.own.as_ref().unwrap_or(given)
-    }
-}
-
 /// Lays out the panels of the ground's options, normalised.
 pub(super) fn lay_out(
     ground: &Ground,
     clock: &mut Clock<'_>,
 ) -> Result<LatticePreview, PipelineError> {
-    let way = LatticeFreedom::from(Candidate::first(&ground.options));
-    let laid = match ground.options.method {
-        Method::BrickWall => brick_wall::laid_out(ground, clock)?,
-        _ => LaidOut::new(ground, way, &way.options(&ground.options), clock)?,
-    };
+    let laid = laid_out(ground, Candidate::first(&ground.options), clock)?;
     Ok(LatticePreview {
         cones: laid.cones,
         mesh: laid.layout.mesh,

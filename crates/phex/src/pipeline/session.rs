@@ -147,11 +147,8 @@ impl Session {
                         return Ok(run.restored(model, &given.steering));
                     }
                 }
-                let (ground, unused) = clock.stage("target", || {
-                    let ground = self.ground(panels, &options);
-                    let unused = symmetric::unused(&ground);
-                    (ground, unused)
-                })?;
+                let ground = clock.stage("target", || self.ground(panels, &options))?;
+                let unused = clock.stage("symmetry", || symmetric::unused(&ground))?;
                 let notes = ground.calmed.map(teeth_note).into_iter().chain(unused);
                 notes.for_each(|message| progress.report(&Event::Note { message }));
                 portfolio::mesh_with_panels(&ground, &options, clock)

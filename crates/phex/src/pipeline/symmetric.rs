@@ -7,10 +7,11 @@
 
 use super::domain::{Ground, without_long_triangles};
 use super::field::LatticeFreedom;
-use super::preview::LaidOut;
+use super::laid_out::LaidOut;
 use super::repeated::made_equal;
 use super::sized::mean_length;
 use super::{Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics};
+use crate::layout::same_topology;
 use crate::optimise::{self, BoundaryHold, Quotient, Steering, SurfaceTarget};
 use crate::progress::{Event, Progress};
 use crate::quality::{Judge, Limits, Merit, References};
@@ -127,7 +128,9 @@ pub(super) fn unused(ground: &Ground) -> Option<String> {
     if options.symmetry != Symmetry::None || not_symmetric(options).is_some() {
         return None;
     }
-    let found = symmetry::find(ground.smooth.finest(), SYMMETRY_TOLERANCE).0?;
+    // It is a hint: the level of the directions, with a quarter of the vertices, is enough.
+    let level = &ground.smooth.levels[ground.field_level(options)];
+    let found = symmetry::find(level, SYMMETRY_TOLERANCE).0?;
     let planes = match found.revolution {
         true => "through its axis of revolution".to_owned(),
         false => format!("({})", found.group.name()),
@@ -526,6 +529,7 @@ impl DomainPanels {
             panels: all.panels,
         };
         let mesh = outside(&all.mesh);
+        same_topology(whole.topology(), mesh.topology()).map_err(NotSymmetric::Symmetry)?;
         let distinct = part.topology().n_faces();
         let statistics = Statistics {
             symmetry: Some(SymmetrySummary {

@@ -104,12 +104,8 @@ fn anew(patch: &Patch) -> Vec<Draft> {
     let f = patch.core[0];
     let merged = merges(&patch.draft, f).into_iter().map(Draft::calmed);
     let split = |draft: Draft| {
-        let beside = draft.neighbours(if draft.faces[f].is_empty() {
-            return Vec::new();
-        } else {
-            f
-        });
-        let mut large: Vec<usize> = beside.into_iter().map(|(_, g)| g).collect();
+        let beside = draft.neighbours(f).into_iter();
+        let mut large: Vec<usize> = beside.map(|(_, g)| g).collect();
         large.sort_by_key(|g| std::cmp::Reverse(draft.faces[*g].len()));
         let halves = large
             .iter()

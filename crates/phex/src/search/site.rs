@@ -106,7 +106,7 @@ impl Site<'_> {
             let wants: f64 = (topology.faces().filter(inner))
                 .map(|f| wishes[f.index()].area)
                 .sum();
-            has / wants
+            if wants > 0.0 { has / wants } else { 1.0 }
         };
         let scale = scale.unwrap_or_else(in_all);
         let area = |f: FaceId| match inner(&f) {
@@ -221,7 +221,6 @@ impl Site<'_> {
             free: &free,
             hold: self.hold.as_ref(),
             limits: &self.limits(&built.mesh, whole, cover),
-            diagonal: whole.diagonal,
         };
         let quiet = Quiet::new(progress);
         let made = match step {

@@ -2,7 +2,7 @@
 //! rest as it was.
 
 use super::*;
-use crate::optimise::{BoundaryHold, OptimiseOptions};
+use crate::optimise::{BoundaryHold, OptimiseOptions, SurfaceTarget};
 use crate::progress::Silent;
 use crate::quality::{Assessment, Judge, Limits, Merit, References};
 use crate::trim::Boundary;

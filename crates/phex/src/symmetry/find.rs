@@ -12,7 +12,8 @@
 
 use super::group::{Group, reflection, turn};
 use nalgebra::{Complex, Matrix3, Matrix6, SymmetricEigen, Vector6};
-use phex_mesh::{BoundaryCurve, TriangleSurface, Vec3};
+use phex_mesh::{BoundaryCurve, TriangleSurface, Vec3, VertexId};
+use rayon::prelude::*;
 
 /// Largest order of a rotation that is looked for.
 const MOST_TURNS: u32 = 24;
@@ -296,22 +297,21 @@ impl<'a> AxisSearch<'a> {
     fn distance(&self, frame: &Frame, maps: &[Matrix3<f64>], count: usize) -> f64 {
         let topology = self.surface.topology();
         let step = (topology.n_vertices() / count).max(1);
-        let mut largest: f64 = 0.0;
-        for v in topology.vertices().step_by(step) {
-            for map in maps {
-                let image = frame.outside(map * frame.inside(self.surface.positions()[v]));
-                let foot = self.surface.closest_point(image).position;
-                largest = largest.max((foot - image).norm());
-                if let Some(curve) = self
-                    .boundary
-                    .as_ref()
-                    .filter(|_| topology.is_boundary_vertex(v))
-                {
-                    largest = largest.max((curve.closest_point(image).position - image).norm());
-                }
-            }
-        }
-        largest
+        let vertices: Vec<VertexId> = topology.vertices().step_by(step).collect();
+        let off = |v: &VertexId| {
+            let p = frame.inside(self.surface.positions()[*v]);
+            let curve = self.boundary.as_ref();
+            let curve = curve.filter(|_| topology.is_boundary_vertex(*v));
+            let of_map = |map: &Matrix3<f64>| {
+                let image = frame.outside(map * p);
+                let inside = (self.surface.closest_point(image).position - image).norm();
+                let along = |c: &BoundaryCurve| (c.closest_point(image).position - image).norm();
+                inside.max(curve.map_or(0.0, along))
+            };
+            maps.iter().map(of_map).fold(0.0, f64::max)
+        };
+        let offs = vertices.par_iter().with_min_len(64).map(off);
+        offs.reduce(|| 0.0, f64::max)
     }
 
     /// Moves the frame to where images fit best, and drops what does not fit within the tolerance

@@ -93,7 +93,8 @@ fn faults_on(surface: &TriangleSurface, method: Method, panels: usize) -> usize 
     let measures = measure(&run.mesh);
     assert!(measures.planarity.max < 1e-12);
     assert_eq!(measures.faces_not_simple, 0);
-    let wrong = run.violations().iter().filter(|v| {
+    let found = run.violations();
+    let wrong = found.iter().filter(|v| {
         use Violation::{Crossing, FlippedFace, Fold, NotSimple, WrongFan};
         matches!(
             v,

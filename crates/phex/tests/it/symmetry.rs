@@ -325,3 +325,21 @@ fn long_triangles_are_cut_short_before_panels_follow_mirror_planes() {
     let mirrored = meshed(&capsule(), 120, Symmetry::Mirror).unwrap();
     check(&mirrored, "Cs", 2);
 }
+
+#[test]
+fn a_symmetry_in_which_panels_lose_the_handle_is_refused() {
+    let torus = surface("torus", &[("minor", 0.25)], 0.0);
+    for turns in [12, 40] {
+        match meshed(&torus, 200, Symmetry::Turns(turns)) {
+            Ok(run) => {
+                let topology = run.mesh.topology();
+                let figures = (
+                    topology.euler_characteristic(),
+                    topology.boundary_loops().len(),
+                );
+                assert_eq!(figures, (0, 0), "{turns}");
+            }
+            Err(error) => assert!(matches!(error, PipelineError::Symmetry { .. }), "{error}"),
+        }
+    }
+}

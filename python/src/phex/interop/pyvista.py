@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from .._mesh import Mesh, Polygons
+from .._mesh import Mesh, Polygons, no_polygons
 
 
 def to_pyvista(mesh: Polygons) -> Any:
@@ -34,6 +34,8 @@ def from_pyvista(mesh: Any, kind: Any = Mesh) -> Any:
     >>> len(from_pyvista(pyvista.Cube()))
     6
     """
+    if not hasattr(mesh, "GetPolys"):
+        raise no_polygons(mesh, "mesh")
     cells = mesh.GetPolys()
     from pyvista import convert_array
 

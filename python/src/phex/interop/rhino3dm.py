@@ -9,7 +9,8 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 import numpy as np
 
 from .._errors import InputError
-from .._mesh import Mesh, Polygons
+from .._mesh import Mesh, Polygons, model_unit, no_polygons
+from .._output import make_parent
 
 #: Layers below ``phex``, with their colours.
 LAYERS = {
@@ -35,6 +36,15 @@ def geometry() -> Any:
         return rhino3dm
     except ImportError:
         raise InputError("this needs rhino3dm (pip install phex[rhino]), or Rhino") from None
+
+
+def library(path: str) -> Any:
+    """``rhino3dm``, which writes files."""
+    try:
+        import rhino3dm
+    except ImportError:
+        raise InputError(f"{path}: .3dm needs rhino3dm (pip install phex[rhino])") from None
+    return rhino3dm
 
 
 def names(mesh: Polygons) -> List[str]:
@@ -92,7 +102,7 @@ def save_3dm(
 ) -> None:
     """Writes a ``.3dm`` file: outlines, planar breps, triangles and labels on layers below ``phex``.
 
-    ``unit`` is that of the coordinates (default: that of the mesh's report, else ``m``), ``labels``
+    ``unit`` is that of the coordinates (default: that of the mesh's run, else ``m``), ``labels``
     are the panels' names, ``text`` user text for each panel by key. Corners of curves and breps are
     exact.
 
@@ -102,14 +112,8 @@ def save_3dm(
 
     Raises :class:`phex.InputError` if rhino3dm is missing or the file can't be written.
     """
-    try:
-        import rhino3dm as r
-    except ImportError:
-        raise InputError(f"{path}: .3dm needs rhino3dm (pip install phex[rhino])") from None
-    report = getattr(mesh, "report", {})
-    unit = unit or report.get("unit", "m")
-    if unit not in UNITS:
-        raise InputError(f"unit: {unit!r} is not one of {', '.join(UNITS)}")
+    r = library(path)
+    unit = model_unit(unit, mesh) or "m"
     named = list(labels) if labels is not None else names(mesh)
     if len(named) != len(mesh):
         raise InputError(f"labels: {len(named)} for {len(mesh)} panels")
@@ -130,6 +134,7 @@ def save_3dm(
         dot = r.TextDot(named[k], centre)
         file.Objects.Add(dot, _named(r, layers["labels"], named[k], {}))
     file.Objects.AddMesh(rhino_mesh(mesh), _named(r, layers["mesh"], mesh.name, {}))
+    make_parent(path)
     if not file.Write(path, 8):
         raise InputError(f"{path}: can't be written")
 
@@ -188,6 +193,8 @@ def from_rhino(given: Any, kind: Any = Mesh, tolerance: Optional[float] = None) 
     g = geometry()
     if isinstance(given, g.Mesh):
         return kind(*_mesh_arrays(given))
+    if not isinstance(given, g.Brep) and not hasattr(given, "ToBrep"):
+        raise no_polygons(given, "geometry")
     brep = given if isinstance(given, g.Brep) else given.ToBrep()
     parts = _meshed(g, brep, tolerance)
     if not parts:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from .._mesh import Mesh, Polygons
+from .._mesh import Mesh, Polygons, no_polygons
 
 
 def to_trimesh(mesh: Polygons) -> Any:
@@ -34,6 +34,8 @@ def from_trimesh(mesh: Any, kind: Any = Mesh) -> Any:
     >>> len(phex.interop.trimesh.from_trimesh(trimesh.creation.box()))
     12
     """
+    if not hasattr(mesh, "faces"):
+        raise no_polygons(mesh, "mesh")
     triangles = np.asarray(mesh.faces)
     face = getattr(mesh, "face_attributes", {}).get("face")
     if face is None:

@@ -236,8 +236,12 @@ pub(crate) fn duplicates(surface: &TriangleSurface, dual: &SurfaceDual) -> Vec<[
         edges().map(|[a, b]| length(a, b)).sum::<f64>() / topology.n_edges() as f64
     };
     let same = SAME * mean(&|a, b| (pole(a) - pole(b)).norm());
+    if same == 0.0 {
+        // All planes are one: the surface is flat, and is refused for that.
+        return Vec::new();
+    }
     let far = FAR * mean(&|a, b| (surface.positions()[a] - surface.positions()[b]).norm());
-    let cell = |v: VertexId| pole(v).map(|x| (x / same.max(f64::MIN_POSITIVE)).floor() as i64);
+    let cell = |v: VertexId| pole(v).map(|x| (x / same).floor() as i64);
     let mut cells: HashMap<[i64; 4], Vec<VertexId>> = HashMap::new();
     let mut pairs = Vec::new();
     for v in topology.vertices() {

@@ -38,7 +38,7 @@ pub(crate) fn conjugacy(
         faces.filter_map(|f| Some((defect(surface, curvature, functions, f, least)?, f)));
     let mut all: Vec<(f64, FaceId)> = measured.collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let area = |f: FaceId| doubled_area(surface, f).norm();
+    let area = |f: FaceId| surface.area_vector(f).norm();
     let total: f64 = all.iter().map(|(_, f)| area(*f)).sum();
     let quantile = |share: f64| {
         let mut sum = 0.0;
@@ -53,7 +53,7 @@ pub(crate) fn conjugacy(
         median: quantile(0.5)?,
         p95: quantile(0.95)?,
         worst,
-        place: corners(surface, face).iter().sum::<Vec3>() / 3.0,
+        place: surface.corners(face).iter().sum::<Vec3>() / 3.0,
     })
 }
 
@@ -77,19 +77,9 @@ fn defect(
 /// Unit tangent of a function's level lines in a triangle: its gradient is `n x t` up to a factor.
 fn tangent(surface: &TriangleSurface, function: &Function, f: FaceId) -> Option<Vec3> {
     let values = function.corners(surface.topology(), f);
-    let p = corners(surface, f);
+    let p = surface.corners(f);
     let along = (0..3).map(|k| values[k] * (p[(k + 2) % 3] - p[(k + 1) % 3]));
     along.sum::<Vec3>().try_normalize(0.0)
-}
-
-fn corners(surface: &TriangleSurface, f: FaceId) -> [Vec3; 3] {
-    let vertices = surface.topology().face_vertices(f);
-    [0, 1, 2].map(|k| surface.positions()[vertices[k]])
-}
-
-fn doubled_area(surface: &TriangleSurface, f: FaceId) -> Vec3 {
-    let [a, b, c] = corners(surface, f);
-    (b - a).cross(&(c - a))
 }
 
 #[cfg(test)]

@@ -18,10 +18,8 @@ use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
 pub(crate) struct Guide {
     /// Direction of the level line.
     pub level: Vec3,
-    /// Direction in which the function grows.
+    /// Direction in which the function grows, by 1 per length.
     pub across: Vec3,
-    /// By how much per length.
-    pub rate: f64,
 }
 
 /// A family of functions: all scales and all periods of the solution.
@@ -169,7 +167,7 @@ impl Element {
         Self {
             stiffness: (level * level.transpose() * strictness + across * across.transpose())
                 * area,
-            load: across * (area * guide.rate),
+            load: across * area,
         }
     }
 }

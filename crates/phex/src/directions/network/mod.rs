@@ -385,11 +385,7 @@ fn guide(surface: &TriangleSurface, field: &RowField, f: FaceId) -> [Guide; 2] {
         conjugate::projected(normal, sum).0
     };
     let (row, column) = (mean(&field.row), mean(&field.column));
-    let follow = |level, across| Guide {
-        level,
-        across,
-        rate: 1.0,
-    };
+    let follow = |level, across| Guide { level, across };
     [follow(column, row), follow(row, column)]
 }
 

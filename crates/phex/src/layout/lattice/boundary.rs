@@ -12,6 +12,8 @@ use crate::directions::boundary::{BoundaryFrame, frames};
 use phex_mesh::{PerVertex, Topology, VertexId};
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_6};
 
+/// Weight that draws rows along the boundary to half a row's distance from it, per panel length.
+const BOUNDARY_PHASE: f64 = 3.0;
 /// Angle between row and boundary, radians, from which on nothing is pinned.
 const MAX_MISFIT: f64 = 0.25;
 
@@ -52,14 +54,10 @@ impl Pin {
 }
 
 /// Pins of the boundary's vertices, `None` inside and where no row runs along the boundary.
-pub(crate) fn pins(
-    topology: &Topology,
-    directions: &Directions,
-    weight: f64,
-) -> PerVertex<Option<Pin>> {
+pub(crate) fn pins(topology: &Topology, directions: &Directions) -> PerVertex<Option<Pin>> {
     let frames = frames(topology, &directions.intrinsic);
     PerVertex::from_fn(topology.n_vertices(), |v: VertexId| {
-        let frame = frames[v].as_ref().filter(|_| weight > 0.0)?;
+        let frame = frames[v].as_ref()?;
         if directions.intrinsic.multiplicity[v] > 1 {
             return mirror_pin(frame, directions, v);
         }
@@ -71,7 +69,7 @@ pub(crate) fn pins(
         (fit > 0.0).then(|| Pin {
             wave: m as usize % 3,
             normal: Plane::from_polar(1.0, FRAC_PI_3 * (m + 0.5)),
-            weight: weight * fit * frame.length,
+            weight: BOUNDARY_PHASE * fit * frame.length,
             to: PinnedTo::HalfRow,
         })
     })

@@ -19,6 +19,7 @@
 use crate::curvature::{Curvature, turn_to_pole};
 use crate::layout::LayoutError;
 use nalgebra::{Complex, DMatrix, DVector, Rotation3};
+use phex_mesh::polygon::HEXAGON;
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap, VecDeque};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
@@ -56,8 +57,6 @@ pub(crate) fn gauss_lattice(
     made.mesh(&image)
 }
 
-/// Area of a regular hexagon over the square of its edge.
-const HEXAGON: f64 = 2.598_076_211_353_316;
 /// Lattices tried for the number of panels.
 const COUNT_TRIES: usize = 2;
 

@@ -2,7 +2,7 @@
 //! see, modulo the lattice.
 
 use super::boundary::Pin;
-use super::chart_graph::for_each_view;
+use super::chart_graph::{Lists, for_each_view};
 use super::eisenstein::{Charts, Eisenstein, Plane, Transition};
 use crate::directions::intrinsic::IntrinsicMesh;
 use phex_mesh::{PerVertex, Topology, VertexId};
@@ -13,28 +13,20 @@ const RELAXATION: f64 = 0.9;
 /// Mean move of a sweep, in lattice spacings, after which nothing more is to be gained.
 const SETTLED: f64 = 2e-4;
 
-/// How a vertex sees the offsets of its neighbours, vertex after vertex.
-struct Views {
-    start: Vec<u32>,
-    /// Neighbour, its transition, the weight of the edge.
-    views: Vec<(VertexId, Transition, f64)>,
-}
-
-impl Views {
-    fn new(topology: &Topology, mesh: &IntrinsicMesh, charts: &Charts) -> Self {
-        let (mut start, mut views) = (vec![0], Vec::with_capacity(2 * topology.n_edges()));
-        for v in topology.vertices() {
-            for_each_view(topology, charts, v, |w, e, view| {
-                views.push((w, view, mesh.weight[e]));
-            });
-            start.push(views.len() as u32);
-        }
-        Self { start, views }
+/// How each vertex sees its neighbours: their numbers, transitions, and the weights of the edges.
+fn views(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    charts: &Charts,
+) -> Lists<(VertexId, Transition, f64)> {
+    let mut views = Lists::new();
+    for v in topology.vertices() {
+        for_each_view(topology, charts, v, |w, e, view| {
+            views.items.push((w, view, mesh.weight[e]));
+        });
+        views.end();
     }
-
-    fn of(&self, v: VertexId) -> &[(VertexId, Transition, f64)] {
-        &self.views[self.start[v.index()] as usize..self.start[v.index() + 1] as usize]
-    }
+    views
 }
 
 /// Runs up to `sweeps` sweeps in the order of the vertices; offsets are returned reduced to the
@@ -47,7 +39,7 @@ pub(crate) fn polish(
     position: &mut PerVertex<Plane>,
     sweeps: usize,
 ) {
-    let views = Views::new(topology, mesh, charts);
+    let views = views(topology, mesh, charts);
     for _ in 0..sweeps {
         let mut moved = 0.0;
         for v in topology.vertices() {
@@ -57,7 +49,7 @@ pub(crate) fn polish(
                 sum += (seen - Eisenstein::nearest(seen - here).to_plane()) * weight;
                 total += weight;
             };
-            for (w, view, weight) in views.of(v) {
+            for (w, view, weight) in views.of(v.index()) {
                 add(view.apply(position[*w]), *weight);
             }
             if let Some(pin) = &pins[v] {

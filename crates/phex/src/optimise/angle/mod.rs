@@ -211,9 +211,18 @@ struct AngleRank {
 
 impl AngleRank {
     fn of(made: &AngleOptimised, wrong: usize) -> Self {
-        let defect = made.angle_defect[1].max(made.closing_defect[1]);
+        let defects = [made.angle_defect[1], made.closing_defect[1]];
+        // A defect that is no number is the worst: no comparison would hold for it.
+        let defect = |worst: f64, d: &f64| {
+            if d.is_nan() {
+                f64::INFINITY
+            } else {
+                worst.max(*d)
+            }
+        };
+        let missed = defects.iter().fold(0.0, defect);
         Self {
-            missed: if made.is_converged() { 0.0 } else { defect },
+            missed: if made.is_converged() { 0.0 } else { missed },
             wrong: wrong + made.offenders.len(),
         }
     }

@@ -27,8 +27,6 @@ pub(crate) struct LocalPart<'a> {
     pub hold: Option<&'a BoundaryHold<'a>>,
     /// What its panels are to have.
     pub limits: &'a FaceLimits,
-    /// Diagonal of the whole mesh.
-    pub diagonal: f64,
 }
 
 impl LocalPart<'_> {
@@ -43,7 +41,7 @@ impl LocalPart<'_> {
         options: &OptimiseOptions,
         progress: &dyn Progress,
     ) -> Result<Optimised, OptimiseError> {
-        let (mesh, options) = (&self.layout.mesh, &self.scaled(options));
+        let mesh = &self.layout.mesh;
         let mut stage = self.stage(target, options)?;
         let inside = |v: usize| !mesh.topology().is_boundary_vertex(VertexId::new(v as u32));
         let smoothing = stage.smoothing(self.layout, target, options);
@@ -68,21 +66,12 @@ impl LocalPart<'_> {
         options: &OptimiseOptions,
         progress: &dyn Progress,
     ) -> Result<Optimised, OptimiseError> {
-        let (mesh, options) = (&self.layout.mesh, &self.scaled(options));
+        let mesh = &self.layout.mesh;
         let mut stage = self.stage(target, options)?;
         let x = unknowns(mesh);
         stage.areas = areas::of_layout(self.layout, &stage.panels, &x, options.evenness);
         let run = stage.emphasised(&x, (round, FREE_TURN_IN_SEARCH), options, progress)?;
         Ok(finished(mesh, run))
-    }
-
-    /// The options with the largest deviation over the diagonal of the part.
-    fn scaled(&self, options: &OptimiseOptions) -> OptimiseOptions {
-        let scale = self.diagonal / self.layout.mesh.diagonal();
-        OptimiseOptions {
-            max_deviation: options.max_deviation.map(|limit| limit * scale),
-            ..options.clone()
-        }
     }
 
     fn stage<'b>(

@@ -8,7 +8,7 @@
 //! say.
 
 use super::path::Path;
-use super::reached::{Reached, ResultOrigin, Run};
+use super::reached::{ResultOrigin, Run};
 use super::solvers::Solvers;
 use crate::optimise::options::{NEWTON_ITERATIONS, OptimiseOptions, PathKind, StartKind};
 use crate::optimise::panels::{FaceShapes, Panels};
@@ -76,12 +76,13 @@ impl Lack {
         let heavy = path.weights.closeness.vertex * FIRST_WEIGHT * rising;
         path.weights.limits *= FIRST_FACTOR * rising;
         path.weights.closeness.limit.elastic.weight *= FIRST_FACTOR * rising;
-        if let Some(Some(folds)) = path.folds() {
+        let edge = path.setting.mean_edge;
+        let Some(energy) = path.energy() else { return };
+        if let Some(folds) = &mut energy.folds {
             folds.weight = heavy;
         }
-        let edge = path.setting.mean_edge;
-        if let (Some(concavity), Some(faces)) = (path.concavity(), &self.to_be_convex) {
-            *concavity = Some(ConcavityTerm {
+        if let Some(faces) = &self.to_be_convex {
+            energy.concavity = Some(ConcavityTerm {
                 weight: heavy,
                 faces: faces.clone(),
                 edge,
@@ -140,14 +141,13 @@ impl Stage<'_> {
         let (mut solvers, folds) = lack.solvers(&setting, x, free_turn)?;
         let mut path = Path::new(&setting, &mut solvers, x, options, progress)?;
         let now = path.emphasised(x, (&lack, folds), round)?;
-        let reached = Reached::at(&setting, now);
         let way = ResultOrigin {
             kind: StartKind::Local,
             path: PathKind::Feasible,
             in_parts: path.in_parts,
             outcome: path.outcome,
         };
-        Ok(self.conclude(0, reached, way, options))
+        Ok(self.conclude(0, now, way, options))
     }
 }
 
@@ -159,8 +159,8 @@ impl Path<'_> {
         (lack, folds): (&Lack, Option<FoldTerm>),
         round: usize,
     ) -> Result<Vec<f64>, OptimiseError> {
-        if let Some(place) = self.folds() {
-            *place = folds;
+        if let Some(energy) = self.energy() {
+            energy.folds = folds;
         }
         lack.emphasise(self, round);
         self.again(x, lack.phases(round))

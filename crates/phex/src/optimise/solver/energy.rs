@@ -10,7 +10,7 @@ use crate::optimise::panels::point;
 use crate::optimise::panels::{FaceShapes, Panels, add_block};
 use crate::optimise::terms::angle_term::AngleTerm;
 use crate::optimise::terms::areas::AreaWish;
-use crate::optimise::terms::barrier::{self, Barrier, HEXAGON, barriers};
+use crate::optimise::terms::barrier::{self, Barrier, barriers};
 use crate::optimise::terms::closeness::{ClosenessWeights, DistanceLimit, Feet};
 use crate::optimise::terms::concavity::ConcavityTerm;
 use crate::optimise::terms::edge_lengths::EdgeLengths;
@@ -22,6 +22,7 @@ use crate::optimise::terms::setting::{Setting, collision_bound, longest};
 use crate::optimise::terms::shape_limits::ShapeLimits;
 use crate::optimise::terms::spatial_barrier;
 use nalgebra::Matrix3;
+use phex_mesh::polygon::HEXAGON;
 use phex_mesh::{Vec2, Vec3};
 use phex_numeric::{Assembly, DampedProblem, SymmetricMatrix};
 

@@ -26,7 +26,7 @@ use std::sync::{Mutex, PoisonError};
 /// Faces from which a mesh is minimised in parts.
 pub(super) const LARGE: usize = 8_000;
 /// Faces of a part at the most, without those that it shares with others.
-pub(super) const PART: usize = 1_000;
+const PART: usize = 1_000;
 /// Rings of faces around a part whose vertices move with it.
 const OVERLAP: usize = 2;
 /// Share of the faces on one side of a cut, by phases in turn.
@@ -38,6 +38,13 @@ pub(in crate::optimise) struct Cuts {
     pub most: usize,
     /// Number of the phase, on which depends where the cuts lie.
     pub phase: usize,
+}
+
+impl Cuts {
+    /// Those of a phase.
+    pub(super) fn of_phase(phase: usize) -> Self {
+        Self { most: PART, phase }
+    }
 }
 
 /// The faces of a part, and their vertices; all in order.

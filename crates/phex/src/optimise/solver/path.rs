@@ -3,7 +3,7 @@
 
 use super::endgame::{RIGIDITY, minimise_on_constraints};
 use super::energy::{PanelEnergy, Weights};
-use super::parts::{Cuts, LARGE, PART, finish_in_parts, minimise_in_parts};
+use super::parts::{Cuts, LARGE, Part, finish_in_parts, minimise_in_parts};
 use super::reached::{Reached, better};
 use super::shortcut::Projection;
 use super::solvers::{Dual, Solvers, StepReporter};
@@ -14,9 +14,6 @@ use crate::optimise::options::{
 use crate::optimise::panels::FaceShapes;
 use crate::optimise::targets::reference::Reference;
 use crate::optimise::terms::barrier::{Barrier, barriers, clearance};
-use crate::optimise::terms::concavity::ConcavityTerm;
-use crate::optimise::terms::edge_lengths::EdgeLengths;
-use crate::optimise::terms::folds::FoldTerm;
 use crate::optimise::terms::setting::{Setting, deviation};
 use crate::progress::Progress;
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Status};
@@ -63,6 +60,18 @@ pub(in crate::optimise) struct Path<'a> {
     pub start: &'a [f64],
     x: Vec<f64>,
     phases: usize,
+}
+
+/// Makes the energies of parts.
+fn of_parts(
+    barriers: &[Barrier],
+    start: &[f64],
+    weights: Weights,
+) -> impl for<'b> Fn(&'b Setting<'b>, &'b Assembly, &Part<'_>) -> PanelEnergy<'b> + Sync {
+    move |setting, assembly, part| {
+        let anchor = part.of_vertices(start);
+        PanelEnergy::new(setting, assembly, weights, part.of_faces(barriers), &anchor)
+    }
 }
 
 /// How a phase is minimised.
@@ -117,26 +126,11 @@ impl<'a> Path<'a> {
         })
     }
 
-    /// What folds pay; the solvers must have room for it. Meshes in parts do without.
-    pub fn folds(&mut self) -> Option<&mut Option<FoldTerm>> {
+    /// The energy of all panels, whose solvers must have room for the terms that are set. Meshes in
+    /// parts do without.
+    pub fn energy(&mut self) -> Option<&mut PanelEnergy<'a>> {
         match &mut self.descent {
-            Descent::Whole(whole) => Some(&mut whole.energy.folds),
-            Descent::Parts => None,
-        }
-    }
-
-    /// What re-entrant corners pay. Meshes in parts do without.
-    pub(crate) fn concavity(&mut self) -> Option<&mut Option<ConcavityTerm>> {
-        match &mut self.descent {
-            Descent::Whole(whole) => Some(&mut whole.energy.concavity),
-            Descent::Parts => None,
-        }
-    }
-
-    /// Lengths that edges are to have. Meshes in parts do without.
-    pub(crate) fn lengths(&mut self) -> Option<&mut Option<EdgeLengths>> {
-        match &mut self.descent {
-            Descent::Whole(whole) => Some(&mut whole.energy.lengths),
+            Descent::Whole(whole) => Some(&mut whole.energy),
             Descent::Parts => None,
         }
     }
@@ -168,7 +162,7 @@ impl<'a> Path<'a> {
         let bent = self.bending();
         let is_strong = self.weights.anchor > WEAK_HOLD;
         let rests = self.starts_at_rest();
-        let from = if rests { self.first_penalty() } else { 0.0 };
+        let from = if rests { FIRST_PENALTY } else { 0.0 };
         for &penalty in PENALTIES.iter().filter(|w| **w >= from) {
             self.descend(penalty)?;
             let counts = rests && is_strong && penalty >= FIRST_PENALTY && !self.is_over();
@@ -218,11 +212,6 @@ impl<'a> Path<'a> {
             && holds.held.is_empty()
     }
 
-    /// From rest, phases before it have nothing to do.
-    fn first_penalty(&self) -> f64 {
-        PENALTIES.into_iter().fold(0.0, f64::max).min(FIRST_PENALTY)
-    }
-
     /// Largest distance of a corner to its face's plane.
     fn bending(&self) -> f64 {
         FaceShapes::at(self.setting.panels, &self.x).max_height()
@@ -244,6 +233,13 @@ impl<'a> Path<'a> {
         self.x.copy_from_slice(self.start);
         if let Descent::Whole(whole) = &mut self.descent {
             whole.damping = Damping::default();
+        }
+    }
+
+    /// Counts factorisations of parts by themselves.
+    fn count_parts(&mut self, outcome: &mut Outcome) {
+        if matches!(self.descent, Descent::Parts) {
+            self.in_parts += std::mem::take(&mut outcome.factorisations);
         }
     }
 
@@ -269,23 +265,14 @@ impl<'a> Path<'a> {
             ),
             Descent::Parts => minimise_in_parts(
                 self.setting,
-                |s, assembly, part| {
-                    let barriers = part.of_faces(&self.barriers);
-                    let anchor = part.of_vertices(self.start);
-                    PanelEnergy::new(s, assembly, self.weights, barriers, &anchor)
-                },
+                of_parts(&self.barriers, self.start, self.weights),
                 &mut self.x,
-                &Cuts {
-                    most: PART,
-                    phase: self.phases,
-                },
+                &Cuts::of_phase(self.phases),
                 &limits,
                 &mut self.reporter,
             )?,
         };
-        if matches!(self.descent, Descent::Parts) {
-            self.in_parts += std::mem::take(&mut outcome.factorisations);
-        }
+        self.count_parts(&mut outcome);
         self.phases += 1;
         self.outcome.append(outcome);
         Ok(())
@@ -405,7 +392,7 @@ impl<'a> Path<'a> {
             planarity: RIGIDITY,
             ..self.weights
         };
-        let outcome = match &mut self.descent {
+        let mut outcome = match &mut self.descent {
             Descent::Whole(whole) => {
                 whole.energy.weights = weights;
                 whole.energy.barriers.copy_from_slice(&self.barriers);
@@ -416,26 +403,16 @@ impl<'a> Path<'a> {
                 let observe = |record: &_| self.reporter.observe(record);
                 minimise_on_constraints(energy, assembly, system, x, most, observe)
             }
-            Descent::Parts => {
-                let mut outcome = finish_in_parts(
-                    self.setting,
-                    |s, assembly, part| {
-                        let barriers = part.of_faces(&self.barriers);
-                        let anchor = part.of_vertices(self.start);
-                        PanelEnergy::new(s, assembly, weights, barriers, &anchor)
-                    },
-                    &mut self.x,
-                    &Cuts {
-                        most: PART,
-                        phase: self.phases,
-                    },
-                    most,
-                    &mut self.reporter,
-                )?;
-                self.in_parts += std::mem::take(&mut outcome.factorisations);
-                outcome
-            }
+            Descent::Parts => finish_in_parts(
+                self.setting,
+                of_parts(&self.barriers, self.start, weights),
+                &mut self.x,
+                &Cuts::of_phase(self.phases),
+                most,
+                &mut self.reporter,
+            )?,
         };
+        self.count_parts(&mut outcome);
         self.outcome.append(outcome);
         Ok(self.project(Some(KEPT_CLEARANCE)))
     }

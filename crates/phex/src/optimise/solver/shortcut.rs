@@ -2,7 +2,7 @@
 
 use super::fast::NearlyPlanar;
 use super::parts::{Part, PartRegion};
-use super::reached::{Reached, ResultOrigin, Run};
+use super::reached::{ResultOrigin, Run};
 use super::solvers::{Dual, Solvers, StepReporter};
 use super::start::{Start, kinked};
 use crate::optimise::Stage;
@@ -110,7 +110,7 @@ impl Stage<'_> {
         let setting = self.setting(&start.x);
         let mut x = start.x.clone();
         let outcome = projected(&setting, solvers, &mut x, options, progress);
-        self.conclude(start.n_bad, Reached::at(&setting, x), way(outcome), options)
+        self.conclude(start.n_bad, x, way(outcome), options)
     }
 
     /// Only projects a start, in a region, whose constraints `solvers` are for.
@@ -128,7 +128,7 @@ impl Stage<'_> {
         let setting = part.setting(whole.mean_edge);
         let outcome = projected(&setting, solvers, &mut y, options, progress);
         region.write_back(&y, &mut x);
-        self.conclude(start.n_bad, Reached::at(&whole, x), way(outcome), options)
+        self.conclude(start.n_bad, x, way(outcome), options)
     }
 
     /// A start with its vertices moved to where the planes of its faces meet.
@@ -170,7 +170,7 @@ impl Stage<'_> {
             in_parts: 0,
             outcome,
         };
-        let run = self.conclude(start.n_bad, Reached::at(&setting, x), way, options);
+        let run = self.conclude(start.n_bad, x, way, options);
         let near = run.summary.quality.deviation_max <= self.limits.distance;
         let shape = FaceShapes::at(&self.panels, &run.x);
         let margins =

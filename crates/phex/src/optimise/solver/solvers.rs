@@ -117,23 +117,6 @@ pub(in crate::optimise) struct StepReporter<'a> {
     limit: usize,
 }
 
-/// A run within a run is watched and cancelled like it; its iterations do not count.
-impl Progress for StepReporter<'_> {
-    fn report(&self, event: &Event) {
-        if let Event::Iteration { residual, .. } = event {
-            self.tell(self.iteration, *residual);
-        }
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.progress.is_cancelled()
-    }
-
-    fn wants_best(&self) -> bool {
-        self.progress.wants_best()
-    }
-}
-
 impl<'a> StepReporter<'a> {
     /// `limit` iterations are expected at the most.
     pub fn new(progress: &'a dyn Progress, limit: usize) -> Self {
@@ -144,18 +127,14 @@ impl<'a> StepReporter<'a> {
         }
     }
 
-    fn tell(&self, iteration: usize, residual: f64) {
-        self.progress.report(&Event::Iteration {
-            stage: "optimise",
-            iteration,
-            limit: self.limit.max(iteration),
-            residual,
-        });
-    }
-
     pub fn observe(&mut self, record: &Record) -> ControlFlow<()> {
         self.iteration += 1;
-        self.tell(self.iteration, record.residual);
+        self.progress.report(&Event::Iteration {
+            stage: "optimise",
+            iteration: self.iteration,
+            limit: self.limit.max(self.iteration),
+            residual: record.residual,
+        });
         if self.progress.is_cancelled() {
             ControlFlow::Break(())
         } else {

@@ -14,7 +14,7 @@
 //! anything about validity: nothing keeps panels from crossing themselves, which is what this
 //! solver is there to show. Offenders are named as ever.
 
-use super::reached::{Reached, ResultOrigin, Run};
+use super::reached::{ResultOrigin, Run};
 use super::solvers::{Solvers, StepReporter};
 use super::start::Start;
 use crate::optimise::Stage;
@@ -251,7 +251,7 @@ impl Stage<'_> {
             in_parts: 0,
             outcome,
         };
-        Ok(self.conclude(start.n_bad, Reached::at(&setting, x), way, options))
+        Ok(self.conclude(start.n_bad, x, way, options))
     }
 }
 

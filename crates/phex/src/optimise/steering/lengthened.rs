@@ -122,10 +122,10 @@ impl<'a> LengthStage<'a> {
         let mut path = Path::new(&setting, &mut self.solvers, &x, &self.options, progress)?;
         let weight = weight * path.weights.closeness.vertex;
         let term = EdgeLengths::new(self.mesh.topology(), lengths, weight);
-        let Some(place) = path.lengths() else {
+        let Some(energy) = path.energy() else {
             return Ok(None);
         };
-        *place = Some(term);
+        energy.lengths = Some(term);
         let heavier = (LIMITS * weight / path.weights.closeness.vertex).max(1.0);
         path.weights.limits *= heavier;
         path.weights.closeness.limit.elastic.weight *= heavier;

@@ -14,16 +14,16 @@ use crate::optimise::holds::{Hold, Holds};
 use crate::optimise::panels::{FaceShapes, Panels, point, points, unknowns};
 use crate::optimise::quotient::Quotient;
 use crate::optimise::solver::parts::PartRegion;
-use crate::optimise::solver::reached::{Reached, ResultOrigin, Run};
+use crate::optimise::solver::reached::Run;
+use crate::optimise::terms::setting::deviation;
 use crate::optimise::{
-    Fault, Offender, OptimiseError, OptimiseOptions, Optimised, PathKind, Quality, Reference,
-    Stage, StartKind, Steering, Target, check_mesh, finished as finished_mesh, kinds_of,
+    Fault, Offender, OptimiseError, OptimiseOptions, Optimised, Quality, Reference, Stage,
+    Steering, Target, check_mesh, finished as finished_mesh, inspect::inspect, kinds_of,
 };
 use crate::progress::Progress;
 use phex_mesh::{
     BoundaryCurve, FaceId, FlatFace, HexMesh, PerVertex, Vec3, VertexId, small_rim_faces,
 };
-use phex_numeric::{Outcome, Status};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rings of panels from the boundary on that give way: the cost follows the boundary.
@@ -76,7 +76,7 @@ pub fn onto_boundary(
     stage.divide(quotient);
     let panels = stage.panels.clone();
     stage.keep_areas(&x, options);
-    let before = stage.judged(&x, options).summary.quality;
+    let (before, _) = stage.inspected(&x, options);
     let mut held = holds(mesh, hold);
     held.retain(|v, _| quotient.is_free(*v));
     if held.is_empty() {
@@ -184,15 +184,9 @@ pub(in crate::optimise) fn already_there(
 
 impl Stage<'_> {
     /// Figures of positions as they are, and what is wrong with them.
-    pub(super) fn judged(&self, x: &[f64], options: &OptimiseOptions) -> Run {
-        let way = ResultOrigin {
-            kind: StartKind::AsGiven,
-            path: PathKind::Projection,
-            in_parts: 0,
-            outcome: Outcome::empty(Status::Converged),
-        };
-        let reached = Reached::at(&self.setting(x), x.to_vec());
-        self.conclude(0, reached, way, options)
+    fn inspected(&self, x: &[f64], options: &OptimiseOptions) -> (Quality, Vec<Offender>) {
+        let deviation = deviation(&self.setting(x), x);
+        inspect(&self.panels, &self.guard, x, deviation, options)
     }
 }
 

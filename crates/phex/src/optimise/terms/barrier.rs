@@ -12,10 +12,8 @@
 use crate::optimise::options::OptimiseOptions;
 use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
 use crate::optimise::simple::area;
+use phex_mesh::polygon::HEXAGON;
 use phex_mesh::{Vec2, Vec3};
-
-/// Area of a regular hexagon over the square of its edge.
-pub(in crate::optimise) const HEXAGON: f64 = 2.598_076_211_353_316;
 
 /// Barrier of one face.
 #[derive(Clone, Copy, Debug)]

@@ -7,8 +7,8 @@ use crate::layout::{Layout, PanelWish, VertexKind};
 use crate::optimise::panels::{FaceShapes as Faces, Panels, unknowns};
 use crate::optimise::simple::is_simple;
 use crate::optimise::{
-    Fault, OptimiseError, OptimiseOptions, Optimised, PathKind, ShapeTarget, Solver, StartKind,
-    Target, TargetPoint, optimise, planarize,
+    Fault, OptimiseError, OptimiseOptions, Optimised, PathKind, Solver, StartKind, Target,
+    TargetPoint, optimise, planarize,
 };
 use crate::progress::{Event, Progress, Silent};
 use nalgebra::Rotation3;
@@ -108,32 +108,6 @@ fn a_layout_that_is_not_conjugate_takes_the_feasible_path() {
     let again = planarize(&result.mesh, None, &OptimiseOptions::default(), &Silent).unwrap();
     assert_eq!(again.runs[0].path, PathKind::Projection);
     assert_eq!(again.mesh.positions, result.mesh.positions);
-}
-
-/// A built-in shape as target: what comes out touches the shape itself, not a triangulation of it.
-#[test]
-fn a_built_in_shape_is_a_target() {
-    let shape =
-        phex_mesh::shapes::Shape::from_name("torus", &[("major", 1.0), ("minor", 0.4)]).unwrap();
-    let target = ShapeTarget::new(shape).unwrap();
-    assert!(target.closest_on_boundary(&[Vec3::x()]).is_none());
-    let wall = brick_wall(Shape::Torus(1.0), 40, 14);
-    let on_torus = |p: &Vec3| ((p.x.hypot(p.y) - 1.0).hypot(p.z) - 0.4).abs();
-    let feet = target.closest_points(wall.positions.as_slice(), &[]);
-    assert!(feet.iter().all(|foot| on_torus(&foot.position) < 1e-12));
-    let result = run(&layout(wall, &target), &target);
-    assert_sound(&result, 1e-13);
-    let far = result
-        .mesh
-        .positions
-        .iter()
-        .map(on_torus)
-        .fold(0.0, f64::max);
-    let deviation = result.quality.deviation_max;
-    assert!(
-        far <= deviation + 1e-12 && far > 0.1 * deviation,
-        "{far} {deviation}"
-    );
 }
 
 #[test]

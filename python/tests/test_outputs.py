@@ -1,0 +1,68 @@
+"""Files that are asked for are checked before the computation, and written wherever they can be."""
+
+import os
+import pathlib
+
+import phex
+import pytest
+
+HOW = {"panels": 32, "max_deviation": "5%"}
+#: A file for each keyword.
+FILES = {
+    "output": "panels.obj",
+    "write_target": "target.ply",
+    "contact_sheet": "sheet.png",
+    "png": "picture.png",
+    "html": "page.html",
+    "report": "run.json",
+}
+
+
+@pytest.fixture
+def idle(monkeypatch):
+    """Nothing is computed."""
+    monkeypatch.setattr(phex._functions, "begin", lambda *a, **k: pytest.fail("it computes"))
+
+
+@pytest.mark.parametrize("name, file", FILES.items())
+def test_places_that_take_no_file_are_refused_first(idle, sphere, name, file):
+    pathlib.Path("taken").write_text("a file")
+    pathlib.Path(file).mkdir()
+    refusing = [f"/proc/{file}"] if os.path.isdir("/proc/self") else []
+    long = [300 * "x" + file, f"deep/{300 * 'x'}/{file}"]
+    for path in (f"taken/{file}", f"taken/deep/{file}", file, "", *long, *refusing):
+        for call in (phex.mesh, phex.start):
+            with pytest.raises(phex.InputError) as raised:
+                call(sphere, **HOW, **{name: path})
+            assert name in str(raised.value) and path in str(raised.value)
+
+
+@pytest.mark.parametrize("name", ["output", "write_target"])
+@pytest.mark.parametrize("path", ["panels.xyz", "panels", "panels.png", ".obj"])
+def test_endings_of_meshes_are_known(idle, sphere, name, path):
+    with pytest.raises(phex.InputError, match=f"{name}: .*a mesh is written as one of .obj"):
+        phex.mesh(sphere, **HOW, **{name: path})
+
+
+def test_missing_folders_are_made_for_every_file(sphere):
+    paths = {name: f"deep/{name}/{file}" for name, file in FILES.items()}
+    made = phex.mesh(sphere, effort="draft", **HOW, **paths)
+    assert all(pathlib.Path(path).stat().st_size > 0 for path in paths.values())
+    for name in ("a/b.html", "c/d.png", "e/f.svg", "g/h.obj"):
+        made.save(name)
+        assert pathlib.Path(name).exists()
+    made.save_report("i/j.json")
+
+
+def test_an_error_names_the_file_and_not_one_before_it(ball):
+    pathlib.Path("taken").write_text("a file")
+    for name in ("taken/a.png", "taken/a.html"):
+        with pytest.raises(phex.InputError) as raised:
+            ball.save(name)
+        assert str(raised.value).startswith(name) and ".phex-" not in str(raised.value)
+
+
+def test_pages_and_pictures_have_any_name_as_in_the_program(sphere):
+    phex.mesh(sphere, effort="draft", **HOW, html="page.obj", png="picture.txt")
+    assert "</html>" in pathlib.Path("page.obj").read_text()
+    assert pathlib.Path("picture.txt").read_bytes().startswith(b"\x89PNG")
