@@ -243,7 +243,7 @@ fn an_error_says_of_which_part_it_is() {
         .collect::<String>();
     shop.write("two.obj", format!("{}{moved}", text("wave.obj")));
     shop.phex("mesh two.obj -o out.obj -n 60 --effort draft --all-components")
-        .refuses(5, &["part 2 of 2 (0.0404 m across, 1 of the panels): "]);
+        .refuses(5, &["part 2 of 2 (0.0403 m across, 1 of the panels): "]);
 }
 
 /// A scan leaves crumbs behind: they are no part of what is to be covered.

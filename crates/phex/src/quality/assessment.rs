@@ -367,7 +367,7 @@ mod tests {
     fn the_boundary_is_compared_with_the_calm_line_through_teeth() {
         let toothed = crate::smooth_surface::teeth::tests::rhomb(true);
         let limits = Limits::new(Some(0.05), Some(Boundary::Snap));
-        let calm = without_teeth(&toothed, toothed.diagonal()).unwrap();
+        let calm = without_teeth(&toothed, LARGEST_TOOTH * 0.05 * toothed.diagonal()).unwrap();
         let of = |surface: &TriangleSurface| {
             let topology = surface.topology();
             let corners = topology.faces().map(|f| topology.face_vertices(f));
