@@ -201,7 +201,7 @@ async fn read_job(body: Body) -> Result<axum::Json<Value>, RefusedRequest> {
     Ok(axum::Json(value))
 }
 
-/// Whether the page, whose numbers are those of double precision, keeps all digits of whole numbers.
+/// Whether the page, whose numbers have double precision, keeps all digits of whole numbers.
 fn keeps_digits(value: &Value) -> bool {
     match value {
         Value::Array(items) => items.iter().all(keeps_digits),
