@@ -54,9 +54,9 @@ pub struct SurfaceKind {
     pub crosses_at: Option<[f64; 3]>,
     /// Area in squared model units.
     pub area: f64,
-    /// Larger curvature of places, and the area of each.
+    /// Curvature of places, and the area of each.
     #[serde(skip)]
-    bends: Vec<(f64, f64)>,
+    places: Vec<(Principal, f64)>,
 }
 
 /// A number of panels, and what to expect of it; lengths in model units.
@@ -94,7 +94,7 @@ impl SurfaceKind {
             self_crossings: surface.self_crossings().len(),
             crosses_at: surface.self_crossings().first().map(|&p| p.into()),
             area,
-            bends: bends(&places).collect(),
+            places,
         }
     }
 
@@ -124,11 +124,13 @@ impl SurfaceKind {
 
     /// Distance from the surface of most panels with edges of a length.
     fn deviation(&self, edge: f64) -> f64 {
-        let off = |curvature: f64| {
-            let sagitta = SAGITTA * curvature * edge * edge;
-            sagitta.min(AROUND_A_BEND / curvature)
+        let off = |p: &Principal| {
+            // A concave panel has corners above the surface and corners below it.
+            let across = (-p.small * p.large.signum()).max(0.0);
+            let sagitta = SAGITTA * (p.large.abs() + across) * edge * edge;
+            sagitta.min(AROUND_A_BEND / p.large.abs())
         };
-        at_most(self.bends.iter().map(|(k, area)| (off(*k), *area)))
+        at_most(self.places.iter().map(|(p, area)| (off(p), *area)))
     }
 
     /// The least number of panels that are not longer than features of the surface.

@@ -293,6 +293,7 @@ impl Ground {
             levels: self.smooth.refinements.len(),
             original: trimming.smooth.finest(),
             corner_angle: self.options.target.corner_angle.to_radians(),
+            limit: self.options.limits().boundary_rel,
         };
         trim::trim(mesh, &domain, self.options.boundary)
     }

@@ -60,7 +60,11 @@ fn panel_check(
         of_face,
         ..check
     }
-    .advised(&advice(kind, worst.map_or(1.0, |f| badness(f)), panels))
+    .advised(&advice(
+        kind,
+        worst.map_or([limit; 2], |f| [f.limit, f.value]),
+        panels,
+    ))
 }
 
 /// What figures are given in, and whether they are lengths.
@@ -75,17 +79,20 @@ fn scale_of(kind: PanelLimit) -> (Scale, bool) {
     }
 }
 
-/// What would help where a figure is beyond its limit by a factor.
-fn advice(kind: PanelLimit, factor: f64, panels: usize) -> String {
+/// What would help where a figure is beyond its limit.
+fn advice(kind: PanelLimit, [limit, value]: [f64; 2], panels: usize) -> String {
+    let factor = match kind {
+        // Joints turn by panel length times curvature.
+        PanelLimit::MinDihedral => (180.0 - value) / (180.0 - limit).max(1.0),
+        _ if kind.is_least() => limit / value,
+        _ => value / limit,
+    };
     let times = |power: i32| (panels as f64 * factor.powi(power)).ceil();
     match kind {
-        PanelLimit::MaxPanel | PanelLimit::MaxEdge => {
+        PanelLimit::MaxPanel | PanelLimit::MaxEdge | PanelLimit::MinDihedral => {
             format!("about {} panels, if all shrink alike", times(2))
         }
         PanelLimit::MaxArea => format!("about {} panels, if all shrink alike", times(1)),
-        PanelLimit::MinDihedral => {
-            "more panels there (--adaptive): joints turn by panel length times curvature".to_owned()
-        }
         PanelLimit::MaxDihedral => {
             "fewer panels: joints turn by panel length times curvature; where the surface is flat none do".to_owned()
         }

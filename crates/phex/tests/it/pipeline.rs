@@ -399,6 +399,7 @@ fn a_run_can_be_repeated_and_watched() {
     }
     let flow = [
         "target",
+        "symmetry",
         "curvature",
         "directions",
         "layout",

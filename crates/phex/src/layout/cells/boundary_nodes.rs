@@ -16,6 +16,7 @@ const TOLERANCE: f64 = 0.002;
 /// between the same nodes would be one, and the hole closed.
 pub(crate) fn follow_boundary(surface: &TriangleSurface, complex: &mut CellComplex) {
     let next = next_on_boundary(surface.topology());
+    let tolerance = TOLERANCE * surface.diagonal();
     let sides = |outline: &[Node]| -> Vec<(Node, Node)> {
         let along = |i: usize| (outline[i], outline[(i + 1) % outline.len()]);
         (0..outline.len()).map(along).collect()
@@ -30,10 +31,10 @@ pub(crate) fn follow_boundary(surface: &TriangleSurface, complex: &mut CellCompl
             let path = path(surface.topology(), &next, &complex.label, *label, from, to);
             let least = match all.contains(&(to, from)) {
                 true => 0.0,
-                false => TOLERANCE,
+                false => tolerance,
             };
             let ends = [from, to].map(|node| place(surface, node));
-            split(surface, &path, ends, least, &mut refined);
+            split(surface, &path, ends, [least, tolerance], &mut refined);
         }
         *outline = refined;
     }
@@ -85,12 +86,12 @@ fn path(
 }
 
 /// Adds the vertex of a path that is farthest from the segment between its ends, if that is at
-/// least so far, and then others.
+/// `least` so far, and others that `then` are.
 fn split(
     surface: &TriangleSurface,
     path: &[VertexId],
     [from, to]: [Vec3; 2],
-    least: f64,
+    [least, then]: [f64; 2],
     outline: &mut Vec<Node>,
 ) {
     let distance = |v: &VertexId| point_segment_distance(surface.positions()[*v], from, to);
@@ -100,7 +101,7 @@ fn split(
         return;
     };
     let middle = surface.positions()[path[i]];
-    split(surface, &path[..i], [from, middle], TOLERANCE, outline);
+    split(surface, &path[..i], [from, middle], [then; 2], outline);
     outline.push(Node::Rim(path[i]));
-    split(surface, &path[i + 1..], [middle, to], TOLERANCE, outline);
+    split(surface, &path[i + 1..], [middle, to], [then; 2], outline);
 }
