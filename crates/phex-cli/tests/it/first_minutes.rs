@@ -94,6 +94,19 @@ fn info_suggests_numbers_of_panels_that_keep_what_is_asked_for() {
     );
 }
 
+/// Panels of a saddle stand off by the difference of its two curvatures.
+#[test]
+fn info_knows_that_saddles_take_more_panels() {
+    let shop = Workshop::new();
+    shop.succeed("shape hyperbolic-paraboloid -o saddle.obj");
+    let run = shop.succeed("info saddle.obj --max-deviation 0.2% --json");
+    let told: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+    let panels = &told["suggestions"][0]["panels"];
+    shop.succeed(&format!(
+        "mesh saddle.obj -n {panels} --max-deviation 0.2% -q -o a.obj"
+    ));
+}
+
 #[test]
 fn the_doctor_says_what_there_is_and_tries_it() {
     let said = Workshop::new().succeed("doctor").stdout;
