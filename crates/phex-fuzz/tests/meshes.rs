@@ -225,6 +225,7 @@ fn trimming() {
             levels: 0,
             original: &surface,
             corner_angle: 0.5,
+            limit: None,
         };
         let Ok(trimmed) = trim(&panels, &domain, boundary) else {
             return Ok(Tried::default());
