@@ -232,7 +232,16 @@ fn senseless_numbers_of_panels() {
         "mesh a.obj -o out.obj --panels 2000001",
         &["2000001", "at most"],
     );
-    refused_as_is(&shop, "mesh a.obj -o out.obj --edge-length 0", &["at most"]);
+    refused_as_is(
+        &shop,
+        "mesh a.obj -o out.obj --edge-length 0",
+        &["--edge-length 0", "positive"],
+    );
+    refused_as_is(
+        &shop,
+        "mesh a.obj -o out.obj --edge-length 1e-6",
+        &["--edge-length 1e-6", "panels"],
+    );
 }
 
 #[test]
