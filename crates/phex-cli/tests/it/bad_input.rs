@@ -240,7 +240,7 @@ fn senseless_numbers_of_panels() {
     refused_as_is(
         &shop,
         "mesh a.obj -o out.obj --edge-length 1e-6",
-        &["--edge-length 1e-6", "panels"],
+        &["--edge-length 0.000001", "at most"],
     );
 }
 
