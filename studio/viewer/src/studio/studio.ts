@@ -44,12 +44,14 @@ const TOOLS: [Tool, string, string][] = [
 
 const STAGES: Record<string, string> = {
   target: "Smoothing the surface",
+  symmetry: "Looking for mirror planes",
   curvature: "Measuring curvature",
   directions: "Finding directions",
   layout: "Laying out panels",
   optimise: "Making panels planar",
   trim: "Trimming at the boundary",
   search: "Searching for better panels",
+  repetition: "Making edges equal",
   validate: "Judging",
   subdivision: "Refining panels",
   koebe: "Packing circles",
