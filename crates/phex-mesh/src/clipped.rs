@@ -1,9 +1,10 @@
 //! The mesh with its faces ear-clipped, under a bounding volume hierarchy.
 
 use crate::ear_clip::ear_clip_or_fan;
-use crate::segment::to_parry;
+use crate::segment::{from_parry, to_parry};
 use crate::surface::in_runs;
 use crate::{FaceId, FlatFace, HexMesh, PerFace, Vec3};
+use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::query::{PointQuery, PointQueryWithLocation};
 use parry3d_f64::shape::TriMesh;
 
@@ -41,6 +42,37 @@ impl ClippedMesh {
         }
     }
 
+    /// Corners of a triangle.
+    pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        let at = |v: u32| from_parry(self.hierarchy.vertices()[v as usize]);
+        self.hierarchy.indices()[triangle].map(at)
+    }
+
+    /// The middle of the largest triangle of each face.
+    pub fn middles(&self) -> Vec<Vec3> {
+        let double_area = |[a, b, c]: &[Vec3; 3]| (b - a).cross(&(c - a)).norm();
+        let mut next = 0..;
+        let of_face = self.owner.chunk_by(|a, b| a == b).map(|run| {
+            let own = next.by_ref().take(run.len()).map(|t| self.corners(t));
+            own.max_by(|a, b| double_area(a).total_cmp(&double_area(b)))
+        });
+        of_face
+            .map(|largest| largest.map_or(Vec3::zeros(), |c| c.iter().sum::<Vec3>() / 3.0))
+            .collect()
+    }
+
+    /// A face that a point lies on, up to a distance in model units, other than its `own`.
+    pub fn other_at(&self, p: Vec3, near: f64, own: FaceId) -> Option<FaceId> {
+        let place = to_parry(p);
+        let around = Aabb::new(place, place).loosened(near);
+        let close = |t: &u32| {
+            let triangle = self.hierarchy.triangle(*t);
+            self.owner[*t as usize] != own && triangle.distance_to_local_point(place, true) <= near
+        };
+        let mut found = self.hierarchy.bvh().intersect_aabb(&around).filter(close);
+        found.next().map(|t| self.owner[t as usize])
+    }
+
     /// The face closest to a point, and its distance in model units.
     pub fn closest(&self, p: Vec3) -> (FaceId, f64) {
         self.face_at(p, self.foot(p, None))
@@ -67,14 +99,13 @@ impl ClippedMesh {
         });
         let anywhere = || hierarchy.project_local_point_and_get_location(query, false);
         let (found, (triangle, _)) = found.unwrap_or_else(anywhere);
-        let place = found.point;
-        (triangle, Vec3::new(place.x, place.y, place.z))
+        (triangle, from_parry(found.point))
     }
 
     /// Distance of a point to the closest triangle, in model units.
     pub fn distance(&self, p: Vec3) -> f64 {
         let closest = self.hierarchy.project_local_point(to_parry(p), false).point;
-        (Vec3::new(closest.x, closest.y, closest.z) - p).norm()
+        (from_parry(closest) - p).norm()
     }
 }
 

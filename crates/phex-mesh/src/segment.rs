@@ -1,4 +1,5 @@
-//! Segments: their bounds, and whether they pass through a triangle, by exact signs.
+//! Segments: their bounds, whether they pass through a triangle, by exact signs, and whether they
+//! lie over it in its plane.
 
 use crate::Vec3;
 use parry3d_f64::bounding_volume::Aabb;
@@ -10,9 +11,18 @@ use robust::{Coord3D, orient3d};
 /// see crossings in valid meshes.
 pub(crate) const TOUCHING: f64 = 1e-9;
 
+/// Relative to the length of a segment: what is no farther from a triangle's plane lies in it, and
+/// what is no farther inside of its sides only touches.
+pub(crate) const COVERING: f64 = 1e-6;
+
 /// A point for the hierarchies.
 pub(crate) fn to_parry(p: Vec3) -> Vector {
     Vector::new(p.x, p.y, p.z)
+}
+
+/// A point of the hierarchies.
+pub(crate) fn from_parry(p: Vector) -> Vec3 {
+    Vec3::new(p.x, p.y, p.z)
 }
 
 /// The box round a segment.
@@ -44,6 +54,31 @@ pub(crate) fn passes_through(
         let least = if diagonal[k] { 0.0 } else { TOUCHING };
         across[k] > least || on_diagonal == Some(k)
     })
+}
+
+/// Whether a piece of the segment lies over a triangle, in its plane.
+pub(crate) fn lies_over(from: Vec3, to: Vec3, triangle: [Vec3; 3]) -> bool {
+    let margin = COVERING * (to - from).norm();
+    let [a, b, c] = triangle;
+    let normal = (b - a).cross(&(c - a)).normalize();
+    // The negation also keeps out triangles without area, which have no normal.
+    let is_level = |p: Vec3| normal.dot(&(p - a)).abs() <= margin;
+    if !(is_level(from) && is_level(to)) {
+        return false;
+    }
+    // The piece between the two shares of the way is on the inner side of the sides seen so far.
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    for (p, q) in [(a, b), (b, c), (c, a)] {
+        let inward = normal.cross(&(q - p)).normalize();
+        let [start, end] = [from, to].map(|x| inward.dot(&(x - p)) - margin);
+        match (start > 0.0, end > 0.0) {
+            (true, true) => {}
+            (true, false) => last = last.min(start / (start - end)),
+            (false, true) => first = first.max(start / (start - end)),
+            (false, false) => return false,
+        }
+    }
+    first < last
 }
 
 /// Each value over their sum; all are positive if and only if the values have the same sign.
@@ -104,6 +139,31 @@ mod tests {
             [1e-12, 1.0, -1.0],
             [false, false, true]
         ));
+    }
+
+    #[test]
+    fn a_segment_in_the_plane_lies_over_what_it_enters() {
+        let lies = |from: [f64; 3], to: [f64; 3]| {
+            let turned = [1, 2, 0].map(|k| TRIANGLE.map(Vec3::from)[k]);
+            let [there, back] = [(from, to), (to, from)]
+                .map(|(p, q)| lies_over(Vec3::from(p), Vec3::from(q), turned));
+            assert_eq!(there, back);
+            there
+        };
+        assert!(lies([-1.0, 1.0, 0.0], [5.0, 1.0, 0.0]), "across");
+        assert!(lies([1.0, 1.0, 0.0], [1.5, 1.0, 0.0]), "within");
+        assert!(lies([1.0, 1.0, 0.0], [9.0, 9.0, 0.0]), "out of it");
+        assert!(!lies([0.0, 0.0, 0.0], [4.0, 0.0, 0.0]), "along a side");
+        assert!(
+            !lies([5.0, -1.0, 0.0], [-1.0, 5.0, 0.0]),
+            "along the longest"
+        );
+        assert!(!lies([4.0, -1.0, 0.0], [4.0, 5.0, 0.0]), "past a corner");
+        assert!(!lies([0.0, -2.0, 0.0], [0.0, 0.0, 0.0]), "up to a corner");
+        assert!(!lies([-1.0, 1.0, 1e-3], [5.0, 1.0, 1e-3]), "above");
+        assert!(!lies([-1.0, 1.0, -1.0], [5.0, 1.0, 1.0]), "through");
+        let flat = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]].map(Vec3::from);
+        assert!(!lies_over(flat[0], flat[2], flat), "no area");
     }
 
     #[test]

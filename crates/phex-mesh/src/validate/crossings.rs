@@ -1,19 +1,41 @@
-//! Edges that pass through faces they do not belong to, and faces that overlap at the boundary.
+//! Edges that pass through faces they do not belong to or lie over them, and faces that overlap at
+//! the boundary.
 
 use super::violation::{Violation, edge_faces};
 use crate::clipped::ClippedMesh;
-use crate::segment::{TOUCHING, bounds, passes_through, shares};
+use crate::segment::{COVERING, TOUCHING, bounds, lies_over, passes_through, shares};
 use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, Topology, Vec3};
+use parry3d_f64::bounding_volume::BoundingVolume;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Height, in mean edges, up to which a face that lies over another one overlaps it.
 const OVERLAP_HEIGHT: f64 = 0.25;
 
+/// An edge and a face that does not hold it.
+type Crossing = (EdgeId, FaceId);
+
+/// All crossings, by edge and then by face.
+pub(super) fn crossings(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Violation> {
+    let clipped = ClippedMesh::new(mesh, faces);
+    let all = [
+        passages(mesh, &clipped),
+        covers(mesh, &clipped),
+        overlaps(mesh, faces),
+    ];
+    let all: BTreeSet<Crossing> = all.into_iter().flatten().collect();
+    let violation = |(edge, face)| Violation::Crossing {
+        edge,
+        vertices: mesh.topology().edge_vertices(edge),
+        face,
+    };
+    all.into_iter().map(violation).collect()
+}
+
 /// Faces that overlap beside the boundary: edges of it that cross, seen along the mean normal of
 /// their faces, which are neighbours or have one in common. Nothing else tells them from faces that
-/// end side by side, since they lie in one plane, nearly. By edge and then by face.
-pub(super) fn overlaps(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Violation> {
+/// end side by side, since they lie in one plane, nearly.
+fn overlaps(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Crossing> {
     let topology = mesh.topology();
     let height = OVERLAP_HEIGHT * mesh.mean_edge();
     let of_face = |f: FaceId| topology.face_half_edges(f).map(|h| topology.edge(h));
@@ -31,11 +53,7 @@ pub(super) fn overlaps(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Violati
                     .any(|other| cross(mesh, [edge, other], normals, height))
         };
         let found: Vec<FaceId> = others.into_iter().filter(crosses).collect();
-        found.into_iter().map(move |face| Violation::Crossing {
-            edge,
-            vertices: topology.edge_vertices(edge),
-            face,
-        })
+        found.into_iter().map(move |face| (edge, face))
     };
     rim.par_iter().flat_map_iter(crossed).collect()
 }
@@ -74,55 +92,56 @@ fn cross(mesh: &HexMesh, edges: [EdgeId; 2], normals: [Vec3; 2], height: f64) ->
         < height
 }
 
-/// All crossings, by edge and then by face.
+/// Edges that pass through faces or lie over them, in their planes.
 ///
 /// A face counts as its ear-clipped triangles. Triangles with a vertex of the edge, and all
 /// triangles of the edge's own faces, are left out. Touching (an end on a face, an edge on an edge)
 /// is no crossing.
-pub(super) fn crossings(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Violation> {
-    let clipped = ClippedMesh::new(mesh, faces);
+fn passages(mesh: &HexMesh, clipped: &ClippedMesh) -> Vec<Crossing> {
     let edges = 0..mesh.topology().n_edges() as u32;
     let found = edges
         .into_par_iter()
-        .flat_map_iter(|e| edge_crossings(mesh, &clipped, EdgeId::new(e)));
+        .flat_map_iter(|e| edge_crossings(mesh, clipped, EdgeId::new(e)));
     found.collect()
 }
 
-fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Violation> {
+/// Faces whose middle lies on another one, by their first edges: no edge tells of two that
+/// coincide.
+fn covers(mesh: &HexMesh, clipped: &ClippedMesh) -> Vec<Crossing> {
+    let near = COVERING * mesh.mean_edge();
+    let faces: Vec<FaceId> = mesh.topology().faces().collect();
+    let both = faces.into_par_iter().zip(clipped.middles());
+    let found = both.filter_map(|(own, middle)| {
+        let face = clipped.other_at(middle, near, own)?;
+        let half_edge = mesh.topology().face_half_edges(own).next()?;
+        Some((mesh.topology().edge(half_edge), face))
+    });
+    found.collect()
+}
+
+fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Crossing> {
     let topology = mesh.topology();
     let vertices = topology.edge_vertices(edge);
     let own: Vec<FaceId> = edge_faces(topology, edge).collect();
     let [from, to] = vertices.map(|v| mesh.position(v));
     let numbers = vertices.map(|v| v.index() as u32);
     let crosses = |t: usize| {
-        let corners = clipped.hierarchy.indices()[t];
+        let corners = clipped.corners(t);
         !own.contains(&clipped.owner[t])
-            && !numbers.iter().any(|v| corners.contains(v))
-            && passes_through(
-                from,
-                to,
-                corners.map(|v| mesh.positions.as_slice()[v as usize]),
-                clipped.diagonal[t],
-            )
+            && !numbers
+                .iter()
+                .any(|v| clipped.hierarchy.indices()[t].contains(v))
+            && (passes_through(from, to, corners, clipped.diagonal[t])
+                || lies_over(from, to, corners))
     };
-    let bounds = bounds(from, to);
+    let bounds = bounds(from, to).loosened(COVERING * (to - from).norm());
     let candidates = clipped
         .hierarchy
         .bvh()
         .intersect_aabb(&bounds)
         .map(|t| t as usize);
-    let mut crossed: Vec<FaceId> = candidates
+    candidates
         .filter(|&t| crosses(t))
-        .map(|t| clipped.owner[t])
-        .collect();
-    crossed.sort();
-    crossed.dedup();
-    crossed
-        .into_iter()
-        .map(|face| Violation::Crossing {
-            edge,
-            vertices,
-            face,
-        })
+        .map(|t| (edge, clipped.owner[t]))
         .collect()
 }

@@ -197,7 +197,6 @@ pub fn violations(
     found.extend(inspection.flipped_faces(surface));
     found.extend(topology.edges().filter_map(|e| inspection.fold(e)));
     found.extend(crossings::crossings(mesh, &inspection.faces));
-    found.extend(crossings::overlaps(mesh, &inspection.faces));
     found
 }
 

@@ -106,8 +106,8 @@ pub enum Violation {
         /// Its number of faces.
         degree: usize,
     },
-    /// The edge passes through the inside of a face that does not hold it, or lies over it at the
-    /// boundary.
+    /// The edge passes through the inside of a face that does not hold it, or lies over it: in its
+    /// plane, or at the boundary. A face that is there twice names its first edge.
     Crossing {
         /// The edge.
         edge: EdgeId,
@@ -315,7 +315,7 @@ impl fmt::Display for Violation {
             } => {
                 write!(
                     f,
-                    "edge {edge} between vertices {a} and {b} passes through face {face}"
+                    "edge {edge} between vertices {a} and {b} passes through face {face}, or lies over it"
                 )
             }
         }

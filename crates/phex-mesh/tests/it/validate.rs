@@ -252,11 +252,14 @@ fn fan(corner: f64) -> HexMesh {
 fn double_cover_at_a_vertex_is_located() {
     assert_eq!(check(&fan(120.0)), []);
     let found = check(&fan(240.0));
-    let [Violation::WrongFan { vertex, turns, .. }] = found[..] else {
+    let fans = of_kind(&found, "wrong_fan");
+    let [Violation::WrongFan { vertex, turns, .. }] = fans[..] else {
         panic!("{found:?}")
     };
-    assert!(vertex == VertexId::new(0) && (turns - 2.0).abs() < 1e-12);
-    assert!(found[0].to_string().contains("2.00 times"));
+    assert!(*vertex == VertexId::new(0) && (turns - 2.0).abs() < 1e-12);
+    assert!(fans[0].to_string().contains("2.00 times"));
+    // Its faces lie over each other.
+    assert_eq!(of_kind(&found, "crossing").len() + 1, found.len());
 }
 
 /// Two faces at a vertex of the boundary, at which each has the same angle, degrees.
@@ -401,6 +404,30 @@ fn interpenetrating_pieces_cross() {
     // A wider wall is cut by two edges of the hexagon instead.
     let found = check(&union(&[hexagon, wall(2.0)]));
     assert_eq!(of_kind(&found, "crossing").len(), 2);
+}
+
+#[test]
+fn pieces_that_lie_over_each_other_in_one_plane_cross() {
+    let square = |at: f64, size: f64| {
+        let corner = |x: f64, y: f64| [at + x * size, y * size, 0.0];
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        single(&corners.map(|(x, y)| corner(x, y)))
+    };
+    // Beside each other; half over each other, which edges tell; one inside the other; twice the
+    // same one, which no edge tells.
+    for (at, size, is_over) in [
+        (1.0, 1.0, false),
+        (0.5, 1.0, true),
+        (0.25, 0.5, true),
+        (0.0, 1.0, true),
+    ] {
+        let mesh = union(&[square(0.0, 1.0), square(at, size)]);
+        for rotation in [Vec3::zeros(), Vec3::new(0.3, -1.1, 0.7)].map(Rotation3::new) {
+            let found = check(&mapped(&mesh, |p| rotation * p * 40.0));
+            assert_eq!(of_kind(&found, "crossing").len(), found.len(), "{found:?}");
+            assert_eq!(!found.is_empty(), is_over, "{at}: {found:?}");
+        }
+    }
 }
 
 #[test]
