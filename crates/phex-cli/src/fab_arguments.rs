@@ -106,7 +106,7 @@ pub struct FabCommand {
 /// Where the thickness goes from the mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum PanelSide {
-    /// Inwards: the mesh is the outer face
+    /// Inwards, against the normals: the mesh is the outer face
     #[default]
     Inside,
     /// Outwards, along the normals

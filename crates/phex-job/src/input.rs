@@ -3,7 +3,9 @@
 use crate::error::JobError;
 use phex::report::InputFile;
 use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup, shown};
-use phex_mesh::{HexMesh, LARGEST_COORDINATE, PolygonSoup, SurfaceParts, TriangleSurface, Vec3};
+use phex_mesh::{
+    HexMesh, LARGEST_COORDINATE, PolygonSoup, SurfaceNotes, SurfaceParts, TriangleSurface, Vec3,
+};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -111,13 +113,24 @@ impl MeshFile {
     pub fn sewn_polygon_mesh(&self) -> Result<(HexMesh, Vec<String>), JobError> {
         let sewn = self.soup.sewn();
         let sewn = sewn.and_then(|(soup, notes)| Some((HexMesh::from_soup(&soup).ok()?, notes)));
-        if let Some((mesh, notes)) = sewn {
-            return Ok((mesh, notes.sentences()));
-        }
-        let (mesh, dropped) = self.polygon_mesh()?;
-        let told = (dropped > 0)
-            .then(|| format!("{dropped} vertices belong to no face and were left out"));
-        Ok((mesh, told.into_iter().collect()))
+        let (mesh, notes) = match sewn {
+            Some(sewn) => sewn,
+            None => {
+                let (mesh, unused_vertices) = self.polygon_mesh()?;
+                let notes = SurfaceNotes {
+                    unused_vertices,
+                    ..SurfaceNotes::default()
+                };
+                (mesh, notes)
+            }
+        };
+        let looks_inwards =
+            mesh.topology().boundary_loops().is_empty() && mesh.to_soup().volume() < 0.0;
+        let notes = SurfaceNotes {
+            inward_bodies: usize::from(looks_inwards),
+            ..notes
+        };
+        Ok((mesh, notes.sentences()))
     }
 }
 

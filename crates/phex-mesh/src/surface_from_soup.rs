@@ -88,6 +88,8 @@ pub struct SurfaceNotes {
     /// Largest distance over which they were joined, in the unit of the coordinates; zero for one
     /// below 1e-9 diagonals.
     pub widest_gap: f64,
+    /// Closed components whose normals point inwards.
+    pub inward_bodies: usize,
 }
 
 /// A connected surface and where its elements come from.
@@ -124,6 +126,10 @@ impl SurfaceNotes {
             ),
             (self.cut_polygons, "polygons were cut into triangles"),
             (self.dropped_faces, "faces without area were left out"),
+            (
+                self.inward_bodies,
+                "closed parts have normals that point inwards, by which offsets and `fab --side` go",
+            ),
         ];
         let counted = counted.into_iter().filter(|&(count, _)| count > 0);
         let seams = (self.sewn_edges > 0).then(|| {
@@ -224,8 +230,14 @@ impl TriangleSurface {
         let triangles = cut_polygons(soup, &sides.turned)?;
         check_areas(&soup.positions, &triangles, largest)?;
         let components = split(soup, &triangles, &sides)?;
+        let looks_inwards = |c: &&SurfaceComponent| {
+            let topology = c.surface.topology();
+            let triangles = topology.faces().map(|f| c.surface.corners(f));
+            topology.boundary_loops().is_empty() && volume(triangles) < 0.0
+        };
         let notes = SurfaceNotes {
             unused_vertices,
+            inward_bodies: components.iter().filter(looks_inwards).count(),
             turned_faces: sides.turned.iter().filter(|&&turned| turned).count(),
             cut_polygons: soup.faces.iter().filter(|f| f.len() > 3).count(),
             ..SurfaceNotes::default()
@@ -261,6 +273,25 @@ impl PolygonSoup {
         Some((sewn.soup.without_unused_vertices(), notes))
     }
 
+    /// Volume inside closed faces, which are planar, in cubic units of the coordinates: positive if
+    /// their normals point out.
+    ///
+    /// ```
+    /// use phex_mesh::{PolygonSoup, Vec3};
+    /// let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Vec3::from).to_vec();
+    /// let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]].map(|f| f.to_vec()).to_vec();
+    /// assert!((PolygonSoup { positions, faces }.volume() - 1.0 / 6.0).abs() < 1e-15);
+    /// ```
+    pub fn volume(&self) -> f64 {
+        let at = |k: u32| self.positions[k as usize];
+        let fan = |face: &Vec<u32>| {
+            let sides = 2..face.len();
+            let triangle = |k: usize| [face[0], face[k - 1], face[k]].map(at);
+            sides.map(triangle).collect::<Vec<_>>()
+        };
+        volume(self.faces.iter().flat_map(fan))
+    }
+
     /// The same faces without vertices that none of them names; indices that do not exist are left
     /// for others to find.
     pub fn without_unused_vertices(&self) -> Self {
@@ -286,6 +317,18 @@ impl PolygonSoup {
             faces: self.faces.iter().map(renumber).collect(),
         }
     }
+}
+
+/// Volume inside triangles, measured from a corner of the first of them: far from the origin, it
+/// would be the difference of large numbers.
+fn volume(triangles: impl Iterator<Item = [Vec3; 3]>) -> f64 {
+    let mut triangles = triangles.peekable();
+    let origin = triangles.peek().map_or(Vec3::zeros(), |t| t[0]);
+    let tetrahedra = triangles.map(|t| {
+        let [a, b, c] = t.map(|p| p - origin);
+        a.dot(&b.cross(&c))
+    });
+    tetrahedra.sum::<f64>() / 6.0
 }
 
 fn check_size(soup: &PolygonSoup) -> Result<(), TopologyError> {

@@ -228,6 +228,22 @@ fn polygons_keep_their_area_and_their_concave_corners() {
 }
 
 #[test]
+fn a_body_whose_normals_point_inwards_is_told() {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let outwards = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    let bodies = |faces: Vec<Vec<u32>>| {
+        let positions = corners.map(|p| Vec3::from(p) + Vec3::repeat(1e6)).to_vec();
+        let parts = TriangleSurface::from_soup(&PolygonSoup { positions, faces }).unwrap();
+        parts.notes.inward_bodies
+    };
+    let inwards = outwards.map(|[a, b, c]| vec![a, c, b]).to_vec();
+    assert_eq!(bodies(outwards.map(Vec::from).to_vec()), 0);
+    assert_eq!(bodies(inwards.clone()), 1);
+    // An open surface has no inside.
+    assert_eq!(bodies(inwards[..3].to_vec()), 0);
+}
+
+#[test]
 fn crossing_and_flat_polygons_are_named() {
     let crossing = soup(
         &[

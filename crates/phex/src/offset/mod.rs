@@ -91,7 +91,7 @@ pub use layers::{SafeDistance, SafeDistances, layer, safe_distances, safe_distan
 pub use null_space::Rank;
 pub use options::OffsetOptions;
 pub use signs::{EdgeSigns, SIGNED_FAIRNESS, SignError};
-pub use solids::{PanelSolid, joined, panel_solids, volume};
+pub use solids::{PanelSolid, joined, panel_solids};
 pub use space::ParallelSpace;
 pub use vertex_normal::{Displacement, NormalMethod, TrivalentVertex, vertex_normal};
 pub use vertex_offset::{Holonomy, SphericalMesh, spherical_mesh, vertex_gauss_image};

@@ -58,22 +58,8 @@ impl PanelSolid {
 
     /// Volume, positive if the normals of [`surface`](Self::surface) point out.
     pub fn volume(&self) -> f64 {
-        volume(&self.surface())
+        self.surface().volume()
     }
-}
-
-/// Volume inside a closed polygon mesh with planar faces.
-pub fn volume(soup: &PolygonSoup) -> f64 {
-    let Some(&origin) = soup.positions.first() else {
-        return 0.0;
-    };
-    let at = |k: u32| soup.positions[k as usize] - origin;
-    let of_face = |face: &Vec<u32>| -> f64 {
-        let fan = face.windows(2).skip(1);
-        fan.map(|w| at(face[0]).dot(&at(w[0]).cross(&at(w[1]))))
-            .sum()
-    };
-    soup.faces.iter().map(of_face).sum::<f64>() / 6.0
 }
 
 /// All solids as one soup; each is a component of its own, in their order.

@@ -1,7 +1,6 @@
 //! Offsets of meshes that the pipeline makes.
 
 use phex::offset::face_normals;
-use phex::offset::volume;
 use phex::offset::{
     OffsetError, OffsetOptions, PanelSolid, beam_axes, face_gauss_image, face_offset, layer,
     panel_solids, safe_distances, vertex_gauss_image,
@@ -58,7 +57,7 @@ fn check_solids(name: &str, mesh: &HexMesh, d: f64) {
         assert!(topology.boundary_loops().is_empty(), "{name}: watertight");
     }
     if mesh.topology().boundary_loops().is_empty() {
-        let shell = volume(&upper.to_soup()) - volume(&mesh.to_soup());
+        let shell = upper.to_soup().volume() - mesh.to_soup().volume();
         let sum: f64 = solids.iter().map(PanelSolid::volume).sum();
         assert!((sum - shell).abs() < 1e-11 * shell, "{name}: volumes");
     }

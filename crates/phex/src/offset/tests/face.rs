@@ -2,7 +2,6 @@
 
 use super::fixtures::*;
 use crate::offset::face_offset::face_normals;
-use crate::offset::solids::volume;
 use crate::offset::*;
 use crate::optimise::tests::fixtures::planar_paraboloid;
 use phex_mesh::{FlatFace, HexMesh, PerFace, Vec3, VertexId, Violation};
@@ -201,16 +200,16 @@ fn areas_and_volumes_follow_steiner() {
             n.cross(&m).dot(&along) / (1.0 + n.dot(&m))
         };
         let h: f64 = topology.edges().map(bend).sum();
-        let (a, v) = (area(&mesh), volume(&mesh.to_soup()));
+        let (a, v) = (area(&mesh), mesh.to_soup().volume());
         let gauss = image(&mesh);
         // Faces of the Gauss image count with their orientation.
-        let turned = 3.0 * volume(&gauss.mesh(&mesh).to_soup());
+        let turned = 3.0 * gauss.mesh(&mesh).to_soup().volume();
         for d in [0.05, 0.3, -0.04] {
             let moved = gauss.offset(&mesh, d);
             let expected = a + 2.0 * h * d + turned * d * d;
             assert!((area(&moved) - expected).abs() < 1e-12 * a, "area at {d}");
             let expected = v + a * d + h * d * d + turned * d.powi(3) / 3.0;
-            let found = volume(&moved.to_soup());
+            let found = moved.to_soup().volume();
             assert!((found - expected).abs() < 1e-12 * v, "volume at {d}");
         }
     }

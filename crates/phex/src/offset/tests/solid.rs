@@ -1,7 +1,6 @@
 //! Panels, beams and nodes between layers.
 
 use super::fixtures::*;
-use crate::offset::solids::volume;
 use crate::offset::*;
 use crate::optimise::tests::fixtures::planar_paraboloid;
 use phex_mesh::{FlatFace, HexMesh, Topology};
@@ -25,7 +24,7 @@ fn solids_are_closed_and_fill_the_shell() {
     ] {
         let [lower, upper] = layers(&mesh, 0.05, 0.2);
         let solids = panel_solids(&lower, &upper, 0.0).unwrap();
-        let shell = volume(&upper.to_soup()) - volume(&lower.to_soup());
+        let shell = upper.to_soup().volume() - lower.to_soup().volume();
         assert!((total(&solids) - shell).abs() < 1e-12 * shell);
         for solid in &solids {
             let soup = solid.surface();
@@ -132,7 +131,7 @@ fn one_soup_for_all_solids() {
     let soup = joined(&solids);
     let topology = Topology::from_faces(soup.positions.len(), &soup.faces).unwrap();
     assert_eq!(topology.components().1, 12);
-    assert!((volume(&soup) - total(&solids)).abs() < 1e-13);
+    assert!((soup.volume() - total(&solids)).abs() < 1e-13);
 }
 
 /// Between a mesh and its offset, edges and node axes at both ends lie in one plane.
