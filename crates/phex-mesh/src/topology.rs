@@ -83,7 +83,10 @@ pub enum TopologyError {
         second: FaceId,
     },
     /// The faces at a vertex form more than one fan.
-    #[error("the faces at vertex {vertex} form more than one fan (a bow-tie vertex)")]
+    #[error(
+        "the faces at vertex {vertex} form more than one fan (a bow-tie vertex): give each of them a \
+         vertex of its own, or take away all but one"
+    )]
     BowTieVertex {
         /// The vertex.
         vertex: VertexId,
