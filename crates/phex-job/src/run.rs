@@ -22,7 +22,7 @@ use phex::quality::References;
 use phex::repetition::Repetition;
 use phex::report::{FeatureSizes, InputFile, RunReport, StageTime};
 use phex::{Event, MeshOptions, Progress, Session};
-use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface};
+use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface, VertexId};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -236,6 +236,8 @@ impl<'a> MeshTask<'a> {
         let thin = components.iter();
         let thin = thin.filter_map(|part| thinner_than(edge, &part.surface));
         thin.for_each(|note| notes.say(note));
+        let holes = pinholes(edge, &facets);
+        holes.into_iter().for_each(|note| notes.say(note));
         let mut settings = job.settings.complete(panels);
         let (stages, given) = (&mut settings.stages, job.given.clone());
         (settings.steering).apply(given.steering, &mut stages.steering, &mut stages.optimise);
@@ -505,6 +507,28 @@ fn thinner_than(edge: f64, surface: &TriangleSurface) -> Option<String> {
     ))
 }
 
+/// What is said of holes whose rims are shorter than half of a panel's, `edge` being the length of a
+/// panel's edge: most often a triangle of the file is missing there.
+fn pinholes(edge: f64, facets: &TriangleSurface) -> Option<String> {
+    let at = |v: &VertexId| facets.positions()[*v];
+    let length = |rim: &Vec<VertexId>| -> f64 {
+        let next = rim.iter().cycle().skip(1);
+        rim.iter()
+            .zip(next)
+            .map(|(v, w)| (at(w) - at(v)).norm())
+            .sum()
+    };
+    let mut small = facets.boundary_loops();
+    small.retain(|rim| length(rim) < 3.0 * edge);
+    // So many digits as tell the place.
+    let [x, y, z] = <[f64; 3]>::from(at(small.first()?.first()?)).map(|x| x as f32);
+    let holes = small.len();
+    Some(format!(
+        "{holes} holes are smaller than half a panel, the first at ({x}, {y}, {z}): panels keep them open; close them \
+         where triangles of the file are missing"
+    ))
+}
+
 /// What is set and a warm start does not heed, and what asks for a boundary that there is not.
 fn without_effect(job: &MeshJob, facets: &TriangleSurface) -> Vec<String> {
     let mut told = Vec::new();
@@ -661,6 +685,30 @@ mod tests {
         assert_eq!(thinner_than(0.1, &plate), None);
         faces.pop();
         assert_eq!(thinner_than(0.5, &surface(&faces)), None);
+    }
+
+    #[test]
+    fn a_missing_triangle_is_told() {
+        let at = |i: u32, j: u32| i * 6 + j;
+        let corner = |k: u32| phex_mesh::Vec3::new(f64::from(k % 6), f64::from(k / 6), 0.0);
+        let squares = (0..5).flat_map(|i| (0..5).map(move |j| (i, j)));
+        let halves = squares.flat_map(|(i, j)| {
+            let lower = vec![at(i, j), at(i, j + 1), at(i + 1, j + 1)];
+            [lower, vec![at(i, j), at(i + 1, j + 1), at(i + 1, j)]]
+        });
+        let mut faces: Vec<Vec<u32>> = halves.collect();
+        let surface = |faces: &[Vec<u32>]| {
+            let soup = phex_mesh::PolygonSoup {
+                positions: (0..36).map(corner).collect(),
+                faces: faces.to_vec(),
+            };
+            TriangleSurface::from_soup(&soup).unwrap().whole()
+        };
+        assert_eq!(pinholes(2.0, &surface(&faces)), None);
+        faces.remove(24);
+        let told = pinholes(2.0, &surface(&faces));
+        assert!(told.is_some_and(|note| note.starts_with("1 holes") && note.contains(", 0): ")));
+        assert_eq!(pinholes(1.0, &surface(&faces)), None, "wider than panels");
     }
 
     #[test]
