@@ -120,7 +120,7 @@ impl HexMesh {
     /// Mean of the unit normals of the faces at a vertex, normalised; 0 where they cancel out.
     pub fn mean_normal(&self, v: VertexId) -> Vec3 {
         let normal = |f| self.area_vector(f).try_normalize(0.0).unwrap_or_default();
-        let faces = self.topology.outgoing(v).map(|h| self.topology.face(h));
+        let faces = self.topology.faces_at(v);
         let sum: Vec3 = faces.map(normal).sum();
         sum.try_normalize(1e-12).unwrap_or_default()
     }

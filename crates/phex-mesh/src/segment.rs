@@ -52,8 +52,9 @@ pub(crate) fn shares<const N: usize>(values: [f64; N]) -> [f64; N] {
     values.map(|x| x / total)
 }
 
-/// Exact sign of the volume of a tetrahedron.
-fn volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
+/// Six times the volume of a tetrahedron, cubic model units, with its exact sign: positive if `d`
+/// lies behind the triangle `abc`, whose front is where it runs counter-clockwise.
+pub fn volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
     let coord = |p: Vec3| Coord3D {
         x: p.x,
         y: p.y,

@@ -6,6 +6,7 @@
 
 use crate::ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
 use crate::per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
+use std::ops::Neg;
 use thiserror::Error;
 
 const NONE: u32 = u32::MAX;
@@ -316,6 +317,30 @@ impl Topology {
     pub fn half_edges(&self) -> impl ExactSizeIterator<Item = HalfEdgeId> + use<> {
         (0..self.n_half_edges()).map(HalfEdgeId::from_index)
     }
+    /// The vertices on the boundary.
+    pub fn boundary_vertices(&self) -> impl Iterator<Item = VertexId> {
+        self.vertices().filter(|v| self.is_boundary_vertex(*v))
+    }
+    /// The vertices that are not on the boundary.
+    pub fn inner_vertices(&self) -> impl Iterator<Item = VertexId> {
+        self.vertices().filter(|v| !self.is_boundary_vertex(*v))
+    }
+    /// The edges that one face holds.
+    pub fn boundary_edges(&self) -> impl Iterator<Item = EdgeId> {
+        self.edges().filter(|e| self.is_boundary_edge(*e))
+    }
+    /// The edges that two faces hold.
+    pub fn inner_edges(&self) -> impl Iterator<Item = EdgeId> {
+        self.edges().filter(|e| !self.is_boundary_edge(*e))
+    }
+    /// The faces that have an edge on the boundary.
+    pub fn boundary_faces(&self) -> impl Iterator<Item = FaceId> {
+        self.faces().filter(|f| self.is_boundary_face(*f))
+    }
+    /// The faces that have no edge on the boundary.
+    pub fn inner_faces(&self) -> impl Iterator<Item = FaceId> {
+        self.faces().filter(|f| !self.is_boundary_face(*f))
+    }
     /// The vertex where a half-edge starts.
     #[inline]
     pub fn origin(&self, h: HalfEdgeId) -> VertexId {
@@ -336,6 +361,11 @@ impl Topology {
     #[inline]
     pub fn face(&self, h: HalfEdgeId) -> FaceId {
         self.face[h]
+    }
+    /// The face on the other side of the edge, or `None` on the boundary.
+    #[inline]
+    pub fn across(&self, h: HalfEdgeId) -> Option<FaceId> {
+        self.twin(h).map(|t| self.face[t])
     }
     /// The undirected edge of a half-edge.
     #[inline]
@@ -369,11 +399,46 @@ impl Topology {
     pub fn edge_half_edge(&self, e: EdgeId) -> HalfEdgeId {
         self.edge_half_edge[e]
     }
+    /// What a half-edge has of a quantity that its edge has in the direction of
+    /// [`Self::edge_half_edge`]: the same, or the opposite where it runs the other way.
+    #[inline]
+    pub fn along<T: Neg<Output = T>>(&self, h: HalfEdgeId, of_edge: T) -> T {
+        if self.runs_along(h) {
+            of_edge
+        } else {
+            -of_edge
+        }
+    }
+    /// What an edge has of such a quantity in the direction that leads away from one of its ends.
+    #[inline]
+    pub fn away_from<T: Neg<Output = T>>(&self, v: VertexId, e: EdgeId, of_edge: T) -> T {
+        if self.origin[self.edge_half_edge[e]] == v {
+            of_edge
+        } else {
+            -of_edge
+        }
+    }
+    /// Whether a half-edge is the one that [`Self::edge_half_edge`] gives for its edge.
+    #[inline]
+    pub fn runs_along(&self, h: HalfEdgeId) -> bool {
+        self.edge_half_edge[self.edge[h]] == h
+    }
     /// The two ends of an edge.
     #[inline]
     pub fn edge_vertices(&self, e: EdgeId) -> [VertexId; 2] {
         let h = self.edge_half_edge[e];
         [self.origin(h), self.target(h)]
+    }
+    /// The one or two faces of an edge, that on the left of [`Self::edge_half_edge`] first.
+    pub fn edge_faces(&self, e: EdgeId) -> impl Iterator<Item = FaceId> {
+        let h = self.edge_half_edge[e];
+        [Some(self.face[h]), self.across(h)].into_iter().flatten()
+    }
+    /// The faces on the left and right of [`Self::edge_half_edge`], or `None` on the boundary.
+    #[inline]
+    pub fn faces_beside(&self, e: EdgeId) -> Option<[FaceId; 2]> {
+        let h = self.edge_half_edge[e];
+        Some([self.face[h], self.across(h)?])
     }
     /// Whether only one face holds the edge.
     #[inline]
@@ -398,6 +463,10 @@ impl Topology {
     pub fn face_half_edges(&self, f: FaceId) -> impl ExactSizeIterator<Item = HalfEdgeId> + use<> {
         let range = self.face_start[f.index()] as usize..self.face_start[f.index() + 1] as usize;
         range.map(HalfEdgeId::from_index)
+    }
+    /// Faces across the edges of a face, counter-clockwise.
+    pub fn adjacent_faces(&self, f: FaceId) -> impl Iterator<Item = FaceId> {
+        self.face_half_edges(f).filter_map(|h| self.across(h))
     }
     /// Vertices of a face, counter-clockwise.
     pub fn face_vertices(&self, f: FaceId) -> &[VertexId] {
@@ -426,6 +495,10 @@ impl Topology {
             next: Some(start),
         }
     }
+    /// Faces at a vertex, counter-clockwise, in the order of [`Self::outgoing`].
+    pub fn faces_at(&self, v: VertexId) -> impl Iterator<Item = FaceId> {
+        self.outgoing(v).map(|h| self.face[h])
+    }
     /// Number of faces at a vertex.
     pub fn face_degree(&self, v: VertexId) -> usize {
         self.outgoing(v).count()
@@ -434,17 +507,21 @@ impl Topology {
     pub fn edge_degree(&self, v: VertexId) -> usize {
         self.face_degree(v) + usize::from(self.on_boundary[v])
     }
+    /// Edges at a vertex with their other ends, counter-clockwise.
+    pub fn spokes(&self, v: VertexId) -> Vec<(EdgeId, VertexId)> {
+        let mut spokes = Vec::with_capacity(6);
+        for h in self.outgoing(v) {
+            spokes.push((self.edge(h), self.target(h)));
+            let back = self.prev(h);
+            if self.twin(back).is_none() {
+                spokes.push((self.edge(back), self.origin(back)));
+            }
+        }
+        spokes
+    }
     /// Vertices joined to `v` by an edge, counter-clockwise.
     pub fn neighbours(&self, v: VertexId) -> Vec<VertexId> {
-        let mut ring: Vec<VertexId> = self.outgoing(v).map(|h| self.target(h)).collect();
-        if self.on_boundary[v] {
-            let last = self
-                .outgoing(v)
-                .last()
-                .expect("every vertex has an outgoing half-edge");
-            ring.push(self.origin(self.prev(last)));
-        }
-        ring
+        self.spokes(v).into_iter().map(|(_, w)| w).collect()
     }
     /// Boundary loops, each in the direction of its half-edges (the surface lies to the left).
     pub fn boundary_loops(&self) -> Vec<Vec<VertexId>> {
@@ -482,8 +559,7 @@ impl Topology {
             component[seed] = count;
             stack.push(seed);
             while let Some(f) = stack.pop() {
-                for t in self.face_half_edges(f).filter_map(|h| self.twin(h)) {
-                    let g = self.face(t);
+                for g in self.adjacent_faces(f) {
                     if component[g] == NONE {
                         component[g] = count;
                         stack.push(g);

@@ -364,9 +364,7 @@ pub(crate) fn not_flat(
             false => 0.0,
         }
     };
-    let inner = topology
-        .vertices()
-        .filter(|v| !topology.is_boundary_vertex(*v));
+    let inner = topology.inner_vertices();
     let flat: Vec<VertexId> = inner.filter(|v| ratio(v) < DEVELOPABLE_RATIO).collect();
     let area: f64 = flat.iter().map(|v| area_at(surface, *v)).sum();
     let clearest = flat
@@ -388,7 +386,7 @@ pub(crate) fn not_flat(
 /// Two thirds of the area of the triangles at a vertex.
 fn area_at(surface: &TriangleSurface, v: VertexId) -> f64 {
     let topology = surface.topology();
-    let around = topology.outgoing(v).map(|h| topology.face(h));
+    let around = topology.faces_at(v);
     around.map(|f| surface.area_vector(f).norm() / 3.0).sum()
 }
 
@@ -428,8 +426,8 @@ fn ring(topology: &Topology, centre: VertexId) -> Option<Vec<VertexId>> {
         if rim.iter().any(|v| topology.is_boundary_vertex(*v)) {
             return None;
         }
-        let next = rim.iter().flat_map(|v| topology.outgoing(*v));
-        let next: BTreeSet<VertexId> = next.map(|h| topology.target(h)).collect();
+        let next = rim.iter().flat_map(|v| topology.neighbours(*v));
+        let next: BTreeSet<VertexId> = next.collect();
         rim = next.into_iter().filter(|v| seen.insert(*v)).collect();
     }
     (!rim.is_empty()).then_some(rim)
@@ -463,9 +461,8 @@ const CREASE: f64 = 30.0;
 pub(crate) fn resolved(surface: &TriangleSurface, method: &'static str) -> Result<(), DomainError> {
     let topology = surface.topology();
     let turn = |e: EdgeId| {
-        let h = topology.edge_half_edge(e);
-        let [a, b] = [h, topology.twin(h)?].map(|h| surface.area_vector(topology.face(h)));
-        Some((topology.origin(h), a.angle(&b).to_degrees()))
+        let [a, b] = (topology.faces_beside(e)?).map(|f| surface.area_vector(f));
+        Some((topology.edge_vertices(e)[0], a.angle(&b).to_degrees()))
     };
     let turns = topology.edges().filter_map(turn);
     let sharpest = turns.max_by(|a, b| a.1.total_cmp(&b.1));

@@ -10,7 +10,7 @@ use crate::smooth_surface::{
     self, Coarsened, CutShort, Normalised, SmoothTarget, TargetKind, boundary_corners,
 };
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
-use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::sync::Arc;
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
@@ -282,10 +282,7 @@ impl Ground {
     /// Panels brought back to the boundary.
     pub fn trimmed(&self, mesh: &HexMesh, fine: &TriangleSurface) -> Result<Trimmed, TrimError> {
         let Some(trimming) = &self.trimming else {
-            return Ok(Trimmed {
-                mesh: mesh.clone(),
-                parent: PerFace::from_vec(mesh.topology().faces().collect()),
-            });
+            return Ok(Trimmed::whole(mesh.clone()));
         };
         let domain = Domain {
             extended: fine,
@@ -370,9 +367,7 @@ mod tests {
         };
         let ground = Ground::new(&strips, 200, &options);
         let fine = ground.smooth.finest();
-        let topology = fine.topology();
-        let ends = topology.edges().map(|e| topology.edge_vertices(e));
-        let lengths = ends.map(|[a, b]| (fine.positions()[a] - fine.positions()[b]).norm());
+        let lengths = fine.topology().edges().map(|e| fine.edge_length(e));
         let longest = lengths.fold(0.0, f64::max);
         let panel = mean_length(&strips, 200);
         assert!(longest < 0.6 * panel, "{longest} of {panel}");

@@ -87,7 +87,7 @@ pub fn refit_surface(
 
 fn with_result(mut run: MeshRun, result: Optimised, clock: Clock<'_>) -> MeshRun {
     run.statistics.factorisations += result.outcome.factorisations;
-    run.statistics.runs.extend(result.runs);
+    run.statistics.runs.push(result.run);
     run.mesh = result.mesh;
     run.outcome = result.outcome;
     run.stages = clock.stages;

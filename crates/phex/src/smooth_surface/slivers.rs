@@ -53,8 +53,7 @@ pub(super) fn without_slivers(
         return None;
     }
     let left = topology.faces().filter(|f| is_left[*f]);
-    let corners = |f| std::array::from_fn(|k| topology.face_vertices(f)[k].index() as u32);
-    let faces: Vec<[u32; 3]> = left.map(corners).collect();
+    let faces: Vec<[u32; 3]> = left.map(|f| surface.triangle(f)).collect();
     TriangleSurface::new(surface.positions().as_slice().to_vec(), &faces).ok()
 }
 

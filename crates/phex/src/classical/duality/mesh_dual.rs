@@ -62,7 +62,7 @@ impl DualTriangles {
         if vertex_of_face.is_empty() {
             return Err(DualityError::NoInterior);
         }
-        let ring = |v: &VertexId| topology.outgoing(*v).map(|h| topology.face(h));
+        let ring = |v: &VertexId| topology.faces_at(*v);
         let mut used = vec![false; topology.n_faces()];
         let around = vertex_of_face.iter().flat_map(ring);
         around.for_each(|f| used[f.index()] = true);
