@@ -26,6 +26,14 @@ pub struct LocatedVertex {
     pub position: Vec3,
 }
 
+impl LocatedVertex {
+    /// A vertex of a surface.
+    pub(crate) fn of(surface: &TriangleSurface, vertex: VertexId) -> Self {
+        let position = surface.positions()[vertex];
+        Self { vertex, position }
+    }
+}
+
 impl std::fmt::Display for LocatedVertex {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let p = self.position;
@@ -308,10 +316,7 @@ fn extreme(
     let best = sure
         .into_iter()
         .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
-    (share > SIGN_SHARE).then(|| LocatedVertex {
-        vertex: best.0,
-        position: surface.positions()[best.0],
-    })
+    (share > SIGN_SHARE).then(|| LocatedVertex::of(surface, best.0))
 }
 
 /// That there is one boundary curve at the most.
@@ -329,10 +334,7 @@ pub(crate) fn without_holes(
         Some(&vertex) => Err(DomainError::Holes {
             method,
             loops: loops.len(),
-            place: LocatedVertex {
-                vertex,
-                position: surface.positions()[vertex],
-            },
+            place: LocatedVertex::of(surface, vertex),
         }),
     }
 }
@@ -374,10 +376,7 @@ pub(crate) fn not_flat(
         None => Ok(()),
         Some(vertex) => Err(DomainError::Developable {
             method,
-            place: LocatedVertex {
-                vertex,
-                position: surface.positions()[vertex],
-            },
+            place: LocatedVertex::of(surface, vertex),
             consequence,
         }),
     }
@@ -412,10 +411,7 @@ fn flat_point(surface: &TriangleSurface, curvature: &Curvature) -> Option<Locate
         let around = ring.iter().map(curved).sum::<f64>() / ring.len() as f64;
         (curved(&vertex) < FLAT * around).then_some(vertex)
     })?;
-    Some(LocatedVertex {
-        vertex: found,
-        position: surface.positions()[found],
-    })
+    Some(LocatedVertex::of(surface, found))
 }
 
 /// The vertices [`FLAT_RINGS`] edges away; `None` near a boundary.
@@ -468,15 +464,11 @@ pub(crate) fn resolved(surface: &TriangleSurface, method: &'static str) -> Resul
     let sharpest = turns.max_by(|a, b| a.1.total_cmp(&b.1));
     match sharpest.filter(|s| s.1 >= CREASE) {
         None => Ok(()),
-        Some((vertex, degrees)) => {
-            let position = surface.positions()[vertex];
-            let place = LocatedVertex { vertex, position };
-            Err(DomainError::Unresolved {
-                method,
-                place,
-                degrees,
-            })
-        }
+        Some((vertex, degrees)) => Err(DomainError::Unresolved {
+            method,
+            place: LocatedVertex::of(surface, vertex),
+            degrees,
+        }),
     }
 }
 

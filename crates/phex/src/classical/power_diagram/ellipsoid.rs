@@ -50,10 +50,7 @@ impl Ellipsoid {
 /// # Errors
 /// If the quadric is no ellipsoid, or a vertex lies off it.
 pub(crate) fn fit_ellipsoid(surface: &TriangleSurface) -> Result<Ellipsoid, DomainError> {
-    let place = |vertex| LocatedVertex {
-        vertex,
-        position: surface.positions()[vertex],
-    };
+    let place = |vertex| LocatedVertex::of(surface, vertex);
     let farthest = |e: &Ellipsoid| {
         let distance = |v: VertexId| e.distance(surface.positions()[v]) / surface.diagonal();
         let vertices = surface.topology().vertices().map(|v| (distance(v), v));

@@ -34,10 +34,7 @@ pub(crate) fn shared_normals(
         }
     }
     let far = FAR * surface.mean_edge();
-    let place = |v: VertexId| LocatedVertex {
-        vertex: v,
-        position: surface.positions()[v],
-    };
+    let place = |v: VertexId| LocatedVertex::of(surface, v);
     let twin = |v: VertexId| {
         let holds = |f: &&FaceId| {
             let corners = topology.face_vertices(**f);
