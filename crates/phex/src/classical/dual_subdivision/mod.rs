@@ -37,7 +37,7 @@ pub use domain::one_sign;
 use super::duality::{
     DualTriangles, DualityError, OrientedPlane, Quadric, SubdivisionRule, clear_centre, envelope,
 };
-use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
+use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use refined::{Refined, refined};
 use std::collections::BTreeMap;
 
@@ -73,10 +73,9 @@ pub fn dual_subdivision(
     levels: usize,
 ) -> Result<Vec<HexMesh>, DualityError> {
     let topology = mesh.topology();
-    let inside = |v: &VertexId| !topology.is_boundary_vertex(*v);
     let wrong = topology
-        .vertices()
-        .find(|v| inside(v) && topology.face_degree(*v) != 3);
+        .inner_vertices()
+        .find(|v| topology.face_degree(*v) != 3);
     if let Some(vertex) = wrong {
         let degree = topology.face_degree(vertex);
         return Err(DualityError::Degree { vertex, degree });

@@ -57,8 +57,7 @@ impl DualTriangles {
     /// # Errors
     /// If there is no vertex inside.
     pub fn of(topology: &Topology) -> Result<Self, DualityError> {
-        let inside = |v: &VertexId| !topology.is_boundary_vertex(*v);
-        let vertex_of_face: Vec<VertexId> = topology.vertices().filter(inside).collect();
+        let vertex_of_face: Vec<VertexId> = topology.inner_vertices().collect();
         if vertex_of_face.is_empty() {
             return Err(DualityError::NoInterior);
         }

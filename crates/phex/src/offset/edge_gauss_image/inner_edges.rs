@@ -42,7 +42,7 @@ pub(super) fn inner_edge_image(
     vertex_normals: &PerVertex<Vec3>,
 ) -> Result<Option<EdgeGaussImage>, OffsetError> {
     let t = mesh.topology();
-    let Some(first) = t.edges().find(|&e| !t.is_boundary_edge(e)) else {
+    let Some(first) = t.inner_edges().next() else {
         return Ok(None);
     };
     let circles = PanelCircles::of(mesh, first)?;
@@ -89,7 +89,7 @@ impl<'a> PanelCircles<'a> {
     fn of(mesh: &'a HexMesh, first: EdgeId) -> Result<Self, OffsetError> {
         let t = mesh.topology();
         let normals = face_normals(mesh)?;
-        let inside = t.vertices().find(|&v| !t.is_boundary_vertex(v));
+        let inside = t.inner_vertices().next();
         let (root, radius) = match inside {
             Some(v) => {
                 let around: Vec<FaceId> = t.faces_at(v).collect();
