@@ -148,9 +148,8 @@ impl Ground {
         let coarse = with_fewer_vertices(near, cut.is_some(), panels, options);
         let facets = coarse.as_ref().map_or(near, |c| &c.surface);
 
-        let density = options.cell_density.max(options.field_density);
         let smooth = |surface: &TriangleSurface, panels: usize| {
-            let needed = (density * panels as f64) as usize;
+            let needed = options.cell_vertices(panels) as usize;
             // One step brings a surface with fewer vertices there, but for a few at its boundary.
             let next = (coarse.as_ref()).map(|_| surface.positions().len() + 1);
             let vertices = next.map_or(needed, |next| next.min(needed));
@@ -296,15 +295,10 @@ impl Ground {
     }
 }
 
-/// Vertices that cells need.
-fn needed(panels: usize, options: &MeshOptions) -> f64 {
-    options.cell_density.max(options.field_density) * panels as f64
-}
-
 /// Vertices on which panels are laid out where the input has more: one refinement brings them to
 /// what cells need.
 fn wanted(panels: usize, options: &MeshOptions) -> usize {
-    let before = (0.25 * needed(panels, options)).max(options.field_vertices(panels));
+    let before = (0.25 * options.cell_vertices(panels)).max(options.field_vertices(panels));
     (ENOUGH * before) as usize
 }
 
@@ -331,7 +325,7 @@ fn with_fewer_vertices(
     panels: usize,
     options: &MeshOptions,
 ) -> Option<Coarsened> {
-    let many = FINE * needed(panels, options);
+    let many = FINE * options.cell_vertices(panels);
     let is_fine = was_cut || input.positions().len() as f64 > many;
     (is_fine && options.method == Method::Lattice).then(|| {
         let corners = boundary_corners(input, options.target.corner_angle.to_radians());
@@ -371,7 +365,7 @@ mod tests {
         let longest = lengths.fold(0.0, f64::max);
         let panel = mean_length(&strips, 200);
         assert!(longest < 0.6 * panel, "{longest} of {panel}");
-        let vertices = fine.positions().len() as f64 / needed(200, &options);
+        let vertices = fine.positions().len() as f64 / options.cell_vertices(200);
         assert!((0.8..1.5).contains(&vertices), "{vertices}");
         // Sizes asked for at the two ends are those between them on the way.
         let sizes = ground.options.size_field.unwrap();

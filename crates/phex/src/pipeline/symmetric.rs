@@ -55,8 +55,7 @@ pub(super) fn mesh_with_panels(
     if let Some(reason) = not_symmetric(options) {
         return without(reason.to_owned());
     }
-    let density = options.cell_density.max(options.field_density);
-    let vertices = (density * panels as f64) as usize;
+    let vertices = options.cell_vertices(panels) as usize;
     let smooth = clock.stage("target", || {
         let cut = without_long_triangles(surface, panels, options);
         let near = cut.as_ref().map_or(surface, |c| &c.surface);
