@@ -47,7 +47,7 @@ pub mod validate;
 
 pub use boundary_curve::{BoundaryCurve, BoundaryPoint};
 pub use ear_clip::ear_clip;
-pub use extent::LARGEST_COORDINATE;
+pub use extent::{LARGEST_COORDINATE, bounds};
 pub use face_lists::{insert_before, numbered, turn_edge};
 pub use flat_face::FlatFace;
 pub use hex_mesh::HexMesh;

@@ -1,4 +1,4 @@
-//! Segments: their bounds, and whether they pass through a triangle, by exact signs.
+//! Segments: their boxes, and whether they pass through a triangle, by exact signs.
 
 use crate::Vec3;
 use parry3d_f64::bounding_volume::Aabb;
@@ -16,7 +16,7 @@ pub(crate) fn to_parry(p: Vec3) -> Vector {
 }
 
 /// The box round a segment.
-pub(crate) fn bounds(from: Vec3, to: Vec3) -> Aabb {
+pub(crate) fn segment_box(from: Vec3, to: Vec3) -> Aabb {
     Aabb::new(to_parry(from.inf(&to)), to_parry(from.sup(&to)))
 }
 

@@ -4,9 +4,10 @@
 //! volume hierarchy.
 
 use crate::Vec3;
+use crate::extent::bounds;
 use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::per_element::PerVertex;
-use crate::segment::{bounds, passes_through, to_parry};
+use crate::segment::{passes_through, segment_box, to_parry};
 use crate::topology::{Topology, TopologyError};
 use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::query::PointQueryWithLocation;
@@ -217,10 +218,7 @@ impl TriangleSurface {
 
     /// Corner with the smallest and corner with the largest coordinates.
     pub fn bounding_box(&self) -> (Vec3, Vec3) {
-        let first = self.positions.as_slice()[0];
-        self.positions
-            .iter()
-            .fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p)))
+        bounds(self.positions.iter()).into()
     }
 
     /// Diagonal of the bounding box, the length that percentages refer to.
@@ -309,7 +307,7 @@ impl TriangleSurface {
                     [false; 3],
                 )
         };
-        let near = bounds(from, to).loosened(2.0 * margin);
+        let near = segment_box(from, to).loosened(2.0 * margin);
         let crossed = self.hierarchy().bvh().intersect_aabb(&near).any(crosses);
         let [from, to] = ends.map(|v| self.positions[v]);
         crossed.then(|| (from + to) * 0.5)

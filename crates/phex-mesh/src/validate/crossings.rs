@@ -2,7 +2,7 @@
 
 use super::violation::Violation;
 use crate::clipped::ClippedMesh;
-use crate::segment::{TOUCHING, bounds, passes_through, shares};
+use crate::segment::{TOUCHING, passes_through, segment_box, shares};
 use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, Topology, Vec3};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -104,11 +104,11 @@ fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Vi
                 clipped.diagonal[t],
             )
     };
-    let bounds = bounds(from, to);
+    let near = segment_box(from, to);
     let candidates = clipped
         .hierarchy
         .bvh()
-        .intersect_aabb(&bounds)
+        .intersect_aabb(&near)
         .map(|t| t as usize);
     let mut crossed: Vec<FaceId> = candidates
         .filter(|&t| crosses(t))
