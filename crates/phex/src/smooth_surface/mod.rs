@@ -31,6 +31,7 @@ pub use coarsen::{Coarsened, coarsened};
 pub(crate) use elongated::{CutShort, cut_short};
 pub use extend::{Extension, extend};
 pub use normalise::Normalised;
+pub(crate) use slivers::IN_PLANE;
 pub use subdivide::Refinement;
 
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
