@@ -145,12 +145,10 @@ fn finer_poles(
         .map(|e| pair(sides(e)))
         .zip(new.iter().copied())
         .collect();
-    made.extend(finer.edges.iter().map(|e| {
-        let h = topology.edge_half_edge(*e);
-        let faces =
-            [Some(h), topology.twin(h)].map(|h| h.map_or(FaceId::new(0), |h| topology.face(h)));
+    made.extend(finer.edges.iter().filter_map(|e| {
+        let faces = topology.faces_beside(*e)?;
         let mean = (poles[faces[0]] + poles[faces[1]]) * 0.5;
-        of_pair.get(&pair(faces)).copied().unwrap_or(mean)
+        Some(of_pair.get(&pair(faces)).copied().unwrap_or(mean))
     }));
     Ok(PerFace::from_vec(made))
 }

@@ -8,8 +8,8 @@
 //! *Kinked cells*: each interior vertex moves towards the point where the best planes of its three
 //! panels meet, which is near the circumcentre in the metric `|II|` (Dupin duality): `d = (A^T A +
 //! eps I)^-1 A^T b`, rows of `A` the three normals, `b_i = n_i . (p_i - x)` with the centres `p_i`,
-//! no farther than 0.8 panels. Where panels would suffer, their vertices back off. Where the surface
-//! is nearly flat the planes hardly meet; `eps` is set by the middle singular value.
+//! no farther than 0.8 panels. Where panels would suffer, their vertices back off. Where the
+//! surface is nearly flat the planes hardly meet; `eps` is set by the middle singular value.
 
 use crate::layout::{Layout, VertexKind};
 use crate::optimise::Target;
@@ -124,7 +124,12 @@ impl Smoothing<'_> {
 }
 
 /// A start moved towards the circumcentres of the best planes of its own faces.
-pub(super) fn kinked(topology: &Topology, panels: &Panels, guard: &Guard, given: &Start) -> Start {
+pub(in crate::optimise) fn kinked(
+    topology: &Topology,
+    panels: &Panels,
+    guard: &Guard,
+    given: &Start,
+) -> Start {
     let mean_edge = panels.mean_edge(&given.x);
     let before = points(&given.x);
     let (bad_before, shape) = bad_faces(panels, guard, &given.x);
