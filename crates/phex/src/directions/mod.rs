@@ -24,8 +24,8 @@
 //!
 //! Guaranteed: defined everywhere (a plane gets the isotropic metric and a constant direction);
 //! unit lattice spacing is one intrinsic length; where the metric violates triangle inequalities it
-//! is blended towards them. Fails, with an error, where triangles are degenerate to rounding, so that
-//! a linear system can't be solved.
+//! is blended towards them. Fails, with an error, where triangles are degenerate to rounding, so
+//! that a linear system can't be solved.
 
 pub(crate) mod boundary;
 pub(crate) mod cones;

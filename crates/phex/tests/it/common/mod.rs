@@ -31,8 +31,7 @@ pub fn shape_with(name: &str, parameters: &[(&str, f64)], triangles: usize) -> T
 
 /// The vertex lists of a surface's triangles.
 pub fn triangles(surface: &TriangleSurface) -> Vec<[u32; 3]> {
-    let lists = surface.topology().face_lists();
-    lists.iter().map(|f| [f[0], f[1], f[2]]).collect()
+    surface.triangles().collect()
 }
 
 /// The same triangles with every position mapped.
