@@ -37,8 +37,7 @@ fn row(mesh: &HexMesh, surface: &TriangleSurface) -> Option<String> {
         / outline(surface.topology(), |v| surface.positions()[v]);
     let measures = measure(mesh);
     let elements = &measures.per_element;
-    let rim = topology.boundary_faces();
-    let rim: Vec<FaceId> = rim.collect();
+    let rim: Vec<FaceId> = topology.boundary_faces().collect();
     let areas: Vec<f64> = rim.iter().map(|f| elements.area[*f]).collect();
     let corners = rim.iter().flat_map(|f| topology.face_half_edges(*f));
     let angles = corners.map(|h| elements.corner_angle[h].to_degrees());

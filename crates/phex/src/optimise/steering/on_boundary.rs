@@ -211,8 +211,7 @@ fn beside(mesh: &HexMesh, corners: &BTreeSet<u32>) -> BTreeSet<u32> {
 /// Ends of interior edges slide, vertices at corners stay there.
 fn holds(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
     let topology = mesh.topology();
-    let rim = topology.boundary_vertices();
-    let rim: Vec<VertexId> = rim.collect();
+    let rim: Vec<VertexId> = topology.boundary_vertices().collect();
     let number = |v: VertexId| v.index() as u32;
     let between = rim.iter().filter(|v| topology.face_degree(**v) == 2);
     let mut held: BTreeMap<u32, Hold> = between.map(|v| (number(*v), Hold::OnCurve)).collect();
@@ -224,8 +223,7 @@ fn holds(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
 /// The vertex of the boundary next to each corner of the curves, where there is one within reach.
 pub(super) fn near_corners(mesh: &HexMesh, corners: &[Vec3]) -> Vec<(VertexId, Vec3)> {
     let topology = mesh.topology();
-    let rim = topology.boundary_vertices();
-    let rim: Vec<VertexId> = rim.collect();
+    let rim: Vec<VertexId> = topology.boundary_vertices().collect();
     let reach = CORNER_REACH * mesh.mean_edge();
     let nearest = |corner: &Vec3| {
         let distance = |v: &VertexId| (mesh.position(*v) - corner).norm();
