@@ -13,9 +13,8 @@ use crate::ids::written;
 use crate::labels::PanelText;
 use crate::layer::{Layer, Stroke};
 use crate::nest::Placement;
-use crate::outline::bounds;
-use phex_mesh::Vec2;
 use phex_mesh::io::DxfDrawing;
+use phex_mesh::{Vec2, bounds};
 use phex_picture::strokes::strokes;
 use std::fmt::Write as _;
 

@@ -265,11 +265,9 @@ fn faces_of(error: &OffsetError, mesh: &HexMesh) -> Vec<FaceId> {
         | OffsetError::Gap { face, .. }
         | OffsetError::Volume { face, .. } => vec![*face],
         OffsetError::NotValid { first, .. } => first.faces(mesh.topology()),
-        OffsetError::WrongDegree { vertex, .. } | OffsetError::Incompatible { vertex, .. } => mesh
-            .topology()
-            .outgoing(*vertex)
-            .map(|h| mesh.topology().face(h))
-            .collect(),
+        OffsetError::WrongDegree { vertex, .. } | OffsetError::Incompatible { vertex, .. } => {
+            mesh.topology().faces_at(*vertex).collect()
+        }
         _ => Vec::new(),
     }
 }

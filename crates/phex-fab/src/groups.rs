@@ -35,10 +35,7 @@ impl Groups {
             .map(|e| mesh.edge_length(e) * options.unit_mm)
             .collect();
         let lengths = by_value(&lengths, options.tolerance_mm);
-        let inner_edges: Vec<EdgeId> = topology
-            .edges()
-            .filter(|&e| !topology.is_boundary_edge(e))
-            .collect();
+        let inner_edges: Vec<EdgeId> = topology.inner_edges().collect();
         let angles = dihedrals(mesh, &inner_edges);
         let dihedrals = by_value(&angles, options.angle_tolerance);
         let mut dihedral = PerEdge::filled(topology.n_edges(), None);
@@ -119,11 +116,11 @@ fn dihedrals(mesh: &HexMesh, edges: &[EdgeId]) -> Vec<f64> {
     let flat = FlatFace::all(mesh);
     let topology = mesh.topology();
     let angle = |&edge: &EdgeId| {
-        let h = topology.edge_half_edge(edge);
-        let Some(twin) = topology.twin(h) else {
+        let Some(beside) = topology.faces_beside(edge) else {
             return PI;
         };
-        let [a, b] = [h, twin].map(|h| flat[topology.face(h)].normal());
+        let [a, b] = beside.map(|f| flat[f].normal());
+        let h = topology.edge_half_edge(edge);
         let along =
             (mesh.position(topology.target(h)) - mesh.position(topology.origin(h))).normalize();
         PI - a.cross(&b).dot(&along).atan2(a.dot(&b))

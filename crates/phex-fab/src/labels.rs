@@ -7,10 +7,10 @@
 
 use crate::ids::written;
 use crate::layer::{Layer, Stroke};
-use crate::outline::{bounds, outward, sides};
+use crate::outline::{outward, sides};
 use crate::plate::Plate;
-use phex_mesh::Vec2;
 use phex_mesh::polygon::{contains, point_segment_distance, segments_touch};
+use phex_mesh::{Vec2, bounds};
 use phex_picture::strokes;
 
 /// Height of a side's text over that of the name.

@@ -1,7 +1,7 @@
 //! Polygons whose sides move outwards.
 
-use phex_mesh::Vec2;
 use phex_mesh::polygon::{contains, is_simple, orientation, point_segment_distance};
+use phex_mesh::{Vec2, bounds};
 
 /// Sine of a corner's turn below which its two sides count as one line.
 const STRAIGHT: f64 = 1e-6;
@@ -121,14 +121,6 @@ pub fn convex_hull(points: &[Vec2]) -> Vec<Vec2> {
     let mut hull = chain(&mut sorted.iter().copied());
     hull.extend(chain(&mut sorted.iter().rev().copied()));
     hull
-}
-
-/// Least and largest coordinates.
-pub fn bounds(points: &[Vec2]) -> [Vec2; 2] {
-    let start = [Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY)];
-    points
-        .iter()
-        .fold(start, |[low, high], p| [low.inf(p), high.sup(p)])
 }
 
 /// Sizes of the bounding rectangle of least area, the longer first.

@@ -60,7 +60,7 @@ impl Plate {
         let topology = mesh.topology();
         let side = |(h, shift): (_, &[f64; 2])| PlateSide {
             edge: topology.edge(h),
-            neighbour: topology.twin(h).map(|t| topology.face(t)),
+            neighbour: topology.across(h),
             mitre: f64::atan2(-0.5 * (shift[0] + shift[1]), thickness),
         };
         let sides = topology

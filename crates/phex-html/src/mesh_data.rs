@@ -38,7 +38,7 @@ impl MeshData {
         let number = |f: phex_mesh::FaceId| f.index() as u32;
         let edges = topology.edges().map(|e| {
             let h = topology.edge_half_edge(e);
-            let other = topology.twin(h).map(|t| number(topology.face(t)));
+            let other = topology.across(h).map(number);
             EdgeSides {
                 ends: topology.edge_vertices(e).map(|v| v.index() as u32),
                 faces: [number(topology.face(h)), other.unwrap_or(NO_FACE)],

@@ -5,7 +5,7 @@ use crate::layers::{Curves, Gauss, PackedSurface, StartLayer, other_gauss_images
 use crate::mesh_data::MeshData;
 use crate::{CurveFamily, Report};
 use phex::quality::{Check, ElementKind};
-use phex_mesh::{FaceId, HexMesh, Vec3, Violation};
+use phex_mesh::{FaceId, HexMesh, Vec3, Violation, bounds};
 use phex_picture::maps::{ColourMap, ColourScale, Coloured};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -98,11 +98,7 @@ impl<'a> ViewerData<'a> {
 
 /// Middle of the bounding box.
 pub fn centre(mesh: &HexMesh) -> Vec3 {
-    let first = mesh.positions.as_slice()[0];
-    let (low, high) = mesh
-        .positions
-        .iter()
-        .fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p)));
+    let [low, high] = bounds(&mesh.positions);
     low / 2.0 + high / 2.0
 }
 

@@ -180,7 +180,7 @@ pub fn planarize(
             stage: "optimise".to_owned(),
             seconds,
         }],
-        statistics: value(&run.runs)?,
+        statistics: value(&[&run.run])?,
         cones: Vec::new(),
         classical: None,
         tried: Vec::new(),

@@ -226,8 +226,7 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 fn sharpest(surface: &TriangleSurface) -> f64 {
     let topology = surface.topology();
     let angle = |e| {
-        let h = topology.edge_half_edge(e);
-        let sides = [h, topology.twin(h)?].map(|h| surface.area_vector(topology.face(h)));
+        let sides = topology.faces_beside(e)?.map(|f| surface.area_vector(f));
         Some(sides[0].angle(&sides[1]).to_degrees())
     };
     topology.edges().filter_map(angle).fold(0.0, f64::max)
@@ -236,7 +235,7 @@ fn sharpest(surface: &TriangleSurface) -> f64 {
 /// The panel length that 5 % of the inner panels stay below, and that 95 % do.
 fn panel_lengths(mesh: &HexMesh) -> [f64; 2] {
     let topology = mesh.topology();
-    let inner = topology.faces().filter(|f| !topology.is_boundary_face(*f));
+    let inner = topology.inner_faces();
     let length = |f: FaceId| {
         let (corners, centre): (Vec<Vec3>, Vec3) = (mesh.corners(f).collect(), mesh.centre(f));
         let next = corners.iter().cycle().skip(1);
@@ -291,8 +290,8 @@ impl PanelRows {
         let topology = mesh.topology();
         let panel = |f: FaceId| {
             let centre = mesh.centre(f);
-            let beside = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
-            let ways = beside.map(|h| (mesh.centre(topology.face(h)) - centre).normalize());
+            let beside = topology.adjacent_faces(f);
+            let ways = beside.map(|g| (mesh.centre(g) - centre).normalize());
             (centre, ways.collect::<Vec<Vec3>>())
         };
         let panels = topology.faces().map(panel);

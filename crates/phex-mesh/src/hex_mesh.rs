@@ -1,5 +1,6 @@
 //! The polygon mesh that phex makes: positions and half-edge topology, faces of any valence.
 
+use crate::extent::bounds;
 use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::per_element::PerVertex;
 use crate::topology::{Topology, TopologyError};
@@ -110,17 +111,14 @@ impl HexMesh {
 
     /// Diagonal of the bounding box of the vertices.
     pub fn diagonal(&self) -> f64 {
-        let first = self.positions.as_slice().first().copied();
-        let first = first.unwrap_or_default();
-        let bounds = |(lo, hi): (Vec3, Vec3), p: &Vec3| (lo.inf(p), hi.sup(p));
-        let (lo, hi) = self.positions.iter().fold((first, first), bounds);
-        (hi - lo).norm()
+        let [low, high] = bounds(&self.positions);
+        (high - low).norm()
     }
 
     /// Mean of the unit normals of the faces at a vertex, normalised; 0 where they cancel out.
     pub fn mean_normal(&self, v: VertexId) -> Vec3 {
         let normal = |f| self.area_vector(f).try_normalize(0.0).unwrap_or_default();
-        let faces = self.topology.outgoing(v).map(|h| self.topology.face(h));
+        let faces = self.topology.faces_at(v);
         let sum: Vec3 = faces.map(normal).sum();
         sum.try_normalize(1e-12).unwrap_or_default()
     }

@@ -262,7 +262,7 @@ impl PanelLimits {
                 ),
             ];
             let h = topology.edge_half_edge(e);
-            let beside = topology.twin(h).map(|t| topology.face(t));
+            let beside = topology.across(h);
             let [a, b] = topology.edge_vertices(e).map(|v| mesh.position(v));
             values.into_iter().filter_map(move |(kind, limit, value)| {
                 Some(LimitedFigure {
@@ -298,10 +298,7 @@ fn sharpest(flat: &FlatFace) -> Option<(usize, f64)> {
 /// Angle in degrees between the faces of an edge on the hollow side, in [0, 180]; `None` on the
 /// boundary.
 fn joint_angle(mesh: &HexMesh, faces: &PerFace<FlatFace>, e: EdgeId) -> Option<f64> {
-    let topology = mesh.topology();
-    let h = topology.edge_half_edge(e);
-    let twin = topology.twin(h)?;
-    let [a, b] = [h, twin].map(|h| faces[topology.face(h)].normal());
+    let [a, b] = (mesh.topology().faces_beside(e)?).map(|f| faces[f].normal());
     let turn = a.cross(&b).norm().atan2(a.dot(&b));
     Some(180.0 - turn.to_degrees())
 }

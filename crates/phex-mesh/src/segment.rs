@@ -1,4 +1,4 @@
-//! Segments: their bounds, whether they pass through a triangle, by exact signs, and whether they
+//! Segments: their boxes, whether they pass through a triangle, by exact signs, and whether they
 //! lie over it in its plane.
 
 use crate::Vec3;
@@ -26,7 +26,7 @@ pub(crate) fn from_parry(p: Vector) -> Vec3 {
 }
 
 /// The box round a segment.
-pub(crate) fn bounds(from: Vec3, to: Vec3) -> Aabb {
+pub(crate) fn segment_box(from: Vec3, to: Vec3) -> Aabb {
     Aabb::new(to_parry(from.inf(&to)), to_parry(from.sup(&to)))
 }
 
@@ -87,8 +87,9 @@ pub(crate) fn shares<const N: usize>(values: [f64; N]) -> [f64; N] {
     values.map(|x| x / total)
 }
 
-/// Exact sign of the volume of a tetrahedron.
-fn volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
+/// Six times the volume of a tetrahedron, cubic model units, with its exact sign: positive if `d`
+/// lies behind the triangle `abc`, whose front is where it runs counter-clockwise.
+pub fn volume(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
     let coord = |p: Vec3| Coord3D {
         x: p.x,
         y: p.y,

@@ -4,9 +4,10 @@
 //! volume hierarchy.
 
 use crate::Vec3;
+use crate::extent::bounds;
 use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::per_element::PerVertex;
-use crate::segment::{bounds, passes_through, to_parry};
+use crate::segment::{passes_through, segment_box, to_parry};
 use crate::topology::{Topology, TopologyError};
 use parry3d_f64::bounding_volume::BoundingVolume;
 use parry3d_f64::query::PointQueryWithLocation;
@@ -160,6 +161,34 @@ impl TriangleSurface {
         ]
     }
 
+    /// The centroid of a triangle.
+    pub fn centroid(&self, f: FaceId) -> Vec3 {
+        self.corners(f).iter().sum::<Vec3>() / 3.0
+    }
+
+    /// The numbers of a triangle's vertices, as [`Self::new`] takes them.
+    pub fn triangle(&self, f: FaceId) -> [u32; 3] {
+        let corners = self.topology.face_vertices(f);
+        std::array::from_fn(|k| corners[k].index() as u32)
+    }
+
+    /// Those of all triangles.
+    pub fn triangles(&self) -> impl ExactSizeIterator<Item = [u32; 3]> {
+        self.topology.faces().map(|f| self.triangle(f))
+    }
+
+    /// Length of an edge.
+    pub fn edge_length(&self, e: EdgeId) -> f64 {
+        let [a, b] = self.topology.edge_vertices(e).map(|v| self.positions[v]);
+        (b - a).norm()
+    }
+
+    /// Mean length of the edges.
+    pub fn mean_edge(&self) -> f64 {
+        let t = &self.topology;
+        t.edges().map(|e| self.edge_length(e)).sum::<f64>() / t.n_edges() as f64
+    }
+
     /// Normal of a triangle times twice its area.
     pub fn area_vector(&self, f: FaceId) -> Vec3 {
         let [a, b, c] = self.corners(f);
@@ -189,10 +218,7 @@ impl TriangleSurface {
 
     /// Corner with the smallest and corner with the largest coordinates.
     pub fn bounding_box(&self) -> (Vec3, Vec3) {
-        let first = self.positions.as_slice()[0];
-        self.positions
-            .iter()
-            .fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p)))
+        bounds(self.positions.iter()).into()
     }
 
     /// Diagonal of the bounding box, the length that percentages refer to.
@@ -226,10 +252,7 @@ impl TriangleSurface {
     fn hierarchy(&self) -> &TriMesh {
         self.hierarchy.get_or_init(|| {
             let points = self.positions.iter().map(|&p| to_parry(p)).collect();
-            let corners = |f| self.topology.face_vertices(f);
-            let faces = self.topology.faces();
-            let triangles = faces.map(|f| std::array::from_fn(|k| corners(f)[k].index() as u32));
-            TriMesh::new(points, triangles.collect()).expect("a surface has a triangle")
+            TriMesh::new(points, self.triangles().collect()).expect("a surface has a triangle")
         })
     }
 
@@ -262,11 +285,7 @@ impl TriangleSurface {
     /// pass through each other as all others do; and how far, model units.
     fn nudged(&self) -> (PerVertex<Vec3>, f64) {
         let t = &self.topology;
-        let lengths = t.edges().map(|e| {
-            let [a, b] = t.edge_vertices(e).map(|v| self.positions[v]);
-            (a - b).norm()
-        });
-        let far = NUDGE * lengths.sum::<f64>() / t.n_edges() as f64;
+        let far = NUDGE * self.mean_edge();
         let place = |v: VertexId| {
             let share = |ratio: f64| 2.0 * (ratio * (1.0 + v.index() as f64)).fract() - 1.0;
             let is_fixed = t.is_boundary_vertex(v);
@@ -288,7 +307,7 @@ impl TriangleSurface {
                     [false; 3],
                 )
         };
-        let near = bounds(from, to).loosened(2.0 * margin);
+        let near = segment_box(from, to).loosened(2.0 * margin);
         let crossed = self.hierarchy().bvh().intersect_aabb(&near).any(crosses);
         let [from, to] = ends.map(|v| self.positions[v]);
         crossed.then(|| (from + to) * 0.5)
@@ -385,9 +404,8 @@ fn max_normals(positions: &PerVertex<Vec3>, topology: &Topology) -> PerVertex<Ve
 
 /// Two triangles that share all their edges.
 fn doubled(topology: &Topology) -> Option<[FaceId; 2]> {
-    let across = |h| topology.twin(h).map(|t| topology.face(t));
     topology.faces().find_map(|f| {
-        let mut others = topology.face_half_edges(f).map(across);
+        let mut others = topology.face_half_edges(f).map(|h| topology.across(h));
         let first = others.next()??;
         others.all(|g| g == Some(first)).then_some([f, first])
     })
@@ -430,9 +448,7 @@ mod tests {
         let images = flat.iter().map(|p| image(*p));
         let places = flat.iter().copied().chain(images).collect();
         let shift = flat.len() as u32;
-        let own: Vec<[u32; 3]> = (grid.topology().faces())
-            .map(|f| std::array::from_fn(|k| grid.topology().face_vertices(f)[k].index() as u32))
-            .collect();
+        let own: Vec<[u32; 3]> = grid.triangles().collect();
         let moved = own.iter().map(|t| t.map(|v| v + shift));
         TriangleSurface::new(
             places,

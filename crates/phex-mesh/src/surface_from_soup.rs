@@ -232,7 +232,7 @@ impl TriangleSurface {
         let components = split(soup, &triangles, &sides)?;
         let looks_inwards = |c: &&SurfaceComponent| {
             let topology = c.surface.topology();
-            let triangles = topology.faces().map(|f| c.surface.corners(f));
+            let triangles = c.surface.topology().faces().map(|f| c.surface.corners(f));
             topology.boundary_loops().is_empty() && volume(triangles) < 0.0
         };
         let notes = SurfaceNotes {

@@ -6,6 +6,7 @@
 
 use crate::ids::{EdgeId, ElementId, FaceId, HalfEdgeId, VertexId};
 use crate::per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
+use std::ops::Neg;
 use thiserror::Error;
 
 const NONE: u32 = u32::MAX;
@@ -288,63 +289,112 @@ impl Topology {
     pub fn n_vertices(&self) -> usize {
         self.outgoing.len()
     }
+
     /// Number of faces.
     #[inline]
     pub fn n_faces(&self) -> usize {
         self.face_start.len() - 1
     }
+
     /// Number of edges.
     #[inline]
     pub fn n_edges(&self) -> usize {
         self.edge_half_edge.len()
     }
+
     /// Number of half-edges (face corners).
     #[inline]
     pub fn n_half_edges(&self) -> usize {
         self.origin.len()
     }
+
     /// All vertices.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = VertexId> + use<> {
         (0..self.n_vertices()).map(VertexId::from_index)
     }
+
     /// All faces.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + use<> {
         (0..self.n_faces()).map(FaceId::from_index)
     }
+
     /// All edges.
     pub fn edges(&self) -> impl ExactSizeIterator<Item = EdgeId> + use<> {
         (0..self.n_edges()).map(EdgeId::from_index)
     }
+
     /// All half-edges.
     pub fn half_edges(&self) -> impl ExactSizeIterator<Item = HalfEdgeId> + use<> {
         (0..self.n_half_edges()).map(HalfEdgeId::from_index)
     }
+
+    /// The vertices on the boundary.
+    pub fn boundary_vertices(&self) -> impl Iterator<Item = VertexId> {
+        self.vertices().filter(|v| self.is_boundary_vertex(*v))
+    }
+
+    /// The vertices that are not on the boundary.
+    pub fn inner_vertices(&self) -> impl Iterator<Item = VertexId> {
+        self.vertices().filter(|v| !self.is_boundary_vertex(*v))
+    }
+
+    /// The edges that one face holds.
+    pub fn boundary_edges(&self) -> impl Iterator<Item = EdgeId> {
+        self.edges().filter(|e| self.is_boundary_edge(*e))
+    }
+
+    /// The edges that two faces hold.
+    pub fn inner_edges(&self) -> impl Iterator<Item = EdgeId> {
+        self.edges().filter(|e| !self.is_boundary_edge(*e))
+    }
+
+    /// The faces that have an edge on the boundary.
+    pub fn boundary_faces(&self) -> impl Iterator<Item = FaceId> {
+        self.faces().filter(|f| self.is_boundary_face(*f))
+    }
+
+    /// The faces that have no edge on the boundary.
+    pub fn inner_faces(&self) -> impl Iterator<Item = FaceId> {
+        self.faces().filter(|f| !self.is_boundary_face(*f))
+    }
+
     /// The vertex where a half-edge starts.
     #[inline]
     pub fn origin(&self, h: HalfEdgeId) -> VertexId {
         self.origin[h]
     }
+
     /// The vertex where a half-edge ends.
     #[inline]
     pub fn target(&self, h: HalfEdgeId) -> VertexId {
         self.origin[self.next(h)]
     }
+
     /// The other side of the edge, or `None` on the boundary.
     #[inline]
     pub fn twin(&self, h: HalfEdgeId) -> Option<HalfEdgeId> {
         let t = self.twin[h];
         (t != NONE).then(|| HalfEdgeId::new(t))
     }
+
     /// The face to the left of a half-edge.
     #[inline]
     pub fn face(&self, h: HalfEdgeId) -> FaceId {
         self.face[h]
     }
+
+    /// The face on the other side of the edge, or `None` on the boundary.
+    #[inline]
+    pub fn across(&self, h: HalfEdgeId) -> Option<FaceId> {
+        self.twin(h).map(|t| self.face[t])
+    }
+
     /// The undirected edge of a half-edge.
     #[inline]
     pub fn edge(&self, h: HalfEdgeId) -> EdgeId {
         self.edge[h]
     }
+
     /// The next half-edge of the same face, counter-clockwise.
     #[inline]
     pub fn next(&self, h: HalfEdgeId) -> HalfEdgeId {
@@ -356,6 +406,7 @@ impl Topology {
             n
         })
     }
+
     /// The previous half-edge of the same face.
     #[inline]
     pub fn prev(&self, h: HalfEdgeId) -> HalfEdgeId {
@@ -367,46 +418,100 @@ impl Topology {
             i - 1
         })
     }
+
     /// One half-edge of an edge (the lower id; on the boundary the only one).
     #[inline]
     pub fn edge_half_edge(&self, e: EdgeId) -> HalfEdgeId {
         self.edge_half_edge[e]
     }
+
+    /// What a half-edge has of a quantity that its edge has in the direction of
+    /// [`Self::edge_half_edge`]: the same, or the opposite where it runs the other way.
+    #[inline]
+    pub fn along<T: Neg<Output = T>>(&self, h: HalfEdgeId, of_edge: T) -> T {
+        if self.runs_along(h) {
+            of_edge
+        } else {
+            -of_edge
+        }
+    }
+
+    /// What an edge has of such a quantity in the direction that leads away from one of its ends.
+    #[inline]
+    pub fn away_from<T: Neg<Output = T>>(&self, v: VertexId, e: EdgeId, of_edge: T) -> T {
+        if self.origin[self.edge_half_edge[e]] == v {
+            of_edge
+        } else {
+            -of_edge
+        }
+    }
+
+    /// Whether a half-edge is the one that [`Self::edge_half_edge`] gives for its edge.
+    #[inline]
+    pub fn runs_along(&self, h: HalfEdgeId) -> bool {
+        self.edge_half_edge[self.edge[h]] == h
+    }
+
     /// The two ends of an edge.
     #[inline]
     pub fn edge_vertices(&self, e: EdgeId) -> [VertexId; 2] {
         let h = self.edge_half_edge[e];
         [self.origin(h), self.target(h)]
     }
+
+    /// The one or two faces of an edge, that on the left of [`Self::edge_half_edge`] first.
+    pub fn edge_faces(&self, e: EdgeId) -> impl Iterator<Item = FaceId> {
+        let h = self.edge_half_edge[e];
+        [Some(self.face[h]), self.across(h)].into_iter().flatten()
+    }
+
+    /// The faces on the left and right of [`Self::edge_half_edge`], or `None` on the boundary.
+    #[inline]
+    pub fn faces_beside(&self, e: EdgeId) -> Option<[FaceId; 2]> {
+        let h = self.edge_half_edge[e];
+        Some([self.face[h], self.across(h)?])
+    }
+
     /// Whether only one face holds the edge.
     #[inline]
     pub fn is_boundary_edge(&self, e: EdgeId) -> bool {
         self.twin(self.edge_half_edge[e]).is_none()
     }
+
     /// Whether a vertex lies on the boundary.
     #[inline]
     pub fn is_boundary_vertex(&self, v: VertexId) -> bool {
         self.on_boundary[v]
     }
+
     /// Whether a face has an edge on the boundary.
     pub fn is_boundary_face(&self, f: FaceId) -> bool {
         self.face_half_edges(f).any(|h| self.twin(h).is_none())
     }
+
     /// Number of corners of a face.
     #[inline]
     pub fn valence(&self, f: FaceId) -> usize {
         (self.face_start[f.index() + 1] - self.face_start[f.index()]) as usize
     }
+
     /// Half-edges of a face, counter-clockwise.
     pub fn face_half_edges(&self, f: FaceId) -> impl ExactSizeIterator<Item = HalfEdgeId> + use<> {
         let range = self.face_start[f.index()] as usize..self.face_start[f.index() + 1] as usize;
         range.map(HalfEdgeId::from_index)
     }
+
+    /// Faces across the edges of a face, counter-clockwise.
+    pub fn adjacent_faces(&self, f: FaceId) -> impl Iterator<Item = FaceId> {
+        self.face_half_edges(f).filter_map(|h| self.across(h))
+    }
+
     /// Vertices of a face, counter-clockwise.
     pub fn face_vertices(&self, f: FaceId) -> &[VertexId] {
         &self.origin.as_slice()
             [self.face_start[f.index()] as usize..self.face_start[f.index() + 1] as usize]
     }
+
     /// Vertices of every face, as lists of numbers.
     pub fn face_lists(&self) -> Vec<Vec<u32>> {
         self.faces()
@@ -418,6 +523,7 @@ impl Topology {
             })
             .collect()
     }
+
     /// Half-edges that leave a vertex, counter-clockwise; at a boundary vertex the first one lies
     /// on the boundary.
     #[inline]
@@ -429,26 +535,40 @@ impl Topology {
             next: Some(start),
         }
     }
+
+    /// Faces at a vertex, counter-clockwise, in the order of [`Self::outgoing`].
+    pub fn faces_at(&self, v: VertexId) -> impl Iterator<Item = FaceId> {
+        self.outgoing(v).map(|h| self.face[h])
+    }
+
     /// Number of faces at a vertex.
     pub fn face_degree(&self, v: VertexId) -> usize {
         self.outgoing(v).count()
     }
+
     /// Number of edges at a vertex.
     pub fn edge_degree(&self, v: VertexId) -> usize {
         self.face_degree(v) + usize::from(self.on_boundary[v])
     }
+
+    /// Edges at a vertex with their other ends, counter-clockwise.
+    pub fn spokes(&self, v: VertexId) -> Vec<(EdgeId, VertexId)> {
+        let mut spokes = Vec::with_capacity(6);
+        for h in self.outgoing(v) {
+            spokes.push((self.edge(h), self.target(h)));
+            let back = self.prev(h);
+            if self.twin(back).is_none() {
+                spokes.push((self.edge(back), self.origin(back)));
+            }
+        }
+        spokes
+    }
+
     /// Vertices joined to `v` by an edge, counter-clockwise.
     pub fn neighbours(&self, v: VertexId) -> Vec<VertexId> {
-        let mut ring: Vec<VertexId> = self.outgoing(v).map(|h| self.target(h)).collect();
-        if self.on_boundary[v] {
-            let last = self
-                .outgoing(v)
-                .last()
-                .expect("every vertex has an outgoing half-edge");
-            ring.push(self.origin(self.prev(last)));
-        }
-        ring
+        self.spokes(v).into_iter().map(|(_, w)| w).collect()
     }
+
     /// Boundary loops, each in the direction of its half-edges (the surface lies to the left).
     pub fn boundary_loops(&self) -> Vec<Vec<VertexId>> {
         let mut seen = PerVertex::filled(self.n_vertices(), false);
@@ -468,10 +588,12 @@ impl Topology {
         }
         loops
     }
+
     /// Number of vertices minus edges plus faces.
     pub fn euler_characteristic(&self) -> i64 {
         self.n_vertices() as i64 - self.n_edges() as i64 + self.n_faces() as i64
     }
+
     /// Connected component of each face, and their number; components are numbered in the order of
     /// their first face.
     pub fn components(&self) -> (PerFace<u32>, usize) {
@@ -485,8 +607,7 @@ impl Topology {
             component[seed] = count;
             stack.push(seed);
             while let Some(f) = stack.pop() {
-                for t in self.face_half_edges(f).filter_map(|h| self.twin(h)) {
-                    let g = self.face(t);
+                for g in self.adjacent_faces(f) {
                     if component[g] == NONE {
                         component[g] = count;
                         stack.push(g);

@@ -1,7 +1,7 @@
 //! The eye: a perspective view with z up that fits the model into the picture.
 
 use super::PictureOptions;
-use phex_mesh::{FacePlane, HexMesh, Vec2, Vec3};
+use phex_mesh::{FacePlane, HexMesh, Vec2, Vec3, bounds};
 
 /// Distance of the eye in radii of the model: a long lens, so that parallels stay nearly parallel.
 const EYE_DISTANCE: f64 = 6.0;
@@ -169,11 +169,7 @@ impl Camera {
 }
 
 fn bounding_sphere(mesh: &HexMesh) -> (Vec3, f64) {
-    let first = mesh.positions.as_slice()[0];
-    let (low, high) = mesh
-        .positions
-        .iter()
-        .fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p)));
+    let [low, high] = bounds(&mesh.positions);
     let centre = low / 2.0 + high / 2.0;
     let radius = mesh
         .positions

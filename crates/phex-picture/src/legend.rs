@@ -96,13 +96,7 @@ pub fn write(start: Vec2, unit: f64, text: &str, mut blend: impl FnMut(usize, us
 }
 
 fn bounds(lines: &[[Vec2; 2]]) -> Option<(Vec2, Vec2)> {
-    let points = lines.as_flattened();
-    let first = *points.first()?;
-    Some(
-        points
-            .iter()
-            .fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p))),
-    )
+    (!lines.is_empty()).then(|| phex_mesh::bounds(lines.as_flattened()).into())
 }
 
 fn segment_distance(p: Vec2, [a, b]: &[Vec2; 2]) -> f64 {

@@ -137,7 +137,7 @@ fn line(mesh: &HexMesh, e: EdgeId, paint: &Paint, see: &impl Fn(Vec3) -> Seen) -
     let topology = mesh.topology();
     let half_edge = topology.edge_half_edge(e);
     let number = |f: FaceId| f.index() as u32;
-    let other = topology.twin(half_edge).map(|t| number(topology.face(t)));
+    let other = topology.across(half_edge).map(number);
     Line {
         ends: topology.edge_vertices(e).map(|v| see(mesh.position(v))),
         radius: 0.0,

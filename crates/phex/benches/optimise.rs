@@ -11,12 +11,11 @@ use phex::optimise::{Optimised, SurfaceTarget, optimise};
 fn main() {
     for case in CASES {
         let prepared = Prepared::new(case);
-        for run in planar(&prepared, &layout(&prepared)).runs {
-            println!(
-                "{case:?}: {:?}, {} iterations, {} factorisations, {:?}",
-                run.start, run.iterations, run.factorisations, run.status
-            );
-        }
+        let run = planar(&prepared, &layout(&prepared)).run;
+        println!(
+            "{case:?}: {:?}, {} iterations, {} factorisations, {:?}",
+            run.start, run.iterations, run.factorisations, run.status
+        );
     }
     divan::main();
 }

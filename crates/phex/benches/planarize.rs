@@ -18,7 +18,7 @@ const CASES: [&str; 6] = ["t500", "t5k", "t20k", "e500", "e5k", "e20k"];
 fn main() {
     for case in CASES {
         let result = planar(&wall(case));
-        let run = &result.runs[0];
+        let run = &result.run;
         println!(
             "{case}: {:?} path, {} iterations, {} factorisations, planarity {:.1e}, clearance {:.2}",
             run.path,

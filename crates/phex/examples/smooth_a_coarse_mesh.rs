@@ -4,7 +4,6 @@
 //! input's vertices, and lies far closer to the sphere than the triangles did.
 
 use phex::smooth_surface::{Similarity, TargetOptions, smooth_target};
-use phex_mesh::TriangleSurface;
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -16,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Stages work on a model of diagonal 1.
     let similarity = Similarity::normalising(&sphere);
     let target = smooth_target(
-        &normalised(&sphere, &similarity)?,
+        &sphere.mapped(|p| similarity.normalise(*p)),
         5000,
         &TargetOptions::default(),
     );
@@ -30,14 +29,4 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{vertices:6} vertices, off the sphere by {worst:.1e}");
     }
     Ok(())
-}
-
-fn normalised(
-    surface: &TriangleSurface,
-    similarity: &Similarity,
-) -> Result<TriangleSurface, phex_mesh::TopologyError> {
-    let positions = surface.positions().map(|p| similarity.normalise(*p));
-    let lists = surface.topology().face_lists();
-    let triangles: Vec<[u32; 3]> = lists.iter().map(|f| [f[0], f[1], f[2]]).collect();
-    TriangleSurface::new(positions.into_vec(), &triangles)
 }

@@ -38,7 +38,7 @@ pub fn graph<F: AsRef<[u32]>>(faces: &[F]) -> HexMesh {
 /// One vertex per face, one face per vertex, of a closed mesh.
 pub fn dual(mesh: &HexMesh) -> HexMesh {
     let t = mesh.topology();
-    let ring = |v| t.outgoing(v).map(|h| t.face(h).index() as u32).collect();
+    let ring = |v| t.faces_at(v).map(|f| f.index() as u32).collect();
     let faces: Vec<Vec<u32>> = t.vertices().map(ring).collect();
     let centres = t.faces().map(|f| mesh.centre(f)).collect();
     HexMesh::new(centres, &faces).expect("the dual of a closed mesh is closed")

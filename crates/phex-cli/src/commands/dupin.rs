@@ -109,7 +109,7 @@ fn panels(command: &DupinCommand) -> Result<Vec<Vec<Vec3>>, Failure> {
 fn apart(t: &Topology, among: &[FaceId]) -> Vec<FaceId> {
     let around = |f: FaceId| -> BTreeSet<FaceId> {
         let corners = t.face_vertices(f).iter();
-        let all = corners.flat_map(|v| t.outgoing(*v).map(|h| t.face(h)));
+        let all = corners.flat_map(|v| t.faces_at(*v));
         all.filter(|g| *g != f).collect()
     };
     let mut open: BTreeSet<FaceId> = among.iter().copied().collect();

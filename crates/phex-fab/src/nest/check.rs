@@ -2,10 +2,10 @@
 
 use super::{Placement, SheetLayout};
 use crate::options::FabOptions;
-use crate::outline::{bounds, sides};
+use crate::outline::sides;
 use crate::plate::Plate;
-use phex_mesh::Vec2;
 use phex_mesh::polygon::{contains, point_segment_distance, segments_touch};
+use phex_mesh::{Vec2, bounds};
 use std::fmt;
 
 /// What is wrong with a panel on a sheet.

@@ -2,7 +2,7 @@
 
 use super::engine::Margins;
 use super::shape::PlateShape;
-use crate::outline::bounds;
+use phex_mesh::bounds;
 use std::collections::BinaryHeap;
 
 /// Relative slack for what single precision loses on a larger sheet than the one that was asked

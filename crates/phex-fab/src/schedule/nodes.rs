@@ -39,10 +39,7 @@ fn row(fabrication: &Fabrication, vertex: VertexId) -> Vec<Cell> {
     } = fabrication;
     let topology = mesh.topology();
     let p = mesh.position(vertex) * options.unit_mm;
-    let panels: Vec<_> = topology
-        .outgoing(vertex)
-        .map(|h| topology.face(h))
-        .collect();
+    let panels: Vec<_> = topology.faces_at(vertex).collect();
     let flat: Vec<FlatFace> = panels.iter().map(|&f| FlatFace::of(mesh, f)).collect();
     let normal: Vec3 = flat.iter().map(FlatFace::normal).sum();
     let normal = normal.try_normalize(0.0).unwrap_or_default();
@@ -74,17 +71,6 @@ fn row(fabrication: &Fabrication, vertex: VertexId) -> Vec<Cell> {
 
 /// The edges at a vertex, counter-clockwise; panel `i` lies between edges `i` and `i + 1`.
 fn edges(fabrication: &Fabrication, vertex: VertexId) -> Vec<EdgeId> {
-    let topology = fabrication.mesh.topology();
-    let mut edges: Vec<EdgeId> = topology
-        .outgoing(vertex)
-        .map(|h| topology.edge(h))
-        .collect();
-    if let Some(last) = topology
-        .outgoing(vertex)
-        .last()
-        .filter(|_| topology.is_boundary_vertex(vertex))
-    {
-        edges.push(topology.edge(topology.prev(last)));
-    }
-    edges
+    let spokes = fabrication.mesh.topology().spokes(vertex);
+    spokes.into_iter().map(|(e, _)| e).collect()
 }

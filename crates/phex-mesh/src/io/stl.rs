@@ -17,7 +17,7 @@ use super::error::{FilePlace, ReadCause, ReadError, WriteCause};
 use super::text::{decode, numbered_lines, point, shown};
 use super::triangles::{of_face, single};
 use super::weld::weld;
-use crate::{LARGEST_COORDINATE, PolygonSoup, Vec3};
+use crate::{LARGEST_COORDINATE, PolygonSoup, Vec3, bounds};
 use std::io::Cursor;
 use stl_io::{Triangle, Vector};
 
@@ -164,12 +164,10 @@ fn unexpected(line: &str) -> ReadCause {
 }
 
 fn tolerance(corners: &[Vec3]) -> f64 {
-    let Some(&first) = corners.first() else {
+    if corners.is_empty() {
         return 0.0;
-    };
-    let (low, high) = corners
-        .iter()
-        .fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    }
+    let [low, high] = bounds(corners);
     let largest = low.amax().max(high.amax());
     (1e-9 * (high - low).norm()).max(largest * f64::from(f32::EPSILON))
 }

@@ -129,7 +129,7 @@ fn largest(spots: &[Spot]) -> f64 {
 /// Points along the edges of the mesh's boundary, four on each, with the faces of their edges.
 pub fn points_on_boundary(mesh: &HexMesh) -> Vec<(FaceId, Vec3)> {
     let topology = mesh.topology();
-    let rim = topology.edges().filter(|&e| topology.is_boundary_edge(e));
+    let rim = topology.boundary_edges();
     let of_edge = |e| {
         let h = topology.edge_half_edge(e);
         let [a, b] = [topology.origin(h), topology.target(h)].map(|v| mesh.position(v));
@@ -261,7 +261,7 @@ fn rim_areas(mesh: &HexMesh) -> Vec<(FaceId, f64)> {
     let topology = mesh.topology();
     let area = FlatFace::all(mesh).map(FlatFace::area);
     let mean = area.iter().sum::<f64>() / area.len() as f64;
-    let rim = topology.faces().filter(|f| topology.is_boundary_face(*f));
+    let rim = topology.boundary_faces();
     rim.map(|f| (f, area[f] / mean)).collect()
 }
 

@@ -183,10 +183,7 @@ pub fn measure(mesh: &HexMesh) -> MeshMeasures {
         vertices: topology.n_vertices(),
         edges: topology.n_edges(),
         faces: topology.n_faces(),
-        boundary_edges: topology
-            .edges()
-            .filter(|&e| topology.is_boundary_edge(e))
-            .count(),
+        boundary_edges: topology.boundary_edges().count(),
         boundary_loops: topology.boundary_loops().len(),
         components: topology.components().1,
         euler_characteristic: topology.euler_characteristic(),
@@ -325,10 +322,7 @@ fn scaled<I: crate::ElementId>(
 }
 
 fn interior_vertices(topology: &Topology) -> usize {
-    topology
-        .vertices()
-        .filter(|&v| !topology.is_boundary_vertex(v))
-        .count()
+    topology.inner_vertices().count()
 }
 
 fn degree3(topology: &Topology) -> f64 {
@@ -340,7 +334,7 @@ fn degree3(topology: &Topology) -> f64 {
 }
 
 fn interior_faces(topology: &Topology) -> impl Iterator<Item = FaceId> {
-    topology.faces().filter(|&f| !topology.is_boundary_face(f))
+    topology.inner_faces()
 }
 
 fn hex(topology: &Topology) -> Option<f64> {

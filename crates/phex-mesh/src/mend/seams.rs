@@ -13,7 +13,7 @@
 
 use super::{FaceSide, Mended, sides};
 use crate::disjoint_sets::DisjointSets;
-use crate::{PolygonSoup, Vec3};
+use crate::{PolygonSoup, Vec3, bounds};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::Polyline;
@@ -164,7 +164,8 @@ impl<'a> OpenEdges<'a> {
         }
         let mut vertices: Vec<u32> = at_vertex.keys().copied().collect();
         vertices.sort_unstable();
-        let (low, high) = bounding_box(positions, &soup.faces);
+        let used = soup.faces.iter().flatten();
+        let [low, high] = bounds(used.map(|&v| &positions[v as usize]));
         let gap = GAP_OF_DIAGONAL * (high - low).norm();
         let largest = edges.iter().map(|e| e.sagitta).fold(0.0, f64::max);
         let points = single.iter().flat_map(|s| s.ends).map(|v| vector(at(v)));
@@ -304,12 +305,6 @@ fn area(corners: &[Vec3]) -> f64 {
         .map(|w| (w[0] - corners[0]).cross(&(w[1] - corners[0])))
         .sum();
     0.5 * sum.norm()
-}
-
-fn bounding_box(positions: &[Vec3], faces: &[Vec<u32>]) -> (Vec3, Vec3) {
-    let none = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-    let used = faces.iter().flatten().map(|&v| positions[v as usize]);
-    used.fold(none, |(low, high), p| (low.inf(&p), high.sup(&p)))
 }
 
 fn vector(p: Vec3) -> Vector {

@@ -1,9 +1,9 @@
 //! Edges that pass through faces they do not belong to or lie over them, and faces that overlap at
 //! the boundary.
 
-use super::violation::{Violation, edge_faces};
+use super::violation::Violation;
 use crate::clipped::ClippedMesh;
-use crate::segment::{COVERING, TOUCHING, bounds, lies_over, passes_through, shares};
+use crate::segment::{COVERING, TOUCHING, lies_over, passes_through, segment_box, shares};
 use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, Topology, Vec3};
 use parry3d_f64::bounding_volume::BoundingVolume;
 use rayon::prelude::*;
@@ -40,7 +40,7 @@ fn overlaps(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Crossing> {
     let height = OVERLAP_HEIGHT * mesh.mean_edge();
     let of_face = |f: FaceId| topology.face_half_edges(f).map(|h| topology.edge(h));
     let at_boundary = |e: &EdgeId| topology.is_boundary_edge(*e);
-    let rim: Vec<EdgeId> = topology.edges().filter(at_boundary).collect();
+    let rim: Vec<EdgeId> = topology.boundary_edges().collect();
     let crossed = |&edge: &EdgeId| {
         let own = topology.face(topology.edge_half_edge(edge));
         let others = beside(topology, &beside(topology, &BTreeSet::from([own])));
@@ -61,8 +61,7 @@ fn overlaps(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Crossing> {
 /// Faces, and those that share a vertex with them.
 fn beside(topology: &Topology, faces: &BTreeSet<FaceId>) -> BTreeSet<FaceId> {
     let vertices = faces.iter().flat_map(|f| topology.face_vertices(*f));
-    let half_edges = vertices.flat_map(|v| topology.outgoing(*v));
-    half_edges.map(|h| topology.face(h)).collect()
+    vertices.flat_map(|v| topology.faces_at(*v)).collect()
 }
 
 /// Whether two edges cross, seen along the mean of two normals, at most a height apart.
@@ -122,7 +121,7 @@ fn covers(mesh: &HexMesh, clipped: &ClippedMesh) -> Vec<Crossing> {
 fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Crossing> {
     let topology = mesh.topology();
     let vertices = topology.edge_vertices(edge);
-    let own: Vec<FaceId> = edge_faces(topology, edge).collect();
+    let own: Vec<FaceId> = topology.edge_faces(edge).collect();
     let [from, to] = vertices.map(|v| mesh.position(v));
     let numbers = vertices.map(|v| v.index() as u32);
     let crosses = |t: usize| {
@@ -134,11 +133,11 @@ fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Cr
             && (passes_through(from, to, corners, clipped.diagonal[t])
                 || lies_over(from, to, corners))
     };
-    let bounds = bounds(from, to).loosened(COVERING * (to - from).norm());
+    let near = segment_box(from, to).loosened(COVERING * (to - from).norm());
     let candidates = clipped
         .hierarchy
         .bvh()
-        .intersect_aabb(&bounds)
+        .intersect_aabb(&near)
         .map(|t| t as usize);
     candidates
         .filter(|&t| crosses(t))

@@ -318,10 +318,7 @@ impl<'a> Inspection<'a> {
     /// At the boundary what is beyond the panels takes the place of the third one.
     fn wrong_fan(&self, vertex: VertexId) -> Option<Violation> {
         let topology = self.mesh.topology();
-        let faces: Vec<FaceId> = topology
-            .outgoing(vertex)
-            .map(|h| topology.face(h))
-            .collect();
+        let faces: Vec<FaceId> = topology.faces_at(vertex).collect();
         let beyond = usize::from(topology.is_boundary_vertex(vertex));
         if faces.len() + beyond != 3 {
             return None;
@@ -368,10 +365,8 @@ impl<'a> Inspection<'a> {
 
     fn is_against_neighbours(&self, face: FaceId) -> bool {
         let topology = self.mesh.topology();
-        let twins = topology
-            .face_half_edges(face)
-            .filter_map(|h| topology.twin(h));
-        let sum: Vec3 = twins.map(|t| self.faces[topology.face(t)].normal()).sum();
+        let beside = topology.adjacent_faces(face);
+        let sum: Vec3 = beside.map(|f| self.faces[f].normal()).sum();
         self.faces[face].normal().dot(&sum) < -RIGHT_ANGLE
     }
 
@@ -400,9 +395,7 @@ impl<'a> Inspection<'a> {
     }
 
     fn fold(&self, edge: EdgeId) -> Option<Violation> {
-        let topology = self.mesh.topology();
-        let h = topology.edge_half_edge(edge);
-        let faces = [topology.face(h), topology.face(topology.twin(h)?)];
+        let faces = self.mesh.topology().faces_beside(edge)?;
         let [a, b] = faces.map(|f| self.faces[f].normal());
         let angle = a.cross(&b).norm().atan2(a.dot(&b));
         (a.dot(&b) < -RIGHT_ANGLE).then_some(Violation::Fold { edge, faces, angle })

@@ -141,18 +141,15 @@ impl Violation {
         match *self {
             Self::NotFinite { vertex }
             | Self::WrongDegree { vertex, .. }
-            | Self::WrongFan { vertex, .. } => topology
-                .outgoing(vertex)
-                .map(|h| topology.face(h))
-                .collect(),
+            | Self::WrongFan { vertex, .. } => topology.faces_at(vertex).collect(),
             Self::NotSimple { face }
             | Self::NotPlanar { face, .. }
             | Self::SmallClearance { face, .. }
             | Self::FoldedCorner { face, .. }
             | Self::FlippedFace { face, .. } => vec![face],
-            Self::CollapsedEdge { edge, .. } => edge_faces(topology, edge).collect(),
+            Self::CollapsedEdge { edge, .. } => topology.edge_faces(edge).collect(),
             Self::Fold { faces, .. } => faces.to_vec(),
-            Self::Crossing { edge, face, .. } => edge_faces(topology, edge).chain([face]).collect(),
+            Self::Crossing { edge, face, .. } => topology.edge_faces(edge).chain([face]).collect(),
         }
     }
 
@@ -201,15 +198,6 @@ impl Violation {
             | Self::Crossing { .. } => 0.0,
         }
     }
-}
-
-/// The one or two faces of an edge.
-pub(super) fn edge_faces(topology: &Topology, edge: EdgeId) -> impl Iterator<Item = FaceId> {
-    let h = topology.edge_half_edge(edge);
-    [Some(h), topology.twin(h)]
-        .into_iter()
-        .flatten()
-        .map(|h| topology.face(h))
 }
 
 impl fmt::Display for Violation {

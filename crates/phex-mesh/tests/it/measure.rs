@@ -153,11 +153,7 @@ fn raised_vertex_has_exactly_the_predicted_planarity() {
         assert!((m.planarity.max - expected / mean_edge).abs() < 1e-14 + 1e-12 * expected);
         let mut worst = m.planarity.worst[..3].to_vec();
         worst.sort();
-        let mut faces: Vec<FaceId> = flat
-            .topology()
-            .outgoing(v)
-            .map(|h| flat.topology().face(h))
-            .collect();
+        let mut faces: Vec<FaceId> = flat.topology().faces_at(v).collect();
         faces.sort();
         assert_eq!(worst, faces);
         let flat_faces = m

@@ -53,11 +53,7 @@ fn raised_vertex_is_located() {
     let mesh = moved(&flat, v, Vec3::z() * 1e-6);
     let found = check(&mesh);
     assert!(found.iter().all(|v| v.kind() == "not_planar"));
-    let mut around: Vec<FaceId> = flat
-        .topology()
-        .outgoing(v)
-        .map(|h| flat.topology().face(h))
-        .collect();
+    let mut around: Vec<FaceId> = flat.topology().faces_at(v).collect();
     around.sort();
     assert_eq!(faces_of(&mesh, &found, "not_planar"), around);
     for violation in &found {

@@ -177,8 +177,7 @@ fn own_surface(mesh: &HexMesh) -> Option<TriangleSurface> {
     for part in parts {
         let first = positions.len() as u32;
         positions.extend_from_slice(part.surface.positions().as_slice());
-        let lists = part.surface.topology().face_lists();
-        triangles.extend(lists.iter().map(|t| [t[0], t[1], t[2]].map(|v| v + first)));
+        triangles.extend((part.surface.triangles()).map(|t| t.map(|v| v + first)));
     }
     TriangleSurface::new(positions, &triangles).ok()
 }

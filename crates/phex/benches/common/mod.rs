@@ -31,10 +31,7 @@ pub fn shape(name: &str) -> TriangleSurface {
 /// A surface with diagonal 1.
 pub fn normalised(surface: &TriangleSurface) -> TriangleSurface {
     let similarity = Similarity::normalising(surface);
-    let positions = surface.positions().map(|p| similarity.normalise(*p));
-    let lists = surface.topology().face_lists();
-    let triangles: Vec<[u32; 3]> = lists.iter().map(|f| [f[0], f[1], f[2]]).collect();
-    TriangleSurface::new(positions.into_vec(), &triangles).expect("a similarity keeps a manifold")
+    surface.mapped(|p| similarity.normalise(*p))
 }
 
 /// The smooth target of a shape for a number of panels.

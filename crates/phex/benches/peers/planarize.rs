@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let result = planarize(&mesh, None, &OptimiseOptions::default(), &Silent)?;
     let seconds = processor_seconds() - before;
     phex_mesh::io::write_soup(Path::new(output), &result.mesh.to_soup())?;
-    let run = &result.runs[0];
+    let run = &result.run;
     println!(
         "{}",
         json!({

@@ -37,8 +37,7 @@ fn row(mesh: &HexMesh, surface: &TriangleSurface) -> Option<String> {
         / outline(surface.topology(), |v| surface.positions()[v]);
     let measures = measure(mesh);
     let elements = &measures.per_element;
-    let rim = topology.faces().filter(|f| topology.is_boundary_face(*f));
-    let rim: Vec<FaceId> = rim.collect();
+    let rim: Vec<FaceId> = topology.boundary_faces().collect();
     let areas: Vec<f64> = rim.iter().map(|f| elements.area[*f]).collect();
     let corners = rim.iter().flat_map(|f| topology.face_half_edges(*f));
     let angles = corners.map(|h| elements.corner_angle[h].to_degrees());
@@ -56,7 +55,7 @@ fn row(mesh: &HexMesh, surface: &TriangleSurface) -> Option<String> {
 
 /// Length of the boundary.
 fn outline(topology: &Topology, place: impl Fn(VertexId) -> Vec3) -> f64 {
-    let edges = topology.edges().filter(|e| topology.is_boundary_edge(*e));
+    let edges = topology.boundary_edges();
     let ends = edges.map(|e| topology.edge_vertices(e).map(&place));
     ends.map(|[a, b]| (b - a).norm()).sum()
 }

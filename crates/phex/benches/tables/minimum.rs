@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn row(result: &Optimised, iterations: usize, seconds: f64) -> String {
-    let (run, quality) = (&result.runs[0], &result.quality);
+    let (run, quality) = (&result.run, &result.quality);
     let on_constraints = |r: &&Record| r.phase.is_infinite() && r.energy.is_finite();
     let last = result.outcome.history.iter().rfind(on_constraints);
     let (objective, step) = last.map_or((String::new(), String::new()), |r| {

@@ -26,6 +26,14 @@ pub struct LocatedVertex {
     pub position: Vec3,
 }
 
+impl LocatedVertex {
+    /// A vertex of a surface.
+    pub(crate) fn of(surface: &TriangleSurface, vertex: VertexId) -> Self {
+        let position = surface.positions()[vertex];
+        Self { vertex, position }
+    }
+}
+
 impl std::fmt::Display for LocatedVertex {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let p = self.position;
@@ -308,10 +316,7 @@ fn extreme(
     let best = sure
         .into_iter()
         .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
-    (share > SIGN_SHARE).then(|| LocatedVertex {
-        vertex: best.0,
-        position: surface.positions()[best.0],
-    })
+    (share > SIGN_SHARE).then(|| LocatedVertex::of(surface, best.0))
 }
 
 /// That there is one boundary curve at the most.
@@ -329,10 +334,7 @@ pub(crate) fn without_holes(
         Some(&vertex) => Err(DomainError::Holes {
             method,
             loops: loops.len(),
-            place: LocatedVertex {
-                vertex,
-                position: surface.positions()[vertex],
-            },
+            place: LocatedVertex::of(surface, vertex),
         }),
     }
 }
@@ -364,9 +366,7 @@ pub(crate) fn not_flat(
             false => 0.0,
         }
     };
-    let inner = topology
-        .vertices()
-        .filter(|v| !topology.is_boundary_vertex(*v));
+    let inner = topology.inner_vertices();
     let flat: Vec<VertexId> = inner.filter(|v| ratio(v) < DEVELOPABLE_RATIO).collect();
     let area: f64 = flat.iter().map(|v| area_at(surface, *v)).sum();
     let clearest = flat
@@ -376,10 +376,7 @@ pub(crate) fn not_flat(
         None => Ok(()),
         Some(vertex) => Err(DomainError::Developable {
             method,
-            place: LocatedVertex {
-                vertex,
-                position: surface.positions()[vertex],
-            },
+            place: LocatedVertex::of(surface, vertex),
             consequence,
         }),
     }
@@ -388,7 +385,7 @@ pub(crate) fn not_flat(
 /// Two thirds of the area of the triangles at a vertex.
 fn area_at(surface: &TriangleSurface, v: VertexId) -> f64 {
     let topology = surface.topology();
-    let around = topology.outgoing(v).map(|h| topology.face(h));
+    let around = topology.faces_at(v);
     around.map(|f| surface.area_vector(f).norm() / 3.0).sum()
 }
 
@@ -414,10 +411,7 @@ fn flat_point(surface: &TriangleSurface, curvature: &Curvature) -> Option<Locate
         let around = ring.iter().map(curved).sum::<f64>() / ring.len() as f64;
         (curved(&vertex) < FLAT * around).then_some(vertex)
     })?;
-    Some(LocatedVertex {
-        vertex: found,
-        position: surface.positions()[found],
-    })
+    Some(LocatedVertex::of(surface, found))
 }
 
 /// The vertices [`FLAT_RINGS`] edges away; `None` near a boundary.
@@ -428,8 +422,8 @@ fn ring(topology: &Topology, centre: VertexId) -> Option<Vec<VertexId>> {
         if rim.iter().any(|v| topology.is_boundary_vertex(*v)) {
             return None;
         }
-        let next = rim.iter().flat_map(|v| topology.outgoing(*v));
-        let next: BTreeSet<VertexId> = next.map(|h| topology.target(h)).collect();
+        let next = rim.iter().flat_map(|v| topology.neighbours(*v));
+        let next: BTreeSet<VertexId> = next.collect();
         rim = next.into_iter().filter(|v| seen.insert(*v)).collect();
     }
     (!rim.is_empty()).then_some(rim)
@@ -463,23 +457,18 @@ const CREASE: f64 = 30.0;
 pub(crate) fn resolved(surface: &TriangleSurface, method: &'static str) -> Result<(), DomainError> {
     let topology = surface.topology();
     let turn = |e: EdgeId| {
-        let h = topology.edge_half_edge(e);
-        let [a, b] = [h, topology.twin(h)?].map(|h| surface.area_vector(topology.face(h)));
-        Some((topology.origin(h), a.angle(&b).to_degrees()))
+        let [a, b] = (topology.faces_beside(e)?).map(|f| surface.area_vector(f));
+        Some((topology.edge_vertices(e)[0], a.angle(&b).to_degrees()))
     };
     let turns = topology.edges().filter_map(turn);
     let sharpest = turns.max_by(|a, b| a.1.total_cmp(&b.1));
     match sharpest.filter(|s| s.1 >= CREASE) {
         None => Ok(()),
-        Some((vertex, degrees)) => {
-            let position = surface.positions()[vertex];
-            let place = LocatedVertex { vertex, position };
-            Err(DomainError::Unresolved {
-                method,
-                place,
-                degrees,
-            })
-        }
+        Some((vertex, degrees)) => Err(DomainError::Unresolved {
+            method,
+            place: LocatedVertex::of(surface, vertex),
+            degrees,
+        }),
     }
 }
 

@@ -173,7 +173,7 @@ const ROOM: f64 = 0.36;
 pub fn free_panels(mesh: &HexMesh) -> PerFace<bool> {
     let topology = mesh.topology();
     let tight = FlatFace::all(mesh).map(|f| f.clearance().distance < ROOM * f.area().sqrt());
-    let at_tight = |v: VertexId| topology.outgoing(v).any(|h| tight[topology.face(h)]);
+    let at_tight = |v: VertexId| topology.faces_at(v).any(|f| tight[f]);
     let free = |f: FaceId| !topology.face_vertices(f).iter().any(|v| at_tight(*v));
     PerFace::from_fn(topology.n_faces(), free)
 }
@@ -271,7 +271,7 @@ impl Conic {
         value / gradient.norm().max(value.sqrt()).max(f64::MIN_POSITIVE)
     }
 
-    /// The curve within [`REACH`], as pieces of lines between the sides of a grid's cells.
+    /// The curve within 1.3 of the origin, as pieces of lines between the sides of a grid's cells.
     fn curves(&self) -> Vec<Vec<Vec2>> {
         const REACH: f64 = 1.3;
         const CELLS: usize = 96;

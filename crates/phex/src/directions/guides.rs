@@ -77,7 +77,7 @@ impl Guides {
         weight: &mut PerVertex<f64>,
         alignment: f64,
     ) {
-        let (points, tangents) = self.samples(STEP * mean_edge(surface));
+        let (points, tangents) = self.samples(STEP * surface.mean_edge());
         let feet = surface.closest_points(&points);
         let mut sum = PerVertex::filled(principal.len(), Vec3::zeros());
         for (foot, tangent) in feet.iter().zip(&tangents) {
@@ -116,26 +116,16 @@ impl Guides {
     }
 }
 
-fn mean_edge(surface: &TriangleSurface) -> f64 {
-    let topology = surface.topology();
-    let length = |e| {
-        let [a, b] = topology.edge_vertices(e);
-        (surface.positions()[a] - surface.positions()[b]).norm()
-    };
-    topology.edges().map(length).sum::<f64>() / topology.n_edges() as f64
-}
-
 /// Edges across which the normals of a surface's triangles differ by more than `angle` (radians),
 /// as lines.
 fn creases(surface: &TriangleSurface, angle: f64) -> Vec<Vec<[f64; 3]>> {
     let topology = surface.topology();
     let mut lines = Vec::new();
     for e in topology.edges() {
-        let h = topology.edge_half_edge(e);
-        let Some(twin) = topology.twin(h) else {
+        let Some(beside) = topology.faces_beside(e) else {
             continue;
         };
-        let [a, b] = [h, twin].map(|h| surface.area_vector(topology.face(h)));
+        let [a, b] = beside.map(|f| surface.area_vector(f));
         if a.angle(&b) > angle {
             let ends = topology
                 .edge_vertices(e)

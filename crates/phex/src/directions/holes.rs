@@ -7,7 +7,7 @@ use super::intrinsic::IntrinsicMesh;
 use super::turns::cones;
 use super::{DirectionOptions, Directions};
 use nalgebra::Matrix3;
-use phex_mesh::{EdgeId, FaceId, PerEdge, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{EdgeId, PerEdge, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::f64::consts::{FRAC_PI_3, PI};
 
 /// Largest length of the rim of a hole, lattice spacings, that directions run across: round larger
@@ -34,14 +34,7 @@ impl FilledSurface {
         if small.is_empty() {
             return None;
         }
-        let topology = surface.topology();
-        let corners = |f: FaceId| {
-            let [a, b, c] = *topology.face_vertices(f) else {
-                unreachable!("faces of a triangle surface are triangles");
-            };
-            [a, b, c].map(|v| v.index() as u32)
-        };
-        let mut triangles: Vec<[u32; 3]> = topology.faces().map(corners).collect();
+        let mut triangles: Vec<[u32; 3]> = surface.triangles().collect();
         let mut positions = surface.positions().clone().into_vec();
         for rim in &small {
             let middle = positions.len() as u32;
@@ -104,12 +97,7 @@ impl FilledSurface {
         let turn = PerEdge::from_fn(topology.n_edges(), |e: EdgeId| {
             let h = topology.edge_half_edge(e);
             let edge = within.edge(h);
-            let rest = filled.rest(within, edge);
-            let rest = if within.edge_half_edge(edge) == h {
-                rest
-            } else {
-                -rest
-            };
+            let rest = within.along(h, filled.rest(within, edge));
             let [i, j] = topology.edge_vertices(e);
             let turned = angle[j] - angle[i] - mesh.transport(e) - rest;
             (turned / FRAC_PI_3).round() as i32

@@ -140,7 +140,7 @@ impl IntrinsicMesh {
 
     fn set_polar(&mut self, topology: &Topology, h: HalfEdgeId, angle: f64) {
         let e = topology.edge(h);
-        if topology.edge_half_edge(e) == h {
+        if topology.runs_along(h) {
             self.polar_origin[e] = angle;
         } else {
             self.polar_target[e] = angle;
@@ -156,7 +156,7 @@ impl IntrinsicMesh {
     /// Polar angle, at its origin, of the direction of a half-edge.
     pub fn polar(&self, topology: &Topology, h: HalfEdgeId) -> f64 {
         let e = topology.edge(h);
-        if topology.edge_half_edge(e) == h {
+        if topology.runs_along(h) {
             self.polar_origin[e]
         } else {
             self.polar_target[e]

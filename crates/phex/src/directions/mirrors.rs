@@ -1,5 +1,6 @@
 //! Mirror planes in which parts of the boundary lie.
 
+use crate::smooth_surface::IN_PLANE;
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -15,9 +16,6 @@ pub struct MirrorPlane {
     /// Its unit normal, towards the surface.
     pub normal: [f64; 3],
 }
-
-/// Distance from a mirror plane, diagonals, within which the boundary lies in it.
-const IN_PLANE: f64 = 1e-7;
 
 /// How many images of a vertex and it itself lie in its place: 2 in a mirror plane, `2 pi / a`
 /// where two of them meet at the angle `a`, and 1 elsewhere.

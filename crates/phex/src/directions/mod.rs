@@ -23,8 +23,9 @@
 //! | `theta` | [`Directions::angle`], from the first half-edge of the vertex, counter-clockwise |
 //!
 //! Guaranteed: defined everywhere (a plane gets the isotropic metric and a constant direction);
-//! unit lattice spacing is one intrinsic length. Fails: never; where the metric violates triangle
-//! inequalities it is blended towards them.
+//! unit lattice spacing is one intrinsic length; where the metric violates triangle inequalities it
+//! is blended towards them. Fails, with an error, where triangles are degenerate to rounding, so
+//! that a linear system can't be solved.
 
 pub(crate) mod boundary;
 pub(crate) mod cones;
@@ -134,14 +135,6 @@ pub struct Directions {
 }
 
 impl Directions {
-    /// The same metric with other angles, and the smallest turns along edges.
-    pub fn with_angles(mut self, topology: &Topology, angle: PerVertex<f64>) -> Self {
-        self.turn = turns::smallest_turns(topology, &self.intrinsic, &angle);
-        self.cone = turns::cones(topology, &self.intrinsic, &angle, &self.turn);
-        self.angle = angle;
-        self
-    }
-
     /// Lattice spacings longer by a `factor` > 0, along the same directions.
     pub(crate) fn lengthen(&mut self, factor: f64) {
         let area = factor.powi(-2);

@@ -160,9 +160,7 @@ mod tests {
         let (rows, weight) = wishes(&surface, &curvature, &metric, 1.0);
         let round = |p: &Vec3| Vec3::new(-p.y, p.x, 0.0).normalize();
         let topology = surface.topology();
-        let inside = topology
-            .vertices()
-            .filter(|v| !topology.is_boundary_vertex(*v));
+        let inside = topology.inner_vertices();
         let along: Vec<f64> = inside
             .map(|v| {
                 rows[v]

@@ -188,7 +188,7 @@ fn cones_of_open_surfaces_agree_with_the_boundary() {
     for surface in surfaces {
         let stages = Stages::new(&surface, 60);
         let (topology, d) = (stages.topology(), &stages.directions);
-        let boundary = topology.edges().filter(|&e| topology.is_boundary_edge(e));
+        let boundary = topology.boundary_edges();
         let mut total = 2.0 * PI * topology.euler_characteristic() as f64;
         for e in boundary {
             total += d.rest(topology, e);
@@ -433,7 +433,7 @@ fn cones_are_where_they_are_prescribed() {
     assert_eq!(cones.len(), 6);
     for (f, index) in cones {
         assert_eq!(*index, 2);
-        let middle = stages.surface.corners(f).iter().sum::<Vec3>() / 3.0;
+        let middle = stages.surface.centroid(f);
         let near = ends.iter().map(|p| (Vec3::from(*p) - middle).norm());
         assert!(near.fold(f64::INFINITY, f64::min) < 0.2 * r);
     }

@@ -136,11 +136,7 @@ mod tests {
         let n = one.positions().len() as u32;
         let shifted = one.positions().iter().map(|p| p + Vec3::z() * 0.68);
         let positions = one.positions().iter().copied().chain(shifted).collect();
-        let triangles: Vec<[u32; 3]> = one
-            .topology()
-            .faces()
-            .map(|f| one.topology().face_vertices(f))
-            .map(|t| [0, 1, 2].map(|k| t[k].index() as u32))
+        let triangles: Vec<[u32; 3]> = (one.triangles())
             .flat_map(|t| [t, t.map(|v| v + n)])
             .collect();
         let both = TriangleSurface::new(positions, &triangles).unwrap();

@@ -32,7 +32,7 @@ fn check_surface(t: &Topology) -> Result<(), KoebeError> {
 }
 
 fn check_degrees(t: &Topology) -> Result<(), KoebeError> {
-    for v in t.vertices().filter(|&v| !t.is_boundary_vertex(v)) {
+    for v in t.inner_vertices() {
         let degree = t.edge_degree(v);
         if degree < 3 {
             return Err(KoebeError::LowDegree { vertex: v, degree });
@@ -46,7 +46,7 @@ fn check_common_vertices(t: &Topology) -> Result<(), KoebeError> {
     let mut met: PerFace<Option<(FaceId, VertexId)>> = PerFace::filled(t.n_faces(), None);
     for f in t.faces() {
         for &v in t.face_vertices(f) {
-            for g in t.outgoing(v).map(|h| t.face(h)).filter(|&g| g > f) {
+            for g in t.faces_at(v).filter(|&g| g > f) {
                 if let Some((_, w)) = met[g].filter(|&(tour, _)| tour == f)
                     && !share_edge(t, [f, g], [v, w])
                 {
@@ -63,9 +63,8 @@ fn check_common_vertices(t: &Topology) -> Result<(), KoebeError> {
 /// Whether two faces lie to the two sides of an edge between two vertices.
 fn share_edge(t: &Topology, faces: [FaceId; 2], vertices: [VertexId; 2]) -> bool {
     edges_between(t, vertices).any(|e| {
-        let h = t.edge_half_edge(e);
-        let sides = [Some(t.face(h)), t.twin(h).map(|h| t.face(h))];
-        faces.iter().all(|&f| sides.contains(&Some(f)))
+        let sides: Vec<FaceId> = t.edge_faces(e).collect();
+        faces.iter().all(|f| sides.contains(f))
     })
 }
 

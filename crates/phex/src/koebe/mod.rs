@@ -379,11 +379,7 @@ fn closed_radii(circles: &Circles) -> Radii {
 /// The circles of the ends and sides of an edge.
 fn circles_through(circles: &Circles, e: EdgeId) -> Vec<NodeId> {
     let t = circles.topology;
-    let h = t.edge_half_edge(e);
-    let sides = [Some(h), t.twin(h)]
-        .into_iter()
-        .flatten()
-        .map(|h| circles.of_face(t.face(h)));
+    let sides = t.edge_faces(e).map(|f| circles.of_face(f));
     sides
         .chain(t.edge_vertices(e).map(|v| circles.of_vertex(v)))
         .collect()

@@ -149,7 +149,7 @@ fn boundary_angles(mesh: &HexMesh) -> Vec<(VertexId, f64)> {
             angle[v] += a;
         }
     }
-    let boundary: Vec<VertexId> = t.vertices().filter(|&v| t.is_boundary_vertex(v)).collect();
+    let boundary: Vec<VertexId> = t.boundary_vertices().collect();
     let full = (t.n_vertices() - boundary.len() + t.n_faces()) as f64;
     let due = PI * t.n_half_edges() as f64 - TAU * full;
     let sum: f64 = boundary.iter().map(|&v| angle[v]).sum();

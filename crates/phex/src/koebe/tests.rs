@@ -219,8 +219,7 @@ fn flat_patch_of_hexagons_stays_regular() {
     );
     let boundary = touching_points(&koebe.mesh);
     let angles: Vec<f64> = t
-        .edges()
-        .filter(|&e| t.is_boundary_edge(e))
+        .boundary_edges()
         .map(|e| boundary[e].z.acos().to_degrees())
         .collect();
     let mean = angles.iter().sum::<f64>() / angles.len() as f64;

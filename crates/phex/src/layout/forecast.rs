@@ -87,7 +87,7 @@ fn corner(layout: &Layout, v: VertexId) -> Option<ForecastCorner> {
     if topology.is_boundary_vertex(v) {
         return None;
     }
-    let faces: Vec<FaceId> = topology.outgoing(v).map(|h| topology.face(h)).collect();
+    let faces: Vec<FaceId> = topology.faces_at(v).collect();
     let faces: [FaceId; 3] = faces.try_into().ok()?;
     let points = faces.map(|f| layout.face_point[f]);
     // Twice the height of each end under the plane of the other, and the mean for the panel

@@ -20,8 +20,6 @@ pub(crate) mod brick_wall;
 mod cells;
 pub(crate) mod forecast;
 pub(crate) mod lattice;
-#[cfg(test)]
-mod layout_time;
 pub(crate) mod moves;
 pub(crate) mod record;
 pub(crate) mod seeds;
@@ -40,7 +38,7 @@ use crate::directions::Directions;
 use crate::directions::intrinsic::IntrinsicMesh;
 use crate::directions::network::NetworkError;
 use crate::progress::Progress;
-use cells::complex::{CellComplex, Node, NotDiscs, disc_cells, node_index};
+use cells::complex::{CellComplex, Node, NotDiscs, disc_cells};
 use cells::voronoi::UNREACHED;
 use cells::{boundary_nodes, clusters, rim};
 use lattice::eisenstein::Charts;
@@ -48,7 +46,7 @@ use lattice::seamless::Offsets;
 use lattice::{boundary, polish, strain, waves};
 use moves::{flips, halves};
 use nalgebra::Matrix3;
-use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, VertexId, numbered};
 use phex_numeric::NumericError;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -343,12 +341,8 @@ fn record(
     place: impl Fn(Node) -> Vec3,
 ) -> Result<Layout, LayoutError> {
     let topology = fine.surface.topology();
-    let (index, nodes) = node_index(&complex.panels);
-    let faces: Vec<Vec<u32>> = complex
-        .panels
-        .iter()
-        .map(|(_, l)| l.iter().map(|n| index[n]).collect())
-        .collect();
+    let outlines = complex.panels.iter().map(|(_, l)| l.iter().copied());
+    let (nodes, faces) = numbered(outlines);
     let positions = nodes.iter().map(|n| place(*n)).collect();
     let mesh = HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology {
         reason: e.to_string(),
@@ -397,7 +391,7 @@ fn kind(node: Node) -> VertexKind {
 
 fn place(surface: &TriangleSurface, node: Node) -> Vec3 {
     match node {
-        Node::Triangle(f) => surface.corners(f).iter().sum::<Vec3>() / 3.0,
+        Node::Triangle(f) => surface.centroid(f),
         Node::Edge(e) => {
             let [a, b] = surface.topology().edge_vertices(e);
             (surface.positions()[a] + surface.positions()[b]) * 0.5

@@ -1,6 +1,7 @@
 //! Lattice, cells and panels: known answers on simple surfaces, topology on all.
 
 use crate::common::{Stages, figures, genus_two, punched_plane, shape, valences};
+use crate::directions::turns::{cones, smallest_turns};
 use crate::directions::{DirectionOptions, Directions};
 use crate::layout::cells::clusters::seeds;
 use crate::layout::cells::voronoi::{PartCells, UNREACHED, grow};
@@ -32,9 +33,10 @@ impl FlatLattice {
         let panels = (SPACINGS * SPACINGS / crate::layout::lattice::eisenstein::CELL) as usize;
         let mut stages = Stages::new(&shape("plane", 500), panels);
         let angle = x_axis(&stages.surface, &stages.directions);
-        stages.directions = stages
-            .directions
-            .with_angles(stages.surface.topology(), angle);
+        let (topology, directions) = (stages.surface.topology(), &mut stages.directions);
+        directions.turn = smallest_turns(topology, &directions.intrinsic, &angle);
+        directions.cone = cones(topology, &directions.intrinsic, &angle, &directions.turn);
+        directions.angle = angle;
         let charts = Charts::new(stages.topology(), &stages.directions);
         Self { stages, charts }
     }
@@ -68,12 +70,7 @@ impl FlatLattice {
         topology
             .face_half_edges(f)
             .fold(Eisenstein::ZERO, |sum, h| {
-                let e = topology.edge(h);
-                sum + if topology.edge_half_edge(e) == h {
-                    jump[e]
-                } else {
-                    -jump[e]
-                }
+                sum + topology.along(h, jump[topology.edge(h)])
             })
     }
 
@@ -204,9 +201,9 @@ fn an_exact_lattice_gives_regular_hexagons() {
     let topology = layout.mesh.topology();
     let mut interior = 0;
     let at_rim = |f: FaceId| {
-        let twins = topology.face_half_edges(f).map(|h| topology.twin(h));
-        twins
-            .map(|t| t.map(|t| topology.face(t)))
+        let sides = topology.face_half_edges(f);
+        sides
+            .map(|h| topology.across(h))
             .any(|g| g.is_none_or(|g| topology.is_boundary_face(g)))
     };
     for f in topology.faces().filter(|&f| !at_rim(f)) {
@@ -278,7 +275,7 @@ fn annihilation_within_reach_conserves_the_burgers_vector() {
         "{done:?}"
     );
     assert_eq!(total(&jump), before.1);
-    for e in topology.edges().filter(|&e| topology.is_boundary_edge(e)) {
+    for e in topology.boundary_edges() {
         assert_eq!(jump[e], exact.jump[e]);
     }
 }

@@ -59,9 +59,7 @@ impl Search {
     fn new(space: &ParallelSpace) -> Self {
         let topology = space.mesh().topology();
         let neighbours = PerEdge::from_fn(topology.n_edges(), |e| {
-            let h = topology.edge_half_edge(e);
-            let faces = std::iter::once(h).chain(topology.twin(h));
-            let around = faces.flat_map(|h| topology.face_half_edges(topology.face(h)));
+            let around = (topology.edge_faces(e)).flat_map(|f| topology.face_half_edges(f));
             around
                 .map(|h| topology.edge(h))
                 .filter(|&other| other != e)

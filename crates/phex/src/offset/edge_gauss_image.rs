@@ -29,7 +29,7 @@ mod inner_edges;
 use super::accuracy::edge_distance_error;
 use super::face_offset::{MOST_AT_BOUNDARY, check_planar_mesh};
 use super::gauss_image::{GaussImage, OffsetKind};
-use super::vertex_offset::{check_connected, edges_at, vertex_directions};
+use super::vertex_offset::{check_connected, vertex_directions};
 use super::{OffsetError, OffsetOptions};
 use inner_edges::inner_edge_image;
 use phex_mesh::{EdgeId, HalfEdgeId, HexMesh, PerVertex, Vec3, VertexId};
@@ -146,7 +146,7 @@ fn star(mesh: &HexMesh, v: VertexId) -> Vec<Spoke> {
         to,
         along: (mesh.position(to) - mesh.position(v)).normalize(),
     };
-    let edges = edges_at(mesh.topology(), v);
+    let edges = mesh.topology().spokes(v);
     edges.into_iter().map(spoke).collect()
 }
 

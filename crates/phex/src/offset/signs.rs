@@ -229,10 +229,7 @@ const FAR: f64 = 10.0;
 fn edge_normals(space: &ParallelSpace) -> PerEdge<Vec3> {
     let topology = space.mesh().topology();
     PerEdge::from_fn(topology.n_edges(), |e| {
-        let h = topology.edge_half_edge(e);
-        let sides = [Some(h), topology.twin(h)];
-        let faces = sides.into_iter().flatten().map(|h| topology.face(h));
-        let sum: Vec3 = faces.map(|f| space.normal(f)).sum();
+        let sum: Vec3 = topology.edge_faces(e).map(|f| space.normal(f)).sum();
         let along = space.direction(e);
         (sum - along * sum.dot(&along)).normalize()
     })
@@ -272,9 +269,7 @@ pub(super) fn waists_of(
         .iter()
         .map(|&h| {
             let edge = topology.edge(h);
-            let forward = topology.edge_vertices(edge)[0] == topology.origin(h);
-            let sign = if forward { 1.0 } else { -1.0 };
-            space.direction(edge) * lengths[edge].signum() * sign
+            topology.along(h, space.direction(edge) * lengths[edge].signum())
         })
         .collect();
     let n = directions.len();

@@ -28,11 +28,10 @@
 
 use super::null_space::{NullSpace, Rank, Rows};
 use phex_mesh::{
-    EdgeId, FaceId, FacePlane, HalfEdgeId, HexMesh, PerEdge, PerFace, PerVertex, Topology, Vec3,
-    VertexId,
+    Cotree, EdgeId, FaceId, FacePlane, ForestStep, HalfEdgeId, HexMesh, PerEdge, PerFace,
+    PerVertex, Topology, Vec3, VertexId, spanning_forest,
 };
 use phex_numeric::NumericError;
-use std::collections::VecDeque;
 use thiserror::Error;
 
 /// Largest height of a vertex over the plane of its face, over the length of the mean edge.
@@ -82,15 +81,7 @@ pub struct ParallelSpace {
     parallelism: NullSpace,
     /// Every vertex but the roots with the half-edge (towards or away from it) that reaches it, in
     /// the order of a tour.
-    tour: Vec<TourStep>,
-}
-
-/// A step of the tour through the spanning forest.
-#[derive(Clone, Copy, Debug)]
-struct TourStep {
-    from: VertexId,
-    to: VertexId,
-    edge: EdgeId,
+    tour: Vec<ForestStep>,
 }
 
 impl ParallelSpace {
@@ -116,7 +107,7 @@ impl ParallelSpace {
         let t = mesh.topology();
         let directions = directions(mesh)?;
         let planes = planes(mesh)?;
-        let tour = tour(t);
+        let tour = spanning_forest(t, t.vertices(), |_| true);
         let closure = NullSpace::new(closure_rows(t, &directions, &planes, &tour))?;
         let parallelism = NullSpace::new(parallelism_rows(t, &directions))?;
         Ok(Self {
@@ -193,8 +184,8 @@ impl ParallelSpace {
         let mut positions = self.mesh.positions.clone();
         for step in &self.tour {
             let along = self.directions[step.edge] * lengths[step.edge];
-            let forward = self.mesh.topology().edge_vertices(step.edge)[0] == step.from;
-            positions[step.to] = positions[step.from] + if forward { along } else { -along };
+            let along = (self.mesh.topology()).away_from(step.from, step.edge, along);
+            positions[step.to] = positions[step.from] + along;
         }
         self.closest(&positions)
     }
@@ -224,9 +215,8 @@ impl ParallelSpace {
         let mut changes: Vec<(EdgeId, f64)> = moves.iter().map(|m| (m.0, m.1)).collect();
         for (i, &h) in corners.iter().enumerate() {
             let along = moves[(i + 1) % corners.len()].2 - moves[i].2;
-            let forward = t.edge_vertices(t.edge(h))[0] == t.origin(h);
             let change = along.dot(&self.directions[t.edge(h)]);
-            changes.push((t.edge(h), if forward { change } else { -change }));
+            changes.push((t.edge(h), t.along(h, change)));
         }
         Some(changes)
     }
@@ -244,12 +234,7 @@ impl ParallelSpace {
             .outgoing(v)
             .map(|o| t.edge(o))
             .find(|e| !in_face.contains(e))?;
-        let forward = t.edge_vertices(spoke)[0] == v;
-        let away = if forward {
-            self.directions[spoke]
-        } else {
-            -self.directions[spoke]
-        };
+        let away = t.away_from(v, spoke, self.directions[spoke]);
         let cosine = away.dot(&self.normals[t.face(h)]);
         (cosine.abs() > LEAST_COSINE).then(|| (spoke, -1.0 / cosine, away / cosine))
     }
@@ -292,59 +277,18 @@ fn planes(mesh: &HexMesh) -> Result<PerFace<FacePlane>, ParallelError> {
     ))
 }
 
-/// Breadth-first tour of every component.
-fn tour(t: &Topology) -> Vec<TourStep> {
-    let mut seen = PerVertex::filled(t.n_vertices(), false);
-    let (mut steps, mut queue) = (Vec::new(), VecDeque::new());
-    for root in t.vertices() {
-        if std::mem::replace(&mut seen[root], true) {
-            continue;
-        }
-        queue.push_back(root);
-        while let Some(from) = queue.pop_front() {
-            for (edge, to) in edges_at(t, from) {
-                if !std::mem::replace(&mut seen[to], true) {
-                    steps.push(TourStep { from, to, edge });
-                    queue.push_back(to);
-                }
-            }
-        }
-    }
-    steps
-}
-
-fn edges_at(t: &Topology, v: VertexId) -> Vec<(EdgeId, VertexId)> {
-    let mut edges: Vec<_> = t.outgoing(v).map(|h| (t.edge(h), t.target(h))).collect();
-    if let Some(last) = t.outgoing(v).last().filter(|_| t.is_boundary_vertex(v)) {
-        let before = t.prev(last);
-        edges.push((t.edge(before), t.origin(before)));
-    }
-    edges
-}
-
-/// `+1` or `-1` as the half-edge runs along its edge.
-fn sign(t: &Topology, h: HalfEdgeId) -> f64 {
-    if t.edge_vertices(t.edge(h))[0] == t.origin(h) {
-        1.0
-    } else {
-        -1.0
-    }
-}
-
 fn closure_rows(
     t: &Topology,
     directions: &PerEdge<Vec3>,
     planes: &PerFace<FacePlane>,
-    tour: &[TourStep],
+    tour: &[ForestStep],
 ) -> Rows {
     let mut rows = Rows::new(t.n_edges());
     for f in t.faces() {
         for axis in planes[f].axes {
             let entry = |h| {
-                (
-                    t.edge(h).index(),
-                    sign(t, h) * axis.dot(&directions[t.edge(h)]),
-                )
+                let e = t.edge(h);
+                (e.index(), t.along(h, axis.dot(&directions[e])))
             };
             rows.push(t.face_half_edges(f).map(entry));
         }
@@ -362,7 +306,7 @@ fn closure_rows(
     rows
 }
 
-fn reached_by(t: &Topology, tour: &[TourStep]) -> PerVertex<Option<TourStep>> {
+fn reached_by(t: &Topology, tour: &[ForestStep]) -> PerVertex<Option<ForestStep>> {
     let mut reached_by = PerVertex::filled(t.n_vertices(), None);
     for step in tour {
         reached_by[step.to] = Some(*step);
@@ -370,59 +314,18 @@ fn reached_by(t: &Topology, tour: &[TourStep]) -> PerVertex<Option<TourStep>> {
     reached_by
 }
 
-/// Edges that lie neither in the spanning forest nor are crossed by a spanning forest of the faces
-/// (with the outside as one face): one per generator of the homology.
-fn generators(t: &Topology, tour: &[TourStep]) -> Vec<EdgeId> {
-    let mut used = PerEdge::filled(t.n_edges(), false);
-    for step in tour {
-        used[step.edge] = true;
-    }
-    let mut seen = PerFace::filled(t.n_faces(), false);
-    let mut queue = VecDeque::new();
-    for e in t.edges().filter(|&e| t.is_boundary_edge(e)) {
-        let f = t.face(t.edge_half_edge(e));
-        if !used[e] && !std::mem::replace(&mut seen[f], true) {
-            used[e] = true;
-            queue.push_back(f);
-        }
-    }
-    for root in t.faces() {
-        while let Some(f) = queue.pop_front() {
-            cross(t, f, &mut used, &mut seen, &mut queue);
-        }
-        if !std::mem::replace(&mut seen[root], true) {
-            queue.push_back(root);
-        }
-    }
-    while let Some(f) = queue.pop_front() {
-        cross(t, f, &mut used, &mut seen, &mut queue);
-    }
-    t.edges().filter(|&e| !used[e]).collect()
-}
-
-/// Crosses every free edge of `f` to a face that has not been seen.
-fn cross(
-    t: &Topology,
-    f: FaceId,
-    used: &mut PerEdge<bool>,
-    seen: &mut PerFace<bool>,
-    queue: &mut VecDeque<FaceId>,
-) {
-    for h in t.face_half_edges(f) {
-        let Some(g) = t.twin(h).map(|twin| t.face(twin)) else {
-            continue;
-        };
-        if !used[t.edge(h)] && !std::mem::replace(&mut seen[g], true) {
-            used[t.edge(h)] = true;
-            queue.push_back(g);
-        }
-    }
+/// Edges that lie neither in the spanning forest nor are crossed by a spanning forest of the faces:
+/// one per generator of the homology.
+fn generators(t: &Topology, tour: &[ForestStep]) -> Vec<EdgeId> {
+    let mut is_used = PerEdge::filled(t.n_edges(), false);
+    tour.iter().for_each(|step| is_used[step.edge] = true);
+    Cotree::new(t, is_used, []).generators
 }
 
 /// The loop of an edge and the paths from the root of the forest to its ends, with signs.
 fn loop_through(
     t: &Topology,
-    reached_by: &PerVertex<Option<TourStep>>,
+    reached_by: &PerVertex<Option<ForestStep>>,
     e: EdgeId,
 ) -> Vec<(EdgeId, f64)> {
     let [start, end] = t.edge_vertices(e);
@@ -430,8 +333,7 @@ fn loop_through(
     for (tip, direction) in [(start, 1.0), (end, -1.0)] {
         let mut v = tip;
         while let Some(step) = reached_by[v] {
-            let forward = t.edge_vertices(step.edge)[0] == step.from;
-            path.push((step.edge, if forward { direction } else { -direction }));
+            path.push((step.edge, t.away_from(step.from, step.edge, direction)));
             v = step.from;
         }
     }

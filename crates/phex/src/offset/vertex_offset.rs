@@ -28,9 +28,11 @@ use super::gauss_image::{GaussImage, OffsetKind};
 use super::{OffsetError, OffsetOptions};
 use crate::optimise::free_edges;
 use nalgebra::{Matrix3, SymmetricEigen};
-use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerVertex, Topology, Vec3, VertexId};
+use phex_mesh::{
+    EdgeId, FaceId, ForestStep, HexMesh, PerEdge, PerVertex, Topology, Vec3, VertexId,
+    spanning_forest,
+};
 use serde::Serialize;
-use std::collections::VecDeque;
 
 /// What fails to close, and why it may.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -185,26 +187,14 @@ fn odd_faces(topology: &Topology) -> impl Iterator<Item = FaceId> + '_ {
 pub(super) fn vertex_directions(mesh: &HexMesh) -> Result<PerVertex<Vec3>, OffsetError> {
     let topology = mesh.topology();
     let normals = face_normals(mesh)?;
-    let sum = |v| {
-        topology
-            .outgoing(v)
-            .map(|h| normals[topology.face(h)])
-            .sum()
-    };
+    let sum = |v| topology.faces_at(v).map(|f| normals[f]).sum();
     Ok(PerVertex::from_fn(topology.n_vertices(), sum))
-}
-
-/// One step along the tree.
-struct Branch {
-    edge: EdgeId,
-    from: VertexId,
-    to: VertexId,
 }
 
 /// Edges along which the start is reflected to every vertex, breadth first, and the edges that must
 /// then close.
 struct SpanningTree {
-    branches: Vec<Branch>,
+    branches: Vec<ForestStep>,
     closing: Vec<EdgeId>,
 }
 
@@ -213,21 +203,8 @@ impl SpanningTree {
         let topology = mesh.topology();
         let mut usable = PerEdge::filled(topology.n_edges(), true);
         free_edges.iter().for_each(|&e| usable[e] = false);
-        let root = middle_vertex(mesh);
-        let mut reached = PerVertex::filled(topology.n_vertices(), false);
-        reached[root] = true;
-        let mut queue = VecDeque::from([root]);
-        let mut branches = Vec::new();
-        while let Some(from) = queue.pop_front() {
-            for (edge, to) in edges_at(topology, from) {
-                if usable[edge] && !reached[to] {
-                    reached[to] = true;
-                    usable[edge] = false;
-                    branches.push(Branch { edge, from, to });
-                    queue.push_back(to);
-                }
-            }
-        }
+        let branches = spanning_forest(topology, [middle_vertex(mesh)], |e| usable[e]);
+        branches.iter().for_each(|b| usable[b.edge] = false);
         Self {
             branches,
             closing: topology.edges().filter(|&e| usable[e]).collect(),
@@ -311,19 +288,6 @@ fn reflection(mesh: &HexMesh, edge: EdgeId) -> Matrix3<f64> {
     let [a, b] = mesh.topology().edge_vertices(edge);
     let e = (mesh.position(b) - mesh.position(a)).normalize();
     Matrix3::identity() - e * e.transpose() * 2.0
-}
-
-/// Edges at a vertex with their other ends, counter-clockwise.
-pub(super) fn edges_at(topology: &Topology, v: VertexId) -> Vec<(EdgeId, VertexId)> {
-    let mut edges = Vec::with_capacity(3);
-    for h in topology.outgoing(v) {
-        edges.push((topology.edge(h), topology.target(h)));
-        let back = topology.prev(h);
-        if topology.twin(back).is_none() {
-            edges.push((topology.edge(back), topology.origin(back)));
-        }
-    }
-    edges
 }
 
 /// The vertex nearest to the mean of all, so that the tree is shallow and rounding adds up less.

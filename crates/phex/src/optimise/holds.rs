@@ -188,7 +188,7 @@ fn on(curves: Option<&BoundaryCurve>, p: Vec3) -> Vec3 {
 }
 
 /// The closest point of a plane; exact in the coordinate of an axis-parallel normal.
-fn in_plane(p: Vec3, point: Vec3, normal: Vec3) -> Vec3 {
+pub(crate) fn in_plane(p: Vec3, point: Vec3, normal: Vec3) -> Vec3 {
     match normal.iter().position(|c| c.abs() == 1.0) {
         Some(axis) => {
             let mut q = p;

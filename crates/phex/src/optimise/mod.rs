@@ -101,6 +101,7 @@ use terms::guard::Guard;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
 pub use error::{OptimiseError, SteeringError};
+pub(crate) use holds::in_plane;
 pub use inspect::{Fault, Offender, Quality};
 pub(crate) use local::LocalPart;
 pub use options::{Dials, OptimiseOptions, PathKind, START_CLOSENESS, Solver, StartKind};
@@ -174,12 +175,12 @@ pub struct Optimised {
     /// The mesh; panels that are not as they should be are listed in
     /// [`offenders`](Self::offenders).
     pub mesh: HexMesh,
-    /// How the run that won ended. `Converged` means planar to the tolerance; offenders may remain.
+    /// How the run ended. `Converged` means planar to the tolerance; offenders may remain.
     pub outcome: Outcome,
-    /// The start that won.
+    /// The start.
     pub start: StartKind,
-    /// All runs, in the order in which they were made.
-    pub runs: Vec<RunSummary>,
+    /// How the run went that made it.
+    pub run: RunSummary,
     /// Panels that are not as they should be, in the order of the faces; a panel may stand here
     /// more than once.
     pub offenders: Vec<Offender>,
@@ -481,7 +482,7 @@ fn finished(mesh: &HexMesh, run: Run) -> Optimised {
         outcome: run.outcome,
         start: run.summary.start,
         quality: run.summary.quality,
-        runs: vec![run.summary],
+        run: run.summary,
         offenders: run.offenders,
     }
 }

@@ -9,7 +9,7 @@ use super::solver::emphasis::{EMPHASES, FREE_TURN};
 use super::solver::path::Path;
 use super::solver::reached::{ResultOrigin, Run, better};
 use super::solver::solvers::Solvers;
-use super::solver::start::Start;
+use super::solver::start::{Start, kinked};
 use super::terms::setting::{Setting, deviation, distances};
 use super::terms::shape_limits::ShapeLimits;
 use super::{RunSummary, Stage};
@@ -95,7 +95,7 @@ impl Stage<'_> {
             }
         }
         if by_barrier && self.holds.held.is_empty() {
-            let kinked = self.kinked(&start);
+            let kinked = kinked(self.topology, &self.panels, &self.guard, &start);
             if let Some(run) = self.run_fast(solvers, &kinked, options, progress) {
                 return Ok(run);
             }

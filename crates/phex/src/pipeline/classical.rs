@@ -55,7 +55,7 @@ pub(super) fn mesh_with_panels(
     let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(fine));
     let outside = classical.outside.take();
     classical.outside_domain = outside.map(|e| e.mapped(|p| place_in(model, p)).to_string());
-    let runs = made.optimised.map_or_else(Vec::new, |o| o.runs);
+    let runs: Vec<_> = made.optimised.map(|o| o.run).into_iter().collect();
     let statistics = Statistics {
         cones: Guides::of_cones(made.cones).cones,
         layout: made.layout,

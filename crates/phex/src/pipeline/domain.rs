@@ -10,7 +10,7 @@ use crate::smooth_surface::{
     self, Coarsened, CutShort, Normalised, SmoothTarget, TargetKind, boundary_corners,
 };
 use crate::trim::{self, Boundary, Domain, TrimError, Trimmed};
-use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::sync::Arc;
 
 /// Width of the strip beyond the boundary for whole panels, in panel lengths: two rows, so that
@@ -148,9 +148,8 @@ impl Ground {
         let coarse = with_fewer_vertices(near, cut.is_some(), panels, options);
         let facets = coarse.as_ref().map_or(near, |c| &c.surface);
 
-        let density = options.cell_density.max(options.field_density);
         let smooth = |surface: &TriangleSurface, panels: usize| {
-            let needed = (density * panels as f64) as usize;
+            let needed = options.cell_vertices(panels) as usize;
             // One step brings a surface with fewer vertices there, but for a few at its boundary.
             let next = (coarse.as_ref()).map(|_| surface.positions().len() + 1);
             let vertices = next.map_or(needed, |next| next.min(needed));
@@ -282,10 +281,7 @@ impl Ground {
     /// Panels brought back to the boundary.
     pub fn trimmed(&self, mesh: &HexMesh, fine: &TriangleSurface) -> Result<Trimmed, TrimError> {
         let Some(trimming) = &self.trimming else {
-            return Ok(Trimmed {
-                mesh: mesh.clone(),
-                parent: PerFace::from_vec(mesh.topology().faces().collect()),
-            });
+            return Ok(Trimmed::whole(mesh.clone()));
         };
         let domain = Domain {
             extended: fine,
@@ -299,15 +295,10 @@ impl Ground {
     }
 }
 
-/// Vertices that cells need.
-fn needed(panels: usize, options: &MeshOptions) -> f64 {
-    options.cell_density.max(options.field_density) * panels as f64
-}
-
 /// Vertices on which panels are laid out where the input has more: one refinement brings them to
 /// what cells need.
 fn wanted(panels: usize, options: &MeshOptions) -> usize {
-    let before = (0.25 * needed(panels, options)).max(options.field_vertices(panels));
+    let before = (0.25 * options.cell_vertices(panels)).max(options.field_vertices(panels));
     (ENOUGH * before) as usize
 }
 
@@ -334,7 +325,7 @@ fn with_fewer_vertices(
     panels: usize,
     options: &MeshOptions,
 ) -> Option<Coarsened> {
-    let many = FINE * needed(panels, options);
+    let many = FINE * options.cell_vertices(panels);
     let is_fine = was_cut || input.positions().len() as f64 > many;
     (is_fine && options.method == Method::Lattice).then(|| {
         let corners = boundary_corners(input, options.target.corner_angle.to_radians());
@@ -370,13 +361,11 @@ mod tests {
         };
         let ground = Ground::new(&strips, 200, &options);
         let fine = ground.smooth.finest();
-        let topology = fine.topology();
-        let ends = topology.edges().map(|e| topology.edge_vertices(e));
-        let lengths = ends.map(|[a, b]| (fine.positions()[a] - fine.positions()[b]).norm());
+        let lengths = fine.topology().edges().map(|e| fine.edge_length(e));
         let longest = lengths.fold(0.0, f64::max);
         let panel = mean_length(&strips, 200);
         assert!(longest < 0.6 * panel, "{longest} of {panel}");
-        let vertices = fine.positions().len() as f64 / needed(200, &options);
+        let vertices = fine.positions().len() as f64 / options.cell_vertices(200);
         assert!((0.8..1.5).contains(&vertices), "{vertices}");
         // Sizes asked for at the two ends are those between them on the way.
         let sizes = ground.options.size_field.unwrap();

@@ -87,7 +87,7 @@ impl Field {
         let surface = &smooth.levels[self.level];
         let cones = self.directions.cone.enumerate().filter(|(_, i)| **i != 0);
         let cone = |(f, index): (_, &i32)| Cone {
-            position: (surface.corners(f).iter().sum::<Vec3>() / 3.0).into(),
+            position: surface.centroid(f).into(),
             index: *index,
         };
         cones.map(cone).collect()

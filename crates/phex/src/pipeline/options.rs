@@ -161,6 +161,11 @@ impl MeshOptions {
         share * self.field_density * panels as f64
     }
 
+    /// Vertices that cells need.
+    pub(super) fn cell_vertices(&self, panels: usize) -> f64 {
+        self.cell_density.max(self.field_density) * panels as f64
+    }
+
     /// What a mesh must keep to.
     pub fn limits(&self) -> Limits {
         let deviation = self.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);

@@ -266,13 +266,12 @@ impl Task<'_> {
     /// A member as a run.
     fn run(&self, member: SearchedMember) -> MeshRun {
         let pass = member.made;
-        let runs = pass.optimised.runs.clone();
         let statistics = Statistics {
             layout: pass.layout,
             brick_wall: pass.brick_wall,
             cones: pass.cones.clone(),
-            factorisations: runs.iter().map(|r| r.factorisations).sum(),
-            runs,
+            factorisations: pass.optimised.run.factorisations,
+            runs: vec![pass.optimised.run.clone()],
             search: member.search,
             ..Statistics::of(&self.ground.smooth, self.ground.asked)
         };

@@ -171,11 +171,8 @@ pub(super) fn panel_length(surface: &TriangleSurface, panels: usize) -> f64 {
 
 /// Length of a surface's boundary.
 pub(super) fn boundary_length(surface: &TriangleSurface) -> f64 {
-    let topology = surface.topology();
-    let edges = topology.edges().filter(|&e| topology.is_boundary_edge(e));
-    let ends = edges.map(|e| topology.edge_vertices(e));
-    ends.map(|[a, b]| (surface.positions()[a] - surface.positions()[b]).norm())
-        .sum()
+    let edges = surface.topology().boundary_edges();
+    edges.map(|e| surface.edge_length(e)).sum()
 }
 
 /// Distance of the centres of regular panels that share a surface's area.

@@ -46,8 +46,7 @@ pub fn refit_surface(
     let mut clock = Clock::new(progress);
     let panels = earlier.topology().n_faces();
     let model = Normalised::of(surface);
-    let density = options.cell_density.max(options.field_density);
-    let vertices = (density * panels as f64) as usize;
+    let vertices = options.cell_vertices(panels) as usize;
     let smooth = clock.stage("target", || {
         smooth_surface::smooth_target(&model.surface, vertices, &options.target)
     })?;
@@ -87,7 +86,7 @@ pub fn refit_surface(
 
 fn with_result(mut run: MeshRun, result: Optimised, clock: Clock<'_>) -> MeshRun {
     run.statistics.factorisations += result.outcome.factorisations;
-    run.statistics.runs.extend(result.runs);
+    run.statistics.runs.push(result.run);
     run.mesh = result.mesh;
     run.outcome = result.outcome;
     run.stages = clock.stages;

@@ -78,8 +78,8 @@ fn as_layout(mesh: HexMesh, surface: &TriangleSurface) -> Layout {
     let feet = surface.closest_points(&centres);
     let on_surface = surface.closest_points(mesh.positions.as_slice());
     let length = |f| {
-        let neighbours = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
-        let distances = neighbours.map(|t| (mesh.centre(topology.face(t)) - mesh.centre(f)).norm());
+        let neighbours = topology.adjacent_faces(f);
+        let distances = neighbours.map(|g| (mesh.centre(g) - mesh.centre(f)).norm());
         let (sum, count) = distances.fold((0.0, 0), |(s, n), d| (s + d, n + 1));
         sum / f64::from(count.max(1))
     };

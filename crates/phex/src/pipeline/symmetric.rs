@@ -55,8 +55,7 @@ pub(super) fn mesh_with_panels(
     if let Some(reason) = not_symmetric(options) {
         return without(reason.to_owned());
     }
-    let density = options.cell_density.max(options.field_density);
-    let vertices = (density * panels as f64) as usize;
+    let vertices = options.cell_vertices(panels) as usize;
     let smooth = clock.stage("target", || {
         let cut = without_long_triangles(surface, panels, options);
         let near = cut.as_ref().map_or(surface, |c| &c.surface);
@@ -309,19 +308,15 @@ impl DomainPanels {
         // Panels in mirror planes are half there: two in three of them, about, are cut.
         let each = mean_length(whole, panels) / scale;
         let walls = group.walls();
-        let sides = surface.topology().edges().filter(|e| {
+        let sides = surface.topology().boundary_edges().filter(|e| {
             let ends = surface.topology().edge_vertices(*e);
             let on = |n: &Vec3| {
                 ends.iter()
                     .all(|v| n.dot(&surface.positions()[*v]).abs() < 1e-9)
             };
-            surface.topology().is_boundary_edge(*e) && walls.iter().any(on)
+            walls.iter().any(on)
         });
-        let length = |e| {
-            let [a, b] = surface.topology().edge_vertices(e);
-            (surface.positions()[a] - surface.positions()[b]).norm()
-        };
-        let cut: f64 = sides.map(length).sum();
+        let cut: f64 = sides.map(|e| surface.edge_length(e)).sum();
         let share = surface.area() / (whole.area() / (scale * scale));
         let count = panels as f64 * share + 0.4 * cut / each;
         let mut options = options.clone();
@@ -379,8 +374,8 @@ impl DomainPanels {
         let quotient = symmetry::quotient_of(&mesh, self.group).map_err(NotSymmetric::Symmetry)?;
         let statistics = Statistics {
             layout: laid.statistics,
-            factorisations: optimised.runs.iter().map(|r| r.factorisations).sum(),
-            runs: optimised.runs.clone(),
+            factorisations: optimised.run.factorisations,
+            runs: vec![optimised.run.clone()],
             ..Statistics::empty()
         };
         self.assembled(

@@ -379,9 +379,8 @@ fn topology_check(mesh: &HexMesh, surface: &TriangleSurface, deviation: &Deviati
     ];
     let (faces, place): (Vec<FaceId>, Option<Vec3>) = if mine.len() > given.len() {
         let odd = loneliest(&mine, &given);
-        let around = ours[odd].iter().flat_map(|v| mesh.topology().outgoing(*v));
-        let faces = around.map(|h| mesh.topology().face(h)).collect();
-        (faces, mine[odd].first().copied())
+        let around = (ours[odd].iter()).flat_map(|v| mesh.topology().faces_at(*v));
+        (around.collect(), mine[odd].first().copied())
     } else if mine.len() < given.len() {
         let odd = loneliest(&given, &mine);
         let faces = theirs[odd].iter().map(|v| deviation.coverage_face[*v]);

@@ -36,9 +36,7 @@ pub fn defects(mesh: &HexMesh, judgement: &Judgement) -> Vec<Defect> {
     let mut defects = Vec::new();
     for f in faces {
         if left.remove(&f) {
-            let topology = mesh.topology();
-            let twins = topology.face_half_edges(f).filter_map(|h| topology.twin(h));
-            let beside = twins.map(|t| topology.face(t)).filter(|g| left.remove(g));
+            let beside = (mesh.topology().adjacent_faces(f)).filter(|g| left.remove(g));
             let worst = &findings[f];
             let mut faces: Vec<FaceId> = std::iter::once(f).chain(beside).collect();
             // The other sheet is a place of this defect, too.

@@ -86,7 +86,7 @@ impl Yardstick {
 /// Mean area of the inner faces, and mean length of their edges.
 fn inner_means(mesh: &HexMesh, flat: &PerFace<FlatFace>) -> [f64; 2] {
     let topology = mesh.topology();
-    let inner = || topology.faces().filter(|f| !topology.is_boundary_face(*f));
+    let inner = || topology.inner_faces();
     let areas: Vec<f64> = inner().map(|f| flat[f].area()).collect();
     let edges = inner().flat_map(|f| topology.face_half_edges(f));
     let lengths: Vec<f64> = edges.map(|h| mesh.edge_length(topology.edge(h))).collect();
@@ -424,7 +424,7 @@ fn rim_curve(scope: &Scope<'_>, rim: &[(FaceId, Vec3)]) -> Option<BoundaryCurve>
     if rim.is_empty() {
         return None;
     }
-    let edges = topology.edges().filter(|e| topology.is_boundary_edge(*e));
+    let edges = topology.boundary_edges();
     let ends = edges.map(|e| {
         let ends = topology.edge_vertices(e).map(|v| scope.mesh.position(v));
         ends.to_vec()
@@ -648,9 +648,7 @@ mod tests {
         let (mesh, v) = moved(&wall, Vec3::new(0.0, 0.0, 0.5 * edge));
         let any = vec![0.0; mesh.topology().n_faces()];
         let found = defects(&mesh, &judge(&surface).whole(&mesh, &any));
-        let around: Vec<FaceId> = (mesh.topology().outgoing(v))
-            .map(|h| mesh.topology().face(h))
-            .collect();
+        let around: Vec<FaceId> = mesh.topology().faces_at(v).collect();
         assert!(!found[0].is_allowed && around.contains(&found[0].faces[0]));
         let named: Vec<FaceId> = found.iter().flat_map(|d| d.faces.clone()).collect();
         assert!(around.iter().all(|f| named.contains(f)), "{named:?}");

@@ -3,8 +3,7 @@
 //! vertices keep three panels throughout.
 
 use crate::layout::moves::glide;
-use phex_mesh::{Topology, Vec3};
-use std::collections::BTreeMap;
+use phex_mesh::{Topology, Vec3, numbered, turn_edge};
 
 /// Corners that a panel must keep, and that it may come to have.
 const LEAST: usize = 4;
@@ -68,12 +67,8 @@ impl Draft {
     pub fn turned(&self, [u, v]: DirectedEdge) -> Option<Self> {
         let turn = self.turn(&self.incidence(), [u, v])?;
         let mut next = self.clone();
-        next.faces[turn.left].retain(|x| *x != v);
-        next.faces[turn.right].retain(|x| *x != u);
-        // The left panel comes after u in the panel there, and keeps u; the right one comes after
-        // v, and keeps v.
-        insert_before(&mut next.faces[turn.at_u], u, v);
-        insert_before(&mut next.faces[turn.at_v], v, u);
+        let at_ends = [Some(turn.at_u), Some(turn.at_v)];
+        turn_edge(&mut next.faces, [u, v], [turn.left, turn.right], at_ends);
         let centre = |f: usize| self.centre(f);
         let middle = (self.places[u as usize] + self.places[v as usize]) * 0.5;
         let open = |f: usize| (centre(f) - middle) * OPENING;
@@ -243,16 +238,8 @@ impl Draft {
     fn topology(&self) -> Option<(Topology, Vec<usize>)> {
         let numbers = (0..self.faces.len()).filter(|f| !self.faces[*f].is_empty());
         let numbers: Vec<usize> = numbers.collect();
-        let mut corner: BTreeMap<u32, u32> = BTreeMap::new();
-        let mut faces: Vec<Vec<u32>> = Vec::new();
-        for f in &numbers {
-            let number = |v: &u32| {
-                let next = corner.len() as u32;
-                *corner.entry(*v).or_insert(next)
-            };
-            faces.push(self.faces[*f].iter().map(number).collect());
-        }
-        let topology = Topology::from_faces(corner.len(), &faces).ok()?;
+        let (corners, faces) = numbered(numbers.iter().map(|f| self.faces[*f].iter()));
+        let topology = Topology::from_faces(corners.len(), &faces).ok()?;
         Some((topology, numbers))
     }
 
@@ -319,14 +306,6 @@ fn from(face: &[u32], x: u32) -> Vec<u32> {
     face[k..].iter().chain(&face[..k]).copied().collect()
 }
 
-fn insert_before(face: &mut Vec<u32>, old: u32, new: u32) {
-    let k = face
-        .iter()
-        .position(|y| *y == old)
-        .expect("a corner of the panel");
-    face.insert(k, new);
-}
-
 fn insert_between(face: &mut Vec<u32>, a: u32, b: u32, new: u32) {
     let k = face
         .iter()
@@ -339,7 +318,7 @@ fn insert_between(face: &mut Vec<u32>, a: u32, b: u32, new: u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::BTreeSet;
+    use std::collections::{BTreeMap, BTreeSet};
 
     /// A piece of a honeycomb, all panels open but those at its rim.
     fn honeycomb(n: i32) -> Draft {

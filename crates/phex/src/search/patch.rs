@@ -1,7 +1,7 @@
 //! Patches: some panels with what is around them, as a mesh of its own, and how they go back.
 
 use super::draft::Draft;
-use phex_mesh::{FaceId, HexMesh, Vec3, VertexId};
+use phex_mesh::{FaceId, HexMesh, Vec3, VertexId, numbered};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rings of panels around those that may be joined anew whose corners move with them; one more ring
@@ -25,9 +25,7 @@ pub(super) struct Patch {
 pub(super) fn with_ring(mesh: &HexMesh, faces: &BTreeSet<FaceId>) -> BTreeSet<FaceId> {
     let topology = mesh.topology();
     let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
-    let around = corners
-        .flat_map(|v| topology.outgoing(*v))
-        .map(|h| topology.face(h));
+    let around = corners.flat_map(|v| topology.faces_at(*v));
     around.chain(faces.iter().copied()).collect()
 }
 
@@ -78,25 +76,11 @@ impl Patch {
 
     /// A draft of the patch as a mesh; `None` if its panels are no manifold.
     pub fn built(&self, draft: &Draft) -> Option<Built> {
-        let mut number: BTreeMap<u32, u32> = BTreeMap::new();
         let kept: Vec<usize> = (0..draft.faces.len())
             .filter(|f| !draft.faces[*f].is_empty())
             .collect();
-        for f in &kept {
-            for v in &draft.faces[*f] {
-                let next = number.len() as u32;
-                number.entry(*v).or_insert(next);
-            }
-        }
-        let mut vertices = vec![0; number.len()];
-        number.iter().for_each(|(v, k)| vertices[*k as usize] = *v);
-        let ring = |f: &usize| {
-            draft.faces[*f]
-                .iter()
-                .map(|v| number[v])
-                .collect::<Vec<u32>>()
-        };
-        let faces: Vec<Vec<u32>> = kept.iter().map(ring).collect();
+        let rings = kept.iter().map(|f| draft.faces[*f].iter().copied());
+        let (vertices, faces) = numbered(rings);
         let places = vertices.iter().map(|v| draft.places[*v as usize]);
         let mesh = HexMesh::new(places.collect(), &faces).ok()?;
         let moves = |f: usize| self.moves[draft.origin[f]];

@@ -103,7 +103,7 @@ fn squeezed(mesh: &HexMesh) -> (HexMesh, Vec3) {
     let topology = mesh.topology();
     let at_rim = |f: FaceId| topology.is_boundary_face(f);
     let inner = |v: &VertexId| {
-        let mut faces = topology.outgoing(*v).map(|h| topology.face(h));
+        let mut faces = topology.faces_at(*v);
         !topology.is_boundary_vertex(*v) && !faces.any(at_rim)
     };
     let v = topology.vertices().find(inner).unwrap();
@@ -213,11 +213,7 @@ fn one_bad_change_spoils_few_others() {
 fn without_an_edge(mesh: &HexMesh) -> HexMesh {
     let topology = mesh.topology();
     let inner = |f: FaceId| !topology.is_boundary_face(f);
-    let faces = |e| {
-        let half = topology.edge_half_edge(e);
-        let twin = topology.twin(half)?;
-        Some([half, twin].map(|h| topology.face(h)))
-    };
+    let faces = |e| topology.faces_beside(e);
     let mut edges = topology
         .edges()
         .filter(|e| faces(*e).is_some_and(|f| f.into_iter().all(inner)));

@@ -261,15 +261,10 @@ struct Strip {
 
 impl Strip {
     fn new(surface: &TriangleSurface) -> Self {
-        let topology = surface.topology();
-        let corner = |f: FaceId, k: usize| topology.face_vertices(f)[k].index() as u32;
-        let triangles: Vec<[u32; 3]> = topology
-            .faces()
-            .map(|f| std::array::from_fn(|k| corner(f, k)))
-            .collect();
+        let triangles: Vec<[u32; 3]> = surface.triangles().collect();
         Self {
             positions: surface.positions().as_slice().to_vec(),
-            origin: topology.vertices().collect(),
+            origin: surface.topology().vertices().collect(),
             n_original: triangles.len(),
             triangles,
         }

@@ -31,6 +31,7 @@ pub use coarsen::{Coarsened, coarsened};
 pub(crate) use elongated::{CutShort, cut_short};
 pub use extend::{Extension, extend};
 pub use normalise::Normalised;
+pub(crate) use slivers::IN_PLANE;
 pub use subdivide::Refinement;
 
 use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
@@ -177,7 +178,7 @@ pub fn smooth_target(
         interpolating_control(surface.positions(), &refinements, options);
     let mut positions = control;
     let mut levels = Vec::new();
-    let mut faces = triangles(surface);
+    let mut faces: Vec<[u32; 3]> = surface.triangles().collect();
     for (i, refinement) in refinements.iter().enumerate() {
         let finest: PerVertex<Vec3> = refinements[i..]
             .iter()
@@ -203,13 +204,6 @@ pub fn smooth_target(
 
 fn rebuilt(positions: Vec<Vec3>, faces: &[[u32; 3]]) -> TriangleSurface {
     TriangleSurface::new(positions, faces).expect("refinement keeps a manifold a manifold")
-}
-
-fn triangles(surface: &TriangleSurface) -> Vec<[u32; 3]> {
-    let t = surface.topology();
-    t.faces()
-        .map(|f| std::array::from_fn(|k| t.face_vertices(f)[k].index() as u32))
-        .collect()
 }
 
 fn interpolating_control(

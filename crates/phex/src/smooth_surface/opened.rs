@@ -3,7 +3,7 @@
 //! What is fitted to a surface that is open there (normals, cubics over edges) knows nothing of
 //! what is beyond. Each vertex of a crease becomes one for each of the parts that meet in it.
 
-use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{EdgeId, FaceId, HalfEdgeId, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::collections::HashMap;
 
 /// Cosine of the angle between triangles from which on their common edge is a crease.
@@ -38,7 +38,7 @@ impl Opened {
     pub(super) fn along_creases(surface: &TriangleSurface) -> (Self, TriangleSurface) {
         let topology = surface.topology();
         let before = topology.n_vertices();
-        let mut corners: Vec<[u32; 3]> = topology.faces().map(|f| corners(topology, f)).collect();
+        let mut corners: Vec<[u32; 3]> = surface.triangles().collect();
         let mut number: Vec<u32> = (0..before as u32).collect();
         for v in topology.vertices() {
             for part in parts(surface, v).into_iter().skip(1) {
@@ -91,8 +91,7 @@ impl Opened {
         if self.open == self.before {
             return Some(surface.clone());
         }
-        let topology = surface.topology();
-        let faces = topology.faces().map(|f| corners(topology, f));
+        let faces = surface.triangles();
         let faces: Vec<[u32; 3]> = faces.map(|f| f.map(|v| self.number[v as usize])).collect();
         let places = self.closed(surface.positions());
         let mut normals = PerVertex::filled(self.first.len(), Vec3::zeros());
@@ -120,11 +119,6 @@ impl Opened {
         let values = self.first.iter().map(|&v| values[VertexId::new(v)]);
         PerVertex::from_vec(values.collect())
     }
-}
-
-fn corners(topology: &Topology, f: FaceId) -> [u32; 3] {
-    let corners = topology.face_vertices(f);
-    [0, 1, 2].map(|i| corners[i].index() as u32)
 }
 
 /// The faces at a vertex, those together that no crease is between.

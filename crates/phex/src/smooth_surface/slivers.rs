@@ -9,8 +9,8 @@ use phex_mesh::{HalfEdgeId, PerFace, PerVertex, TriangleSurface, Vec3, VertexId}
 /// Height of a sliver over its shorter side, at the most: the boundary turns by no more than about
 /// twice that angle where it is taken away.
 const FLAT: f64 = 0.1;
-/// Distance from a mirror plane, diagonals, within which both ends of an edge lie in it.
-pub(super) const IN_PLANE: f64 = 1e-7;
+/// Distance from a mirror plane, diagonals, within which vertices of the boundary lie in it.
+pub(crate) const IN_PLANE: f64 = 1e-7;
 
 /// The surface without triangles that are lower than `height` over an edge of the boundary, as long
 /// as there are any; vertices stay, with their numbers. Edges in one of the `mirrors`, each a point
@@ -53,8 +53,7 @@ pub(super) fn without_slivers(
         return None;
     }
     let left = topology.faces().filter(|f| is_left[*f]);
-    let corners = |f| std::array::from_fn(|k| topology.face_vertices(f)[k].index() as u32);
-    let faces: Vec<[u32; 3]> = left.map(corners).collect();
+    let faces: Vec<[u32; 3]> = left.map(|f| surface.triangle(f)).collect();
     TriangleSurface::new(surface.positions().as_slice().to_vec(), &faces).ok()
 }
 

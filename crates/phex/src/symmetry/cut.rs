@@ -25,15 +25,10 @@ struct Pieces {
 /// # Errors
 /// A sentence, if it is no manifold or not in one piece, crumbs aside.
 pub(crate) fn cut(surface: &TriangleSurface, normals: &[Vec3]) -> Result<TriangleSurface, String> {
-    let topology = surface.topology();
-    let triangle = |f| {
-        let corners = topology.face_vertices(f);
-        std::array::from_fn(|k| corners[k].index() as u32)
-    };
     let mut pieces = Pieces {
         positions: surface.positions().as_slice().to_vec(),
         planes: vec![0; surface.positions().len()],
-        triangles: topology.faces().map(triangle).collect(),
+        triangles: surface.triangles().collect(),
     };
     for k in 0..normals.len() {
         pieces.snap(normals, k);

@@ -1,6 +1,7 @@
 //! Groups of mirror planes: reflections in two planes through an axis, and in one across it.
 
 use crate::directions::MirrorPlane;
+use crate::optimise::in_plane;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use std::f64::consts::{PI, TAU};
@@ -128,19 +129,7 @@ pub(crate) fn in_walls(normals: &[Vec3], bits: u32, mut p: Vec3) -> Vec3 {
         [_, _, _, ..] => p = Vec3::zeros(),
         _ => {}
     }
-    held.into_iter().fold(p, in_plane)
-}
-
-/// The closest point of a plane through the origin; exact for coordinate planes.
-fn in_plane(p: Vec3, normal: Vec3) -> Vec3 {
-    match normal.iter().position(|c| c.abs() == 1.0) {
-        Some(axis) => {
-            let mut q = p;
-            q[axis] = 0.0;
-            q
-        }
-        None => p - normal * normal.dot(&p),
-    }
+    (held.into_iter()).fold(p, |p, normal| in_plane(p, Vec3::zeros(), normal))
 }
 
 /// Brings a point into the fundamental domain: the point there, and the map that takes it back.

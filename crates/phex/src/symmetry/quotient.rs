@@ -91,7 +91,7 @@ impl<'a> WallCells<'a> {
             if !topology.is_boundary_vertex(v) {
                 return 0;
             }
-            let face = topology.outgoing(v).next().map(|h| topology.face(h));
+            let face = topology.faces_at(v).next();
             let near = face.map_or(0.0, |f| IN_PLANE * layout.face_length[f]);
             let height = |n: &Vec3| n.dot(&layout.mesh.position(v)).abs();
             (walls.iter().enumerate())
@@ -130,7 +130,7 @@ impl<'a> WallCells<'a> {
         });
         // No two whole panels side by side.
         for v in self.topology.vertices().filter(|v| self.on[*v] != 0) {
-            let faces = self.topology.outgoing(v).map(|h| self.topology.face(h));
+            let faces = self.topology.faces_at(v);
             let whole = faces.filter(|f| self.sides(*f) & !merged[*f] & self.on[v] != 0);
             let whole: Vec<FaceId> = whole.collect();
             if whole.len() > 1 {
@@ -206,7 +206,7 @@ impl<'a> WallCells<'a> {
         let mut beside = BTreeSet::from([f]);
         let mut cost = 0;
         for v in held {
-            let around = self.topology.outgoing(*v).map(|h| self.topology.face(h));
+            let around = self.topology.faces_at(*v);
             let whole = around.filter(|g| {
                 beside.insert(*g);
                 self.sides(*g) & !merged[*g] & self.on[*v] != 0
@@ -319,7 +319,7 @@ impl<'a> WallCells<'a> {
 
     /// Whether the end of a cell's side in a wall is a corner of the panel.
     fn is_corner(&self, v: VertexId, f: FaceId, merged: &PerFace<u32>) -> bool {
-        let mut around = self.topology.outgoing(v).map(|h| self.topology.face(h));
+        let mut around = self.topology.faces_at(v);
         if let Some(g) = around.find(|g| *g != f) {
             return merged[g] & self.on[v] == 0;
         }

@@ -2,11 +2,9 @@
 
 use super::group::folded;
 use crate::optimise::{CurvePoint, SurfaceTarget, Target, TargetPoint};
+use crate::smooth_surface::IN_PLANE;
 use nalgebra::Matrix3;
 use phex_mesh::{BoundaryCurve, TriangleSurface, Vec3};
-
-/// Distance from a mirror plane, diagonals, within which an edge of the boundary lies in it.
-const IN_PLANE: f64 = 1e-7;
 
 /// A domain between mirror planes through the origin, and all its images: points are brought into
 /// the domain, and what is closest to them back.

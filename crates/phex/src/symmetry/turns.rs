@@ -10,8 +10,7 @@ use super::unfold::{Unfolded, unfolded};
 use crate::layout::moves::flips::turn_with_images;
 use crate::layout::{Layout, VertexKind};
 use nalgebra::Matrix3;
-use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
-use std::collections::BTreeMap;
+use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId, numbered};
 
 /// Distance from a mirror plane, mean edges, within which a vertex lies in it.
 const IN_PLANE: f64 = 1e-6;
@@ -64,14 +63,7 @@ impl WholePanels {
     fn restored(&self, all: &Layout, group: Group) -> Option<Self> {
         let topology = all.mesh.topology();
         let part = self.layout.mesh.topology().faces();
-        let rings: Vec<&[VertexId]> = part.map(|f| topology.face_vertices(f)).collect();
-        let mut number: BTreeMap<VertexId, u32> = BTreeMap::new();
-        for v in rings.iter().copied().flatten() {
-            let next = number.len() as u32;
-            number.entry(*v).or_insert(next);
-        }
-        let mut old = vec![VertexId::new(0); number.len()];
-        number.iter().for_each(|(v, k)| old[*k as usize] = *v);
+        let (old, faces) = numbered(part.map(|f| topology.face_vertices(f).iter().copied()));
         let (walls, near) = (group.walls(), IN_PLANE * self.layout.mesh.mean_edge());
         let place = |v: &VertexId| {
             let p = all.mesh.position(*v);
@@ -81,9 +73,6 @@ impl WholePanels {
                 .filter(|(_, n)| n.dot(&p).abs() < near);
             in_walls(&walls, held.fold(0, |bits, (k, _)| bits | (1 << k)), p)
         };
-        let faces: Vec<Vec<u32>> = (rings.iter())
-            .map(|ring| ring.iter().map(|v| number[v]).collect())
-            .collect();
         let mesh = HexMesh::new(old.iter().map(place).collect(), &faces).ok()?;
         let kinds = old.iter().map(|v| all.vertex_kind[*v]);
         Some(Self {

@@ -72,9 +72,7 @@ impl<'a> Cut<'a> {
         let mut positions = mesh.positions.as_slice().to_vec();
         let near_length = NEAR_LENGTH * domain.original.diagonal();
         let edges = PerEdge::from_fn(topology.n_edges(), |e: EdgeId| {
-            let h = topology.edge_half_edge(e);
-            let sides = [Some(h), topology.twin(h)].into_iter().flatten();
-            let close = sides.map(|h| topology.face(h)).any(|f| near[f.index()]);
+            let close = topology.edge_faces(e).any(|f| near[f.index()]);
             cut_edge(mesh, domain, e, close, near_length, &mut positions)
         });
         Self {
@@ -144,7 +142,7 @@ impl<'a> Cut<'a> {
         for h in topology.face_half_edges(f) {
             let edge = &self.edges[topology.edge(h)];
             let n = edge.inside.len();
-            if topology.edge_half_edge(topology.edge(h)) == h {
+            if topology.runs_along(h) {
                 vertices.extend(&edge.vertices[..n]);
                 inside.extend(&edge.inside);
             } else {

@@ -27,6 +27,7 @@ mod whole;
 use crate::smooth_surface::extend::Extension;
 use phex_mesh::{
     BoundaryCurve, FaceId, HexMesh, PerFace, TopologyError, TriangleSurface, Vec3, VertexId,
+    numbered,
 };
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -64,6 +65,14 @@ pub struct Trimmed {
     pub mesh: HexMesh,
     /// The panel of the untrimmed mesh that each is, or is part of.
     pub parent: PerFace<FaceId>,
+}
+
+impl Trimmed {
+    /// A mesh of which nothing was cut off.
+    pub(crate) fn whole(mesh: HexMesh) -> Self {
+        let parent = PerFace::from_vec(mesh.topology().faces().collect());
+        Self { mesh, parent }
+    }
 }
 
 /// The part of an extended surface that panels are trimmed to.
@@ -121,10 +130,7 @@ impl Domain<'_> {
 /// If nothing or no manifold is left.
 pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<Trimmed, TrimError> {
     let trimmed = match boundary {
-        Boundary::Snap => Trimmed {
-            mesh: mesh.clone(),
-            parent: PerFace::from_vec(mesh.topology().faces().collect()),
-        },
+        Boundary::Snap => Trimmed::whole(mesh.clone()),
         Boundary::Clip => clip::clipped(mesh, domain)?,
         Boundary::Whole => whole::whole_panels(mesh, domain)?,
     };
@@ -135,8 +141,7 @@ pub fn trim(mesh: &HexMesh, domain: &Domain<'_>, boundary: Boundary) -> Result<T
 /// out, their edges there are one.
 fn without_middles(trimmed: Trimmed) -> Result<Trimmed, TrimError> {
     let topology = trimmed.mesh.topology();
-    let is_middle =
-        |v: VertexId| !topology.is_boundary_vertex(v) && topology.outgoing(v).count() == 2;
+    let is_middle = |v: VertexId| !topology.is_boundary_vertex(v) && topology.face_degree(v) == 2;
     if !topology.vertices().any(is_middle) {
         return Ok(trimmed);
     }
@@ -155,20 +160,9 @@ pub(crate) fn compact(positions: &[Vec3], faces: &[Vec<u32>]) -> Result<HexMesh,
     if faces.is_empty() {
         return Err(TrimError::NothingLeft);
     }
-    let mut number = vec![u32::MAX; positions.len()];
-    let mut used = Vec::new();
-    let mut renumbered = Vec::with_capacity(faces.len());
-    for face in faces {
-        let corner = |&v: &u32| {
-            if number[v as usize] == u32::MAX {
-                number[v as usize] = used.len() as u32;
-                used.push(positions[v as usize]);
-            }
-            number[v as usize]
-        };
-        renumbered.push(face.iter().map(corner).collect::<Vec<u32>>());
-    }
-    Ok(HexMesh::new(used, &renumbered)?)
+    let (used, faces) = numbered(faces.iter().map(|f| f.iter().copied()));
+    let places = used.iter().map(|v| positions[*v as usize]);
+    Ok(HexMesh::new(places.collect(), &faces)?)
 }
 
 /// The connected part with the most panels.
@@ -248,8 +242,7 @@ mod tests {
         let at = [(0, 0), (1, 0), (2, 0), (0, 2), (1, 2), (2, 2), (1, 1)];
         let at = at.map(|(x, y)| Vec3::new(f64::from(x), f64::from(y), 0.0));
         let mesh = HexMesh::new(at.to_vec(), &[[0u32, 1, 6, 4, 3], [1, 2, 5, 4, 6]]).unwrap();
-        let parent = PerFace::from_vec(mesh.topology().faces().collect());
-        let left = without_middles(Trimmed { mesh, parent }).unwrap();
+        let left = without_middles(Trimmed::whole(mesh)).unwrap();
         assert_eq!(left.mesh.topology().n_vertices(), 6);
         assert_eq!(phex_mesh::measure(&left.mesh).area, 4.0);
     }

@@ -84,8 +84,7 @@ fn least_energy(mesh: &HexMesh, lies: &[Lie], near: &[bool], threshold: f64) -> 
         let Lie { area, inside } = lies[f.index()];
         let outline = |h| {
             let [a, b] = [topology.origin(h), topology.target(h)].map(|v| mesh.positions[v]);
-            let beside = topology.twin(h).map(|t| topology.face(t));
-            let shared = beside.is_some_and(|g| keep[g.index()]);
+            let shared = topology.across(h).is_some_and(|g| keep[g.index()]);
             (b - a).norm() * if shared { -1.0 } else { 1.0 }
         };
         let longer: f64 = topology.face_half_edges(f).map(outline).sum();

@@ -116,9 +116,7 @@ fn boundary_distance(from: &TriangleSurface, to: &TriangleSurface) -> f64 {
 fn corner_distance(surface: &TriangleSurface, mesh: &HexMesh) -> f64 {
     let corners = phex::smooth_surface::boundary_corners(surface, 0.7);
     let topology = mesh.topology();
-    let rim = topology
-        .vertices()
-        .filter(|v| topology.is_boundary_vertex(*v));
+    let rim = topology.boundary_vertices();
     let rim: Vec<Vec3> = rim.map(|v| mesh.position(v)).collect();
     let nearest = |p: Vec3| {
         rim.iter()
@@ -216,7 +214,7 @@ fn whole_panels_cover_the_surface_and_are_hexagons_at_the_rim() {
         let near = 5e-3 * surface.diagonal();
         let (mut covered, mut total) = (0.0, 0.0);
         for f in run.target.topology().faces() {
-            let p = run.target.corners(f).iter().sum::<Vec3>() / 3.0;
+            let p = run.target.centroid(f);
             let area = run.target.area_vector(f).norm();
             total += area;
             if (mesh.closest_point(p).position - p).norm() < near {
@@ -225,7 +223,7 @@ fn whole_panels_cover_the_surface_and_are_hexagons_at_the_rim() {
         }
         assert!(covered >= 0.97 * total, "{name}: {}", covered / total);
         let topology = run.mesh.topology();
-        let rim = topology.faces().filter(|f| topology.is_boundary_face(*f));
+        let rim = topology.boundary_faces();
         let valences: Vec<usize> = rim.map(|f| topology.valence(f)).collect();
         let hexagons = valences.iter().filter(|v| **v == 6).count();
         assert!(2 * hexagons > valences.len(), "{name}: {valences:?}");

@@ -387,7 +387,7 @@ fn forecast_agrees_with_what_becomes_of_the_planes() {
     for shape in ["wave", "b-spline"] {
         let run = run(shape, &[], &options(Method::TangentPlanes)).unwrap();
         let topology = run.mesh.topology();
-        let inner = topology.faces().filter(|f| !topology.is_boundary_face(*f));
+        let inner = topology.inner_faces();
         let simple = |f| is_simple(&FlatFace::of(&run.mesh, f).polygon);
         let crossed = inner.filter(|f| !simple(*f)).count();
         let told = run.statistics.classical.as_ref().unwrap();

@@ -101,9 +101,8 @@ fn what_bends_stays_fine() {
     let topology = found.surface.topology();
     let normal = |f| found.surface.area_vector(f).normalize();
     let turns = topology.edges().filter_map(|e| {
-        let h = topology.edge_half_edge(e);
-        let t = topology.twin(h)?;
-        Some(normal(topology.face(h)).angle(&normal(topology.face(t))))
+        let [a, b] = topology.faces_beside(e)?.map(normal);
+        Some(a.angle(&b))
     });
     let most = turns.fold(0.0, f64::max);
     assert!(most < 0.45, "{most}");

@@ -49,8 +49,7 @@ impl Known {
     fn inner(&self, margin: f64) -> Vec<VertexId> {
         let topology = self.surface.topology();
         let rim: Vec<Vec3> = topology
-            .vertices()
-            .filter(|&v| topology.is_boundary_vertex(v))
+            .boundary_vertices()
             .map(|v| self.surface.positions()[v])
             .collect();
         let far = |v: &VertexId| {

@@ -127,7 +127,7 @@ fn inner_edges_of_cut_panels_keep_their_distance() {
         let (mesh, given) = (&run.mesh, OffsetOptions::default());
         let found = edge_gauss_image(mesh, &given).unwrap();
         let t = mesh.topology();
-        let rim = t.edges().filter(|e| t.is_boundary_edge(*e));
+        let rim = t.boundary_edges();
         assert_eq!(found.free_edges, rim.collect::<Vec<_>>(), "{name}");
         let layers = [0.003, 0.001, -0.001, -0.003].map(|share| {
             let distance = share * mesh.diagonal();

@@ -51,9 +51,7 @@ fn check(run: &MeshRun, group: &str, order: u32) {
     assert!(run.is_sound(), "{group}: {:?}", run.violations());
     let (topology, orbits) = (run.mesh.topology(), run.orbits.as_ref().unwrap());
     assert!(measure(&run.mesh).planarity.max <= 1e-12);
-    let mut inner = topology
-        .vertices()
-        .filter(|v| !topology.is_boundary_vertex(*v));
+    let mut inner = topology.inner_vertices();
     assert!(inner.all(|v| topology.face_degree(v) == 3));
     let place = |v: u32| run.mesh.position(VertexId::new(v));
     assert_eq!(orbits.operations.len() as u32, order);

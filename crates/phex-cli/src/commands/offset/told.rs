@@ -149,7 +149,7 @@ impl Told<'_> {
             format!(", in these layers by up to {degrees:.2} degrees (edge {edge})")
         });
         let all = self.base.mesh.topology();
-        let all = all.edges().filter(|&e| all.is_boundary_edge(e)).count();
+        let all = all.boundary_edges().count();
         (edges > 0).then(|| {
             format!(
                 "{edges} of {all} boundary edges turn in the planes of their panels{}; all others stay parallel",

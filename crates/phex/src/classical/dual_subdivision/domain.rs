@@ -23,12 +23,10 @@ pub fn one_sign(mesh: &HexMesh) -> Result<CurvatureSign, DomainError> {
     let topology = mesh.topology();
     let plane = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
     let normals = PerFace::from_vec(topology.faces().map(|f| plane(f).normal).collect());
-    let inside = topology
-        .vertices()
-        .filter(|v| !topology.is_boundary_vertex(*v));
+    let inside = topology.inner_vertices();
     let curved: Vec<(VertexId, f64)> = inside
         .map(|v| {
-            let around = topology.outgoing(v).map(|h| normals[topology.face(h)]);
+            let around = topology.faces_at(v).map(|f| normals[f]);
             (v, fan_area(&around.collect::<Vec<_>>()))
         })
         .collect();
@@ -81,7 +79,7 @@ mod tests {
         let topology = mesh.topology();
         let normal = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>()).normal;
         let at = |v| {
-            let around = topology.outgoing(v).map(|h| normal(topology.face(h)));
+            let around = topology.faces_at(v).map(|f| normal(f));
             fan_area(&around.collect::<Vec<_>>())
         };
         let total: f64 = topology.vertices().map(at).sum();

@@ -37,7 +37,7 @@ pub use domain::one_sign;
 use super::duality::{
     DualTriangles, DualityError, OrientedPlane, Quadric, SubdivisionRule, clear_centre, envelope,
 };
-use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
+use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, PerFace, PerVertex, Topology, Vec3};
 use refined::{Refined, refined};
 use std::collections::BTreeMap;
 
@@ -73,10 +73,9 @@ pub fn dual_subdivision(
     levels: usize,
 ) -> Result<Vec<HexMesh>, DualityError> {
     let topology = mesh.topology();
-    let inside = |v: &VertexId| !topology.is_boundary_vertex(*v);
     let wrong = topology
-        .vertices()
-        .find(|v| inside(v) && topology.face_degree(*v) != 3);
+        .inner_vertices()
+        .find(|v| topology.face_degree(*v) != 3);
     if let Some(vertex) = wrong {
         let degree = topology.face_degree(vertex);
         return Err(DualityError::Degree { vertex, degree });
@@ -146,12 +145,10 @@ fn finer_poles(
         .map(|e| pair(sides(e)))
         .zip(new.iter().copied())
         .collect();
-    made.extend(finer.edges.iter().map(|e| {
-        let h = topology.edge_half_edge(*e);
-        let faces =
-            [Some(h), topology.twin(h)].map(|h| h.map_or(FaceId::new(0), |h| topology.face(h)));
+    made.extend(finer.edges.iter().filter_map(|e| {
+        let faces = topology.faces_beside(*e)?;
         let mean = (poles[faces[0]] + poles[faces[1]]) * 0.5;
-        of_pair.get(&pair(faces)).copied().unwrap_or(mean)
+        Some(of_pair.get(&pair(faces)).copied().unwrap_or(mean))
     }));
     Ok(PerFace::from_vec(made))
 }
@@ -160,7 +157,7 @@ fn finer_poles(
 mod tests {
     use super::*;
     use crate::classical::power_diagram::goldberg;
-    use phex_mesh::measure;
+    use phex_mesh::{VertexId, measure};
 
     #[test]
     fn goldberg_polyhedra_double_their_frequency_and_stay_planar() {

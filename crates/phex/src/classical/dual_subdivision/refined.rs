@@ -1,7 +1,7 @@
 //! The connectivity of dual subdivision, rim and all.
 
 use super::DualityError;
-use phex_mesh::{EdgeId, FaceId, HalfEdgeId, HexMesh, Topology, Vec3, VertexId};
+use phex_mesh::{EdgeId, FaceId, HalfEdgeId, HexMesh, Topology, Vec3, VertexId, numbered};
 
 /// Panels of the next level.
 pub(super) struct Refined {
@@ -19,27 +19,17 @@ pub(super) struct Refined {
 /// If three panels meet in a vertex at the boundary, or the result is no manifold.
 pub(super) fn refined(mesh: &HexMesh) -> Result<Refined, DualityError> {
     let topology = mesh.topology();
-    let boundary = |v: &VertexId| topology.is_boundary_vertex(*v);
     let crowded = topology
-        .vertices()
-        .filter(boundary)
+        .boundary_vertices()
         .find(|v| topology.face_degree(*v) > 2);
     if let Some(vertex) = crowded {
         return Err(DualityError::Crowded { vertex });
     }
-    let edges: Vec<EdgeId> = topology
-        .edges()
-        .filter(|e| !topology.is_boundary_edge(*e))
-        .collect();
+    let edges: Vec<EdgeId> = topology.inner_edges().collect();
     let old = topology.faces().map(|f| shrunk(topology, f));
     let new = edges.iter().map(|e| of_edge(topology, *e));
-    let outlines: Vec<Vec<RefinedVertex>> = old.chain(new).collect();
-    let mut numbers = Numbers::new(topology);
-    let faces: Vec<Vec<u32>> = outlines
-        .iter()
-        .map(|o| o.iter().map(|c| numbers.of(*c)).collect())
-        .collect();
-    let positions = numbers.corners.iter().map(|c| place(mesh, *c)).collect();
+    let (corners, faces) = numbered(old.chain(new));
+    let positions = corners.iter().map(|c| place(mesh, *c)).collect();
     Ok(Refined {
         mesh: HexMesh::new(positions, &faces)?,
         edges,
@@ -47,40 +37,12 @@ pub(super) fn refined(mesh: &HexMesh) -> Result<Refined, DualityError> {
 }
 
 /// A vertex of the next level.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum RefinedVertex {
     /// An old one.
     Old(VertexId),
     /// The corner that a panel has at the origin of a half-edge.
     New(HalfEdgeId),
-}
-
-/// Numbers of vertices in the order in which they are met.
-struct Numbers {
-    old: Vec<Option<u32>>,
-    new: Vec<Option<u32>>,
-    corners: Vec<RefinedVertex>,
-}
-
-impl Numbers {
-    fn new(topology: &Topology) -> Self {
-        Self {
-            old: vec![None; topology.n_vertices()],
-            new: vec![None; topology.n_half_edges()],
-            corners: Vec::new(),
-        }
-    }
-
-    fn of(&mut self, corner: RefinedVertex) -> u32 {
-        let number = match corner {
-            RefinedVertex::Old(v) => &mut self.old[v.index()],
-            RefinedVertex::New(h) => &mut self.new[h.index()],
-        };
-        *number.get_or_insert_with(|| {
-            self.corners.push(corner);
-            self.corners.len() as u32 - 1
-        })
-    }
 }
 
 /// An old panel; corners at the boundary that no other panel has stay.

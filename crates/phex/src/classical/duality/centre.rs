@@ -1,7 +1,7 @@
 //! A centre for the polarity, away from all tangent planes.
 
 use super::OrientedPlane;
-use phex_mesh::Vec3;
+use phex_mesh::{Vec3, bounds};
 
 /// Candidates along each side of the box that is searched.
 const GRID: i32 = 6;
@@ -19,10 +19,7 @@ const HALVINGS: usize = 12;
 /// # Panics
 /// If there are no points.
 pub(crate) fn clear_centre(planes: &[OrientedPlane], points: &[Vec3]) -> (Vec3, f64) {
-    let first = points[0];
-    let (low, high) = points
-        .iter()
-        .fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
+    let [low, high] = bounds(points);
     let (middle, diagonal) = ((low + high) * 0.5, (high - low).norm());
     let clearness = |c: Vec3| clearness(planes.iter().map(|p| p.height(c)));
     let step = diagonal * (0.5 + REACH) / f64::from(GRID);

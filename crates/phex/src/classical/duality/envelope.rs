@@ -15,10 +15,7 @@ pub(crate) fn envelope(
     let topology = mesh.topology();
     let place = |vertex: VertexId| {
         let near = mesh.positions[vertex];
-        let around: Vec<OrientedPlane> = topology
-            .outgoing(vertex)
-            .map(|h| planes[topology.face(h)])
-            .collect();
+        let around: Vec<OrientedPlane> = topology.faces_at(vertex).map(|f| planes[f]).collect();
         let found = (around.len() <= 3).then(|| meet(&around, near)).flatten();
         found.ok_or(DualityError::NoMeet { vertex, near })
     };

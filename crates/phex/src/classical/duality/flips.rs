@@ -1,11 +1,10 @@
 //! Flips that make panels of given planes valid: those of the convex hull where `K > 0`, those that
 //! obey the sign rule where `K < 0`.
 
-use super::hull::behind;
 use super::panels::{Flipped, PanelOutlines, Star};
 use super::{DualityError, OrientedPlane, Quadric, clear_centre, meet};
 use phex_mesh::polygon::is_simple;
-use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, Vec3, VertexId};
+use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, Vec3, VertexId, volume};
 use std::collections::BTreeSet;
 
 /// Steps per edge at the most: far more than are needed where the poles lie on a convex surface,
@@ -62,7 +61,7 @@ pub(crate) fn convex_flips(mesh: &HexMesh, poles: &PerFace<Vec3>, centre: Vec3) 
     let pole = |f: u32| poles[FaceId::new(f)];
     // Round the first end of an edge the panels run: left, before, right.
     let first = |s: &Star| [s.left, s.before, s.right].map(pole);
-    let side = |[a, b, c]: [Vec3; 3], d: Vec3| behind(a, b, c, d);
+    let side = |[a, b, c]: [Vec3; 3], d: Vec3| volume(a, b, c, d);
     let panels = PanelOutlines::new(mesh);
     let edges = panels.inner_edges(mesh);
     let stars = edges.iter().filter_map(|e| panels.star(*e));
@@ -287,7 +286,7 @@ mod tests {
             let made = envelope(mesh, planes).unwrap();
             let topology = made.topology();
             // At the rim vertices lie where they are put.
-            let inner = topology.faces().filter(|f| !topology.is_boundary_face(*f));
+            let inner = topology.inner_faces();
             let wrong = inner.filter(|f| !is_simple(&FlatFace::of(&made, *f).polygon));
             wrong.count()
         };

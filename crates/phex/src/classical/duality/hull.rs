@@ -4,8 +4,7 @@
 //! every point outside is kept with one face that sees it; a point is added by replacing the faces
 //! that see it with the cone over their rim. Points that lie in the plane of a face do not see it.
 
-use phex_mesh::Vec3;
-use robust::{Coord3D, orient3d};
+use phex_mesh::{Vec3, volume};
 use std::collections::HashMap;
 use thiserror::Error;
 
@@ -48,16 +47,6 @@ pub(crate) fn convex_hull(points: &[Vec3]) -> Result<Vec<[u32; 3]>, HullError> {
     Ok(alive.map(|f| f.corners).collect())
 }
 
-/// Positive if `d` lies behind the triangle `abc`, whose front is where it runs counter-clockwise.
-pub(super) fn behind(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> f64 {
-    let at = |p: Vec3| Coord3D {
-        x: p.x,
-        y: p.y,
-        z: p.z,
-    };
-    orient3d(at(a), at(b), at(c), at(d))
-}
-
 /// Four points that lie in no plane, the first three counter-clockwise seen from the side where the
 /// last is not.
 fn simplex(points: &[Vec3]) -> Option<[u32; 4]> {
@@ -71,8 +60,8 @@ fn simplex(points: &[Vec3]) -> Option<[u32; 4]> {
     let b = largest(&|i| (points[i] - points[a]).norm())?;
     let along = points[b] - points[a];
     let c = largest(&|i| along.cross(&(points[i] - points[a])).norm())?;
-    let d = largest(&|i| behind(points[a], points[b], points[c], points[i]).abs())?;
-    let front = behind(points[a], points[b], points[c], points[d]) > 0.0;
+    let d = largest(&|i| volume(points[a], points[b], points[c], points[i]).abs())?;
+    let front = volume(points[a], points[b], points[c], points[d]) > 0.0;
     let order = if front { [a, b, c, d] } else { [a, c, b, d] };
     Some(order.map(|i| i as u32))
 }
@@ -108,7 +97,7 @@ impl<'a> Hull<'a> {
 
     fn sees(&self, point: u32, corners: [u32; 3]) -> bool {
         let [a, b, c] = corners.map(|i| self.points[i as usize]);
-        behind(a, b, c, self.points[point as usize]) < 0.0
+        volume(a, b, c, self.points[point as usize]) < 0.0
     }
 
     /// Adds faces, and gives each of the points outside to the first of them that it sees.
@@ -200,7 +189,7 @@ mod tests {
         for t in hull {
             let [a, b, c] = t.map(|i| points[i as usize]);
             assert!(
-                points.iter().all(|&p| behind(a, b, c, p) >= 0.0),
+                points.iter().all(|&p| volume(a, b, c, p) >= 0.0),
                 "a point outside {t:?}"
             );
         }

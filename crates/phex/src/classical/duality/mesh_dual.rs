@@ -57,12 +57,11 @@ impl DualTriangles {
     /// # Errors
     /// If there is no vertex inside.
     pub fn of(topology: &Topology) -> Result<Self, DualityError> {
-        let inside = |v: &VertexId| !topology.is_boundary_vertex(*v);
-        let vertex_of_face: Vec<VertexId> = topology.vertices().filter(inside).collect();
+        let vertex_of_face: Vec<VertexId> = topology.inner_vertices().collect();
         if vertex_of_face.is_empty() {
             return Err(DualityError::NoInterior);
         }
-        let ring = |v: &VertexId| topology.outgoing(*v).map(|h| topology.face(h));
+        let ring = |v: &VertexId| topology.faces_at(*v);
         let mut used = vec![false; topology.n_faces()];
         let around = vertex_of_face.iter().flat_map(ring);
         around.for_each(|f| used[f.index()] = true);

@@ -1,6 +1,6 @@
 //! Panels whose edges can be flipped, and who can be taken out.
 
-use phex_mesh::{EdgeId, FaceId, HexMesh, PerVertex, TopologyError, Vec3, VertexId};
+use phex_mesh::{EdgeId, FaceId, HexMesh, PerVertex, TopologyError, Vec3, VertexId, turn_edge};
 
 /// Outlines of the panels as lists of vertices, and the panels at each vertex inside.
 #[derive(Clone)]
@@ -60,9 +60,7 @@ impl PanelOutlines {
     pub fn new(mesh: &HexMesh) -> Self {
         let topology = mesh.topology();
         let around = |v: VertexId| {
-            let faces = topology
-                .outgoing(v)
-                .map(|h| topology.face(h).index() as u32);
+            let faces = topology.faces_at(v).map(|f| f.index() as u32);
             let faces: Vec<u32> = faces.collect();
             let inside = !topology.is_boundary_vertex(v);
             inside.then(|| faces.try_into().ok()).flatten()
@@ -140,12 +138,9 @@ impl PanelOutlines {
             before,
             behind,
         } = *star;
-        self.corners[left as usize].retain(|&v| v != b);
-        self.corners[right as usize].retain(|&v| v != a);
-        // The panel before comes from the right panel's side to the left one's, the panel behind
-        // goes the other way.
-        replace(&mut self.corners[before as usize], a, [b, a]);
-        replace(&mut self.corners[behind as usize], b, [a, b]);
+        let sides = [left, right].map(|f| f as usize);
+        let at_ends = [before, behind].map(|f| Some(f as usize));
+        turn_edge(&mut self.corners, [a, b], sides, at_ends);
         self.around[VertexId::new(a)] = Some([left, before, behind]);
         self.around[VertexId::new(b)] = Some([right, behind, before]);
     }
@@ -221,10 +216,4 @@ impl PanelOutlines {
 
 fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
-}
-
-fn replace(list: &mut Vec<u32>, old: u32, new: [u32; 2]) {
-    if let Some(i) = list.iter().position(|&v| v == old) {
-        list.splice(i..=i, new);
-    }
 }

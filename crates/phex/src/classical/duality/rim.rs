@@ -3,8 +3,8 @@
 use super::OrientedPlane;
 use phex_mesh::polygon::{is_simple, signed_area};
 use phex_mesh::{
-    FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, ValidateOptions, Vec2, Vec3, VertexId,
-    Violation, violations,
+    FaceId, FlatFace, HexMesh, PerFace, Topology, ValidateOptions, Vec2, Vec3, VertexId, Violation,
+    numbered, violations,
 };
 
 /// The mesh without panels at the boundary that cross themselves or others or are turned over, and
@@ -43,7 +43,7 @@ pub(crate) fn without_broken_rim(
 /// Panels at the boundary, and those that have a vertex in common with one.
 fn near_boundary(topology: &Topology) -> PerFace<bool> {
     let at_rim = |v: VertexId| {
-        let mut around = topology.outgoing(v).map(|h| topology.face(h));
+        let mut around = topology.faces_at(v);
         around.any(|f| topology.is_boundary_face(f))
     };
     PerFace::from_fn(topology.n_faces(), |f| {
@@ -78,19 +78,10 @@ fn worst(
 
 /// Some panels of a mesh; `None` where they are joined in single vertices.
 fn part(mesh: &HexMesh, faces: &[FaceId]) -> Option<HexMesh> {
-    let mut number = PerVertex::filled(mesh.positions.len(), None);
-    let mut positions: Vec<Vec3> = Vec::new();
-    let mut corner = |v: VertexId| {
-        *number[v].get_or_insert_with(|| {
-            positions.push(mesh.positions[v]);
-            positions.len() as u32 - 1
-        })
-    };
     let outlines = faces.iter().map(|f| mesh.topology().face_vertices(*f));
-    let outlines: Vec<Vec<u32>> = outlines
-        .map(|o| o.iter().map(|v| corner(*v)).collect())
-        .collect();
-    HexMesh::new(positions, &outlines).ok()
+    let (vertices, outlines) = numbered(outlines.map(|o| o.iter().copied()));
+    let places = vertices.iter().map(|v| mesh.position(*v));
+    HexMesh::new(places.collect(), &outlines).ok()
 }
 
 fn is_broken(mesh: &HexMesh, f: FaceId, normal: Vec3) -> bool {

@@ -50,10 +50,7 @@ impl Ellipsoid {
 /// # Errors
 /// If the quadric is no ellipsoid, or a vertex lies off it.
 pub(crate) fn fit_ellipsoid(surface: &TriangleSurface) -> Result<Ellipsoid, DomainError> {
-    let place = |vertex| LocatedVertex {
-        vertex,
-        position: surface.positions()[vertex],
-    };
+    let place = |vertex| LocatedVertex::of(surface, vertex);
     let farthest = |e: &Ellipsoid| {
         let distance = |v: VertexId| e.distance(surface.positions()[v]) / surface.diagonal();
         let vertices = surface.topology().vertices().map(|v| (distance(v), v));
@@ -210,18 +207,7 @@ mod tests {
     fn axes_and_place_of_a_moved_ellipsoid() {
         let turn = nalgebra::Rotation3::from_euler_angles(0.4, 1.1, -0.3);
         let (shift, surface) = (Vec3::new(3.0, -2.0, 0.5), surface("ellipsoid"));
-        let positions = surface
-            .positions()
-            .iter()
-            .map(|p| turn * p + shift)
-            .collect();
-        let triangles: Vec<[u32; 3]> = surface
-            .topology()
-            .face_lists()
-            .iter()
-            .map(|f| [f[0], f[1], f[2]])
-            .collect();
-        let moved = TriangleSurface::new(positions, &triangles).unwrap();
+        let moved = surface.mapped(|p| turn * p + shift);
         let found = fit_ellipsoid(&moved).unwrap();
         assert!((found.centre - shift).norm() < 1e-9);
         let expected = turn.matrix()

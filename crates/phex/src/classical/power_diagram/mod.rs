@@ -256,11 +256,7 @@ mod tests {
                 continue;
             }
             let x = p.xy() / (1.0 - p.z);
-            let around = diagram
-                .mesh
-                .topology()
-                .outgoing(v)
-                .map(|h| diagram.mesh.topology().face(h));
+            let around = diagram.mesh.topology().faces_at(v);
             let own: Vec<f64> = around
                 .filter_map(|f| diagram.site_of_panel[f.index()])
                 .map(|i| power(&sites[i], x))

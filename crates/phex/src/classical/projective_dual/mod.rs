@@ -98,11 +98,7 @@ impl SurfaceDual {
         let distance = |v: &VertexId| self.pole[*v].w.abs();
         let all = surface.topology().vertices();
         let vertex = all.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let vertex = vertex.unwrap_or(VertexId::new(0));
-        LocatedVertex {
-            vertex,
-            position: surface.positions()[vertex],
-        }
+        LocatedVertex::of(surface, vertex.unwrap_or(VertexId::new(0)))
     }
 
     /// The metric of the dual, pulled back to the surface; a floor keeps it positive where the dual

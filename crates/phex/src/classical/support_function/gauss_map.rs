@@ -33,11 +33,8 @@ pub(crate) fn shared_normals(
             cells.entry(key).or_default().push(f);
         }
     }
-    let far = FAR * mean_edge(surface);
-    let place = |v: VertexId| LocatedVertex {
-        vertex: v,
-        position: surface.positions()[v],
-    };
+    let far = FAR * surface.mean_edge();
+    let place = |v: VertexId| LocatedVertex::of(surface, v);
     let twin = |v: VertexId| {
         let holds = |f: &&FaceId| {
             let corners = topology.face_vertices(**f);
@@ -66,12 +63,6 @@ fn contains(normals: &PerVertex<Vec3>, corners: &[VertexId], direction: Vec3) ->
     ]);
     let inverse = matrix.try_inverse();
     inverse.is_some_and(|m| (m * direction).iter().all(|x| *x > -OUTSIDE))
-}
-
-fn mean_edge(surface: &TriangleSurface) -> f64 {
-    let t = surface.topology();
-    let length = |[a, b]: [VertexId; 2]| (surface.positions()[a] - surface.positions()[b]).norm();
-    t.edges().map(|e| length(t.edge_vertices(e))).sum::<f64>() / t.n_edges() as f64
 }
 
 /// Twice the mean length of an edge of the Gauss image.

@@ -53,7 +53,7 @@ pub(crate) fn conjugacy(
         median: quantile(0.5)?,
         p95: quantile(0.95)?,
         worst,
-        place: surface.corners(face).iter().sum::<Vec3>() / 3.0,
+        place: surface.centroid(face),
     })
 }
 

@@ -11,7 +11,9 @@ use super::super::rosy::connection_laplacian;
 use super::NetworkError;
 use super::flat::flat_transport;
 use nalgebra::Complex;
-use phex_mesh::{EdgeId, FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{
+    EdgeId, FaceId, PerEdge, PerVertex, Topology, TriangleSurface, Vec3, VertexId, spanning_forest,
+};
 use phex_numeric::{Cholesky, NumericError};
 use std::collections::VecDeque;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -87,7 +89,7 @@ pub(crate) fn combed_cross_field(
         } else {
             failure = NetworkError::Singular {
                 count: singular.len(),
-                near: surface.corners(singular[0]).iter().sum::<Vec3>() / 3.0,
+                near: surface.centroid(singular[0]),
             };
         }
         weaken(topology, &mut weights, &singular, radius as usize);
@@ -154,10 +156,7 @@ pub(crate) fn singular_triangles(
     };
     let singular = field.singular_faces();
     let first = singular.first().copied().unwrap_or(FaceId::new(0));
-    Ok((
-        singular.len(),
-        surface.corners(first).iter().sum::<Vec3>() / 3.0,
-    ))
+    Ok((singular.len(), surface.centroid(first)))
 }
 
 /// Two unit tangents and the polar angle of the first.
@@ -229,36 +228,13 @@ impl CrossSmoothing<'_> {
     fn parallel(&self) -> PerVertex<f64> {
         let topology = self.surface.topology();
         let first = VertexId::new(0);
-        let mut angle: PerVertex<Option<f64>> = PerVertex::filled(topology.n_vertices(), None);
-        let start = self.frames[first].offset;
-        angle[first] = Some(start);
-        let mut queue = VecDeque::from([first]);
-        while let Some(v) = queue.pop_front() {
-            let here = angle[v].unwrap_or(start);
-            for (e, w) in incident(topology, v) {
-                let forwards = topology.edge_vertices(e)[0] == v;
-                let turn = self.transport[e];
-                if angle[w].is_none() {
-                    angle[w] = Some(if forwards { here + turn } else { here - turn });
-                    queue.push_back(w);
-                }
-            }
+        let mut angle = PerVertex::filled(topology.n_vertices(), self.frames[first].offset);
+        for step in spanning_forest(topology, [first], |_| true) {
+            let turn = topology.away_from(step.from, step.edge, self.transport[step.edge]);
+            angle[step.to] = angle[step.from] + turn;
         }
-        angle.map(|a| a.unwrap_or(start))
+        angle
     }
-}
-
-/// Edges at a vertex with their other ends.
-fn incident(topology: &Topology, v: VertexId) -> Vec<(EdgeId, VertexId)> {
-    let mut list = Vec::new();
-    for h in topology.outgoing(v) {
-        for h in [h, topology.prev(h)] {
-            let e = topology.edge(h);
-            let [a, b] = topology.edge_vertices(e);
-            list.push((e, if a == v { b } else { a }));
-        }
-    }
-    list
 }
 
 struct CrossField<'a> {
@@ -283,13 +259,8 @@ impl CrossField<'_> {
             let (mut rest, mut holonomy) = (0.0, 0.0);
             for h in self.topology.face_half_edges(f) {
                 let e = self.topology.edge(h);
-                let sign = if self.topology.edge_half_edge(e) == h {
-                    1.0
-                } else {
-                    -1.0
-                };
-                rest += sign * self.matching(e).1;
-                holonomy += sign * self.transport[e];
+                rest += self.topology.along(h, self.matching(e).1);
+                holonomy += self.topology.along(h, self.transport[e]);
             }
             let holonomy = (holonomy + PI).rem_euclid(2.0 * PI) - PI;
             ((rest + holonomy) / FRAC_PI_2).round() as i32
@@ -306,13 +277,8 @@ impl CrossField<'_> {
         let mut queue = VecDeque::from([first]);
         while let Some(v) = queue.pop_front() {
             let here = turns[v].unwrap_or(0);
-            for (e, w) in incident(self.topology, v) {
-                let forwards = self.topology.edge_vertices(e)[0] == v;
-                let turn = if forwards {
-                    self.matching(e).0
-                } else {
-                    -self.matching(e).0
-                };
+            for (e, w) in self.topology.spokes(v) {
+                let turn = self.topology.away_from(v, e, self.matching(e).0);
                 // The arm of `w` that continues the chosen arm of `v`.
                 let wanted = (here - turn).rem_euclid(4);
                 match turns[w] {

@@ -31,7 +31,7 @@ pub(crate) fn flat_transport(
 /// The faces to the left and to the right of an edge's half-edge.
 fn sides(topology: &Topology, e: EdgeId) -> (FaceId, Option<FaceId>) {
     let h = topology.edge_half_edge(e);
-    (topology.face(h), topology.twin(h).map(|t| topology.face(t)))
+    (topology.face(h), topology.across(h))
 }
 
 fn dual_potential(topology: &Topology, mesh: &IntrinsicMesh) -> Result<Vec<f64>, NumericError> {
@@ -68,14 +68,7 @@ fn dual_potential(topology: &Topology, mesh: &IntrinsicMesh) -> Result<Vec<f64>,
 fn curvature(topology: &Topology, mesh: &IntrinsicMesh, f: FaceId) -> f64 {
     let turn: f64 = topology
         .face_half_edges(f)
-        .map(|h| {
-            let e = topology.edge(h);
-            if topology.edge_half_edge(e) == h {
-                mesh.transport(e)
-            } else {
-                -mesh.transport(e)
-            }
-        })
+        .map(|h| topology.along(h, mesh.transport(topology.edge(h))))
         .sum();
     (turn + PI).rem_euclid(2.0 * PI) - PI
 }

@@ -8,7 +8,6 @@
 //! factorisation for all.
 
 use super::super::intrinsic::row;
-use super::periods::along;
 use nalgebra::{DMatrix, DVector, Matrix3};
 use phex_mesh::{FaceId, HalfEdgeId, PerEdge, PerFace, PerVertex, Topology, TriangleSurface, Vec3};
 use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
@@ -66,12 +65,7 @@ impl FunctionFamily {
 impl Function {
     /// Change along a half-edge.
     pub fn along(&self, topology: &Topology, h: HalfEdgeId) -> f64 {
-        let e = topology.edge(h);
-        if topology.edge_half_edge(e) == h {
-            self.change[e]
-        } else {
-            -self.change[e]
-        }
+        topology.along(h, self.change[topology.edge(h)])
     }
 
     /// Values at the corners of a triangle, continued from its first corner.
@@ -132,7 +126,7 @@ pub(crate) fn following(
     }
     let cochain = |k: usize, f: FaceId| {
         continued(0.0, topology, f, |h| {
-            f64::from(along(topology, &basis[k], h))
+            f64::from(topology.along(h, basis[k][topology.edge(h)]))
         })
     };
     let mut columns = vec![load(topology, |f| elements[f].load)];

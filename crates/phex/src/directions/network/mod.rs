@@ -407,7 +407,7 @@ impl ConjugateNetwork {
         };
         let folded: Vec<FaceId> = surface.topology().faces().filter(is_folded).collect();
         let area = |f: &FaceId| 0.5 * surface.area_vector(*f).norm();
-        let centre = |f: &FaceId| surface.corners(*f).iter().sum::<Vec3>() / 3.0;
+        let centre = |f: &FaceId| surface.centroid(*f);
         Folded {
             share: folded.iter().map(area).sum::<f64>() / surface.area(),
             count: folded.len(),

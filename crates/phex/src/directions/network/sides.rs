@@ -72,7 +72,7 @@ mod tests {
         let shape = Shape::from_name(name, &[]).unwrap();
         let surface = triangulate(&shape, &TriangulationOptions::default()).unwrap();
         let topology = surface.topology();
-        let boundary = topology.edges().filter(|&e| topology.is_boundary_edge(e));
+        let boundary = topology.boundary_edges();
         followed(&surface, |_| level).len() as f64 / boundary.count() as f64
     }
 

@@ -39,13 +39,11 @@ fn followers(
 ) -> Vec<(Option<f64>, f64)> {
     let topology = surface.topology();
     let value = |e: EdgeId| {
-        let [a, b] = topology.edge_vertices(e);
-        let length = (surface.positions()[a] - surface.positions()[b]).norm();
         let follows = constant.change[e].abs() < ALONG * other.change[e].abs();
-        let middle = constant.value[a] + 0.5 * constant.change[e];
-        (follows.then_some(middle), length)
+        let middle = constant.value[topology.edge_vertices(e)[0]] + 0.5 * constant.change[e];
+        (follows.then_some(middle), surface.edge_length(e))
     };
-    let boundary = topology.edges().filter(|&e| topology.is_boundary_edge(e));
+    let boundary = topology.boundary_edges();
     boundary.map(value).collect()
 }
 

@@ -56,7 +56,7 @@ impl BrickGrid {
     /// Translation along a half-edge.
     pub(crate) fn jump(&self, topology: &Topology, h: HalfEdgeId) -> Translation {
         let e = topology.edge(h);
-        if topology.edge_half_edge(e) == h {
+        if topology.runs_along(h) {
             self.jump[e]
         } else {
             self.jump[e].map(|t| -t)

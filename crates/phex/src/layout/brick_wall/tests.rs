@@ -129,7 +129,7 @@ fn annuli_close_and_their_rims_lie_on_rows() {
         let (layout, _) = wall(&shape(name, 6000), 300);
         let topology = layout.mesh.topology();
         assert_eq!(figures(topology), (0, 2), "{name}");
-        let inner = topology.faces().filter(|&f| !topology.is_boundary_face(f));
+        let inner = topology.inner_faces();
         for f in inner {
             assert_eq!(topology.valence(f), 6, "{name} face {f}");
         }

@@ -107,17 +107,10 @@ fn clusters(topology: &Topology, same: &PerEdge<bool>) -> PerVertex<u32> {
         label[start] = count;
         stack.push(start);
         while let Some(v) = stack.pop() {
-            for h in topology.outgoing(v) {
-                for h in [h, topology.prev(h)] {
-                    let other = if topology.origin(h) == v {
-                        topology.target(h)
-                    } else {
-                        topology.origin(h)
-                    };
-                    if same[topology.edge(h)] && label[other] == NONE {
-                        label[other] = count;
-                        stack.push(other);
-                    }
+            for (edge, other) in topology.spokes(v) {
+                if same[edge] && label[other] == NONE {
+                    label[other] = count;
+                    stack.push(other);
                 }
             }
         }

@@ -461,19 +461,3 @@ fn add_closed_loops(topology: &Topology, walk: &OutlineWalk<'_>, outlines: &mut 
         }
     }
 }
-
-/// Number of vertices of the panelling, for building arrays.
-pub(crate) fn node_index(panels: &[(u32, Vec<Node>)]) -> (IdMap<Node, u32>, Vec<Node>) {
-    let (mut index, mut nodes) = (IdMap::default(), Vec::new());
-    for node in panels.iter().flat_map(|p| &p.1) {
-        index.entry(*node).or_insert_with(|| {
-            nodes.push(*node);
-            nodes.len() as u32 - 1
-        });
-    }
-    debug_assert!(nodes.iter().all(|n| match n {
-        Node::Edge(e) => e.index() < u32::MAX as usize,
-        _ => true,
-    }));
-    (index, nodes)
-}

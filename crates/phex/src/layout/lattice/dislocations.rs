@@ -38,7 +38,7 @@ fn circuit(topology: &Topology, charts: &Charts, jump: &PerEdge<Eisenstein>, f: 
     for (k, h) in topology.face_half_edges(f).enumerate() {
         let e = topology.edge(h);
         let step = charts.edge(e).turn;
-        if topology.edge_half_edge(e) == h {
+        if topology.runs_along(h) {
             entry[k] = (e, turn, false);
             burgers += jump[e].rotated(turn);
             turn = (turn + step) % 6;
@@ -135,9 +135,7 @@ pub(crate) fn annihilate(
 
 /// A triangle, and the one across the edge by which a way leaves it.
 fn beside(topology: &Topology, (f, e): (FaceId, EdgeId)) -> impl Iterator<Item = FaceId> {
-    let h = topology.edge_half_edge(e);
-    let sides = [Some(h), topology.twin(h)].into_iter().flatten();
-    sides.map(|h| topology.face(h)).chain([f])
+    topology.edge_faces(e).chain([f])
 }
 
 /// Moves the Burgers vectors that lie at the beginnings of ways along those that are `taken`, one

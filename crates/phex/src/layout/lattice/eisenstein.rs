@@ -169,7 +169,7 @@ impl Charts {
     /// The transition from target to origin of any half-edge.
     pub fn half_edge(&self, topology: &Topology, h: HalfEdgeId) -> Transition {
         let e = topology.edge(h);
-        if topology.edge_half_edge(e) == h {
+        if topology.runs_along(h) {
             self.edge[e]
         } else {
             self.edge[e].inverse()

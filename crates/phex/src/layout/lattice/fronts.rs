@@ -105,8 +105,7 @@ impl<'a> Fronts<'a> {
     }
 
     fn is_beside_nobody(&self, f: FaceId) -> bool {
-        let across = |h| self.topology.twin(h).map(|t| self.topology.face(t));
-        let mut around = self.topology.face_half_edges(f).filter_map(across);
+        let mut around = self.topology.adjacent_faces(f);
         around.any(|g| self.source[g] == NOBODY)
     }
 
@@ -146,7 +145,7 @@ impl<'a> Fronts<'a> {
     fn meeting(&self, edge: EdgeId) -> Option<Meeting> {
         let h = self.topology.edge_half_edge(edge);
         let face = self.topology.face(h);
-        let beyond = self.topology.twin(h).map(|t| self.topology.face(t));
+        let beyond = self.topology.across(h);
         let size = |f: FaceId| self.mesh.half_crossing(f);
         // Beyond a mirror plane lies its own image, which cancels nothing.
         let ends = self.topology.edge_vertices(edge);

@@ -45,7 +45,7 @@ pub(crate) fn gauss_lattice(
     panels: usize,
     rotate: f64,
 ) -> Result<HexMesh, LayoutError> {
-    let image = GaussPlane::new(surface, curvature)?;
+    let image = GaussPlane::new(surface, curvature);
     let map = ConformalMap::fit(&image, rotate);
     // Newton's method may lose or gain a panel at the rim: the count is met by another scale.
     let mut edge = (image.lattice_area(&map) / (panels as f64 * HEXAGON)).sqrt();
@@ -76,17 +76,12 @@ struct GaussPlane {
 }
 
 impl GaussPlane {
-    fn new(surface: &TriangleSurface, curvature: &Curvature) -> Result<Self, LayoutError> {
+    fn new(surface: &TriangleSurface, curvature: &Curvature) -> Self {
         let normals = &curvature.normal;
         let mean: Vec3 = normals.iter().sum();
         let turn = turn_to_pole(&mean).to_rotation_matrix();
         let point = normals.map(|n| projected(turn * n));
-        let flat = point.iter().map(|w| Vec3::new(w.re, w.im, 0.0)).collect();
-        let faces = surface.topology().face_lists();
-        let faces: Vec<[u32; 3]> = faces.iter().map(|f| [f[0], f[1], f[2]]).collect();
-        let region = TriangleSurface::new(flat, &faces).map_err(|e| LayoutError::Topology {
-            reason: format!("the Gauss image: {e}"),
-        })?;
+        let region = surface.with_positions(point.map(|w| Vec3::new(w.re, w.im, 0.0)));
         let principal = curvature.principal();
         let size = PerVertex::from_fn(point.len(), |v| {
             let p = &principal[v];
@@ -95,7 +90,7 @@ impl GaussPlane {
         });
         let topology = surface.topology();
         let area = PerVertex::from_fn(point.len(), |v| {
-            let around = topology.outgoing(v).map(|h| topology.face(h));
+            let around = topology.faces_at(v);
             around.map(|f| surface.area_vector(f).norm()).sum()
         });
         let raw = PerVertex::from_fn(point.len(), |v| {
@@ -107,14 +102,14 @@ impl GaussPlane {
             ((ahead - back).arg(), 1.0 - ratio)
         });
         let angle = unwrapped(surface, &raw, &area);
-        Ok(Self {
+        Self {
             turn,
             point,
             region,
             area,
             size,
             angle,
-        })
+        }
     }
 
     /// The normal of a point of the plane.

@@ -250,8 +250,8 @@ mod tests {
         }
     }
 
-    /// Waves of the same lattice seen from both ends of an edge differ by nothing: the operator
-    /// leaves a lattice alone.
+    /// What a vertex sees of its neighbours are the waves of their points in its own chart,
+    /// weighted. Round cones charts can't all agree, so that some are seen across seams.
     #[test]
     fn links_carry_waves_across_an_edge() {
         for (name, has_cones) in [("torus", false), ("sphere", true)] {

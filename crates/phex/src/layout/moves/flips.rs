@@ -10,7 +10,10 @@ use super::glide;
 use crate::layout::{Layout, VertexKind};
 use crate::progress::Progress;
 use phex_mesh::polygon::point_segment_distance;
-use phex_mesh::{EdgeId, FaceId, HalfEdgeId, HexMesh, PerVertex, Topology, Vec3, VertexId};
+use phex_mesh::{
+    EdgeId, FaceId, HalfEdgeId, HexMesh, PerVertex, Topology, Vec3, VertexId, insert_before,
+    turn_edge,
+};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, HashSet};
 
@@ -85,7 +88,7 @@ pub(super) fn turned_between(layout: Layout, sequences: &[Vec<glide::Sides>]) ->
 
 fn turn_between(topology: &Topology, [a, b]: [FaceId; 2]) -> Option<EdgeTurn> {
     let mut around = topology.face_half_edges(a);
-    let h = around.find(|h| face_across(topology, *h) == Some(b))?;
+    let h = around.find(|h| topology.across(*h) == Some(b))?;
     inner_turn(topology, h, topology.twin(h)?)
 }
 
@@ -151,18 +154,13 @@ fn corners(topology: &Topology, f: FaceId) -> i32 {
     topology.valence(f) as i32
 }
 
-fn face_across(topology: &Topology, h: HalfEdgeId) -> Option<FaceId> {
-    topology.twin(h).map(|t| topology.face(t))
-}
-
 fn are_neighbours(topology: &Topology, a: FaceId, b: FaceId) -> bool {
-    let mut around = topology.face_half_edges(a);
-    around.any(|h| face_across(topology, h) == Some(b))
+    topology.adjacent_faces(a).any(|f| f == b)
 }
 
 fn inner_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<EdgeTurn> {
-    let at_origin = face_across(topology, topology.prev(h))?;
-    let at_target = face_across(topology, topology.next(h))?;
+    let at_origin = topology.across(topology.prev(h))?;
+    let at_target = topology.across(topology.next(h))?;
     let (left, right) = (topology.face(h), topology.face(back));
     let changes = [(left, -1), (right, -1), (at_origin, 1), (at_target, 1)];
     let mut gain = 0;
@@ -188,7 +186,7 @@ fn inner_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<Ed
 
 /// The edge `h` runs from a vertex inside to the boundary.
 fn rim_turn(topology: &Topology, h: HalfEdgeId, back: HalfEdgeId) -> Option<EdgeTurn> {
-    let at_origin = face_across(topology, topology.prev(h))?;
+    let at_origin = topology.across(topology.prev(h))?;
     let (left, right) = (topology.face(h), topology.face(back));
     let shrinking = [left, right];
     let b = topology.target(h);
@@ -223,7 +221,12 @@ fn turned(layout: &Layout, turns: &[EdgeTurn]) -> Option<Layout> {
             topology.origin(turn.half_edge),
             topology.target(turn.half_edge),
         ];
-        reconnect(&mut faces, turn, ends);
+        let at_ends = [
+            Some(turn.at_origin.index()),
+            turn.at_target.map(|f| f.index()),
+        ];
+        let sides = [turn.left, turn.right].map(|f| f.index());
+        turn_edge(&mut faces, ends.map(|v| v.index() as u32), sides, at_ends);
         let places = match turn.at_target {
             Some(_) => opened(layout, turn, ends),
             None => opened_at_rim(layout, turn),
@@ -239,31 +242,13 @@ fn turned(layout: &Layout, turns: &[EdgeTurn]) -> Option<Layout> {
                 positions.push(b);
                 kinds.push(VertexKind::Boundary);
                 let panel = &mut faces[turn.at_origin.index()];
-                insert_before(panel, between, ends[0].index() as u32);
+                insert_before(panel, ends[0].index() as u32, between);
             }
         }
     }
     next.vertex_kind = PerVertex::from_vec(kinds);
     next.mesh = HexMesh::new(positions, &faces).ok()?;
     Some(next)
-}
-
-/// With `u -> v` between left and right: afterwards `u` belongs to the left panel and `v` to the
-/// right one, and both to the panels at the ends.
-fn reconnect(faces: &mut [Vec<u32>], turn: &EdgeTurn, [u, v]: [VertexId; 2]) {
-    let [u, v] = [u, v].map(|w| w.index() as u32);
-    faces[turn.left.index()].retain(|w| *w != v);
-    faces[turn.right.index()].retain(|w| *w != u);
-    insert_before(&mut faces[turn.at_origin.index()], v, u);
-    if let Some(f) = turn.at_target {
-        insert_before(&mut faces[f.index()], u, v);
-    }
-}
-
-fn insert_before(face: &mut Vec<u32>, new: u32, old: u32) {
-    if let Some(i) = face.iter().position(|w| *w == old) {
-        face.insert(i, new);
-    }
 }
 
 /// The ends on either side of the edge's middle.
@@ -291,7 +276,7 @@ mod tests {
 
     fn valences(layout: &Layout) -> Vec<usize> {
         let topology = layout.mesh.topology();
-        let inside = topology.faces().filter(|f| !topology.is_boundary_face(*f));
+        let inside = topology.inner_faces();
         inside.map(|f| topology.valence(f)).collect()
     }
 
@@ -406,9 +391,11 @@ mod tests {
         // Turning an edge between two panels behind the rim makes them pentagons.
         let behind = |f: &FaceId| {
             !topology.is_boundary_face(*f)
-                && topology
-                    .face_half_edges(*f)
-                    .any(|h| face_across(topology, h).is_some_and(|g| topology.is_boundary_face(g)))
+                && topology.face_half_edges(*f).any(|h| {
+                    topology
+                        .across(h)
+                        .is_some_and(|g| topology.is_boundary_face(g))
+                })
         };
         let turn = inner_turns(&layout).into_iter().find(|t| {
             let ends = [Some(t.at_origin), t.at_target];

@@ -49,14 +49,9 @@ pub(crate) fn turns_after_join(
     let mut changed = patch.changed(topology, &path);
     for f in sides {
         changed.insert(f);
-        changed.extend(neighbours(topology, f));
+        changed.extend(topology.adjacent_faces(f));
     }
     Some((path, changed))
-}
-
-fn neighbours(topology: &Topology, f: FaceId) -> impl Iterator<Item = FaceId> {
-    let around = topology.face_half_edges(f);
-    around.filter_map(|h| topology.twin(h).map(|t| topology.face(t)))
 }
 
 /// Sequences of turns, each of which makes the panels inside more regular; no two of them change
@@ -135,7 +130,7 @@ impl DualPatch {
                 if !free || around.contains_key(&f) {
                     continue;
                 }
-                let ring: Vec<FaceId> = neighbours(topology, f).collect();
+                let ring: Vec<FaceId> = topology.adjacent_faces(f).collect();
                 next.extend(&ring);
                 around.insert(f, ring);
             }
@@ -368,7 +363,8 @@ impl DualPatch {
         sides
             .flat_map(|f| {
                 let now = now(f).map(|g| self.names[*g]);
-                neighbours(topology, f)
+                topology
+                    .adjacent_faces(f)
                     .chain([f])
                     .chain(now)
                     .collect::<Vec<_>>()

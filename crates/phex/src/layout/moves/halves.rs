@@ -74,10 +74,9 @@ struct PanelPair {
 
 fn pair(topology: &Topology, e: EdgeId) -> Option<PanelPair> {
     let h = topology.edge_half_edge(e);
-    let back = topology.twin(h)?;
-    let across = |h| topology.twin(h).map(|t| topology.face(t));
-    let at_ends = [across(topology.prev(h))?, across(topology.next(h))?];
-    let halves = [topology.face(h), topology.face(back)];
+    let [before, after] = [topology.prev(h), topology.next(h)].map(|h| topology.across(h));
+    let at_ends = [before?, after?];
+    let halves = topology.faces_beside(e)?;
     let all: BTreeSet<FaceId> = halves.iter().chain(&at_ends).copied().collect();
     let inside = all.iter().all(|f| !topology.is_boundary_face(*f));
     (all.len() == 4 && inside).then_some(PanelPair {

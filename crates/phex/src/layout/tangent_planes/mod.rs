@@ -43,7 +43,7 @@ pub(crate) fn regularised(layout: &Layout, regularisation: f64) -> HexMesh {
         if topology.is_boundary_vertex(v) {
             return layout.mesh.positions[v];
         }
-        let faces = topology.outgoing(v).map(|h| topology.face(h));
+        let faces = topology.faces_at(v);
         regularised_meet(
             faces.map(|f| (layout.face_point[f], layout.face_normal[f])),
             regularisation,

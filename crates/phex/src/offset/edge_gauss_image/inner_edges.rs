@@ -29,7 +29,6 @@ use super::{EdgeGaussImage, corner_rows, facing, touching};
 use crate::offset::OffsetError;
 use crate::offset::face_offset::face_normals;
 use crate::offset::gauss_image::{GaussImage, OffsetKind};
-use crate::offset::vertex_offset::edges_at;
 use nalgebra::Matrix3;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerFace, PerVertex, Topology, Vec3, VertexId};
 use std::collections::VecDeque;
@@ -43,7 +42,7 @@ pub(super) fn inner_edge_image(
     vertex_normals: &PerVertex<Vec3>,
 ) -> Result<Option<EdgeGaussImage>, OffsetError> {
     let t = mesh.topology();
-    let Some(first) = t.edges().find(|&e| !t.is_boundary_edge(e)) else {
+    let Some(first) = t.inner_edges().next() else {
         return Ok(None);
     };
     let circles = PanelCircles::of(mesh, first)?;
@@ -63,7 +62,7 @@ pub(super) fn inner_edge_image(
         },
         defect,
         edge,
-        free_edges: t.edges().filter(|&e| t.is_boundary_edge(e)).collect(),
+        free_edges: t.boundary_edges().collect(),
     }))
 }
 
@@ -90,15 +89,15 @@ impl<'a> PanelCircles<'a> {
     fn of(mesh: &'a HexMesh, first: EdgeId) -> Result<Self, OffsetError> {
         let t = mesh.topology();
         let normals = face_normals(mesh)?;
-        let inside = t.vertices().find(|&v| !t.is_boundary_vertex(v));
+        let inside = t.inner_vertices().next();
         let (root, radius) = match inside {
             Some(v) => {
-                let around: Vec<FaceId> = t.outgoing(v).map(|h| t.face(h)).collect();
+                let around: Vec<FaceId> = t.faces_at(v).collect();
                 let angle = |i: usize, k: usize| angle(&normals[around[i]], &normals[around[k]]);
                 (around[0], (angle(0, 1) + angle(0, 2) - angle(1, 2)) / 2.0)
             }
             None => {
-                let [f, g] = sides(t, first).unwrap_or([FaceId::new(0); 2]);
+                let [f, g] = t.faces_beside(first).unwrap_or([FaceId::new(0); 2]);
                 (f, angle(&normals[f], &normals[g]) / 2.0)
             }
         };
@@ -113,7 +112,7 @@ impl<'a> PanelCircles<'a> {
     /// Where an edge touches the sphere: where the circles of its panels say, in the middle.
     fn contact(&self, e: EdgeId) -> Option<InnerEdge> {
         let t = self.mesh.topology();
-        let [f, g] = sides(t, e)?;
+        let [f, g] = t.faces_beside(e)?;
         let [a, b] = t.edge_vertices(e);
         let along = (self.mesh.position(b) - self.mesh.position(a)).normalize();
         let towards = |f: FaceId, g: FaceId| {
@@ -131,12 +130,6 @@ impl<'a> PanelCircles<'a> {
     }
 }
 
-/// The faces on both sides of an inner edge.
-fn sides(t: &Topology, e: EdgeId) -> Option<[FaceId; 2]> {
-    let h = t.edge_half_edge(e);
-    Some([t.face(h), t.face(t.twin(h)?)])
-}
-
 /// Angle of two unit vectors, radians, accurate for small ones, too.
 fn angle(a: &Vec3, b: &Vec3) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
@@ -148,8 +141,7 @@ fn spread(t: &Topology, normals: &PerFace<Vec3>, root: FaceId, radius: f64) -> P
     radii[root] = Some(radius);
     let mut queue = VecDeque::from([(root, radius)]);
     while let Some((f, radius)) = queue.pop_front() {
-        let twins = t.face_half_edges(f).filter_map(|h| t.twin(h));
-        for g in twins.map(|h| t.face(h)) {
+        for g in t.adjacent_faces(f) {
             if radii[g].is_none() {
                 let next = angle(&normals[f], &normals[g]) - radius;
                 radii[g] = Some(next);
@@ -164,7 +156,7 @@ fn spread(t: &Topology, normals: &PerFace<Vec3>, root: FaceId, radius: f64) -> P
 /// other end of that edge or, if it is the only one there, too, to its point on the sphere. Zero
 /// without any.
 fn image_of(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<InnerEdge>>) -> Vec3 {
-    let edges = edges_at(mesh.topology(), v).into_iter();
+    let edges = mesh.topology().spokes(v).into_iter();
     let mut inner = edges.filter_map(|(e, to)| Some((contacts[e]?, to)));
     meeting(mesh, v, contacts).unwrap_or_else(|| match inner.next() {
         Some((contact, to)) => meeting(mesh, to, contacts).unwrap_or(contact.point),
@@ -174,7 +166,7 @@ fn image_of(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<InnerEdge>>) 
 
 /// The point nearest to the lines of the inner edges at a vertex; `None` with fewer than two.
 fn meeting(mesh: &HexMesh, v: VertexId, contacts: &PerEdge<Option<InnerEdge>>) -> Option<Vec3> {
-    let edges = edges_at(mesh.topology(), v).into_iter();
+    let edges = mesh.topology().spokes(v).into_iter();
     let lines: Vec<InnerEdge> = edges.filter_map(|(e, _)| contacts[e]).collect();
     if lines.len() < 2 {
         return None;

@@ -13,7 +13,7 @@ fn dense_dimension(mesh: &HexMesh) -> usize {
     for h in t.half_edges() {
         for k in 0..3 {
             matrix[(3 * t.face(h).index() + k, t.edge(h).index())] =
-                sign(t, h) * space.direction(t.edge(h))[k];
+                t.along(h, space.direction(t.edge(h))[k]);
         }
     }
     t.n_edges()

@@ -118,7 +118,7 @@ fn cut(mesh: &HexMesh) -> HexMesh {
     let t = mesh.topology();
     let positions = PerVertex::from_fn(t.n_vertices(), |v| {
         let x = mesh.position(v);
-        let [f] = t.outgoing(v).map(|h| t.face(h)).collect::<Vec<_>>()[..] else {
+        let [f] = t.faces_at(v).collect::<Vec<_>>()[..] else {
             return slid(mesh, v);
         };
         // A corner of one panel goes anywhere in its plane.
@@ -146,14 +146,14 @@ fn a_cut_mesh_has_offsets_of_its_inner_edges() {
     let mesh = cut(&koebe);
     let found = edge_gauss_image(&mesh, &options()).unwrap();
     let t = mesh.topology();
-    let rim: Vec<EdgeId> = t.edges().filter(|e| t.is_boundary_edge(*e)).collect();
+    let rim: Vec<EdgeId> = t.boundary_edges().collect();
     assert_eq!(found.free_edges, rim);
     assert!(
         found.defect < 1e-12 && found.facing > 0.5,
         "{}",
         found.facing
     );
-    for v in t.vertices().filter(|v| !t.is_boundary_vertex(*v)) {
+    for v in t.inner_vertices() {
         let miss = (found.image.positions[v] - koebe.position(v)).norm();
         assert!(miss < 1e-12, "the Koebe mesh is found again: {miss:e}");
     }

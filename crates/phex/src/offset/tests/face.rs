@@ -56,7 +56,7 @@ fn inner_edges_stay_parallel() {
     for (name, mesh) in meshes() {
         let moved = image(&mesh).offset(&mesh, 0.01);
         let topology = mesh.topology();
-        for e in topology.edges().filter(|&e| !topology.is_boundary_edge(e)) {
+        for e in topology.inner_edges() {
             let [a, b] = topology.edge_vertices(e);
             let (p, q) = (
                 mesh.position(b) - mesh.position(a),
@@ -194,7 +194,7 @@ fn areas_and_volumes_follow_steiner() {
         let topology = mesh.topology();
         let bend = |e| {
             let h = topology.edge_half_edge(e);
-            let [n, m] = [h, topology.twin(h).unwrap()].map(|h| normals[topology.face(h)]);
+            let [n, m] = topology.faces_beside(e).unwrap().map(|f| normals[f]);
             let along = mesh.position(topology.target(h)) - mesh.position(topology.origin(h));
             // tan of half the angle between the normals, negative at a concave edge.
             n.cross(&m).dot(&along) / (1.0 + n.dot(&m))

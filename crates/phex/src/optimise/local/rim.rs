@@ -13,9 +13,7 @@ pub(super) fn rim_holds(
     hold: Option<&BoundaryHold<'_>>,
 ) -> Holds {
     let topology = mesh.topology();
-    let rim = topology
-        .vertices()
-        .filter(|v| topology.is_boundary_vertex(*v));
+    let rim = topology.boundary_vertices();
     let place = |v: VertexId| match hold {
         Some(hold) => along(mesh, shape, v, hold.curves),
         None => Hold::At(mesh.position(v)),
@@ -35,7 +33,7 @@ pub(super) fn rim_holds(
 fn along(mesh: &HexMesh, shape: &FaceShapes, v: VertexId, curves: &BoundaryCurve) -> Hold {
     let topology = mesh.topology();
     let point = mesh.position(v);
-    let faces = topology.outgoing(v).map(|h| topology.face(h).index());
+    let faces = topology.faces_at(v).map(|f| f.index());
     let up: Vec3 = faces.map(|f| shape.normal(f)).sum();
     let across = curves.closest_point(point).tangent.cross(&up);
     match across.try_normalize(f64::MIN_POSITIVE) {

@@ -18,7 +18,7 @@ use crate::optimise::terms::areas::AreaWish;
 use crate::optimise::terms::guard::Guard;
 use crate::optimise::terms::setting::Setting;
 use crate::optimise::terms::shape_limits::FaceLimits;
-use phex_mesh::Vec3;
+use phex_mesh::{Vec3, bounds};
 use phex_numeric::{Assembly, DampedOptions, DampedSolver, Damping, Outcome, Record, Status};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -316,9 +316,7 @@ fn cores(panels: &Panels, x: &[f64], cuts: &Cuts) -> Vec<Vec<u32>> {
 }
 
 fn longest_axis(centres: &[Vec3], group: &[u32]) -> usize {
-    let first = centres[group[0] as usize];
-    let all = group.iter().map(|&f| centres[f as usize]);
-    let (low, high) = all.fold((first, first), |(l, h), p| (l.inf(&p), h.sup(&p)));
+    let [low, high] = bounds(group.iter().map(|&f| &centres[f as usize]));
     (high - low).imax()
 }
 

@@ -4,7 +4,7 @@ use super::fast::NearlyPlanar;
 use super::parts::{Part, PartRegion};
 use super::reached::{ResultOrigin, Run};
 use super::solvers::{Dual, Solvers, StepReporter};
-use super::start::{Start, kinked};
+use super::start::Start;
 use crate::optimise::Stage;
 use crate::optimise::constraints::minimum_norm::PlanarityConstraints;
 use crate::optimise::options::{
@@ -129,11 +129,6 @@ impl Stage<'_> {
         let outcome = projected(&setting, solvers, &mut y, options, progress);
         region.write_back(&y, &mut x);
         self.conclude(start.n_bad, x, way(outcome), options)
-    }
-
-    /// A start with its vertices moved to where the planes of its faces meet.
-    pub(crate) fn kinked(&self, start: &Start) -> Start {
-        kinked(self.topology, &self.panels, &self.guard, start)
     }
 
     /// Takes the fast path from a start; `None` if the result is outside limits.

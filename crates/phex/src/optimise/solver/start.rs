@@ -5,11 +5,11 @@
 //! from the beginning; a few rounds make them even). Vertices of the boundary are averaged along
 //! the boundary; corners stay.
 //!
-//! *Blended circumcentres*: each interior vertex moves towards the point where the tangent planes
-//! of its three cells meet, the circumcentre in the metric `|II|` (Dupin duality): `d = (A^T A +
-//! eps I)^-1 A^T b`, rows of `A` the three normals, `b_i = n_i . (p_i - x)`, no farther than 0.8
-//! cells. Where panels would suffer, their vertices back off. Where the surface is nearly flat the
-//! planes hardly meet; `eps` is set by the middle singular value.
+//! *Kinked cells*: each interior vertex moves towards the point where the best planes of its three
+//! panels meet, which is near the circumcentre in the metric `|II|` (Dupin duality): `d = (A^T A +
+//! eps I)^-1 A^T b`, rows of `A` the three normals, `b_i = n_i . (p_i - x)` with the centres `p_i`,
+//! no farther than 0.8 panels. Where panels would suffer, their vertices back off. Where the
+//! surface is nearly flat the planes hardly meet; `eps` is set by the middle singular value.
 
 use crate::layout::{Layout, VertexKind};
 use crate::optimise::Target;
@@ -123,44 +123,17 @@ impl Smoothing<'_> {
     }
 }
 
-/// Tangent planes of the cells, and what moves between them.
-struct TangentCells<'a> {
-    topology: &'a Topology,
-    /// Unit normal of each face.
-    normal: &'a [Vec3],
-    /// Point of each face's tangent plane.
-    point: &'a [Vec3],
-    /// Extent of each face.
-    length: &'a [f64],
-}
-
 /// A start moved towards the circumcentres of the best planes of its own faces.
-pub(super) fn kinked(topology: &Topology, panels: &Panels, guard: &Guard, given: &Start) -> Start {
-    let shape = FaceShapes::at(panels, &given.x);
-    let faces = || 0..panels.n_faces();
-    let normal: Vec<Vec3> = faces().map(|f| shape.normal(f)).collect();
-    let point: Vec<Vec3> = faces().map(|f| shape.frames[f].plane.centre).collect();
-    let extent = |f: usize| area(shape.face(panels, f)).abs().sqrt();
-    let tangents = TangentCells {
-        topology,
-        normal: &normal,
-        point: &point,
-        length: &faces().map(extent).collect::<Vec<f64>>(),
-    };
-    circumcentres(&tangents, panels, guard, given)
-}
-
-/// Moves a start towards its circumcentres.
-fn circumcentres(
-    tangents: &TangentCells<'_>,
+pub(in crate::optimise) fn kinked(
+    topology: &Topology,
     panels: &Panels,
     guard: &Guard,
-    cells: &Start,
+    given: &Start,
 ) -> Start {
-    let mean_edge = panels.mean_edge(&cells.x);
-    let before = points(&cells.x);
-    let steps = circumcentre_steps(tangents, &before);
-    let (bad_before, shape) = bad_faces(panels, guard, &cells.x);
+    let mean_edge = panels.mean_edge(&given.x);
+    let before = points(&given.x);
+    let (bad_before, shape) = bad_faces(panels, guard, &given.x);
+    let steps = circumcentre_steps(topology, panels, &shape, &before);
     let allowed = |f: usize| bad_before.binary_search(&f).is_ok();
     let least: Vec<f64> = (0..panels.n_faces())
         .map(|f| (0.6 * clearance(shape.face(panels, f))).min(0.12 * mean_edge))
@@ -185,11 +158,11 @@ fn circumcentres(
             blend[v as usize] *= factor;
         }
     }
-    cells.clone()
+    given.clone()
 }
 
-/// Normal equations of the tangent planes of the three cells at a vertex.
-struct TangentPlanes {
+/// Normal equations of the planes of the three panels at a vertex.
+struct PlanesAtVertex {
     /// `A^T A`.
     matrix: Matrix3<f64>,
     /// `A^T b`.
@@ -198,18 +171,17 @@ struct TangentPlanes {
     middle: f64,
 }
 
-impl TangentPlanes {
+impl PlanesAtVertex {
     /// Of an interior vertex of degree 3 at `position`.
-    fn at(tangents: &TangentCells<'_>, v: VertexId, position: Vec3) -> Option<Self> {
-        let topology = tangents.topology;
+    fn new(topology: &Topology, shape: &FaceShapes, v: VertexId, position: Vec3) -> Option<Self> {
         if topology.is_boundary_vertex(v) || topology.face_degree(v) != 3 {
             return None;
         }
         let (mut matrix, mut rhs) = (Matrix3::zeros(), Vec3::zeros());
-        for f in topology.outgoing(v).map(|h| topology.face(h).index()) {
-            let n = tangents.normal[f];
+        for f in topology.faces_at(v).map(|f| f.index()) {
+            let n = shape.normal(f);
             matrix += n * n.transpose();
-            rhs += n * n.dot(&(tangents.point[f] - position));
+            rhs += n * n.dot(&(shape.frames[f].plane.centre - position));
         }
         let mut squares = matrix.symmetric_eigenvalues();
         squares.as_mut_slice().sort_by(f64::total_cmp);
@@ -231,19 +203,25 @@ impl TangentPlanes {
 }
 
 /// Step of each vertex to its regularised circumcentre; zero on the boundary.
-fn circumcentre_steps(tangents: &TangentCells<'_>, positions: &[Vec3]) -> Vec<Vec3> {
-    let topology = tangents.topology;
-    let planes = |v: VertexId| TangentPlanes::at(tangents, v, positions[v.index()]);
+fn circumcentre_steps(
+    topology: &Topology,
+    panels: &Panels,
+    shape: &FaceShapes,
+    positions: &[Vec3],
+) -> Vec<Vec3> {
+    let extent = |f: usize| area(shape.face(panels, f)).abs().sqrt();
+    let extents: Vec<f64> = (0..panels.n_faces()).map(extent).collect();
+    let planes = |v: VertexId| PlanesAtVertex::new(topology, shape, v, positions[v.index()]);
     let systems: Vec<_> = topology.vertices().map(planes).collect();
     let mut middles: Vec<f64> = systems.iter().flatten().map(|s| s.middle).collect();
     middles.sort_by(f64::total_cmp);
     let typical = middles.get(middles.len() / 2).copied().unwrap_or(0.0);
-    let step = |(v, system): (VertexId, &Option<TangentPlanes>)| {
+    let step = |(v, system): (VertexId, &Option<PlanesAtVertex>)| {
         let Some(system) = system else {
             return Vec3::zeros();
         };
-        let faces = topology.outgoing(v).map(|h| topology.face(h).index());
-        let lengths: f64 = faces.map(|f| tangents.length[f]).sum();
+        let faces = topology.faces_at(v).map(|f| f.index());
+        let lengths: f64 = faces.map(|f| extents[f]).sum();
         let longest = 0.8 * lengths / 3.0;
         let step = system.step(typical);
         step * (longest / step.norm().max(longest))

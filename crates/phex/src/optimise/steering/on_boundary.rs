@@ -175,9 +175,7 @@ pub(in crate::optimise) fn already_there(
             _ => None,
         }
     };
-    let rim = topology
-        .vertices()
-        .filter(|v| topology.is_boundary_vertex(*v));
+    let rim = topology.boundary_vertices();
     rim.filter_map(|v| Some((v.index() as u32, hold_of(v)?)))
         .collect()
 }
@@ -203,10 +201,9 @@ fn let_go(held: &mut BTreeMap<u32, Hold>, harmed: &BTreeSet<u32>) -> bool {
 /// The corners of all panels that have some of these corners.
 fn beside(mesh: &HexMesh, corners: &BTreeSet<u32>) -> BTreeSet<u32> {
     let topology = mesh.topology();
-    let around = corners
-        .iter()
-        .flat_map(|v| topology.outgoing(VertexId::new(*v)));
-    let faces: BTreeSet<FaceId> = around.map(|h| topology.face(h)).collect();
+    let faces: BTreeSet<FaceId> = (corners.iter())
+        .flat_map(|v| topology.faces_at(VertexId::new(*v)))
+        .collect();
     let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
     corners.map(|v| v.index() as u32).collect()
 }
@@ -214,10 +211,7 @@ fn beside(mesh: &HexMesh, corners: &BTreeSet<u32>) -> BTreeSet<u32> {
 /// Ends of interior edges slide, vertices at corners stay there.
 fn holds(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
     let topology = mesh.topology();
-    let rim = topology
-        .vertices()
-        .filter(|v| topology.is_boundary_vertex(*v));
-    let rim: Vec<VertexId> = rim.collect();
+    let rim: Vec<VertexId> = topology.boundary_vertices().collect();
     let number = |v: VertexId| v.index() as u32;
     let between = rim.iter().filter(|v| topology.face_degree(**v) == 2);
     let mut held: BTreeMap<u32, Hold> = between.map(|v| (number(*v), Hold::OnCurve)).collect();
@@ -229,10 +223,7 @@ fn holds(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
 /// The vertex of the boundary next to each corner of the curves, where there is one within reach.
 pub(super) fn near_corners(mesh: &HexMesh, corners: &[Vec3]) -> Vec<(VertexId, Vec3)> {
     let topology = mesh.topology();
-    let rim = topology
-        .vertices()
-        .filter(|v| topology.is_boundary_vertex(*v));
-    let rim: Vec<VertexId> = rim.collect();
+    let rim: Vec<VertexId> = topology.boundary_vertices().collect();
     let reach = CORNER_REACH * mesh.mean_edge();
     let nearest = |corner: &Vec3| {
         let distance = |v: &VertexId| (mesh.position(*v) - corner).norm();
@@ -261,21 +252,13 @@ fn harmed(mesh: &HexMesh, run: &Run, before: &Quality, curves: &BoundaryCurve) -
         let now = point(&run.x, v.index());
         (now - mesh.position(*v)).norm() > MOST_MOVE * before.mean_edge
     };
-    faces.extend(
-        (topology.vertices().filter(moved))
-            .flat_map(|v| topology.outgoing(v))
-            .map(|h| topology.face(h)),
-    );
+    faces.extend((topology.vertices().filter(moved)).flat_map(|v| topology.faces_at(v)));
     if faces.is_empty() {
         let after = mesh.with_positions(PerVertex::from_vec(points(&run.x)));
         faces.extend(squeezed(&after, run, before));
         faces.extend(grown_small(mesh, &after));
         let drifted = drifted(mesh, &after, curves).into_iter();
-        faces.extend(
-            drifted
-                .flat_map(|v| topology.outgoing(v))
-                .map(|h| topology.face(h)),
-        );
+        faces.extend(drifted.flat_map(|v| topology.faces_at(v)));
     }
     let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
     corners.map(|v| v.index() as u32).collect()
@@ -289,9 +272,7 @@ fn drifted(before: &HexMesh, after: &HexMesh, curves: &BoundaryCurve) -> Vec<Ver
         distance(after.position(*v))
             > distance(before.position(*v)) + MOST_DRIFT * before.mean_edge()
     };
-    let rim = topology
-        .vertices()
-        .filter(|v| topology.is_boundary_vertex(*v));
+    let rim = topology.boundary_vertices();
     rim.filter(off).collect()
 }
 

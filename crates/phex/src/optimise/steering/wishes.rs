@@ -236,9 +236,7 @@ impl Resolver<'_> {
 
     /// Vertices of the boundary.
     fn rim(&self) -> Vec<VertexId> {
-        let topology = self.mesh.topology();
-        let all = topology.vertices();
-        all.filter(|v| topology.is_boundary_vertex(*v)).collect()
+        self.mesh.topology().boundary_vertices().collect()
     }
 
     fn slide(&mut self, curves: &[Vec<[f64; 3]>]) -> Result<(), SteeringError> {
@@ -368,8 +366,7 @@ pub(in crate::optimise) fn let_go(
         all.copied().collect()
     };
     let own = corners(faces);
-    let around = own.iter().flat_map(|v| topology.outgoing(*v));
-    let around: Vec<FaceId> = around.map(|h| topology.face(h)).collect();
+    let around: Vec<FaceId> = own.iter().flat_map(|v| topology.faces_at(*v)).collect();
     let single = |v: &VertexId| topology.face_degree(*v) == 1;
     let slides = |v: &VertexId| {
         let number = v.index() as u32;
@@ -409,10 +406,9 @@ pub fn led_elsewhere(steering: &Steering, mesh: &HexMesh) -> Vec<FaceId> {
     // What can't be led at all was refused before there was a mesh.
     let held = resolve(&leading, mesh)
         .map_or_else(|_| Vec::new(), |holds| holds.held.into_keys().collect());
-    let faces = held
-        .into_iter()
-        .flat_map(|v| mesh.topology().outgoing(VertexId::new(v)));
-    let faces: BTreeSet<FaceId> = faces.map(|h| mesh.topology().face(h)).collect();
+    let faces: BTreeSet<FaceId> = (held.into_iter())
+        .flat_map(|v| mesh.topology().faces_at(VertexId::new(v)))
+        .collect();
     faces.into_iter().collect()
 }
 

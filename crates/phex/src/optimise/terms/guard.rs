@@ -58,11 +58,7 @@ impl Guard {
     /// `n . side`.
     pub fn new(topology: &Topology, side: Option<Vec<Vec3>>, least_side: f64) -> Self {
         let is_fan = |v: &VertexId| topology.neighbours(*v).len() == 3;
-        let hinge = |e| {
-            let h = topology.edge_half_edge(e);
-            let face = |h| topology.face(h).index() as u32;
-            topology.twin(h).map(|t| [face(h), face(t)])
-        };
+        let hinge = |e| Some(topology.faces_beside(e)?.map(|f| f.index() as u32));
         Self {
             fans: topology
                 .vertices()
@@ -241,7 +237,7 @@ fn all_local<const N: usize>(list: &[u32], numbers: [u32; N]) -> Option<[u32; N]
 
 fn fan(topology: &Topology, v: VertexId) -> Fan {
     let neighbours = topology.neighbours(v);
-    let faces: Vec<FaceId> = topology.outgoing(v).map(|h| topology.face(h)).collect();
+    let faces: Vec<FaceId> = topology.faces_at(v).collect();
     Fan {
         vertex: v.index() as u32,
         neighbours: std::array::from_fn(|k| neighbours[k].index() as u32),

@@ -281,16 +281,11 @@ pub fn turn_edge(mesh: &HexMesh, a: u32, b: u32) -> HexMesh {
     let left = faces.iter().position(|f| runs(f, a, b)).unwrap();
     let right = faces.iter().position(|f| runs(f, b, a)).unwrap();
     let (after_a, after_b) = (next(&faces[right], a), next(&faces[left], b));
-    for (v, before, other) in [(a, after_a, b), (b, after_b, a)] {
-        let end = faces
-            .iter()
-            .position(|f| runs(f, before, v) && !f.contains(&other));
-        let face = &mut faces[end.unwrap()];
-        let at = face.iter().position(|&w| w == v).unwrap();
-        face.insert(at, other);
-    }
-    faces[left].retain(|&v| v != b);
-    faces[right].retain(|&v| v != a);
+    let at_ends = [(a, after_a, b), (b, after_b, a)].map(|(v, before, other)| {
+        let mut faces = faces.iter();
+        faces.position(|f| runs(f, before, v) && !f.contains(&other))
+    });
+    phex_mesh::turn_edge(&mut faces, [a, b], [left, right], at_ends);
     let mut points = mesh.positions.as_slice().to_vec();
     let (p, q) = (points[a as usize], points[b as usize]);
     let side = |f: usize| {

@@ -120,7 +120,7 @@ fn steps_fall_to_rounding_at_the_minimum() {
     for shape in [Shape::Wave, Shape::MonkeySaddle] {
         let result = finished(shape, 200);
         assert_sound(&result, 1e-12);
-        assert_eq!(result.runs[0].path, PathKind::Feasible);
+        assert_eq!(result.run.path, PathKind::Feasible);
         let on_constraints =
             |r: &&phex_numeric::Record| r.phase.is_infinite() && r.energy.is_finite();
         let history = result.outcome.history.iter().filter(on_constraints);

@@ -183,9 +183,9 @@ fn rows_that_would_turn_round_begin_with_the_highest_penalty() {
     let result = planarize(&wall, None, &OptimiseOptions::default(), &Silent).unwrap();
     assert_sound(&result, 1e-13);
     assert!(
-        result.quality.clearance >= 0.3 && result.runs[0].factorisations <= 35,
+        result.quality.clearance >= 0.3 && result.run.factorisations <= 35,
         "{:?}",
-        result.runs[0]
+        result.run
     );
 }
 
@@ -197,9 +197,9 @@ fn a_hold_that_is_too_strong_is_given_up_early() {
     let result = planarize(&wall, None, &OptimiseOptions::default(), &Silent).unwrap();
     assert_sound(&result, 1e-13);
     assert!(
-        result.quality.clearance >= 0.3 && result.runs[0].factorisations <= 40,
+        result.quality.clearance >= 0.3 && result.run.factorisations <= 40,
         "{:?}",
-        result.runs[0]
+        result.run
     );
 }
 

@@ -87,8 +87,7 @@ fn a_conjugate_layout_takes_the_fast_path() {
     let on_surface = planarize(&wall, Some(&shape), &options, &Silent).unwrap();
     assert_sound(&on_layout, 1e-13);
     for result in [on_itself, on_surface] {
-        assert_eq!(result.runs.len(), 1);
-        assert_eq!(result.runs[0].path, PathKind::Fast);
+        assert_eq!(result.run.path, PathKind::Fast);
         assert!(result.outcome.factorisations <= 2, "{:?}", result.outcome);
         let last = result.outcome.history.last().unwrap();
         assert!(last.step < 1e-8, "{last:?}");
@@ -103,10 +102,10 @@ fn a_conjugate_layout_takes_the_fast_path() {
 fn a_layout_that_is_not_conjugate_takes_the_feasible_path() {
     let wall = brick_wall(Shape::Wave, 41, 20);
     let result = planarize(&wall, None, &OptimiseOptions::default(), &Silent).unwrap();
-    assert_eq!(result.runs[0].path, PathKind::Feasible);
+    assert_eq!(result.run.path, PathKind::Feasible);
     assert_sound(&result, 1e-13);
     let again = planarize(&result.mesh, None, &OptimiseOptions::default(), &Silent).unwrap();
-    assert_eq!(again.runs[0].path, PathKind::Projection);
+    assert_eq!(again.run.path, PathKind::Projection);
     assert_eq!(again.mesh.positions, result.mesh.positions);
 }
 
@@ -199,12 +198,7 @@ fn dual_icosphere(levels: usize, target: &dyn Target) -> HexMesh {
     let topology = sphere.topology();
     let cells: Vec<Vec<u32>> = topology
         .vertices()
-        .map(|v| {
-            topology
-                .outgoing(v)
-                .map(|h| topology.face(h).index() as u32)
-                .collect()
-        })
+        .map(|v| topology.faces_at(v).map(|f| f.index() as u32).collect())
         .collect();
     let centres: Vec<Vec3> = topology.faces().map(|f| sphere.centre(f)).collect();
     let feet: Vec<Vec3> = target
@@ -403,10 +397,7 @@ fn the_rim_is_kept_and_corners_stay() {
         assert!(moved < 0.1 * result.quality.mean_edge, "{moved:e}");
     }
     let topology = result.mesh.topology();
-    for v in topology
-        .vertices()
-        .filter(|&v| topology.is_boundary_vertex(v))
-    {
+    for v in topology.boundary_vertices() {
         let p = result.mesh.positions[v];
         let rim = p.x.abs().max(p.y.abs());
         assert!(
@@ -449,7 +440,7 @@ fn a_panel_wound_against_the_surface_is_named() {
         (face, Fault::Flipped)
     );
     assert!(!result.is_sound());
-    assert_eq!(result.runs[0].start_faults, 1);
+    assert_eq!(result.run.start_faults, 1);
 }
 
 #[test]
@@ -476,7 +467,7 @@ fn a_crossed_panel_does_not_hang_and_is_named_or_cured() {
         &Silent,
     )
     .unwrap();
-    assert!(result.runs[0].start_faults > 0);
+    assert!(result.run.start_faults > 0);
     let named = result.offenders.iter().any(|o| o.fault == Fault::NotSimple);
     assert_eq!(all_simple(&result.mesh), !named);
 }

@@ -157,8 +157,7 @@ const LARGEST_TURN: f64 = 50.0;
 fn follows_surface(layout: &Layout) -> Result<(), DomainError> {
     let topology = layout.mesh.topology();
     let turn = |e| {
-        let h = topology.edge_half_edge(e);
-        let [f, g] = [h, topology.twin(h)?].map(|h| topology.face(h));
+        let [f, g] = topology.faces_beside(e)?;
         let angle = layout.face_normal[f].angle(&layout.face_normal[g]);
         Some((f, angle.to_degrees()))
     };

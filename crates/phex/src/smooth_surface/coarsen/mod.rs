@@ -73,8 +73,7 @@ impl ChangingMesh {
         let topology = surface.topology();
         let area = PerFace::from_fn(topology.n_faces(), |f| surface.area_vector(f));
         let is_crease = |h: HalfEdgeId| {
-            let across = topology.twin(h).map(|t| topology.face(t));
-            across.is_some_and(|g| {
+            topology.across(h).is_some_and(|g| {
                 let [m, n] = [area[topology.face(h)], area[g]];
                 m.dot(&n) < CREASE * m.norm() * n.norm()
             })

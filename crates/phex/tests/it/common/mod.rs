@@ -31,14 +31,12 @@ pub fn shape_with(name: &str, parameters: &[(&str, f64)], triangles: usize) -> T
 
 /// The vertex lists of a surface's triangles.
 pub fn triangles(surface: &TriangleSurface) -> Vec<[u32; 3]> {
-    let lists = surface.topology().face_lists();
-    lists.iter().map(|f| [f[0], f[1], f[2]]).collect()
+    surface.triangles().collect()
 }
 
 /// The same triangles with every position mapped.
 pub fn mapped(surface: &TriangleSurface, map: impl Fn(Vec3) -> Vec3) -> TriangleSurface {
-    let positions = surface.positions().map(|p| map(*p)).into_vec();
-    TriangleSurface::new(positions, &triangles(surface)).unwrap()
+    surface.mapped(|p| map(*p))
 }
 
 /// The same surface with diagonal 1, centred.
@@ -86,9 +84,7 @@ pub fn punched_plane(radius: f64) -> TriangleSurface {
     let kept = topology
         .faces()
         .filter(|&f| !topology.face_vertices(f).iter().any(|&v| inside(v)));
-    let lists: Vec<[u32; 3]> = kept
-        .map(|f| std::array::from_fn(|k| topology.face_vertices(f)[k].index() as u32))
-        .collect();
+    let lists: Vec<[u32; 3]> = kept.map(|f| plane.triangle(f)).collect();
     without_unused(plane.positions().as_slice(), &lists)
 }
 

@@ -4,7 +4,7 @@
 //! A spanning tree of the vertices and one of the faces (with the outside as one more) that share
 //! no edge leave an edge for each loop (tree-cotree decomposition, D. Eppstein 2003).
 
-use phex_mesh::{EdgeId, FaceId, HexMesh, PerEdge, PerFace, PerVertex, Topology, VertexId};
+use phex_mesh::{Cotree, EdgeId, FaceId, HexMesh, PerEdge, PerVertex, Topology, VertexId};
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -209,37 +209,8 @@ impl Tree {
 
     /// Edges of neither tree: one for each loop.
     fn generators(&self, topology: &Topology) -> Vec<EdgeId> {
-        let mut used = self.used.clone();
-        let mut seen = PerFace::filled(topology.n_faces(), false);
-        let mut queue = VecDeque::new();
-        for &(f, _) in &self.free {
-            seen[f] = true;
-            queue.push_back(f);
-        }
-        for e in topology.edges().filter(|&e| topology.is_boundary_edge(e)) {
-            let f = topology.face(topology.edge_half_edge(e));
-            if !used[e] && !seen[f] {
-                (used[e], seen[f]) = (true, true);
-                queue.push_back(f);
-            }
-        }
-        if let Some(first) = topology.faces().next().filter(|_| queue.is_empty()) {
-            seen[first] = true;
-            queue.push_back(first);
-        }
-        while let Some(f) = queue.pop_front() {
-            for h in topology.face_half_edges(f) {
-                let (e, twin) = (topology.edge(h), topology.twin(h));
-                let Some(g) = twin.map(|t| topology.face(t)).filter(|&g| !seen[g]) else {
-                    continue;
-                };
-                if !used[e] {
-                    (used[e], seen[g]) = (true, true);
-                    queue.push_back(g);
-                }
-            }
-        }
-        topology.edges().filter(|&e| !used[e]).collect()
+        let at_outside = self.free.iter().map(|(f, _)| *f);
+        Cotree::new(topology, self.used.clone(), at_outside).generators
     }
 }
 
