@@ -88,6 +88,8 @@ pub struct SurfaceNotes {
     /// Largest distance over which they were joined, in the unit of the coordinates; zero for one
     /// below 1e-9 diagonals.
     pub widest_gap: f64,
+    /// What the file holds beside faces, for a reader of files to say.
+    pub others: crate::OtherElements,
 }
 
 /// A connected surface and where its elements come from.
@@ -138,6 +140,7 @@ impl SurfaceNotes {
         counted
             .map(|(count, what)| format!("{count} {what}"))
             .chain(seams)
+            .chain(self.others.told())
             .collect()
     }
 }
