@@ -14,6 +14,8 @@ use std::str::FromStr;
 const MOST: usize = 10_000_000;
 /// What a range says.
 const RANGE_KEYS: [&str; 3] = ["from", "to", "count"];
+/// Rounding of the values of a range, over the larger of its ends.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Whole numbers below this have no fraction that rounding took, 2^53.
 const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
@@ -209,14 +211,15 @@ fn steps(name: &str, range: &Map<String, Value>) -> Result<Vec<Value>, JobError>
         ))
     })?;
     let at = |k: u64| from + (to - from) * (k as f64 / (steps - 1) as f64);
-    Ok((0..steps).map(at).map(plain_number).collect())
+    let rounding = ROUNDING * from.abs().max(to.abs());
+    Ok((0..steps).map(|k| as_typed(at(k), rounding)).collect())
 }
 
-/// A number as it would be typed: a whole one is no decimal fraction, which settings such as
-/// `panels` refuse.
-fn plain_number(x: f64) -> Value {
-    match x.fract() == 0.0 && x.abs() < LARGEST_WHOLE {
-        true => json!(x as i64),
+/// A number as it would be typed: what is whole up to rounding is no decimal fraction, which
+/// settings such as `panels` refuse. `linspace` of the Python package rounds as this does.
+fn as_typed(x: f64, rounding: f64) -> Value {
+    match (x - x.round()).abs() <= rounding && x.abs() < LARGEST_WHOLE {
+        true => json!(x.round() as i64),
         false => json!(x),
     }
 }
@@ -339,10 +342,10 @@ mod tests {
 
     #[test]
     fn a_range_of_whole_numbers_is_one_of_panels() {
-        let study = "surfaces = ['a.obj']\n[space]\npanels = { from = 40, to = 60, count = 3 }";
+        let study = "surfaces = ['a.obj']\n[space]\npanels = { from = 1, to = 200, count = 200 }";
         let all = StudyFile::from_toml(study).unwrap().variants().unwrap();
         let panels: Vec<Option<u64>> = all.iter().map(|v| v.settings.panels).collect();
-        assert_eq!(panels, [40, 50, 60].map(Some));
+        assert_eq!(panels, (1..=200).map(Some).collect::<Vec<_>>());
     }
 
     #[test]

@@ -7,6 +7,7 @@ import os
 import queue
 import random
 import signal
+import sys
 import time
 import warnings
 from collections import Counter, deque
@@ -95,7 +96,11 @@ def linspace(low: float, high: float, count: int) -> List[float]:
     """
     low, high, count = real("low", low), real("high", high), whole("count", count, 10**7)
     last = max(count - 1, 1)
-    return [low + (high - low) * (k / last) for k in range(count)]
+    rounding = 4 * sys.float_info.epsilon * max(abs(low), abs(high))
+    values = [low + (high - low) * (k / last) for k in range(count)]
+    # As the program does in a study file, which makes ranges of whole numbers of these.
+    is_whole = [abs(x) < 2**53 and abs(x - round(x)) <= rounding for x in values]
+    return [float(round(x)) if whole_one else x for x, whole_one in zip(values, is_whole)]
 
 
 def solve(job: Dict[str, Any]) -> Row:

@@ -11,6 +11,8 @@ use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
 use std::time::Instant;
 
+/// Characters of a reason in a line; the table has all of it.
+const LONGEST: usize = 110;
 /// Files that `collect` writes.
 const TABLE: &str = "designs.csv";
 const PAGE: &str = "index.html";
@@ -99,6 +101,10 @@ fn line(variant: &Variant, row: &Row) -> String {
     let surface = variant.surface.display();
     let workshop = match text("out:workshop") {
         "" => String::new(),
+        told if told.len() > LONGEST => {
+            let start: String = told.chars().take(LONGEST).collect();
+            format!("(workshop: {start}…)")
+        }
         told => format!("(workshop: {told})"),
     };
     let words = [
