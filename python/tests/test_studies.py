@@ -294,6 +294,19 @@ def test_tables_and_the_best(solved, tmp_path):
         solved.save("designs.xlsx")
 
 
+def test_surfaces_of_one_file_name_are_told_apart_and_a_broken_variant_is_left_out(tmp_path):
+    for folder, triangles in (("a", 500), ("b", 2000)):
+        (tmp_path / folder).mkdir()
+        phex.shape("sphere", triangles=triangles).save(tmp_path / folder / "ball.obj")
+    paths = [str(tmp_path / folder / "ball.obj") for folder in "ab"]
+    space = {"surface": paths, "panels": 32, "max_deviation": "5%"}
+    study = phex.sweep(space, out=tmp_path / "study", workers=1)
+    assert study.column("in:surface") == paths
+    (tmp_path / "study" / study.rows[0]["key"] / "run.json").write_text("{")
+    with pytest.warns(UserWarning, match="run the study again"):
+        assert phex.Study.read(tmp_path / "study").rows == study.rows[1:]
+
+
 def test_surfaces_in_memory_and_sheets(tmp_path):
     ball = phex.shape("sphere", triangles=500)
     workshop = {"thickness": "20mm", "sheet": "2500x1250"}

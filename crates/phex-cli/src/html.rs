@@ -114,7 +114,9 @@ impl Progress for Silently {
 
 /// The command line as it can be typed again.
 pub fn typed_command() -> String {
-    let words = std::env::args().skip(1).map(|word| quoted(&word));
+    // A name that is no UTF-8 can be typed, and is shown as well as it can be.
+    let words = std::env::args_os().skip(1);
+    let words = words.map(|word| quoted(&word.to_string_lossy()));
     std::iter::once("phex".to_owned())
         .chain(words)
         .collect::<Vec<_>>()

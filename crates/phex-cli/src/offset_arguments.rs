@@ -5,7 +5,8 @@ use crate::shared_arguments::Talk;
 use clap::{Args, ValueEnum};
 use phex::offset::OffsetKind;
 use phex_job::DEFAULT_DEVIATION;
-use phex_job::{NoQuantity, Quantity, Unit};
+use phex_job::{Quantity, Unit};
+use phex_mesh::io::shown;
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -159,14 +160,21 @@ impl SignedLength {
 }
 
 impl FromStr for SignedLength {
-    type Err = NoQuantity;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, NoQuantity> {
+    fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
         let bare = text.strip_prefix('-');
+        let size = bare.unwrap_or(text).parse();
         Ok(Self {
             negative: bare.is_some(),
-            size: bare.unwrap_or(text).parse()?,
+            size: size.map_err(|_| {
+                format!(
+                    "`{}` is no distance: give a number, negative on the side that face normals point away from, with \
+                     mm, cm, m, in, ft, % or nothing after it",
+                    shown(text)
+                )
+            })?,
         })
     }
 }
@@ -192,5 +200,10 @@ mod tests {
         assert_eq!(length("-20mm").unwrap(), -0.02);
         assert_eq!(length("-1%").unwrap(), -0.5);
         assert!(length("--1").is_err() && length("-").is_err() && length("x").is_err());
+        let told = length("nan").unwrap_err();
+        assert!(
+            told.contains("nan") && told.contains("a number, negative"),
+            "{told}"
+        );
     }
 }

@@ -62,6 +62,10 @@ fn whole(path: &Path) -> PathBuf {
 }
 
 fn check_place(path: &Path) -> anyhow::Result<()> {
+    anyhow::ensure!(
+        path != Path::new("-"),
+        "no file is written to standard output (`./-` is a file of this name; `check` and `info` have --json)"
+    );
     let path = &link_target(path)?;
     anyhow::ensure!(path.file_name().is_some(), "it names no file");
     anyhow::ensure!(!path.is_dir(), "it is a folder");

@@ -349,6 +349,9 @@ fn boundary(fit: &BoundaryFit) -> String {
 /// The smallest and the largest panels; small ones are named.
 fn areas(measures: &MeshMeasures) -> String {
     let area = &measures.area_ratio;
+    if area.min.is_nan() {
+        return "the panels together have none: they cross themselves, or are lines".to_owned();
+    }
     let mut text = format!(
         "from {:.2}{} to {:.2} of the mean",
         area.min,

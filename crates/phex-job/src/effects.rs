@@ -153,6 +153,28 @@ impl MeshSettings {
         fitted
     }
 
+    /// The options that are set and mean nothing where panels are laid out and no more. Limits of
+    /// size say how many panels there are, where nothing else does.
+    pub fn idle_on_layout(&self) -> Vec<&'static str> {
+        let limits = &self.limits;
+        let sized = self.is_sized();
+        let later = [
+            ("repeat", self.repeat.is_some()),
+            ("max-deviation", self.max_deviation.is_some()),
+            ("planarity", self.planarity.is_some()),
+            ("max-panel", sized && limits.max_panel.is_some()),
+            ("max-edge", sized && limits.max_edge.is_some()),
+            ("max-area", sized && limits.max_area.is_some()),
+            ("min-edge", limits.min_edge.is_some()),
+            ("min-angle", limits.min_angle.is_some()),
+            ("max-aspect", limits.max_aspect.is_some()),
+            ("min-dihedral", limits.min_dihedral.is_some()),
+            ("max-dihedral", limits.max_dihedral.is_some()),
+        ];
+        let set = later.into_iter().filter(|(_, set)| *set);
+        set.map(|(option, _)| option).collect()
+    }
+
     fn asks_for_symmetry(&self) -> bool {
         self.symmetry.is_some_and(|s| s != Symmetry::None)
     }
@@ -264,6 +286,22 @@ mod tests {
                 assert_eq!(named, expected == 'r', "{method} {name}: {told}");
             }
         }
+    }
+
+    #[test]
+    fn a_layout_heeds_no_limits_but_those_that_say_how_many_panels() {
+        let idle = |text: &str| {
+            toml::from_str::<MeshSettings>(text)
+                .unwrap()
+                .idle_on_layout()
+        };
+        let all = "repeat = '5mm'\n[limits]\nmax-edge = 2\nmin-angle = 30";
+        assert_eq!(idle(all), ["repeat", "min-angle"]);
+        assert_eq!(
+            idle(&format!("panels = 60\n{all}")),
+            ["repeat", "max-edge", "min-angle"]
+        );
+        assert!(idle("panels = 60\nboundary = 'clip'\nrotate = 5").is_empty());
     }
 
     #[test]

@@ -156,7 +156,10 @@ impl FileInfo {
             *info.face_sizes.entry(face.len()).or_default() += 1;
         }
         match TriangleSurface::from_soup(soup) {
-            Ok(parts) => info.add_surface(&parts),
+            Ok(mut parts) => {
+                parts.notes.others = file.others;
+                info.add_surface(&parts);
+            }
             Err(error) => {
                 info.problem = Some(error.to_string());
                 info.place = ProblemPlace::of(&error, soup);

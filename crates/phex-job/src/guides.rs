@@ -1,7 +1,7 @@
 //! Guides as they are typed: lines that rows run along, creases, and prescribed cones.
 
 use crate::error::JobError;
-use crate::input::{read_numbers, read_polylines};
+use crate::input::{read_polylines, read_some_numbers};
 use phex::directions::{Cone, Guides};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -82,7 +82,7 @@ impl GuideSettings {
             guides.lines.extend(arrays);
         }
         if let Some(path) = &self.cones {
-            for line in read_numbers(path)? {
+            for line in read_some_numbers(path)? {
                 add_cone(&mut guides, &line.numbers).map_err(|wanted| line.wrong(wanted))?;
             }
         }

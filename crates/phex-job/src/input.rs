@@ -2,9 +2,10 @@
 
 use crate::error::JobError;
 use phex::report::InputFile;
-use phex_mesh::io::{Format, ReadCause, ReadError, parse_soup, shown};
+use phex_mesh::io::{Format, ReadCause, ReadError, other_elements, parse_soup, shown};
 use phex_mesh::{
-    HexMesh, LARGEST_COORDINATE, PolygonSoup, SurfaceNotes, SurfaceParts, TriangleSurface, Vec3,
+    HexMesh, LARGEST_COORDINATE, OtherElements, PolygonSoup, SurfaceNotes, SurfaceParts,
+    TriangleSurface, Vec3,
 };
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -18,6 +19,8 @@ pub struct MeshFile {
     pub soup: PolygonSoup,
     /// Path, hash and counts.
     pub record: InputFile,
+    /// What is in it beside faces, and is not read.
+    pub others: OtherElements,
 }
 
 impl MeshFile {
@@ -40,8 +43,9 @@ impl MeshFile {
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, JobError> {
         let parsed = Format::from_path(path)
             .map_err(|e| ReadCause::from(e).into())
-            .and_then(|format| parse_soup(bytes, format));
-        let soup = parsed.map_err(|e: ReadError| JobError::unusable(&e.in_file(path)))?;
+            .and_then(|format| Ok((parse_soup(bytes, format)?, other_elements(bytes, format))));
+        let parsed = parsed.map_err(|e: ReadError| JobError::unusable(&e.in_file(path)));
+        let (soup, others) = parsed?;
         let record = InputFile {
             path: path.display().to_string(),
             sha256: hexadecimal(&Sha256::digest(bytes)),
@@ -52,6 +56,7 @@ impl MeshFile {
             path: path.to_path_buf(),
             soup,
             record,
+            others,
         })
     }
 
@@ -73,7 +78,12 @@ impl MeshFile {
             faces: soup.faces.len(),
         };
         let path = PathBuf::from(name);
-        Self { path, soup, record }
+        Self {
+            path,
+            soup,
+            record,
+            others: OtherElements::default(),
+        }
     }
 
     /// The connected surfaces in the file.
@@ -82,7 +92,9 @@ impl MeshFile {
     /// If the faces are no surface; the message names element and cause.
     pub fn surfaces(&self) -> Result<SurfaceParts, JobError> {
         let surfaces = TriangleSurface::from_soup(&self.soup);
-        surfaces.map_err(|e| JobError::in_file(&self.path, &e))
+        let mut surfaces = surfaces.map_err(|e| JobError::in_file(&self.path, &e))?;
+        surfaces.notes.others = self.others;
+        Ok(surfaces)
     }
 
     /// All connected surfaces in the file as one.
@@ -127,6 +139,7 @@ impl MeshFile {
         let looks_inwards =
             mesh.topology().boundary_loops().is_empty() && mesh.to_soup().volume() < 0.0;
         let notes = SurfaceNotes {
+            others: self.others,
             inward_bodies: usize::from(looks_inwards),
             ..notes
         };
@@ -178,10 +191,25 @@ impl NumberLine {
     }
 }
 
-/// The lines of a text file with numbers, separated by blanks or commas; `#` begins a comment.
+/// The numbers of a line, separated by blanks or by commas: a line with both would be read another
+/// way by those who write decimal commas.
+fn numbers_of(data: &str) -> Result<Vec<f64>, String> {
+    let fields: Vec<&str> = data.split(',').map(str::trim).collect();
+    let has_both = fields.len() > 1 && fields.iter().any(|f| f.contains(char::is_whitespace));
+    if has_both {
+        return Err(
+            "commas and blanks both stand between numbers (decimals have a point: 12.5)".to_owned(),
+        );
+    }
+    let words = fields.into_iter().flat_map(str::split_whitespace);
+    words.map(number).collect()
+}
+
+/// The lines of a text file with numbers, separated by blanks or by commas; `#` begins a comment.
 ///
 /// # Errors
-/// If the file can't be read, or a word is no [`number`].
+/// If the file can't be read, a word is no [`number`], or a line has blanks and commas between
+/// numbers.
 pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, JobError> {
     let text = read_text(path)?;
     let path: Arc<Path> = path.into();
@@ -190,14 +218,11 @@ pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, JobError> {
     for (index, text) in text.lines().enumerate() {
         let (path, line) = (path.clone(), index + 1);
         let data = text.split('#').next().unwrap_or_default();
-        let words = data.split(|c: char| c.is_whitespace() || c == ',');
-        let numbers: Result<Vec<f64>, String> =
-            words.filter(|w| !w.is_empty()).map(number).collect();
         let wrong = |e| {
             let place = format!("{}:{line}", path.display());
             JobError::input(format!("{place}: {e} in `{}`", shown(text.trim())))
         };
-        let numbers = numbers.map_err(wrong)?;
+        let numbers = numbers_of(data).map_err(wrong)?;
         if !numbers.is_empty() {
             lines.push(NumberLine {
                 numbers,
@@ -207,6 +232,21 @@ pub fn read_numbers(path: &Path) -> Result<Vec<NumberLine>, JobError> {
         }
     }
     Ok(lines)
+}
+
+/// The same of a file that is to hold some.
+///
+/// # Errors
+/// As [`read_numbers`], or if no line holds any.
+pub(crate) fn read_some_numbers(path: &Path) -> Result<Vec<NumberLine>, JobError> {
+    let lines = read_numbers(path)?;
+    match lines.is_empty() {
+        false => Ok(lines),
+        true => Err(JobError::input(format!(
+            "{}: no line of it holds numbers",
+            path.display()
+        ))),
+    }
 }
 
 /// The polylines of an OBJ file.
@@ -291,6 +331,27 @@ mod tests {
         };
         assert_eq!(mesh(squares(square(1.0, 0.0))), (6, 1));
         assert_eq!(mesh(squares(square(1.0, 1.0))), (8, 0));
+    }
+
+    #[test]
+    fn a_decimal_comma_is_no_separator() {
+        for text in ["12.5 3 8", " 12.5\t3  8 ", "12.5,3,8", "12.5, 3, 8,"] {
+            assert_eq!(numbers_of(text), Ok(vec![12.5, 3.0, 8.0]), "{text}");
+        }
+        for text in ["12,5 3 8", "12,5 3,0 8,0", "12.5 3, 8"] {
+            let told = numbers_of(text).unwrap_err();
+            assert!(told.contains("decimals have a point"), "{text}: {told}");
+        }
+    }
+
+    #[test]
+    fn what_a_file_holds_beside_faces_is_told() {
+        let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nl 1 2 3\n";
+        let file = MeshFile::from_bytes(Path::new("a.obj"), text.as_bytes()).unwrap();
+        let told = "1 polyline was left out: panels are made of faces alone";
+        assert_eq!(file.surfaces().unwrap().notes.sentences(), [told]);
+        assert_eq!(file.sewn_polygon_mesh().unwrap().1, [told]);
+        assert_eq!(crate::FileInfo::new(&file).notes, [told]);
     }
 
     #[test]

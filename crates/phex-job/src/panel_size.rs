@@ -4,7 +4,7 @@ use crate::error::JobError;
 use crate::hexagon::{edge_length, hexagon_area};
 use crate::settings::TypedPanelSize;
 use crate::units::Unit;
-use phex::pipeline::MAX_PANELS;
+use phex::layout::MAX_PANELS;
 use phex_mesh::TriangleSurface;
 
 /// Smallest edge, in units of the rounding of the largest coordinate: below, a panel's shape is

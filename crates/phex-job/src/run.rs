@@ -244,6 +244,7 @@ impl<'a> MeshTask<'a> {
         (settings.guides).apply(given.guides, &mut stages.directions.guides);
         check_steering(job, &settings)?;
         check_near(&settings.stages, &facets)?;
+        check_repeat(&settings, &components)?;
         let mut limits = TypedLimits::from(&settings);
         if job.start.is_some() {
             limits.boundary = None;
@@ -418,6 +419,7 @@ impl<'a> MeshTask<'a> {
     ) -> Wishes<'b> {
         Wishes {
             options: &self.settings.stages,
+            size_field: self.field.as_ref().map(SizeField::range),
             panels: self.panels,
             facets: &self.facets,
             smooth: smooth.unwrap_or(&self.facets),
@@ -604,6 +606,22 @@ fn check_steering(job: &MeshJob, settings: &MeshSettings) -> Result<(), JobError
         ));
     }
     Ok(())
+}
+
+/// Refuses to make edges equal that differ by more than a part is long.
+fn check_repeat(settings: &MeshSettings, components: &[&SurfaceComponent]) -> Result<(), JobError> {
+    let Some(asked) = settings.repeat else {
+        return Ok(());
+    };
+    let unit = settings.unit.unwrap_or_default();
+    let whole = components.iter().map(|c| c.surface.diagonal());
+    let whole = whole.fold(f64::INFINITY, f64::min);
+    match asked.length(unit, whole) <= whole {
+        true => Ok(()),
+        false => Err(JobError::input(format!(
+            "--repeat {asked}: edges would be equal that differ by more than the diagonal of the surface, {whole:.4} {unit}"
+        ))),
+    }
 }
 
 /// Relative error of the mean edge length that is told.

@@ -3,6 +3,7 @@
 use crate::error::JobError;
 use crate::hexagon::hexagon_area;
 use crate::input::read_numbers;
+use crate::wishes::range;
 use phex::report::InputFile;
 use phex_mesh::{SurfaceComponent, TriangleSurface};
 use std::path::Path;
@@ -59,6 +60,11 @@ impl SizeField {
     /// The sizes of a component.
     pub fn of(&self, component: usize) -> &[f64] {
         &self.components[component]
+    }
+
+    /// The smallest and the largest size.
+    pub fn range(&self) -> [f64; 2] {
+        range(self.components.iter().flatten().copied())
     }
 
     /// The number of panels that the sizes mean as edge lengths.

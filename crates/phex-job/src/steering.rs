@@ -1,7 +1,7 @@
 //! Steering as it is typed: which vertices are held, and the dials of the optimiser.
 
 use crate::error::JobError;
-use crate::input::{number, read_numbers, read_polylines};
+use crate::input::{number, read_polylines, read_some_numbers};
 use phex::optimise::{Anchor, Dials, GroundPlane, OptimiseOptions, Solver, Steering};
 use phex::ranges::{self, BadOption};
 use phex_mesh::LARGEST_COORDINATE;
@@ -171,8 +171,8 @@ pub(crate) fn add_fixed(steering: &mut Steering, numbers: &[f64]) -> Result<(), 
 pub(crate) fn add_anchor(steering: &mut Steering, numbers: &[f64]) -> Result<(), &'static str> {
     let (point, weight) = match *numbers {
         [x, y, z] => ([x, y, z], 1.0),
-        [x, y, z, weight] => ([x, y, z], weight),
-        _ => return Err("x y z, or x y z weight"),
+        [x, y, z, weight] if weight > 0.0 => ([x, y, z], weight),
+        _ => return Err("x y z, or x y z weight with a weight above 0,"),
     };
     steering.anchors.push(Anchor { point, weight });
     Ok(())
@@ -248,7 +248,7 @@ impl SteeringSettings {
     pub fn read(&self) -> Result<Steering, JobError> {
         let mut steering = Steering::default();
         if let Some(path) = &self.fix {
-            for line in read_numbers(path)? {
+            for line in read_some_numbers(path)? {
                 add_fixed(&mut steering, &line.numbers).map_err(|wanted| line.wrong(wanted))?;
             }
         }
@@ -264,7 +264,7 @@ impl SteeringSettings {
             steering.curves.extend(curves.into_iter().map(line));
         }
         if let Some(path) = &self.anchors {
-            for line in read_numbers(path)? {
+            for line in read_some_numbers(path)? {
                 add_anchor(&mut steering, &line.numbers).map_err(|wanted| line.wrong(wanted))?;
             }
         }

@@ -3,8 +3,7 @@
 use crate::hexagon::{edge_length, hexagon_area};
 use phex::curvature::{CurvatureOptions, Principal, principal, tensors_at};
 use phex::directions::Guides;
-use phex::layout::CELL;
-use phex::pipeline::MAX_PANELS;
+use phex::layout::{CELL, MAX_PANELS};
 use phex_mesh::{TriangleSurface, VertexId};
 use serde::Serialize;
 

@@ -41,15 +41,29 @@ pub fn from_toml<T: DeserializeOwned>(text: &str) -> Result<T, JobError> {
         .map_err(|e| located(e.inner(), &e.path().to_string(), text))
 }
 
-/// The parser's message about a key in one line, with the line of the file.
-fn located(error: &toml::de::Error, key: &str, text: &str) -> JobError {
-    let message = plain(error.message());
+/// The same of a value that such a text holds; the message names the key alone.
+///
+/// # Errors
+/// If it says something that `T` does not know.
+pub fn from_json<T: DeserializeOwned>(value: serde_json::Value) -> Result<T, JobError> {
+    serde_path_to_error::deserialize(value)
+        .map_err(|e| JobError::Input(of_key(&e.inner().to_string(), &e.path().to_string())))
+}
+
+/// The parser's message about a key in one line.
+fn of_key(message: &str, key: &str) -> String {
+    let message = plain(message);
     let of_key = match message.contains(key.trim_end_matches('.')) {
         true => String::new(),
         false => format!("{key}: "),
     };
     let message = (of_key + &message).replace('\n', ", ");
-    let message: String = message.chars().take(SHOWN).collect();
+    message.chars().take(SHOWN).collect()
+}
+
+/// The same, with the line of the file.
+fn located(error: &toml::de::Error, key: &str, text: &str) -> JobError {
+    let message = of_key(error.message(), key);
     JobError::input(match error.span() {
         Some(span) => {
             let line = 1 + text[..span.start].matches('\n').count();

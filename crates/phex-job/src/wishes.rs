@@ -83,6 +83,8 @@ pub fn check_near(options: &MeshOptions, surface: &TriangleSurface) -> Result<()
 pub struct Wishes<'a> {
     /// The options with them.
     pub options: &'a MeshOptions,
+    /// The smallest and the largest size that was given, where sizes were.
+    pub size_field: Option<[f64; 2]>,
     /// Number of panels that was asked for.
     pub panels: u64,
     /// The input.
@@ -111,6 +113,9 @@ impl Wishes<'_> {
         }
         if let Some(limit) = self.options.sizes.adaptive {
             told.push(("adaptive", self.of_sizes(limit)));
+        }
+        if let Some([smallest, largest]) = self.size_field {
+            told.push(("size-field", self.of_ratio(largest / smallest)));
         }
         told
     }
@@ -207,16 +212,21 @@ impl Wishes<'_> {
                 "NO EFFECT: panels of one size are wanted everywhere (panel length times curvature is {least:.2} to {most:.2}, the limit {limit})"
             );
         }
+        self.of_ratio(largest / smallest)
+    }
+
+    /// The ratio of the largest to the smallest panel length that is wanted, and the one there is.
+    fn of_ratio(&self, wanted: f64) -> String {
         let [small, large] = panel_lengths(self.mesh);
         format!(
-            "lengths in a ratio of {:.2} are wanted, those of the inner panels have {:.2} (5 % and 95 % of them: {small:.4}, {large:.4})",
-            largest / smallest,
+            "lengths in a ratio of {wanted:.2} are wanted, those of the inner panels have {:.2} (5 % and 95 % of them: {small:.4}, {large:.4})",
             large / small
         )
     }
 }
 
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+/// The smallest and the largest of positive values.
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, 0.0], |[a, b], x| {
         [f64::min(a, x), f64::max(b, x)]
     })

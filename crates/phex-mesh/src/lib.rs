@@ -33,6 +33,7 @@ pub mod ids;
 pub mod io;
 pub mod measure;
 mod mend;
+mod other_elements;
 mod panel_limits;
 pub mod per_element;
 pub mod plane;
@@ -57,6 +58,7 @@ pub use measure::{
     BoundaryFit, Deviation, LEAST_RIM_AREA, MeshMeasures, Metric, boundary_fit, closest_faces,
     deviation, deviation_beyond, irregular_faces, measure, small_rim_faces,
 };
+pub use other_elements::OtherElements;
 pub use panel_limits::{LimitedFigure, PanelLimit, PanelLimits, rectangle_fit};
 pub use per_element::{PerEdge, PerElement, PerFace, PerHalfEdge, PerVertex};
 pub use plane::FacePlane;

@@ -90,6 +90,8 @@ pub struct SurfaceNotes {
     pub widest_gap: f64,
     /// Closed components whose normals point inwards.
     pub inward_bodies: usize,
+    /// What the file holds beside faces, for a reader of files to say.
+    pub others: crate::OtherElements,
 }
 
 /// A connected surface and where its elements come from.
@@ -144,6 +146,7 @@ impl SurfaceNotes {
         counted
             .map(|(count, what)| format!("{count} {what}"))
             .chain(seams)
+            .chain(self.others.told())
             .collect()
     }
 }

@@ -99,7 +99,11 @@ pub struct CollectRequest {
 /// # Errors
 /// If the folder can't be read.
 pub fn collected(request: CollectRequest, _: Inputs, _: &dyn Progress) -> Result<Answer, JobError> {
-    Ok(vec![("rows", json(&collect(&request.out)?)?)])
+    let found = collect(&request.out)?;
+    Ok(vec![
+        ("rows", json(&found.rows)?),
+        ("broken", json(&found.broken)?),
+    ])
 }
 
 /// Rows, and where their folders are.

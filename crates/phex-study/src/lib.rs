@@ -33,6 +33,6 @@ pub use page::page;
 pub use row::{Row, lost};
 pub use solve::{RUN_FILE, SolveOptions, finished, solve};
 pub use study::{Shard, StudyFile};
-pub use table::{collect, csv};
+pub use table::{Collected, collect, csv};
 pub use variant::{Variant, keys};
 pub use workshop::Workshop;

@@ -4,7 +4,7 @@ use crate::limits::{VariantLimits, memory_limit};
 use crate::solve::SolveOptions;
 use crate::variant::Variant;
 use crate::workshop::Workshop;
-use phex_job::{JobError, MeshSettings, from_toml, read_text, time_limit};
+use phex_job::{JobError, MeshSettings, from_json, from_toml, read_text, time_limit};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -12,6 +12,12 @@ use std::str::FromStr;
 
 /// Variants at the most: a list as long as this was hardly meant.
 const MOST: usize = 10_000_000;
+/// What a range says.
+const RANGE_KEYS: [&str; 3] = ["from", "to", "count"];
+/// Rounding of the values of a range, over the larger of its ends.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Whole numbers below this have no fraction that rounding took, 2^53.
+const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
 /// A study, as its file has it.
 ///
@@ -101,23 +107,41 @@ impl StudyFile {
         })
     }
 
+    /// The number of variants, which is known long before they are made.
+    ///
+    /// # Errors
+    /// If a list is empty, or there are too many.
+    pub fn count(&self) -> Result<usize, JobError> {
+        let each = match self.variants.is_empty() {
+            true => combination_count(&leaves(&self.space, &[])?, self.surfaces.len())?,
+            false => self.variants.len(),
+        };
+        Ok(self.surfaces.len() * each)
+    }
+
     /// Every variant, in the order of the file: the last list changes the fastest.
     ///
     /// # Errors
     /// If a list is empty, a setting unknown, or there are too many.
     pub fn variants(&self) -> Result<Vec<Variant>, JobError> {
-        let changes = match self.variants.is_empty() {
-            true => combinations(&leaves(&self.space, &[])?, self.surfaces.len())?,
-            false => self.variants.clone(),
+        settings_of("settings", &self.settings)?;
+        let (table, changes) = match self.variants.is_empty() {
+            true => {
+                let axes = leaves(&self.space, &[])?;
+                combination_count(&axes, self.surfaces.len())?;
+                ("space", combinations(&axes))
+            }
+            false => ("variants", self.variants.clone()),
         };
         let variant = |surface: &PathBuf, change: &Map<String, Value>| {
             let mut settings = self.settings.clone();
             merge(&mut settings, change);
-            let told = |e: serde_json::Error| JobError::input(format!("settings: {e}"));
-            let settings: MeshSettings = serde_json::from_value(json!(settings)).map_err(told)?;
+            // What [settings] says was read above, so that only the change can be wrong.
+            let settings = settings_of(table, &settings)?;
             settings.check_job()?;
             Ok(Variant {
                 surface: surface.clone(),
+                surface_name: self.surface_name(surface),
                 settings,
                 workshop: self.workshop,
             })
@@ -126,6 +150,19 @@ impl StudyFile {
         all.flat_map(|s| changes.iter().map(move |c| variant(s, c)))
             .collect()
     }
+
+    /// The path of a surface as it is typed, where another one has the same file name.
+    fn surface_name(&self, surface: &Path) -> Option<String> {
+        let mut others = self.surfaces.iter().filter(|other| *other != surface);
+        let is_shared = others.any(|other| other.file_name() == surface.file_name());
+        is_shared.then(|| surface.display().to_string())
+    }
+}
+
+/// The settings that a table of the file gives.
+fn settings_of(table: &str, settings: &Map<String, Value>) -> Result<MeshSettings, JobError> {
+    let told = |e| JobError::Input(format!("[{table}]: {e}"));
+    from_json(json!(settings)).map_err(told)
 }
 
 /// A setting and its values: names of tables and the setting, each value.
@@ -153,23 +190,55 @@ fn leaves(space: &Map<String, Value>, above: &[String]) -> Result<Vec<Axis>, Job
 
 /// The values of `{ from, to, count }`, both ends among them.
 fn steps(name: &str, range: &Map<String, Value>) -> Result<Vec<Value>, JobError> {
-    let wanted = || JobError::input(format!("space: `{name}` is no {{ from, to, count }}"));
-    let number = |key: &str| range.get(key).and_then(Value::as_f64).ok_or_else(wanted);
-    let count = range.get("count").and_then(Value::as_u64);
-    let count = count.filter(|c| (2..=MOST as u64).contains(c) && range.len() == 3);
-    let (from, to, count) = (number("from")?, number("to")?, count.ok_or_else(wanted)?);
-    let last = (count - 1) as f64;
-    let at = |k: u64| json!(from + (to - from) * (k as f64 / last));
-    Ok((0..count).map(at).collect())
+    let wrong = |cause: String| JobError::Input(format!("space: `{name}`: {cause}"));
+    if let Some(key) = range.keys().find(|k| !RANGE_KEYS.contains(&k.as_str())) {
+        return Err(wrong(format!("`{key}` is none of from, to and count")));
+    }
+    let given = |key: &str| {
+        let value = range.get(key);
+        value.ok_or_else(|| wrong(format!("`{key}` is missing beside from, to and count")))
+    };
+    let number = |key: &str| {
+        let value = given(key)?;
+        let number = value.as_f64();
+        number.ok_or_else(|| wrong(format!("{key} = {value} is no number")))
+    };
+    let (from, to, count) = (number("from")?, number("to")?, given("count")?);
+    let steps = count.as_u64().filter(|c| (2..=MOST as u64).contains(c));
+    let steps = steps.ok_or_else(|| {
+        wrong(format!(
+            "count = {count}: it is a whole number from 2 to {MOST}, since both ends are among the values"
+        ))
+    })?;
+    let at = |k: u64| from + (to - from) * (k as f64 / (steps - 1) as f64);
+    let rounding = ROUNDING * from.abs().max(to.abs());
+    Ok((0..steps).map(|k| as_typed(at(k), rounding)).collect())
 }
 
-fn combinations(axes: &[Axis], surfaces: usize) -> Result<Vec<Map<String, Value>>, JobError> {
-    let lengths = axes.iter().map(|(_, values)| values.len());
-    let count = lengths.fold(surfaces as f64, |n, k| n * k as f64);
-    if count > MOST as f64 {
-        let told = format!("space: there are {count:e} variants, at most {MOST:e}");
-        return Err(JobError::Input(told));
+/// A number as it would be typed: what is whole up to rounding is no decimal fraction, which
+/// settings such as `panels` refuse. `linspace` of the Python package rounds as this does.
+fn as_typed(x: f64, rounding: f64) -> Value {
+    match (x - x.round()).abs() <= rounding && x.abs() < LARGEST_WHOLE {
+        true => json!(x.round() as i64),
+        false => json!(x),
     }
+}
+
+/// How many variants lists make with so many surfaces for each, at most as many as make sense: the
+/// number for one surface.
+fn combination_count(axes: &[Axis], surfaces: usize) -> Result<usize, JobError> {
+    let lengths = axes.iter().map(|(_, values)| values.len() as f64);
+    let each: f64 = lengths.product();
+    let count = each * surfaces as f64;
+    match count > MOST as f64 {
+        true => Err(JobError::Input(format!(
+            "space: there are {count:e} variants, at most {MOST:e}"
+        ))),
+        false => Ok(each as usize),
+    }
+}
+
+fn combinations(axes: &[Axis]) -> Vec<Map<String, Value>> {
     let mut all = vec![Map::new()];
     for (path, values) in axes {
         let with = |change: &Map<String, Value>, value: &Value| {
@@ -182,7 +251,7 @@ fn combinations(axes: &[Axis], surfaces: usize) -> Result<Vec<Map<String, Value>
             .flat_map(|change| values.iter().map(move |value| with(change, value)))
             .collect();
     }
-    Ok(all)
+    all
 }
 
 fn put(table: &mut Map<String, Value>, path: &[String], value: Value) {
@@ -268,6 +337,66 @@ mod tests {
         }
         let rotations: Vec<f64> = all.iter().filter_map(|v| v.settings.rotate).collect();
         assert!(rotations.iter().all(|r| [0.0, 30.0, 60.0].contains(r)));
+        assert_eq!(StudyFile::from_toml(STUDY).unwrap().count().unwrap(), 24);
+    }
+
+    #[test]
+    fn a_range_of_whole_numbers_is_one_of_panels() {
+        let study = "surfaces = ['a.obj']\n[space]\npanels = { from = 1, to = 200, count = 200 }";
+        let all = StudyFile::from_toml(study).unwrap().variants().unwrap();
+        let panels: Vec<Option<u64>> = all.iter().map(|v| v.settings.panels).collect();
+        assert_eq!(panels, (1..=200).map(Some).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn surfaces_of_one_file_name_are_told_apart() {
+        let study = "surfaces = ['a/roof.obj', 'b/roof.obj', 'c.obj']";
+        let all = StudyFile::from_toml(study).unwrap().variants().unwrap();
+        let names = all.iter().map(|v| v.inputs()["in:surface"].clone());
+        let names: Vec<Value> = names.collect();
+        assert_eq!(names, ["a/roof.obj", "b/roof.obj", "c.obj"]);
+    }
+
+    #[test]
+    fn errors_name_table_key_and_cause() {
+        for (text, told) in [
+            (
+                "[settings]\nboundary = 'foo'",
+                "[settings]: boundary: unknown variant `foo`",
+            ),
+            (
+                "[space]\npanels = { from = 40, to = 61, count = 3 }",
+                "[space]: panels: a whole number that is not negative is expected, not the number `50.5`",
+            ),
+            (
+                "[space.limits]\nmax-edge = [true]",
+                "[space]: limits.max-edge: a length",
+            ),
+            (
+                "[[variants]]\npanels = -1",
+                "[variants]: panels: a whole number",
+            ),
+            (
+                "[space]\nrotate = { from = 0, to = 60, count = 1 }",
+                "space: `rotate`: count = 1: it is a whole number from 2 to 10000000",
+            ),
+            (
+                "[space]\nrotate = { from = 0, to = 60 }",
+                "space: `rotate`: `count` is missing",
+            ),
+            (
+                "[space]\nrotate = { from = 'a', to = 60, count = 3 }",
+                "space: `rotate`: from = \"a\" is no number",
+            ),
+            (
+                "[space]\nrotate = { from = 0, to = 60, counts = 3 }",
+                "space: `rotate`: `counts` is none of",
+            ),
+        ] {
+            let study = StudyFile::from_toml(&format!("surfaces = ['a.obj']\n{text}"));
+            let error = study.and_then(|s| s.variants()).unwrap_err().to_string();
+            assert!(error.starts_with(told), "{error}");
+        }
     }
 
     #[test]

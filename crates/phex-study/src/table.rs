@@ -8,24 +8,36 @@ use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// The rows of every finished variant below a folder, ordered by what was wanted.
+/// What a folder of variants holds.
+#[derive(Clone, Debug, Default)]
+pub struct Collected {
+    /// The rows of every finished variant, ordered by what was wanted.
+    pub rows: Vec<Row>,
+    /// What is wrong with the files that hold no row although they should, in the order of their
+    /// names; such a variant is computed again when its study is.
+    pub broken: Vec<String>,
+}
+
+/// The rows of every finished variant below a folder.
 ///
 /// # Errors
 /// If the folder can't be read.
-pub fn collect(out: &Path) -> Result<Vec<Row>, JobError> {
+pub fn collect(out: &Path) -> Result<Collected, JobError> {
     let told = |e: std::io::Error| JobError::input(format!("{}: {e}", out.display()));
-    let mut rows = Vec::new();
+    let mut found = Collected::default();
     for entry in std::fs::read_dir(out).map_err(told)? {
         let file = entry.map_err(told)?.path().join(RUN_FILE);
         let Ok(text) = std::fs::read_to_string(&file) else {
             continue;
         };
-        let run: Result<RunRecord, _> = serde_json::from_str(&text);
-        let run = run.map_err(|e| JobError::input(format!("{}: {e}", file.display())))?;
-        rows.push(run.row);
+        match serde_json::from_str::<RunRecord>(&text) {
+            Ok(run) => found.rows.push(run.row),
+            Err(error) => found.broken.push(format!("{}: {error}", file.display())),
+        }
     }
-    rows.sort_by(order);
-    Ok(rows)
+    found.rows.sort_by(order);
+    found.broken.sort();
+    Ok(found)
 }
 
 /// By surface, then by the other columns of what was wanted.
@@ -110,6 +122,25 @@ mod tests {
         );
         assert_eq!(lines[1], "40,\"a, \"\"b\"\".obj\",,pass,,,k");
         assert_eq!(lines[2], "100,\"a, \"\"b\"\".obj\",97,invalid,,,k");
+    }
+
+    #[test]
+    fn a_broken_file_leaves_the_other_rows() {
+        let folder = tempfile::tempdir().unwrap();
+        let run = json!({
+            "version": "", "variant": {}, "limits": {}, "row": row(40, "pass"),
+            "cost": { "seconds": 1.0, "megabytes": 1.0, "threads": 1 },
+        });
+        for (name, text) in [
+            ("whole", run.to_string()),
+            ("cut", "{\"version\"".to_owned()),
+        ] {
+            std::fs::create_dir(folder.path().join(name)).unwrap();
+            std::fs::write(folder.path().join(name).join(RUN_FILE), text).unwrap();
+        }
+        let found = collect(folder.path()).unwrap();
+        assert_eq!(found.rows, [row(40, "pass")]);
+        assert!(found.broken.len() == 1 && found.broken[0].contains("cut"));
     }
 
     #[test]

@@ -17,6 +17,10 @@ const KEY_LENGTH: usize = 16;
 pub struct Variant {
     /// The file of its surface.
     pub surface: PathBuf,
+    /// What a table calls the surface; else the file's name. The folder's name does not depend on
+    /// it.
+    #[serde(default)]
+    pub surface_name: Option<String>,
     /// Its settings, as in a job file.
     #[serde(default)]
     pub settings: MeshSettings,
@@ -65,14 +69,17 @@ impl Variant {
     }
 
     /// What varies, in the columns of a table: the surface, and every setting that is not at its
-    /// default, by the names of a job file. Files have their names alone.
+    /// default, by the names of a job file. Files have their names alone, unless the surface is
+    /// called otherwise.
     pub(crate) fn inputs(&self) -> Map<String, Value> {
         let mut settings = self.typed();
         for file in self.files() {
             replace(&mut settings, &file.display().to_string(), &name(file));
         }
         let mut columns = Map::new();
-        columns.insert("in:surface".to_owned(), json!(name(&self.surface)));
+        let surface = self.surface_name.clone();
+        let surface = surface.unwrap_or_else(|| name(&self.surface));
+        columns.insert("in:surface".to_owned(), json!(surface));
         flatten("in:", settings, &mut columns);
         if let Some(workshop) = &self.workshop {
             flatten("in:workshop.", json!(workshop), &mut columns);
@@ -179,6 +186,7 @@ mod tests {
         std::fs::write(&surface, "v 0 0 0\n").unwrap();
         Variant {
             surface,
+            surface_name: None,
             settings: MeshSettings::from_toml(settings).unwrap(),
             workshop: None,
         }
@@ -236,6 +244,7 @@ mod tests {
     fn the_variant_that_can_t_be_named_is_told() {
         let missing = Variant {
             surface: "/no/such.obj".into(),
+            surface_name: None,
             settings: MeshSettings::default(),
             workshop: None,
         };

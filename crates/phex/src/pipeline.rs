@@ -40,7 +40,6 @@ pub use options::{Candidate, Effort, MeshOptions, Method, PanelSize};
 pub use preview::LatticePreview;
 pub use run::{MeshRun, Statistics};
 pub use session::Session;
-pub use size::MAX_PANELS;
 pub use steered::refit_surface;
 pub use subdivide::{Level, subdivide};
 

@@ -7,8 +7,10 @@ import os
 import queue
 import random
 import signal
+import sys
 import time
-from collections import deque
+import warnings
+from collections import Counter, deque
 from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPoolExecutor
 from typing import (
     Any,
@@ -94,7 +96,11 @@ def linspace(low: float, high: float, count: int) -> List[float]:
     """
     low, high, count = real("low", low), real("high", high), whole("count", count, 10**7)
     last = max(count - 1, 1)
-    return [low + (high - low) * (k / last) for k in range(count)]
+    rounding = 4 * sys.float_info.epsilon * max(abs(low), abs(high))
+    values = [low + (high - low) * (k / last) for k in range(count)]
+    # As the program does in a study file, which makes ranges of whole numbers of these.
+    is_whole = [abs(x) < 2**53 and abs(x - round(x)) <= rounding for x in values]
+    return [float(round(x)) if whole_one else x for x, whole_one in zip(values, is_whole)]
 
 
 def solve(job: Dict[str, Any]) -> Row:
@@ -102,9 +108,10 @@ def solve(job: Dict[str, Any]) -> Row:
 
     ``job`` is a dictionary of plain values, so that any engine may run it, twice, or elsewhere:
     ``surface`` (a path), ``out`` (the folder of the folders), ``settings`` as in a job file, and
-    perhaps ``workshop``, ``limits`` (``seconds``, ``megabytes``), ``html``, ``threads``. The folder
-    is named by a checksum of what the result depends on; one that has ``run.json`` is finished and
-    is not computed again. Ends without a valid mesh are rows, too: see ``out:status``.
+    perhaps ``surface_name`` (what the row calls it, else the file's name), ``workshop``, ``limits``
+    (``seconds``, ``megabytes``), ``html``, ``threads``. The folder is named by a checksum of what
+    the result depends on; one that has ``run.json`` is finished and is not computed again. Ends
+    without a valid mesh are rows, too: see ``out:status``.
 
     >>> import phex
     >>> phex.shape("sphere", triangles=500).save("ball.obj")
@@ -115,7 +122,8 @@ def solve(job: Dict[str, Any]) -> Row:
     """
     if not isinstance(job, dict):
         raise InputError(f"job: {shown(job)} is no dictionary")
-    unknown = set(job) - {"surface", "out", "settings", "workshop", "limits", "html", "threads"}
+    known = {"surface", "surface_name", "out", "settings", "workshop", "limits", "html", "threads"}
+    unknown = set(job) - known
     if unknown:
         raise InputError(f"job: there is no `{sorted(map(str, unknown))[0]}`")
     for name in ("surface", "out"):
@@ -133,6 +141,7 @@ def solve(job: Dict[str, Any]) -> Row:
 def _variant(job: Dict[str, Any]) -> Dict[str, Any]:
     return {
         "surface": path_text(job["surface"], "surface"),
+        "surface_name": job.get("surface_name"),
         "settings": job.get("settings") or {},
         "workshop": job.get("workshop"),
     }
@@ -151,7 +160,10 @@ class Study:
     def read(cls, out: Any) -> "Study":
         """What is finished in a folder, ordered by what was wanted; as ``phex sweep collect``."""
         folder = path_text(out, "out")
-        return cls(json.loads(run("collect", {"out": folder})["rows"]), folder)
+        found = run("collect", {"out": folder})
+        for told in json.loads(found["broken"]):
+            warnings.warn(f"{told}: left out; run the study again", stacklevel=2)
+        return cls(json.loads(found["rows"]), folder)
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -326,6 +338,7 @@ def sweep(
     how = _how(threads, workshop, time_limit, memory_limit, html)
     variants = _variants(space, sample, count, seed)
     jobs = [_job(variant, folder, how, k) for k, variant in enumerate(variants)]
+    _name_surfaces(jobs, variants)
     engine = _engine(executor, workers, how["threads"])
     hear = listener(progress, False, False)
     try:
@@ -479,6 +492,15 @@ def _job(variant: Dict[str, Any], folder: str, how: Dict[str, Any], k: int) -> D
             where[name.replace("_", "-")] = os.path.abspath(path_text(value, name))
     typed = {name: value for name, value in typed.items() if value != {}}
     return {"surface": _surface(variant["surface"], folder), "settings": typed, "out": folder, **how}
+
+
+def _name_surfaces(jobs: List[Dict[str, Any]], variants: Variants) -> None:
+    """Calls files of one name in several folders by their paths as they were given."""
+    paths = {job["surface"] for job in jobs}
+    names = Counter(os.path.basename(path) for path in paths)
+    for job, variant in zip(jobs, variants):
+        if names[os.path.basename(job["surface"])] > 1 and is_path(variant["surface"]):
+            job["surface_name"] = path_text(variant["surface"], "surface")
 
 
 def _surface(surface: Any, folder: str) -> str:

@@ -204,17 +204,21 @@ fn indicatrix(mesh: &HexMesh, surface: &TriangleSurface) -> Inscribed {
 fn inscribed(found: &Inscribed) -> String {
     let mut table = SummaryTable::default();
     let percent = |x: f64| format!("{:.1} %", 100.0 * x);
+    let free = match found.free.count {
+        0 => "each of them is held open by something".to_owned(),
+        count => format!(
+            "{} in the mean of the {count} that nothing holds open",
+            percent(found.free.mean)
+        ),
+    };
     table.row(
         "indicatrix",
         format!(
-            "corners off it by {} of a panel's radius in the median, {} in the mean, {} at most ({} inner panels); {} in the mean of the {} that \
-             nothing holds open",
+            "corners off it by {} of a panel's radius in the median, {} in the mean, {} at most ({} inner panels); {free}",
             percent(found.median),
             percent(found.all.mean),
             percent(found.all.max),
-            found.all.count,
-            percent(found.free.mean),
-            found.free.count
+            found.all.count
         ),
     );
     table.into_text()

@@ -113,17 +113,33 @@ fn settings(command: &MeshCommand) -> Result<MeshSettings, Failure> {
         .transpose()?;
     let settings = command.settings.clone().over(file.unwrap_or_default());
     settings.check()?;
-    let typed = command.settings.idle_on_start();
-    match &command.start {
-        Some(_) if !typed.is_empty() => Err(Failure::input(format!(
-            "`{}` has no effect with `start`, which lays nothing out: leave it out",
+    if command.until.is_some() {
+        // Sizes may stand in the job file, and limits there are for the whole run.
+        let typed = MeshSettings {
+            panels: settings.panels,
+            edge_length: settings.edge_length,
+            ..command.settings.clone()
+        };
+        let why = "`until layout`, which ends before panels are planar";
+        none_idle(&typed.idle_on_layout(), why)?;
+    }
+    if command.start.is_some() {
+        let typed = command.settings.idle_on_start();
+        none_idle(&typed, "`start`, which lays nothing out")?;
+    } else {
+        settings.check_effects(&Given::default())?;
+    }
+    Ok(settings)
+}
+
+/// Refuses options that were typed and have no effect with another one.
+fn none_idle(typed: &[&str], with: &str) -> Result<(), Failure> {
+    match typed.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::input(format!(
+            "`{}` has no effect with {with}: leave it out",
             typed.join("`, `")
         ))),
-        Some(_) => Ok(settings),
-        None => {
-            settings.check_effects(&Given::default())?;
-            Ok(settings)
-        }
     }
 }
 

@@ -3,13 +3,19 @@
 use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
 use crate::html::Silently;
-use crate::output::write_text;
+use crate::output_folder::{Extent, NamedFile, OutputFolder};
+use crate::progress::Reporter;
 use crate::sweep_arguments::{CollectArguments, SweepArguments, SweepCommand, SweepPart};
 use phex_study::{Row, StudyFile, Variant, collect, csv, page, solve};
 use serde_json::Value;
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::collections::{BTreeMap, HashMap};
 use std::time::Instant;
+
+/// Characters of a reason in a line; the table has all of it.
+const LONGEST: usize = 110;
+/// Files that `collect` writes.
+const TABLE: &str = "designs.csv";
+const PAGE: &str = "index.html";
 
 /// Runs the command.
 ///
@@ -30,9 +36,15 @@ fn swept(arguments: &SweepArguments) -> Result<Exit, Failure> {
     use_threads(arguments.threads)?;
     let file = StudyFile::read(study)?;
     let options = file.solve_options()?;
+    // Making tens of thousands of variants and naming their folders takes seconds.
+    let told = format!("study      {} variants\n", file.count()?);
+    tell(arguments.talk.quiet, &told)?;
     let variants = arguments.shard.unwrap_or_default().of(file.variants()?);
     // A variant that can't be named would end the study half-way.
-    phex_study::keys(&variants)?;
+    let keys = phex_study::keys(&variants)?;
+    if let Some(note) = doubles(&variants, &keys) {
+        Reporter::new(&arguments.talk).note(note);
+    }
     std::fs::create_dir_all(out).map_err(|e| Failure::input(format!("{}: {e}", out.display())))?;
     let (begun, count) = (Instant::now(), variants.len());
     let mut endings: BTreeMap<String, usize> = BTreeMap::new();
@@ -66,17 +78,55 @@ fn status(row: &Row) -> String {
     status.unwrap_or_default().to_owned()
 }
 
-/// A variant in a line: its folder, how it ended, why.
+/// A sentence on variants that are the same as an earlier one, and that become one row with it.
+fn doubles(variants: &[Variant], keys: &[String]) -> Option<String> {
+    let mut first = HashMap::new();
+    let earlier = |k: usize| Some((*first.entry(&keys[k]).or_insert(k), k)).filter(|(a, b)| a < b);
+    let doubles: Vec<(usize, usize)> = (0..keys.len()).filter_map(earlier).collect();
+    let &(a, b) = doubles.first()?;
+    let name = |k: usize| variants[k].surface.display();
+    let cause = match variants[a].surface == variants[b].surface {
+        true => format!("{}: the same settings twice", name(a)),
+        false => format!("{} and {} hold the same bytes", name(a), name(b)),
+    };
+    let count = doubles.len();
+    Some(format!(
+        "{count} of the variants are the same as others and become one row with them ({cause})"
+    ))
+}
+
+/// A variant in a line: its folder, how it ended, why, and why it can't be cut.
 fn line(variant: &Variant, row: &Row) -> String {
     let text = |name: &str| row.get(name).and_then(Value::as_str).unwrap_or_default();
     let surface = variant.surface.display();
-    let words = [text("key"), text("out:status"), text("out:reason")];
-    format!("{} {surface}", words.join(" ").trim_end())
+    let workshop = match text("out:workshop") {
+        "" => String::new(),
+        told if told.len() > LONGEST => {
+            let start: String = told.chars().take(LONGEST).collect();
+            format!("(workshop: {start}…)")
+        }
+        told => format!("(workshop: {told})"),
+    };
+    let words = [
+        text("key"),
+        text("out:status"),
+        text("out:reason"),
+        &workshop,
+    ];
+    let words: Vec<&str> = words.into_iter().filter(|w| !w.is_empty()).collect();
+    format!("{} {surface}", words.join(" "))
 }
 
 fn collected(arguments: &CollectArguments) -> Result<Exit, Failure> {
     let folder = &arguments.folder;
-    let rows = collect(folder)?;
+    let output = OutputFolder::new(folder, "sweep collect", Extent::Added);
+    output.check(&[TABLE, PAGE].map(str::to_owned), &[])?;
+    let found = collect(folder)?;
+    for told in &found.broken {
+        let note = format!("{told}: left out; run the sweep again, which computes this variant");
+        Reporter::new(&arguments.talk).note(note);
+    }
+    let rows = found.rows;
     if rows.is_empty() {
         let told = format!(
             "{}: no folder in it holds a finished variant",
@@ -87,19 +137,17 @@ fn collected(arguments: &CollectArguments) -> Result<Exit, Failure> {
     let name = folder.canonicalize().unwrap_or_else(|_| folder.clone());
     let name = name.file_name().map(|n| n.to_string_lossy().into_owned());
     let title = arguments.title.clone().or(name).unwrap_or_default();
-    let files = [
-        ("designs.csv", csv(&rows)?),
-        ("index.html", page(&title, &rows, folder)?),
+    let files: [NamedFile; 2] = [
+        (TABLE.to_owned(), csv(&rows)?.into_bytes()),
+        (PAGE.to_owned(), page(&title, &rows, folder)?.into_bytes()),
     ];
-    for (name, text) in &files {
-        write_text(&folder.join(name), text)?;
-    }
-    let told = |(name, text): &(&str, String)| {
-        let place = Path::new(folder).join(name);
+    output.write(&files)?;
+    let told = |(name, bytes): &NamedFile| {
+        let place = folder.join(name);
         format!(
             "wrote      {} ({} kB)\n",
             place.display(),
-            text.len() / 1000
+            bytes.len() / 1000
         )
     };
     let told: String = files.iter().map(told).collect();

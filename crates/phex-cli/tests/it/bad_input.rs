@@ -200,6 +200,11 @@ fn paths_that_can_not_be_written_are_told_before_the_computation() {
         "mesh a.obj -o out.obj --write-target file/x.obj",
         &["file/x.obj"],
     );
+    refused_as_is(
+        &shop,
+        "check a.obj --report -",
+        &["- can't be written", "standard output"],
+    );
     refused_as_is(&shop, "mesh a.obj -o ./a.obj", &["a.obj", "also read"]);
     refused_as_is(
         &shop,

@@ -190,6 +190,48 @@ fn check_leaves_out_unused_vertices_and_says_so() {
     assert_eq!(shop.succeed("check mesh.obj --quiet").stderr, "");
 }
 
+/// A name that is no UTF-8 is one, on systems that allow it.
+#[cfg(target_os = "linux")]
+#[test]
+fn reports_have_names_that_are_no_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let shop = Workshop::new();
+    shop.write("mesh.obj", honeycomb(2, 2, |_, p| p));
+    let name = std::ffi::OsStr::from_bytes(b"bad\xff.html");
+    let mut command = shop.command("check mesh.obj --html");
+    assert_eq!(command.arg(name).status().unwrap().code(), Some(0));
+    let page = std::fs::read_to_string(shop.path("mesh.obj").with_file_name(name)).unwrap();
+    assert!(page.contains("bad\u{fffd}.html"));
+}
+
+#[test]
+fn figures_that_are_not_defined_are_said_in_words() {
+    let shop = Workshop::new();
+    shop.write("bow.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2 4\n");
+    let run = shop.phex("check bow.obj");
+    assert!(run.stdout.contains("cross themselves"), "{}", run.stdout);
+    assert!(!run.stdout.contains("NaN"), "{}", run.stdout);
+}
+
+#[test]
+fn a_mesh_that_is_nowhere_near_its_surface_is_told_so() {
+    let shop = Workshop::new();
+    shop.write("mesh.obj", honeycomb(4, 4, |_, p| p));
+    let far = |_: usize, [x, y, z]: [f64; 3]| [x + 1e6, y, z];
+    shop.write("far.obj", honeycomb(4, 4, far));
+    let run = shop.phex("check mesh.obj --surface far.obj");
+    assert!(
+        run.stdout.contains("what helps: no number of panels"),
+        "{}",
+        run.stdout
+    );
+    assert!(
+        !run.stdout.contains("if all shrink alike"),
+        "{}",
+        run.stdout
+    );
+}
+
 #[test]
 fn check_refuses_faces_that_are_no_manifold() {
     let shop = Workshop::new();

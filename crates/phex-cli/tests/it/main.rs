@@ -17,3 +17,4 @@ mod mesh;
 mod offset;
 mod repetition;
 mod steering;
+mod sweep;

@@ -5,6 +5,10 @@ use crate::common::Workshop;
 const CUBOID: &str = "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0 0 3\nv 1 0 3\nv 1 2 3\nv 0 2 3\n\
     f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
+/// A cube of side 1.
+const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+    f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
 fn with_cuboid() -> Workshop {
     let shop = Workshop::new();
     shop.write("m.obj", CUBOID);
@@ -79,6 +83,19 @@ fn a_distance_past_the_safe_one_writes_nothing() {
         run.stdout
     );
     shop.succeed("offset m.obj --distance=-0.47 -o layers");
+}
+
+#[test]
+fn a_layer_that_is_one_point_is_told_without_a_figure() {
+    let shop = Workshop::new();
+    shop.write("m.obj", CUBE);
+    let run = shop.succeed("offset m.obj --max-distance");
+    assert!(
+        run.stdout.contains("all lie in one point"),
+        "{}",
+        run.stdout
+    );
+    assert!(!run.stdout.contains("NaN"), "{}", run.stdout);
 }
 
 #[test]
@@ -307,6 +324,10 @@ fn wrong_options_are_refused() {
     usage("offset m.obj -o layers", &["--distance"]);
     usage("offset m.obj --distance 0.1", &["--output"]);
     usage("offset m.obj --distance wide -o layers", &["wide"]);
+    usage(
+        "offset m.obj --distance nan -o layers",
+        &["`nan` is no distance: give a number, negative on the side"],
+    );
     usage(
         "offset m.obj --distance 0.1 -o layers --optimise",
         &["--kind vertex"],

@@ -71,6 +71,8 @@ fn tolerances_without_meaning_are_refused() {
     shop.succeed("shape torus -o torus.obj --triangles 2000");
     shop.phex("mesh torus.obj -o o.obj -n 60 --repeat 0")
         .refuses(4, &["repeat"]);
+    shop.phex("mesh torus.obj -o o.obj -n 60 --repeat 100m")
+        .refuses(4, &["--repeat 100m: edges would be equal", "diagonal"]);
     for wrong in ["-1mm", "nan", "inf", "1km"] {
         shop.phex(&format!("mesh torus.obj -o o.obj -n 60 --repeat={wrong}"))
             .refuses(2, &["repeat"]);

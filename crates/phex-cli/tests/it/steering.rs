@@ -210,6 +210,17 @@ fn wrong_files_are_refused_with_line_and_cause() {
     shop.write("word.txt", "0 0 zero\n");
     shop.phex("mesh hill.obj -o a.obj -n 20 --anchors word.txt")
         .refuses(4, &["word.txt:1"]);
+    shop.write("comma.txt", "12,5 3 8\n");
+    shop.phex("mesh hill.obj -o a.obj -n 20 --anchors comma.txt")
+        .refuses(4, &["comma.txt:1", "decimals have a point"]);
+    shop.write("weight.txt", "1 2 3\n0 0 1 -1\n");
+    shop.phex("mesh hill.obj -o a.obj -n 20 --anchors weight.txt")
+        .refuses(4, &["weight.txt:2", "a weight above 0"]);
+    shop.write("empty.txt", "# none\n");
+    for option in ["--fix", "--anchors", "--cones"] {
+        shop.phex(&format!("mesh hill.obj -o a.obj -n 20 {option} empty.txt"))
+            .refuses(4, &["empty.txt: no line of it holds numbers"]);
+    }
     shop.write("far.txt", "500 0 0\n");
     shop.phex("mesh hill.obj -o a.obj -n 20 --fix far.txt")
         .refuses(4, &["fixed point 0"]);
@@ -235,7 +246,13 @@ fn sizes_from_a_file_are_edge_lengths() {
         .map(|v| if v % 21 < 10 { "1.2\n" } else { "0.6\n" })
         .collect();
     shop.write("sizes.txt", sizes);
-    shop.succeed("mesh hill.obj -o sized.obj --size-field sizes.txt --report run.json");
+    let run = shop.succeed("mesh hill.obj -o sized.obj --size-field sizes.txt --report run.json");
+    assert!(
+        run.stdout
+            .contains("size-field lengths in a ratio of 2.00 are wanted"),
+        "{}",
+        run.stdout
+    );
     let points = read(&shop, "sized.obj");
     let right = points.iter().filter(|p| p[0] > 1.0).count() as f64;
     let left = points.iter().filter(|p| p[0] < -1.0).count() as f64;

@@ -99,6 +99,16 @@ pub enum ReadCause {
         /// How many there are, or are room for in the bytes that remain.
         found: u64,
     },
+    /// There are more elements than the header announces: which of both is wrong can't be told.
+    #[error("{announced} {what} are announced, but the file holds {found}: export it again")]
+    Surplus {
+        /// The kind of element.
+        what: String,
+        /// How many the header announces.
+        announced: u64,
+        /// How many there are.
+        found: u64,
+    },
     /// A number can't be understood.
     #[error("`{token}` is not a number")]
     NotANumber {

@@ -43,7 +43,7 @@ pub use obj::obj_of_objects;
 pub use surface::SurfaceReadError;
 pub use text::shown;
 
-use crate::PolygonSoup;
+use crate::{OtherElements, PolygonSoup};
 use std::io::Write;
 use std::path::Path;
 
@@ -106,6 +106,14 @@ impl Format {
             .ok_or_else(|| UnknownExtension {
                 extension: extension.into_owned(),
             })
+    }
+}
+
+/// What the bytes of a file hold beside faces; OBJ alone has such elements that are looked at.
+pub fn other_elements(bytes: &[u8], format: Format) -> OtherElements {
+    match format {
+        Format::Obj => obj::other_elements(bytes),
+        _ => OtherElements::default(),
     }
 }
 

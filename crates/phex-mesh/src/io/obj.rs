@@ -1,9 +1,9 @@
 //! Wavefront OBJ: vertices (`v`) and faces (`f`); groups, materials, texture, normals, points and
-//! lines are skipped.
+//! lines are skipped (`other_elements` counts those that might be meant).
 
 use super::error::{FilePlace, ReadCause, ReadError};
 use super::text::{decode, integer, out_of_range, point, without_comment};
-use crate::PolygonSoup;
+use crate::{OtherElements, PolygonSoup};
 use std::borrow::Cow;
 use std::fmt::Write;
 
@@ -15,6 +15,21 @@ pub(super) fn parse(bytes: &[u8]) -> Result<PolygonSoup, ReadError> {
         file.read_line(FilePlace::Line(number), &line)?;
     }
     file.finish()
+}
+
+/// Counts elements that are no faces.
+pub(super) fn other_elements(bytes: &[u8]) -> OtherElements {
+    let mut found = OtherElements::default();
+    for (_, line) in logical_lines(&decode(bytes)) {
+        match line.split_whitespace().next() {
+            Some("surf") => found.surfaces += 1,
+            Some("curv") => found.curves += 1,
+            Some("l") => found.polylines += 1,
+            Some("p") => found.points += 1,
+            _ => {}
+        }
+    }
+    found
 }
 
 #[derive(Default)]
@@ -141,6 +156,17 @@ mod tests {
     fn error(text: &str) -> (FilePlace, ReadCause) {
         let error = parse(text.as_bytes()).unwrap_err();
         (error.place, error.cause)
+    }
+
+    #[test]
+    fn elements_beside_faces_are_counted() {
+        let text =
+            b"v 0 0 0\nf 1 2 3\nl 1 2 \\\n 3\np 1\np 2 # l 1 2\ncurv 0 1 1 2\nsurf 0 1 0 1 1\n";
+        let told = other_elements(text).told().unwrap();
+        let expected =
+            "1 free-form surface, 1 free-form curve, 1 polyline, 2 point elements were left out";
+        assert!(told.starts_with(expected), "{told}");
+        assert_eq!(other_elements(b"v 0 0 0\nf 1 2 3\n").told(), None);
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

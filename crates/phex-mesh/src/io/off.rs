@@ -37,7 +37,16 @@ pub(super) fn parse(bytes: &[u8]) -> Result<PolygonSoup, ReadError> {
         let corners = face(text, vertices).map_err(|cause| cause.at(FilePlace::Line(line)))?;
         soup.faces.push(corners);
     }
-    Ok(soup)
+    let further = lines.filter(|(_, text)| face(text, vertices).is_ok());
+    match further.count() {
+        0 => Ok(soup),
+        further => Err(ReadCause::Surplus {
+            what: "faces".into(),
+            announced: faces as u64,
+            found: (faces + further) as u64,
+        }
+        .into()),
+    }
 }
 
 /// Numbers of vertices and faces, on the header's line or the next one.
@@ -227,6 +236,17 @@ mod tests {
             error("OFF\n1 0 0\n0 nan 0\n"),
             (FilePlace::Line(3), ReadCause::NonFinite { .. })
         ));
+    }
+
+    #[test]
+    fn faces_beyond_the_announced_ones_are_refused() {
+        let text = |faces| format!("OFF\n4 {faces} 0\n{POINTS}3 0 1 2\n3 0 2 3 255 0 0\n# end\n");
+        assert_eq!(parse(text(2).as_bytes()).unwrap().faces.len(), 2);
+        for announced in [0, 1] {
+            let told = error(&text(announced)).1.to_string();
+            let expected = format!("{announced} faces are announced, but the file holds 2");
+            assert!(told.starts_with(&expected), "{told}");
+        }
     }
 
     #[test]

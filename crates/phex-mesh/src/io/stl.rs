@@ -82,6 +82,16 @@ fn parse_binary(bytes: &[u8]) -> Result<StlCorners, ReadError> {
         }
         .into());
     }
+    // Fewer bytes than a triangle has are padding.
+    if announced < room {
+        let what = "triangles".into();
+        return Err(ReadCause::Surplus {
+            what,
+            announced,
+            found: room,
+        }
+        .into());
+    }
     let mut bytes = bytes.to_vec();
     // The library takes all that starts with `solid ` for text.
     bytes[..HEADER_BYTES].fill(0);
@@ -280,6 +290,17 @@ mod tests {
                 ),
                 "{cause}"
             );
+        }
+    }
+
+    #[test]
+    fn triangles_beyond_the_announced_ones_are_refused() {
+        let mut bytes = encode(&cube_corner()).unwrap();
+        for announced in [0u8, 3] {
+            bytes[80] = announced;
+            let told = parse(&bytes).unwrap_err().to_string();
+            let expected = format!("{announced} triangles are announced, but the file holds 4");
+            assert!(told.starts_with(&expected), "{told}");
         }
     }
 

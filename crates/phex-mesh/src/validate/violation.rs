@@ -220,6 +220,16 @@ impl fmt::Display for Violation {
                 f,
                 "face {face} is not planar: a vertex is {planarity:.3e} mean edges off its plane (limit {limit:.3e})"
             ),
+            // Over a mean of zero.
+            Self::CollapsedEdge {
+                edge,
+                vertices: [a, b],
+                length_rel,
+                ..
+            } if length_rel.is_nan() => write!(
+                f,
+                "edge {edge} between vertices {a} and {b} has no length, nor has any other one: all lie in one point"
+            ),
             Self::CollapsedEdge {
                 edge,
                 vertices: [a, b],

@@ -52,6 +52,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use thiserror::Error;
 
+/// Most panels that one run is asked for: the refined surface has 25 vertices and more for each,
+/// and memory ends.
+pub const MAX_PANELS: usize = 200_000;
+
 /// How panels are laid out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

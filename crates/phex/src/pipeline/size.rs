@@ -2,14 +2,11 @@
 
 use super::options::{Effort, MeshOptions, PanelSize};
 use super::{MeshRun, PipelineError};
+use crate::layout::MAX_PANELS;
 use crate::layout::lattice::eisenstein::CELL;
 use crate::optimise::Steering;
 use crate::progress::Progress;
 use phex_mesh::TriangleSurface;
-
-/// Most panels that one run is asked for: the refined surface has 25 vertices and more for each,
-/// and memory ends.
-pub const MAX_PANELS: usize = 200_000;
 
 /// The number of panels that the options ask for; `run` makes a mesh with as many.
 pub(super) fn wished_panels(

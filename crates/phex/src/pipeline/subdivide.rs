@@ -1,8 +1,8 @@
 //! Subdivision of a P-Hex mesh in space: finer connectivity, then the optimiser, level by level.
 
-use super::{MAX_PANELS, PipelineError};
+use super::PipelineError;
 use crate::classical::dual_subdivision::chamfer;
-use crate::layout::{Layout, LayoutError, PanelWish, VertexKind};
+use crate::layout::{Layout, LayoutError, MAX_PANELS, PanelWish, VertexKind};
 use crate::optimise::{self, OptimiseOptions, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::smooth_surface::{self, Normalised, TargetOptions};

@@ -1,6 +1,7 @@
 //! One check: a figure, its limit, the panels that exceed it, the worst place, and what would help.
 
 use super::Limits;
+use crate::layout::MAX_PANELS;
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures, Spot};
 use phex_mesh::validate::{ValidateOptions, Violation, planarity_floor};
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3, VertexId};
@@ -272,6 +273,11 @@ pub(super) const SMALLER: &str = "smaller ones there (--adaptive)";
 /// What would help where a distance is beyond its limit: it falls with the area of panels.
 fn nearer(panels: usize, [limit, value]: [f64; 2], or: &str) -> String {
     let enough = (panels as f64 * value / limit).ceil();
+    if enough > MAX_PANELS as f64 {
+        return "no number of panels: the mesh is nowhere near all of the surface; look for another unit or origin, or for \
+                a spike of the surface there"
+            .to_owned();
+    }
     format!("about {enough} panels, if all shrink alike, {or}, or a larger deviation")
 }
 

@@ -1,6 +1,7 @@
 //! The checks of a mesh against what a workshop can make.
 
 use super::check::{Check, ElementKind, Scale};
+use crate::layout::MAX_PANELS;
 use phex_mesh::{HexMesh, LimitedFigure, PanelLimit, PanelLimits};
 
 /// One check for each limit that is set.
@@ -87,12 +88,17 @@ fn advice(kind: PanelLimit, [limit, value]: [f64; 2], panels: usize) -> String {
         _ if kind.is_least() => limit / value,
         _ => value / limit,
     };
-    let times = |power: i32| (panels as f64 * factor.powi(power)).ceil();
-    match kind {
-        PanelLimit::MaxPanel | PanelLimit::MaxEdge | PanelLimit::MinDihedral => {
-            format!("about {} panels, if all shrink alike", times(2))
+    let shrunk = |power: i32| match (panels as f64 * factor.powi(power)).ceil() {
+        enough if enough > MAX_PANELS as f64 => {
+            format!(
+                "a wider limit: {MAX_PANELS} panels, the most that are made, would not be enough"
+            )
         }
-        PanelLimit::MaxArea => format!("about {} panels, if all shrink alike", times(1)),
+        enough => format!("about {enough} panels, if all shrink alike"),
+    };
+    match kind {
+        PanelLimit::MaxPanel | PanelLimit::MaxEdge | PanelLimit::MinDihedral => shrunk(2),
+        PanelLimit::MaxArea => shrunk(1),
         PanelLimit::MaxDihedral => {
             "fewer panels: joints turn by panel length times curvature; where the surface is flat none do".to_owned()
         }
