@@ -249,7 +249,7 @@ fn sizes_from_a_file_are_edge_lengths() {
     let run = shop.succeed("mesh hill.obj -o sized.obj --size-field sizes.txt --report run.json");
     assert!(
         run.stdout
-            .contains("size-field lengths in a ratio of 2.00 are wanted"),
+            .contains("size-field   lengths in a ratio of 2.00 are wanted"),
         "{}",
         run.stdout
     );
