@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 const OVERLAP_HEIGHT: f64 = 0.25;
 
 /// An edge and a face that does not hold it.
-type Crossing = (EdgeId, FaceId);
+type CrossedFace = (EdgeId, FaceId);
 
 /// All crossings, by edge and then by face.
 pub(super) fn crossings(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Violation> {
@@ -23,7 +23,7 @@ pub(super) fn crossings(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Violat
         covers(mesh, &clipped),
         overlaps(mesh, faces),
     ];
-    let all: BTreeSet<Crossing> = all.into_iter().flatten().collect();
+    let all: BTreeSet<CrossedFace> = all.into_iter().flatten().collect();
     let violation = |(edge, face)| Violation::Crossing {
         edge,
         vertices: mesh.topology().edge_vertices(edge),
@@ -35,7 +35,7 @@ pub(super) fn crossings(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Violat
 /// Faces that overlap beside the boundary: edges of it that cross, seen along the mean normal of
 /// their faces, which are neighbours or have one in common. Nothing else tells them from faces that
 /// end side by side, since they lie in one plane, nearly.
-fn overlaps(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<Crossing> {
+fn overlaps(mesh: &HexMesh, faces: &PerFace<FlatFace>) -> Vec<CrossedFace> {
     let topology = mesh.topology();
     let height = OVERLAP_HEIGHT * mesh.mean_edge();
     let of_face = |f: FaceId| topology.face_half_edges(f).map(|h| topology.edge(h));
@@ -96,7 +96,7 @@ fn cross(mesh: &HexMesh, edges: [EdgeId; 2], normals: [Vec3; 2], height: f64) ->
 /// A face counts as its ear-clipped triangles. Triangles with a vertex of the edge, and all
 /// triangles of the edge's own faces, are left out. Touching (an end on a face, an edge on an edge)
 /// is no crossing.
-fn passages(mesh: &HexMesh, clipped: &ClippedMesh) -> Vec<Crossing> {
+fn passages(mesh: &HexMesh, clipped: &ClippedMesh) -> Vec<CrossedFace> {
     let edges = 0..mesh.topology().n_edges() as u32;
     let found = edges
         .into_par_iter()
@@ -106,7 +106,7 @@ fn passages(mesh: &HexMesh, clipped: &ClippedMesh) -> Vec<Crossing> {
 
 /// Faces whose middle lies on another one, by their first edges: no edge tells of two that
 /// coincide.
-fn covers(mesh: &HexMesh, clipped: &ClippedMesh) -> Vec<Crossing> {
+fn covers(mesh: &HexMesh, clipped: &ClippedMesh) -> Vec<CrossedFace> {
     let near = COVERING * mesh.mean_edge();
     let faces: Vec<FaceId> = mesh.topology().faces().collect();
     let both = faces.into_par_iter().zip(clipped.middles());
@@ -118,7 +118,7 @@ fn covers(mesh: &HexMesh, clipped: &ClippedMesh) -> Vec<Crossing> {
     found.collect()
 }
 
-fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<Crossing> {
+fn edge_crossings(mesh: &HexMesh, clipped: &ClippedMesh, edge: EdgeId) -> Vec<CrossedFace> {
     let topology = mesh.topology();
     let vertices = topology.edge_vertices(edge);
     let own: Vec<FaceId> = topology.edge_faces(edge).collect();
