@@ -509,8 +509,8 @@ fn thinner_than(edge: f64, surface: &TriangleSurface) -> Option<String> {
     ))
 }
 
-/// What is said of holes whose rims are shorter than half of a panel's, `edge` being the length of a
-/// panel's edge: most often a triangle of the file is missing there.
+/// What is said of holes whose rims are shorter than half of a panel's, `edge` being the length of
+/// the edge of a panel: most often a triangle of the file is missing there.
 fn pinholes(edge: f64, facets: &TriangleSurface) -> Option<String> {
     let at = |v: &VertexId| facets.positions()[*v];
     let length = |rim: &Vec<VertexId>| -> f64 {
