@@ -79,7 +79,7 @@ mod tests {
         let topology = mesh.topology();
         let normal = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>()).normal;
         let at = |v| {
-            let around = topology.faces_at(v).map(|f| normal(f));
+            let around = topology.faces_at(v).map(&normal);
             fan_area(&around.collect::<Vec<_>>())
         };
         let total: f64 = topology.vertices().map(at).sum();
