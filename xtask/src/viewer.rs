@@ -56,7 +56,7 @@ fn install(root: &Path, npm: &Path) -> Result<(), Stop> {
 }
 
 /// The browser, installed if need be and if that is possible.
-fn browser() -> Result<PathBuf, Stop> {
+pub fn browser() -> Result<PathBuf, Stop> {
     if let Some(browser) = program(BROWSER) {
         return Ok(browser);
     }

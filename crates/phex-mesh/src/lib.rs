@@ -4,7 +4,8 @@
 //! |---|---|
 //! | [`ids`], [`per_element`] | typed `u32` ids and dense maps from them to values |
 //! | [`id_map`] | hash maps and sets of ids |
-//! | [`topology`] | half-edge connectivity of an oriented manifold, frozen after building |
+//! | [`Topology`] | half-edge connectivity of an oriented manifold, frozen after building |
+//! | [`spanning`] | spanning forests and cotrees of a mesh |
 //! | [`plane`] | least-squares plane of a face |
 //! | [`surface`] | the triangle surface: building from polygons, closest point with interpolated normal |
 //! | [`boundary_curve`] | the boundary loops of a surface, with closest points |
