@@ -68,7 +68,10 @@ fn worst(
                 Crossing { .. } | FlippedFace { .. } | Fold { .. } | WrongFan { .. }
             )
         });
-        let involved = between.flat_map(|v| v.faces(mesh.topology()));
+        // A broken panel that has to stay would have others taken out until it is alone.
+        let is_sound = |f: &FaceId| !is_broken(mesh, *f, normal(*f));
+        let between = between.map(|v| v.faces(mesh.topology()));
+        let involved = between.filter(|faces| faces.iter().all(is_sound)).flatten();
         let area = |f: &FaceId| FlatFace::of(mesh, *f).area();
         involved
             .filter(|f| may_go(*f))
