@@ -94,7 +94,7 @@ fn advice(kind: PanelLimit, [limit, value]: [f64; 2], panels: usize) -> String {
                 "a wider limit: {MAX_PANELS} panels, the most that are made, would not be enough"
             )
         }
-        enough => format!("about {enough} panels, if all shrink alike"),
+        enough => format!("at most about {enough} panels, if all shrink alike"),
     };
     match kind {
         PanelLimit::MaxPanel | PanelLimit::MaxEdge | PanelLimit::MinDihedral => shrunk(2),
