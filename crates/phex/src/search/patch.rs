@@ -74,15 +74,17 @@ impl Patch {
         }
     }
 
-    /// A draft of the patch as a mesh; `None` if its panels are no manifold.
+    /// A draft of the patch as a mesh; `None` if its panels are no manifold, or a place of theirs is
+    /// not finite: strips along edges without length have such.
     pub fn built(&self, draft: &Draft) -> Option<Built> {
         let kept: Vec<usize> = (0..draft.faces.len())
             .filter(|f| !draft.faces[*f].is_empty())
             .collect();
         let rings = kept.iter().map(|f| draft.faces[*f].iter().copied());
         let (vertices, faces) = numbered(rings);
-        let places = vertices.iter().map(|v| draft.places[*v as usize]);
-        let mesh = HexMesh::new(places.collect(), &faces).ok()?;
+        let places: Vec<Vec3> = vertices.iter().map(|v| draft.places[*v as usize]).collect();
+        let is_finite = places.iter().flatten().all(|x| x.is_finite());
+        let mesh = HexMesh::new(places, &faces).ok().filter(|_| is_finite)?;
         let moves = |f: usize| self.moves[draft.origin[f]];
         let mut free = vec![true; vertices.len()];
         for (k, f) in kept.iter().enumerate() {

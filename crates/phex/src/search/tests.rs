@@ -367,3 +367,14 @@ fn the_edges_of_a_box_are_no_folds() {
         "{search:?}"
     );
 }
+
+/// A draft without a place for each corner is no candidate.
+#[test]
+fn drafts_with_places_that_are_not_finite_are_left_out() {
+    let mesh = &wave().1;
+    let patch = Patch::around(mesh, &[FaceId::new(70)], 1, &BTreeSet::new());
+    let mut draft = patch.draft.clone();
+    assert!(patch.built(&draft).is_some());
+    draft.places[0].y = f64::NAN;
+    assert!(patch.built(&draft).is_none());
+}

@@ -158,8 +158,9 @@ impl<'a> ChamferStrip<'a> {
             // The chord from the middle of one edge to that of the other lies so far from the
             // vertex; offsets of the edges by a width meet at the width over the sine.
             if 0.5 * lengths[0].min(lengths[1]) * half.cos() > width {
-                let narrow = (1.0 - CHORD) * width * half.sin();
-                let distance = narrow / half.tan() + CHORD * width / half.cos();
+                let inner = (1.0 - CHORD) * width;
+                let narrow = inner * half.sin();
+                let distance = inner * half.cos() + CHORD * width / half.cos();
                 bends[before][1] = Some([1.0 - distance / lengths[0], narrow]);
                 bends[after][0] = Some([distance / lengths[1], narrow]);
             }

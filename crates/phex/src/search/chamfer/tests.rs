@@ -108,6 +108,17 @@ fn slanting_ridge(half: f64, slant: f64) -> Draft {
     }
 }
 
+/// An edge of the run goes back on the one before it.
+#[test]
+fn a_run_that_turns_back_has_finite_places() {
+    let mut whole = ridge(0.4);
+    let at = |x: f64| move |p: &Vec3| (p - Vec3::new(x, 0.0, 0.0)).norm() < 1e-9;
+    let turning = whole.places.iter().position(at(4.0)).unwrap();
+    whole.places[turning].x = 2.5;
+    let cut = chamfered(&whole, None, 0.01).unwrap();
+    assert!(cut.places.iter().flatten().all(|x| x.is_finite()));
+}
+
 #[test]
 fn a_run_of_folds_becomes_one_row_of_hexagons() {
     let whole = ridge(0.4);
