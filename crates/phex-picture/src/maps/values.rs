@@ -1,7 +1,7 @@
 //! The values that maps show.
 
 use super::{Class, Coloured, Map, panel_kinds};
-use phex::curvature::{self, Curvature, CurvatureOptions, Principal};
+use phex::curvature::{self, CurvatureOptions, Principal};
 use phex::quality::Assessment;
 use phex::report::FeatureSizes;
 use phex_mesh::measure::aspect;
@@ -160,11 +160,16 @@ pub fn principal_at_panels(subject: &Subject<'_>) -> Option<Vec<Principal>> {
             (&own, OWN_RADIUS * length)
         }
     };
-    let curvature = curvature::curvature(surface, radius, &CurvatureOptions::default());
     let centres: Vec<_> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
     let points = surface.closest_points(&centres);
-    let at = |p: &phex_mesh::SurfacePoint| principal_at(surface, &curvature, p);
-    Some(points.iter().map(at).collect())
+    let options = CurvatureOptions::default();
+    let tensors = curvature::tensors_at_points(surface, &points, radius, &options);
+    let places = points.iter().zip(&tensors);
+    Some(
+        places
+            .map(|(p, tensor)| curvature::principal(p.normal, tensor))
+            .collect(),
+    )
 }
 
 /// How much farther curvature looks on a mesh's own faces, which are as large as panels.
@@ -180,16 +185,4 @@ fn own_surface(mesh: &HexMesh) -> Option<TriangleSurface> {
         triangles.extend((part.surface.triangles()).map(|t| t.map(|v| v + first)));
     }
     TriangleSurface::new(positions, &triangles).ok()
-}
-
-/// Principal curvatures and directions at a point of the surface.
-fn principal_at(
-    surface: &TriangleSurface,
-    curvature: &Curvature,
-    point: &phex_mesh::SurfacePoint,
-) -> Principal {
-    let corners = surface.topology().face_vertices(point.triangle);
-    let tensors = corners.iter().zip(point.barycentric);
-    let tensor = tensors.map(|(&v, b)| curvature.tensor[v] * b).sum();
-    curvature::principal(point.normal, &tensor)
 }

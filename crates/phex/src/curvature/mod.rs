@@ -27,9 +27,10 @@ pub use tensor::{Principal, principal, tangent_frame};
 pub(crate) use tensor::{large_curvature, smoothed, turn_to_pole};
 
 use nalgebra::Matrix3;
-use phex_mesh::{PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{IdMap, PerVertex, SurfacePoint, TriangleSurface, Vec3, VertexId};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// How curvature is estimated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -148,6 +149,40 @@ pub fn tensors_at(
     vertices
         .map_init(|| jet::Neighbourhood::new(surface), fit)
         .collect()
+}
+
+/// The same at points of the surface, in their order: between those at the corners of their
+/// triangles. The cost follows the points, however fine the surface is.
+///
+/// ```
+/// # use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
+/// # let options = TriangulationOptions { triangles: 2000, ..Default::default() };
+/// # let sphere = triangulate(&Shape::from_name("sphere", &[])?, &options)?;
+/// use phex::curvature::{CurvatureOptions, principal, tensors_at_points};
+/// use phex_mesh::Vec3;
+///
+/// let foot = sphere.closest_point(Vec3::new(0.3, -2.0, 0.4));
+/// let found = tensors_at_points(&sphere, &[foot], 0.2, &CurvatureOptions::default());
+/// // Of radius 1.
+/// assert!((principal(foot.normal, &found[0]).large - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn tensors_at_points(
+    surface: &TriangleSurface,
+    points: &[SurfacePoint],
+    panel_length: f64,
+    options: &CurvatureOptions,
+) -> Vec<Matrix3<f64>> {
+    let corners = |p: &SurfacePoint| surface.topology().face_vertices(p.triangle);
+    let near: BTreeSet<VertexId> = points.iter().flat_map(corners).copied().collect();
+    let near: Vec<VertexId> = near.into_iter().collect();
+    let tensors = tensors_at(surface, &near, panel_length, options);
+    let of_vertex: IdMap<VertexId, Matrix3<f64>> = near.into_iter().zip(tensors).collect();
+    let between = |p: &SurfacePoint| {
+        let parts = corners(p).iter().zip(p.barycentric);
+        parts.map(|(v, b)| of_vertex[v] * b).sum()
+    };
+    points.iter().map(between).collect()
 }
 
 fn agreement(outer: &Matrix3<f64>, inner: &Matrix3<f64>) -> f64 {

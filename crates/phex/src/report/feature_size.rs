@@ -4,7 +4,7 @@
 use crate::curvature::{self, CurvatureOptions};
 use crate::quality::Check;
 use nalgebra::Matrix3;
-use phex_mesh::{FaceId, HexMesh, IdMap, SurfacePoint, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -40,17 +40,9 @@ impl FeatureSizes {
         let mut points = mesh.positions.as_slice().to_vec();
         points.extend(topology.faces().map(|f| mesh.centre(f)));
         let feet = surface.closest_points(&points);
-        let corners = |p: &SurfacePoint| surface.topology().face_vertices(p.triangle);
-        let near: BTreeSet<VertexId> = feet.iter().flat_map(corners).copied().collect();
-        let near: Vec<VertexId> = near.into_iter().collect();
         let options = CurvatureOptions::default();
-        let tensors = curvature::tensors_at(surface, &near, SCALE * side, &options);
-        let tensors: IdMap<VertexId, Matrix3<f64>> = near.into_iter().zip(tensors).collect();
-        let tensor = |p: &SurfacePoint| -> (Vec3, Matrix3<f64>) {
-            let parts = corners(p).iter().zip(p.barycentric);
-            (p.normal, parts.map(|(v, b)| tensors[v] * b).sum())
-        };
-        let bend: Vec<_> = feet.iter().map(tensor).collect();
+        let tensors = curvature::tensors_at_points(surface, &feet, SCALE * side, &options);
+        let bend: Vec<_> = feet.iter().map(|p| p.normal).zip(tensors).collect();
         let turn = |f: FaceId| {
             let corners = topology.face_vertices(f).iter().map(|v| v.index());
             let there = corners.chain([topology.n_vertices() + f.index()]);
