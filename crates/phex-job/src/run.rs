@@ -633,10 +633,12 @@ fn missed_edge(settings: &MeshSettings, mesh: &HexMesh, extent: f64) -> Option<S
         return None;
     };
     let unit = settings.unit.unwrap_or_default();
-    let ratio = mesh.mean_edge() / asked.length(unit, extent);
+    let ratio = mesh.mean_inner_edge() / asked.length(unit, extent);
     let missed = (ratio - 1.0).abs() > TOLD_EDGE_ERROR;
     missed.then(|| {
-        format!("--edge-length {asked}: the panels' edges are {ratio:.3} times as long on average")
+        format!(
+            "--edge-length {asked}: edges between panels are {ratio:.3} times as long on average"
+        )
     })
 }
 

@@ -109,6 +109,19 @@ impl HexMesh {
         t.edges().map(|e| self.edge_length(e)).sum::<f64>() / t.n_edges() as f64
     }
 
+    /// Mean length of the edges between two faces, of all edges where there are none: those at the
+    /// boundary are as long as it cuts them.
+    pub fn mean_inner_edge(&self) -> f64 {
+        let inner = self.topology.inner_edges();
+        let (sum, count) = inner.fold((0.0, 0), |(sum, count), e| {
+            (sum + self.edge_length(e), count + 1)
+        });
+        match count {
+            0 => self.mean_edge(),
+            count => sum / f64::from(count),
+        }
+    }
+
     /// Diagonal of the bounding box of the vertices.
     pub fn diagonal(&self) -> f64 {
         let [low, high] = bounds(&self.positions);

@@ -24,7 +24,8 @@ pub(super) fn wished_panels(
 
 /// The number of panels with which their mean edge is nearest to what is wanted, of a few. Panels
 /// that are long or re-entrant have longer edges than regular ones of their area: how much is known
-/// when they are there. What is searched afterwards hardly changes it.
+/// when they are there. What is searched afterwards hardly changes it. Edges at the boundary do not
+/// count: where it has teeth there are many short ones, and panels would grow for them.
 fn corrected_count(
     (mut panels, wanted): (usize, f64),
     options: &MeshOptions,
@@ -44,7 +45,7 @@ fn corrected_count(
             (Err(_), Some(_)) => break,
             (Ok(run), _) => run,
         };
-        let error = (run.mesh.mean_edge() / wanted).ln();
+        let error = (run.mesh.mean_inner_edge() / wanted).ln();
         if best.is_none_or(|b| error.abs() < b.0) {
             best = Some((error.abs(), panels));
         }
