@@ -161,8 +161,7 @@ pub fn principal_at_panels(subject: &Subject<'_>) -> Option<Vec<Principal>> {
         }
     };
     let curvature = curvature::curvature(surface, radius, &CurvatureOptions::default());
-    let centres: Vec<_> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
-    let points = surface.closest_points(&centres);
+    let points = surface.closest_points(mesh.centres().as_slice());
     let at = |p: &phex_mesh::SurfacePoint| principal_at(surface, &curvature, p);
     Some(points.iter().map(at).collect())
 }
