@@ -365,14 +365,11 @@ fn record(
         .map(|(c, _)| complex.seed[*c as usize])
         .collect();
     let length = seed.iter().map(|&s| local_length(fine, s)).collect();
+    let kinds = PerVertex::from_vec(nodes.iter().map(|n| kind(*n)).collect());
+    let feet = foot.iter().map(|p| (p.position, p.normal));
     Ok(Layout {
-        mesh,
-        vertex_kind: PerVertex::from_vec(nodes.iter().map(|n| kind(*n)).collect()),
-        face_point: PerFace::from_vec(foot.iter().map(|p| p.position).collect()),
-        face_normal: PerFace::from_vec(foot.iter().map(|p| p.normal).collect()),
-        face_length: PerFace::from_vec(length),
-        face_wish: PerFace::filled(complex.panels.len(), PanelWish::ANY),
         face_seed: PerFace::from_vec(seed),
+        ..Layout::new(mesh, kinds, feet, PerFace::from_vec(length))
     })
 }
 
@@ -474,19 +471,12 @@ pub(crate) mod tests {
             middle.push(c);
         }
         let mesh = HexMesh::new(positions, &faces).expect("a patch of a lattice");
-        let topology = mesh.topology();
-        let kind = |v| match topology.is_boundary_vertex(v) {
-            true => VertexKind::Boundary,
-            false => VertexKind::Interior,
-        };
+        let kinds = VertexKind::of_mesh(&mesh);
+        let feet = middle.into_iter().map(|p| (p, Vec3::z()));
+        let lengths = PerFace::filled(faces.len(), 1.0);
         Layout {
-            vertex_kind: PerVertex::from_vec(topology.vertices().map(kind).collect()),
-            face_normal: PerFace::filled(faces.len(), Vec3::z()),
-            face_length: PerFace::filled(faces.len(), 1.0),
-            face_wish: PerFace::filled(faces.len(), PanelWish::ANY),
             face_seed: PerFace::from_vec((0..faces.len() as u32).map(VertexId::new).collect()),
-            face_point: PerFace::from_vec(middle),
-            mesh,
+            ..Layout::new(mesh, kinds, feet, lengths)
         }
     }
 

@@ -3,7 +3,7 @@
 
 use crate::optimise::constraints::guarded::GuardedSteps;
 use crate::optimise::constraints::planarity::ConstraintBases;
-use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::panels::{FaceShapes, Panels, point, put};
 use crate::optimise::terms::angle_term::closing::Closing;
 use crate::optimise::terms::angle_term::walks::Walks;
 use crate::optimise::terms::angle_term::{
@@ -240,7 +240,7 @@ impl Constraints for AngleConstraints<'_> {
     fn transposed(&self, y: &[f64], d: &mut [f64]) {
         for v in 0..self.setting.panels.n_vertices() {
             let sum: Vec3 = self.rows_at(v).map(|(k, row)| row * y[k]).sum();
-            d[3 * v..3 * v + 3].copy_from_slice(sum.as_slice());
+            put(d, v, &sum);
         }
     }
 
