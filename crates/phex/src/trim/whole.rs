@@ -11,7 +11,7 @@
 //! model, Boykov, Veksler, Zabih 2001; minimised by single changes, the best first: Besag's
 //! iterated conditional modes, 1986). Where too little is covered, the threshold falls.
 
-use super::{Domain, TrimError, Trimmed, compact, near_boundary};
+use super::{Domain, TrimError, Trimmed, near_boundary, part};
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, Vec3, ear_clip};
 use rayon::prelude::*;
 
@@ -44,10 +44,8 @@ pub(super) fn whole_panels(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimme
         .collect();
     let keep = calm_outline(mesh, &lies, &near);
     let kept: Vec<FaceId> = faces.into_iter().filter(|f| keep[f.index()]).collect();
-    let lists = mesh.topology().face_lists();
-    let lists: Vec<Vec<u32>> = kept.iter().map(|f| lists[f.index()].clone()).collect();
     Ok(Trimmed {
-        mesh: compact(mesh.positions.as_slice(), &lists)?,
+        mesh: part(mesh, &kept)?,
         parent: PerFace::from_vec(kept),
     })
 }

@@ -40,11 +40,10 @@ pub(crate) fn hull_about(
     planes: &PerFace<OrientedPlane>,
     quadric: &Quadric,
 ) -> Result<Flipped, DualityError> {
-    let pole = |(face, plane)| {
-        let pole = quadric.pole(plane);
-        pole.ok_or(DualityError::PoleAtInfinity { face })
-    };
-    let poles: Result<Vec<Vec3>, _> = planes.enumerate().map(pole).collect();
+    let poles = planes
+        .enumerate()
+        .map(|(f, plane)| quadric.pole_of(f, plane));
+    let poles: Result<Vec<Vec3>, _> = poles.collect();
     let centre = quadric.centre().ok_or(DualityError::SingularQuadric)?;
     Ok(convex_flips(mesh, &PerFace::from_vec(poles?), centre))
 }
