@@ -24,8 +24,7 @@ pub struct LatticePreview {
 
 impl LatticePreview {
     pub(super) fn restored(mut self, similarity: &Similarity) -> Self {
-        let positions = self.mesh.positions.map(|p| similarity.restore(*p));
-        self.mesh = self.mesh.with_positions(positions);
+        self.mesh = self.mesh.mapped(|p| similarity.restore(*p));
         for cone in &mut self.cones {
             cone.position = similarity.restore(cone.position.into()).into();
         }

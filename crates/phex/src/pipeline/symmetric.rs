@@ -6,9 +6,9 @@
 //! itself there.
 
 use super::domain::{Ground, without_long_triangles};
-use super::field::LatticeFreedom;
 use super::laid_out::LaidOut;
 use super::repeated::made_equal;
+use super::rim::corner_points;
 use super::sized::mean_length;
 use super::{Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics};
 use crate::layout::same_topology;
@@ -17,7 +17,7 @@ use crate::progress::{Event, Progress};
 use crate::quality::{Judge, Limits, Merit, References};
 use crate::repetition::RepetitionTask;
 use crate::search::{AreaField, Site, search};
-use crate::smooth_surface::{self, boundary_corners};
+use crate::smooth_surface;
 use crate::symmetry::{
     self, FoldedTarget, Found, Group, Isometry, Orbits, SYMMETRY_TOLERANCE, Symmetry,
     SymmetrySummary, WholePanels,
@@ -345,9 +345,9 @@ impl DomainPanels {
         let ground = clock.stage("target", || {
             Ground::new(&self.surface, self.panels, &self.options)
         })?;
-        let way = LatticeFreedom::from(Candidate::first(&self.options));
-        let options = way.options(&self.options);
-        let laid = LaidOut::new(&ground, way, &options, clock)?;
+        let candidate = Candidate::first(&self.options);
+        let options = candidate.options(&self.options);
+        let laid = LaidOut::new(&ground, candidate, clock)?;
         let ground = laid.ground(&ground);
         let layout = &laid.layout;
         let parts = symmetry::completed(layout, self.group).map_err(NotSymmetric::Symmetry)?;
@@ -366,18 +366,17 @@ impl DomainPanels {
         let (mesh, before) = self.finished(
             (found, whole),
             &parts,
-            optimised.mesh.clone(),
+            optimised.mesh,
             &target,
             (ground, &laid),
             clock,
         )?;
         let quotient = symmetry::quotient_of(&mesh, self.group).map_err(NotSymmetric::Symmetry)?;
-        let statistics = Statistics {
+        let mut statistics = Statistics {
             layout: laid.statistics,
-            factorisations: optimised.run.factorisations,
-            runs: vec![optimised.run.clone()],
-            ..Statistics::empty()
+            ..Statistics::default()
         };
+        statistics.add(optimised.run);
         self.assembled(
             found,
             whole,
@@ -408,12 +407,8 @@ impl DomainPanels {
             ..References::default()
         };
         let judge = Judge::new(reported, references, options.limits());
-        let corners: Vec<Vec3> =
-            boundary_corners(reported, options.target.corner_angle.to_radians())
-                .into_iter()
-                .map(|v| reported.positions()[v])
-                .filter(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9))
-                .collect();
+        let mut corners = corner_points(reported, options);
+        corners.retain(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9));
         let hold = target.boundary().map(|curves| BoundaryHold {
             curves,
             corners: &corners,
@@ -507,9 +502,7 @@ impl DomainPanels {
         let all = symmetry::unfolded(quotient, part, &elements)
             .map_err(|e| NotSymmetric::Symmetry(e.to_string()))?;
         let frame = &found.frame;
-        let outside = |mesh: &HexMesh| {
-            mesh.with_positions(mesh.positions.map(|p| frame.outside(p * self.scale)))
-        };
+        let outside = |mesh: &HexMesh| mesh.mapped(|p| frame.outside(p * self.scale));
         let before = before.map(|mesh| symmetry::unfolded(quotient, mesh, &elements));
         let before = before
             .transpose()
@@ -538,20 +531,14 @@ impl DomainPanels {
             }),
             ..statistics
         };
-        let target = whole.clone();
         let wish = |(source, _): &(u32, u32)| wished.as_slice()[*source as usize];
         let wished = PerFace::from_vec(orbits.panels.iter().map(wish).collect());
         Ok(MeshRun {
             wished: wished.map(|area| area * self.scale.powi(2)),
-            start: None,
-            mesh,
-            target,
-            beyond: None,
-            outcome,
-            statistics,
             orbits: Some(orbits),
             unrepeated: before.map(|b| outside(&b.mesh)),
             stages: std::mem::take(&mut clock.stages),
+            ..MeshRun::new(mesh, whole.clone(), outcome, statistics)
         })
     }
 }

@@ -76,9 +76,7 @@ impl Patch {
 
     /// A draft of the patch as a mesh; `None` if its panels are no manifold.
     pub fn built(&self, draft: &Draft) -> Option<Built> {
-        let kept: Vec<usize> = (0..draft.faces.len())
-            .filter(|f| !draft.faces[*f].is_empty())
-            .collect();
+        let kept = draft.kept();
         let rings = kept.iter().map(|f| draft.faces[*f].iter().copied());
         let (vertices, faces) = numbered(rings);
         let places = vertices.iter().map(|v| draft.places[*v as usize]);
