@@ -97,22 +97,20 @@ impl Layout {
     /// The layout with its panels joined otherwise; vertices of its mesh are where they are in that
     /// one.
     pub fn joined(&self, flipped: &Flipped) -> Self {
-        let (faces, vertices) = (&flipped.faces, &flipped.vertices);
+        self.part(flipped.mesh.clone(), &flipped.vertices, &flipped.faces)
+    }
+
+    /// The layout of a mesh that has some of its vertices and faces, in the order in which they are
+    /// named.
+    pub(super) fn part(&self, mesh: HexMesh, vertices: &[VertexId], faces: &[FaceId]) -> Self {
         Self {
-            mesh: flipped.mesh.clone(),
-            vertex_kind: PerVertex::from_vec(
-                vertices.iter().map(|v| self.vertex_kind[*v]).collect(),
-            ),
-            face_point: kept(&self.face_point, faces),
-            face_normal: kept(&self.face_normal, faces),
-            face_length: kept(&self.face_length, faces),
-            face_wish: kept(&self.face_wish, faces),
-            face_seed: kept(&self.face_seed, faces),
+            mesh,
+            vertex_kind: self.vertex_kind.picked(vertices),
+            face_point: self.face_point.picked(faces),
+            face_normal: self.face_normal.picked(faces),
+            face_length: self.face_length.picked(faces),
+            face_wish: self.face_wish.picked(faces),
+            face_seed: self.face_seed.picked(faces),
         }
     }
-}
-
-/// The values of the faces that are left.
-fn kept<T: Copy>(values: &PerFace<T>, faces: &[FaceId]) -> PerFace<T> {
-    PerFace::from_vec(faces.iter().map(|f| values[*f]).collect())
 }

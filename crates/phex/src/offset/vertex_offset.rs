@@ -174,7 +174,7 @@ pub(super) fn check_connected(mesh: &HexMesh) -> Result<(), OffsetError> {
 
 /// First Betti number of a connected mesh.
 fn n_loops(topology: &Topology) -> usize {
-    let closed = i64::from(topology.boundary_loops().is_empty());
+    let closed = i64::from(topology.is_closed());
     usize::try_from(1 + closed - topology.euler_characteristic()).unwrap_or(0)
 }
 

@@ -77,7 +77,7 @@ impl Field {
     pub(super) fn regular_possible(&self, smooth: &SmoothTarget) -> bool {
         let topology = smooth.levels[self.level].topology();
         let elliptic = |p: &Principal| p.small * p.large > 0.0;
-        let closed = topology.boundary_loops().is_empty();
+        let closed = topology.is_closed();
         let flat = topology.euler_characteristic() == 0;
         closed && (flat || self.curvature.principal().iter().all(elliptic))
     }

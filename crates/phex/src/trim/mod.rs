@@ -186,7 +186,7 @@ fn largest_part(trimmed: Trimmed) -> Result<Trimmed, TrimError> {
     let kept: Vec<FaceId> = faces.filter(|&f| component[f] == largest).collect();
     Ok(Trimmed {
         mesh: part(&trimmed.mesh, &kept)?,
-        parent: PerFace::from_vec(kept.iter().map(|&f| trimmed.parent[f]).collect()),
+        parent: trimmed.parent.picked(&kept),
     })
 }
 

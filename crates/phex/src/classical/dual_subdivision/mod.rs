@@ -119,8 +119,7 @@ fn finer_poles(
         SubdivisionRule::Loop => loop_rule::refinement(&triangles),
         SubdivisionRule::Butterfly => butterfly::refinement(&triangles),
     };
-    let values = PerVertex::from_vec(dual.face_of_vertex.iter().map(|f| poles[*f]).collect());
-    let values = step.apply(&values);
+    let values: PerVertex<Vec3> = step.apply(&poles.picked(&dual.face_of_vertex));
     let (old, new) = values.as_slice().split_at(triangles.n_vertices());
     let mut made = poles.as_slice().to_vec();
     for (f, pole) in dual.face_of_vertex.iter().zip(old) {

@@ -230,7 +230,7 @@ mod tests {
         let hull = hull_about(&mesh, &planes, &sphere).unwrap();
         assert_eq!((hull.steps, hull.faces.len()), (1, 6));
         assert!(hull.faces.iter().all(|f| f.index() < 6));
-        let planes = PerFace::from_vec(hull.faces.iter().map(|f| planes[*f]).collect());
+        let planes = planes.picked(&hull.faces);
         let cube = envelope(&hull.mesh, &planes).unwrap();
         let measures = measure(&cube);
         assert_eq!((measures.vertices, measures.face_sizes[&4]), (8, 6));

@@ -131,7 +131,7 @@ impl GaussPlane {
             let scale: f64 = corners
                 .map(|v| map.derivative(self.point[*v]).norm_sqr())
                 .sum();
-            self.region.area_vector(f).norm() / 2.0 * scale / 3.0
+            self.region.face_area(f) * scale / 3.0
         };
         t.faces().map(area).sum()
     }

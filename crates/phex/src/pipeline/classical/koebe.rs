@@ -42,7 +42,7 @@ pub(super) fn ground(surface: &TriangleSurface, panels: usize, options: &MeshOpt
 }
 
 pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, PipelineError> {
-    let closed = ground.given_facets().boundary_loops().is_empty();
+    let closed = ground.given_facets().topology().is_closed();
     if !closed && ground.options.boundary == Boundary::Snap {
         return Err(PipelineError::Snap { method: METHOD });
     }

@@ -25,7 +25,7 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     };
     let made = clock.stage("layout", || -> Result<_, PipelineError> {
         let (class, whole) = polyhedron(ground.panels)?;
-        if surface.boundary_loops().is_empty() {
+        if surface.topology().is_closed() {
             return Ok((class, whole));
         }
         let share = surface.area() / phex_mesh::measure(&whole).area;
