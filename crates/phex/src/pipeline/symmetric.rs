@@ -64,13 +64,7 @@ pub(super) fn mesh_with_panels(
     let whole = smooth.finest();
     let (found, turns) = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
     let Some(found) = found else {
-        let share = 100.0 * SYMMETRY_TOLERANCE;
-        return without(match turns {
-            Some(n) => format!(
-                "the surface has a rotation of order {n} and no mirror plane, and panels follow mirror planes alone"
-            ),
-            None => format!("the surface has no mirror plane within {share} % of its diagonal"),
-        });
+        return without(without_mirrors(turns));
     };
     let groups = match used(&found, whole, panels, asked) {
         Ok(groups) => groups,
@@ -92,8 +86,7 @@ pub(super) fn mesh_with_panels(
     let of_group = |group: Group| counts().map(move |share| (group, share));
     let ways: Vec<(Group, f64)> = groups.iter().copied().flat_map(of_group).collect();
     let made = best_of(&ways, tried, progress);
-    let names: Vec<String> = groups.iter().map(|group| group.name()).collect();
-    let names = names.join(", ");
+    let names = names_of(&groups);
     // What is there is kept where there is no time for anything else.
     let is_welcome = asked == Symmetry::Auto && !progress.is_cancelled();
     match made {
@@ -104,12 +97,7 @@ pub(super) fn mesh_with_panels(
             run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
             run.statistics.panels_asked = panels;
             if let Some(summary) = &run.statistics.symmetry {
-                let all = groups.iter().map(|group| group.name());
-                let larger: Vec<String> = all.take_while(|name| *name != summary.group).collect();
-                let mut message = summary.sentence();
-                if !larger.is_empty() {
-                    message += &format!("; with {} they are outside limits", larger.join(", "));
-                }
+                let message = followed(summary, &groups);
                 progress.report(&Event::Note { message });
             }
             Ok(Some(run))
@@ -118,6 +106,38 @@ pub(super) fn mesh_with_panels(
         Err(NotSymmetric::Symmetry(reason)) => {
             without(format!("with the symmetry {names}: {reason}"))
         }
+    }
+}
+
+/// What is said of a surface without mirror planes that has a rotation of an order, or none.
+fn without_mirrors(turns: Option<u32>) -> String {
+    match turns {
+        Some(n) => format!(
+            "the surface has a rotation of order {n} and no mirror plane, and panels follow mirror planes alone"
+        ),
+        None => format!(
+            "the surface has no mirror plane within {} % of its diagonal",
+            100.0 * SYMMETRY_TOLERANCE
+        ),
+    }
+}
+
+fn names_of(groups: &[Group]) -> String {
+    let names: Vec<String> = groups.iter().map(|group| group.name()).collect();
+    names.join(", ")
+}
+
+/// Which group panels follow, and which of the larger ones they could not.
+fn followed(summary: &SymmetrySummary, groups: &[Group]) -> String {
+    let is_larger = |group: &&Group| group.name() != summary.group;
+    let larger = groups.iter().take_while(is_larger).count();
+    match larger {
+        0 => summary.sentence(),
+        _ => format!(
+            "{}; with {} they are outside limits",
+            summary.sentence(),
+            names_of(&groups[..larger])
+        ),
     }
 }
 
@@ -284,6 +304,27 @@ fn areas_of(laid: &LaidOut) -> AreaField<'_> {
     }
 }
 
+/// Panels brought to the boundary, where there is one and they are no worse for it.
+fn on_boundary(
+    mesh: HexMesh,
+    site: &Site<'_>,
+    target: &FoldedTarget<'_>,
+    quotient: &Quotient,
+    clock: &mut Clock<'_>,
+) -> Result<HexMesh, NotSymmetric> {
+    let Some(hold) = &site.hold else {
+        return Ok(mesh);
+    };
+    let progress = clock.progress;
+    let next = clock.timed("optimise", || {
+        optimise::onto_boundary(&mesh, target, hold, quotient, site.options, progress)
+    })?;
+    let merit = |mesh: &HexMesh| site.judged(mesh).merit;
+    let is_no_worse = |next: &HexMesh| merit(next).is_no_worse(&merit(&mesh));
+    let next = next.map(|next| next.mesh).filter(is_no_worse);
+    Ok(next.unwrap_or(mesh))
+}
+
 /// A fundamental domain on its way to panels, scaled to diagonal 1 about a point of all planes.
 struct DomainPanels {
     group: Group,
@@ -422,33 +463,30 @@ impl DomainPanels {
             options: &options.optimise,
         };
         let progress = clock.progress;
-        let mut now = mesh;
-        if let Some(hold) = &site.hold {
-            let next = clock.timed("optimise", || {
-                optimise::onto_boundary(
-                    &now,
-                    target,
-                    hold,
-                    &parts.quotient,
-                    &options.optimise,
-                    progress,
-                )
-            })?;
-            let next = next.map(|n| n.mesh);
-            let merit = |mesh: &HexMesh| site.judged(mesh).merit;
-            if let Some(next) = next.filter(|next| merit(next).is_no_worse(&merit(&now))) {
-                now = next;
-            }
-        }
+        let mut now = on_boundary(mesh, &site, target, &parts.quotient, clock)?;
         if options.effort != Effort::Draft && !progress.is_cancelled() {
             now = clock.timed("search", || search(now, &site, progress)).mesh;
         }
         let Some(tolerance) = options.repeat_rel.filter(|_| !progress.is_cancelled()) else {
             return Ok((now, None));
         };
-        let quotient = symmetry::quotient_of(&now, self.group).map_err(NotSymmetric::Symmetry)?;
         let around = whole.mapped(|p| found.frame.inside(*p) / self.scale);
-        let judge = self.whole_judge(&around);
+        let equal = self.with_equal_edges(&now, (&site, &around), target, tolerance, clock)?;
+        Ok((equal, Some(now)))
+    }
+
+    /// Panels with as many edges of equal lengths as there are, judged with all their images on the
+    /// whole surface, which is given in the part's coordinates.
+    fn with_equal_edges(
+        &self,
+        mesh: &HexMesh,
+        (site, around): (&Site<'_>, &TriangleSurface),
+        target: &FoldedTarget<'_>,
+        tolerance: f64,
+        clock: &mut Clock<'_>,
+    ) -> Result<HexMesh, NotSymmetric> {
+        let quotient = symmetry::quotient_of(mesh, self.group).map_err(NotSymmetric::Symmetry)?;
+        let judge = self.whole_judge(around);
         let elements = self.group.elements();
         let merit = |mesh: &HexMesh| match symmetry::unfolded(&quotient, mesh, &elements) {
             Ok(all) => {
@@ -461,15 +499,15 @@ impl DomainPanels {
             },
         };
         let task = RepetitionTask {
-            site: &site,
+            site,
             merit: &merit,
             target,
             quotient: &quotient,
             steering: &Steering::default(),
             tolerance,
         };
-        let equal = clock.timed("repetition", || made_equal(&task, &now, progress))?;
-        Ok((equal, Some(now)))
+        let progress = clock.progress;
+        Ok(clock.timed("repetition", || made_equal(&task, mesh, progress))?)
     }
 
     /// The judge of the part with all its images, on the whole surface in the part's coordinates.

@@ -218,29 +218,7 @@ impl<'a> ShapeLimits<'a> {
         mut visit: impl FnMut(&Inequality),
     ) {
         let limits = &self.limits.panels[f];
-        let k = corners.len();
-        let at = |i: usize| corners[i % k].position;
-        for i in 0..k {
-            let along = at(i + 1) - at(i);
-            let length = along.norm().max(f64::MIN_POSITIVE);
-            let rows = |scale: f64| {
-                let row = along * (scale / length);
-                vec![((i + 1) % k, row), (i, -row)]
-            };
-            if let Some(least) = limits.min_edge {
-                let (c, rows) = (length / least - 1.0, rows(1.0 / least));
-                visit(&Inequality { c, rows });
-            }
-            if let Some(most) = limits.max_edge {
-                let (c, rows) = (1.0 - length / most, rows(-1.0 / most));
-                visit(&Inequality { c, rows });
-            }
-            if let Some(least) = limits.min_angle {
-                angle(corners, i, least.to_radians())
-                    .iter()
-                    .for_each(&mut visit);
-            }
-        }
+        visit_edges(corners, limits, &mut visit);
         for_each_approach(corners, 2.0 * self.limits.clearance[f], |a| {
             visit(&roomy(a, self.limits.clearance[f]));
         });
@@ -265,15 +243,17 @@ impl<'a> ShapeLimits<'a> {
             let inequality = inequality.map(|i| i.weighted(wish.weight));
             inequality.iter().for_each(&mut visit);
         }
-        for (side, length) in self
-            .sides
-            .get(f)
-            .iter()
-            .flat_map(|s| s.iter().zip(limits.max_panel.into_iter().flatten()))
-        {
-            for i in 0..k {
-                for j in (0..k).filter(|j| *j != i) {
-                    let c = 1.0 - (at(i) - at(j)).dot(side) / length;
+        self.visit_widths(f, corners, &mut visit);
+    }
+
+    /// A panel is no wider than sheets in the directions of its sides.
+    fn visit_widths(&self, f: usize, corners: &[Corner], visit: &mut impl FnMut(&Inequality)) {
+        let most = self.limits.panels[f].max_panel.into_iter().flatten();
+        let sides = self.sides.get(f).into_iter().flatten();
+        for (side, length) in sides.zip(most) {
+            for (i, p) in corners.iter().enumerate() {
+                for (j, q) in corners.iter().enumerate().filter(|(j, _)| *j != i) {
+                    let c = 1.0 - (p.position - q.position).dot(side) / length;
                     let row = side / -length;
                     visit(&Inequality {
                         c,
@@ -281,6 +261,32 @@ impl<'a> ShapeLimits<'a> {
                     });
                 }
             }
+        }
+    }
+}
+
+/// Lengths of the edges of a panel, and its angles.
+fn visit_edges(corners: &[Corner], limits: &PanelLimits, visit: &mut impl FnMut(&Inequality)) {
+    let k = corners.len();
+    for i in 0..k {
+        let along = corners[(i + 1) % k].position - corners[i].position;
+        let length = along.norm().max(f64::MIN_POSITIVE);
+        let rows = |scale: f64| {
+            let row = along * (scale / length);
+            vec![((i + 1) % k, row), (i, -row)]
+        };
+        if let Some(least) = limits.min_edge {
+            let (c, rows) = (length / least - 1.0, rows(1.0 / least));
+            visit(&Inequality { c, rows });
+        }
+        if let Some(most) = limits.max_edge {
+            let (c, rows) = (1.0 - length / most, rows(-1.0 / most));
+            visit(&Inequality { c, rows });
+        }
+        if let Some(least) = limits.min_angle {
+            angle(corners, i, least.to_radians())
+                .iter()
+                .for_each(&mut *visit);
         }
     }
 }
