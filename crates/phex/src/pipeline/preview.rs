@@ -26,7 +26,7 @@ impl LatticePreview {
     pub(super) fn restored(mut self, similarity: &Similarity) -> Self {
         self.mesh = self.mesh.mapped(|p| similarity.restore(*p));
         for cone in &mut self.cones {
-            cone.position = similarity.restore(cone.position.into()).into();
+            *cone = cone.moved(|p| similarity.restore(p));
         }
         self
     }

@@ -138,7 +138,7 @@ impl MeshRun {
         let tried = std::mem::take(&mut self.statistics.tried).into_iter();
         self.statistics.tried = tried.map(|t| t.restored(restore)).collect();
         for cone in &mut self.statistics.cones {
-            cone.position = restore(cone.position.into()).into();
+            *cone = cone.moved(restore);
         }
         if let Some(centre) = (self.statistics.classical.as_mut()).and_then(|c| c.centre.as_mut()) {
             *centre = restore((*centre).into()).into();
