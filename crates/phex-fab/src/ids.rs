@@ -69,6 +69,11 @@ impl PanelIds {
         &self.names[face]
     }
 
+    /// The names of all panels, in the order of the faces.
+    pub fn into_names(self) -> Vec<String> {
+        self.names.into_vec()
+    }
+
     /// Whether the mesh has rows.
     pub fn has_rows(&self) -> bool {
         self.has_rows
