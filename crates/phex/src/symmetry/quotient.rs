@@ -452,22 +452,6 @@ impl WholeParts<'_> {
             kind if cells.on[source(*v)] == 0 || kind == VertexKind::BoundaryCorner => kind,
             _ => VertexKind::Interior,
         };
-        let mut quotient = Quotient::default();
-        for (v, k) in &number {
-            if let Some(image) = v.checked_sub(count).map(|i| &self.images[i as usize]) {
-                quotient.images.insert(
-                    *k,
-                    Image {
-                        source: number[&image.source],
-                        map: self.elements[image.element],
-                    },
-                );
-            } else if let bits @ 1.. = cells.on[VertexId::new(*v)] {
-                quotient
-                    .mirrored
-                    .insert(*k, cells.walls[bits.trailing_zeros() as usize]);
-            }
-        }
         let on_walls = |f: FaceId, x: Vec3| in_walls(cells.walls, merged[f], x);
         let each = |of: &PerFace<Vec3>| {
             PerFace::from_vec(of.enumerate().map(|(f, p)| on_walls(f, *p)).collect())
@@ -478,12 +462,30 @@ impl WholeParts<'_> {
                 vertex_kind: PerVertex::from_vec(old.iter().map(kind).collect()),
                 face_point: each(&layout.face_point),
                 face_normal: each(&layout.face_normal).map(|n| n.normalize()),
-                face_length: layout.face_length.clone(),
-                face_wish: layout.face_wish.clone(),
-                face_seed: layout.face_seed.clone(),
+                ..layout.clone()
             },
-            quotient,
+            quotient: self.quotient(&number),
         })
+    }
+
+    /// What is no unknown, with the numbers that corners of panels have.
+    fn quotient(&self, number: &BTreeMap<u32, u32>) -> Quotient {
+        let cells = self.cells;
+        let count = cells.topology.n_vertices() as u32;
+        let mut quotient = Quotient::default();
+        for (v, k) in number {
+            if let Some(image) = v.checked_sub(count).map(|i| &self.images[i as usize]) {
+                let image = Image {
+                    source: number[&image.source],
+                    map: self.elements[image.element],
+                };
+                quotient.images.insert(*k, image);
+            } else if let bits @ 1.. = cells.on[VertexId::new(*v)] {
+                let wall = cells.walls[bits.trailing_zeros() as usize];
+                quotient.mirrored.insert(*k, wall);
+            }
+        }
+        quotient
     }
 }
 
