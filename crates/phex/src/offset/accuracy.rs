@@ -87,11 +87,5 @@ pub fn face_distance_error(
 }
 
 fn largest(errors: impl Iterator<Item = f64>) -> f64 {
-    errors.fold(0.0, |m, e| {
-        if e.abs() > m || e.is_nan() {
-            e.abs()
-        } else {
-            m
-        }
-    })
+    phex_numeric::largest(errors.map(f64::abs))
 }

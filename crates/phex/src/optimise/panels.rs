@@ -451,8 +451,7 @@ impl FaceShapes {
 
     /// Largest distance of a corner to the plane of its face.
     pub(crate) fn max_height(&self) -> f64 {
-        let heights = self.corners.iter().map(|c| c.height.abs());
-        heights.fold(0.0, |m, h| if h > m || h.is_nan() { h } else { m })
+        phex_numeric::largest(self.corners.iter().map(|c| c.height.abs()))
     }
 }
 
