@@ -17,7 +17,7 @@ use crate::progress::{Event, Progress};
 use crate::quality::{Judge, Limits, Merit, References};
 use crate::repetition::RepetitionTask;
 use crate::search::{AreaField, Site, search};
-use crate::smooth_surface;
+use crate::smooth_surface::{self, SmoothTarget};
 use crate::symmetry::{
     self, FoldedTarget, Found, Group, Isometry, Orbits, SYMMETRY_TOLERANCE, Symmetry,
     SymmetrySummary, WholePanels,
@@ -55,12 +55,7 @@ pub(super) fn mesh_with_panels(
     if let Some(reason) = not_symmetric(options) {
         return without(reason.to_owned());
     }
-    let vertices = options.cell_vertices(panels) as usize;
-    let smooth = clock.stage("target", || {
-        let cut = without_long_triangles(surface, panels, options);
-        let near = cut.as_ref().map_or(surface, |c| &c.surface);
-        smooth_surface::smooth_target(near, vertices, &options.target)
-    })?;
+    let smooth = clock.stage("target", || smooth_target(surface, panels, options))?;
     let whole = smooth.finest();
     let (found, turns) = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
     let Some(found) = found else {
@@ -82,10 +77,7 @@ pub(super) fn mesh_with_panels(
         let run = domain.mesh(&found, whole, clock)?;
         Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
     };
-    let counts = || std::iter::once(1.0).chain(OTHER_COUNTS);
-    let of_group = |group: Group| counts().map(move |share| (group, share));
-    let ways: Vec<(Group, f64)> = groups.iter().copied().flat_map(of_group).collect();
-    let made = best_of(&ways, tried, progress);
+    let made = best_of(&ways_of(&groups), tried, progress);
     let names = names_of(&groups);
     // What is there is kept where there is no time for anything else.
     let is_welcome = asked == Symmetry::Auto && !progress.is_cancelled();
@@ -107,6 +99,20 @@ pub(super) fn mesh_with_panels(
             without(format!("with the symmetry {names}: {reason}"))
         }
     }
+}
+
+fn smooth_target(surface: &TriangleSurface, panels: usize, options: &MeshOptions) -> SmoothTarget {
+    let cut = without_long_triangles(surface, panels, options);
+    let near = cut.as_ref().map_or(surface, |c| &c.surface);
+    let vertices = options.cell_vertices(panels) as usize;
+    smooth_surface::smooth_target(near, vertices, &options.target)
+}
+
+/// Groups with shares of the number of panels, in the order in which they are tried.
+fn ways_of(groups: &[Group]) -> Vec<(Group, f64)> {
+    let counts = || std::iter::once(1.0).chain(OTHER_COUNTS);
+    let of_group = |group: &Group| counts().map(|share| (*group, share)).collect::<Vec<_>>();
+    groups.iter().flat_map(of_group).collect()
 }
 
 /// What is said of a surface without mirror planes that has a rotation of an order, or none.
