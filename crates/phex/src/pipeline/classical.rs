@@ -18,7 +18,7 @@ use super::field::{Field, FineSurface};
 use super::sized::{boundary_length, panel_length};
 use super::{ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics};
 use crate::classical::domain::DomainError;
-use crate::directions::guides::{Cone, Guides};
+use crate::directions::guides::Cone;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::Optimised;
 use crate::smooth_surface::Normalised;
@@ -54,7 +54,7 @@ pub(super) fn mesh_with_panels(
     let outside = classical.outside.take();
     classical.outside_domain = outside.map(|e| e.mapped(|p| place_in(model, p)).to_string());
     let mut statistics = Statistics {
-        cones: Guides::of_cones(made.cones).cones,
+        cones: made.cones,
         layout: made.layout,
         classical: Some(classical),
         ..Statistics::of(&ground.smooth, panels)
@@ -85,25 +85,22 @@ struct ClassicalMesh {
 }
 
 impl ClassicalMesh {
+    /// Panels from the cells of a lattice, which are planar as they are.
     fn of(
         ground: &Ground,
         mesh: HexMesh,
         fine: FineSurface,
         (field, layout): (&Field, LayoutStatistics),
-        optimised: Option<Optimised>,
         classical: ClassicalStatistics,
     ) -> Self {
-        let planar = || Outcome::empty(Status::Converged);
         Self {
             mesh,
             reported: ground.reported(&fine.surface).clone(),
             fine: Some(fine.surface),
-            outcome: optimised
-                .as_ref()
-                .map_or_else(planar, |o| o.outcome.clone()),
+            outcome: Outcome::empty(Status::Converged),
             layout,
             cones: field.cones(&ground.smooth),
-            optimised,
+            optimised: None,
             classical,
         }
     }

@@ -52,9 +52,7 @@ pub fn subdivide(
     let mut current = mesh.mapped(|p| similarity.normalise(*p));
     let mut made = Vec::with_capacity(levels);
     for _ in 0..levels {
-        let finer = chamfer(&current).map_err(|e| LayoutError::Topology {
-            reason: e.to_string(),
-        })?;
+        let finer = chamfer(&current).map_err(LayoutError::topology)?;
         let layout = as_layout(&finer, smooth);
         let optimised = optimise::optimise(&layout, &target, options, progress)?;
         current = optimised.mesh.clone();

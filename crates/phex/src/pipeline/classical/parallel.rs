@@ -54,16 +54,8 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     let outcome = Outcome::empty(fitted.status);
     // Lengths of edges at the rim are free, but for what closes their panel: some turn over.
     let mesh = classical.with_sound_rim(fitted.mesh, &fitted_planes(&given));
-    Ok(ClassicalMesh {
-        reported: ground.reported(&fine.surface).clone(),
-        mesh,
-        fine: Some(fine.surface),
-        layout: placed.statistics,
-        cones: field.cones(&ground.smooth),
-        outcome,
-        optimised: None,
-        classical,
-    })
+    let made = ClassicalMesh::of(ground, mesh, fine, (&field, placed.statistics), classical);
+    Ok(ClassicalMesh { outcome, ..made })
 }
 
 /// The mesh with the layout's normals whose faces touch the unit sphere. With convex panels so are

@@ -68,7 +68,6 @@ pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
         mesh,
         fine,
         (&field, placed.statistics),
-        None,
         classical,
     ))
 }
