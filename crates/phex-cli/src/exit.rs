@@ -33,6 +33,16 @@ pub const EXIT_CODES: &str = "Exit codes:
   5    no valid mesh was reached; the mesh file is not written (unless --keep-invalid)
   130  interrupted; no file is half written (with --keep-best, once there is a mesh: 0, 3 or 5 as above)";
 
+impl Exit {
+    /// The exit code of a command that judges: whether every figure is within its tolerance.
+    pub fn of_check(passes: bool) -> Self {
+        match passes {
+            true => Self::Success,
+            false => Self::OutsideTolerance,
+        }
+    }
+}
+
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
         Self::from(exit as u8)

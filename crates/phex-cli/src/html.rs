@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::output::write_text;
-use crate::progress::is_interrupted;
+use crate::progress::{check_interruption, is_interrupted};
 use anyhow::Context;
 use phex::report::RunReport;
 use phex::{Event, Progress};
@@ -47,13 +47,7 @@ pub fn write(path: &Path, shown: &Shown<'_>, report: &RunReport) -> Result<(), F
         Some(surface) => conjugate_curves(surface, &Silently),
         None => Err("no surface was given".to_owned()),
     };
-    let (curves, no_curves) = match curves {
-        Ok(curves) => (curves, None),
-        Err(reason) => (Vec::new(), Some(reason)),
-    };
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
+    check_interruption()?;
     let mesh = report
         .outputs
         .iter()
@@ -62,7 +56,7 @@ pub fn write(path: &Path, shown: &Shown<'_>, report: &RunReport) -> Result<(), F
     let named = named.or(report.inputs.first().map(|input| input.path.as_str()));
     let title = Path::new(named.unwrap_or("mesh")).file_name();
     let title = title.map_or_else(|| "mesh".into(), |name| name.to_string_lossy());
-    let names = names(shown.mesh);
+    let names = PanelIds::new(shown.mesh).into_names();
     let content = Report {
         title: &title,
         command: &typed_command(),
@@ -71,8 +65,7 @@ pub fn write(path: &Path, shown: &Shown<'_>, report: &RunReport) -> Result<(), F
         names: Some(&names),
         surface: shown.surface,
         start: shown.start,
-        curves: &curves,
-        no_curves: no_curves.as_deref(),
+        curves: curves.as_deref().map_err(String::as_str),
     };
     let html = page(&content, Viewer::embedded()).context("the HTML report")?;
     write_text(path, &html)
@@ -92,13 +85,6 @@ pub fn long_version() -> &'static str {
         format!("{version}\ninteractive view of HTML reports: {view}")
     });
     &TEXT
-}
-
-/// The names that `phex fab` gives the panels.
-fn names(mesh: &HexMesh) -> Vec<String> {
-    let ids = PanelIds::new(mesh);
-    let faces = mesh.topology().faces();
-    faces.map(|face| ids.panel(face).to_owned()).collect()
 }
 
 /// Says nothing, and ends when the user interrupts.

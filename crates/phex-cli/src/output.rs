@@ -2,7 +2,7 @@
 
 use crate::exit::{Exit, Failure, OrExit};
 use crate::printable::printable;
-use crate::progress::{is_interrupted, while_writing};
+use crate::progress::{check_interruption, while_writing};
 use anyhow::Context;
 use phex_job::{Unit, in_file};
 use phex_mesh::PolygonSoup;
@@ -18,6 +18,12 @@ pub enum Content {
     Mesh,
     /// JSON or a picture.
     Other,
+}
+
+/// The paths that are given, of those that may be.
+pub fn given<'a>(paths: impl IntoIterator<Item = Option<&'a PathBuf>>) -> Vec<&'a Path> {
+    let given = paths.into_iter().flatten();
+    given.map(PathBuf::as_path).collect()
 }
 
 /// Checks that files can be written where they are asked for, that no two are the same, and that
@@ -141,9 +147,7 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 }
 
 fn write_with(write: impl FnOnce() -> Result<(), WriteError>) -> Result<(), Failure> {
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
+    check_interruption()?;
     while_writing(write).map_err(|error| {
         let exit = match error.cause {
             WriteCause::Io(_) => Exit::Internal,

@@ -17,7 +17,7 @@ mod tests;
 
 use crate::exit::{Exit, Failure, OrExit};
 use crate::output::{self, check_writable};
-use crate::progress::{is_interrupted, while_writing};
+use crate::progress::{check_interruption, while_writing};
 use anyhow::Context;
 use list::{LIST, List};
 use std::collections::BTreeSet;
@@ -106,9 +106,7 @@ impl<'a> OutputFolder<'a> {
     /// If files of others are in the way, another run is writing there, the user interrupted, or
     /// the system refuses.
     pub fn write(&self, files: &[NamedFile]) -> Result<(), Failure> {
-        if is_interrupted() {
-            return Err(Failure::interrupted());
-        }
+        check_interruption()?;
         while_writing(|| self.write_all(files))
     }
 

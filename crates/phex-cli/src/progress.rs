@@ -1,5 +1,6 @@
 //! Progress on standard error, and interruption.
 
+use crate::exit::Failure;
 use crate::printable::{printable, tell};
 use crate::shared_arguments::{ProgressMode, Talk};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -22,6 +23,17 @@ const GRACE: Duration = Duration::from_millis(500);
 /// Whether the user has interrupted the program.
 pub fn is_interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
+}
+
+/// Ends a command that the user has interrupted.
+///
+/// # Errors
+/// If the user has.
+pub fn check_interruption() -> Result<(), Failure> {
+    match is_interrupted() {
+        true => Err(Failure::interrupted()),
+        false => Ok(()),
+    }
 }
 
 /// From now on the first interruption ends the computation, the second one the program.

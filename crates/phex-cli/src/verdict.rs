@@ -9,23 +9,13 @@ use anyhow::Context;
 use phex::Boundary;
 use phex::quality::Verdict;
 use phex::report::{OutputFile, RunReport};
-use phex_job::{LimitSettings, MeshSettings, TypedLimits};
+use phex_job::TypedLimits;
 use phex_picture::{PictureOptions, draw};
 use std::path::Path;
 
 impl From<&ToleranceArguments> for TypedLimits {
     fn from(limits: &ToleranceArguments) -> Self {
-        let settings = MeshSettings {
-            max_deviation: limits.max_deviation,
-            ..Default::default()
-        };
-        Self {
-            planarity: limits.planarity,
-            max_deviation: settings.max_deviation(),
-            unit: limits.unit.unwrap_or_default(),
-            boundary: None,
-            panels: LimitSettings::default(),
-        }
+        or_promised(limits, None, None)
     }
 }
 
@@ -35,13 +25,7 @@ pub fn or_promised(
     boundary: Option<Boundary>,
     promised: Option<TypedLimits>,
 ) -> TypedLimits {
-    let typed = TypedLimits {
-        boundary,
-        ..TypedLimits::from(limits)
-    };
-    let Some(promised) = promised else {
-        return typed;
-    };
+    let promised = promised.unwrap_or_default();
     TypedLimits {
         planarity: limits.planarity.or(promised.planarity),
         max_deviation: limits.max_deviation.unwrap_or(promised.max_deviation),

@@ -69,6 +69,11 @@ impl PanelIds {
         &self.names[face]
     }
 
+    /// The names of all panels, in the order of the faces.
+    pub fn into_names(self) -> Vec<String> {
+        self.names.into_vec()
+    }
+
     /// Whether the mesh has rows.
     pub fn has_rows(&self) -> bool {
         self.has_rows
@@ -156,11 +161,14 @@ fn letters(row: usize) -> String {
 /// Which of the previous panels each face is: mutually nearest, within half a mean edge.
 fn kept(mesh: &HexMesh, previous: &[(String, Vec3)]) -> PerFace<Option<usize>> {
     let reach = 0.5 * mesh.mean_edge();
-    let centres: Vec<Vec3> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
+    let centres = mesh.centres();
     let old: Vec<Vec3> = previous.iter().map(|(_, centre)| *centre).collect();
-    let back: Vec<Option<usize>> = old.iter().map(|p| nearest(p, &centres, reach)).collect();
+    let back: Vec<Option<usize>> = old
+        .iter()
+        .map(|p| nearest(p, centres.as_slice(), reach))
+        .collect();
     PerFace::from_fn(centres.len(), |f: FaceId| {
-        nearest(&centres[f.index()], &old, reach).filter(|&k| back[k] == Some(f.index()))
+        nearest(&centres[f], &old, reach).filter(|&k| back[k] == Some(f.index()))
     })
 }
 

@@ -7,9 +7,9 @@
 
 use crate::ids::written;
 use crate::layer::{Layer, Stroke};
-use crate::outline::{outward, sides};
+use crate::outline::outward;
 use crate::plate::Plate;
-use phex_mesh::polygon::{contains, point_segment_distance, segments_touch};
+use phex_mesh::polygon::{contains, point_segment_distance, segments_touch, sides};
 use phex_mesh::{Vec2, bounds};
 use phex_picture::strokes;
 

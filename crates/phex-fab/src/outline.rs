@@ -1,18 +1,12 @@
 //! Polygons whose sides move outwards.
 
-use phex_mesh::polygon::{contains, is_simple, orientation, point_segment_distance};
+use phex_mesh::polygon::{contains, is_simple, orientation, point_segment_distance, sides};
 use phex_mesh::{Vec2, bounds};
 
 /// Sine of a corner's turn below which its two sides count as one line.
 const STRAIGHT: f64 = 1e-6;
 /// Cosine of the turn of a corner (150 degrees) from which on its spike is cut off.
 const SPIKE: f64 = -0.866;
-
-/// The sides of a closed polygon.
-pub fn sides(polygon: &[Vec2]) -> impl ExactSizeIterator<Item = [Vec2; 2]> + '_ {
-    let n = polygon.len();
-    (0..n).map(move |i| [polygon[i], polygon[(i + 1) % n]])
-}
 
 /// Unit normal of a side, to the right of its direction: out of a counter-clockwise polygon.
 pub fn outward(a: Vec2, b: Vec2) -> Vec2 {

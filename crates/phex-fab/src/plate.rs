@@ -6,7 +6,7 @@
 
 use crate::outline;
 use phex::offset::PanelSolid;
-use phex_mesh::polygon::{interior_angles, signed_area};
+use phex_mesh::polygon::{interior_angles, sides, signed_area};
 use phex_mesh::{EdgeId, FaceId, FacePlane, HexMesh, Vec2, Vec3};
 
 /// Cosine of the slope below which a panel counts as level.
@@ -86,9 +86,7 @@ impl Plate {
 
     /// Lengths of the upper face's sides, in mm.
     pub fn lengths(&self) -> Vec<f64> {
-        outline::sides(&self.top)
-            .map(|[a, b]| (b - a).norm())
-            .collect()
+        sides(&self.top).map(|[a, b]| (b - a).norm()).collect()
     }
 
     /// Angles of the upper face, in radians.
@@ -99,7 +97,7 @@ impl Plate {
 
 /// How far the lower face reaches beyond each side of the upper one, at the side's two ends.
 fn shifts(top: &[Vec2], bottom: &[Vec2]) -> Vec<[f64; 2]> {
-    let ends = outline::sides(top).zip(outline::sides(bottom));
+    let ends = sides(top).zip(sides(bottom));
     ends.map(|([a, b], low)| {
         let out = outline::outward(a, b);
         low.map(|p| (p - a).dot(&out))

@@ -52,10 +52,8 @@ pub struct Report<'a> {
     pub surface: Option<&'a TriangleSurface>,
     /// The mesh before the last step, for comparison.
     pub start: Option<&'a PolygonSoup>,
-    /// Curves on the surface, by family.
-    pub curves: &'a [CurveFamily],
-    /// Why there are no curves.
-    pub no_curves: Option<&'a str>,
+    /// Curves on the surface, by family, or why there are none.
+    pub curves: Result<&'a [CurveFamily], &'a str>,
 }
 
 impl Report<'_> {

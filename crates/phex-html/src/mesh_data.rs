@@ -2,7 +2,7 @@
 
 use crate::arrays::{PackedArray, numbers, points};
 use phex_mesh::ear_clip::ear_clip_corners;
-use phex_mesh::{PolygonSoup, Topology, Vec3};
+use phex_mesh::{PolygonSoup, Topology, Vec3, polygon};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -81,8 +81,7 @@ fn sides(soup: &PolygonSoup) -> Vec<EdgeSides> {
     let mut found: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     let mut sides: Vec<EdgeSides> = Vec::new();
     for (f, face) in soup.faces.iter().enumerate() {
-        for (k, &a) in face.iter().enumerate() {
-            let b = face[(k + 1) % face.len()];
+        for [a, b] in polygon::sides(face) {
             let at = *found.entry([a.min(b), a.max(b)]).or_insert(sides.len());
             match sides.get_mut(at) {
                 Some(side) => side.faces[1] = f as u32,

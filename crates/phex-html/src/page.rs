@@ -69,7 +69,7 @@ const CROSS: f64 = 0.36;
 /// Where no curves are given, the principal directions, which are conjugate, as a cross on each
 /// panel.
 fn crosses(report: &Report<'_>) -> Option<[CurveFamily; 2]> {
-    if !report.curves.is_empty() {
+    if report.curves.is_ok_and(|curves| !curves.is_empty()) {
         return None;
     }
     let assessment = report.run.assessment();
@@ -166,11 +166,7 @@ fn facts(report: &Report<'_>) -> Vec<(&'static str, String)> {
         ),
         ("Mean edge", format!("{} {unit}", figure(m.mean_edge))),
     ];
-    let deviation = run
-        .deviation_smooth
-        .as_ref()
-        .or(run.deviation_facets.as_ref());
-    if let Some(d) = deviation {
+    if let Some(d) = run.judged_deviation() {
         let length = d.deviation_max * d.diagonal;
         let percent = 100.0 * d.deviation_max;
         facts.push((

@@ -9,10 +9,7 @@ const MOST: usize = 40_000;
 /// The triangles of a surface; of a finer one, those that are left when vertices that share a cube
 /// of a grid become one.
 pub fn thinned(surface: &TriangleSurface) -> PolygonSoup {
-    let all = PolygonSoup {
-        positions: surface.positions().as_slice().to_vec(),
-        faces: surface.topology().face_lists(),
-    };
+    let all = surface.to_soup();
     let mut cell = (surface.area() / MOST as f64).sqrt();
     let mut soup = all.clone();
     while soup.faces.len() > MOST {

@@ -64,7 +64,7 @@ impl<'a> ViewerData<'a> {
         if report.surface.is_none() {
             missing.insert("surface", "no surface was given".to_owned());
         }
-        if let Some(reason) = report.no_curves {
+        if let Err(reason) = report.curves {
             missing.insert("curves", reason.to_owned());
         }
         let mean_edge = report.run.measures.mean_edge;
@@ -86,7 +86,7 @@ impl<'a> ViewerData<'a> {
             start: report.start.map(|s| StartLayer::new(s, mean_edge, origin)),
             missing,
         }
-        .with_curves(report.curves, origin)
+        .with_curves(report.curves.unwrap_or_default(), origin)
     }
 
     /// The same with these curves.

@@ -57,8 +57,7 @@ fn made(mesh: &HexMesh, viewer: Option<Viewer>) -> String {
         names: None,
         surface: None,
         start: None,
-        curves: &[],
-        no_curves: Some("no </script> either"),
+        curves: Err("no </script> either"),
     };
     page(&report, viewer).unwrap()
 }
@@ -216,8 +215,7 @@ fn layers_are_there_when_they_are_given() {
         names: Some(&names),
         surface: Some(&surface),
         start: Some(&start),
-        curves: &curves,
-        no_curves: None,
+        curves: Ok(&curves),
     };
     let packed = data(&page(&report, Some(Viewer::from_script(VIEWER))).unwrap());
     assert_eq!(packed["names"], serde_json::json!(names));

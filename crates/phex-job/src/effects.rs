@@ -49,14 +49,7 @@ impl MeshSettings {
         let twice = self.method == Some(LayoutMethod::Best) && self.effort.is_some();
         let twice = twice.then(|| "`effort` has no effect with `best`".to_owned());
         let told = told.chain(twice).chain(self.steering.without_effect());
-        let told: Vec<String> = told.collect();
-        match told.is_empty() {
-            true => Ok(()),
-            false => Err(JobError::input(format!(
-                "{}: leave it out",
-                told.join("; ")
-            ))),
-        }
+        refused(told.collect())
     }
 
     /// The options that are set and that not every method heeds.
@@ -207,9 +200,28 @@ impl MeshSettings {
     }
 }
 
+/// Refuses the options that sentences say do nothing.
+fn refused(told: Vec<String>) -> Result<(), JobError> {
+    match told.is_empty() {
+        true => Ok(()),
+        false => Err(JobError::input(format!(
+            "{}: leave it out",
+            told.join("; ")
+        ))),
+    }
+}
+
 impl crate::steering::SteeringSettings {
+    /// Refuses options that do nothing without another, or with the solver.
+    ///
+    /// # Errors
+    /// All of them that are set.
+    pub fn check_effects(&self) -> Result<(), JobError> {
+        refused(self.without_effect())
+    }
+
     /// Sentences on the options that are set and do nothing without another, or with the solver.
-    pub fn without_effect(&self) -> Vec<String> {
+    fn without_effect(&self) -> Vec<String> {
         let mut told = Vec::new();
         if self.ground_reach.is_some() && self.ground.is_none() {
             told.push("`ground-reach` has no effect without `ground`".to_owned());

@@ -2,6 +2,8 @@
 //! results have one form.
 
 use crate::error::{JobError, chain};
+use crate::limits::TypedLimits;
+use crate::settings::MeshSettings;
 use phex::classical::DualityError;
 use phex::directions::Cone;
 use phex::directions::NetworkError;
@@ -47,6 +49,26 @@ pub struct Computed {
     pub tried: Vec<AttemptSummary>,
 }
 
+impl Computed {
+    /// A mesh alone, whose panels may have any area.
+    fn of(mesh: HexMesh) -> Self {
+        Self {
+            wished: PerFace::filled(mesh.topology().n_faces(), 0.0),
+            mesh,
+            start: None,
+            smooth: None,
+            unrepeated: None,
+            beyond: None,
+            outcome: Value::Null,
+            stages: Vec::new(),
+            statistics: Value::Null,
+            cones: Vec::new(),
+            classical: None,
+            tried: Vec::new(),
+        }
+    }
+}
+
 /// Covers a connected surface with panels. A run that is cancelled gives the best mesh so far.
 ///
 /// # Errors
@@ -72,18 +94,10 @@ pub fn lay_out(
     let preview = surface.lay_out(options, progress);
     let preview = preview.map_err(pipeline_failure)?;
     Ok(Computed {
-        outcome: Value::Null,
         stages: preview.stages.iter().map(StageTime::from).collect(),
         statistics: value(&preview.statistics)?,
         cones: preview.cones,
-        classical: None,
-        tried: Vec::new(),
-        wished: any_area(&preview.mesh),
-        mesh: preview.mesh,
-        start: None,
-        smooth: None,
-        unrepeated: None,
-        beyond: None,
+        ..Computed::of(preview.mesh)
     })
 }
 
@@ -119,11 +133,6 @@ fn reached(run: MeshRun) -> Result<Computed, JobError> {
     })
 }
 
-/// Wishes of panels that may have any area.
-fn any_area(mesh: &HexMesh) -> PerFace<f64> {
-    PerFace::filled(mesh.topology().n_faces(), 0.0)
-}
-
 /// A conjugate curve network of a connected surface.
 ///
 /// # Errors
@@ -147,6 +156,30 @@ pub struct Planarization {
     /// Whether the surface consists of the mesh's own facets: then vertices are held near to where
     /// they are besides.
     pub is_own: bool,
+}
+
+impl Planarization {
+    /// How settings, with what was read for them, have a mesh made planar within limits, close to
+    /// a surface or to itself.
+    pub fn new(
+        settings: MeshSettings,
+        given: Steering,
+        limits: &TypedLimits,
+        (mesh, surface): (&HexMesh, Option<&TriangleSurface>),
+    ) -> Self {
+        let typed = settings.steering;
+        let (mut options, mut steering) = (settings.stages.optimise, settings.stages.steering);
+        typed.apply(given, &mut steering, &mut options);
+        let extent = mesh.diagonal();
+        let whole = surface.map_or(extent, TriangleSurface::diagonal);
+        limits.demand(&mut options, mesh.mean_edge(), extent, whole);
+        Self {
+            options,
+            steering,
+            refit: typed.has_dials(),
+            is_own: surface.is_none(),
+        }
+    }
 }
 
 /// Makes the faces of a mesh planar, close to a surface or to where they are.
@@ -181,15 +214,8 @@ pub fn planarize(
             seconds,
         }],
         statistics: value(&[&run.run])?,
-        cones: Vec::new(),
-        classical: None,
-        tried: Vec::new(),
         start: Some(mesh.to_soup()),
-        wished: any_area(mesh),
-        mesh: run.mesh,
-        smooth: None,
-        unrepeated: None,
-        beyond: None,
+        ..Computed::of(run.mesh)
     })
 }
 

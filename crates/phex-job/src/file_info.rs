@@ -1,7 +1,10 @@
 //! What is in a file, and what is wrong with it.
 
 use crate::input::MeshFile;
-use phex_mesh::{PolygonSoup, SurfaceError, SurfaceParts, TopologyError, TriangleSurface, Vec3};
+use phex_mesh::polygon::sides;
+use phex_mesh::{
+    FaceId, PolygonSoup, SurfaceError, SurfaceParts, TopologyError, TriangleSurface, Vec3, VertexId,
+};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashSet};
 
@@ -85,16 +88,18 @@ impl ProblemPlace {
                 to,
                 first,
                 second,
-            } => {
-                self.vertices.extend([from.index(), to.index()]);
-                self.faces.extend([first.index(), second.index()]);
-            }
+            } => self.add_edge([*from, *to], &[*first, *second]),
             SurfaceError::NotSimple { faces } | SurfaceError::ZeroArea { faces } => {
                 self.faces.extend(faces.iter().map(|f| f.index()));
             }
             // The extent of the whole, say, has no place.
             _ => {}
         }
+    }
+
+    fn add_edge(&mut self, ends: [VertexId; 2], faces: &[FaceId]) {
+        self.vertices.extend(ends.map(VertexId::index));
+        self.faces.extend(faces.iter().map(|f| f.index()));
     }
 
     fn add_topology(&mut self, error: &TopologyError) {
@@ -109,18 +114,14 @@ impl ProblemPlace {
                 self.faces.extend([first.index(), second.index()]);
             }
             TopologyError::NonManifoldEdge { from, to, faces } => {
-                self.vertices.extend([from.index(), to.index()]);
-                self.faces.extend(faces.iter().map(|f| f.index()));
+                self.add_edge([*from, *to], faces);
             }
             TopologyError::InconsistentOrientation {
                 from,
                 to,
                 first,
                 second,
-            } => {
-                self.vertices.extend([from.index(), to.index()]);
-                self.faces.extend([first.index(), second.index()]);
-            }
+            } => self.add_edge([*from, *to], &[*first, *second]),
             TopologyError::BowTieVertex { vertex } | TopologyError::UnusedVertex { vertex } => {
                 self.vertices.push(vertex.index());
             }
@@ -205,11 +206,7 @@ fn bounding_box(soup: &PolygonSoup) -> (Vec3, Vec3) {
 /// Length of each edge once.
 fn edge_lengths(soup: &PolygonSoup) -> Vec<f64> {
     let sides = |face: &Vec<u32>| -> Vec<(u32, u32)> {
-        let next = face.iter().cycle().skip(1);
-        face.iter()
-            .zip(next)
-            .map(|(&a, &b)| (a.min(b), a.max(b)))
-            .collect()
+        sides(face).map(|[a, b]| (a.min(b), a.max(b))).collect()
     };
     let mut seen = HashSet::new();
     let edges = soup

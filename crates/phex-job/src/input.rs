@@ -136,8 +136,7 @@ impl MeshFile {
                 (mesh, notes)
             }
         };
-        let looks_inwards =
-            mesh.topology().boundary_loops().is_empty() && mesh.to_soup().volume() < 0.0;
+        let looks_inwards = mesh.topology().is_closed() && mesh.to_soup().volume() < 0.0;
         let notes = SurfaceNotes {
             others: self.others,
             inward_bodies: usize::from(looks_inwards),

@@ -56,7 +56,7 @@ pub use file_info::{ComponentInfo, FileInfo, ProblemPlace};
 pub use given::Given;
 pub use guides::GuideSettings;
 pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read_text};
-pub use limits::TypedLimits;
+pub use limits::{TypedLimits, check_distances};
 pub use number_lists::{finite, ten, three};
 pub use output::in_file;
 pub use panel_limits::LimitSettings;

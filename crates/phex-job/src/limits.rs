@@ -2,13 +2,13 @@
 
 use crate::error::JobError;
 use crate::panel_limits::LimitSettings;
-use crate::settings::MeshSettings;
+use crate::settings::{DEFAULT_DEVIATION, MeshSettings};
 use crate::units::{Quantity, Unit};
 use phex::Boundary;
 use phex::optimise::OptimiseOptions;
 use phex::quality::{Assessment, Check, Reading, References, Scale};
 use phex::report::RunReport;
-use phex_mesh::{HexMesh, TriangleSurface};
+use phex_mesh::{HexMesh, LARGEST_COORDINATE, TriangleSurface};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -33,6 +33,18 @@ pub struct TypedLimits {
     /// Of panels, edges, corners and joints.
     #[serde(default)]
     pub panels: LimitSettings,
+}
+
+impl Default for TypedLimits {
+    fn default() -> Self {
+        Self {
+            planarity: None,
+            max_deviation: DEFAULT_DEVIATION,
+            unit: Unit::default(),
+            boundary: None,
+            panels: LimitSettings::default(),
+        }
+    }
 }
 
 impl From<&MeshSettings> for TypedLimits {
@@ -140,5 +152,24 @@ impl TypedLimits {
             limits: serde_json::to_value(self).unwrap_or(Value::Null),
             ..RunReport::new(command, assessment)
         }
+    }
+}
+
+/// Refuses distances of layers that the coordinates of a mesh can't hold: the layer would be the
+/// mesh itself, or nowhere. `name` is that of the option.
+///
+/// # Errors
+/// The first of them.
+pub fn check_distances(name: &str, distances: &[f64], mesh: &HexMesh) -> Result<(), JobError> {
+    let largest = mesh.positions.iter().map(|p| p.amax()).fold(0.0, f64::max);
+    let range = 4.0 * f64::EPSILON * largest..=LARGEST_COORDINATE;
+    let is_held = |d: &&f64| **d == 0.0 || range.contains(&d.abs());
+    match distances.iter().find(|d| !is_held(d)) {
+        None => Ok(()),
+        Some(d) => Err(JobError::Input(format!(
+            "{name} {d:e}: coordinates as large as {largest:.1e} hold distances from {:.1e} to {:e} (model units)",
+            range.start(),
+            range.end()
+        ))),
     }
 }

@@ -22,7 +22,7 @@ use phex::quality::References;
 use phex::repetition::Repetition;
 use phex::report::{FeatureSizes, InputFile, RunReport, StageTime};
 use phex::{Event, MeshOptions, Progress, Session};
-use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface, VertexId};
+use phex_mesh::{HexMesh, PolygonSoup, SurfaceComponent, SurfaceParts, TriangleSurface};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -135,11 +135,7 @@ impl JobResult {
 /// use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 ///
 /// let sphere = triangulate(&Shape::from_name("sphere", &[])?, &TriangulationOptions::default())?;
-/// let soup = phex_mesh::PolygonSoup {
-///     positions: sphere.positions().as_slice().to_vec(),
-///     faces: sphere.topology().face_lists(),
-/// };
-/// let file = MeshFile::in_memory("sphere", soup);
+/// let file = MeshFile::in_memory("sphere", sphere.to_soup());
 /// let settings = MeshSettings::from_toml("panels = 32\nmax-deviation = '5%'")?;
 /// let made = run(&MeshJob::new(file.surfaces()?, file.record, settings), &phex::Silent)?;
 /// assert!((28..36).contains(&made.mesh.topology().n_faces()));
@@ -512,18 +508,11 @@ fn thinner_than(edge: f64, surface: &TriangleSurface) -> Option<String> {
 /// What is said of holes whose rims are shorter than half of a panel's, `edge` being the length of
 /// the edge of a panel: most often a triangle of the file is missing there.
 fn pinholes(edge: f64, facets: &TriangleSurface) -> Option<String> {
-    let at = |v: &VertexId| facets.positions()[*v];
-    let length = |rim: &Vec<VertexId>| -> f64 {
-        let next = rim.iter().cycle().skip(1);
-        rim.iter()
-            .zip(next)
-            .map(|(v, w)| (at(w) - at(v)).norm())
-            .sum()
-    };
     let mut small = facets.boundary_loops();
-    small.retain(|rim| length(rim) < 3.0 * edge);
+    small.retain(|rim| facets.length_round(rim) < 3.0 * edge);
+    let first = facets.positions()[*small.first()?.first()?];
     // So many digits as tell the place.
-    let [x, y, z] = <[f64; 3]>::from(at(small.first()?.first()?)).map(|x| x as f32);
+    let [x, y, z] = <[f64; 3]>::from(first).map(|x| x as f32);
     let holes = small.len();
     Some(format!(
         "{holes} holes are smaller than half a panel, the first at ({x}, {y}, {z}): panels keep them open; close them \
@@ -541,7 +530,7 @@ fn without_effect(job: &MeshJob, facets: &TriangleSurface) -> Vec<String> {
             idle.join("`, `")
         ));
     }
-    if job.settings.boundary.is_some() && facets.boundary_loops().is_empty() {
+    if job.settings.boundary.is_some() && facets.topology().is_closed() {
         told.push("--boundary has no effect: the surface has no boundary".to_owned());
     }
     told

@@ -8,6 +8,7 @@ use phex::directions::thickness;
 use phex::directions::{Cone, Guides};
 use phex::directions::{Demands, relative_sizes};
 use phex::layout::CELL;
+use phex_mesh::polygon::sides;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3};
 
 /// Diagonals of the surface that points for rows, cones and holds may be away from its box: farther
@@ -248,12 +249,8 @@ fn panel_lengths(mesh: &HexMesh) -> [f64; 2] {
     let inner = topology.inner_faces();
     let length = |f: FaceId| {
         let (corners, centre): (Vec<Vec3>, Vec3) = (mesh.corners(f).collect(), mesh.centre(f));
-        let next = corners.iter().cycle().skip(1);
-        let area: Vec3 = corners
-            .iter()
-            .zip(next)
-            .map(|(a, b)| (a - centre).cross(&(b - centre)))
-            .sum();
+        let doubled = sides(&corners).map(|[a, b]| (a - centre).cross(&(b - centre)));
+        let area: Vec3 = doubled.sum();
         (0.5 * area.norm() / CELL).sqrt()
     };
     let mut lengths: Vec<f64> = inner.map(length).collect();

@@ -155,7 +155,7 @@ impl<'a> Clipper<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::polygon::is_simple;
+    use crate::polygon::{is_simple, sides};
     use proptest::prelude::*;
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -243,12 +243,8 @@ mod tests {
     }
 
     fn polygon_area(points: &[[f64; 2]]) -> f64 {
-        let next = points.iter().cycle().skip(1);
-        points
-            .iter()
-            .zip(next)
-            .map(|(p, q)| 0.5 * (p[0] * q[1] - p[1] * q[0]))
-            .sum()
+        let doubled = sides(points).map(|[p, q]| p[0] * q[1] - p[1] * q[0]);
+        doubled.map(|area| 0.5 * area).sum()
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! The polygon mesh that phex makes: positions and half-edge topology, faces of any valence.
 
 use crate::extent::bounds;
+use crate::face_lists::numbered;
 use crate::ids::{EdgeId, FaceId, VertexId};
-use crate::per_element::PerVertex;
+use crate::per_element::{PerFace, PerVertex};
 use crate::topology::{Topology, TopologyError};
 use crate::{PolygonSoup, Vec3};
 
@@ -63,6 +64,11 @@ impl HexMesh {
         }
     }
 
+    /// The same connectivity with every vertex moved by a map.
+    pub fn mapped(&self, place: impl Fn(&Vec3) -> Vec3) -> Self {
+        self.with_positions(self.positions.map(place))
+    }
+
     /// The mesh with all faces turned over: the same vertices and faces, each the other way round.
     ///
     /// ```
@@ -84,6 +90,17 @@ impl HexMesh {
         turned.expect("the other side of a manifold is one, too")
     }
 
+    /// Some of the faces alone, with their vertices numbered in the order of use.
+    ///
+    /// # Errors
+    /// If they are joined in single vertices.
+    pub fn part(&self, faces: &[FaceId]) -> Result<Self, TopologyError> {
+        let outlines = faces.iter().map(|f| self.topology.face_vertices(*f));
+        let (vertices, outlines) = numbered(outlines.map(|o| o.iter().copied()));
+        let places = vertices.iter().map(|v| self.positions[*v]);
+        Self::new(places.collect(), &outlines)
+    }
+
     /// Corner positions of a face, counter-clockwise.
     pub fn corners(&self, f: FaceId) -> impl ExactSizeIterator<Item = Vec3> + '_ {
         self.topology
@@ -97,10 +114,20 @@ impl HexMesh {
         self.corners(f).sum::<Vec3>() / self.topology.valence(f) as f64
     }
 
+    /// Means of the corners of all faces.
+    pub fn centres(&self) -> PerFace<Vec3> {
+        PerFace::from_fn(self.topology.n_faces(), |f| self.centre(f))
+    }
+
+    /// From the first end of an edge to the second.
+    pub fn edge_vector(&self, e: EdgeId) -> Vec3 {
+        let [a, b] = self.topology.edge_vertices(e);
+        self.positions[b] - self.positions[a]
+    }
+
     /// Length of an edge.
     pub fn edge_length(&self, e: EdgeId) -> f64 {
-        let [a, b] = self.topology.edge_vertices(e);
-        (self.positions[a] - self.positions[b]).norm()
+        self.edge_vector(e).norm()
     }
 
     /// Mean length of all edges, the unit of every relative length.

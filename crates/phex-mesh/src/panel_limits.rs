@@ -13,7 +13,7 @@
 //! Figures that meet a limit but for rounding ([`ROUNDING`] of it) are within.
 
 use crate::measure::aspect;
-use crate::polygon::interior_angles;
+use crate::polygon::{interior_angles, sides};
 use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -332,8 +332,8 @@ pub fn rectangle_fit(polygon: &[Vec2], [a, b]: [f64; 2]) -> (f64, Vec2) {
     let direction = |angle: f64| Vec2::new(angle.cos(), angle.sin());
     let across = |d: Vec2| Vec2::new(-d.y, d.x);
     let factor = |d: Vec2| (extreme(d).dot(&d) / a).max(extreme(across(d)).dot(&across(d)) / b);
-    let sides = (0..hull.len()).map(|i| hull[(i + 1) % hull.len()] - hull[i]);
-    let mut flush: Vec<f64> = sides
+    let mut flush: Vec<f64> = sides(&hull)
+        .map(|[p, q]| q - p)
         .map(|s| s.y.atan2(s.x).rem_euclid(FRAC_PI_2))
         .collect();
     flush.sort_by(f64::total_cmp);
@@ -560,7 +560,7 @@ mod tests {
     #[test]
     fn lengths_and_areas_scale_with_the_mesh() {
         let mesh = book(100.0);
-        let large = mesh.with_positions(mesh.positions.map(|p| p * 1000.0));
+        let large = mesh.mapped(|p| p * 1000.0);
         let limits = PanelLimits {
             max_panel: Some([0.8, 1.2]),
             min_edge: Some(1.1),

@@ -99,6 +99,13 @@ impl<I: ElementId, T> PerElement<I, T> {
     }
 }
 
+impl<I: ElementId, T: Copy> PerElement<I, T> {
+    /// The values of some elements, in the order in which they are named.
+    pub fn picked<J: ElementId>(&self, ids: &[I]) -> PerElement<J, T> {
+        PerElement::from_vec(ids.iter().map(|id| self[*id]).collect())
+    }
+}
+
 impl<I: ElementId, T> Index<I> for PerElement<I, T> {
     type Output = T;
     fn index(&self, id: I) -> &T {

@@ -1,6 +1,7 @@
 //! The plane of a face: total least squares, oriented by the face's winding.
 
-use crate::{Vec2, Vec3};
+use crate::polygon::sides;
+use crate::{FaceId, HexMesh, Vec2, Vec3};
 use nalgebra::{Matrix3, SymmetricEigen};
 
 /// Least-squares plane of a polygon with an orthonormal frame in it.
@@ -32,9 +33,8 @@ impl FacePlane {
         };
         let mut covariance = Matrix3::zeros();
         let mut newell = Vec3::zeros();
-        for (i, p) in corners.iter().enumerate() {
-            let a = (p - centre) * unit;
-            let b = (corners[(i + 1) % corners.len()] - centre) * unit;
+        for side in sides(corners) {
+            let [a, b] = side.map(|p| (p - centre) * unit);
             covariance += a * a.transpose();
             newell += a.cross(&b);
         }
@@ -52,6 +52,11 @@ impl FacePlane {
             normal,
             axes: [first, normal.cross(&first)],
         }
+    }
+
+    /// The plane of a face's corners.
+    pub fn of(mesh: &HexMesh, face: FaceId) -> Self {
+        Self::fit(&mesh.corners(face).collect::<Vec<_>>())
     }
 
     /// In-plane coordinates of a point.

@@ -7,7 +7,7 @@
 //! | [`signed_area`] | positive if counter-clockwise | rounded |
 //! | [`clearance`] | least distance of a corner to an edge that does not hold it | rounded |
 //!
-//! Nothing here allocates. Edge `i` runs from corner `i` to corner `i + 1`, cyclically.
+//! Nothing here allocates. Side `i` runs from corner `i` to corner `i + 1`, cyclically.
 
 use crate::Vec2;
 use nalgebra::SVector;
@@ -29,7 +29,7 @@ pub fn is_simple(polygon: &[Vec2]) -> bool {
     let n = polygon.len();
     n >= 3
         && polygon.iter().all(|p| p.x.is_finite() && p.y.is_finite())
-        && (0..n).all(|i| polygon[i] != polygon[(i + 1) % n])
+        && sides(polygon).all(|[a, b]| a != b)
         && corner_triples(polygon).all(|[a, b, c]| !is_folded(a, b, c))
         && (0..n).all(|i| edge_is_clear(polygon, i))
 }
@@ -62,6 +62,12 @@ pub fn is_folded(a: Vec2, b: Vec2, c: Vec2) -> bool {
     // Differences of floating-point numbers have an exact sign.
     let together = |a: f64, b: f64, c: f64| (a > b && c > b) || (a < b && c < b);
     (together(a.x, b.x, c.x) || together(a.y, b.y, c.y)) && orientation(a, b, c) == 0.0
+}
+
+/// The sides of a closed polygon, from each corner to the next; corners may be points or numbers.
+pub fn sides<T: Copy>(polygon: &[T]) -> impl ExactSizeIterator<Item = [T; 2]> + '_ {
+    let n = polygon.len();
+    (0..n).map(move |i| [polygon[i], polygon[(i + 1) % n]])
 }
 
 /// Previous corner, corner and next corner, for each corner in order.
@@ -102,12 +108,10 @@ pub fn signed_area(polygon: &[Vec2]) -> f64 {
 /// assert!(!polygon::contains(&square, Vec2::new(1.4, 0.7)));
 /// ```
 pub fn contains(polygon: &[Vec2], p: Vec2) -> bool {
-    let n = polygon.len();
-    let crosses = |i: &usize| {
-        let (a, b) = (polygon[*i], polygon[(i + 1) % n]);
+    let crosses = |[a, b]: &[Vec2; 2]| {
         (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)
     };
-    (0..n).filter(crosses).count() % 2 == 1
+    sides(polygon).filter(crosses).count() % 2 == 1
 }
 
 /// Area of a regular hexagon over the square of its edge.

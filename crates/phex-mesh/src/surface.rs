@@ -7,6 +7,7 @@ use crate::Vec3;
 use crate::extent::bounds;
 use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::per_element::PerVertex;
+use crate::polygon::sides;
 use crate::segment::{passes_through, segment_box, to_parry};
 use crate::topology::{Topology, TopologyError};
 use parry3d_f64::bounding_volume::BoundingVolume;
@@ -195,18 +196,26 @@ impl TriangleSurface {
         (b - a).cross(&(c - a))
     }
 
+    /// Area of a triangle.
+    pub fn face_area(&self, f: FaceId) -> f64 {
+        0.5 * self.area_vector(f).norm()
+    }
+
     /// Total area.
     pub fn area(&self) -> f64 {
-        self.topology
-            .faces()
-            .map(|f| 0.5 * self.area_vector(f).norm())
-            .sum()
+        self.topology.faces().map(|f| self.face_area(f)).sum()
+    }
+
+    /// Length of a closed line of vertices.
+    pub fn length_round(&self, line: &[VertexId]) -> f64 {
+        let length = |[a, b]: [VertexId; 2]| (self.positions[b] - self.positions[a]).norm();
+        sides(line).map(length).sum()
     }
 
     /// Mean thickness of what a closed surface encloses: twice its volume over its area. Of a plate
     /// it is the distance of the two sides, of a thin pipe its radius. `None` with a boundary.
     pub fn thickness(&self) -> Option<f64> {
-        let is_closed = self.topology.boundary_loops().is_empty();
+        let is_closed = self.topology.is_closed();
         let first = self.positions.as_slice()[0];
         let volume = |f: FaceId| {
             let [a, b, c] = self.corners(f).map(|p| p - first);

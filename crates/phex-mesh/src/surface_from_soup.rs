@@ -160,6 +160,14 @@ impl SurfaceParts {
 }
 
 impl TriangleSurface {
+    /// The triangles as plain lists.
+    pub fn to_soup(&self) -> PolygonSoup {
+        PolygonSoup {
+            positions: self.positions().as_slice().to_vec(),
+            faces: self.topology().face_lists(),
+        }
+    }
+
     /// One surface of several parts.
     ///
     /// # Errors
@@ -236,7 +244,7 @@ impl TriangleSurface {
         let looks_inwards = |c: &&SurfaceComponent| {
             let topology = c.surface.topology();
             let triangles = c.surface.topology().faces().map(|f| c.surface.corners(f));
-            topology.boundary_loops().is_empty() && volume(triangles) < 0.0
+            topology.is_closed() && volume(triangles) < 0.0
         };
         let notes = SurfaceNotes {
             unused_vertices,

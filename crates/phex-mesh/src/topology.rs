@@ -338,6 +338,11 @@ impl Topology {
         self.vertices().filter(|v| !self.is_boundary_vertex(*v))
     }
 
+    /// Whether there is no boundary.
+    pub fn is_closed(&self) -> bool {
+        self.boundary_edges().next().is_none()
+    }
+
     /// The edges that one face holds.
     pub fn boundary_edges(&self) -> impl Iterator<Item = EdgeId> {
         self.edges().filter(|e| self.is_boundary_edge(*e))

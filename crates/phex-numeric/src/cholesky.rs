@@ -286,10 +286,14 @@ impl<T: CholeskyNumber> std::fmt::Debug for Cholesky<T> {
 }
 
 /// Largest absolute value; NaN if one is.
-pub(crate) fn max_abs<T: Scalar<Real = f64>>(values: &[T]) -> f64 {
+pub fn max_abs<T: Scalar<Real = f64>>(values: &[T]) -> f64 {
+    largest(values.iter().map(|v| v.abs()))
+}
+
+/// Largest of numbers that are not negative, 0 of none; NaN if one is.
+pub fn largest(values: impl Iterator<Item = f64>) -> f64 {
     // `f64::max` would drop a NaN.
-    let larger = |m: f64, v: f64| if v > m || v.is_nan() { v } else { m };
-    values.iter().map(|v| v.abs()).fold(0.0, larger)
+    values.fold(0.0, |m, v| if v > m || v.is_nan() { v } else { m })
 }
 
 fn too_large(reason: impl std::fmt::Display) -> NumericError {

@@ -28,7 +28,7 @@ pub mod schur;
 pub mod symmetric;
 
 pub use assembly::Assembly;
-pub use cholesky::{Cholesky, CholeskyNumber};
+pub use cholesky::{Cholesky, CholeskyNumber, largest, max_abs};
 pub use conjugate_gradients::{
     ConjugateGradientOptions, ConjugateGradientResult, conjugate_gradients,
     preconditioned_conjugate_gradients,

@@ -180,18 +180,8 @@ fn bounding_sphere(mesh: &HexMesh) -> (Vec3, f64) {
 }
 
 fn area_vectors(mesh: &HexMesh) -> Vec<Vec3> {
-    let area_vector = |f| {
-        let corners: Vec<Vec3> = mesh.corners(f).collect();
-        let c = corners[0];
-        let next = corners.iter().cycle().skip(1);
-        corners
-            .iter()
-            .zip(next)
-            .map(|(p, q)| (p - c).cross(&(q - c)))
-            .sum::<Vec3>()
-            / 2.0
-    };
-    mesh.topology().faces().map(area_vector).collect()
+    let faces = mesh.topology().faces();
+    faces.map(|f| mesh.area_vector(f) / 2.0).collect()
 }
 
 /// Plane of a panel in normalised coordinates.

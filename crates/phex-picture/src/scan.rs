@@ -1,6 +1,7 @@
 //! Samples inside polygons.
 
 use phex_mesh::Vec2;
+use phex_mesh::polygon::sides;
 use std::ops::Range;
 
 /// Calls `fill(row, columns)` for the samples whose centre lies inside a polygon by the even-odd
@@ -30,8 +31,7 @@ pub fn scan_polygon(
 
 fn row_crossings(outline: &[Vec2], y: f64, crossings: &mut Vec<f64>) {
     crossings.clear();
-    for (i, a) in outline.iter().enumerate() {
-        let b = &outline[(i + 1) % outline.len()];
+    for [a, b] in sides(outline) {
         if (a.y <= y) != (b.y <= y) {
             // From the lower end, so that two neighbouring panels find the same column.
             let (a, b) = if a.y < b.y { (a, b) } else { (b, a) };

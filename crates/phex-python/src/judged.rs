@@ -11,11 +11,11 @@ use phex::report::RunReport;
 use phex::{Boundary, continued};
 use phex_html::{SheetKind, contact_file};
 use phex_job::{
-    AtBoundary, Computed, DEFAULT_DEVIATION, Given, JobError, JobResult, LastStage, LimitSettings,
-    MeshFile, MeshJob, MeshSettings, Planarization, Quantity, SteeringSettings, TimeLimit,
-    TypedLimits, Unit, WayShown, chain, time_limit, ways,
+    AtBoundary, Computed, Given, JobError, JobResult, LastStage, MeshFile, MeshJob, MeshSettings,
+    Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, WayShown, chain,
+    time_limit, ways,
 };
-use phex_mesh::{EdgeId, HexMesh, LARGEST_COORDINATE, PolygonSoup, TriangleSurface};
+use phex_mesh::{EdgeId, HexMesh, LARGEST_COORDINATE, TriangleSurface};
 use phex_picture::ContactTile;
 use serde::Deserialize;
 use serde_json::json;
@@ -161,7 +161,7 @@ fn answer(result: KeptResult) -> Result<Answer, JobError> {
     let report = result.report.to_json();
     let report = report.map_err(|e| JobError::Internal(e.to_string()))?;
     let verdict = json(&result.report.verdict)?;
-    let smooth = result.smooth.as_ref().map(soup_of);
+    let smooth = result.smooth.as_ref().map(TriangleSurface::to_soup);
     Ok(vec![
         ("mesh", AnswerPart::Mesh(Some(result.mesh.to_soup()))),
         ("target", AnswerPart::Mesh(smooth)),
@@ -169,13 +169,6 @@ fn answer(result: KeptResult) -> Result<Answer, JobError> {
         ("verdict", verdict),
         ("kept", AnswerPart::Kept(Box::new(Kept::new(result)))),
     ])
-}
-
-fn soup_of(surface: &TriangleSurface) -> PolygonSoup {
-    PolygonSoup {
-        positions: surface.positions().as_slice().to_vec(),
-        faces: surface.topology().face_lists(),
-    }
 }
 
 /// Tolerances, and the unit that they refer to.
@@ -189,19 +182,31 @@ pub struct LimitsRequest {
 }
 
 impl LimitsRequest {
+    /// Refuses a limit of the distance to a surface where there is no surface.
+    fn check(self, has_surface: bool) -> Result<(), JobError> {
+        match self.max_deviation.filter(|_| !has_surface) {
+            None => Ok(()),
+            Some(limit) => Err(JobError::Input(format!(
+                "max_deviation {limit} has no effect without a surface"
+            ))),
+        }
+    }
+
     /// The limits, where there is a surface or not.
     fn limits(self, has_surface: bool) -> Result<TypedLimits, JobError> {
-        if let Some(limit) = self.max_deviation.filter(|_| !has_surface) {
-            let told = format!("max_deviation {limit} has no effect without a surface");
-            return Err(JobError::Input(told));
+        self.check(has_surface)?;
+        Ok(self.over(TypedLimits::default()))
+    }
+
+    /// What is given, and what was promised where nothing is.
+    fn over(self, promised: TypedLimits) -> TypedLimits {
+        TypedLimits {
+            planarity: self.planarity.or(promised.planarity),
+            max_deviation: self.max_deviation.unwrap_or(promised.max_deviation),
+            unit: self.unit.unwrap_or(promised.unit),
+            boundary: self.boundary.map(Into::into).or(promised.boundary),
+            ..promised
         }
-        Ok(TypedLimits {
-            planarity: self.planarity,
-            max_deviation: self.max_deviation.unwrap_or(DEFAULT_DEVIATION),
-            unit: self.unit.unwrap_or_default(),
-            boundary: self.boundary.map(Into::into),
-            panels: LimitSettings::default(),
-        })
     }
 }
 
@@ -233,31 +238,19 @@ pub fn planarized(
         ..MeshSettings::default()
     };
     let settings = with_job_file(typed, request.config)?;
-    let idle = settings.steering.without_effect();
-    if !idle.is_empty() {
-        return Err(JobError::Input(format!(
-            "{}: leave it out",
-            idle.join("; ")
-        )));
-    }
+    settings.steering.check_effects()?;
     let mut given = Given {
         steering: settings.steering.read()?,
         ..Given::default()
     };
     request.given.add_to(&mut given)?;
-    let typed = settings.steering;
-    let (mut options, mut steering) = (settings.stages.optimise, settings.stages.steering);
-    typed.apply(given.steering, &mut steering, &mut options);
-    let whole = surface
-        .as_ref()
-        .map_or_else(|| start.diagonal(), TriangleSurface::diagonal);
-    limits.demand(&mut options, start.mean_edge(), start.diagonal(), whole);
-    let how = Planarization {
-        options,
-        steering,
-        refit: request.refit || typed.has_dials(),
-        is_own: surface.is_none(),
-    };
+    let mut how = Planarization::new(
+        settings,
+        given.steering,
+        &limits,
+        (&start, surface.as_ref()),
+    );
+    how.refit |= request.refit;
     let own = || Some(inputs.first().ok()?.surfaces().ok()?.whole());
     let facets = surface.or_else(own);
     let reached = phex_job::planarize(&start, facets.as_ref(), &how, progress)?;
@@ -294,10 +287,7 @@ fn judged(
     limits: &TypedLimits,
     inputs: &Inputs,
 ) -> RunReport {
-    let references = References {
-        facets,
-        ..References::default()
-    };
+    let references = References::of_facets(facets);
     let mut report = limits.report(command, limits.judge(mesh, references));
     report.inputs = inputs.files.iter().map(|f| f.record.clone()).collect();
     report.threads = rayon::current_num_threads();
@@ -318,18 +308,9 @@ pub struct CheckRequest {
 impl CheckRequest {
     /// What is typed, and where nothing is what a job or an earlier run promised.
     fn limits(&self, has_surface: bool) -> Result<TypedLimits, JobError> {
-        let typed = self.limits.limits(has_surface)?;
+        self.limits.check(has_surface)?;
         let job = self.job.as_deref().map(TypedLimits::of_job).transpose()?;
-        let Some(promised) = job.or(self.promised) else {
-            return Ok(typed);
-        };
-        Ok(TypedLimits {
-            planarity: typed.planarity.or(promised.planarity),
-            max_deviation: self.limits.max_deviation.unwrap_or(promised.max_deviation),
-            unit: self.limits.unit.unwrap_or(promised.unit),
-            boundary: typed.boundary.or(promised.boundary),
-            ..promised
-        })
+        Ok(self.limits.over(job.or(self.promised).unwrap_or_default()))
     }
 }
 
@@ -388,7 +369,7 @@ pub fn koebe_mesh(
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let graph = inputs.panels()?;
-    let closed = graph.topology().boundary_loops().is_empty();
+    let closed = graph.topology().is_closed();
     let is_given = request.boundary.is_some() || request.opening.is_some();
     if closed && is_given {
         let told = "boundary and opening have no effect: the mesh has no boundary";
@@ -408,7 +389,7 @@ pub fn koebe_mesh(
         let told = format!("the circles were not found: {:?}", made.outcome.status);
         return Err(JobError::NoResult(told));
     }
-    let limits = LimitsRequest::default().limits(false)?;
+    let limits = TypedLimits::default();
     let mut report = judged("koebe", &made.mesh, None, &limits, &inputs);
     report.settings = json!({ "koebe": options, "unit": "sphere of radius 1" });
     report.outcome = json!(made.outcome);

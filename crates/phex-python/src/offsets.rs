@@ -9,8 +9,8 @@ use phex::offset::{
     face_gauss_image, joined, layer, node_axes, panel_solids, safe_distances, vertex_gauss_image,
 };
 use phex::{MeshOptions, PanelSize, Progress};
-use phex_job::{JobError, Quantity, TypedPanelSize, Unit, chain};
-use phex_mesh::{HexMesh, LARGEST_COORDINATE, ValidateOptions};
+use phex_job::{JobError, Quantity, TypedPanelSize, Unit, chain, check_distances};
+use phex_mesh::{HexMesh, ValidateOptions};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -40,7 +40,7 @@ pub fn offset(
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let mesh = inputs.panels()?;
-    check_distances(&request.distances, &mesh)?;
+    check_distances("distance", &request.distances, &mesh)?;
     let fraction = |q: Quantity| q.fraction(request.unit, mesh.mean_edge());
     let options = OffsetOptions {
         validity: ValidateOptions {
@@ -150,21 +150,6 @@ fn too_far(cause: &str, distance: f64, safe: impl FnOnce() -> SafeDistances) -> 
     JobError::NoResult(format!(
         "{cause}; the largest safe distance on that side is {most} (model units)"
     ))
-}
-
-/// Refuses distances that the coordinates can't hold.
-fn check_distances(distances: &[f64], mesh: &HexMesh) -> Result<(), JobError> {
-    let largest = mesh.positions.iter().map(|p| p.amax()).fold(0.0, f64::max);
-    let range = 4.0 * f64::EPSILON * largest..=LARGEST_COORDINATE;
-    let is_held = |d: &&f64| **d == 0.0 || range.contains(&d.abs());
-    match distances.iter().find(|d| !is_held(d)) {
-        None => Ok(()),
-        Some(d) => Err(JobError::Input(format!(
-            "distance {d:e}: coordinates as large as {largest:.1e} hold distances from {:.1e} to {:e} (model units)",
-            range.start(),
-            range.end()
-        ))),
-    }
 }
 
 /// Lengths in model units, for options that take `20mm` or `1%`.

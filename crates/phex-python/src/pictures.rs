@@ -6,7 +6,7 @@ use phex::Progress;
 use phex::quality::References;
 use phex_fab::PanelIds;
 use phex_html::{Report, Viewer, conjugate_curves, page};
-use phex_job::{DEFAULT_DEVIATION, JobError, LimitSettings, TypedLimits, Unit};
+use phex_job::{JobError, TypedLimits};
 use phex_mesh::ear_clip::ear_clip_corners;
 use phex_mesh::{HexMesh, PolygonSoup, TriangleSurface, Vec3};
 use phex_picture::maps::{ColourMap, Map, Subject};
@@ -56,20 +56,10 @@ fn colours(
     mesh: &HexMesh,
     facets: Option<&TriangleSurface>,
 ) -> Result<ColourMap, JobError> {
-    let references = References {
-        facets,
-        ..References::default()
-    };
-    let limits = TypedLimits {
-        planarity: None,
-        max_deviation: DEFAULT_DEVIATION,
-        unit: Unit::default(),
-        boundary: None,
-        panels: LimitSettings::default(),
-    };
+    let references = References::of_facets(facets);
     let subject = Subject {
         mesh,
-        assessment: &limits.judge(mesh, references),
+        assessment: &TypedLimits::default().judge(mesh, references),
         surface: facets,
     };
     let name = map.name();
@@ -125,15 +115,12 @@ pub fn html(
     let kept = inputs.kept.as_ref();
     let none = || JobError::Internal("a page needs a result".to_owned());
     let kept = &kept.ok_or_else(none)?.result;
-    let ids = PanelIds::new(&kept.mesh);
-    let faces = kept.mesh.topology().faces();
-    let names: Vec<String> = faces.map(|face| ids.panel(face).to_owned()).collect();
+    let names = PanelIds::new(&kept.mesh).into_names();
     let surface = kept.facets.as_ref().filter(|_| request.curves);
     let curves = surface.map_or_else(
         || Err("no surface was given".to_owned()),
         |surface| conjugate_curves(surface, progress),
     );
-    let no_curves = curves.as_ref().err().cloned();
     let report = Report {
         title: &request.title,
         command: &request.command,
@@ -142,8 +129,7 @@ pub fn html(
         names: Some(&names),
         surface: kept.smooth.as_ref().or(kept.facets.as_ref()),
         start: kept.start.as_ref(),
-        curves: curves.as_deref().unwrap_or_default(),
-        no_curves: no_curves.as_deref(),
+        curves: curves.as_deref().map_err(String::as_str),
     };
     let html = page(&report, Viewer::embedded());
     let html = html.map_err(|e| JobError::Internal(e.to_string()))?;

@@ -9,7 +9,9 @@ use phex::Progress;
 use phex::quality::{Check, Verdict};
 use phex_fab::folder::files;
 use phex_fab::{FabError, FabOptions, PanelIds, Side, fabricate, valid_mesh};
-use phex_html::{PackedArray, Report, Viewer, ViewerData, conjugate_curves, page, viewer_data};
+use phex_html::{
+    CurveFamily, PackedArray, Report, Viewer, ViewerData, conjugate_curves, page, viewer_data,
+};
 use phex_job::{JobResult, Quantity, Unit, in_file};
 use phex_mesh::io::{Format, write_soup_to};
 use phex_picture::maps::{ColourMap, Map, Range, Subject};
@@ -141,10 +143,8 @@ pub struct Handout {
 impl RunResult {
     /// What a run has made of a wish.
     pub fn new(number: u64, made: JobResult, wish: GrantedWish) -> Self {
-        let ids = PanelIds::new(&made.mesh);
-        let faces = made.mesh.topology().faces();
         Self {
-            names: faces.map(|face| ids.panel(face).to_owned()).collect(),
+            names: PanelIds::new(&made.mesh).into_names(),
             number,
             made,
             wish,
@@ -167,21 +167,20 @@ impl RunResult {
             formats: all.map(Format::extension).collect(),
             job: &self.wish.text,
             command: &self.wish.command,
-            view: viewer_data(&self.report("", &[], None), self.wish.origin),
+            view: viewer_data(&self.report("", Ok(&[])), self.wish.origin),
         })
     }
 
     fn figures(&self) -> HeadFigures {
         let run = &self.made.report;
         let m = &run.measures;
-        let deviation = (run.deviation_smooth.as_ref()).or(run.deviation_facets.as_ref());
         HeadFigures {
             panels: m.faces,
             hexagons: m.hex,
             concave: m.faces_concave,
             planarity: m.planarity_length.max,
             mean_edge: m.mean_edge,
-            deviation: deviation.map(|d| d.deviation_max * d.diagonal),
+            deviation: run.judged_deviation().map(|d| d.deviation_max * d.diagonal),
             area: m.per_element.area.iter().sum(),
         }
     }
@@ -189,8 +188,7 @@ impl RunResult {
     fn report<'a>(
         &'a self,
         title: &'a str,
-        curves: &'a [phex_html::CurveFamily],
-        no_curves: Option<&'a str>,
+        curves: Result<&'a [CurveFamily], &'a str>,
     ) -> Report<'a> {
         Report {
             title,
@@ -201,7 +199,6 @@ impl RunResult {
             surface: self.made.smooth.as_ref().or(Some(&self.made.facets)),
             start: self.made.start.as_ref(),
             curves,
-            no_curves,
         }
     }
 
@@ -254,12 +251,9 @@ impl RunResult {
     }
 
     fn html(&self, progress: &dyn Progress) -> Result<Vec<u8>, RefusedRequest> {
-        let (curves, no_curves) = match conjugate_curves(&self.made.facets, progress) {
-            Ok(curves) => (curves, None),
-            Err(reason) => (Vec::new(), Some(reason)),
-        };
+        let curves = conjugate_curves(&self.made.facets, progress);
         let title = format!("{}-phex.obj", self.wish.stem);
-        let report = self.report(&title, &curves, no_curves.as_deref());
+        let report = self.report(&title, curves.as_deref().map_err(String::as_str));
         let html = page(&report, Viewer::embedded()).map_err(RefusedRequest::internal)?;
         Ok(html.into_bytes())
     }

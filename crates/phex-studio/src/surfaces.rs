@@ -6,7 +6,7 @@ use phex_html::{MeshData, PackedArray, PackedSurface, numbers, points};
 use phex_job::{FileInfo, JobError, MeshFile, MeshJob, MeshSettings, ProblemPlace};
 use phex_mesh::io::{Format, write_soup_to};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
-use phex_mesh::{PolygonSoup, Vec3};
+use phex_mesh::{PolygonSoup, Vec3, polygon};
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::path::Path;
@@ -96,12 +96,8 @@ impl DroppedSurface {
         let shape = Shape::from_name(name, &[]).map_err(JobError::input)?;
         let surface = triangulate(&shape, &TriangulationOptions::default());
         let surface = surface.map_err(JobError::input)?;
-        let soup = PolygonSoup {
-            positions: surface.positions().as_slice().to_vec(),
-            faces: surface.topology().face_lists(),
-        };
         let mut bytes = Vec::new();
-        write_soup_to(&mut bytes, &soup, Format::Obj).map_err(JobError::input)?;
+        write_soup_to(&mut bytes, &surface.to_soup(), Format::Obj).map_err(JobError::input)?;
         Self::read(&format!("{name}.obj"), &bytes)
     }
 }
@@ -147,11 +143,8 @@ impl Broken {
             faces: soup.faces.iter().filter(can_be_drawn).cloned().collect(),
         };
         let named = place.faces.iter().map(|&f| &soup.faces[f]);
-        let sides = named.filter(can_be_drawn).flat_map(|face| {
-            let next = face.iter().cycle().skip(1);
-            face.iter().zip(next).flat_map(|(&a, &b)| [a, b])
-        });
-        let sides: Vec<Vec3> = sides.map(|v| soup.positions[v as usize]).collect();
+        let ends = (named.filter(can_be_drawn)).flat_map(|face| polygon::sides(face).flatten());
+        let sides: Vec<Vec3> = ends.map(|v| soup.positions[v as usize]).collect();
         let named: Vec<Vec3> = place.vertices.iter().map(|&v| soup.positions[v]).collect();
         Self {
             mesh: MeshData::new(&drawn, origin),

@@ -80,7 +80,7 @@ pub fn lost(variant: &Variant, reason: &str) -> Result<Row, JobError> {
 /// Adds the figures of a mesh: see `docs/book/src/studies.md` for what each column is.
 pub(crate) fn add_figures(columns: &mut Row, made: &JobResult, unit: Unit) {
     let (report, measures) = (&made.report, &made.report.measures);
-    let deviation = (report.deviation_smooth.as_ref()).or(report.deviation_facets.as_ref());
+    let deviation = report.judged_deviation();
     let evenness = measures.evenness.as_ref();
     let figures = [
         ("panels", json!(measures.faces)),

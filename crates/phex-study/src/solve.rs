@@ -240,9 +240,7 @@ impl VariantFolder<'_> {
 
 /// The HTML report.
 fn page(made: &JobResult, variant: &Variant) -> Result<String, JobError> {
-    let ids = PanelIds::new(&made.mesh);
-    let faces = made.mesh.topology().faces();
-    let names: Vec<String> = faces.map(|face| ids.panel(face).to_owned()).collect();
+    let names = PanelIds::new(&made.mesh).into_names();
     let report = Report {
         title: &name(&variant.surface),
         command: "phex sweep",
@@ -251,8 +249,7 @@ fn page(made: &JobResult, variant: &Variant) -> Result<String, JobError> {
         names: Some(&names),
         surface: made.smooth.as_ref().or(Some(&made.facets)),
         start: made.start.as_ref(),
-        curves: &[],
-        no_curves: Some("a study draws none"),
+        curves: Err("a study draws none"),
     };
     let html = phex_html::page(&report, Viewer::embedded());
     html.map_err(|e| JobError::Internal(e.to_string()))

@@ -4,7 +4,7 @@ use crate::directions::{Cone, Guides};
 use crate::offset::{OffsetError, OffsetOptions, face_gauss_image, layer};
 use crate::optimise::{Steering, led_elsewhere};
 use crate::pipeline::{
-    MeshOptions, MeshRun, Method, PanelSize, PipelineError, StageSeconds, mesh_surface,
+    Beyond, MeshOptions, MeshRun, Method, PanelSize, PipelineError, StageSeconds, mesh_surface,
 };
 use crate::progress::{Progress, Silent};
 use crate::quality::{Assessment, Limits, References, USUAL_DEVIATION};
@@ -198,7 +198,7 @@ impl Panelling {
         let references = References {
             smooth: Some(&self.run.target),
             facets: Some(&self.facets),
-            beyond: self.run.beyond.as_ref().map(|b| [&b.smooth, &b.facets]),
+            beyond: self.run.beyond.as_ref().map(Beyond::surfaces),
             elsewhere: &elsewhere,
         };
         let mut found = Assessment::new(&self.run.mesh, references, &self.limits());

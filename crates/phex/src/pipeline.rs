@@ -47,7 +47,6 @@ use crate::progress::Progress;
 use clock::Clock;
 
 use phex_mesh::TriangleSurface;
-use run::any_area;
 use size::panel_count;
 use sized::panel_length;
 

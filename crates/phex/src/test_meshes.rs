@@ -40,8 +40,7 @@ pub fn dual(mesh: &HexMesh) -> HexMesh {
     let t = mesh.topology();
     let ring = |v| t.faces_at(v).map(|f| f.index() as u32).collect();
     let faces: Vec<Vec<u32>> = t.vertices().map(ring).collect();
-    let centres = t.faces().map(|f| mesh.centre(f)).collect();
-    HexMesh::new(centres, &faces).expect("the dual of a closed mesh is closed")
+    HexMesh::new(mesh.centres().into_vec(), &faces).expect("the dual of a closed mesh is closed")
 }
 
 /// Every vertex cut off: one vertex per half-edge.

@@ -5,7 +5,7 @@ use crate::args::CheckCommand;
 use crate::bundle;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
-use crate::output::{self, Content, check_writable};
+use crate::output::{self, Content, check_writable, given};
 use crate::progress::Reporter;
 use crate::promise::Promise;
 use crate::summary::{self, SummaryTable};
@@ -22,19 +22,18 @@ use phex_mesh::measure::Metric;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface};
 use serde::Serialize;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Runs the command.
 ///
 /// # Errors
 /// If an input can't be used or an output can't be written.
 pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
-    let inputs = [
+    let inputs = given([
         Some(&command.input),
         command.surface.as_ref(),
         command.report_of.as_ref(),
-    ];
-    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(AsRef::as_ref).collect();
+    ]);
     (command.tolerances).check(command.surface.is_some() || command.report_of.is_some())?;
     let bundle = command.bundle.as_deref().map(|p| (p, Content::Other));
     let outputs: Vec<_> = command.extras.outputs().chain(bundle).collect();
@@ -44,23 +43,11 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
         .as_deref()
         .map(Promise::read)
         .transpose()?;
-    let promised = match &command.limits {
-        Some(job) => Some(TypedLimits::of_job(job)?),
-        None => promise.as_ref().map(Promise::limits).transpose()?,
-    };
-    let boundary = command.boundary.map(Into::into);
-    let limits = or_promised(&command.tolerances, boundary, promised);
+    let limits = limits(command, promise.as_ref())?;
     let file = MeshFile::read(&command.input)?;
     let (mesh, dropped) = file.polygon_mesh()?;
     let surfaces = CheckSurfaces::read(command, promise.as_ref())?;
-    let beyond = surfaces.beyond(&limits, mesh.topology().n_faces());
-    let references = References {
-        smooth: surfaces.smooth.as_ref(),
-        facets: surfaces.facets.as_ref(),
-        beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
-        ..Default::default()
-    };
-    let mut assessment = limits.judge(&mesh, references);
+    let mut assessment = surfaces.judge(&limits, &mesh);
     if promise.is_some_and(|p| p.has_smooth()) && surfaces.smooth.is_none() {
         assessment.not_checked.push(Omitted {
             name: "deviation_smooth",
@@ -98,11 +85,17 @@ pub fn run(command: &CheckCommand) -> Result<Exit, Failure> {
     if command.json {
         output::print(&report.to_json().context("the report")?)?;
     }
-    Ok(if report.verdict == Verdict::Pass {
-        Exit::Success
-    } else {
-        Exit::OutsideTolerance
-    })
+    Ok(Exit::of_check(report.verdict == Verdict::Pass))
+}
+
+/// What is typed, and where nothing is what a job or an earlier run promised.
+fn limits(command: &CheckCommand, promise: Option<&Promise>) -> Result<TypedLimits, Failure> {
+    let promised = match &command.limits {
+        Some(job) => Some(TypedLimits::of_job(job)?),
+        None => promise.map(Promise::limits).transpose()?,
+    };
+    let boundary = command.boundary.map(Into::into);
+    Ok(or_promised(&command.tolerances, boundary, promised))
 }
 
 /// The files that a check read.
@@ -142,6 +135,17 @@ impl CheckSurfaces {
                 .map(|f| f.record)
                 .collect(),
         })
+    }
+
+    fn judge(&self, limits: &TypedLimits, mesh: &HexMesh) -> Assessment {
+        let beyond = self.beyond(limits, mesh.topology().n_faces());
+        let references = References {
+            smooth: self.smooth.as_ref(),
+            facets: self.facets.as_ref(),
+            beyond: beyond.as_ref().map(|[smooth, facets]| [smooth, facets]),
+            ..Default::default()
+        };
+        limits.judge(mesh, references)
     }
 
     /// Both continued beyond the boundary, where so many whole panels may stick out of it.

@@ -37,7 +37,30 @@ pub struct Delivery<'a> {
     pub report: RunReport,
 }
 
-impl Delivery<'_> {
+impl<'a> Delivery<'a> {
+    /// A panelling with its figures alone: no file is written, and nothing stands round the
+    /// figures.
+    pub fn new(
+        shown: Shown<'a>,
+        report: RunReport,
+        limits: TypedLimits,
+        extras: &'a Extras,
+        talk: &'a Talk,
+    ) -> Self {
+        Self {
+            shown,
+            output: None,
+            keep_invalid: false,
+            panels: true,
+            extras,
+            talk,
+            limits,
+            before: String::new(),
+            after: String::new(),
+            report,
+        }
+    }
+
     /// Writes everything, prints the table, which ends with the verdict, and says with which code
     /// the program ends.
     ///
@@ -75,10 +98,7 @@ impl Delivery<'_> {
 
 /// The report of a mesh judged by typed limits against the surface that it is shown with.
 pub fn judged(command: &'static str, shown: &Shown<'_>, limits: &TypedLimits) -> RunReport {
-    let references = References {
-        facets: shown.surface,
-        ..Default::default()
-    };
+    let references = References::of_facets(shown.surface);
     limits.report(command, limits.judge(shown.mesh, references))
 }
 

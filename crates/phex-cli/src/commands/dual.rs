@@ -5,7 +5,6 @@ use crate::dual_arguments::DualCommand;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::output::check_writable;
-use crate::shared_arguments::ToleranceArguments;
 use crate::summary::SummaryTable;
 use anyhow::Context;
 use phex::classical::clear_centre_of;
@@ -41,25 +40,17 @@ pub fn run(command: &DualCommand) -> Result<Exit, Failure> {
     );
     let planarity = measure(&dual.mesh).planarity.max;
     table.row("planarity", format!("max {planarity:.1e} mean edges"));
-    let (shown, limits) = (
-        Shown::of(&dual.mesh),
-        TypedLimits::from(&ToleranceArguments::default()),
-    );
+    let shown = Shown::of(&dual.mesh);
+    let limits = TypedLimits::default();
     let mut report = judged("dual", &shown, &limits);
     report.settings = json!({ "quadric": quadric.matrix().as_slice() });
     report.statistics = json!({ "dropped_faces": mesh.topology().n_faces() - t.n_vertices() });
     report.inputs = vec![file.record];
     Delivery {
-        shown,
         output: Some(&command.output),
-        keep_invalid: true,
         panels: false,
-        extras: &command.extras,
-        talk: &command.talk,
-        limits,
-        before: String::new(),
         after: table.into_text(),
-        report,
+        ..Delivery::new(shown, report, limits, &command.extras, &command.talk)
     }
     .send()
 }

@@ -4,7 +4,7 @@ use super::network::push_curve;
 use super::tell;
 use crate::dual_arguments::DupinCommand;
 use crate::exit::{Exit, Failure};
-use crate::output::{Content, check_writable, write_text};
+use crate::output::{Content, check_writable, given, write_text};
 use crate::progress::Reporter;
 use phex::curvature::{CurvatureOptions, curvature};
 use phex::curvature::{Indicatrix, inscribing_curves};
@@ -24,9 +24,7 @@ const LARGEST_SIZE: f64 = 1e6;
 /// # Errors
 /// If an input can't be used, or the output can't be written.
 pub fn run(command: &DupinCommand) -> Result<Exit, Failure> {
-    let inputs: Vec<&Path> = std::iter::once(command.input.as_path())
-        .chain(command.panels.as_deref())
-        .collect();
+    let inputs = given([Some(&command.input), command.panels.as_ref()]);
     check_writable(&[(&command.output, Content::Mesh)], &inputs)?;
     super::network::check_obj(&command.output)?;
     if !(command.size > 0.0 && command.size <= LARGEST_SIZE) || command.points == 0 {
@@ -40,11 +38,9 @@ pub fn run(command: &DupinCommand) -> Result<Exit, Failure> {
     let reporter = Reporter::new(&command.talk);
     let parts = MeshFile::read(&command.input)?.surfaces()?;
     let surface = parts.whole();
-    parts
-        .notes
-        .sentences()
-        .into_iter()
-        .for_each(|note| reporter.note(note));
+    for note in parts.notes.sentences() {
+        reporter.note(note);
+    }
     let panels = panels(command)?;
     let centres = panels
         .iter()

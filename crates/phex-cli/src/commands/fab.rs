@@ -3,6 +3,7 @@
 use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
 use crate::fab_arguments::{FabCommand, millimetres};
+use crate::output::given;
 use crate::output_folder::{Extent, OutputFolder};
 use crate::progress::Reporter;
 use crate::summary::SummaryTable;
@@ -24,12 +25,11 @@ use std::path::Path;
 pub fn run(command: &FabCommand) -> Result<Exit, Failure> {
     use_threads(command.threads)?;
     let folder = OutputFolder::new(&command.output, "fab", Extent::Whole);
-    let inputs = [
+    let inputs = given([
         Some(&command.input),
         command.keep_ids.as_ref(),
         command.limits.as_ref(),
-    ];
-    let inputs: Vec<&Path> = inputs.into_iter().flatten().map(AsRef::as_ref).collect();
+    ]);
     folder.check(&[], &inputs)?;
     let (mesh, _) = MeshFile::read(&command.input)?.polygon_mesh()?;
     let options = options(command, &mesh)?;

@@ -5,8 +5,7 @@ use crate::args::{KoebeBoundary, KoebeCommand};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
 use crate::output::check_writable;
-use crate::progress::{Reporter, is_interrupted};
-use crate::shared_arguments::ToleranceArguments;
+use crate::progress::{Reporter, check_interruption};
 use crate::summary::SummaryTable;
 use anyhow::Context;
 use phex::koebe::{BoundaryCondition, Koebe, KoebeOptions, koebe};
@@ -33,14 +32,12 @@ pub fn run(command: &KoebeCommand) -> Result<Exit, Failure> {
         .with_context(|| command.input.display().to_string())
         .or_exit(Exit::InputUnusable)?;
     reporter.finish();
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
+    check_interruption()?;
     if !made.is_converged() {
         let message = format!("the circles were not found: {:?}", made.outcome.status);
         return Err(Failure::new(Exit::NoValidResult, message));
     }
-    let limits = TypedLimits::from(&ToleranceArguments::default());
+    let limits = TypedLimits::default();
     let shown = Shown::of(&made.mesh);
     let mut report = judged("koebe", &shown, &limits);
     report.settings = json!({ "koebe": options, "unit": "sphere of radius 1" });
@@ -48,16 +45,10 @@ pub fn run(command: &KoebeCommand) -> Result<Exit, Failure> {
     report.statistics = json!({ "defects": made.defects });
     report.inputs = vec![file.record];
     Delivery {
-        shown,
         output: Some(&command.output),
         keep_invalid: command.keep_invalid,
-        panels: true,
-        extras: &command.extras,
-        talk: &command.talk,
-        limits,
         before: table(&made),
-        after: String::new(),
-        report,
+        ..Delivery::new(shown, report, limits, &command.extras, &command.talk)
     }
     .send()
 }
@@ -78,7 +69,7 @@ fn options(command: &KoebeCommand) -> KoebeOptions {
 
 /// Refuses options of the boundary that mean nothing.
 fn check_effects(command: &KoebeCommand, mesh: &HexMesh) -> Result<(), Failure> {
-    let closed = mesh.topology().boundary_loops().is_empty();
+    let closed = mesh.topology().is_closed();
     if closed && (command.boundary.is_some() || command.opening.is_some()) {
         return Err(Failure::input(
             "--boundary and --opening have no effect: the mesh has no boundary",

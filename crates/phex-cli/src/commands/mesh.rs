@@ -8,13 +8,12 @@ use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::method_summary::{of_method, of_portfolio};
 use crate::output::{Content, check_writable, write_mesh};
-use crate::progress::{Reporter, is_interrupted, keep_best, take_interruption};
+use crate::progress::{Reporter, check_interruption, keep_best, take_interruption};
 use crate::summary;
 use crate::verdict::written;
 use phex_job::{
     Given, JobResult, LAYOUT_ALONE, LastStage, MeshFile, MeshJob, MeshSettings, TimeLimit,
 };
-use phex_mesh::{PolygonSoup, TriangleSurface};
 use std::path::Path;
 
 /// Runs the command.
@@ -36,8 +35,8 @@ pub fn run(command: &MeshCommand) -> Result<Exit, Failure> {
     let made = made?;
     if command.keep_best {
         take_interruption();
-    } else if is_interrupted() {
-        return Err(Failure::interrupted());
+    } else {
+        check_interruption()?;
     }
     deliver(command, made)
 }
@@ -72,7 +71,7 @@ fn deliver(command: &MeshCommand, mut made: JobResult) -> Result<Exit, Failure> 
         ways.map(|(tried, classical)| of_portfolio(tried) + &of_method(classical.as_ref()));
     let mut report = made.report;
     if let (Some(path), Some(smooth)) = (&command.write_target, &made.smooth) {
-        write_mesh(path, &to_soup(smooth), made.limits.unit)?;
+        write_mesh(path, &smooth.to_soup(), made.limits.unit)?;
         report.outputs.push(written("smooth_target", path));
     }
     let before = match command.until {
@@ -89,18 +88,14 @@ fn deliver(command: &MeshCommand, mut made: JobResult) -> Result<Exit, Failure> 
         mesh: &made.mesh,
     };
     Delivery {
-        shown,
         output: Some(&command.output),
         keep_invalid: command.keep_invalid,
         panels: command.until.is_none(),
-        extras: &command.extras,
-        talk: &command.talk,
-        limits: made.limits,
         before,
         after: summary::of_repetition(&report)
             + &summary::of_wishes(&made.wishes)
             + &summary::of_warnings(made.warnings),
-        report,
+        ..Delivery::new(shown, report, made.limits, &command.extras, &command.talk)
     }
     .send()
 }
@@ -165,11 +160,4 @@ fn outputs(command: &MeshCommand) -> Vec<(&Path, Content)> {
         .chain(sheet)
         .chain(command.extras.outputs())
         .collect()
-}
-
-fn to_soup(surface: &TriangleSurface) -> PolygonSoup {
-    PolygonSoup {
-        positions: surface.positions().as_slice().to_vec(),
-        faces: surface.topology().face_lists(),
-    }
 }

@@ -12,13 +12,13 @@ mod told;
 use super::{tell, use_threads};
 use crate::exit::{Exit, Failure};
 use crate::offset_arguments::{Kind, OffsetCommand};
-use crate::output::{check_writable, write_text};
-use crate::progress::is_interrupted;
+use crate::output::{check_writable, given, write_text};
+use crate::progress::check_interruption;
 use base::{Base, OffsetLayer};
 use files::Files;
 use phex::offset::OffsetOptions;
-use phex_job::{MeshFile, number, read_text};
-use phex_mesh::{HexMesh, LARGEST_COORDINATE, PerFace, ValidateOptions};
+use phex_job::{MeshFile, check_distances, number, read_text};
+use phex_mesh::{HexMesh, PerFace, ValidateOptions};
 use std::path::Path;
 use told::Told;
 
@@ -46,9 +46,7 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
     let base = Base::new(&job, given)?;
     let safe = command.max_distance.then(|| base.safe_distances(&job));
     let layers = base.layers(&job)?;
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
+    check_interruption()?;
     let contents = files.contents(command, &job, &base, &layers)?;
     let written: Vec<_> = contents.iter().map(files::OffsetFile::file).collect();
     folder.map_or(Ok(()), |folder| folder.write(&written))?;
@@ -63,11 +61,7 @@ pub fn run(command: &OffsetCommand) -> Result<Exit, Failure> {
         write_text(path, &format!("{:#}\n", told.report()))?;
     }
     tell(command.talk.quiet, &told.summary())?;
-    Ok(if base.is_within_limits() {
-        Exit::Success
-    } else {
-        Exit::OutsideTolerance
-    })
+    Ok(Exit::of_check(base.is_within_limits()))
 }
 
 /// What was typed, in model units.
@@ -91,7 +85,7 @@ impl<'a> OffsetJob<'a> {
             .map(|d| d.length(unit, size))
             .collect();
         distances.sort_by(f64::total_cmp);
-        check_distances(&distances, mesh)?;
+        check_distances("--distance", &distances, mesh)?;
         let face_distances = command.face_distances.as_deref().map(read_distances);
         if command.face_distances.is_some() && command.kind != Kind::Face {
             return Err(Failure::new(
@@ -133,26 +127,11 @@ impl<'a> OffsetJob<'a> {
 
     fn inputs(&self) -> Vec<&Path> {
         let command = self.command;
-        let more = [&command.surface, &command.face_distances];
-        std::iter::once(command.input.as_path())
-            .chain(more.into_iter().flatten().map(AsRef::as_ref))
-            .collect()
-    }
-}
-
-/// Refuses distances that the coordinates can't hold: the layer would be the mesh itself, or
-/// nowhere.
-fn check_distances(distances: &[f64], mesh: &HexMesh) -> Result<(), Failure> {
-    let largest = mesh.positions.iter().map(|p| p.amax()).fold(0.0, f64::max);
-    let range = 4.0 * f64::EPSILON * largest..=LARGEST_COORDINATE;
-    let held = |d: &&f64| **d == 0.0 || range.contains(&d.abs());
-    match distances.iter().find(|d| !held(d)) {
-        None => Ok(()),
-        Some(d) => Err(Failure::input(format!(
-            "--distance {d:e}: coordinates as large as {largest:.1e} hold distances from {:.1e} to {:e} (model units)",
-            range.start(),
-            range.end()
-        ))),
+        given([
+            Some(&command.input),
+            command.surface.as_ref(),
+            command.face_distances.as_ref(),
+        ])
     }
 }
 

@@ -6,9 +6,9 @@ mod space;
 use super::deliver::{Delivery, judged};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
-use crate::output::{Content, check_writable, write_text};
+use crate::output::{Content, check_writable, given, write_text};
 use crate::parallel_arguments::{ParallelCommand, ParallelStart};
-use crate::progress::{Reporter, is_interrupted};
+use crate::progress::{Reporter, check_interruption};
 use crate::summary::SummaryTable;
 use crate::verdict::written;
 use anyhow::Context;
@@ -47,9 +47,7 @@ pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
         Some(surface) => fitted(command, &mesh, surface)?,
         None => space::made(command, mesh)?,
     };
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
+    check_interruption()?;
     let limits = TypedLimits::from(&command.limits);
     let shown = Shown {
         surface: made.surface.as_ref(),
@@ -66,28 +64,24 @@ pub fn run(command: &ParallelCommand) -> Result<Exit, Failure> {
         report.outputs.push(written("basis", path));
     }
     Delivery {
-        shown,
         output: command.output.as_deref(),
         keep_invalid: command.keep_invalid,
         // Without a file to write, the space is told and no mesh is made.
         panels: command.output.is_some(),
-        extras: &command.extras,
-        talk: &command.talk,
-        limits,
-        before: String::new(),
         after: made.table.clone().into_text(),
-        report,
+        ..Delivery::new(shown, report, limits, &command.extras, &command.talk)
     }
     .send()
 }
 
 fn inputs(command: &ParallelCommand) -> Vec<&Path> {
     let signs = command.signs.as_ref().filter(|signs| !is_rule(signs));
-    let more = [command.surface.as_ref(), command.lengths.as_ref(), signs];
-    let more = more.into_iter().flatten().map(AsRef::as_ref);
-    std::iter::once(command.input.as_path())
-        .chain(more)
-        .collect()
+    given([
+        Some(&command.input),
+        command.surface.as_ref(),
+        command.lengths.as_ref(),
+        signs,
+    ])
 }
 
 fn outputs(command: &ParallelCommand) -> Vec<(&Path, Content)> {

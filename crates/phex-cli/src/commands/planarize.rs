@@ -6,7 +6,7 @@ use crate::args::PlanarizeCommand;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::output::check_writable;
-use crate::progress::{Reporter, is_interrupted};
+use crate::progress::{Reporter, check_interruption};
 use phex::quality::{Assessment, References};
 use phex::report::{InputFile, RunReport};
 use phex_job::MeshFile;
@@ -32,22 +32,15 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
     let files = PlanarizeInput::read(command)?;
     let (start, notes) = files.mesh.sewn_polygon_mesh()?;
     let surface = files.surface()?;
-    let mut how = planarization(command, settings)?;
     let limits = TypedLimits::from(&command.limits);
-    let whole = surface
-        .as_ref()
-        .map_or_else(|| start.diagonal(), TriangleSurface::diagonal);
-    limits.demand(&mut how.options, start.mean_edge(), start.diagonal(), whole);
+    let given = settings.steering.read()?;
+    let mut how = Planarization::new(settings, given, &limits, (&start, surface.as_ref()));
+    how.refit |= command.refit;
     let facets = surface.or_else(|| files.own_surface());
     let reached = phex_job::planarize(&start, facets.as_ref(), &how, &reporter)?;
     reporter.finish();
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
-    let references = References {
-        facets: facets.as_ref(),
-        ..Default::default()
-    };
+    check_interruption()?;
+    let references = References::of_facets(facets.as_ref());
     let assessment = limits.judge(&reached.mesh, references);
     let mut report = report(assessment, &limits, &how, &reached);
     report.threads = threads;
@@ -60,16 +53,9 @@ pub fn run(command: &PlanarizeCommand) -> Result<Exit, Failure> {
         ..Shown::of(&reached.mesh)
     };
     Delivery {
-        shown,
         output: Some(&command.output),
         keep_invalid: command.keep_invalid,
-        panels: true,
-        extras: &command.extras,
-        talk: &command.talk,
-        limits,
-        before: String::new(),
-        after: String::new(),
-        report,
+        ..Delivery::new(shown, report, limits, &command.extras, &command.talk)
     }
     .send()
 }
@@ -83,27 +69,8 @@ fn settings(command: &PlanarizeCommand) -> Result<MeshSettings, Failure> {
     };
     let settings = settings.over(file.transpose()?.unwrap_or_default());
     settings.check()?;
-    let idle = settings.steering.without_effect();
-    match idle.is_empty() {
-        true => Ok(settings),
-        false => Err(Failure::input(format!("{}: leave it out", idle.join("; ")))),
-    }
-}
-
-/// The options of a job file, what is held and how the dials stand.
-fn planarization(
-    command: &PlanarizeCommand,
-    settings: MeshSettings,
-) -> Result<Planarization, Failure> {
-    let typed = settings.steering;
-    let (mut options, mut steering) = (settings.stages.optimise, settings.stages.steering);
-    typed.apply(typed.read()?, &mut steering, &mut options);
-    Ok(Planarization {
-        options,
-        steering,
-        refit: command.refit || typed.has_dials(),
-        is_own: command.surface.is_none(),
-    })
+    settings.steering.check_effects()?;
+    Ok(settings)
 }
 
 /// The files that are read.

@@ -4,8 +4,7 @@ use super::deliver::{Delivery, judged, outputs};
 use crate::dual_arguments::PowerCommand;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
-use crate::output::check_writable;
-use crate::shared_arguments::ToleranceArguments;
+use crate::output::{check_writable, given};
 use crate::summary::SummaryTable;
 use anyhow::Context;
 use nalgebra::Matrix3x4;
@@ -21,8 +20,10 @@ use std::path::Path;
 /// # Errors
 /// If the sites can't be used, or the output can't be written.
 pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
-    let inputs: Vec<&Path> = command.sites.iter().map(|p| p.as_path()).collect();
-    check_writable(&outputs(&command.output, &command.extras), &inputs)?;
+    check_writable(
+        &outputs(&command.output, &command.extras),
+        &given([command.sites.as_ref()]),
+    )?;
     if let Some(axis) = command.axes.iter().find(|a| **a <= 0.0) {
         return Err(Failure::input(format!(
             "a semi-axis is {axis}, it must be positive"
@@ -32,36 +33,24 @@ pub fn run(command: &PowerCommand) -> Result<Exit, Failure> {
     let mesh = placed(&diagram.mesh, &map(command))?;
     let mut table = SummaryTable::default();
     if !diagram.hidden.is_empty() {
-        let first: Vec<String> = diagram
-            .hidden
-            .iter()
-            .take(10)
-            .map(ToString::to_string)
-            .collect();
+        let first = diagram.hidden.iter().take(10).map(ToString::to_string);
+        let first: Vec<String> = first.collect();
         let count = diagram.hidden.len();
         table.row(
             "hidden",
             format!("{count} sites have no cell: {}", first.join(" ")),
         );
     }
-    let (shown, limits) = (
-        Shown::of(&mesh),
-        TypedLimits::from(&ToleranceArguments::default()),
-    );
+    let shown = Shown::of(&mesh);
+    let limits = TypedLimits::default();
     let mut report = judged("power-diagram", &shown, &limits);
     report.settings = json!({ "goldberg": command.goldberg, "cap": command.cap, "axes": command.axes, "affine": command.affine });
     report.statistics = json!({ "hidden": diagram.hidden });
     Delivery {
-        shown,
         output: Some(&command.output),
         keep_invalid: command.keep_invalid,
-        panels: true,
-        extras: &command.extras,
-        talk: &command.talk,
-        limits,
-        before: String::new(),
         after: table.into_text(),
-        report,
+        ..Delivery::new(shown, report, limits, &command.extras, &command.talk)
     }
     .send()
 }

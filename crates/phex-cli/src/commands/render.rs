@@ -2,7 +2,7 @@
 
 use super::tell;
 use crate::exit::{Exit, Failure};
-use crate::output::{Content, check_writable, write_picture, write_text};
+use crate::output::{Content, check_writable, given, write_picture, write_text};
 use crate::picture_arguments::RenderCommand;
 use phex::quality::References;
 use phex_job::TypedLimits;
@@ -25,20 +25,18 @@ enum PictureFormat {
 /// written.
 pub fn run(command: &RenderCommand) -> Result<Exit, Failure> {
     let format = format(command)?;
-    let inputs = std::iter::once(&command.input)
-        .chain(&command.surface)
-        .chain(&command.mark)
-        .chain(&command.curves);
-    let inputs: Vec<_> = inputs.map(|p| p.as_path()).collect();
+    let inputs = given([
+        Some(&command.input),
+        command.surface.as_ref(),
+        command.mark.as_ref(),
+        command.curves.as_ref(),
+    ]);
     command.limits.check(command.surface.is_some())?;
     check_writable(&[(&command.output, Content::Other)], &inputs)?;
     let (mesh, _) = MeshFile::read(&command.input)?.polygon_mesh()?;
     let file = command.surface.as_deref().map(MeshFile::read).transpose()?;
     let facets = file.map(|file| file.surface()).transpose()?;
-    let references = References {
-        facets: facets.as_ref(),
-        ..Default::default()
-    };
+    let references = References::of_facets(facets.as_ref());
     let assessment = TypedLimits::from(&command.limits).judge(&mesh, references);
     let subject = Subject {
         mesh: &mesh,

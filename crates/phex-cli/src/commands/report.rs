@@ -4,7 +4,7 @@ use super::check::report_of;
 use super::tell;
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
-use crate::output::{Content, check_writable};
+use crate::output::{Content, check_writable, given};
 use crate::picture_arguments::ReportCommand;
 use crate::summary;
 use crate::verdict::written;
@@ -17,10 +17,11 @@ use phex_job::TypedLimits;
 /// # Errors
 /// If an input can't be used or the report can't be written.
 pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
-    let inputs = std::iter::once(&command.input)
-        .chain(&command.surface)
-        .chain(&command.before);
-    let inputs: Vec<_> = inputs.map(|p| p.as_path()).collect();
+    let inputs = given([
+        Some(&command.input),
+        command.surface.as_ref(),
+        command.before.as_ref(),
+    ]);
     command.limits.check(command.surface.is_some())?;
     check_writable(&[(&command.html, Content::Other)], &inputs)?;
     let file = MeshFile::read(&command.input)?;
@@ -32,10 +33,7 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
     let (mesh, _) = file.polygon_mesh()?;
     let facets = surface.as_ref().map(|s| s.surface()).transpose()?;
     let limits = TypedLimits::from(&command.limits);
-    let references = References {
-        facets: facets.as_ref(),
-        ..Default::default()
-    };
+    let references = References::of_facets(facets.as_ref());
     let assessment = limits.judge(&mesh, references);
     let mut report = report_of(&limits, assessment.clone(), "report");
     let start = before.as_ref().map(|file| file.soup.clone());
@@ -52,9 +50,5 @@ pub fn run(command: &ReportCommand) -> Result<Exit, Failure> {
     let table = summary::of_assessment(&assessment, &limits, command.talk.verbose);
     let end = summary::of_files(&report) + &summary::of_verdict(report.verdict);
     tell(command.talk.quiet, &(table + &features + &end))?;
-    Ok(if report.verdict == Verdict::Pass {
-        Exit::Success
-    } else {
-        Exit::OutsideTolerance
-    })
+    Ok(Exit::of_check(report.verdict == Verdict::Pass))
 }

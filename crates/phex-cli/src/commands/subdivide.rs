@@ -4,8 +4,8 @@ use super::deliver::{Delivery, judged, outputs};
 use crate::dual_arguments::{SubdivideCommand, SubdivideRule};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::html::Shown;
-use crate::output::check_writable;
-use crate::progress::{Reporter, is_interrupted};
+use crate::output::{check_writable, given};
+use crate::progress::{Reporter, check_interruption};
 use crate::summary::SummaryTable;
 use anyhow::Context;
 use phex::classical::SubdivisionRule;
@@ -20,11 +20,7 @@ use serde_json::json;
 /// # Errors
 /// If an input can't be used, the mesh has no dual, or the output can't be written.
 pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
-    let inputs: Vec<_> = [Some(&command.input), command.surface.as_ref()]
-        .into_iter()
-        .flatten()
-        .map(|p| p.as_path())
-        .collect();
+    let inputs = given([Some(&command.input), command.surface.as_ref()]);
     if command.any_domain && command.rule == SubdivideRule::Robust {
         return Err(Failure::input(
             "--any-domain has no effect with --rule robust, which takes any surface",
@@ -44,9 +40,7 @@ pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
     let outside = outside_domain(command, &mesh)?;
     let levels = made(command, &mesh, surface.as_ref(), &reporter)?;
     reporter.finish();
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
+    check_interruption()?;
     let mut table = SummaryTable::default();
     if let Some(sentence) = &outside {
         table.row("domain", format!("outside: {sentence}"));
@@ -76,16 +70,10 @@ pub fn run(command: &SubdivideCommand) -> Result<Exit, Failure> {
         .chain(surface_file.map(|f| f.record))
         .collect();
     Delivery {
-        shown,
         output: Some(&command.output),
         keep_invalid: command.keep_invalid,
-        panels: true,
-        extras: &command.extras,
-        talk: &command.talk,
-        limits,
-        before: String::new(),
         after: table.into_text(),
-        report,
+        ..Delivery::new(shown, report, limits, &command.extras, &command.talk)
     }
     .send()
 }

@@ -1,8 +1,9 @@
 //! Panels as rigid bodies of convex pieces, and how deep two of them are in one another.
 
 use super::Placement;
-use crate::outline::{outward, sides};
+use crate::outline::outward;
 use phex_mesh::Vec2;
+use phex_mesh::polygon::sides;
 
 /// A convex polygon, counter-clockwise, with the outward unit normals of its sides.
 #[derive(Clone, Debug)]

@@ -2,8 +2,7 @@
 
 use super::Border;
 use super::convex::no_fit;
-use crate::outline::sides;
-use phex_mesh::polygon::point_segment_distance;
+use phex_mesh::polygon::{point_segment_distance, sides};
 use phex_mesh::{Vec2, bounds};
 
 /// Weight of the height of a place, over that of how far it reaches along the sheet.

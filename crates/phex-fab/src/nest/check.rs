@@ -2,9 +2,8 @@
 
 use super::{Placement, SheetLayout};
 use crate::options::FabOptions;
-use crate::outline::sides;
 use crate::plate::Plate;
-use phex_mesh::polygon::{contains, point_segment_distance, segments_touch};
+use phex_mesh::polygon::{contains, point_segment_distance, segments_touch, sides};
 use phex_mesh::{Vec2, bounds};
 use std::fmt;
 

@@ -8,6 +8,7 @@
 
 use super::error::WriteCause;
 use super::triangles::{of_face, single};
+use crate::polygon::sides;
 use crate::{FlatFace, PolygonSoup, Vec3};
 use serde_json::{Value, json};
 use std::collections::HashSet;
@@ -151,8 +152,7 @@ fn edges(soup: &PolygonSoup, centre: Vec3, blob: &mut Blob) -> Result<Value, Wri
     let mut seen = HashSet::new();
     let mut indices = Vec::new();
     for face in &soup.faces {
-        for (i, &a) in face.iter().enumerate() {
-            let b = face[(i + 1) % face.len()];
+        for [a, b] in sides(face) {
             if seen.insert((a.min(b), a.max(b))) {
                 indices.extend([a, b]);
             }

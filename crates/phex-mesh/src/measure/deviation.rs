@@ -66,9 +66,8 @@ pub fn deviation_beyond(
     beyond: &TriangleSurface,
 ) -> Deviation {
     let diagonal = surface.diagonal();
-    let centres: Vec<Vec3> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
     let vertex_distance = to_surface(beyond, mesh.positions.as_slice());
-    let face_distance: PerFace<f64> = to_surface(beyond, &centres);
+    let face_distance: PerFace<f64> = to_surface(beyond, mesh.centres().as_slice());
     let both: Vec<f64> = vertex_distance
         .iter()
         .chain(&face_distance)

@@ -349,7 +349,7 @@ fn hex(topology: &Topology) -> Option<f64> {
 /// characteristic `chi` of a closed mesh of degree 3 asks for: `6 |chi|` pentagons or heptagons.
 pub fn irregular_faces(topology: &Topology) -> usize {
     let irregular = interior_faces(topology).filter(|&f| topology.valence(f) != 6);
-    let closed = topology.boundary_loops().is_empty();
+    let closed = topology.is_closed();
     let needed = 6 * topology.euler_characteristic().unsigned_abs() as usize;
     irregular
         .count()

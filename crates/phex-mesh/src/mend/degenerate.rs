@@ -3,7 +3,7 @@
 
 use super::{FaceSide, Mended, sides};
 use crate::disjoint_sets::DisjointSets;
-use crate::{PolygonSoup, Vec3};
+use crate::{PolygonSoup, Vec3, polygon};
 
 /// Takes faces without area out, so that what is beside them closes: corners of a face that lie in
 /// one point become one vertex; the corner of a triangle that lies on its opposite side becomes a
@@ -12,15 +12,14 @@ use crate::{PolygonSoup, Vec3};
 /// `rounding` is the largest height that counts as none. Vertices exist and coordinates are finite.
 pub(crate) fn without_degenerate_faces(soup: &PolygonSoup, rounding: f64) -> Option<Mended> {
     let is_flat = |face: &Vec<u32>| has_no_area(&soup.positions, face, rounding);
-    let repeats = |face: &Vec<u32>| (0..face.len()).any(|i| face[i] == face[(i + 1) % face.len()]);
+    let repeats = |face: &Vec<u32>| polygon::sides(face).any(|[v, w]| v == w);
     if !soup.faces.iter().any(|f| is_flat(f) || repeats(f)) {
         return None;
     }
     let mut mended = Mended::unchanged(soup);
     let mut sets = DisjointSets::new(soup.positions.len());
     for face in &soup.faces {
-        for (i, &v) in face.iter().enumerate() {
-            let next = face[(i + 1) % face.len()];
+        for [v, next] in polygon::sides(face) {
             if (soup.positions[v as usize] - soup.positions[next as usize]).norm() <= rounding {
                 sets.join(v, next);
             }

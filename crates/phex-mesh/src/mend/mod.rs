@@ -6,8 +6,8 @@
 mod degenerate;
 mod seams;
 
-use crate::PolygonSoup;
 use crate::disjoint_sets::DisjointSets;
+use crate::{PolygonSoup, polygon};
 
 pub(crate) use degenerate::{least_height, without_degenerate_faces};
 pub(crate) use seams::sewn;
@@ -79,20 +79,15 @@ struct FaceSide {
 
 /// The sides of all faces, those with the same ends one after another.
 fn sides(faces: &[Vec<u32>]) -> Vec<FaceSide> {
-    let of_face = |(f, face): (usize, &Vec<u32>)| {
-        let corners: Vec<FaceSide> = (0..face.len())
-            .map(|i| {
-                let (a, b) = (face[i], face[(i + 1) % face.len()]);
-                FaceSide {
-                    ends: [a.min(b), a.max(b)],
-                    face: f as u32,
-                    corner: i as u32,
-                }
-            })
-            .collect();
-        corners
-    };
-    let mut sides: Vec<FaceSide> = faces.iter().enumerate().flat_map(of_face).collect();
+    let mut sides = Vec::new();
+    for (f, face) in faces.iter().enumerate() {
+        let side = |(i, [a, b]): (usize, [u32; 2])| FaceSide {
+            ends: [a.min(b), a.max(b)],
+            face: f as u32,
+            corner: i as u32,
+        };
+        sides.extend(polygon::sides(face).enumerate().map(side));
+    }
     sides.sort_unstable_by_key(|s| (s.ends, s.face, s.corner));
     sides
 }

@@ -12,7 +12,7 @@ mod violation;
 
 pub use violation::{FlipReference, Violation};
 
-use crate::polygon::{interior_angles, is_simple};
+use crate::polygon::{interior_angles, is_simple, sides};
 use crate::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, TriangleSurface, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -343,9 +343,8 @@ impl<'a> Inspection<'a> {
         };
         let neighbours = self.mesh.topology().neighbours(vertex);
         let directions: Vec<f64> = neighbours.into_iter().map(direction).collect();
-        let next = directions.iter().cycle().skip(1);
-        let angles = directions.iter().zip(next);
-        angles.map(|(a, b)| (b - a).rem_euclid(TAU)).sum::<f64>() / TAU
+        let angles = sides(&directions).map(|[a, b]| (b - a).rem_euclid(TAU));
+        angles.sum::<f64>() / TAU
     }
 
     fn flipped_faces(&self, surface: Option<&TriangleSurface>) -> Vec<Violation> {

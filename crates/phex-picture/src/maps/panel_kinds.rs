@@ -1,6 +1,7 @@
 //! Kinds of panels, and their colours.
 
 use super::{Class, Rgb};
+use phex_mesh::polygon::corner_triples;
 use phex_mesh::{FaceId, FacePlane, HexMesh, PerFace, Vec2, Vec3};
 
 /// What a panel is, for its colour.
@@ -104,12 +105,8 @@ fn is_convex(mesh: &HexMesh, f: FaceId) -> bool {
     let corners: Vec<Vec3> = mesh.corners(f).collect();
     let plane = FacePlane::fit(&corners);
     let flat: Vec<Vec2> = corners.iter().map(|&p| plane.project(p)).collect();
-    let n = flat.len();
-    (0..n).all(|i| {
-        let (a, b) = (
-            flat[(i + 1) % n] - flat[i],
-            flat[(i + 2) % n] - flat[(i + 1) % n],
-        );
+    corner_triples(&flat).all(|[p, q, r]| {
+        let (a, b) = (q - p, r - q);
         a.perp(&b) >= -1e-9 * a.norm() * b.norm()
     })
 }

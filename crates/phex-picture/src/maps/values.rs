@@ -160,16 +160,12 @@ pub fn principal_at_panels(subject: &Subject<'_>) -> Option<Vec<Principal>> {
             (&own, OWN_RADIUS * length)
         }
     };
-    let centres: Vec<_> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
-    let points = surface.closest_points(&centres);
+    let points = surface.closest_points(mesh.centres().as_slice());
     let options = CurvatureOptions::default();
     let tensors = curvature::tensors_at_points(surface, &points, radius, &options);
     let places = points.iter().zip(&tensors);
-    Some(
-        places
-            .map(|(p, tensor)| curvature::principal(p.normal, tensor))
-            .collect(),
-    )
+    let principal = places.map(|(p, tensor)| curvature::principal(p.normal, tensor));
+    Some(principal.collect())
 }
 
 /// How much farther curvature looks on a mesh's own faces, which are as large as panels.

@@ -154,7 +154,7 @@ pub(crate) fn prescribed_faces(
     }
     let found = cones.iter().map(|c| i64::from(c.index)).sum();
     let needed = 6 * topology.euler_characteristic();
-    let closed = topology.boundary_loops().is_empty();
+    let closed = topology.is_closed();
     if closed && found != needed && !cones.is_empty() {
         return Err(ConeError::Sum { found, needed });
     }
@@ -174,7 +174,7 @@ fn prescribe(
     for (f, index) in wanted {
         excess[*f] -= index;
     }
-    let open = !topology.boundary_loops().is_empty();
+    let open = !topology.is_closed();
     let mut moved = 0;
     while let Some(f) = topology.faces().find(|f| excess[*f] != 0) {
         let sign = excess[f].signum();

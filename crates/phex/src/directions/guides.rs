@@ -14,6 +14,16 @@ pub struct Cone {
     pub index: i32,
 }
 
+impl Cone {
+    /// The same in other coordinates.
+    pub(crate) fn moved(&self, f: impl Fn(Vec3) -> Vec3) -> Self {
+        Self {
+            position: f(self.position.into()).into(),
+            ..*self
+        }
+    }
+}
+
 /// Lines and cones, in the coordinates of the surface.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -43,19 +53,12 @@ impl Guides {
 
     /// The same in other coordinates.
     pub fn moved(&self, f: impl Fn(Vec3) -> Vec3) -> Self {
-        let f = |p: &[f64; 3]| f(Vec3::from(*p)).into();
-        let cone = |c: &Cone| Cone {
-            position: f(&c.position),
-            ..*c
-        };
+        let place = |p: &[f64; 3]| f(Vec3::from(*p)).into();
+        let line = |line: &Vec<[f64; 3]>| line.iter().map(place).collect();
         Self {
-            lines: self
-                .lines
-                .iter()
-                .map(|l| l.iter().map(f).collect())
-                .collect(),
+            lines: self.lines.iter().map(line).collect(),
             crease: self.crease,
-            cones: self.cones.iter().map(cone).collect(),
+            cones: self.cones.iter().map(|cone| cone.moved(&f)).collect(),
         }
     }
 

@@ -7,6 +7,7 @@ use super::intrinsic::IntrinsicMesh;
 use super::turns::cones;
 use super::{DirectionOptions, Directions};
 use nalgebra::Matrix3;
+use phex_mesh::polygon::sides;
 use phex_mesh::{EdgeId, PerEdge, PerVertex, TriangleSurface, Vec3, VertexId};
 use std::f64::consts::{FRAC_PI_3, PI};
 
@@ -41,8 +42,7 @@ impl FilledSurface {
             let sum: Vec3 = rim.iter().map(|v| positions[v.index()]).sum();
             positions.push(sum / rim.len() as f64);
             // The surface lies to the left of its rim, the fan to the right.
-            let sides = rim.iter().zip(rim.iter().cycle().skip(1));
-            let fan = sides.map(|(a, b)| [b.index() as u32, a.index() as u32, middle]);
+            let fan = sides(rim).map(|[a, b]| [b.index() as u32, a.index() as u32, middle]);
             triangles.extend(fan);
         }
         let filled = TriangleSurface::new(positions, &triangles).ok()?;
@@ -125,10 +125,9 @@ fn rim_length(
     metric: &PerVertex<Matrix3<f64>>,
     rim: &[VertexId],
 ) -> f64 {
-    let sides = rim.iter().zip(rim.iter().cycle().skip(1));
-    let length = |(a, b): (&VertexId, &VertexId)| {
-        let d = surface.positions()[*b] - surface.positions()[*a];
-        (0.5 * d.dot(&((metric[*a] + metric[*b]) * d))).sqrt()
+    let length = |[a, b]: [VertexId; 2]| {
+        let d = surface.positions()[b] - surface.positions()[a];
+        (0.5 * d.dot(&((metric[a] + metric[b]) * d))).sqrt()
     };
-    sides.map(length).sum()
+    sides(rim).map(length).sum()
 }

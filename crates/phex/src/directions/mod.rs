@@ -144,8 +144,7 @@ impl Directions {
 
     /// Angle, radians, by which the field turns along an edge beyond its whole turns.
     pub fn rest(&self, topology: &Topology, e: EdgeId) -> f64 {
-        let [i, j] = topology.edge_vertices(e);
-        let turned = self.angle[j] - self.angle[i] - self.intrinsic.transport(e);
+        let turned = turns::rest(topology, &self.intrinsic, &self.angle, e);
         turned - f64::from(self.turn[e]) * FRAC_PI_3
     }
 }

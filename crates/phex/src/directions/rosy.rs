@@ -51,14 +51,7 @@ pub(crate) fn field(
             N * (polar_of(surface, mesh, metric, v, along, across) + options.rotate),
         )
     };
-    let mut rim = boundary::frames(topology, mesh);
-    if is_flat(mesh, weight) {
-        rim = boundary::on_longest_side(topology, &rim);
-        let turn = Complex::from_polar(1.0, N * options.rotate);
-        let frames = rim.iter_mut().flatten();
-        frames.for_each(|f| f.alignment *= turn);
-    }
-    let mirrored = mirror_frames(&mut rim, &mesh.multiplicity);
+    let [rim, mirrored] = open_and_mirrored(topology, mesh, weight, options.rotate);
     let rim_weight = |v: VertexId| {
         let open = rim[v].map_or(0.0, |r| {
             options.boundary_alignment * r.length * r.alignment.norm()
@@ -90,8 +83,25 @@ pub(crate) fn field(
     let meeting = classes_at_axes(topology, mesh, &u, &mirrored);
     draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
     *factor = Some(smooth);
-    let polish = stiffness(POLISH_TIME, 1.0)?;
-    let diagonal: Vec<f64> = polish.diagonal().collect();
+    let wishes = (&free[..], &mut source[..]);
+    let diffusion = stiffness(POLISH_TIME, 1.0)?;
+    polish(&diffusion, mesh, wishes, &mut u, (&mirrored, &meeting));
+    Ok(SixFoldField {
+        angle: PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()),
+        wish: PerVertex::from_vec(source),
+    })
+}
+
+/// Diffuses a field for a short time and makes its values of one length, step by step; after each,
+/// the wishes that draw it to mirror planes are added anew to the `free` ones.
+fn polish(
+    diffusion: &SymmetricMatrix<Complex<f64>>,
+    mesh: &IntrinsicMesh,
+    (free, source): (&[Complex<f64>], &mut [Complex<f64>]),
+    u: &mut [Complex<f64>],
+    (mirrored, meeting): (&PerVertex<Option<BoundaryFrame>>, &BTreeMap<VertexId, f64>),
+) {
+    let diagonal: Vec<f64> = diffusion.diagonal().collect();
     let steps = match mirrored.iter().any(Option::is_some) {
         true => MIRROR_STEPS,
         false => POLISH_STEPS,
@@ -101,15 +111,30 @@ pub(crate) fn field(
         let right = (u.iter().zip(wished))
             .map(|(z, (s, mass))| z * (mass / (z.norm() + 1e-12)) + s * POLISH_TIME);
         let right: Vec<Complex<f64>> = right.collect();
-        let apply = |x: &[Complex<f64>], y: &mut [Complex<f64>]| polish.mul(x, y);
-        conjugate_gradients(apply, &diagonal, &right, &mut u, &POLISHED);
-        source.copy_from_slice(&free);
-        draw_to_mirrors(&mut source, &u, &mirrored, &meeting);
+        let apply = |x: &[Complex<f64>], y: &mut [Complex<f64>]| diffusion.mul(x, y);
+        conjugate_gradients(apply, &diagonal, &right, u, &POLISHED);
+        source.copy_from_slice(free);
+        draw_to_mirrors(source, u, mirrored, meeting);
     }
-    Ok(SixFoldField {
-        angle: PerVertex::from_vec(u.iter().map(|z| angle(*z)).collect()),
-        wish: PerVertex::from_vec(source),
-    })
+}
+
+/// Frames of the boundary, and those of the vertices in mirror planes. On a plane rows follow the
+/// longest side alone, turned as is asked for.
+fn open_and_mirrored(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    weight: &PerVertex<f64>,
+    rotate: f64,
+) -> [PerVertex<Option<BoundaryFrame>>; 2] {
+    let mut rim = boundary::frames(topology, mesh);
+    if is_flat(mesh, weight) {
+        rim = boundary::on_longest_side(topology, &rim);
+        let turn = Complex::from_polar(1.0, N * rotate);
+        let frames = rim.iter_mut().flatten();
+        frames.for_each(|f| f.alignment *= turn);
+    }
+    let mirrored = mirror_frames(&mut rim, &mesh.multiplicity);
+    [rim, mirrored]
 }
 
 /// Weight of the alignment with mirror planes, per panel length of them, and steps of the polish

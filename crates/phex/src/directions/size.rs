@@ -118,7 +118,7 @@ pub(crate) fn base_length(
                 .map(|&v| relative[v])
                 .sum::<f64>()
                 / 3.0;
-            0.5 * surface.area_vector(f).norm() / (size * size)
+            surface.face_area(f) / (size * size)
         })
         .sum();
     (share / (cell * panels as f64)).sqrt()

@@ -132,7 +132,12 @@ pub(crate) fn smallest_turns(
 }
 
 /// Angle by which the field turns along an edge.
-fn rest(topology: &Topology, mesh: &IntrinsicMesh, angle: &PerVertex<f64>, e: EdgeId) -> f64 {
+pub(super) fn rest(
+    topology: &Topology,
+    mesh: &IntrinsicMesh,
+    angle: &PerVertex<f64>,
+    e: EdgeId,
+) -> f64 {
     let [i, j] = topology.edge_vertices(e);
     angle[j] - angle[i] - mesh.transport(e)
 }

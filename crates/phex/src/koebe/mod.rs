@@ -288,7 +288,7 @@ pub fn koebe(
     check(options)?;
     graph::check(mesh.topology())?;
     let circles = Circles::new(mesh.topology());
-    let closed = mesh.topology().boundary_loops().is_empty();
+    let closed = mesh.topology().is_closed();
     let mut radii = if closed {
         closed_radii(&circles)
     } else {

@@ -14,7 +14,9 @@
 use nalgebra::{Matrix3, SVector};
 use phex_mesh::{PerFace, PerVertex, Topology, Vec3};
 use phex_numeric::assembly::packed;
-use phex_numeric::{Assembly, Cholesky, NumericError, Outcome, Record, Status, SymmetricMatrix};
+use phex_numeric::{
+    Assembly, Cholesky, NumericError, Outcome, Record, Status, SymmetricMatrix, largest,
+};
 
 /// Shifts of the normal equations, whose diagonal is about 1, until they factorise. They decide the
 /// Moebius directions and, where circles are so small that rounding decides, the tangential ones.
@@ -169,11 +171,7 @@ fn value(e: &Equation, points: &[Vec3]) -> f64 {
 }
 
 fn largest_residual(equations: &[Equation], points: &[Vec3]) -> f64 {
-    let larger = |m: f64, e: &Equation| {
-        let v = value(e, points).abs();
-        if v > m || v.is_nan() { v } else { m }
-    };
-    equations.iter().fold(0.0, larger)
+    largest(equations.iter().map(|e| value(e, points).abs()))
 }
 
 /// Axes along which a unit step changes the equations by about 1: the radius, and longer ones along

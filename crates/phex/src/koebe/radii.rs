@@ -1,7 +1,7 @@
 //! Radii of the circles of an orthogonal circle pattern: Newton's method on a convex energy.
 
 use super::circles::{Circles, NodeId};
-use phex_numeric::{Cholesky, NumericError, Outcome, Record, Status, SymmetricMatrix};
+use phex_numeric::{Cholesky, NumericError, Outcome, Record, Status, SymmetricMatrix, max_abs};
 use std::f64::consts::TAU;
 
 /// Trial steps of a line search at the most.
@@ -82,7 +82,7 @@ impl Radii {
     ) -> Result<Outcome, NumericError> {
         let mut outcome = Outcome::empty(Status::IterationLimit);
         let mut gradient = self.gradient(circles, &self.rho);
-        let mut residual = largest(&gradient);
+        let mut residual = max_abs(&gradient);
         let mut hessian = self.hessian(circles)?;
         let mut cholesky = Cholesky::analyse(hessian.pattern(), 1)?;
         while residual > options.tolerance && outcome.iterations < options.max_iterations {
@@ -99,9 +99,9 @@ impl Radii {
             let fraction = self.line_search(circles, &gradient, &step);
             self.rho = self.moved(&step, fraction);
             gradient = self.gradient(circles, &self.rho);
-            let before = std::mem::replace(&mut residual, largest(&gradient));
+            let before = std::mem::replace(&mut residual, max_abs(&gradient));
             outcome.iterations += 1;
-            let record = record(residual, fraction * largest(&step), fraction);
+            let record = record(residual, fraction * max_abs(&step), fraction);
             outcome.history.push(record);
             if residual.is_nan() || (residual >= before && before < STALL) {
                 outcome.status = Status::Stalled;
@@ -206,11 +206,4 @@ fn start(degree: usize) -> f64 {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(
-        0.0,
-        |m: f64, v| if v.is_nan() { *v } else { m.max(v.abs()) },
-    )
 }

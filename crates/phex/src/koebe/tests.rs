@@ -387,9 +387,7 @@ fn separating_pair_is_one() {
 fn defects_are_those_of_the_mesh() {
     let cube = solve(&prism(4));
     let grown = Koebe {
-        mesh: cube
-            .mesh
-            .with_positions(cube.mesh.positions.map(|p| p * 1.1)),
+        mesh: cube.mesh.mapped(|p| p * 1.1),
         ..cube.clone()
     };
     let defects = KoebeDefects::of(&grown.mesh, &grown.face_poles);

@@ -50,6 +50,7 @@ use phex_mesh::{HexMesh, PerFace, PerVertex, Topology, TriangleSurface, Vec3, Ve
 use phex_numeric::NumericError;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
+use std::fmt;
 use thiserror::Error;
 
 /// Most panels that one run is asked for: the refined surface has 25 vertices and more for each,
@@ -133,6 +134,11 @@ pub enum LayoutError {
 }
 
 impl LayoutError {
+    pub(crate) fn topology(reason: impl fmt::Display) -> Self {
+        let reason = reason.to_string();
+        Self::Topology { reason }
+    }
+
     pub(crate) fn not_discs(surface: &TriangleSurface, cells: NotDiscs) -> Self {
         let topology = surface.topology();
         let loops = topology.boundary_loops().len() as i64;
@@ -295,17 +301,17 @@ pub fn panelling(
     progress: &dyn Progress,
 ) -> Result<Layout, LayoutError> {
     if seeds.is_empty() {
-        return Err(LayoutError::Topology {
-            reason: "panels are too large for the surface: none of them lies on it".into(),
-        });
+        return Err(LayoutError::topology(
+            "panels are too large for the surface: none of them lies on it",
+        ));
     }
     let topology = fine.surface.topology();
     let (seeds, grown) = rim::even_rim(fine, seeds, progress);
     unless_cancelled(progress)?;
     if grown.label.iter().any(|l| *l == UNREACHED) {
-        return Err(LayoutError::Topology {
-            reason: "a part of it is not connected with the rest, and no panel is there".into(),
-        });
+        return Err(LayoutError::topology(
+            "a part of it is not connected with the rest, and no panel is there",
+        ));
     }
     let vertices = seeds.iter().map(|s| s.vertex).collect();
     let mut complex = disc_cells(topology, fine.mesh, fine.corners, grown.label, vertices)
@@ -348,10 +354,8 @@ fn record(
     let outlines = complex.panels.iter().map(|(_, l)| l.iter().copied());
     let (nodes, faces) = numbered(outlines);
     let positions = nodes.iter().map(|n| place(*n)).collect();
-    let mesh = HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology {
-        reason: e.to_string(),
-    })?;
-    same_topology(topology, mesh.topology()).map_err(|reason| LayoutError::Topology { reason })?;
+    let mesh = HexMesh::new(positions, &faces).map_err(LayoutError::topology)?;
+    same_topology(topology, mesh.topology()).map_err(LayoutError::topology)?;
     let centroid = centroids(fine, &complex.label, complex.seed.len());
     let middle: Vec<Vec3> = complex
         .panels
@@ -365,14 +369,11 @@ fn record(
         .map(|(c, _)| complex.seed[*c as usize])
         .collect();
     let length = seed.iter().map(|&s| local_length(fine, s)).collect();
+    let kinds = PerVertex::from_vec(nodes.iter().map(|n| kind(*n)).collect());
+    let feet = foot.iter().map(|p| (p.position, p.normal));
     Ok(Layout {
-        mesh,
-        vertex_kind: PerVertex::from_vec(nodes.iter().map(|n| kind(*n)).collect()),
-        face_point: PerFace::from_vec(foot.iter().map(|p| p.position).collect()),
-        face_normal: PerFace::from_vec(foot.iter().map(|p| p.normal).collect()),
-        face_length: PerFace::from_vec(length),
-        face_wish: PerFace::filled(complex.panels.len(), PanelWish::ANY),
         face_seed: PerFace::from_vec(seed),
+        ..Layout::new(mesh, kinds, feet, PerFace::from_vec(length))
     })
 }
 
@@ -474,19 +475,12 @@ pub(crate) mod tests {
             middle.push(c);
         }
         let mesh = HexMesh::new(positions, &faces).expect("a patch of a lattice");
-        let topology = mesh.topology();
-        let kind = |v| match topology.is_boundary_vertex(v) {
-            true => VertexKind::Boundary,
-            false => VertexKind::Interior,
-        };
+        let kinds = VertexKind::of_mesh(&mesh);
+        let feet = middle.into_iter().map(|p| (p, Vec3::z()));
+        let lengths = PerFace::filled(faces.len(), 1.0);
         Layout {
-            vertex_kind: PerVertex::from_vec(topology.vertices().map(kind).collect()),
-            face_normal: PerFace::filled(faces.len(), Vec3::z()),
-            face_length: PerFace::filled(faces.len(), 1.0),
-            face_wish: PerFace::filled(faces.len(), PanelWish::ANY),
             face_seed: PerFace::from_vec((0..faces.len() as u32).map(VertexId::new).collect()),
-            face_point: PerFace::from_vec(middle),
-            mesh,
+            ..Layout::new(mesh, kinds, feet, lengths)
         }
     }
 

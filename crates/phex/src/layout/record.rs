@@ -18,6 +18,19 @@ pub enum VertexKind {
     BoundaryCorner,
 }
 
+impl VertexKind {
+    /// Kinds of vertices as far as the mesh alone tells: it has no corners.
+    pub(crate) fn of_mesh(mesh: &HexMesh) -> PerVertex<Self> {
+        let topology = mesh.topology();
+        PerVertex::from_fn(topology.n_vertices(), |v| {
+            match topology.is_boundary_vertex(v) {
+                true => Self::Boundary,
+                false => Self::Interior,
+            }
+        })
+    }
+}
+
 /// Size and shape that a panel is to have.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PanelWish {
@@ -60,25 +73,44 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// A mesh as a layout whose panels may have any area, and grew from no seed: the points of the
+    /// surface at their middles are given with its normals there.
+    pub(crate) fn new(
+        mesh: HexMesh,
+        vertex_kind: PerVertex<VertexKind>,
+        feet: impl Iterator<Item = (Vec3, Vec3)>,
+        face_length: PerFace<f64>,
+    ) -> Self {
+        let (points, normals) = feet.unzip();
+        let n_faces = mesh.topology().n_faces();
+        Self {
+            mesh,
+            vertex_kind,
+            face_point: PerFace::from_vec(points),
+            face_normal: PerFace::from_vec(normals),
+            face_length,
+            face_wish: PerFace::filled(n_faces, PanelWish::ANY),
+            face_seed: PerFace::filled(n_faces, VertexId::new(0)),
+        }
+    }
+
     /// The layout with its panels joined otherwise; vertices of its mesh are where they are in that
     /// one.
     pub fn joined(&self, flipped: &Flipped) -> Self {
-        let (faces, vertices) = (&flipped.faces, &flipped.vertices);
+        self.part(flipped.mesh.clone(), &flipped.vertices, &flipped.faces)
+    }
+
+    /// The layout of a mesh that has some of its vertices and faces, in the order in which they are
+    /// named.
+    pub(super) fn part(&self, mesh: HexMesh, vertices: &[VertexId], faces: &[FaceId]) -> Self {
         Self {
-            mesh: flipped.mesh.clone(),
-            vertex_kind: PerVertex::from_vec(
-                vertices.iter().map(|v| self.vertex_kind[*v]).collect(),
-            ),
-            face_point: kept(&self.face_point, faces),
-            face_normal: kept(&self.face_normal, faces),
-            face_length: kept(&self.face_length, faces),
-            face_wish: kept(&self.face_wish, faces),
-            face_seed: kept(&self.face_seed, faces),
+            mesh,
+            vertex_kind: self.vertex_kind.picked(vertices),
+            face_point: self.face_point.picked(faces),
+            face_normal: self.face_normal.picked(faces),
+            face_length: self.face_length.picked(faces),
+            face_wish: self.face_wish.picked(faces),
+            face_seed: self.face_seed.picked(faces),
         }
     }
-}
-
-/// The values of the faces that are left.
-fn kept<T: Copy>(values: &PerFace<T>, faces: &[FaceId]) -> PerFace<T> {
-    PerFace::from_vec(faces.iter().map(|f| values[*f]).collect())
 }

@@ -59,10 +59,9 @@ pub(super) fn edge_distance_error(
 ) -> f64 {
     let topology = mesh.topology();
     largest(topology.edges().filter(|e| counts(*e)).flat_map(|e| {
-        let [a, b] = topology.edge_vertices(e);
-        let along = (mesh.position(b) - mesh.position(a)).normalize();
+        let along = mesh.edge_vector(e).normalize();
         let away = |v| (moved.position(v) - mesh.position(v)).cross(&along).norm();
-        [a, b].map(|v| away(v) - distance.abs())
+        (topology.edge_vertices(e)).map(|v| away(v) - distance.abs())
     }))
 }
 
@@ -88,11 +87,5 @@ pub fn face_distance_error(
 }
 
 fn largest(errors: impl Iterator<Item = f64>) -> f64 {
-    errors.fold(0.0, |m, e| {
-        if e.abs() > m || e.is_nan() {
-            e.abs()
-        } else {
-            m
-        }
-    })
+    phex_numeric::largest(errors.map(f64::abs))
 }

@@ -420,7 +420,7 @@ fn largest_defect(mesh: &HexMesh, positions: &PerVertex<Vec3>) -> (EdgeId, f64) 
     let mut largest = (EdgeId::new(0), 0.0);
     for edge in topology.edges() {
         let [a, b] = topology.edge_vertices(edge);
-        let along = (mesh.position(b) - mesh.position(a)).normalize();
+        let along = mesh.edge_vector(edge).normalize();
         let defect = (touching(positions[a], &along) - touching(positions[b], &along)).norm();
         if defect > largest.1 || defect.is_nan() {
             largest = (edge, defect);

@@ -56,8 +56,8 @@ pub fn edge_offset(mesh: &HexMesh, gauss_image: &HexMesh, distance: f64) -> HexM
 pub fn edge_distances(mesh: &HexMesh, other: &HexMesh) -> PerEdge<f64> {
     let t = mesh.topology();
     PerEdge::from_fn(t.n_edges(), |e| {
-        let [a, b] = t.edge_vertices(e);
-        let along = (mesh.position(b) - mesh.position(a)).normalize();
+        let [a, _] = t.edge_vertices(e);
+        let along = mesh.edge_vector(e).normalize();
         (other.position(a) - mesh.position(a)).cross(&along).norm()
     })
 }
@@ -169,7 +169,7 @@ mod tests {
             mixed_area(
                 &m.corners(f).collect::<Vec<_>>(),
                 &m.corners(f).collect::<Vec<_>>(),
-                FacePlane::fit(&m.corners(f).collect::<Vec<_>>()).normal,
+                FacePlane::of(m, f).normal,
             )
         };
         for (f, c) in face_curvatures(&brick, &koebe).enumerate() {

@@ -211,7 +211,7 @@ pub(crate) fn fit_beyond(
                 .topology()
                 .face_vertices(surface.closest_point(feet.position[0]).triangle)[0],
         })?;
-    let fitted = rounds(&space, surface, &program, feet, options, progress);
+    let fitted = rounds(surface, &program, feet, progress);
     // The input itself is a parallel mesh, but not one with these signs.
     let none = fitted.rounds == 0 && fitted.status == Status::NumericalBreakdown;
     match program.least_wished() {
@@ -233,15 +233,14 @@ fn check(options: &FitOptions) -> Result<(), FitError> {
             range,
         })
     };
-    if !(options.fairness >= 0.0 && options.fairness.is_finite()) {
-        return fail("fairness", options.fairness, "0 or positive");
-    }
-    let curvature = options.constant_mean_curvature;
-    if !(curvature >= 0.0 && curvature.is_finite()) {
-        return fail("constant_mean_curvature", curvature, "0 or positive");
-    }
-    if !(options.tolerance >= 0.0 && options.tolerance.is_finite()) {
-        return fail("tolerance", options.tolerance, "0 or positive");
+    for (option, value) in [
+        ("fairness", options.fairness),
+        ("constant_mean_curvature", options.constant_mean_curvature),
+        ("tolerance", options.tolerance),
+    ] {
+        if !(value >= 0.0 && value.is_finite()) {
+            return fail(option, value, "0 or positive");
+        }
     }
     if !(options.least_edge > 0.0 && options.least_edge < 1.0) {
         return fail("least_edge", options.least_edge, "between 0 and 1");
@@ -273,14 +272,13 @@ fn feet_by_normals(mesh: &HexMesh, surface: &TriangleSurface) -> SurfaceFeet {
 }
 
 fn rounds(
-    space: &ParallelSpace,
     surface: &TriangleSurface,
-    program: &Program,
+    program: &Program<'_>,
     mut feet: SurfaceFeet,
-    options: &FitOptions,
     progress: &dyn Progress,
 ) -> Fitted {
-    let mut mesh = program.start(space, &feet);
+    let (space, options) = (program.space, program.options);
+    let mut mesh = program.start(&feet);
     let (mut status, mut done) = (Status::IterationLimit, 0);
     while done < options.max_rounds {
         if progress.is_cancelled() {
@@ -306,7 +304,7 @@ fn rounds(
             break;
         }
     }
-    assess(space, program, surface, mesh, status, done)
+    assess(program, surface, mesh, status, done)
 }
 
 /// Root mean square of the vertices' movement along the normals of their foot points.
@@ -319,8 +317,7 @@ fn normal_movement(before: &HexMesh, after: &HexMesh, feet: &SurfaceFeet) -> f64
 }
 
 fn assess(
-    space: &ParallelSpace,
-    program: &Program,
+    program: &Program<'_>,
     surface: &TriangleSurface,
     mesh: HexMesh,
     status: Status,
@@ -334,8 +331,8 @@ fn assess(
         .map(|(x, f)| (x - f.position).norm())
         .collect();
     let mean_square = distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64;
-    let lengths = space.lengths(&mesh);
-    let (mean_curvature, mean_curvature_spread) = mean_curvature(&mesh, space.mesh());
+    let lengths = program.space.lengths(&mesh);
+    let (mean_curvature, mean_curvature_spread) = mean_curvature(&mesh, program.space.mesh());
     Fitted {
         mean_curvature,
         mean_curvature_spread,
@@ -431,23 +428,21 @@ impl<'a> Program<'a> {
     }
 
     /// The input itself, scaled and moved to the foot points.
-    fn start(&self, space: &ParallelSpace, feet: &SurfaceFeet) -> HexMesh {
-        let mesh = space.mesh();
+    fn start(&self, feet: &SurfaceFeet) -> HexMesh {
+        let mesh = self.space.mesh();
         let scale = self.unit / mesh.mean_edge();
         let mean = mesh.positions.iter().sum::<Vec3>() / feet.position.len() as f64;
         let shift = self.centre - mean * scale;
-        mesh.with_positions(mesh.positions.map(|p| p * scale + shift))
+        mesh.mapped(|p| p * scale + shift)
     }
 
     /// Positions of the vertices for given foot points; `None` if the solver gives up.
     fn solve(&self, feet: &SurfaceFeet, current: &HexMesh) -> Option<PerVertex<Vec3>> {
         let (hessian, gradient) = self.objective(feet, current);
         let x = minimise(hessian, &gradient, &self.constraints)?;
-        let position = |v: VertexId| {
-            let i = 3 * v.index();
-            Vec3::new(x[i], x[i + 1], x[i + 2]) * self.unit + self.centre
-        };
-        Some(PerVertex::from_fn(feet.position.len(), position))
+        let places = x.chunks_exact(3).map(Vec3::from_column_slice);
+        let places = places.map(|p| p * self.unit + self.centre);
+        Some(PerVertex::from_vec(places.collect()))
     }
 
     /// Upper triangle of the Hessian, and the gradient at the origin.
@@ -490,21 +485,16 @@ impl<'a> Program<'a> {
     /// Squares of `A(x, K) - c A(x)`, linearised at the current mesh; `c` is its mean.
     fn add_curvature(&self, current: &HexMesh, triplets: &mut Vec<Triplet>, gradient: &mut [f64]) {
         let image = self.space.mesh();
-        let image = image.with_positions(image.positions.map(|k| k / image.mean_edge()));
-        let current =
-            current.with_positions(current.positions.map(|x| (x - self.centre) / self.unit));
+        let image = image.mapped(|k| k / image.mean_edge());
+        let current = current.mapped(|x| (x - self.centre) / self.unit);
         let c = -mean_curvature(&current, &image).0;
         for f in image.topology().faces() {
             // A(x) = A(x0, 2 x - x0) + ..., so the row is the gradient of A(x, K - 2 c x0).
             let at = |v| image.position(v) - 2.0 * c * current.position(v);
             let vertices = image.topology().face_vertices(f);
             let q: Vec<Vec3> = vertices.iter().map(|&v| at(v)).collect();
-            let by_corner = vertices
-                .iter()
-                .zip(mixed_area_gradient(&q, self.space.normal(f)));
-            let row: Vec<(usize, f64)> = by_corner
-                .flat_map(|(v, g)| (0..3).map(move |k| (3 * v.index() + k, g[k])))
-                .collect();
+            let row: Vec<(usize, f64)> =
+                mixed_area_row(vertices, &q, self.space.normal(f)).collect();
             let constant = c * face_areas(&current, &image, f)[0];
             let weight = self.options.constant_mean_curvature;
             add_square(&row, constant, weight, triplets, gradient);
@@ -575,10 +565,19 @@ fn minimal_rows(space: &ParallelSpace, rows: &mut Rows) {
     let mean_edge = image.mean_edge();
     for f in image.topology().faces() {
         let corners: Vec<Vec3> = image.corners(f).map(|k| k / mean_edge).collect();
-        let vertices = image.topology().face_vertices(f).iter();
-        let by_corner = vertices.zip(mixed_area_gradient(&corners, space.normal(f)));
-        rows.push(by_corner.flat_map(|(v, g)| (0..3).map(move |k| (3 * v.index() + k, g[k]))));
+        let vertices = image.topology().face_vertices(f);
+        rows.push(mixed_area_row(vertices, &corners, space.normal(f)));
     }
+}
+
+/// Coefficients of `A(x, Q)` in the coordinates of the vertices of a face with a normal.
+fn mixed_area_row(
+    vertices: &[VertexId],
+    q: &[Vec3],
+    normal: Vec3,
+) -> impl Iterator<Item = (usize, f64)> {
+    let by_corner = vertices.iter().zip(mixed_area_gradient(q, normal));
+    by_corner.flat_map(|(v, g)| (0..3).map(move |k| (3 * v.index() + k, g[k])))
 }
 
 fn entries_of(rows: &Rows, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {

@@ -62,7 +62,7 @@ impl GaussImage {
         let edges = topology.edges().filter_map(|edge| {
             let [a, b] = topology.edge_vertices(edge);
             let (before, image) = (
-                mesh.position(b) - mesh.position(a),
+                mesh.edge_vector(edge),
                 self.positions[b] - self.positions[a],
             );
             let direction = before.try_normalize(0.0)?;

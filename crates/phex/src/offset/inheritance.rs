@@ -87,10 +87,11 @@ impl Inheritance {
 fn backward_edges(mesh: &HexMesh, moved: &HexMesh, limit: f64) -> Vec<Violation> {
     let topology = mesh.topology();
     let unit = moved.mean_edge();
-    let along = |m: &HexMesh, [a, b]: [_; 2]| m.position(b) - m.position(a);
     let flipped = topology.edges().filter_map(|edge| {
         let vertices = topology.edge_vertices(edge);
-        let length = along(moved, vertices).dot(&along(mesh, vertices).normalize());
+        let length = moved
+            .edge_vector(edge)
+            .dot(&mesh.edge_vector(edge).normalize());
         let forward = length > 0.0;
         (!forward).then_some(Violation::CollapsedEdge {
             edge,

@@ -7,7 +7,7 @@
 //! they are exact to rounding.
 
 use nalgebra::DMatrix;
-use phex_numeric::{Cholesky, NumericError, SymmetricMatrix};
+use phex_numeric::{Cholesky, NumericError, SymmetricMatrix, max_abs};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -152,13 +152,13 @@ impl NullSpace {
         };
         let mut defect = self.rows.mul(x);
         for _ in 0..MAX_PROJECTIONS {
-            let before = largest(&defect);
+            let before = max_abs(&defect);
             let mut multiplier = defect;
             cholesky.solve(&mut multiplier);
             let step = self.rows.mul_transposed(&multiplier);
             let moved: Vec<f64> = x.iter().zip(&step).map(|(x, d)| x - d).collect();
             defect = self.rows.mul(&moved);
-            let after = largest(&defect);
+            let after = max_abs(&defect);
             if after.is_nan() || after >= before {
                 return;
             }
@@ -225,13 +225,6 @@ impl NullSpace {
     }
 }
 
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(
-        0.0,
-        |m: f64, v| if v.is_nan() { *v } else { m.max(v.abs()) },
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -283,7 +276,7 @@ mod tests {
         let wish: Vec<f64> = (0..90).map(|i| (i as f64).sin()).collect();
         let mut x = wish.clone();
         space.project(&mut x);
-        assert!(largest(&space.rows.mul(&x)) < 1e-14);
+        assert!(max_abs(&space.rows.mul(&x)) < 1e-14);
         let again = {
             let mut y = x.clone();
             space.project(&mut y);

@@ -166,7 +166,7 @@ fn side_of(space: &ParallelSpace, surface: &TriangleSurface) -> SideSigns {
     let all = surface.topology().faces();
     let looks: Vec3 = all.map(|f| surface.area_vector(f)).sum();
     // A closed surface looks to all sides alike, and its normals point outwards.
-    let open = !surface.boundary_loops().is_empty();
+    let open = !surface.topology().is_closed();
     SideSigns {
         image: sign(outwards),
         surface: if open { sign(to.dot(&looks)) } else { 1.0 },

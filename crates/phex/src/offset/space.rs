@@ -159,8 +159,7 @@ impl ParallelSpace {
     /// Lengths of the edges of a parallel mesh; negative where an edge points the other way.
     pub fn lengths(&self, mesh: &HexMesh) -> PerEdge<f64> {
         PerEdge::from_fn(self.directions.len(), |e| {
-            let [a, b] = self.mesh.topology().edge_vertices(e);
-            (mesh.position(b) - mesh.position(a)).dot(&self.directions[e])
+            mesh.edge_vector(e).dot(&self.directions[e])
         })
     }
 
@@ -195,12 +194,9 @@ impl ParallelSpace {
     pub fn closest(&self, wish: &PerVertex<Vec3>) -> HexMesh {
         let mut x: Vec<f64> = wish.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
         self.parallelism.project(&mut x);
-        let position = |v: VertexId| {
-            let i = 3 * v.index();
-            Vec3::new(x[i], x[i + 1], x[i + 2])
-        };
+        let positions = x.chunks_exact(3).map(Vec3::from_column_slice);
         self.mesh
-            .with_positions(PerVertex::from_fn(wish.len(), position))
+            .with_positions(PerVertex::from_vec(positions.collect()))
     }
 
     /// Change of the edge lengths when the plane of a face moves by 1 along its normal and all
@@ -244,10 +240,8 @@ fn directions(mesh: &HexMesh) -> Result<PerEdge<Vec3>, ParallelError> {
     let t = mesh.topology();
     let direction = |e| {
         let vertices = t.edge_vertices(e);
-        let along = mesh.position(vertices[1]) - mesh.position(vertices[0]);
-        along
-            .try_normalize(0.0)
-            .ok_or(ParallelError::NoDirection { edge: e, vertices })
+        let along = mesh.edge_vector(e).try_normalize(0.0);
+        along.ok_or(ParallelError::NoDirection { edge: e, vertices })
     };
     Ok(PerEdge::from_vec(
         t.edges().map(direction).collect::<Result<_, _>>()?,
@@ -353,9 +347,7 @@ fn parallelism_rows(t: &Topology, directions: &PerEdge<Vec3>) -> Rows {
 
 /// Two unit vectors perpendicular to a unit vector and to each other.
 fn perpendicular(d: &Vec3) -> [Vec3; 2] {
-    let mut axis = Vec3::zeros();
-    axis[d.iamin()] = 1.0;
-    let first = d.cross(&axis).normalize();
+    let first = d.cross(&Vec3::ith(d.iamin(), 1.0)).normalize();
     [first, d.cross(&first)]
 }
 

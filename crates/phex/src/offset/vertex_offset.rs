@@ -26,11 +26,10 @@ use super::angle_condition::{AngleCondition, angle_conditions};
 use super::face_offset::{MOST_AT_BOUNDARY, check_planar_mesh, face_normals};
 use super::gauss_image::{GaussImage, OffsetKind};
 use super::{OffsetError, OffsetOptions};
-use crate::optimise::free_edges;
+use crate::optimise::{free_edges, middle_vertex};
 use nalgebra::{Matrix3, SymmetricEigen};
 use phex_mesh::{
-    EdgeId, FaceId, ForestStep, HexMesh, PerEdge, PerVertex, Topology, Vec3, VertexId,
-    spanning_forest,
+    EdgeId, FaceId, ForestStep, HexMesh, PerEdge, PerVertex, Topology, Vec3, spanning_forest,
 };
 use serde::Serialize;
 
@@ -175,7 +174,7 @@ pub(super) fn check_connected(mesh: &HexMesh) -> Result<(), OffsetError> {
 
 /// First Betti number of a connected mesh.
 fn n_loops(topology: &Topology) -> usize {
-    let closed = i64::from(topology.boundary_loops().is_empty());
+    let closed = i64::from(topology.is_closed());
     usize::try_from(1 + closed - topology.euler_characteristic()).unwrap_or(0)
 }
 
@@ -203,6 +202,7 @@ impl SpanningTree {
         let topology = mesh.topology();
         let mut usable = PerEdge::filled(topology.n_edges(), true);
         free_edges.iter().for_each(|&e| usable[e] = false);
+        // From the middle, so that the tree is shallow and rounding adds up less.
         let branches = spanning_forest(topology, [middle_vertex(mesh)], |e| usable[e]);
         branches.iter().for_each(|b| usable[b.edge] = false);
         Self {
@@ -285,16 +285,6 @@ fn closest_in_null_space(squares: Matrix3<f64>, wish: Vec3) -> (Vec3, usize) {
 
 /// `I - 2 e e^T` for the unit vector `e` along an edge.
 fn reflection(mesh: &HexMesh, edge: EdgeId) -> Matrix3<f64> {
-    let [a, b] = mesh.topology().edge_vertices(edge);
-    let e = (mesh.position(b) - mesh.position(a)).normalize();
+    let e = mesh.edge_vector(edge).normalize();
     Matrix3::identity() - e * e.transpose() * 2.0
-}
-
-/// The vertex nearest to the mean of all, so that the tree is shallow and rounding adds up less.
-fn middle_vertex(mesh: &HexMesh) -> VertexId {
-    let mean = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len() as f64;
-    let distance = |v: VertexId| (mesh.position(v) - mean).norm_squared();
-    let nearer = |&a: &VertexId, &b: &VertexId| distance(a).total_cmp(&distance(b));
-    let vertices = mesh.topology().vertices();
-    vertices.min_by(nearer).unwrap_or(VertexId::new(0))
 }

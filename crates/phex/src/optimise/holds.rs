@@ -11,7 +11,7 @@
 //! | on a curve, or the boundary | `t t^T` |
 
 use super::images;
-use super::panels::{Image, Panels, add_block, point};
+use super::panels::{Image, Panels, add_block, point, put};
 use nalgebra::Matrix3;
 use phex_mesh::{BoundaryCurve, Vec3};
 use phex_numeric::Assembly;
@@ -127,9 +127,8 @@ impl Holds {
     /// Brings every held vertex back.
     pub fn retract(&self, x: &mut [f64]) {
         for (&v, hold) in &self.held {
-            let at = 3 * v as usize;
             let place = self.place(hold, point(x, v as usize));
-            x[at..at + 3].copy_from_slice(place.as_slice());
+            put(x, v as usize, &place);
         }
         images::retract(&self.images, x);
     }
@@ -158,7 +157,7 @@ impl Holds {
         for (v, freedom) in self.freedoms(x) {
             let v = v as usize;
             let g = freedom * point(gradient, v);
-            gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
+            put(gradient, v, &g);
             for &c in panels.corners_at(v) {
                 let f = panels.face_of(c);
                 if panels.rests(f) {

@@ -7,8 +7,9 @@
 //! which therefore keeps its block. A panel that is its own image has a normal that is, so in `J P`
 //! the entries of images are added to those of their sources (see `planarity`).
 
-use super::panels::{Image, Panels, add_block, point};
+use super::panels::{Image, Panels, add_at, add_block, point, put};
 use nalgebra::{DMatrix, Matrix3};
+use phex_mesh::Vec3;
 use phex_numeric::Assembly;
 use phex_numeric::assembly::packed;
 use std::collections::BTreeMap;
@@ -17,7 +18,7 @@ use std::collections::BTreeMap;
 pub(super) fn retract(images: &BTreeMap<u32, Image>, x: &mut [f64]) {
     for (&v, image) in images {
         let place = image.map * point(x, image.source as usize);
-        x[3 * v as usize..3 * v as usize + 3].copy_from_slice(place.as_slice());
+        put(x, v as usize, &place);
     }
 }
 
@@ -33,10 +34,8 @@ pub(super) fn fold(
 ) {
     for (&v, image) in images {
         let pulled = image.map.transpose() * point(gradient, v as usize);
-        for (k, g) in pulled.iter().enumerate() {
-            gradient[3 * image.source as usize + k] += g;
-        }
-        gradient[3 * v as usize..3 * v as usize + 3].fill(0.0);
+        add_at(gradient, image.source as usize, &pulled);
+        put(gradient, v as usize, &Vec3::zeros());
         let [of_source, of_image] =
             [image.source, v].map(|w| assembly.block(panels.n_faces() + w as usize));
         let own = Matrix3::from_fn(|r, c| blocks[of_image.start + packed(r.max(c), r.min(c))]);

@@ -86,7 +86,9 @@ use crate::layout::{Layout, VertexKind};
 use crate::progress::{Event, Progress};
 use holds::{Hold, Holds};
 use panels::{FaceShapes, Panels, points, unknowns};
-use phex_mesh::{BoundaryCurve, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3};
+use phex_mesh::{
+    BoundaryCurve, BoundaryPoint, FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3,
+};
 use phex_numeric::{Outcome, Status};
 use serde::Serialize;
 use solver::reached::Run;
@@ -95,8 +97,7 @@ use solver::start::Smoothing;
 use std::collections::{BTreeMap, BTreeSet};
 use steering::wishes;
 use targets::reference::Reference;
-use terms::areas;
-use terms::areas::AreaWish;
+use terms::areas::{self, AreaWish};
 use terms::guard::Guard;
 
 pub use angle::{AngleOptimised, AngleOptions, satisfy_angle_condition};
@@ -113,7 +114,7 @@ pub use steering::on_boundary::BoundaryHold;
 pub(crate) use steering::on_boundary::{onto_boundary, steer_on_boundary};
 pub use steering::wishes::{Anchor, GroundPlane, Steering, led_elsewhere};
 pub use targets::surface_target::SurfaceTarget;
-pub(crate) use terms::angle_term::walks::free_edges;
+pub(crate) use terms::angle_term::walks::{free_edges, middle_vertex};
 pub(crate) use terms::shape_limits::{FaceLimits, ShapeWish};
 
 /// Foot point on a target surface.
@@ -125,15 +126,6 @@ pub struct TargetPoint {
     pub normal: Vec3,
 }
 
-/// Foot point on a boundary curve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurvePoint {
-    /// Closest point.
-    pub position: Vec3,
-    /// Unit tangent there.
-    pub tangent: Vec3,
-}
-
 /// The surface that panels are kept close to: a smooth triangulation, the original facets, or an
 /// analytic shape.
 pub trait Target: Sync {
@@ -142,7 +134,7 @@ pub trait Target: Sync {
     /// and never changes the result.
     fn closest_points(&self, points: &[Vec3], near: &[TargetPoint]) -> Vec<TargetPoint>;
     /// Closest points on the boundary curves, or `None` for a closed surface.
-    fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>>;
+    fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<BoundaryPoint>>;
 }
 
 /// How the run from one start went.
@@ -363,12 +355,7 @@ fn from_mesh(
     }
     let options = &options;
     let x = unknowns(mesh);
-    let panels = Panels::new(mesh.topology());
-    let reference = target.map_or_else(|| Reference::start(&panels, &x), Reference::Surface);
-    let shape = FaceShapes::at(&panels, &x);
-    let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
-    let kinds = kinds_of(mesh);
-    let mut stage = Stage::new(mesh, reference, side, &kinds, options);
+    let mut stage = Stage::of_mesh(mesh, target, options);
     if target.is_some() {
         stage.keep_areas(&x, options);
     }
@@ -378,13 +365,13 @@ fn from_mesh(
         stage.holds.keep_rim(held, curves);
     }
     stage.holds.release(loose);
-    let x = wishes::put_in_place(&stage.holds, &panels, mesh)?;
-    let mut solvers = Solvers::new(&panels)?;
+    let x = wishes::put_in_place(&stage.holds, &stage.panels, mesh)?;
+    let mut solvers = Solvers::new(&stage.panels)?;
     let run = match only_project {
         true => stage.run_as_given(&mut solvers, &x, options, progress)?,
         false => stage.run_from(&mut solvers, &x, options, progress)?,
     };
-    if let Some(message) = wishes::blame(&stage.holds, &panels, &run.offenders) {
+    if let Some(message) = wishes::blame(&stage.holds, &stage.panels, &run.offenders) {
         progress.report(&Event::Note { message });
     }
     Ok(finished(mesh, run))
@@ -407,6 +394,26 @@ struct Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
+    /// That of a mesh without a layout: faces are on their side of the surface, and it is kept
+    /// close to itself if there is no surface.
+    fn of_mesh(
+        mesh: &'a HexMesh,
+        target: Option<&'a dyn Target>,
+        options: &OptimiseOptions,
+    ) -> Self {
+        let (x, panels) = (unknowns(mesh), Panels::new(mesh.topology()));
+        let shape = FaceShapes::at(&panels, &x);
+        let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
+        let reference = target.map_or_else(|| Reference::start(&panels, &x), Reference::Surface);
+        Self::new(
+            mesh,
+            reference,
+            Some(side),
+            &VertexKind::of_mesh(mesh),
+            options,
+        )
+    }
+
     fn new(
         mesh: &'a HexMesh,
         reference: Reference<'a>,
@@ -463,22 +470,15 @@ impl Stage<'_> {
     }
 }
 
-/// Kinds of vertices as far as the mesh alone tells.
-fn kinds_of(mesh: &HexMesh) -> PerVertex<VertexKind> {
-    let topology = mesh.topology();
-    PerVertex::from_fn(topology.n_vertices(), |v| {
-        if topology.is_boundary_vertex(v) {
-            VertexKind::Boundary
-        } else {
-            VertexKind::Interior
-        }
-    })
+/// A mesh at other positions.
+fn mesh_at(mesh: &HexMesh, x: &[f64]) -> HexMesh {
+    mesh.with_positions(PerVertex::from_vec(points(x)))
 }
 
 /// What a run has reached, as a mesh.
 fn finished(mesh: &HexMesh, run: Run) -> Optimised {
     Optimised {
-        mesh: mesh.with_positions(PerVertex::from_vec(points(&run.x))),
+        mesh: mesh_at(mesh, &run.x),
         outcome: run.outcome,
         start: run.summary.start,
         quality: run.summary.quality,

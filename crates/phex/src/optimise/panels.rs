@@ -298,6 +298,24 @@ pub(super) fn point(x: &[f64], vertex: usize) -> Vec3 {
     Vec3::new(x[3 * vertex], x[3 * vertex + 1], x[3 * vertex + 2])
 }
 
+/// Puts a vertex into the vector of unknowns, or what there is of it into another such vector.
+pub(super) fn put(x: &mut [f64], vertex: usize, place: &Vec3) {
+    x[3 * vertex..3 * vertex + 3].copy_from_slice(place.as_slice());
+}
+
+/// Adds to what there is of a vertex in such a vector.
+pub(super) fn add_at(x: &mut [f64], vertex: usize, by: &Vec3) {
+    for (x, d) in x[3 * vertex..3 * vertex + 3].iter_mut().zip(by) {
+        *x += d;
+    }
+}
+
+/// The values of those that have some numbers.
+pub(super) fn picked<T: Clone>(values: &[T], numbers: &[u32]) -> Vec<T> {
+    let value = |&k: &u32| values[k as usize].clone();
+    numbers.iter().map(value).collect()
+}
+
 /// Diagonal of the bounding box of all vertices.
 pub(super) fn extent(x: &[f64]) -> f64 {
     let first = point(x, 0);
@@ -433,8 +451,7 @@ impl FaceShapes {
 
     /// Largest distance of a corner to the plane of its face.
     pub(crate) fn max_height(&self) -> f64 {
-        let heights = self.corners.iter().map(|c| c.height.abs());
-        heights.fold(0.0, |m, h| if h > m || h.is_nan() { h } else { m })
+        phex_numeric::largest(self.corners.iter().map(|c| c.height.abs()))
     }
 }
 
@@ -449,4 +466,21 @@ pub(super) fn add_block(block: &mut [f64], i: usize, j: usize, value: &Matrix3<f
             block[start + b] += value[(a, b)];
         }
     }
+}
+
+/// Adds `w r r^T` for derivatives `r` by the corners of a face.
+pub(super) fn add_outer(block: &mut [f64], rows: &[Vec3], weight: f64) {
+    for (i, row) in rows.iter().enumerate() {
+        for (j, other) in rows[..=i].iter().enumerate() {
+            add_block(block, i, j, &(row * other.transpose() * weight));
+        }
+    }
+}
+
+/// Adds the Hessian of what depends on the vector from a corner to another one, with that by the
+/// vector.
+pub(super) fn add_difference(block: &mut [f64], [i, j]: [usize; 2], value: &Matrix3<f64>) {
+    add_block(block, i, i, value);
+    add_block(block, j, j, value);
+    add_block(block, i.max(j), i.min(j), &-value);
 }

@@ -4,7 +4,7 @@ use super::error::OptimiseError;
 use super::inspect::inspect;
 use super::options::{OptimiseOptions, PathKind, Solver, StartKind};
 use super::panels::FaceShapes;
-use super::simple::is_simple;
+use super::simple::crossed;
 use super::solver::emphasis::{EMPHASES, FREE_TURN};
 use super::solver::path::Path;
 use super::solver::reached::{ResultOrigin, Run, better};
@@ -148,11 +148,9 @@ impl Stage<'_> {
 
     pub(crate) fn start_at(&self, x: &[f64]) -> Start {
         let shape = FaceShapes::at(&self.panels, x);
-        let simple = |f: &usize| is_simple(shape.face(&self.panels, *f));
-        let n_bad = (0..self.panels.n_faces()).filter(|f| !simple(f)).count();
         Start {
             x: x.to_vec(),
-            n_bad,
+            n_bad: crossed(&self.panels, &shape).len(),
         }
     }
 

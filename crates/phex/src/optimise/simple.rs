@@ -1,6 +1,6 @@
 //! Is a panel simple, and how far can its corners move before it no longer is?
 
-use super::panels::Corner;
+use super::panels::{Corner, FaceShapes, Panels};
 use phex_mesh::Vec2;
 
 /// Twice the signed area of a triangle.
@@ -13,6 +13,18 @@ pub(super) fn area(corners: &[Corner]) -> f64 {
     let k = corners.len();
     let twice = |i: usize| corners[i].flat.perp(&corners[(i + 1) % k].flat);
     0.5 * (0..k).map(twice).sum::<f64>()
+}
+
+/// Areas of all faces in their own planes, whichever way they run.
+pub(super) fn areas(panels: &Panels, shape: &FaceShapes) -> Vec<f64> {
+    let area = |f| area(shape.face(panels, f)).abs();
+    (0..panels.n_faces()).map(area).collect()
+}
+
+/// Faces that are not simple.
+pub(super) fn crossed(panels: &Panels, shape: &FaceShapes) -> Vec<usize> {
+    let is_crossed = |f: &usize| !is_simple(shape.face(panels, *f));
+    (0..panels.n_faces()).filter(is_crossed).collect()
 }
 
 /// Whether a face, seen in its own plane, is a simple polygon of positive area.

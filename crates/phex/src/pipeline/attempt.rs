@@ -83,8 +83,7 @@ impl AttemptSummary {
 
     /// The same with the panels in model coordinates.
     pub(super) fn restored(mut self, restore: impl Fn(Vec3) -> Vec3) -> Self {
-        let positions = self.mesh.positions.map(|p| restore(*p));
-        self.mesh = self.mesh.with_positions(positions);
+        self.mesh = self.mesh.mapped(|p| restore(*p));
         self
     }
 

@@ -16,15 +16,13 @@ pub(super) use model::{place_in, quadric};
 use super::domain::Ground;
 use super::field::{Field, FineSurface};
 use super::sized::{boundary_length, panel_length};
-use super::{
-    ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics, any_area,
-};
+use super::{ClassicalStatistics, Clock, MeshOptions, MeshRun, Method, PipelineError, Statistics};
 use crate::classical::domain::DomainError;
-use crate::directions::guides::{Cone, Guides};
+use crate::directions::guides::Cone;
 use crate::layout::{LayoutError, LayoutStatistics};
 use crate::optimise::Optimised;
 use crate::smooth_surface::Normalised;
-use joined::{cells, fitted_planes, joined, met};
+use joined::{cells, fitted_planes, joined, met, on_gauss_sphere};
 use phex_mesh::{HexMesh, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 use start::CurvedGround;
@@ -55,26 +53,19 @@ pub(super) fn mesh_with_panels(
     let beyond = (made.fine.as_ref()).and_then(|fine| ground.beyond(fine));
     let outside = classical.outside.take();
     classical.outside_domain = outside.map(|e| e.mapped(|p| place_in(model, p)).to_string());
-    let runs: Vec<_> = made.optimised.map(|o| o.run).into_iter().collect();
-    let statistics = Statistics {
-        cones: Guides::of_cones(made.cones).cones,
+    let mut statistics = Statistics {
+        cones: made.cones,
         layout: made.layout,
         classical: Some(classical),
-        factorisations: runs.iter().map(|r| r.factorisations).sum(),
-        runs,
         ..Statistics::of(&ground.smooth, panels)
     };
+    made.optimised
+        .into_iter()
+        .for_each(|o| statistics.add(o.run));
     Ok(MeshRun {
-        wished: any_area(&mesh),
-        start: None,
-        mesh,
-        target: made.reported,
         beyond,
-        orbits: None,
-        unrepeated: None,
-        outcome: made.outcome,
-        statistics,
         stages: clock.stages,
+        ..MeshRun::new(mesh, made.reported, made.outcome, statistics)
     })
 }
 
@@ -94,25 +85,22 @@ struct ClassicalMesh {
 }
 
 impl ClassicalMesh {
+    /// Panels from the cells of a lattice, which are planar as they are.
     fn of(
         ground: &Ground,
         mesh: HexMesh,
         fine: FineSurface,
         (field, layout): (&Field, LayoutStatistics),
-        optimised: Option<Optimised>,
         classical: ClassicalStatistics,
     ) -> Self {
-        let planar = || Outcome::empty(Status::Converged);
         Self {
             mesh,
             reported: ground.reported(&fine.surface).clone(),
             fine: Some(fine.surface),
-            outcome: optimised
-                .as_ref()
-                .map_or_else(planar, |o| o.outcome.clone()),
+            outcome: Outcome::empty(Status::Converged),
             layout,
             cones: field.cones(&ground.smooth),
-            optimised,
+            optimised: None,
             classical,
         }
     }

@@ -69,6 +69,11 @@ pub fn continued(surface: &TriangleSurface, panels: usize) -> Option<TriangleSur
 }
 
 impl Beyond {
+    /// Both surfaces.
+    pub(crate) fn surfaces(&self) -> [&TriangleSurface; 2] {
+        [&self.smooth, &self.facets]
+    }
+
     /// The same in model coordinates.
     pub(crate) fn restored(&self, model: &Normalised) -> Self {
         Self {

@@ -77,7 +77,7 @@ impl Field {
     pub(super) fn regular_possible(&self, smooth: &SmoothTarget) -> bool {
         let topology = smooth.levels[self.level].topology();
         let elliptic = |p: &Principal| p.small * p.large > 0.0;
-        let closed = topology.boundary_loops().is_empty();
+        let closed = topology.is_closed();
         let flat = topology.euler_characteristic() == 0;
         closed && (flat || self.curvature.principal().iter().all(elliptic))
     }
@@ -175,25 +175,6 @@ pub(super) fn counted_lattice(
     Ok((kept, placed))
 }
 
-/// How far a lattice may follow the curvature, and whether its panels may change their size so far
-/// that it needs no dislocations.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LatticeFreedom {
-    pub anisotropy: f64,
-    pub seamless: bool,
-    pub resolving: bool,
-}
-
-impl From<Candidate> for LatticeFreedom {
-    fn from(candidate: Candidate) -> Self {
-        Self {
-            anisotropy: candidate.anisotropy,
-            seamless: candidate.seamless,
-            resolving: candidate.resolving,
-        }
-    }
-}
-
 /// Largest panel length over the least radius of curvature with which panels resolve a surface: all
 /// those with at most half of it pass at once, and most of those with more than 1.2 do not.
 const RESOLVED: f64 = 0.8;
@@ -205,9 +186,9 @@ const EVEN_PULL: f64 = 2.5;
 const SEAMLESS_SCREENING: f64 = 0.025;
 const SEAMLESS_LIMIT: f64 = 2.0;
 
-impl LatticeFreedom {
-    /// Options for a lattice of this kind.
-    pub fn options(self, options: &MeshOptions) -> MeshOptions {
+impl Candidate {
+    /// Options for panels that are laid out so.
+    pub(super) fn options(self, options: &MeshOptions) -> MeshOptions {
         let mut options = options.clone();
         options.directions.anisotropy = self.anisotropy;
         if self.resolving {
@@ -348,10 +329,10 @@ mod tests {
         let tip = |x, y| Vec3::new(x, y, 0.0);
         let corners = vec![tip(0.0, 0.0), tip(1e4, 0.0), tip(5e3, 1.0)];
         let needle = TriangleSurface::new(corners, &[[0, 1, 2]]).unwrap();
-        let way = LatticeFreedom {
+        let way = Candidate {
             anisotropy: 1.0,
             seamless: true,
-            resolving: false,
+            ..Candidate::default()
         };
         // Half-way to their facets surfaces keep their long triangles.
         let mut options = way.options(&MeshOptions::default());

@@ -1,8 +1,8 @@
 //! Panels that are laid out: cells of a lattice, or bricks, on the surface and not planar.
 
 use super::domain::Ground;
-use super::field::{LatticeFreedom, direction_options, finer_ground};
-use super::options::MeshOptions;
+use super::field::{direction_options, finer_ground};
+use super::options::Candidate;
 use super::restarts::most_regular;
 use super::two_fields::FieldPanels;
 use super::{Clock, PipelineError};
@@ -32,16 +32,15 @@ pub(super) struct LaidOut {
 }
 
 impl LaidOut {
-    /// Lays out a lattice of one kind, whose `options` these are. Field and metric, the largest
-    /// things of a run, end here.
+    /// Lays out a lattice of one kind. Field and metric, the largest things of a run, end here.
     pub fn new(
         ground: &Ground,
-        way: LatticeFreedom,
-        options: &MeshOptions,
+        candidate: Candidate,
         clock: &mut Clock<'_>,
     ) -> Result<Self, PipelineError> {
-        let settings = direction_options(options, way.anisotropy);
-        let finer = match way.seamless {
+        let options = &candidate.options(&ground.options);
+        let settings = direction_options(options, candidate.anisotropy);
+        let finer = match candidate.seamless {
             true => finer_ground(ground, options, &settings, clock)?,
             false => None,
         };

@@ -2,7 +2,6 @@
 //! nothing has been repaired.
 
 use super::domain::{Beyond, Ground};
-use super::field::LatticeFreedom;
 use super::finish::finished;
 use super::laid_out::LaidOut;
 use super::rim::Rim;
@@ -31,7 +30,8 @@ pub(super) struct Pass {
     pub regular_possible: bool,
     pub optimised: Optimised,
     pub judgement: Judgement,
-    surfaces: Surfaces,
+    /// The surfaces that the mesh is reported against.
+    pub surfaces: Surfaces,
 }
 
 /// The surfaces of a pass.
@@ -55,8 +55,8 @@ impl Surfaces {
         }
     }
 
-    /// Gives up what the next query makes again.
-    fn set_aside(&mut self) {
+    /// Gives up what the next query makes again: room for another pass.
+    pub fn set_aside(&mut self) {
         let fine = self.fine.unshared();
         let smooth = self.beyond.as_mut().map(|beyond| &mut beyond.smooth);
         for surface in smooth.into_iter().chain([&mut self.reported]) {
@@ -77,7 +77,7 @@ impl Surfaces {
 
     /// Does something with the site of these surfaces.
     fn with_site<T>(&self, options: &MeshOptions, work: impl FnOnce(&Site<'_>) -> T) -> T {
-        let beyond = self.beyond.as_ref().map(|b| [&b.smooth, &b.facets]);
+        let beyond = self.beyond.as_ref().map(Beyond::surfaces);
         let references = References {
             smooth: Some(&self.reported),
             facets: Some(&self.facets),
@@ -105,10 +105,7 @@ pub(super) fn laid_out(
 ) -> Result<LaidOut, PipelineError> {
     match candidate.method {
         Method::BrickWall => brick_wall::laid_out(ground, clock),
-        _ => {
-            let way = LatticeFreedom::from(candidate);
-            LaidOut::new(ground, way, &way.options(&ground.options), clock)
-        }
+        _ => LaidOut::new(ground, candidate, clock),
     }
 }
 
@@ -118,8 +115,7 @@ pub(super) fn pass(
     candidate: Candidate,
     clock: &mut Clock<'_>,
 ) -> Result<Pass, PipelineError> {
-    let way = LatticeFreedom::from(candidate);
-    let (options, progress) = (&way.options(&ground.options), clock.progress);
+    let (options, progress) = (&candidate.options(&ground.options), clock.progress);
     let laid = laid_out(ground, candidate, clock)?;
     let settings = match candidate.method {
         Method::BrickWall => brick_wall::kinked(&options.optimise),
@@ -162,16 +158,6 @@ impl Pass {
         let progress = clock.progress;
         let work = |site: &Site<'_>| search(self.mesh.clone(), site, progress);
         clock.timed("search", || self.surfaces.with_site(&ground.options, work))
-    }
-
-    /// Makes room for another pass.
-    pub(crate) fn set_aside(&mut self) {
-        self.surfaces.set_aside();
-    }
-
-    /// The surfaces that the mesh is reported against.
-    pub(crate) fn into_surfaces(self) -> Surfaces {
-        self.surfaces
     }
 }
 

@@ -138,7 +138,7 @@ impl Task<'_> {
         let mut members = vec![first];
         let other = members[0].summary.alternative(self.options);
         if let Some(candidate) = other.filter(|_| self.searches() && !progress.is_cancelled()) {
-            members.iter_mut().for_each(|m| m.made.set_aside());
+            members.iter_mut().for_each(|m| m.made.surfaces.set_aside());
             members.extend(self.member(candidate, progress));
         }
         Ok(members)
@@ -265,30 +265,26 @@ impl Task<'_> {
 
     /// A member as a run.
     fn run(&self, member: SearchedMember) -> MeshRun {
-        let pass = member.made;
-        let statistics = Statistics {
-            layout: pass.layout,
-            brick_wall: pass.brick_wall,
-            cones: pass.cones.clone(),
-            factorisations: pass.optimised.run.factorisations,
-            runs: vec![pass.optimised.run.clone()],
+        let Pass {
+            mesh,
+            start,
+            optimised,
+            surfaces,
+            ..
+        } = member.made;
+        let mut statistics = Statistics {
+            layout: member.made.layout,
+            brick_wall: member.made.brick_wall,
+            cones: member.made.cones,
             search: member.search,
             ..Statistics::of(&self.ground.smooth, self.ground.asked)
         };
-        let (mesh, start) = (pass.mesh.clone(), pass.start.clone());
-        let outcome = pass.optimised.outcome.clone();
-        let surfaces = pass.into_surfaces();
+        statistics.add(optimised.run);
         MeshRun {
             start: Some(start),
             wished: surfaces.areas().wished(&mesh),
-            mesh,
-            target: surfaces.reported,
             beyond: surfaces.beyond,
-            orbits: None,
-            unrepeated: None,
-            outcome,
-            statistics,
-            stages: Vec::new(),
+            ..MeshRun::new(mesh, surfaces.reported, optimised.outcome, statistics)
         }
     }
 }

@@ -24,10 +24,9 @@ pub struct LatticePreview {
 
 impl LatticePreview {
     pub(super) fn restored(mut self, similarity: &Similarity) -> Self {
-        let positions = self.mesh.positions.map(|p| similarity.restore(*p));
-        self.mesh = self.mesh.with_positions(positions);
+        self.mesh = self.mesh.mapped(|p| similarity.restore(*p));
         for cone in &mut self.cones {
-            cone.position = similarity.restore(cone.position.into()).into();
+            *cone = cone.moved(|p| similarity.restore(p));
         }
         self
     }

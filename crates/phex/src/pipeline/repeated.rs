@@ -1,5 +1,6 @@
 //! Edges made equal in a finished run, where that is asked for.
 
+use super::domain::Beyond;
 use super::rim::Rim;
 use super::{Clock, MeshOptions, MeshRun, PipelineError};
 use crate::optimise::{Quotient, SurfaceTarget, led_elsewhere};
@@ -28,7 +29,7 @@ pub(super) fn repeated(
     }
     let mut clock = Clock::new(progress);
     clock.stages = std::mem::take(&mut run.stages);
-    let beyond = run.beyond.as_ref().map(|b| [&b.smooth, &b.facets]);
+    let beyond = run.beyond.as_ref().map(Beyond::surfaces);
     let elsewhere = led_elsewhere(&options.steering, &run.mesh);
     let references = References {
         smooth: Some(&run.target),

@@ -72,7 +72,7 @@ pub(super) fn steered(
 }
 
 /// Sharp corners of the boundary.
-fn corner_points(surface: &TriangleSurface, options: &MeshOptions) -> Vec<Vec3> {
+pub(super) fn corner_points(surface: &TriangleSurface, options: &MeshOptions) -> Vec<Vec3> {
     let corners = boundary_corners(surface, options.target.corner_angle.to_radians());
     corners.iter().map(|v| surface.positions()[*v]).collect()
 }

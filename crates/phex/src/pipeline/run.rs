@@ -17,7 +17,7 @@ use phex_numeric::Outcome;
 use serde::Serialize;
 
 /// What the stages did, for the report.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Statistics {
     /// Panels asked for.
     pub panels_asked: usize,
@@ -52,26 +52,14 @@ impl Statistics {
             panels_asked: panels,
             target_vertices: smooth.levels.iter().map(|l| l.positions().len()).collect(),
             interpolation_error: smooth.interpolation_error,
-            ..Self::empty()
+            ..Self::default()
         }
     }
 
-    /// Nothing done.
-    pub(super) fn empty() -> Self {
-        Self {
-            panels_asked: 0,
-            target_vertices: Vec::new(),
-            interpolation_error: 0.0,
-            symmetry: None,
-            layout: LayoutStatistics::default(),
-            cones: Vec::new(),
-            brick_wall: None,
-            classical: None,
-            runs: Vec::new(),
-            factorisations: 0,
-            search: None,
-            tried: Vec::new(),
-        }
+    /// Adds a run of the optimiser.
+    pub(super) fn add(&mut self, run: RunSummary) {
+        self.factorisations += run.factorisations;
+        self.runs.push(run);
     }
 }
 
@@ -105,6 +93,27 @@ pub struct MeshRun {
 }
 
 impl MeshRun {
+    /// Panels that may have any area, with nothing else to tell of.
+    pub(super) fn new(
+        mesh: HexMesh,
+        target: TriangleSurface,
+        outcome: Outcome,
+        statistics: Statistics,
+    ) -> Self {
+        Self {
+            wished: PerFace::filled(mesh.topology().n_faces(), 0.0),
+            mesh,
+            start: None,
+            target,
+            unrepeated: None,
+            beyond: None,
+            orbits: None,
+            outcome,
+            statistics,
+            stages: Vec::new(),
+        }
+    }
+
     /// The same in model coordinates, with vertices where they are held there.
     pub(super) fn restored(mut self, model: &Normalised, held: &Steering) -> Self {
         let similarity = &model.similarity;
@@ -120,9 +129,7 @@ impl MeshRun {
         }
         self.mesh = self.mesh.with_positions(positions);
         self.wished = self.wished.map(|area| area * similarity.scale.powi(2));
-        let before = self.unrepeated.take();
-        self.unrepeated =
-            before.map(|mesh| mesh.with_positions(mesh.positions.map(|p| restore(*p))));
+        self.unrepeated = (self.unrepeated).map(|mesh| mesh.mapped(|p| restore(*p)));
         for p in self.start.iter_mut().flat_map(|s| &mut s.positions) {
             *p = restore(*p);
         }
@@ -131,7 +138,7 @@ impl MeshRun {
         let tried = std::mem::take(&mut self.statistics.tried).into_iter();
         self.statistics.tried = tried.map(|t| t.restored(restore)).collect();
         for cone in &mut self.statistics.cones {
-            cone.position = restore(cone.position.into()).into();
+            *cone = cone.moved(restore);
         }
         if let Some(centre) = (self.statistics.classical.as_mut()).and_then(|c| c.centre.as_mut()) {
             *centre = restore((*centre).into()).into();
@@ -148,9 +155,4 @@ impl MeshRun {
     pub fn is_sound(&self) -> bool {
         self.violations().is_empty()
     }
-}
-
-/// Wishes of panels that may have any area.
-pub(super) fn any_area(mesh: &HexMesh) -> PerFace<f64> {
-    PerFace::filled(mesh.topology().n_faces(), 0.0)
 }

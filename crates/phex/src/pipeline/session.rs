@@ -91,7 +91,7 @@ impl Session {
         progress: &dyn Progress,
     ) -> Result<MeshRun, PipelineError> {
         options.check()?;
-        let is_closed = self.surface.boundary_loops().is_empty();
+        let is_closed = self.surface.topology().is_closed();
         let steering = options.steering.check_boundary(is_closed);
         steering.map_err(OptimiseError::from)?;
         let run = |panels: usize, options: &MeshOptions| self.made(panels, options, progress);

@@ -6,7 +6,7 @@
 //! the user nor planarity wants them elsewhere.
 
 use super::{Clock, MeshOptions, MeshRun, PipelineError, Statistics};
-use super::{any_area, normalise, repeated, rim};
+use super::{normalise, repeated, rim};
 use crate::optimise::{self, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::smooth_surface::{self, Normalised, TargetKind};
@@ -54,7 +54,7 @@ pub fn refit_surface(
         TargetKind::Facets => &model.surface,
         _ => smooth.finest(),
     };
-    let start = earlier.with_positions(earlier.positions.map(|p| model.similarity.normalise(*p)));
+    let start = earlier.mapped(|p| model.similarity.normalise(*p));
     let normalised = normalise::normalised(options, &model)?;
     let target = SurfaceTarget::new(close_to);
     let refitted = clock.stage("optimise", || {
@@ -62,17 +62,10 @@ pub fn refit_surface(
         let (steering, settings) = (&normalised.steering, &normalised.optimise);
         optimise::refit(&start, close, steering, settings, progress)
     })??;
+    let (outcome, statistics) = (refitted.outcome.clone(), Statistics::of(&smooth, panels));
     let run = MeshRun {
-        wished: any_area(&start),
         start: Some(start.to_soup()),
-        mesh: start,
-        target: close_to.clone(),
-        beyond: None,
-        orbits: None,
-        unrepeated: None,
-        outcome: refitted.outcome.clone(),
-        statistics: Statistics::of(&smooth, panels),
-        stages: Vec::new(),
+        ..MeshRun::new(start, close_to.clone(), outcome, statistics)
     };
     let run = with_result(run, refitted, clock);
     let run = repeated::repeated(run, &model.surface, &normalised, progress)?;
@@ -85,8 +78,7 @@ pub fn refit_surface(
 }
 
 fn with_result(mut run: MeshRun, result: Optimised, clock: Clock<'_>) -> MeshRun {
-    run.statistics.factorisations += result.outcome.factorisations;
-    run.statistics.runs.push(result.run);
+    run.statistics.add(result.run);
     run.mesh = result.mesh;
     run.outcome = result.outcome;
     run.stages = clock.stages;

@@ -2,11 +2,11 @@
 
 use super::PipelineError;
 use crate::classical::dual_subdivision::chamfer;
-use crate::layout::{Layout, LayoutError, MAX_PANELS, PanelWish, VertexKind};
+use crate::layout::{Layout, LayoutError, MAX_PANELS, VertexKind};
 use crate::optimise::{self, OptimiseOptions, Optimised, SurfaceTarget};
 use crate::progress::Progress;
 use crate::smooth_surface::{self, Normalised, TargetOptions};
-use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId};
+use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface};
 
 /// Vertices of the smooth target per panel.
 const TARGET_DENSITY: usize = 25;
@@ -49,18 +49,15 @@ pub fn subdivide(
     );
     let smooth = smooth.finest();
     let target = SurfaceTarget::new(smooth);
-    let mut current = mesh.with_positions(mesh.positions.map(|p| similarity.normalise(*p)));
+    let mut current = mesh.mapped(|p| similarity.normalise(*p));
     let mut made = Vec::with_capacity(levels);
     for _ in 0..levels {
-        let finer = chamfer(&current).map_err(|e| LayoutError::Topology {
-            reason: e.to_string(),
-        })?;
-        let layout = as_layout(finer, smooth);
+        let finer = chamfer(&current).map_err(LayoutError::topology)?;
+        let layout = as_layout(&finer, smooth);
         let optimised = optimise::optimise(&layout, &target, options, progress)?;
         current = optimised.mesh.clone();
-        let positions = current.positions.map(|p| similarity.restore(*p));
         made.push(Level {
-            mesh: current.with_positions(positions),
+            mesh: current.mapped(|p| similarity.restore(*p)),
             optimised,
         });
         if progress.is_cancelled() {
@@ -72,33 +69,22 @@ pub fn subdivide(
 
 /// A layout on a surface, from a mesh near it: vertices move to the surface, corners of the
 /// boundary with one panel stay corners.
-fn as_layout(mesh: HexMesh, surface: &TriangleSurface) -> Layout {
+fn as_layout(mesh: &HexMesh, surface: &TriangleSurface) -> Layout {
     let topology = mesh.topology();
-    let centres: Vec<Vec3> = topology.faces().map(|f| mesh.centre(f)).collect();
-    let feet = surface.closest_points(&centres);
+    let centres = mesh.centres();
+    let feet = surface.closest_points(centres.as_slice()).into_iter();
     let on_surface = surface.closest_points(mesh.positions.as_slice());
     let length = |f| {
         let neighbours = topology.adjacent_faces(f);
-        let distances = neighbours.map(|g| (mesh.centre(g) - mesh.centre(f)).norm());
+        let distances = neighbours.map(|g| (centres[g] - centres[f]).norm());
         let (sum, count) = distances.fold((0.0, 0), |(s, n), d| (s + d, n + 1));
         sum / f64::from(count.max(1))
     };
-    let kind = |v: VertexId| {
-        if topology.is_boundary_vertex(v) {
-            VertexKind::Boundary
-        } else {
-            VertexKind::Interior
-        }
-    };
-    Layout {
-        vertex_kind: PerVertex::from_fn(topology.n_vertices(), kind),
-        face_point: PerFace::from_vec(feet.iter().map(|p| p.position).collect()),
-        face_normal: PerFace::from_vec(feet.iter().map(|p| p.normal).collect()),
-        face_length: PerFace::from_fn(topology.n_faces(), length),
-        face_wish: PerFace::filled(topology.n_faces(), PanelWish::ANY),
-        face_seed: PerFace::filled(topology.n_faces(), VertexId::new(0)),
-        mesh: mesh.with_positions(PerVertex::from_vec(
-            on_surface.iter().map(|p| p.position).collect(),
-        )),
-    }
+    let positions = PerVertex::from_vec(on_surface.iter().map(|p| p.position).collect());
+    Layout::new(
+        mesh.with_positions(positions),
+        VertexKind::of_mesh(mesh),
+        feet.map(|p| (p.position, p.normal)),
+        PerFace::from_fn(topology.n_faces(), length),
+    )
 }

@@ -6,9 +6,9 @@
 //! itself there.
 
 use super::domain::{Ground, without_long_triangles};
-use super::field::LatticeFreedom;
 use super::laid_out::LaidOut;
 use super::repeated::made_equal;
+use super::rim::corner_points;
 use super::sized::mean_length;
 use super::{Candidate, Clock, Effort, MeshOptions, MeshRun, Method, PipelineError, Statistics};
 use crate::layout::same_topology;
@@ -17,7 +17,7 @@ use crate::progress::{Event, Progress};
 use crate::quality::{Judge, Limits, Merit, References};
 use crate::repetition::RepetitionTask;
 use crate::search::{AreaField, Site, search};
-use crate::smooth_surface::{self, boundary_corners};
+use crate::smooth_surface::{self, SmoothTarget};
 use crate::symmetry::{
     self, FoldedTarget, Found, Group, Isometry, Orbits, SYMMETRY_TOLERANCE, Symmetry,
     SymmetrySummary, WholePanels,
@@ -55,22 +55,11 @@ pub(super) fn mesh_with_panels(
     if let Some(reason) = not_symmetric(options) {
         return without(reason.to_owned());
     }
-    let vertices = options.cell_vertices(panels) as usize;
-    let smooth = clock.stage("target", || {
-        let cut = without_long_triangles(surface, panels, options);
-        let near = cut.as_ref().map_or(surface, |c| &c.surface);
-        smooth_surface::smooth_target(near, vertices, &options.target)
-    })?;
+    let smooth = clock.stage("target", || smooth_target(surface, panels, options))?;
     let whole = smooth.finest();
     let (found, turns) = clock.stage("symmetry", || symmetry::find(whole, SYMMETRY_TOLERANCE))?;
     let Some(found) = found else {
-        let share = 100.0 * SYMMETRY_TOLERANCE;
-        return without(match turns {
-            Some(n) => format!(
-                "the surface has a rotation of order {n} and no mirror plane, and panels follow mirror planes alone"
-            ),
-            None => format!("the surface has no mirror plane within {share} % of its diagonal"),
-        });
+        return without(without_mirrors(turns));
     };
     let groups = match used(&found, whole, panels, asked) {
         Ok(groups) => groups,
@@ -88,12 +77,8 @@ pub(super) fn mesh_with_panels(
         let run = domain.mesh(&found, whole, clock)?;
         Ok((judge.whole(&run.mesh, run.wished.as_slice()).merit, run))
     };
-    let counts = || std::iter::once(1.0).chain(OTHER_COUNTS);
-    let of_group = |group: Group| counts().map(move |share| (group, share));
-    let ways: Vec<(Group, f64)> = groups.iter().copied().flat_map(of_group).collect();
-    let made = best_of(&ways, tried, progress);
-    let names: Vec<String> = groups.iter().map(|group| group.name()).collect();
-    let names = names.join(", ");
+    let made = best_of(&ways_of(&groups), tried, progress);
+    let names = names_of(&groups);
     // What is there is kept where there is no time for anything else.
     let is_welcome = asked == Symmetry::Auto && !progress.is_cancelled();
     match made {
@@ -104,12 +89,7 @@ pub(super) fn mesh_with_panels(
             run.statistics.target_vertices = Statistics::of(&smooth, panels).target_vertices;
             run.statistics.panels_asked = panels;
             if let Some(summary) = &run.statistics.symmetry {
-                let all = groups.iter().map(|group| group.name());
-                let larger: Vec<String> = all.take_while(|name| *name != summary.group).collect();
-                let mut message = summary.sentence();
-                if !larger.is_empty() {
-                    message += &format!("; with {} they are outside limits", larger.join(", "));
-                }
+                let message = followed(summary, &groups);
                 progress.report(&Event::Note { message });
             }
             Ok(Some(run))
@@ -118,6 +98,52 @@ pub(super) fn mesh_with_panels(
         Err(NotSymmetric::Symmetry(reason)) => {
             without(format!("with the symmetry {names}: {reason}"))
         }
+    }
+}
+
+fn smooth_target(surface: &TriangleSurface, panels: usize, options: &MeshOptions) -> SmoothTarget {
+    let cut = without_long_triangles(surface, panels, options);
+    let near = cut.as_ref().map_or(surface, |c| &c.surface);
+    let vertices = options.cell_vertices(panels) as usize;
+    smooth_surface::smooth_target(near, vertices, &options.target)
+}
+
+/// Groups with shares of the number of panels, in the order in which they are tried.
+fn ways_of(groups: &[Group]) -> Vec<(Group, f64)> {
+    let counts = || std::iter::once(1.0).chain(OTHER_COUNTS);
+    let of_group = |group: &Group| counts().map(|share| (*group, share)).collect::<Vec<_>>();
+    groups.iter().flat_map(of_group).collect()
+}
+
+/// What is said of a surface without mirror planes that has a rotation of an order, or none.
+fn without_mirrors(turns: Option<u32>) -> String {
+    match turns {
+        Some(n) => format!(
+            "the surface has a rotation of order {n} and no mirror plane, and panels follow mirror planes alone"
+        ),
+        None => format!(
+            "the surface has no mirror plane within {} % of its diagonal",
+            100.0 * SYMMETRY_TOLERANCE
+        ),
+    }
+}
+
+fn names_of(groups: &[Group]) -> String {
+    let names: Vec<String> = groups.iter().map(|group| group.name()).collect();
+    names.join(", ")
+}
+
+/// Which group panels follow, and which of the larger ones they could not.
+fn followed(summary: &SymmetrySummary, groups: &[Group]) -> String {
+    let is_larger = |group: &&Group| group.name() != summary.group;
+    let larger = groups.iter().take_while(is_larger).count();
+    match larger {
+        0 => summary.sentence(),
+        _ => format!(
+            "{}; with {} they are outside limits",
+            summary.sentence(),
+            names_of(&groups[..larger])
+        ),
     }
 }
 
@@ -284,6 +310,27 @@ fn areas_of(laid: &LaidOut) -> AreaField<'_> {
     }
 }
 
+/// Panels brought to the boundary, where there is one and they are no worse for it.
+fn on_boundary(
+    mesh: HexMesh,
+    site: &Site<'_>,
+    target: &FoldedTarget<'_>,
+    quotient: &Quotient,
+    clock: &mut Clock<'_>,
+) -> Result<HexMesh, NotSymmetric> {
+    let Some(hold) = &site.hold else {
+        return Ok(mesh);
+    };
+    let progress = clock.progress;
+    let next = clock.timed("optimise", || {
+        optimise::onto_boundary(&mesh, target, hold, quotient, site.options, progress)
+    })?;
+    let merit = |mesh: &HexMesh| site.judged(mesh).merit;
+    let is_no_worse = |next: &HexMesh| merit(next).is_no_worse(&merit(&mesh));
+    let next = next.map(|next| next.mesh).filter(is_no_worse);
+    Ok(next.unwrap_or(mesh))
+}
+
 /// A fundamental domain on its way to panels, scaled to diagonal 1 about a point of all planes.
 struct DomainPanels {
     group: Group,
@@ -345,9 +392,9 @@ impl DomainPanels {
         let ground = clock.stage("target", || {
             Ground::new(&self.surface, self.panels, &self.options)
         })?;
-        let way = LatticeFreedom::from(Candidate::first(&self.options));
-        let options = way.options(&self.options);
-        let laid = LaidOut::new(&ground, way, &options, clock)?;
+        let candidate = Candidate::first(&self.options);
+        let options = candidate.options(&self.options);
+        let laid = LaidOut::new(&ground, candidate, clock)?;
         let ground = laid.ground(&ground);
         let layout = &laid.layout;
         let parts = symmetry::completed(layout, self.group).map_err(NotSymmetric::Symmetry)?;
@@ -366,18 +413,17 @@ impl DomainPanels {
         let (mesh, before) = self.finished(
             (found, whole),
             &parts,
-            optimised.mesh.clone(),
+            optimised.mesh,
             &target,
             (ground, &laid),
             clock,
         )?;
         let quotient = symmetry::quotient_of(&mesh, self.group).map_err(NotSymmetric::Symmetry)?;
-        let statistics = Statistics {
+        let mut statistics = Statistics {
             layout: laid.statistics,
-            factorisations: optimised.run.factorisations,
-            runs: vec![optimised.run.clone()],
-            ..Statistics::empty()
+            ..Statistics::default()
         };
+        statistics.add(optimised.run);
         self.assembled(
             found,
             whole,
@@ -408,12 +454,8 @@ impl DomainPanels {
             ..References::default()
         };
         let judge = Judge::new(reported, references, options.limits());
-        let corners: Vec<Vec3> =
-            boundary_corners(reported, options.target.corner_angle.to_radians())
-                .into_iter()
-                .map(|v| reported.positions()[v])
-                .filter(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9))
-                .collect();
+        let mut corners = corner_points(reported, options);
+        corners.retain(|p| walls.iter().all(|n| n.dot(p).abs() > 1e-9));
         let hold = target.boundary().map(|curves| BoundaryHold {
             curves,
             corners: &corners,
@@ -427,33 +469,30 @@ impl DomainPanels {
             options: &options.optimise,
         };
         let progress = clock.progress;
-        let mut now = mesh;
-        if let Some(hold) = &site.hold {
-            let next = clock.timed("optimise", || {
-                optimise::onto_boundary(
-                    &now,
-                    target,
-                    hold,
-                    &parts.quotient,
-                    &options.optimise,
-                    progress,
-                )
-            })?;
-            let next = next.map(|n| n.mesh);
-            let merit = |mesh: &HexMesh| site.judged(mesh).merit;
-            if let Some(next) = next.filter(|next| merit(next).is_no_worse(&merit(&now))) {
-                now = next;
-            }
-        }
+        let mut now = on_boundary(mesh, &site, target, &parts.quotient, clock)?;
         if options.effort != Effort::Draft && !progress.is_cancelled() {
             now = clock.timed("search", || search(now, &site, progress)).mesh;
         }
         let Some(tolerance) = options.repeat_rel.filter(|_| !progress.is_cancelled()) else {
             return Ok((now, None));
         };
-        let quotient = symmetry::quotient_of(&now, self.group).map_err(NotSymmetric::Symmetry)?;
         let around = whole.mapped(|p| found.frame.inside(*p) / self.scale);
-        let judge = self.whole_judge(&around);
+        let equal = self.with_equal_edges(&now, (&site, &around), target, tolerance, clock)?;
+        Ok((equal, Some(now)))
+    }
+
+    /// Panels with as many edges of equal lengths as there are, judged with all their images on the
+    /// whole surface, which is given in the part's coordinates.
+    fn with_equal_edges(
+        &self,
+        mesh: &HexMesh,
+        (site, around): (&Site<'_>, &TriangleSurface),
+        target: &FoldedTarget<'_>,
+        tolerance: f64,
+        clock: &mut Clock<'_>,
+    ) -> Result<HexMesh, NotSymmetric> {
+        let quotient = symmetry::quotient_of(mesh, self.group).map_err(NotSymmetric::Symmetry)?;
+        let judge = self.whole_judge(around);
         let elements = self.group.elements();
         let merit = |mesh: &HexMesh| match symmetry::unfolded(&quotient, mesh, &elements) {
             Ok(all) => {
@@ -466,15 +505,15 @@ impl DomainPanels {
             },
         };
         let task = RepetitionTask {
-            site: &site,
+            site,
             merit: &merit,
             target,
             quotient: &quotient,
             steering: &Steering::default(),
             tolerance,
         };
-        let equal = clock.timed("repetition", || made_equal(&task, &now, progress))?;
-        Ok((equal, Some(now)))
+        let progress = clock.progress;
+        Ok(clock.timed("repetition", || made_equal(&task, mesh, progress))?)
     }
 
     /// The judge of the part with all its images, on the whole surface in the part's coordinates.
@@ -507,9 +546,7 @@ impl DomainPanels {
         let all = symmetry::unfolded(quotient, part, &elements)
             .map_err(|e| NotSymmetric::Symmetry(e.to_string()))?;
         let frame = &found.frame;
-        let outside = |mesh: &HexMesh| {
-            mesh.with_positions(mesh.positions.map(|p| frame.outside(p * self.scale)))
-        };
+        let outside = |mesh: &HexMesh| mesh.mapped(|p| frame.outside(p * self.scale));
         let before = before.map(|mesh| symmetry::unfolded(quotient, mesh, &elements));
         let before = before
             .transpose()
@@ -538,20 +575,14 @@ impl DomainPanels {
             }),
             ..statistics
         };
-        let target = whole.clone();
         let wish = |(source, _): &(u32, u32)| wished.as_slice()[*source as usize];
         let wished = PerFace::from_vec(orbits.panels.iter().map(wish).collect());
         Ok(MeshRun {
             wished: wished.map(|area| area * self.scale.powi(2)),
-            start: None,
-            mesh,
-            target,
-            beyond: None,
-            outcome,
-            statistics,
             orbits: Some(orbits),
             unrepeated: before.map(|b| outside(&b.mesh)),
             stages: std::mem::take(&mut clock.stages),
+            ..MeshRun::new(mesh, whole.clone(), outcome, statistics)
         })
     }
 }

@@ -54,6 +54,14 @@ pub struct References<'a> {
 }
 
 impl<'a> References<'a> {
+    /// Facets alone, or none.
+    pub fn of_facets(facets: Option<&'a TriangleSurface>) -> Self {
+        Self {
+            facets,
+            ..Self::default()
+        }
+    }
+
     /// The surface that the limits refer to: the smooth one where there is one.
     fn judge(&self) -> Option<&'a TriangleSurface> {
         self.smooth.or(self.facets)

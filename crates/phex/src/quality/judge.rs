@@ -8,7 +8,7 @@ use phex_mesh::measure::{
     LEAST_RIM_AREA, WANTED_ANGLE, WANTED_LENGTH, WANTED_RIM_AREA, WANTED_RIM_ASPECT, aspect,
     points_on_boundary, wanted_clearance,
 };
-use phex_mesh::polygon::interior_angles;
+use phex_mesh::polygon::{interior_angles, sides};
 use phex_mesh::validate::{ValidateOptions, Violation, add_flips, violations};
 use phex_mesh::{
     BoundaryCurve, FaceId, FlatFace, HexMesh, PerFace, PerVertex, TriangleSurface, Vec3, VertexId,
@@ -69,13 +69,13 @@ impl Yardstick {
     /// Notes by how much the sharpest corner of a face is below what it should be, and its longest
     /// edge and its area are above.
     fn add_shape(&self, flat: &FlatFace, wanted: &WantedSize, found: &mut Findings) {
-        let (polygon, k) = (&flat.polygon, flat.polygon.len());
+        let polygon = &flat.polygon;
         let least = interior_angles(polygon).fold(f64::INFINITY, f64::min);
-        let sides = (0..k).map(|i| (polygon[(i + 1) % k] - polygon[i]).norm());
+        let lengths = sides(polygon).map(|[a, b]| (b - a).norm());
         let beyond =
             |value: f64, most: Option<f64>| most.map_or(0.0, |most| (value / most - 1.0).max(0.0));
         found.sharp = (1.0 - least.to_degrees() / WANTED_ANGLE).max(0.0);
-        found.large = beyond(sides.fold(0.0, f64::max), wanted.edge);
+        found.large = beyond(lengths.fold(0.0, f64::max), wanted.edge);
         found.large += beyond(flat.area(), wanted.area);
         // A face without width has an infinite aspect.
         let slender = |most: f64| (1.0 - most / aspect(polygon)).max(0.0);
@@ -334,8 +334,8 @@ impl<'a> Judge<'a> {
             pairs.map(|(p, foot)| (foot.position - p).norm()).collect()
         };
         let corners = distances(mesh.positions.as_slice());
-        let centres: Vec<Vec3> = mesh.topology().faces().map(|f| mesh.centre(f)).collect();
-        for (f, centre) in mesh.topology().faces().zip(distances(&centres)) {
+        let centres = distances(mesh.centres().as_slice());
+        for (f, centre) in mesh.topology().faces().zip(centres) {
             let vertices = mesh.topology().face_vertices(f).iter();
             let farthest = vertices.map(|v| corners[v.index()]).fold(centre, f64::max);
             let face = &mut of_face[f];

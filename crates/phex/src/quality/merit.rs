@@ -60,6 +60,11 @@ impl Merit {
         (IRREGULAR * irregular as f64 + UNEVEN * uneven) / panels.max(1) as f64
     }
 
+    /// What is compared, the first difference deciding.
+    fn parts(&self) -> [f64; 3] {
+        [self.invalid, self.outside, self.cost]
+    }
+
     /// Whether nothing is invalid or outside a limit.
     pub fn is_within(&self) -> bool {
         self.invalid == 0.0 && self.outside == 0.0
@@ -67,17 +72,15 @@ impl Merit {
 
     /// The order; amounts that differ by chance are the same.
     pub fn compare(&self, other: &Self) -> Ordering {
-        let parts = |m: &Self| [m.invalid, m.outside, m.cost];
         let differing = |(a, b): &(f64, f64)| (a - b).abs() > GAIN * a.max(*b);
-        let pairs = parts(self).into_iter().zip(parts(other));
+        let pairs = self.parts().into_iter().zip(other.parts());
         let first = pairs.into_iter().find(differing);
         first.map_or(Ordering::Equal, |(a, b)| a.total_cmp(&b))
     }
 
     /// The exact order, in which to look for the best of many.
     pub fn total_cmp(&self, other: &Self) -> Ordering {
-        let parts = |m: &Self| [m.invalid, m.outside, m.cost];
-        let pairs = parts(self).into_iter().zip(parts(other));
+        let pairs = self.parts().into_iter().zip(other.parts());
         let orders = pairs.map(|(a, b)| a.total_cmp(&b));
         orders.fold(Ordering::Equal, Ordering::then)
     }
@@ -90,8 +93,7 @@ impl Merit {
         if farther && self.invalid >= other.invalid {
             return false;
         }
-        let parts = |m: &Self| [m.invalid, m.outside, m.cost];
-        let pairs = parts(self).into_iter().zip(parts(other));
+        let pairs = self.parts().into_iter().zip(other.parts());
         let differing = |(a, b): &(f64, f64)| (a - b).abs() > ROUNDING * a.max(*b);
         pairs
             .into_iter()

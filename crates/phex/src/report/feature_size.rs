@@ -38,7 +38,7 @@ impl FeatureSizes {
         let topology = mesh.topology();
         let side = (surface.area() / topology.n_faces() as f64).sqrt();
         let mut points = mesh.positions.as_slice().to_vec();
-        points.extend(topology.faces().map(|f| mesh.centre(f)));
+        points.extend(&mesh.centres());
         let feet = surface.closest_points(&points);
         let options = CurvatureOptions::default();
         let tensors = curvature::tensors_at_points(surface, &feet, SCALE * side, &options);

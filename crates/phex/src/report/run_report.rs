@@ -161,6 +161,11 @@ impl RunReport {
         }
     }
 
+    /// The deviation that the tolerance refers to, where there is a surface.
+    pub fn judged_deviation(&self) -> Option<&Deviation> {
+        (self.deviation_smooth.as_ref()).or(self.deviation_facets.as_ref())
+    }
+
     /// The assessment that the report was made around.
     pub fn assessment(&self) -> Assessment {
         Assessment {

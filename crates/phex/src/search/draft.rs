@@ -3,6 +3,7 @@
 //! vertices keep three panels throughout.
 
 use crate::layout::moves::glide;
+use phex_mesh::polygon::sides;
 use phex_mesh::{Topology, Vec3, numbered, turn_edge};
 
 /// Corners that a panel must keep, and that it may come to have.
@@ -36,8 +37,8 @@ impl Draft {
     pub(super) fn incidence(&self) -> Incidence {
         let mut at = vec![Vec::new(); self.places.len()];
         for (f, face) in self.faces.iter().enumerate() {
-            for (k, v) in face.iter().enumerate() {
-                at[*v as usize].push((f, face[(k + 1) % face.len()]));
+            for [v, next] in sides(face) {
+                at[v as usize].push((f, next));
             }
         }
         Incidence(at)
@@ -46,10 +47,8 @@ impl Draft {
     /// The sides of a panel and the panels across them.
     pub fn neighbours(&self, f: usize) -> Vec<(DirectedEdge, usize)> {
         let incidence = self.incidence();
-        let face = &self.faces[f];
-        let sides = (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]);
         let across = |[a, b]: DirectedEdge| incidence.owner([b, a]).map(|g| ([a, b], g));
-        sides.filter_map(across).collect()
+        sides(&self.faces[f]).filter_map(across).collect()
     }
 
     /// How irregular a panel with `n` corners is; panels at the boundary may have any number.
@@ -228,16 +227,19 @@ impl Draft {
 
     /// How irregular the panels are in all.
     pub fn irregularities(&self) -> i64 {
-        let faces = (0..self.faces.len()).filter(|f| !self.faces[*f].is_empty());
-        faces
-            .map(|f| self.irregularity(f, self.faces[f].len()))
-            .sum()
+        let irregularity = |f| self.irregularity(f, self.faces[f].len());
+        self.kept().into_iter().map(irregularity).sum()
+    }
+
+    /// The panels that were not merged with others.
+    pub fn kept(&self) -> Vec<usize> {
+        let faces = 0..self.faces.len();
+        faces.filter(|f| !self.faces[*f].is_empty()).collect()
     }
 
     /// The connectivity, and the number of each of its panels.
     fn topology(&self) -> Option<(Topology, Vec<usize>)> {
-        let numbers = (0..self.faces.len()).filter(|f| !self.faces[*f].is_empty());
-        let numbers: Vec<usize> = numbers.collect();
+        let numbers = self.kept();
         let (corners, faces) = numbered(numbers.iter().map(|f| self.faces[*f].iter()));
         let topology = Topology::from_faces(corners.len(), &faces).ok()?;
         Some((topology, numbers))

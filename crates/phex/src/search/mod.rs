@@ -269,22 +269,25 @@ impl SearchState {
                 true => 0,
                 false => fruitless + 1,
             };
+            summary.kept += kept.iter().filter(|kept| **kept == Some(true)).count();
             for (defect, kept) in at.iter().zip(kept) {
-                let far = |f: &Failed| (f.place - defect.place).norm() > NEAR * edge;
-                match kept {
-                    Some(true) => {
-                        summary.kept += 1;
-                        failed.retain(|f| defect.is_allowed || far(f));
-                    }
-                    Some(false) => fail(failed, defect.place, edge),
-                    None => {}
-                }
+                note(failed, defect, kept, edge);
             }
             // Where most of the worst sizes stay as they are the others would, too.
             if whole.yardstick.shapes == Shapes::Sizes && 2 * changes.len() < places.len() {
                 break;
             }
         }
+    }
+}
+
+/// Notes whether the change of a defect was kept, if it was tried: what failed near it may now do.
+fn note(failed: &mut Vec<Failed>, defect: &Defect, kept: Option<bool>, mean_edge: f64) {
+    let far = |f: &Failed| (f.place - defect.place).norm() > NEAR * mean_edge;
+    match kept {
+        Some(true) => failed.retain(|f| defect.is_allowed || far(f)),
+        Some(false) => fail(failed, defect.place, mean_edge),
+        None => {}
     }
 }
 

@@ -77,9 +77,7 @@ impl Patch {
     /// A draft of the patch as a mesh; `None` if its panels are no manifold, or a place of theirs is
     /// not finite: strips along edges without length have such.
     pub fn built(&self, draft: &Draft) -> Option<Built> {
-        let kept: Vec<usize> = (0..draft.faces.len())
-            .filter(|f| !draft.faces[*f].is_empty())
-            .collect();
+        let kept = draft.kept();
         let rings = kept.iter().map(|f| draft.faces[*f].iter().copied());
         let (vertices, faces) = numbered(rings);
         let places: Vec<Vec3> = vertices.iter().map(|v| draft.places[*v as usize]).collect();

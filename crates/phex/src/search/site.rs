@@ -37,15 +37,10 @@ impl AreaField<'_> {
 
     /// Areas that the panels of a mesh are to have, in any unit.
     pub fn wished(&self, mesh: &HexMesh) -> PerFace<f64> {
-        let areas = self.at(&centres(mesh)).into_iter().map(|wish| wish.area);
+        let wishes = self.at(mesh.centres().as_slice()).into_iter();
+        let areas = wishes.map(|wish| wish.area);
         PerFace::from_vec(areas.collect())
     }
-}
-
-/// The middles of the panels of a mesh.
-fn centres(mesh: &HexMesh) -> Vec<Vec3> {
-    let faces = mesh.topology().faces();
-    faces.map(|f| mesh.centre(f)).collect()
 }
 
 /// What a mesh is searched with.
@@ -98,7 +93,7 @@ impl Site<'_> {
     /// much in all as they have if none is given. 0 for any.
     fn areas_wished(&self, mesh: &HexMesh, scale: Option<f64>) -> (Vec<f64>, f64) {
         let topology = mesh.topology();
-        let wishes = self.wished(&centres(mesh));
+        let wishes = self.wished(mesh.centres().as_slice());
         let inner = |f: &FaceId| !topology.is_boundary_face(*f) && wishes[f.index()].share > 0.0;
         let in_all = || {
             let areas = FlatFace::all(mesh).map(FlatFace::area);
@@ -141,8 +136,8 @@ impl Site<'_> {
     /// What the optimiser needs to know of a part.
     fn layout(&self, part: &HexMesh) -> Layout {
         let topology = part.topology();
-        let centres = centres(part);
-        let feet = self.close_to.closest_points(&centres, &[]);
+        let centres = part.centres();
+        let feet = self.close_to.closest_points(centres.as_slice(), &[]);
         let lengths = topology.faces().map(|f| {
             let sides = topology
                 .face_half_edges(f)
@@ -150,13 +145,13 @@ impl Site<'_> {
             sides.sum::<f64>() / topology.valence(f) as f64 * 3.0_f64.sqrt()
         });
         Layout {
-            vertex_kind: PerVertex::filled(topology.n_vertices(), VertexKind::Interior),
-            face_point: PerFace::from_vec(feet.iter().map(|foot| foot.position).collect()),
-            face_normal: PerFace::from_vec(feet.iter().map(|foot| foot.normal).collect()),
-            face_length: PerFace::from_vec(lengths.collect()),
-            face_wish: PerFace::from_vec(self.wished(&centres)),
-            face_seed: PerFace::filled(topology.n_faces(), VertexId::new(0)),
-            mesh: part.clone(),
+            face_wish: PerFace::from_vec(self.wished(centres.as_slice())),
+            ..Layout::new(
+                part.clone(),
+                PerVertex::filled(topology.n_vertices(), VertexKind::Interior),
+                feet.iter().map(|foot| (foot.position, foot.normal)),
+                PerFace::from_vec(lengths.collect()),
+            )
         }
     }
 

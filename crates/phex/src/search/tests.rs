@@ -159,7 +159,7 @@ fn corners_in_a_mirror_plane_rest() {
         q if q.x.abs() < near => Vec3::new(0.0, q.y, q.z),
         q => q,
     };
-    let mesh = mesh.with_positions(mesh.positions.map(into_plane));
+    let mesh = mesh.mapped(into_plane);
     let topology = mesh.topology();
     let in_plane = |v: &VertexId| mesh.position(*v).x == 0.0;
     let beside = |v: &VertexId| !in_plane(v) && topology.neighbours(*v).iter().any(in_plane);

@@ -9,6 +9,7 @@ use crate::optimise::EMPHASES;
 use crate::progress::Progress;
 use crate::quality::{Defect, Judgement, Merit, Shapes};
 use phex_mesh::{HexMesh, VertexId};
+use std::cmp::Ordering;
 
 /// Share of a defect with which it counts as cured: nothing else is tried then.
 const CURED: f64 = 0.99;
@@ -63,7 +64,7 @@ impl DefectPatch {
             let strips = STRIPS.into_iter().filter_map(|strip| trial.cut(strip));
             let best = strips
                 .map(|settled| trial.improved(settled))
-                .min_by(|a, b| a.merit().total_cmp(b.merit()));
+                .min_by(by_merit);
             best.filter(|best| trial.is_less(best))
                 .map(|best| trial.change(&best))
         })?
@@ -125,6 +126,11 @@ impl Settled {
     }
 }
 
+/// The better one first.
+fn by_merit(a: &Settled, b: &Settled) -> Ordering {
+    a.merit().total_cmp(b.merit())
+}
+
 impl PlaceTrial<'_> {
     fn best(&self, now: Built) -> (Option<Change>, usize) {
         let patch = &self.place.patch;
@@ -152,11 +158,10 @@ impl PlaceTrial<'_> {
             }
             settled.push(next);
         }
-        settled.sort_by(|a, b| a.merit().total_cmp(b.merit()));
+        settled.sort_by(by_merit);
         settled.truncate(IMPROVED);
         let improved = settled.into_iter().map(|s| self.improved(s));
-        let best = improved.min_by(|a, b| a.merit().total_cmp(b.merit()));
-        let best = best
+        let best = (improved.min_by(by_merit))
             .filter(|best| best.merit().is_better(&self.before.merit))
             .filter(|best| self.is_fair(&best.judgement));
         (best.map(|best| self.change(&best)), tried)

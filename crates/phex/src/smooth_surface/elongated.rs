@@ -132,7 +132,7 @@ fn is_elongated(surface: &TriangleSurface, spacing: f64) -> bool {
         let ends = topology.edge_vertices(e);
         ends.into_iter().for_each(|v| at_crease[v] = true);
     }
-    let area = |f: FaceId| 0.5 * surface.area_vector(f).norm();
+    let area = |f: FaceId| surface.face_area(f);
     let is_long = |f: &FaceId| {
         let [a, b, c] = surface.corners(*f);
         let longest = [b - a, c - b, a - c].map(|side| side.norm_squared());

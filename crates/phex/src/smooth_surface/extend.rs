@@ -59,8 +59,12 @@ pub fn extend(surface: &TriangleSurface, width: f64, room: f64) -> Option<Extens
     let lines = loops
         .iter()
         .map(|boundary| line_through_teeth(surface, boundary).0);
-    let rim: Vec<Vec3> = lines.flatten().collect();
-    let longest = loops.iter().map(|l| round(surface, l)).fold(0.0, f64::max);
+    let mut rim: Vec<Vec3> = lines.flatten().collect();
+    rim.sort_by(|p, q| p.x.total_cmp(&q.x));
+    let longest = loops
+        .iter()
+        .map(|l| surface.length_round(l))
+        .fold(0.0, f64::max);
     let mut strip = Strip::new(surface);
     for boundary in &loops {
         let shortened = |width: f64| {
@@ -68,7 +72,7 @@ pub fn extend(surface: &TriangleSurface, width: f64, room: f64) -> Option<Extens
             shorten(&mut arcs, &rim, width);
             arcs
         };
-        let is_hole = round(surface, boundary) < longest;
+        let is_hole = surface.length_round(boundary) < longest;
         if width > 0.0 && (!is_hole || has_room(&shortened(room), room)) {
             strip.add(boundary, &shortened(width), width);
         }
@@ -201,43 +205,32 @@ fn smoothed(arcs: &[Arc]) -> Vec<Arc> {
     (0..n).map(average).collect()
 }
 
-/// Length of a loop.
-fn round(surface: &TriangleSurface, boundary: &[VertexId]) -> f64 {
-    let place = |i: usize| surface.positions()[boundary[i % boundary.len()]];
-    let sides = (0..boundary.len()).map(|i| (place(i + 1) - place(i)).norm());
-    sides.sum()
-}
-
 /// Whether most of a loop's arcs are as long as they are to be.
 fn has_room(arcs: &[Arc], width: f64) -> bool {
     let long = arcs.iter().filter(|a| a.length >= width).count();
     2 * long > arcs.len()
 }
 
-/// Ends arcs before they could meet the continuation of another part of the boundary.
+/// Ends arcs before they could meet the continuation of another part of the boundary, whose points
+/// come in the order of their first coordinates.
 fn shorten(arcs: &mut [Arc], rim: &[Vec3], width: f64) {
+    let reach = 4.0 * width;
     for arc in arcs.iter_mut() {
-        for p in rim {
+        let first = rim.partition_point(|p| p.x < arc.start.x - reach);
+        let near = rim[first..].iter();
+        for p in near.take_while(|p| p.x <= arc.start.x + reach) {
             let d = p - arc.start;
             let (distance2, ahead) = (d.norm_squared(), d.dot(&arc.direction));
-            if ahead > 1e-3 * distance2.sqrt() && distance2 < 16.0 * width * width {
+            if ahead > 1e-3 * distance2.sqrt() && distance2 < reach * reach {
                 arc.length = arc.length.min(CLEAR * 0.5 * distance2 / ahead);
             }
         }
     }
     // Neighbours' lengths differ by no more than half their distance, and no arc vanishes.
     let n = arcs.len();
-    for k in 0..4 * n {
-        let i = if k < 2 * n {
-            k % n
-        } else {
-            (4 * n - 1 - k) % n
-        };
-        let j = if k < 2 * n {
-            (i + 1) % n
-        } else {
-            (i + n - 1) % n
-        };
+    let forwards = (0..2 * n).map(|i| (i % n, (i + 1) % n));
+    let backwards = (0..2 * n).rev().map(|i| (i % n, (i + n - 1) % n));
+    for (i, j) in forwards.chain(backwards) {
         let distance = (arcs[i].start - arcs[j].start).norm();
         let least = 0.1 * distance.min(width);
         arcs[i].length = arcs[i].length.max(least);

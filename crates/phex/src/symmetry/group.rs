@@ -115,12 +115,22 @@ pub(crate) fn number_of(elements: &[Matrix3<f64>], map: &Matrix3<f64>) -> Option
     elements.iter().position(|e| (e - map).amax() < SAME_MAP)
 }
 
+/// The bits of those planes that `holds` says so of.
+pub(crate) fn bits_of(normals: &[Vec3], holds: impl Fn(&Vec3) -> bool) -> u32 {
+    let held = normals.iter().enumerate().filter(|(_, n)| holds(n));
+    held.fold(0, |bits, (k, _)| bits | (1 << k))
+}
+
+/// The normals of the planes that `bits` names.
+pub(crate) fn named(normals: &[Vec3], bits: u32) -> Vec<Vec3> {
+    let all = normals.iter().enumerate();
+    let named = all.filter(|(k, _)| bits & (1 << k) != 0);
+    named.map(|(_, n)| *n).collect()
+}
+
 /// The point nearest to `p` in those planes through the origin that `bits` names.
 pub(crate) fn in_walls(normals: &[Vec3], bits: u32, mut p: Vec3) -> Vec3 {
-    let held = normals.iter().enumerate();
-    let held: Vec<Vec3> = (held.filter(|(k, _)| bits & (1 << k) != 0))
-        .map(|(_, n)| *n)
-        .collect();
+    let held = named(normals, bits);
     match held[..] {
         [a, b] => {
             let axis = a.cross(&b).normalize();

@@ -7,12 +7,13 @@
 //! panels in the plane. Two whole panels would meet their images in a corner of four, so one of
 //! them is taken as a half. Where the area leaves it in doubt it is what makes panels regular.
 
-use super::group::{Group, folded, in_walls, number_of, reflection};
+use super::group::{Group, bits_of, folded, in_walls, named, number_of, reflection};
 use crate::directions::MirrorPlane;
 use crate::layout::lattice::eisenstein::CELL;
 use crate::layout::{Layout, VertexKind};
 use crate::optimise::{Image, Quotient};
 use nalgebra::Matrix3;
+use phex_mesh::polygon::sides;
 use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
@@ -93,10 +94,7 @@ impl<'a> WallCells<'a> {
             }
             let face = topology.faces_at(v).next();
             let near = face.map_or(0.0, |f| IN_PLANE * layout.face_length[f]);
-            let height = |n: &Vec3| n.dot(&layout.mesh.position(v)).abs();
-            (walls.iter().enumerate())
-                .filter(|(_, n)| height(n) < near)
-                .fold(0, |bits, (k, _)| bits | (1 << k))
+            bits_of(walls, |n| n.dot(&layout.mesh.position(v)).abs() < near)
         });
         Self {
             layout,
@@ -108,9 +106,8 @@ impl<'a> WallCells<'a> {
 
     /// The walls in which a cell has a side.
     fn sides(&self, f: FaceId) -> u32 {
-        let ring = self.topology.face_vertices(f);
-        let side = |i: usize| self.on[ring[i]] & self.on[ring[(i + 1) % ring.len()]];
-        (0..ring.len()).fold(0, |bits, i| bits | side(i))
+        let sides = sides(self.topology.face_vertices(f));
+        sides.fold(0, |bits, [a, b]| bits | self.on[a] & self.on[b])
     }
 
     /// The walls across which each cell is joined with its image.
@@ -224,10 +221,7 @@ impl<'a> WallCells<'a> {
     /// Corners of the panel that a cell is, or is a part of: 0 if it can't be one, and nothing at
     /// the open boundary, where any number will do.
     fn corners(&self, f: FaceId, merged: &PerFace<u32>) -> Option<usize> {
-        let ring = self.topology.face_vertices(f);
-        let n = ring.len();
-        let is_open = |i: usize| {
-            let [a, b] = [ring[i], ring[(i + 1) % n]];
+        let is_open = |[a, b]: [VertexId; 2]| {
             let on_boundary = [a, b].iter().all(|v| self.topology.is_boundary_vertex(*v));
             on_boundary && self.on[a] & self.on[b] == 0
         };
@@ -235,7 +229,8 @@ impl<'a> WallCells<'a> {
             0 => self.corners_of_whole(f).len(),
             _ => self.half(f, merged).map_or(0, |h| h.corners()),
         };
-        (corners < 3 || !(0..n).any(is_open)).then_some(corners)
+        let mut sides = sides(self.topology.face_vertices(f));
+        (corners < 3 || !sides.any(is_open)).then_some(corners)
     }
 
     /// Whether a cell has a corner on the axis in which walls meet. One that has not, and a side in
@@ -247,19 +242,14 @@ impl<'a> WallCells<'a> {
 
     /// Whether two walls meet at a right angle.
     fn is_square(&self, bits: u32) -> bool {
-        let walls = self.walls.iter().enumerate();
-        let held: Vec<&Vec3> = (walls.filter(|(k, _)| bits & (1 << k) != 0))
-            .map(|(_, n)| n)
-            .collect();
-        matches!(held[..], [a, b] if a.dot(b).abs() < 1e-9)
+        matches!(named(self.walls, bits)[..], [a, b] if a.dot(&b).abs() < 1e-9)
     }
 
     /// Of the walls of a cell in a corner the one in which its side is longest: an edge of the
     /// panel lies in the other one, and its middle in the corner.
     fn longer(&self, f: FaceId, bits: u32) -> u32 {
-        let ring = self.topology.face_vertices(f);
         let length = |wall: u32| -> f64 {
-            let sides = (0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]);
+            let sides = sides(self.topology.face_vertices(f));
             let held = sides.filter(|[a, b]| self.on[*a] & self.on[*b] & wall != 0);
             let ends = held.map(|e| e.map(|v| self.layout.mesh.position(v)));
             ends.map(|[a, b]| (a - b).norm()).sum()
@@ -462,22 +452,6 @@ impl WholeParts<'_> {
             kind if cells.on[source(*v)] == 0 || kind == VertexKind::BoundaryCorner => kind,
             _ => VertexKind::Interior,
         };
-        let mut quotient = Quotient::default();
-        for (v, k) in &number {
-            if let Some(image) = v.checked_sub(count).map(|i| &self.images[i as usize]) {
-                quotient.images.insert(
-                    *k,
-                    Image {
-                        source: number[&image.source],
-                        map: self.elements[image.element],
-                    },
-                );
-            } else if let bits @ 1.. = cells.on[VertexId::new(*v)] {
-                quotient
-                    .mirrored
-                    .insert(*k, cells.walls[bits.trailing_zeros() as usize]);
-            }
-        }
         let on_walls = |f: FaceId, x: Vec3| in_walls(cells.walls, merged[f], x);
         let each = |of: &PerFace<Vec3>| {
             PerFace::from_vec(of.enumerate().map(|(f, p)| on_walls(f, *p)).collect())
@@ -488,12 +462,30 @@ impl WholeParts<'_> {
                 vertex_kind: PerVertex::from_vec(old.iter().map(kind).collect()),
                 face_point: each(&layout.face_point),
                 face_normal: each(&layout.face_normal).map(|n| n.normalize()),
-                face_length: layout.face_length.clone(),
-                face_wish: layout.face_wish.clone(),
-                face_seed: layout.face_seed.clone(),
+                ..layout.clone()
             },
-            quotient,
+            quotient: self.quotient(&number),
         })
+    }
+
+    /// What is no unknown, with the numbers that corners of panels have.
+    fn quotient(&self, number: &BTreeMap<u32, u32>) -> Quotient {
+        let cells = self.cells;
+        let count = cells.topology.n_vertices() as u32;
+        let mut quotient = Quotient::default();
+        for (v, k) in number {
+            if let Some(image) = v.checked_sub(count).map(|i| &self.images[i as usize]) {
+                let image = Image {
+                    source: number[&image.source],
+                    map: self.elements[image.element],
+                };
+                quotient.images.insert(*k, image);
+            } else if let bits @ 1.. = cells.on[VertexId::new(*v)] {
+                let wall = cells.walls[bits.trailing_zeros() as usize];
+                quotient.mirrored.insert(*k, wall);
+            }
+        }
+        quotient
     }
 }
 

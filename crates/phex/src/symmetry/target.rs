@@ -1,10 +1,10 @@
 //! A fundamental domain with its images as a target.
 
 use super::group::folded;
-use crate::optimise::{CurvePoint, SurfaceTarget, Target, TargetPoint};
+use crate::optimise::{SurfaceTarget, Target, TargetPoint};
 use crate::smooth_surface::IN_PLANE;
 use nalgebra::Matrix3;
-use phex_mesh::{BoundaryCurve, TriangleSurface, Vec3};
+use phex_mesh::{BoundaryCurve, BoundaryPoint, TriangleSurface, Vec3};
 
 /// A domain between mirror planes through the origin, and all its images: points are brought into
 /// the domain, and what is closest to them back.
@@ -52,12 +52,12 @@ impl Target for FoldedTarget<'_> {
         feet.into_iter().zip(&back).map(mapped).collect()
     }
 
-    fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>> {
+    fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<BoundaryPoint>> {
         let curve = self.boundary.as_ref()?;
         let foot = |p: &Vec3| {
             let (inside, back) = folded(&self.walls, *p);
             let foot = curve.closest_point(inside);
-            CurvePoint {
+            BoundaryPoint {
                 position: back * foot.position,
                 tangent: back * foot.tangent,
             }

@@ -4,13 +4,13 @@
 //! irregular there shows once they are whole, and an edge beside a plane can turn only if its
 //! images do.
 
-use super::group::{Group, in_walls};
+use super::group::{Group, bits_of, in_walls};
 use super::quotient::{WholePanels, quotient_of};
 use super::unfold::{Unfolded, unfolded};
 use crate::layout::moves::flips::turn_with_images;
 use crate::layout::{Layout, VertexKind};
 use nalgebra::Matrix3;
-use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Topology, Vec3, VertexId, numbered};
+use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, Vec3, VertexId, numbered};
 
 /// Distance from a mirror plane, mean edges, within which a vertex lies in it.
 const IN_PLANE: f64 = 1e-6;
@@ -35,11 +35,8 @@ impl WholePanels {
         let part = &self.layout;
         let mut kind = vec![VertexKind::Interior; all.vertices.len()];
         for f in part.mesh.topology().faces() {
-            let ring = |topology: &Topology| topology.face_vertices(f).to_vec();
-            for (v, w) in ring(part.mesh.topology())
-                .iter()
-                .zip(ring(all.mesh.topology()))
-            {
+            let [own, image] = [&part.mesh, &all.mesh].map(|m| m.topology().face_vertices(f));
+            for (v, w) in own.iter().zip(image) {
                 kind[w.index()] = part.vertex_kind[*v];
             }
         }
@@ -67,11 +64,7 @@ impl WholePanels {
         let (walls, near) = (group.walls(), IN_PLANE * self.layout.mesh.mean_edge());
         let place = |v: &VertexId| {
             let p = all.mesh.position(*v);
-            let held = walls
-                .iter()
-                .enumerate()
-                .filter(|(_, n)| n.dot(&p).abs() < near);
-            in_walls(&walls, held.fold(0, |bits, (k, _)| bits | (1 << k)), p)
+            in_walls(&walls, bits_of(&walls, |n| n.dot(&p).abs() < near), p)
         };
         let mesh = HexMesh::new(old.iter().map(place).collect(), &faces).ok()?;
         let kinds = old.iter().map(|v| all.vertex_kind[*v]);

@@ -215,10 +215,8 @@ impl PanelPart {
 
     /// The part if it is a simple polygon, else without its vertices along the curve, else nothing.
     fn sound(self, cut: &Cut<'_>, plane: &FacePlane) -> Option<Vec<u32>> {
-        let either = [self.outline, self.bare].into_iter();
-        either
-            .into_iter()
-            .find(|face| is_simple(face, &cut.positions, plane))
+        let mut either = [self.outline, self.bare].into_iter();
+        either.find(|face| is_simple(face, &cut.positions, plane))
     }
 }
 

@@ -43,7 +43,7 @@ pub(crate) fn followed(
             continue;
         }
         let f = topology.face(h);
-        let plane = FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
+        let plane = FacePlane::of(mesh, f);
         // Where the curve leaves the plane, corners in the plane bring nothing.
         let gains = |p: &Vec3| {
             plane.height(*p).abs() < GAIN * polygon::point_segment_distance(*p, begin, end)

@@ -165,6 +165,14 @@ pub(crate) fn compact(positions: &[Vec3], faces: &[Vec<u32>]) -> Result<HexMesh,
     Ok(HexMesh::new(places.collect(), &faces)?)
 }
 
+/// Some panels of a mesh.
+pub(crate) fn part(mesh: &HexMesh, faces: &[FaceId]) -> Result<HexMesh, TrimError> {
+    match faces.is_empty() {
+        true => Err(TrimError::NothingLeft),
+        false => Ok(mesh.part(faces)?),
+    }
+}
+
 /// The connected part with the most panels.
 fn largest_part(trimmed: Trimmed) -> Result<Trimmed, TrimError> {
     let (component, count) = trimmed.mesh.topology().components();
@@ -174,17 +182,11 @@ fn largest_part(trimmed: Trimmed) -> Result<Trimmed, TrimError> {
     let mut size = vec![0; count];
     component.iter().for_each(|&c| size[c as usize] += 1);
     let largest = (0..count).rev().max_by_key(|&c| size[c]).unwrap_or(0) as u32;
-    let soup = trimmed.mesh.to_soup();
-    let kept: Vec<FaceId> = trimmed
-        .mesh
-        .topology()
-        .faces()
-        .filter(|&f| component[f] == largest)
-        .collect();
-    let faces: Vec<Vec<u32>> = kept.iter().map(|f| soup.faces[f.index()].clone()).collect();
+    let faces = trimmed.mesh.topology().faces();
+    let kept: Vec<FaceId> = faces.filter(|&f| component[f] == largest).collect();
     Ok(Trimmed {
-        mesh: compact(&soup.positions, &faces)?,
-        parent: PerFace::from_vec(kept.iter().map(|&f| trimmed.parent[f]).collect()),
+        mesh: part(&trimmed.mesh, &kept)?,
+        parent: trimmed.parent.picked(&kept),
     })
 }
 

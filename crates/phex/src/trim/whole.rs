@@ -11,7 +11,7 @@
 //! model, Boykov, Veksler, Zabih 2001; minimised by single changes, the best first: Besag's
 //! iterated conditional modes, 1986). Where too little is covered, the threshold falls.
 
-use super::{Domain, TrimError, Trimmed, compact, near_boundary};
+use super::{Domain, TrimError, Trimmed, near_boundary, part};
 use phex_mesh::{FaceId, FlatFace, HexMesh, PerFace, Vec3, ear_clip};
 use rayon::prelude::*;
 
@@ -44,10 +44,8 @@ pub(super) fn whole_panels(mesh: &HexMesh, domain: &Domain<'_>) -> Result<Trimme
         .collect();
     let keep = calm_outline(mesh, &lies, &near);
     let kept: Vec<FaceId> = faces.into_iter().filter(|f| keep[f.index()]).collect();
-    let lists = mesh.topology().face_lists();
-    let lists: Vec<Vec<u32>> = kept.iter().map(|f| lists[f.index()].clone()).collect();
     Ok(Trimmed {
-        mesh: compact(mesh.positions.as_slice(), &lists)?,
+        mesh: part(mesh, &kept)?,
         parent: PerFace::from_vec(kept),
     })
 }
@@ -91,14 +89,21 @@ fn least_energy(mesh: &HexMesh, lies: &[Lie], near: &[bool], threshold: f64) -> 
         let join = 2.0 * area * (threshold - inside) + lambda * longer;
         if keep[f.index()] { -join } else { join }
     };
-    let loose: Vec<FaceId> = topology.faces().filter(|f| near[f.index()]).collect();
+    let loose = |f: &FaceId| near[f.index()];
+    let mut changes = PerFace::filled(lies.len(), f64::INFINITY);
+    for f in topology.faces().filter(loose) {
+        changes[f] = change(&keep, f);
+    }
     let least = -1e-9 * mean;
     // Each change lowers the energy, so this ends.
     loop {
-        let changes = loose.iter().map(|f| (change(&keep, *f), *f));
-        match changes.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((by, f)) if by < least => keep[f.index()] = !keep[f.index()],
-            _ => return keep,
+        let best = changes.enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        let Some((f, _)) = best.filter(|(_, by)| **by < least) else {
+            return keep;
+        };
+        keep[f.index()] = !keep[f.index()];
+        for g in topology.adjacent_faces(f).chain([f]).filter(loose) {
+            changes[g] = change(&keep, g);
         }
     }
 }

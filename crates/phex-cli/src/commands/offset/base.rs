@@ -3,7 +3,7 @@
 use super::OffsetJob;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::offset_arguments::Kind;
-use crate::progress::{Reporter, is_interrupted};
+use crate::progress::{Reporter, check_interruption};
 use phex::offset::{
     EdgeGaussImage, GaussImage, Inheritance, OffsetError, SafeDistances, SphericalMesh, TurnedEdge,
     angle_conditions, distance_error, edge_gauss_image, face_distance_error, face_offset, layer,
@@ -204,9 +204,7 @@ fn optimise(job: &OffsetJob<'_>, mesh: &HexMesh) -> Result<MovedVertices, Failur
     let result = satisfy_angle_condition(mesh, target, &AngleOptions::default(), &reporter)
         .or_exit(Exit::InputUnusable)?;
     reporter.finish();
-    if is_interrupted() {
-        return Err(Failure::interrupted());
-    }
+    check_interruption()?;
     // A tight panel is valid; it is told.
     let tight = |o: &Offender| matches!(o.fault, Fault::LowClearance { .. });
     if !result.is_converged() || !result.offenders.iter().all(tight) {

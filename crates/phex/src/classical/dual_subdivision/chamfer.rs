@@ -56,7 +56,7 @@ mod tests {
         assert!(t.vertices().all(|v| t.face_degree(v) == 3));
         // Outward orientation is kept.
         for f in t.faces() {
-            let plane = phex_mesh::FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
+            let plane = phex_mesh::FacePlane::of(&mesh, f);
             assert!(plane.normal.dot(&plane.centre) > 0.0);
         }
     }

@@ -21,8 +21,7 @@ const FLAT: f64 = 1e-9;
 /// Where both signs occur: the vertices where it is largest and least.
 pub fn one_sign(mesh: &HexMesh) -> Result<CurvatureSign, DomainError> {
     let topology = mesh.topology();
-    let plane = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
-    let normals = PerFace::from_vec(topology.faces().map(|f| plane(f).normal).collect());
+    let normals = PerFace::from_fn(topology.n_faces(), |f| FacePlane::of(mesh, f).normal);
     let inside = topology.inner_vertices();
     let curved: Vec<(VertexId, f64)> = inside
         .map(|v| {
@@ -77,7 +76,7 @@ mod tests {
     fn curvature_of_a_polyhedron_adds_up_to_that_of_the_sphere() {
         let mesh = goldberg(2, 1).unwrap().mesh;
         let topology = mesh.topology();
-        let normal = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>()).normal;
+        let normal = |f| FacePlane::of(&mesh, f).normal;
         let at = |v| {
             let around = topology.faces_at(v).map(&normal);
             fan_area(&around.collect::<Vec<_>>())

@@ -44,13 +44,9 @@ use std::collections::BTreeMap;
 /// A centre away from the planes of a mesh's faces, and how clear it is of them: see
 /// `clear_centre`.
 pub fn clear_centre_of(mesh: &HexMesh) -> (Vec3, f64) {
-    let plane = |f| FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
-    let fitted: Vec<FacePlane> = mesh.topology().faces().map(plane).collect();
-    let planes: Vec<OrientedPlane> = fitted
-        .iter()
-        .map(|p| OrientedPlane::through(p.centre, p.normal))
-        .collect();
-    let points: Vec<Vec3> = fitted.iter().map(|p| p.centre).collect();
+    let fitted = mesh.topology().faces().map(|f| FacePlane::of(mesh, f));
+    let planes = fitted.map(|p| (OrientedPlane::through(p.centre, p.normal), p.centre));
+    let (planes, points): (Vec<OrientedPlane>, Vec<Vec3>) = planes.unzip();
     clear_centre(&planes, &points)
 }
 
@@ -80,11 +76,7 @@ pub fn dual_subdivision(
         let degree = topology.face_degree(vertex);
         return Err(DualityError::Degree { vertex, degree });
     }
-    let pole = |face: FaceId| {
-        let fitted = FacePlane::fit(&mesh.corners(face).collect::<Vec<_>>());
-        let pole = quadric.pole(&OrientedPlane::through(fitted.centre, fitted.normal));
-        pole.ok_or(DualityError::PoleAtInfinity { face })
-    };
+    let pole = |face: FaceId| quadric.pole_of(face, &OrientedPlane::of(mesh, face));
     let poles: Result<Vec<Vec3>, _> = topology.faces().map(pole).collect();
     let mut coarse = (mesh.clone(), PerFace::from_vec(poles?));
     let mut made = Vec::with_capacity(levels);
@@ -127,8 +119,7 @@ fn finer_poles(
         SubdivisionRule::Loop => loop_rule::refinement(&triangles),
         SubdivisionRule::Butterfly => butterfly::refinement(&triangles),
     };
-    let values = PerVertex::from_vec(dual.face_of_vertex.iter().map(|f| poles[*f]).collect());
-    let values = step.apply(&values);
+    let values: PerVertex<Vec3> = step.apply(&poles.picked(&dual.face_of_vertex));
     let (old, new) = values.as_slice().split_at(triangles.n_vertices());
     let mut made = poles.as_slice().to_vec();
     for (f, pole) in dual.face_of_vertex.iter().zip(old) {
@@ -190,7 +181,7 @@ mod tests {
         let quadric = clear_quadric(&coarse).unwrap();
         let fine = &dual_subdivision(&coarse, &quadric, SubdivisionRule::Butterfly, 1).unwrap()[0];
         for f in coarse.topology().faces() {
-            let plane = |m: &HexMesh| FacePlane::fit(&m.corners(f).collect::<Vec<_>>());
+            let plane = |m: &HexMesh| FacePlane::of(m, f);
             let (old, new) = (plane(&coarse), plane(fine));
             assert!(
                 (old.normal - new.normal).norm() < 1e-9 && old.height(new.centre).abs() < 1e-12

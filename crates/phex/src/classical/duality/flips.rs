@@ -40,11 +40,10 @@ pub(crate) fn hull_about(
     planes: &PerFace<OrientedPlane>,
     quadric: &Quadric,
 ) -> Result<Flipped, DualityError> {
-    let pole = |(face, plane)| {
-        let pole = quadric.pole(plane);
-        pole.ok_or(DualityError::PoleAtInfinity { face })
-    };
-    let poles: Result<Vec<Vec3>, _> = planes.enumerate().map(pole).collect();
+    let poles = planes
+        .enumerate()
+        .map(|(f, plane)| quadric.pole_of(f, plane));
+    let poles: Result<Vec<Vec3>, _> = poles.collect();
     let centre = quadric.centre().ok_or(DualityError::SingularQuadric)?;
     Ok(convex_flips(mesh, &PerFace::from_vec(poles?), centre))
 }
@@ -231,7 +230,7 @@ mod tests {
         let hull = hull_about(&mesh, &planes, &sphere).unwrap();
         assert_eq!((hull.steps, hull.faces.len()), (1, 6));
         assert!(hull.faces.iter().all(|f| f.index() < 6));
-        let planes = PerFace::from_vec(hull.faces.iter().map(|f| planes[*f]).collect());
+        let planes = planes.picked(&hull.faces);
         let cube = envelope(&hull.mesh, &planes).unwrap();
         let measures = measure(&cube);
         assert_eq!((measures.vertices, measures.face_sizes[&4]), (8, 6));

@@ -134,10 +134,9 @@ impl<'a> Hull<'a> {
         let outside = self.faces[face].outside.iter().copied();
         let apex = outside.max_by(|&p, &q| height(p).total_cmp(&height(q)).then(q.cmp(&p)));
         let apex = apex.expect("the list is not empty");
-        let seen = self.seen_from(apex, face);
+        let seen = self.taken_out(apex, face);
         let mut orphans = Vec::new();
         for &f in &seen {
-            self.faces[f].alive = false;
             orphans.append(&mut self.faces[f].outside);
         }
         orphans.retain(|&p| p != apex);
@@ -153,15 +152,18 @@ impl<'a> Hull<'a> {
         self.cover(&rim, orphans);
     }
 
-    /// All faces that a point sees, beginning with one of them.
-    fn seen_from(&self, point: u32, start: usize) -> Vec<usize> {
+    /// Takes out all faces that a point sees, beginning with one of them.
+    fn taken_out(&mut self, point: u32, start: usize) -> Vec<usize> {
+        self.faces[start].alive = false;
         let mut seen = vec![start];
         let mut next = 0;
         while next < seen.len() {
             let t = self.faces[seen[next]].corners;
             for k in 0..3 {
                 let neighbour = self.left_of[&(t[(k + 1) % 3], t[k])];
-                if !seen.contains(&neighbour) && self.sees(point, self.faces[neighbour].corners) {
+                let Face { alive, corners, .. } = self.faces[neighbour];
+                if alive && self.sees(point, corners) {
+                    self.faces[neighbour].alive = false;
                     seen.push(neighbour);
                 }
             }

@@ -1,7 +1,7 @@
 //! The dual of a mesh with planar faces.
 
 use super::{DualityError, OrientedPlane, Quadric};
-use phex_mesh::{FaceId, FacePlane, HexMesh, Topology, Vec3, VertexId};
+use phex_mesh::{FaceId, HexMesh, Topology, Vec3, VertexId};
 
 /// The dual of a mesh, and where its elements come from.
 #[derive(Clone, Debug)]
@@ -26,13 +26,7 @@ pub struct MeshDual {
 /// has vertices of degree 2).
 pub fn dual_mesh(mesh: &HexMesh, quadric: &Quadric) -> Result<MeshDual, DualityError> {
     let dual = DualTriangles::of(mesh.topology())?;
-    let pole = |&face: &FaceId| {
-        let plane = FacePlane::fit(&mesh.corners(face).collect::<Vec<_>>());
-        let plane = OrientedPlane::through(plane.centre, plane.normal);
-        quadric
-            .pole(&plane)
-            .ok_or(DualityError::PoleAtInfinity { face })
-    };
+    let pole = |&face: &FaceId| quadric.pole_of(face, &OrientedPlane::of(mesh, face));
     let positions: Result<Vec<Vec3>, _> = dual.face_of_vertex.iter().map(pole).collect();
     Ok(MeshDual {
         mesh: HexMesh::new(positions?, &dual.triangles)?,

@@ -1,5 +1,6 @@
 //! Panels whose edges can be flipped, and who can be taken out.
 
+use phex_mesh::polygon::sides;
 use phex_mesh::{EdgeId, FaceId, HexMesh, PerVertex, TopologyError, Vec3, VertexId, turn_edge};
 
 /// Outlines of the panels as lists of vertices, and the panels at each vertex inside.
@@ -99,11 +100,7 @@ impl PanelOutlines {
     /// The panels round an edge; `None` if its vertices are no longer neighbours.
     pub fn star(&self, [a, b]: [u32; 2]) -> Option<Star> {
         let (at_a, at_b) = (self.faces_at(a)?, self.faces_at(b)?);
-        let follows = |f: &u32, p: u32, q: u32| {
-            let list = &self.corners[*f as usize];
-            let i = list.iter().position(|&v| v == p);
-            i.is_some_and(|i| list[(i + 1) % list.len()] == q)
-        };
+        let follows = |f: &u32, p: u32, q: u32| sides(self.corners(*f)).any(|side| side == [p, q]);
         let left = at_a.into_iter().find(|f| follows(f, a, b))?;
         let right = at_a.into_iter().find(|f| follows(f, b, a))?;
         let other = |faces: [u32; 3]| faces.into_iter().find(|&f| f != left && f != right);
@@ -175,9 +172,7 @@ impl PanelOutlines {
         let at = |&v: &u32| {
             let faces = self.faces_at(v).into_iter().flatten();
             faces.filter_map(move |f| {
-                let list = &self.corners[f as usize];
-                let i = list.iter().position(|&w| w == v)?;
-                let next = list[(i + 1) % list.len()];
+                let [_, next] = sides(self.corners(f)).find(|[w, _]| *w == v)?;
                 self.faces_at(next).map(|_| sorted([v, next]))
             })
         };

@@ -1,7 +1,7 @@
 //! Planes, and where they meet.
 
 use nalgebra::{Matrix3, Vector3};
-use phex_mesh::Vec3;
+use phex_mesh::{FaceId, FacePlane, HexMesh, Vec3};
 
 /// Three planes whose normals span less than this volume are taken to be parallel to a line.
 const LEAST_VOLUME: f64 = 1e-14;
@@ -25,6 +25,12 @@ impl OrientedPlane {
             normal,
             offset: normal.dot(&point),
         }
+    }
+
+    /// The best plane of a face's corners.
+    pub(crate) fn of(mesh: &HexMesh, face: FaceId) -> Self {
+        let fitted = FacePlane::of(mesh, face);
+        Self::through(fitted.centre, fitted.normal)
     }
 
     /// Signed distance of a point, positive on the side of the normal.

@@ -2,7 +2,7 @@
 
 use super::{DualityError, OrientedPlane};
 use nalgebra::{Matrix4, Vector4};
-use phex_mesh::Vec3;
+use phex_mesh::{FaceId, Vec3};
 
 /// Poles whose last coordinate is below this share of the others are at infinity.
 const AT_INFINITY: f64 = 1e-12;
@@ -99,6 +99,19 @@ impl Quadric {
         let x = self.matrix * Vector4::new(n.x, n.y, n.z, -plane.offset);
         let scale = x.xyz().amax();
         (x.w.abs() > AT_INFINITY * scale && x.w.is_finite()).then(|| x.xyz() / x.w)
+    }
+
+    /// The pole of the plane of a face.
+    ///
+    /// # Errors
+    /// If it is at infinity.
+    pub(crate) fn pole_of(
+        &self,
+        face: FaceId,
+        plane: &OrientedPlane,
+    ) -> Result<Vec3, DualityError> {
+        self.pole(plane)
+            .ok_or(DualityError::PoleAtInfinity { face })
     }
 
     /// The polar plane of a point; `None` if it is the plane at infinity (that of the quadric's

@@ -4,7 +4,7 @@ use super::OrientedPlane;
 use phex_mesh::polygon::{is_simple, signed_area};
 use phex_mesh::{
     FaceId, FlatFace, HexMesh, PerFace, Topology, ValidateOptions, Vec2, Vec3, VertexId, Violation,
-    numbered, violations,
+    violations,
 };
 
 /// The mesh without panels at the boundary that cross themselves or others or are turned over, and
@@ -30,9 +30,9 @@ pub(crate) fn without_broken_rim(
         &|f| planes[kept[f.index()]].normal,
     ) {
         let others = made.topology().faces().filter(|f| *f != worst);
-        let rest = part(&made, &others.collect::<Vec<_>>());
+        let rest = made.part(&others.collect::<Vec<_>>());
         may_go[kept[worst.index()]] = false;
-        if let Some(rest) = rest.filter(|m| m.topology().components().1 == pieces) {
+        if let Some(rest) = rest.ok().filter(|m| m.topology().components().1 == pieces) {
             made = rest;
             kept.remove(worst.index());
         }
@@ -77,14 +77,6 @@ fn worst(
             .filter(|f| may_go(*f))
             .min_by(|f, g| area(f).total_cmp(&area(g)).then(f.cmp(g)))
     })
-}
-
-/// Some panels of a mesh; `None` where they are joined in single vertices.
-fn part(mesh: &HexMesh, faces: &[FaceId]) -> Option<HexMesh> {
-    let outlines = faces.iter().map(|f| mesh.topology().face_vertices(*f));
-    let (vertices, outlines) = numbered(outlines.map(|o| o.iter().copied()));
-    let places = vertices.iter().map(|v| mesh.position(*v));
-    HexMesh::new(places.collect(), &outlines).ok()
 }
 
 fn is_broken(mesh: &HexMesh, f: FaceId, normal: Vec3) -> bool {

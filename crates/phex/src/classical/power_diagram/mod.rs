@@ -227,7 +227,7 @@ mod tests {
         assert_convex(&diagram);
         assert!(diagram.hidden.is_empty());
         for (f, site) in diagram.mesh.topology().faces().zip(&diagram.site_of_panel) {
-            let plane = phex_mesh::FacePlane::fit(&diagram.mesh.corners(f).collect::<Vec<_>>());
+            let plane = phex_mesh::FacePlane::of(&diagram.mesh, f);
             assert!(
                 plane.normal.dot(&plane.centre) > 0.0,
                 "panels face outwards"

@@ -47,7 +47,7 @@ fn dual_potential(topology: &Topology, mesh: &IntrinsicMesh) -> Result<Vec<f64>,
             entries.push((row(left.max(right)), row(left.min(right)), -weight));
         }
     }
-    if topology.edges().all(|e| !topology.is_boundary_edge(e)) {
+    if topology.is_closed() {
         // A closed surface: potentials count up to a constant.
         own[0] *= 2.0;
     }

@@ -154,7 +154,7 @@ struct Element {
 
 impl Element {
     fn new(surface: &TriangleSurface, f: FaceId, guide: &Guide, strictness: f64) -> Self {
-        let area = 0.5 * surface.area_vector(f).norm();
+        let area = surface.face_area(f);
         let hats = hat_gradients(surface, f);
         let level = Vec3::from(hats.map(|g| g.dot(&guide.level)));
         let across = Vec3::from(hats.map(|g| g.dot(&guide.across)));
@@ -178,7 +178,7 @@ impl Element {
         };
         let corner = surface.corners(f);
         let edge = corner[(k + 1) % 3] - corner[k];
-        let area = 0.5 * surface.area_vector(f).norm();
+        let area = surface.face_area(f);
         let mut change = Vec3::zeros();
         (change[k], change[(k + 1) % 3]) = (-1.0, 1.0);
         let weight = HOLD * strictness * area / edge.norm_squared();

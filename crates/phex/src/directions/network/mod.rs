@@ -186,9 +186,8 @@ pub(crate) fn row_field(
     let mesh = IntrinsicMesh::new(surface, &PerVertex::filled(topology.n_vertices(), unit));
     let principal = curvature.principal();
     let wishes = wishes(curvature, &principal, options)?;
-    let closed = topology.edges().all(|e| !topology.is_boundary_edge(e));
     let euler = topology.euler_characteristic();
-    if closed && euler != 0 {
+    if topology.is_closed() && euler != 0 {
         let (count, near) = cross::singular_triangles(surface, &mesh, &wishes)?;
         return Err(NetworkError::Closed { euler, count, near });
     }
@@ -406,7 +405,7 @@ impl ConjugateNetwork {
             turn.dot(&surface.area_vector(*f)) <= 0.0
         };
         let folded: Vec<FaceId> = surface.topology().faces().filter(is_folded).collect();
-        let area = |f: &FaceId| 0.5 * surface.area_vector(*f).norm();
+        let area = |f: &FaceId| surface.face_area(*f);
         let centre = |f: &FaceId| surface.centroid(*f);
         Folded {
             share: folded.iter().map(area).sum::<f64>() / surface.area(),

@@ -37,7 +37,7 @@ impl BrickForms {
         let mut weight = PerVertex::filled(n, 0.0);
         let mut bricks = 0.0;
         for f in surface.topology().faces() {
-            let area = 0.5 * surface.area_vector(f).norm();
+            let area = surface.face_area(f);
             let Some((tangents, density)) = tangents(surface, grid, f) else {
                 continue;
             };

@@ -3,7 +3,7 @@
 
 use super::complex::{CellComplex, Node};
 use crate::layout::place;
-use phex_mesh::polygon::point_segment_distance;
+use phex_mesh::polygon::{point_segment_distance, sides};
 use phex_mesh::{PerVertex, Topology, TriangleSurface, Vec3, VertexId};
 use std::collections::HashSet;
 
@@ -17,19 +17,14 @@ const TOLERANCE: f64 = 0.002;
 pub(crate) fn follow_boundary(surface: &TriangleSurface, complex: &mut CellComplex) {
     let next = next_on_boundary(surface.topology());
     let tolerance = TOLERANCE * surface.diagonal();
-    let sides = |outline: &[Node]| -> Vec<(Node, Node)> {
-        let along = |i: usize| (outline[i], outline[(i + 1) % outline.len()]);
-        (0..outline.len()).map(along).collect()
-    };
     let outlines = complex.panels.iter();
-    let all: HashSet<(Node, Node)> = outlines.flat_map(|(_, outline)| sides(outline)).collect();
+    let all: HashSet<[Node; 2]> = outlines.flat_map(|(_, outline)| sides(outline)).collect();
     for (label, outline) in &mut complex.panels {
         let mut refined = Vec::with_capacity(outline.len());
-        for (i, &from) in outline.iter().enumerate() {
-            let to = outline[(i + 1) % outline.len()];
+        for [from, to] in sides(outline) {
             refined.push(from);
             let path = path(surface.topology(), &next, &complex.label, *label, from, to);
-            let least = match all.contains(&(to, from)) {
+            let least = match all.contains(&[to, from]) {
                 true => 0.0,
                 false => tolerance,
             };

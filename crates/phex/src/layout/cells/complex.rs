@@ -114,12 +114,8 @@ fn changed_cells(topology: &Topology, before: &PerVertex<u32>, complex: &CellCom
 }
 
 fn panels(outlines: Vec<Outline>) -> Vec<(u32, Vec<Node>)> {
-    let single = |o: Outline| o.loops.into_iter().next();
-    outlines
-        .into_iter()
-        .enumerate()
-        .filter_map(|(c, o)| single(o).map(|l| (c as u32, l)))
-        .collect()
+    let single = |(cell, outline): (u32, Outline)| Some((cell, outline.loops.into_iter().next()?));
+    (0..).zip(outlines).filter_map(single).collect()
 }
 
 fn areas(mesh: &IntrinsicMesh, label: &PerVertex<u32>, count: usize) -> Vec<f64> {

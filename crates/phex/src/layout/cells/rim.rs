@@ -31,7 +31,7 @@ pub(crate) fn even_rim(
     let mut seeds = seeds.to_vec();
     let topology = fine.surface.topology();
     let mut grown = voronoi::grow(topology, fine.mesh, &seeds);
-    if topology.vertices().all(|v| !topology.is_boundary_vertex(v)) {
+    if topology.is_closed() {
         return (seeds, grown);
     }
     let area = vertex_areas(fine);

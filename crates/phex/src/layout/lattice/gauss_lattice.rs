@@ -131,7 +131,7 @@ impl GaussPlane {
             let scale: f64 = corners
                 .map(|v| map.derivative(self.point[*v]).norm_sqr())
                 .sum();
-            self.region.area_vector(f).norm() / 2.0 * scale / 3.0
+            self.region.face_area(f) * scale / 3.0
         };
         t.faces().map(area).sum()
     }
@@ -386,9 +386,8 @@ impl Grown {
         let number: BTreeMap<_, u32> = used.iter().copied().zip(0..).collect();
         let positions = used.iter().map(|p| image.normal(self.corner[p])).collect();
         let faces: Vec<[u32; 6]> = cells.iter().map(|c| c.map(|p| number[&p])).collect();
-        HexMesh::new(positions, &faces).map_err(|e| LayoutError::Topology {
-            reason: format!("the lattice on the Gauss sphere: {e}"),
-        })
+        HexMesh::new(positions, &faces)
+            .map_err(|e| LayoutError::topology(format!("the lattice on the Gauss sphere: {e}")))
     }
 }
 

@@ -349,7 +349,7 @@ mod tests {
         let mut layout = lattice_patch(7);
         let middle =
             layout.mesh.positions.iter().sum::<Vec3>() / layout.mesh.positions.len() as f64;
-        layout.mesh = (layout.mesh).with_positions(layout.mesh.positions.map(|p| p - middle));
+        layout.mesh = layout.mesh.mapped(|p| p - middle);
         let images = [mirrored(&layout.mesh)];
         let (mut alone, mut pairs) = (0, 0);
         let topology = layout.mesh.topology();

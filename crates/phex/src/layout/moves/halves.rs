@@ -8,8 +8,8 @@
 
 use super::glide::Sides;
 use super::{flips, glide};
+use crate::layout::Layout;
 use crate::layout::lattice::eisenstein::CELL;
-use crate::layout::{Layout, VertexKind};
 use crate::progress::Progress;
 use phex_mesh::{EdgeId, FaceId, FlatFace, HexMesh, PerFace, PerVertex, Topology, VertexId};
 use std::collections::BTreeSet;
@@ -125,15 +125,10 @@ fn joined(layout: &Layout, joins: &[Join]) -> Option<Layout> {
     });
     let lists: Vec<Vec<u32>> = lists.collect();
     let positions = vertices.iter().map(|v| layout.mesh.position(*v)).collect();
-    let kinds: Vec<VertexKind> = vertices.iter().map(|v| layout.vertex_kind[*v]).collect();
+    let mesh = HexMesh::new(positions, &lists).ok()?;
     let joined = Layout {
-        mesh: HexMesh::new(positions, &lists).ok()?,
-        vertex_kind: PerVertex::from_vec(kinds),
-        face_point: of_faces(&face_point, &kept),
-        face_normal: of_faces(&layout.face_normal, &kept),
-        face_length: of_faces(&layout.face_length, &kept),
-        face_wish: of_faces(&layout.face_wish, &kept),
-        face_seed: of_faces(&layout.face_seed, &kept),
+        face_point: face_point.picked(&kept),
+        ..layout.part(mesh, &vertices, &kept)
     };
     flips::turned_between(joined, &renumbered(joins, &kept, topology.n_faces()))
 }
@@ -160,10 +155,6 @@ fn renumbered(joins: &[Join], kept: &[FaceId], n_faces: usize) -> Vec<Vec<Sides>
     turns
         .map(|t| t.map(|s| s.map(|f| number[f])).collect())
         .collect()
-}
-
-fn of_faces<T: Copy>(values: &PerFace<T>, faces: &[FaceId]) -> PerFace<T> {
-    PerFace::from_vec(faces.iter().map(|f| values[*f]).collect())
 }
 
 /// The corners of an outline behind the edge from `u` to `v`, without its ends.

@@ -3,7 +3,7 @@
 
 use crate::optimise::constraints::guarded::GuardedSteps;
 use crate::optimise::constraints::planarity::ConstraintBases;
-use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::panels::{FaceShapes, Panels, point, put};
 use crate::optimise::terms::angle_term::closing::Closing;
 use crate::optimise::terms::angle_term::walks::Walks;
 use crate::optimise::terms::angle_term::{
@@ -12,7 +12,7 @@ use crate::optimise::terms::angle_term::{
 use crate::optimise::terms::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
-use phex_numeric::{Assembly, Constraints, SymmetricMatrix};
+use phex_numeric::{Assembly, Constraints, SymmetricMatrix, largest};
 
 /// Planarity of all faces, the angle condition of the even ones, and what odd ones and loops need
 /// to close.
@@ -102,8 +102,7 @@ impl<'a> AngleConstraints<'a> {
 
     fn largest_angle(&self, shape: &FaceShapes) -> f64 {
         let faces = 0..self.setting.panels.n_faces();
-        let sizes = faces.map(|f| self.angle_residual(shape, f).abs());
-        sizes.fold(0.0, |m, r| if r > m || r.is_nan() { r } else { m })
+        largest(faces.map(|f| self.angle_residual(shape, f).abs()))
     }
 
     /// Largest defect of the condition at `x`, in radians, and what fails to close, by reflection.
@@ -240,7 +239,7 @@ impl Constraints for AngleConstraints<'_> {
     fn transposed(&self, y: &[f64], d: &mut [f64]) {
         for v in 0..self.setting.panels.n_vertices() {
             let sum: Vec3 = self.rows_at(v).map(|(k, row)| row * y[k]).sum();
-            d[3 * v..3 * v + 3].copy_from_slice(sum.as_slice());
+            put(d, v, &sum);
         }
     }
 

@@ -41,14 +41,14 @@ use self::path::AnglePath;
 use super::error::OptimiseError;
 use super::inspect::{Offender, Quality, inspect};
 use super::options::OptimiseOptions;
-use super::panels::{FaceShapes, Panels, points, unknowns};
+use super::panels::unknowns;
 use super::solver::solvers::energy_assembly;
 use super::terms::angle_term::walks::Walks;
 use super::terms::setting::{Setting, deviation};
-use super::{Reference, Stage, Target, check_mesh, kinds_of};
+use super::{Stage, Target, check_mesh, mesh_at};
 use crate::progress::Progress;
 use phex_mesh::validate::planarity_floor;
-use phex_mesh::{HexMesh, PerVertex, ValidateOptions, violations};
+use phex_mesh::{HexMesh, ValidateOptions, violations};
 use phex_numeric::{Outcome, Status};
 use serde::{Deserialize, Serialize};
 
@@ -161,14 +161,11 @@ pub fn satisfy_angle_condition(
     options.optimise.check()?;
     check_mesh(mesh)?;
     let start = unknowns(mesh);
-    let panels = Panels::new(mesh.topology());
-    let shape = FaceShapes::at(&panels, &start);
-    let reference = target.map_or_else(|| Reference::start(&panels, &start), Reference::Surface);
-    let side = Some((0..panels.n_faces()).map(|f| shape.normal(f)).collect());
-    let stage = Stage::new(mesh, reference, side, &kinds_of(mesh), &options.optimise);
+    let stage = Stage::of_mesh(mesh, target, &options.optimise);
     let setting = stage.setting(&start);
     let walks = Walks::of(mesh);
-    let assemblies = [energy_assembly(&panels), angle_assembly(&panels, &walks)];
+    let panels = &stage.panels;
+    let assemblies = [energy_assembly(panels), angle_assembly(panels, &walks)];
     let allowed = n_violations(mesh, options);
     let mut best: Option<(AngleRank, AngleOptimised)> = None;
     for way in WAYS {
@@ -271,7 +268,7 @@ fn attempt(
         &options.optimise,
     );
     AngleOptimised {
-        mesh: mesh.with_positions(PerVertex::from_vec(points(&x))),
+        mesh: mesh_at(mesh, &x),
         outcome: path.outcome.clone(),
         angle_defect: [before[0], after[0]],
         closing_defect: [before[1], after[1]],

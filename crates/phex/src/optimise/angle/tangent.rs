@@ -2,7 +2,7 @@
 
 use super::constraints::AngleConstraints;
 use crate::optimise::error::OptimiseError;
-use crate::optimise::panels::point;
+use crate::optimise::panels::{point, put};
 use crate::optimise::solver::solvers::system;
 use nalgebra::Matrix3;
 use phex_numeric::{Assembly, Cholesky, Constraints, SymmetricMatrix};
@@ -63,7 +63,7 @@ impl Tangent {
         let weighted = |d: &mut [f64]| {
             for (v, w) in metric.iter().enumerate() {
                 let turned = w * point(d, v);
-                d[3 * v..3 * v + 3].copy_from_slice(turned.as_slice());
+                put(d, v, &turned);
             }
         };
         let mut free = self.gradient.clone();

@@ -5,7 +5,7 @@
 //! half as many as the coordinates, and a fraction of their fill-in.
 
 use super::planarity::ConstraintBases;
-use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::panels::{FaceShapes, Panels, point, put};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::{Assembly, SymmetricMatrix};
@@ -144,7 +144,7 @@ impl<'a> Jacobian<'a> {
             };
             let sum: Vec3 = self.panels.corners_at(v).iter().map(along).sum();
             let moved = self.metric[v] * sum;
-            d[3 * v..3 * v + 3].copy_from_slice(moved.as_slice());
+            put(d, v, &moved);
         }
     }
 }

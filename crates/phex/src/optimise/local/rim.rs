@@ -74,7 +74,7 @@ mod tests {
         let mesh = tight().mesh;
         let panels = Panels::new(mesh.topology());
         let shape = FaceShapes::at(&panels, &unknowns(&mesh));
-        let beside = mesh.with_positions(mesh.positions.map(|p| p * 1.001));
+        let beside = mesh.mapped(|p| p * 1.001);
         for (mesh, on_it) in [(&mesh, true), (&beside, false)] {
             let curves = boundary(&tight().mesh);
             let hold = BoundaryHold {

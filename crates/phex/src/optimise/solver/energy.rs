@@ -6,8 +6,7 @@
 use crate::optimise::constraints::planarity;
 use crate::optimise::holds::Holds;
 use crate::optimise::options::OptimiseOptions;
-use crate::optimise::panels::point;
-use crate::optimise::panels::{FaceShapes, Panels, add_block};
+use crate::optimise::panels::{FaceShapes, Panels, add_block, point, put};
 use crate::optimise::terms::angle_term::AngleTerm;
 use crate::optimise::terms::areas::AreaWish;
 use crate::optimise::terms::barrier::{self, Barrier, barriers};
@@ -380,7 +379,7 @@ impl<'a> PanelEnergy<'a> {
             let hold = self.hold(v);
             let g = term.gradient + self.pull(v) * hold + faces;
             let hessian = term.hessian + Matrix3::from_diagonal_element(hold);
-            gradient[3 * v..3 * v + 3].copy_from_slice(g.as_slice());
+            put(gradient, v, &g);
             let block = &mut self.blocks[self.assembly.block(panels.n_faces() + v)];
             block.fill(0.0);
             add_block(block, 0, 0, &hessian);

@@ -17,8 +17,8 @@
 use crate::optimise::constraints::guarded::GuardedSteps;
 use crate::optimise::constraints::jacobian::Jacobian;
 use crate::optimise::options::{KEPT_CLEARANCE, OptimiseOptions};
-use crate::optimise::panels::{FaceShapes, point};
-use crate::optimise::terms::closeness::{ClosenessWeights, Feet};
+use crate::optimise::panels::{FaceShapes, point, put};
+use crate::optimise::terms::closeness::{ClosenessWeights, DistanceLimit, Feet};
 use crate::optimise::terms::setting::Setting;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
@@ -53,7 +53,7 @@ impl<'a> NearlyPlanar<'a> {
             vertex: options.vertex_closeness,
             centre: options.centre_closeness,
             rim: options.boundary_closeness,
-            limit: crate::optimise::terms::closeness::DistanceLimit::NONE,
+            limit: DistanceLimit::NONE,
         };
         let least = KEPT_CLEARANCE * setting.mean_edge;
         Self {
@@ -88,7 +88,7 @@ impl<'a> NearlyPlanar<'a> {
             let metric = hessian.try_inverse().unwrap_or_else(Matrix3::identity);
             let step = -metric * gradient;
             self.jacobian.metric[v] = metric;
-            free[3 * v..3 * v + 3].copy_from_slice(step.as_slice());
+            put(free, v, &step);
         }
     }
 }

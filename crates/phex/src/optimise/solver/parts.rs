@@ -12,7 +12,7 @@ use super::energy::PanelEnergy;
 use super::solvers::{Dual, Solvers, StepReporter, constraint_assembly, energy_assembly, system};
 use crate::optimise::error::OptimiseError;
 use crate::optimise::holds::{Hold, Holds};
-use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::panels::{FaceShapes, Panels, picked, point};
 use crate::optimise::targets::reference::Reference;
 use crate::optimise::terms::areas::AreaWish;
 use crate::optimise::terms::guard::Guard;
@@ -137,9 +137,9 @@ impl<'a> Part<'a> {
             guard: whole.guard.part(faces, vertices),
             reference: (whole.reference).part(whole.panels.n_vertices(), vertices, faces),
             rim: whole.rim.iter().filter_map(local).collect(),
-            corner: vertices.iter().map(|&v| whole.corner[v as usize]).collect(),
+            corner: picked(whole.corner, vertices),
             holds,
-            areas: faces.iter().map(|&f| whole.areas[f as usize]).collect(),
+            areas: picked(whole.areas, faces),
             limits: whole.limits.part(faces),
             region,
         }
@@ -161,8 +161,7 @@ impl<'a> Part<'a> {
 
     /// The values of the part's faces.
     pub fn of_faces<T: Clone>(&self, values: &[T]) -> Vec<T> {
-        let value = |&f: &u32| values[f as usize].clone();
-        self.region.faces.iter().map(value).collect()
+        picked(values, &self.region.faces)
     }
 
     /// The coordinates of the part's vertices.

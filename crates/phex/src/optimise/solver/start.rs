@@ -14,7 +14,7 @@
 use crate::layout::{Layout, VertexKind};
 use crate::optimise::Target;
 use crate::optimise::panels::{FaceShapes, Panels, flatten, points};
-use crate::optimise::simple::area;
+use crate::optimise::simple::areas;
 use crate::optimise::terms::barrier::clearance;
 use crate::optimise::terms::guard::{Breach, Guard};
 use nalgebra::Matrix3;
@@ -209,8 +209,7 @@ fn circumcentre_steps(
     shape: &FaceShapes,
     positions: &[Vec3],
 ) -> Vec<Vec3> {
-    let extent = |f: usize| area(shape.face(panels, f)).abs().sqrt();
-    let extents: Vec<f64> = (0..panels.n_faces()).map(extent).collect();
+    let extents: Vec<f64> = areas(panels, shape).into_iter().map(f64::sqrt).collect();
     let planes = |v: VertexId| PlanesAtVertex::new(topology, shape, v, positions[v.index()]);
     let systems: Vec<_> = topology.vertices().map(planes).collect();
     let mut middles: Vec<f64> = systems.iter().flatten().map(|s| s.middle).collect();

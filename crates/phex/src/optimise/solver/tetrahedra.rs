@@ -20,9 +20,9 @@ use super::start::Start;
 use crate::optimise::Stage;
 use crate::optimise::error::OptimiseError;
 use crate::optimise::options::{OptimiseOptions, PathKind, StartKind};
-use crate::optimise::panels::{FaceShapes, add_block, point};
+use crate::optimise::panels::{FaceShapes, add_at, add_block, point};
 use crate::optimise::terms::closeness::Feet;
-use crate::optimise::terms::setting::Setting;
+use crate::optimise::terms::setting::{Setting, longest};
 use crate::progress::Progress;
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
@@ -123,8 +123,7 @@ impl<'a> Tetrahedra<'a> {
         for_each_four(corners.len(), |four| {
             let (v, slopes) = volume(four.map(|i| corners[i]));
             for (m, (&i, s)) in four.iter().zip(&slopes).enumerate() {
-                let at = 3 * vertices[i] as usize;
-                (0..3).for_each(|c| gradient[at + c] += weight * v * s[c]);
+                add_at(gradient, vertices[i] as usize, &(s * (weight * v)));
                 for (&j, t) in four[..=m].iter().zip(&slopes) {
                     add_block(block, i, j, &(s * t.transpose() * weight));
                 }
@@ -142,7 +141,7 @@ impl<'a> Tetrahedra<'a> {
         for v in 0..panels.n_vertices() {
             let term = self.feet.vertex(v, self.closeness);
             let slope = term.gradient + self.pull(x, v) * self.anchor.0;
-            (0..3).for_each(|c| gradient[3 * v + c] += slope[c]);
+            add_at(gradient, v, &slope);
             let block = &mut self.blocks[self.assembly.block(panels.n_faces() + v)];
             block.fill(0.0);
             let slight = Matrix3::from_diagonal_element(self.anchor.0);
@@ -184,8 +183,7 @@ impl DampedProblem for Tetrahedra<'_> {
     }
 
     fn step_length(&self, step: &[f64]) -> f64 {
-        let lengths = (0..step.len() / 3).map(|v| point(step, v).norm());
-        lengths.fold(0.0, f64::max) / self.setting.mean_edge
+        longest(step) / self.setting.mean_edge
     }
 
     fn residual(&self) -> f64 {

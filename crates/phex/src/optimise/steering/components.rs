@@ -2,7 +2,7 @@
 
 use super::wishes::{GroundPlane, Steering};
 use crate::optimise::{SurfaceTarget, Target};
-use phex_mesh::{TriangleSurface, Vec3, VertexId};
+use phex_mesh::{TriangleSurface, Vec3};
 
 impl Steering {
     /// What concerns each of several surfaces that are panelled one by one: points, anchors and
@@ -50,12 +50,8 @@ fn nearest(targets: &[SurfaceTarget<'_>], points: &[[f64; 3]]) -> usize {
 }
 
 fn boundary(surface: &TriangleSurface) -> impl Iterator<Item = Vec3> + '_ {
-    let topology = surface.topology();
-    let on_rim = |v: &VertexId| topology.is_boundary_vertex(*v);
-    topology
-        .vertices()
-        .filter(on_rim)
-        .map(|v| surface.positions()[v])
+    let rim = surface.topology().boundary_vertices();
+    rim.map(|v| surface.positions()[v])
 }
 
 /// A ground plane with its point: the lowest of the boundaries of all surfaces, if it has none.

@@ -6,18 +6,17 @@
 
 use super::on_boundary::already_there;
 use super::wishes;
-use crate::layout::VertexKind;
-use crate::optimise::panels::{FaceShapes, Panels, points, unknowns};
+use crate::optimise::panels::{FaceShapes, unknowns};
 use crate::optimise::solver::path::Path;
 use crate::optimise::solver::solvers::Solvers;
 use crate::optimise::terms::barrier::clearance;
 use crate::optimise::terms::edge_lengths::EdgeLengths;
 use crate::optimise::{
-    BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Quotient, Reference, Stage, Steering,
-    Target, check_mesh,
+    BoundaryHold, FaceLimits, OptimiseError, OptimiseOptions, Quotient, Stage, Steering, Target,
+    check_mesh, mesh_at,
 };
 use crate::progress::Progress;
-use phex_mesh::{HexMesh, PerEdge, PerVertex, measure};
+use phex_mesh::{HexMesh, PerEdge, measure};
 
 /// Last phases that are gone through again.
 const PHASES: usize = 2;
@@ -73,20 +72,18 @@ impl<'a> LengthStage<'a> {
             ..options.clone()
         };
         let x = unknowns(mesh);
-        let kinds = PerVertex::filled(mesh.topology().n_vertices(), VertexKind::Interior);
-        let panels = Panels::new(mesh.topology());
-        let shape = FaceShapes::at(&panels, &x);
-        let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
-        let reference = Reference::Surface(target);
-        let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
+        let mut stage = Stage::of_mesh(mesh, Some(target), options);
+        // The boundary is held or free: nothing is drawn to it.
+        stage.rim.clear();
         stage.divide(kept.quotient);
         stage.keep_areas(&x, options);
         stage.limits = FaceLimits {
             distance: kept.distance,
             ..FaceLimits::of(&stage.panels, &x, options)
         };
+        let shape = FaceShapes::at(&stage.panels, &x);
         for (f, wished) in stage.limits.clearance.iter_mut().enumerate() {
-            *wished = wished.min(KEPT * clearance(shape.face(&panels, f)));
+            *wished = wished.min(KEPT * clearance(shape.face(&stage.panels, f)));
         }
         let held = wishes::resolve(kept.steering, mesh)?;
         stage.holds.anchors = held.anchors;
@@ -130,8 +127,6 @@ impl<'a> LengthStage<'a> {
         path.weights.limits *= heavier;
         path.weights.closeness.limit.elastic.weight *= heavier;
         let x = path.again(&x, PHASES)?;
-        Ok(Some(
-            self.mesh.with_positions(PerVertex::from_vec(points(&x))),
-        ))
+        Ok(Some(mesh_at(self.mesh, &x)))
     }
 }

@@ -11,19 +11,17 @@
 
 use super::wishes;
 use crate::optimise::holds::{Hold, Holds};
-use crate::optimise::panels::{FaceShapes, Panels, point, points, unknowns};
+use crate::optimise::panels::{point, unknowns};
 use crate::optimise::quotient::Quotient;
 use crate::optimise::solver::parts::PartRegion;
 use crate::optimise::solver::reached::Run;
 use crate::optimise::terms::setting::deviation;
 use crate::optimise::{
-    Fault, Offender, OptimiseError, OptimiseOptions, Optimised, Quality, Reference, Stage,
-    Steering, Target, check_mesh, finished as finished_mesh, inspect::inspect, kinds_of,
+    Fault, Offender, OptimiseError, OptimiseOptions, Optimised, Quality, Stage, Steering, Target,
+    check_mesh, finished as finished_mesh, inspect::inspect, mesh_at,
 };
 use crate::progress::Progress;
-use phex_mesh::{
-    BoundaryCurve, FaceId, FlatFace, HexMesh, PerVertex, Vec3, VertexId, small_rim_faces,
-};
+use phex_mesh::{BoundaryCurve, FaceId, FlatFace, HexMesh, Vec3, VertexId, small_rim_faces};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rings of panels from the boundary on that give way: the cost follows the boundary.
@@ -68,11 +66,7 @@ pub fn onto_boundary(
     options.check()?;
     check_mesh(mesh)?;
     let x = unknowns(mesh);
-    let panels = Panels::new(mesh.topology());
-    let shape = FaceShapes::at(&panels, &x);
-    let side = (0..panels.n_faces()).map(|f| shape.normal(f)).collect();
-    let (reference, kinds) = (Reference::Surface(target), kinds_of(mesh));
-    let mut stage = Stage::new(mesh, reference, Some(side), &kinds, options);
+    let mut stage = Stage::of_mesh(mesh, Some(target), options);
     stage.divide(quotient);
     let panels = stage.panels.clone();
     stage.keep_areas(&x, options);
@@ -148,8 +142,7 @@ pub fn steer_on_boundary(
             return Ok(result);
         }
         let faces: BTreeSet<FaceId> = result.offenders.iter().map(|o| o.face).collect();
-        let corners = faces.iter().flat_map(|f| mesh.topology().face_vertices(*f));
-        let harmed: BTreeSet<u32> = corners.map(|v| v.index() as u32).collect();
+        let harmed = corners_of(mesh, &faces);
         let around = beside(mesh, &harmed);
         if ![harmed, around].iter().any(|c| let_go(&mut held, c)) {
             break;
@@ -204,17 +197,21 @@ fn beside(mesh: &HexMesh, corners: &BTreeSet<u32>) -> BTreeSet<u32> {
     let faces: BTreeSet<FaceId> = (corners.iter())
         .flat_map(|v| topology.faces_at(VertexId::new(*v)))
         .collect();
-    let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
+    corners_of(mesh, &faces)
+}
+
+/// The corners of some panels.
+fn corners_of(mesh: &HexMesh, faces: &BTreeSet<FaceId>) -> BTreeSet<u32> {
+    let corners = faces.iter().flat_map(|f| mesh.topology().face_vertices(*f));
     corners.map(|v| v.index() as u32).collect()
 }
 
 /// Ends of interior edges slide, vertices at corners stay there.
 fn holds(mesh: &HexMesh, hold: &BoundaryHold<'_>) -> BTreeMap<u32, Hold> {
     let topology = mesh.topology();
-    let rim: Vec<VertexId> = topology.boundary_vertices().collect();
     let number = |v: VertexId| v.index() as u32;
-    let between = rim.iter().filter(|v| topology.face_degree(**v) == 2);
-    let mut held: BTreeMap<u32, Hold> = between.map(|v| (number(*v), Hold::OnCurve)).collect();
+    let between = (topology.boundary_vertices()).filter(|v| topology.face_degree(*v) == 2);
+    let mut held: BTreeMap<u32, Hold> = between.map(|v| (number(v), Hold::OnCurve)).collect();
     let at_corners = near_corners(mesh, hold.corners).into_iter();
     held.extend(at_corners.map(|(v, corner)| (number(v), Hold::At(corner))));
     held
@@ -254,14 +251,13 @@ fn harmed(mesh: &HexMesh, run: &Run, before: &Quality, curves: &BoundaryCurve) -
     };
     faces.extend((topology.vertices().filter(moved)).flat_map(|v| topology.faces_at(v)));
     if faces.is_empty() {
-        let after = mesh.with_positions(PerVertex::from_vec(points(&run.x)));
+        let after = mesh_at(mesh, &run.x);
         faces.extend(squeezed(&after, run, before));
         faces.extend(grown_small(mesh, &after));
         let drifted = drifted(mesh, &after, curves).into_iter();
         faces.extend(drifted.flat_map(|v| topology.faces_at(v)));
     }
-    let corners = faces.iter().flat_map(|f| topology.face_vertices(*f));
-    corners.map(|v| v.index() as u32).collect()
+    corners_of(mesh, &faces)
 }
 
 /// Vertices of the boundary that nothing holds, and that have moved off the curve.

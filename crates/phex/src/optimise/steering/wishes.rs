@@ -7,8 +7,8 @@
 use crate::optimise::error::{MOST_MOVE, OptimiseError, SteeringError};
 use crate::optimise::holds::{Anchored, Hold, Holds};
 use crate::optimise::inspect::{Fault, Offender};
-use crate::optimise::panels::{FaceShapes, Panels, flatten, points, unknowns};
-use crate::optimise::simple::is_simple;
+use crate::optimise::panels::{FaceShapes, Panels, flatten, points, put, unknowns};
+use crate::optimise::simple::crossed;
 use phex_mesh::{BoundaryCurve, FaceId, FacePlane, HexMesh, PerVertex, Vec3, VertexId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -225,18 +225,13 @@ impl Resolver<'_> {
     /// Holds the free vertices of the boundary that `near` says so of; tells whether there are any.
     fn hold_rim(&mut self, hold: Hold, near: impl Fn(Vec3) -> bool) -> bool {
         let mut any = false;
-        for v in self.rim() {
+        for v in self.mesh.topology().boundary_vertices() {
             if near(self.mesh.positions[v]) {
                 self.holds.held.entry(v.index() as u32).or_insert(hold);
                 any = true;
             }
         }
         any
-    }
-
-    /// Vertices of the boundary.
-    fn rim(&self) -> Vec<VertexId> {
-        self.mesh.topology().boundary_vertices().collect()
     }
 
     fn slide(&mut self, curves: &[Vec<[f64; 3]>]) -> Result<(), SteeringError> {
@@ -435,8 +430,9 @@ pub(in crate::optimise) fn put_in_place(
 ) -> Result<Vec<f64>, SteeringError> {
     let x = unknowns(mesh);
     refuse_impossible_faces(holds, panels, &x)?;
-    let before = crossed(panels, &x);
-    let new_one = |y: &[f64]| (crossed(panels, y).into_iter()).find(|f| !before.contains(f));
+    let crossed = |x: &[f64]| crossed(panels, &FaceShapes::at(panels, x));
+    let before = crossed(&x);
+    let new_one = |y: &[f64]| (crossed(y).into_iter()).find(|f| !before.contains(f));
     let mut raw = x.clone();
     holds.retract(&mut raw);
     if raw == x {
@@ -450,12 +446,6 @@ pub(in crate::optimise) fn put_in_place(
             face: FaceId::new(f as u32),
         }),
     }
-}
-
-fn crossed(panels: &Panels, x: &[f64]) -> Vec<usize> {
-    let shape = FaceShapes::at(panels, x);
-    let simple = |f: &usize| is_simple(shape.face(panels, *f));
-    (0..panels.n_faces()).filter(|f| !simple(f)).collect()
 }
 
 /// Held vertices at their places, the others along with them.
@@ -479,7 +469,7 @@ fn spread_out(holds: &Holds, mesh: &HexMesh, x: &[f64]) -> Vec<f64> {
     let after: Vec<Vec3> = before.iter().zip(&way).map(|(p, d)| p + d).collect();
     let mut y = flatten(&after);
     for (v, place) in holds.places(x) {
-        y[3 * v as usize..3 * v as usize + 3].copy_from_slice(place.as_slice());
+        put(&mut y, v as usize, &place);
     }
     y
 }

@@ -1,8 +1,8 @@
 //! What a panelling is kept close to: a surface, or the start itself.
 
 use crate::optimise::panels::{FaceShapes, Panels, point};
-use crate::optimise::{CurvePoint, Target, TargetPoint};
-use phex_mesh::Vec3;
+use crate::optimise::{Target, TargetPoint};
+use phex_mesh::{BoundaryPoint, Vec3};
 
 /// What a panelling is kept close to.
 pub(in crate::optimise) enum Reference<'a> {
@@ -61,7 +61,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    pub fn on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>> {
+    pub fn on_boundary(&self, points: &[Vec3]) -> Option<Vec<BoundaryPoint>> {
         match self {
             Self::Surface(target) if !points.is_empty() => target.closest_on_boundary(points),
             _ => None,
@@ -107,7 +107,7 @@ mod tests {
             points.iter().map(foot).collect()
         }
 
-        fn closest_on_boundary(&self, _: &[Vec3]) -> Option<Vec<CurvePoint>> {
+        fn closest_on_boundary(&self, _: &[Vec3]) -> Option<Vec<BoundaryPoint>> {
             None
         }
     }

@@ -1,7 +1,7 @@
 //! A triangle surface as a target.
 
-use crate::optimise::{CurvePoint, Target, TargetPoint};
-use phex_mesh::{BoundaryCurve, TriangleSurface, Vec3};
+use crate::optimise::{Target, TargetPoint};
+use phex_mesh::{BoundaryCurve, BoundaryPoint, TriangleSurface, Vec3};
 use rayon::prelude::*;
 
 /// A triangle surface and its boundary curves. With normals of a fitted jet it acts as a smooth
@@ -37,15 +37,8 @@ impl Target for SurfaceTarget<'_> {
         points.enumerate().map(foot).collect()
     }
 
-    fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>> {
+    fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<BoundaryPoint>> {
         let curve = self.boundary.as_ref()?;
-        let foot = |p: &Vec3| {
-            let foot = curve.closest_point(*p);
-            CurvePoint {
-                position: foot.position,
-                tangent: foot.tangent,
-            }
-        };
-        Some(points.iter().map(foot).collect())
+        Some(points.iter().map(|p| curve.closest_point(*p)).collect())
     }
 }

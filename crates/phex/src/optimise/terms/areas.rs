@@ -10,7 +10,7 @@
 
 use super::barrier::add_turning;
 use crate::layout::{Layout, PanelWish};
-use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
+use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_outer};
 use crate::optimise::simple::area;
 use phex_mesh::{Topology, Vec2, Vec3};
 
@@ -54,12 +54,9 @@ impl AreaWish {
         }
         let (force, curved) = (-self.weight * lacking / self.area, self.weight / self.area);
         let rows = rows(frame, corners);
-        for (i, row) in rows.iter().enumerate() {
-            gradient[i] += row * force;
-            for (j, other) in rows[..=i].iter().enumerate() {
-                add_block(block, i, j, &(row * other.transpose() * curved));
-            }
-        }
+        let pulls = gradient.iter_mut().zip(&rows);
+        pulls.for_each(|(g, row)| *g += row * force);
+        add_outer(block, &rows, curved);
         add_turning(frame, corners, tilt(corners) * force, gradient);
     }
 }

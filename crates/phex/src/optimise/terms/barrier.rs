@@ -11,7 +11,7 @@
 
 use crate::optimise::options::OptimiseOptions;
 use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
-use crate::optimise::simple::area;
+use crate::optimise::simple::areas;
 use phex_mesh::polygon::HEXAGON;
 use phex_mesh::{Vec2, Vec3};
 
@@ -48,9 +48,7 @@ pub(in crate::optimise) fn barriers(
     options: &OptimiseOptions,
 ) -> Vec<Barrier> {
     let shape = FaceShapes::at(panels, start);
-    let areas: Vec<f64> = (0..panels.n_faces())
-        .map(|f| area(shape.face(panels, f)).abs())
-        .collect();
+    let areas = areas(panels, &shape);
     let mean = areas.iter().sum::<f64>() / areas.len() as f64;
     let barrier = |&area: &f64| {
         let area = area.max(0.05 * mean);

@@ -9,11 +9,11 @@
 use super::inequality::Elastic;
 use super::osculating::Osculating;
 use super::point_term::PointTerm;
+use crate::optimise::TargetPoint;
 use crate::optimise::panels::{FaceShapes, extent};
 use crate::optimise::targets::reference::Reference;
-use crate::optimise::{CurvePoint, TargetPoint};
 use nalgebra::Matrix3;
-use phex_mesh::Vec3;
+use phex_mesh::{BoundaryPoint, Vec3};
 
 /// Share of the extent of the mesh within which a point lies on the boundary curve.
 const ON_CURVE: f64 = 1e-10;
@@ -26,7 +26,7 @@ pub(in crate::optimise) struct Feet {
     found_at: Vec<Vec3>,
     feet: Vec<TargetPoint>,
     rim_points: Vec<Vec3>,
-    rim: Vec<CurvePoint>,
+    rim: Vec<BoundaryPoint>,
     /// What stands in for surface and boundary curve while it is frozen.
     osculating: Option<Osculating>,
     is_frozen: bool,

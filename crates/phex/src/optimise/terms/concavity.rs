@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn concave_panels_become_convex_where_the_surface_is() {
         let (mesh, radius) = (planar_saddle(9, 5, 1e-3), 1e3);
-        let lifted = mesh.with_positions(mesh.positions.map(|p| p + Vec3::z() * radius));
+        let lifted = mesh.mapped(|p| p + Vec3::z() * radius);
         let sphere = Surface::Ellipsoid(Vec3::repeat(radius));
         with_setting(&lifted, sphere, |setting, x| {
             let panels = setting.panels;

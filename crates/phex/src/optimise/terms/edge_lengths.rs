@@ -7,7 +7,7 @@
 //!
 //! Both ends of an edge are corners of one face, so the term needs no blocks of its own.
 
-use crate::optimise::panels::{Corner, Panels, add_block};
+use crate::optimise::panels::{Corner, Panels, add_difference};
 use nalgebra::Matrix3;
 use phex_mesh::{PerEdge, Topology, Vec3};
 
@@ -76,9 +76,7 @@ impl EdgeLengths {
             gradient[i] += pull;
             gradient[j] -= pull;
             let curved: Matrix3<f64> = unit * unit.transpose() * self.weight;
-            add_block(block, i, i, &curved);
-            add_block(block, j, j, &curved);
-            add_block(block, i.max(j), i.min(j), &-curved);
+            add_difference(block, [i, j], &curved);
         }
     }
 }

@@ -33,7 +33,7 @@
 //! with equal value and gradient there, and the Hessian of the right side is exact.
 
 use super::areas::AreaWish;
-use crate::optimise::panels::{Corner, FaceShapes, Panels, add_block, point};
+use crate::optimise::panels::{Corner, FaceShapes, Panels, add_block, add_difference, point};
 use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 
@@ -104,7 +104,7 @@ impl Fairness {
             let [a, b] = panels.ends(beside(panels, twin));
             let ratio = areas[g].area / areas[f].area;
             let is_known = ratio.is_finite() && ratio > 0.0;
-            let normals = [f, g].map(|f| shape.frames[f].plane.normal);
+            let normals = [f, g].map(|f| shape.normal(f));
             Some(LikeEdge {
                 ends: [b, a],
                 scale: if is_known { ratio.sqrt().sqrt() } else { 1.0 },
@@ -188,9 +188,7 @@ impl Fairness {
             // Exact where middles are frozen; elsewhere the like edge is taken as at rest.
             let much = if like.middle.is_some() { 2.0 } else { 1.0 };
             let curved: Matrix3<f64> = across * (much * weight / like.scale.powi(2));
-            add_block(block, i, i, &curved);
-            add_block(block, j, j, &curved);
-            add_block(block, i.max(j), i.min(j), &-curved);
+            add_difference(block, [i, j], &curved);
         }
         add_skew(corners, weight, gradient, block);
     }

@@ -4,9 +4,8 @@
 //! both faces, so that `dA/dx_i d = 1/2 d x (x_(i+1) - x_(i-1))`.
 
 use super::guard::Guard;
-use crate::optimise::panels::{FaceShapes, Panels, add_block, point};
+use crate::optimise::panels::{FaceShapes, Panels, add_at, add_outer, point};
 use crate::optimise::simple::area;
-use nalgebra::Matrix3;
 use phex_mesh::Vec3;
 use phex_numeric::Assembly;
 
@@ -83,16 +82,10 @@ impl FoldTerm {
             };
             let weight = self.weight * hinge.area;
             let rows = turn.rows(panels, hinge, x);
-            for (i, (row, &v)) in rows.iter().zip(&hinge.vertices).enumerate() {
-                let at = 3 * v as usize;
-                for (g, r) in gradient[at..at + 3].iter_mut().zip(row.iter()) {
-                    *g += weight * turn.excess * r;
-                }
-                for (j, other) in rows[..=i].iter().enumerate() {
-                    let outer: Matrix3<f64> = row * other.transpose() * weight;
-                    add_block(block, i, j, &outer);
-                }
+            for (row, &v) in rows.iter().zip(&hinge.vertices) {
+                add_at(gradient, v as usize, &(row * (weight * turn.excess)));
             }
+            add_outer(block, &rows, weight);
         }
     }
 }

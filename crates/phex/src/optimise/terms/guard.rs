@@ -7,7 +7,7 @@
 //! that blocks one step after another is given up for the rest of the phase.
 
 use super::barrier::clearance;
-use crate::optimise::panels::{FaceShapes, Panels, point};
+use crate::optimise::panels::{FaceShapes, Panels, picked, point};
 use crate::optimise::simple::is_simple;
 use phex_mesh::{FaceId, Topology, Vec3, VertexId};
 
@@ -81,12 +81,11 @@ impl Guard {
                 faces: all_local(faces, fan.faces)?,
             })
         };
-        let of_face = |side: &Vec<Vec3>| faces.iter().map(|&f| side[f as usize]).collect();
         let hinges = self.hinges.iter();
         Self {
             fans: self.fans.iter().filter_map(fan).collect(),
             hinges: hinges.filter_map(|&h| all_local(faces, h)).collect(),
-            side: self.side.as_ref().map(of_face),
+            side: self.side.as_ref().map(|side| picked(side, faces)),
             least_side: self.least_side,
         }
     }

@@ -13,10 +13,10 @@
 //! still slides.
 
 use super::point_term::PointTerm;
+use crate::optimise::TargetPoint;
 use crate::optimise::targets::reference::Reference;
-use crate::optimise::{CurvePoint, TargetPoint};
 use nalgebra::Matrix3;
-use phex_mesh::Vec3;
+use phex_mesh::{BoundaryPoint, Vec3};
 
 /// Distance, in mean edges, at which normals and tangents are compared.
 const APART: f64 = 0.25;
@@ -31,7 +31,7 @@ struct OsculatingQuadric {
 /// The boundary curve near a foot point.
 #[derive(Clone, Debug)]
 struct OsculatingArc {
-    foot: CurvePoint,
+    foot: BoundaryPoint,
     curvature: Vec3,
 }
 
@@ -47,7 +47,7 @@ impl Osculating {
     pub fn new(
         reference: &Reference<'_>,
         feet: &[TargetPoint],
-        rim: &[CurvePoint],
+        rim: &[BoundaryPoint],
         mean_edge: f64,
         last: Option<Self>,
     ) -> Self {
@@ -153,14 +153,14 @@ fn quadrics_at(
     feet.iter().zip(shapes).map(quadric).collect()
 }
 
-fn arcs(reference: &Reference<'_>, rim: &[CurvePoint], apart: f64) -> Vec<OsculatingArc> {
+fn arcs(reference: &Reference<'_>, rim: &[BoundaryPoint], apart: f64) -> Vec<OsculatingArc> {
     let around = |sign: f64| {
-        let moved = |c: &CurvePoint| c.position + c.tangent * (sign * apart);
+        let moved = |c: &BoundaryPoint| c.position + c.tangent * (sign * apart);
         let points: Vec<Vec3> = rim.iter().map(moved).collect();
         reference.on_boundary(&points).unwrap_or_default()
     };
     let (ahead, behind) = (around(1.0), around(-1.0));
-    let arc = |(k, foot): (usize, &CurvePoint)| {
+    let arc = |(k, foot): (usize, &BoundaryPoint)| {
         let mut curvature = Vec3::zeros();
         if let (Some(a), Some(b)) = (ahead.get(k), behind.get(k)) {
             let length = foot.tangent.dot(&(a.position - b.position));

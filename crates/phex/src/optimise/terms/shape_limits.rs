@@ -22,8 +22,8 @@ use super::inequality::{Elastic, Inequality};
 use super::spatial_barrier::{SpatialApproach, for_each_approach};
 use crate::layout::Layout;
 use crate::optimise::options::OptimiseOptions;
-use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block, extent};
-use crate::optimise::simple::area;
+use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block, extent, picked};
+use crate::optimise::simple::areas;
 use nalgebra::Matrix2;
 use phex_mesh::measure::wanted_clearance;
 use phex_mesh::{PanelLimits, Vec2, Vec3, rectangle_fit};
@@ -82,8 +82,7 @@ impl FaceLimits {
     /// What the options ask of faces that lie at `x`: room as their areas allow.
     pub(in crate::optimise) fn of(panels: &Panels, x: &[f64], options: &OptimiseOptions) -> Self {
         let shape = FaceShapes::at(panels, x);
-        let faces = 0..panels.n_faces();
-        let areas: Vec<f64> = faces.map(|f| area(shape.face(panels, f)).abs()).collect();
+        let areas = areas(panels, &shape);
         let mean = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
         let unit = options.wished_clearance * panels.mean_edge(x);
         let limit = options.max_deviation;
@@ -92,10 +91,8 @@ impl FaceLimits {
             clearance: (areas.iter())
                 .map(|a| unit * wanted_clearance(a / mean))
                 .collect(),
-            shape: vec![ShapeWish::ANY; areas.len()],
-            area: vec![0.0; areas.len()],
             distance: limit.map_or(f64::INFINITY, |share| share * extent(x)),
-            cover: vec![Vec::new(); areas.len()],
+            ..Self::none(areas.len())
         }
     }
 
@@ -120,16 +117,12 @@ impl FaceLimits {
 
     /// Those of some faces.
     pub(in crate::optimise) fn part(&self, faces: &[u32]) -> Self {
-        let of = |values: &[f64]| faces.iter().map(|&f| values[f as usize]).collect();
         Self {
-            panels: faces.iter().map(|&f| self.panels[f as usize]).collect(),
-            clearance: of(&self.clearance),
-            shape: faces.iter().map(|&f| self.shape[f as usize]).collect(),
-            area: of(&self.area),
-            cover: faces
-                .iter()
-                .map(|&f| self.cover[f as usize].clone())
-                .collect(),
+            panels: picked(&self.panels, faces),
+            clearance: picked(&self.clearance, faces),
+            shape: picked(&self.shape, faces),
+            area: picked(&self.area, faces),
+            cover: picked(&self.cover, faces),
             distance: self.distance,
         }
     }
@@ -147,10 +140,9 @@ pub(in crate::optimise) struct ShapeLimits<'a> {
 impl<'a> ShapeLimits<'a> {
     /// Limits for faces that lie as in `shape`.
     pub fn new(limits: &'a FaceLimits, panels: &Panels, shape: &FaceShapes) -> Self {
-        let faces = 0..panels.n_faces();
         let mut made = Self {
             limits,
-            area: faces.map(|f| area(shape.face(panels, f)).abs()).collect(),
+            area: areas(panels, shape),
             sides: Vec::new(),
         };
         made.turn(panels, shape);
@@ -226,29 +218,7 @@ impl<'a> ShapeLimits<'a> {
         mut visit: impl FnMut(&Inequality),
     ) {
         let limits = &self.limits.panels[f];
-        let k = corners.len();
-        let at = |i: usize| corners[i % k].position;
-        for i in 0..k {
-            let along = at(i + 1) - at(i);
-            let length = along.norm().max(f64::MIN_POSITIVE);
-            let rows = |scale: f64| {
-                let row = along * (scale / length);
-                vec![((i + 1) % k, row), (i, -row)]
-            };
-            if let Some(least) = limits.min_edge {
-                let (c, rows) = (length / least - 1.0, rows(1.0 / least));
-                visit(&Inequality { c, rows });
-            }
-            if let Some(most) = limits.max_edge {
-                let (c, rows) = (1.0 - length / most, rows(-1.0 / most));
-                visit(&Inequality { c, rows });
-            }
-            if let Some(least) = limits.min_angle {
-                angle(corners, i, least.to_radians())
-                    .iter()
-                    .for_each(&mut visit);
-            }
-        }
+        visit_edges(corners, limits, &mut visit);
         for_each_approach(corners, 2.0 * self.limits.clearance[f], |a| {
             visit(&roomy(a, self.limits.clearance[f]));
         });
@@ -273,15 +243,17 @@ impl<'a> ShapeLimits<'a> {
             let inequality = inequality.map(|i| i.weighted(wish.weight));
             inequality.iter().for_each(&mut visit);
         }
-        for (side, length) in self
-            .sides
-            .get(f)
-            .iter()
-            .flat_map(|s| s.iter().zip(limits.max_panel.into_iter().flatten()))
-        {
-            for i in 0..k {
-                for j in (0..k).filter(|j| *j != i) {
-                    let c = 1.0 - (at(i) - at(j)).dot(side) / length;
+        self.visit_widths(f, corners, &mut visit);
+    }
+
+    /// A panel is no wider than sheets in the directions of its sides.
+    fn visit_widths(&self, f: usize, corners: &[Corner], visit: &mut impl FnMut(&Inequality)) {
+        let most = self.limits.panels[f].max_panel.into_iter().flatten();
+        let sides = self.sides.get(f).into_iter().flatten();
+        for (side, length) in sides.zip(most) {
+            for (i, p) in corners.iter().enumerate() {
+                for (j, q) in corners.iter().enumerate().filter(|(j, _)| *j != i) {
+                    let c = 1.0 - (p.position - q.position).dot(side) / length;
                     let row = side / -length;
                     visit(&Inequality {
                         c,
@@ -289,6 +261,32 @@ impl<'a> ShapeLimits<'a> {
                     });
                 }
             }
+        }
+    }
+}
+
+/// Lengths of the edges of a panel, and its angles.
+fn visit_edges(corners: &[Corner], limits: &PanelLimits, visit: &mut impl FnMut(&Inequality)) {
+    let k = corners.len();
+    for i in 0..k {
+        let along = corners[(i + 1) % k].position - corners[i].position;
+        let length = along.norm().max(f64::MIN_POSITIVE);
+        let rows = |scale: f64| {
+            let row = along * (scale / length);
+            vec![((i + 1) % k, row), (i, -row)]
+        };
+        if let Some(least) = limits.min_edge {
+            let (c, rows) = (length / least - 1.0, rows(1.0 / least));
+            visit(&Inequality { c, rows });
+        }
+        if let Some(most) = limits.max_edge {
+            let (c, rows) = (1.0 - length / most, rows(-1.0 / most));
+            visit(&Inequality { c, rows });
+        }
+        if let Some(least) = limits.min_angle {
+            angle(corners, i, least.to_radians())
+                .iter()
+                .for_each(&mut *visit);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Analytic surfaces with exact closest points, and panellings of them.
 
-use crate::layout::{Layout, PanelWish, VertexKind};
-use crate::optimise::{CurvePoint, Target, TargetPoint};
-use phex_mesh::{HexMesh, PerFace, PerVertex, Vec3, VertexId};
+use crate::layout::{Layout, VertexKind};
+use crate::optimise::{Target, TargetPoint};
+use phex_mesh::{BoundaryPoint, HexMesh, PerFace, Vec3, VertexId};
 use std::f64::consts::TAU;
 
 /// Surfaces to optimise on.
@@ -122,16 +122,16 @@ impl Target for Shape {
         points.iter().map(|&p| self.foot(p)).collect()
     }
 
-    fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<CurvePoint>> {
+    fn closest_on_boundary(&self, points: &[Vec3]) -> Option<Vec<BoundaryPoint>> {
         let outline = |p: &Vec3| {
             let sides = [(Vec3::x(), Vec3::y()), (Vec3::y(), Vec3::x())];
             let on_side = sides.iter().flat_map(|(across, along)| {
-                [-1.0, 1.0].map(|s| CurvePoint {
+                [-1.0, 1.0].map(|s| BoundaryPoint {
                     position: across * s + along * p.dot(along).clamp(-1.0, 1.0),
                     tangent: *along,
                 })
             });
-            let distance = |q: &CurvePoint| (q.position - p).norm();
+            let distance = |q: &BoundaryPoint| (q.position - p).norm();
             on_side
                 .min_by(|a, b| distance(a).total_cmp(&distance(b)))
                 .unwrap()
@@ -213,26 +213,11 @@ pub fn brick_wall(shape: Shape, columns: usize, rows: usize) -> HexMesh {
 
 /// The layout record of a mesh on a surface.
 pub fn layout(mesh: HexMesh, target: &dyn Target) -> Layout {
-    let topology = mesh.topology();
-    let centres: Vec<Vec3> = topology.faces().map(|f| mesh.centre(f)).collect();
-    let feet = target.closest_points(&centres, &[]);
-    let kind = |v| {
-        if topology.is_boundary_vertex(v) {
-            VertexKind::Boundary
-        } else {
-            VertexKind::Interior
-        }
-    };
-    let n = topology.n_faces();
-    Layout {
-        vertex_kind: PerVertex::from_fn(topology.n_vertices(), kind),
-        face_point: PerFace::from_vec(feet.iter().map(|q| q.position).collect()),
-        face_normal: PerFace::from_vec(feet.iter().map(|q| q.normal).collect()),
-        face_length: PerFace::filled(n, 1.7 * mesh.mean_edge()),
-        face_wish: PerFace::filled(n, PanelWish::ANY),
-        face_seed: PerFace::filled(n, VertexId::new(0)),
-        mesh,
-    }
+    let feet = target.closest_points(mesh.centres().as_slice(), &[]);
+    let lengths = PerFace::filled(feet.len(), 1.7 * mesh.mean_edge());
+    let kinds = VertexKind::of_mesh(&mesh);
+    let feet = feet.iter().map(|q| (q.position, q.normal));
+    Layout::new(mesh, kinds, feet, lengths)
 }
 
 /// An exactly planar mesh of regular hexagons in plan on `z = x^2 + y^2`: faces lie in tangent

@@ -2,6 +2,7 @@
 
 use super::fixtures::{Shape, brick_wall};
 use super::whole::{all_simple, assert_sound};
+use crate::layout::VertexKind;
 use crate::optimise::holds::Hold;
 use crate::optimise::panels::{points, unknowns};
 use crate::optimise::solver::energy::PanelEnergy;
@@ -10,7 +11,7 @@ use crate::optimise::solver::parts::{Cuts, PartRegion, minimise_in_parts};
 use crate::optimise::solver::solvers::{StepReporter, energy_assembly};
 use crate::optimise::targets::reference::Reference;
 use crate::optimise::terms::barrier::barriers;
-use crate::optimise::{Anchor, GroundPlane, OptimiseOptions, Stage, Steering, kinds_of, planarize};
+use crate::optimise::{Anchor, GroundPlane, OptimiseOptions, Stage, Steering, planarize};
 use crate::progress::Silent;
 use phex_mesh::{HexMesh, PerVertex, TriangleSurface, Vec3, VertexId};
 use phex_numeric::{DampedOptions, DampedProblem, SymmetricMatrix};
@@ -23,7 +24,13 @@ fn part_by_part_the_energy_falls_and_panels_stay_simple() {
     let wall = brick_wall(shape, 20, 18);
     let options = OptimiseOptions::default();
     let reference = Reference::Surface(&shape);
-    let stage = Stage::new(&wall, reference, None, &kinds_of(&wall), &options);
+    let stage = Stage::new(
+        &wall,
+        reference,
+        None,
+        &VertexKind::of_mesh(&wall),
+        &options,
+    );
     let start = unknowns(&wall);
     let setting = stage.setting(&start);
     let assembly = energy_assembly(setting.panels);
@@ -79,7 +86,7 @@ fn a_region_is_made_planar_and_the_rest_stays() {
         &mesh,
         Reference::Surface(&shape),
         None,
-        &kinds_of(&mesh),
+        &VertexKind::of_mesh(&mesh),
         &options,
     );
     let (x, topology) = (unknowns(&mesh), mesh.topology());
@@ -109,7 +116,13 @@ fn faces_at_rest_are_felt_by_none() {
     let (options, x) = (OptimiseOptions::default(), unknowns(&wall));
     let linearised = |with_rest: bool| {
         let reference = Reference::Surface(&shape);
-        let mut stage = Stage::new(&wall, reference, None, &kinds_of(&wall), &options);
+        let mut stage = Stage::new(
+            &wall,
+            reference,
+            None,
+            &VertexKind::of_mesh(&wall),
+            &options,
+        );
         for (v, p) in wall.positions.enumerate().filter(|(_, p)| p.x < 0.0) {
             stage.holds.held.insert(v.index() as u32, Hold::At(*p));
         }

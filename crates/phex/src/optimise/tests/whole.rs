@@ -269,7 +269,7 @@ impl Target for Moved<'_> {
             .collect()
     }
 
-    fn closest_on_boundary(&self, _points: &[Vec3]) -> Option<Vec<crate::optimise::CurvePoint>> {
+    fn closest_on_boundary(&self, _points: &[Vec3]) -> Option<Vec<phex_mesh::BoundaryPoint>> {
         None
     }
 }

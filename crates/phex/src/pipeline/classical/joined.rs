@@ -13,7 +13,7 @@ use crate::pipeline::field::{Field, FineSurface};
 use crate::pipeline::restarts::{Drawn, most_regular};
 use crate::pipeline::{Clock, PipelineError};
 use crate::progress::Progress;
-use phex_mesh::{FacePlane, HexMesh, PerFace};
+use phex_mesh::{HexMesh, PerFace, PerVertex, TriangleSurface};
 
 /// The panels of a lattice as its cells give them, the most regular of a few.
 pub(super) fn cells(
@@ -68,11 +68,13 @@ pub(super) fn joined(
     }
 }
 
+/// A mesh with the normals of a surface, where it is nearest to its vertices, in their place.
+pub(super) fn on_gauss_sphere(mesh: &HexMesh, surface: &TriangleSurface) -> HexMesh {
+    let feet = surface.closest_points(mesh.positions.as_slice());
+    mesh.with_positions(PerVertex::from_vec(feet.iter().map(|f| f.normal).collect()))
+}
+
 /// The planes of a mesh's faces.
 pub(super) fn fitted_planes(mesh: &HexMesh) -> PerFace<OrientedPlane> {
-    let plane = |f| {
-        let fitted = FacePlane::fit(&mesh.corners(f).collect::<Vec<_>>());
-        OrientedPlane::through(fitted.centre, fitted.normal)
-    };
-    PerFace::from_vec(mesh.topology().faces().map(plane).collect())
+    PerFace::from_fn(mesh.topology().n_faces(), |f| OrientedPlane::of(mesh, f))
 }

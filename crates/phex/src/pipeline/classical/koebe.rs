@@ -8,7 +8,7 @@
 //! surface with `K != 0`. Where `K < 0` the Gauss map turns the orientation round, and so the Koebe
 //! mesh is that of the panels seen from below.
 
-use super::{ClassicalMesh, CurvedGround, cells, fitted_planes};
+use super::{ClassicalMesh, CurvedGround, cells, fitted_planes, on_gauss_sphere};
 use crate::classical::domain::{
     CurvatureSign, DomainError, SignedPlaces, no_flat_point, not_flat, without_holes,
 };
@@ -24,7 +24,7 @@ use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, MeshOptions, Method, PipelineError, panel_length};
 use crate::progress::Progress;
 use crate::trim::Boundary;
-use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
+use phex_mesh::{HexMesh, TriangleSurface};
 use phex_numeric::Outcome;
 
 /// Name in messages.
@@ -42,7 +42,7 @@ pub(super) fn ground(surface: &TriangleSurface, panels: usize, options: &MeshOpt
 }
 
 pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMesh, PipelineError> {
-    let closed = ground.given_facets().boundary_loops().is_empty();
+    let closed = ground.given_facets().topology().is_closed();
     if !closed && ground.options.boundary == Boundary::Snap {
         return Err(PipelineError::Snap { method: METHOD });
     }
@@ -136,12 +136,8 @@ fn closed_graph(ground: &Ground, clock: &mut Clock<'_>) -> Result<GaussGraph, Pi
     let metric = support_function::metric(&start.curvature);
     let field = start.field(ground, metric, clock)?;
     let (fine, Drawn { placed, layout, .. }) = cells(ground, &field, clock)?;
-    let feet = fine
-        .surface
-        .closest_points(layout.mesh.positions.as_slice());
-    let normals = PerVertex::from_vec(feet.iter().map(|f| f.normal).collect());
     Ok(GaussGraph {
-        graph: layout.mesh.with_positions(normals),
+        graph: on_gauss_sphere(&layout.mesh, &fine.surface),
         surface: fine.surface,
         layout: placed.statistics,
         cones: field.cones(&ground.smooth),

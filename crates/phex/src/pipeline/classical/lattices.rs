@@ -84,14 +84,15 @@ pub(super) fn tangent_planes(
     } else {
         (met(&layout, &mut classical)?, None)
     };
-    Ok(ClassicalMesh::of(
-        ground,
-        mesh,
-        fine,
-        (&field, placed.statistics),
-        optimised,
-        classical,
-    ))
+    let made = ClassicalMesh::of(ground, mesh, fine, (&field, placed.statistics), classical);
+    Ok(match optimised {
+        Some(optimised) => ClassicalMesh {
+            outcome: optimised.outcome.clone(),
+            optimised: Some(optimised),
+            ..made
+        },
+        None => made,
+    })
 }
 
 /// The panels of a lattice, joined as their tangent planes want it, in these planes.
@@ -113,7 +114,6 @@ fn tangent_panels(
         mesh,
         fine,
         (field, placed.statistics),
-        None,
         classical,
     ))
 }

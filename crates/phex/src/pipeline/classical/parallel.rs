@@ -4,7 +4,8 @@
 //! there run against those of their Gauss image.
 
 use super::{
-    ClassicalMesh, ClassicalStatistics, CurvedGround, cells, fitted_planes, joined, met, refusal,
+    ClassicalMesh, ClassicalStatistics, CurvedGround, cells, fitted_planes, joined, met,
+    on_gauss_sphere, refusal,
 };
 use crate::classical::domain::{CurvatureSign, SignedPlaces, no_flat_point};
 use crate::classical::duality::{OrientedPlane, convex_panels, envelope};
@@ -13,7 +14,7 @@ use crate::offset::fit::{FitOptions, FitStart, fit_parallel};
 use crate::pipeline::domain::Ground;
 use crate::pipeline::restarts::Drawn;
 use crate::pipeline::{Clock, Method, PipelineError};
-use phex_mesh::{HexMesh, PerVertex, TriangleSurface};
+use phex_mesh::{HexMesh, TriangleSurface};
 use phex_numeric::Outcome;
 
 /// Name in messages.
@@ -53,16 +54,8 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     let outcome = Outcome::empty(fitted.status);
     // Lengths of edges at the rim are free, but for what closes their panel: some turn over.
     let mesh = classical.with_sound_rim(fitted.mesh, &fitted_planes(&given));
-    Ok(ClassicalMesh {
-        reported: ground.reported(&fine.surface).clone(),
-        mesh,
-        fine: Some(fine.surface),
-        layout: placed.statistics,
-        cones: field.cones(&ground.smooth),
-        outcome,
-        optimised: None,
-        classical,
-    })
+    let made = ClassicalMesh::of(ground, mesh, fine, (&field, placed.statistics), classical);
+    Ok(ClassicalMesh { outcome, ..made })
 }
 
 /// The mesh with the layout's normals whose faces touch the unit sphere. With convex panels so are
@@ -86,10 +79,6 @@ fn gauss_image(
         classical.count(&convex, layout.mesh.topology().n_faces());
         layout = layout.joined(&convex);
     }
-    let feet = surface.closest_points(layout.mesh.positions.as_slice());
-    let near = PerVertex::from_vec(feet.iter().map(|f| f.normal).collect());
-    Ok(envelope(
-        &layout.mesh.with_positions(near),
-        &touching(&layout),
-    )?)
+    let near = on_gauss_sphere(&layout.mesh, surface);
+    Ok(envelope(&near, &touching(&layout))?)
 }

@@ -6,7 +6,7 @@ use crate::layout::{LayoutError, LayoutStatistics};
 use crate::pipeline::domain::Ground;
 use crate::pipeline::{Clock, Method, PipelineError};
 use crate::trim;
-use phex_mesh::{FaceId, HexMesh, PerVertex, TriangleSurface, Vec3};
+use phex_mesh::{FaceId, HexMesh, PerFace, TriangleSurface};
 use phex_numeric::{Outcome, Status};
 
 /// A panel of the polyhedron belongs to a patch if its touching point is nearer to it than this
@@ -21,12 +21,11 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
     let polyhedron = |panels: usize| -> Result<_, PipelineError> {
         let class = nearest_goldberg(panels);
         let sphere = goldberg(class.0, class.1).map_err(LayoutError::from)?.mesh;
-        let positions = sphere.positions.map(|p| ellipsoid.place(*p));
-        Ok((class, sphere.with_positions(positions)))
+        Ok((class, sphere.mapped(|p| ellipsoid.place(*p))))
     };
     let made = clock.stage("layout", || -> Result<_, PipelineError> {
         let (class, whole) = polyhedron(ground.panels)?;
-        if surface.boundary_loops().is_empty() {
+        if surface.topology().is_closed() {
             return Ok((class, whole));
         }
         let share = surface.area() / phex_mesh::measure(&whole).area;
@@ -49,21 +48,15 @@ pub(super) fn make(ground: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
 
 /// The panels of a polyhedron that lie over a patch.
 fn patch(whole: &HexMesh, surface: &TriangleSurface) -> Result<HexMesh, PipelineError> {
-    let centres: Vec<Vec3> = whole.topology().faces().map(|f| whole.centre(f)).collect();
-    let feet = surface.closest_points(&centres);
+    let centres = whole.centres();
+    let feet = PerFace::from_vec(surface.closest_points(centres.as_slice()));
     // Panels stand off the facets of the surface by the sagitta of both; only the way along the
     // surface counts.
     let off = |f: &FaceId| {
-        let (d, n) = (
-            centres[f.index()] - feet[f.index()].position,
-            feet[f.index()].normal,
-        );
+        let (d, n) = (centres[*f] - feet[*f].position, feet[*f].normal);
         (d - n * n.dot(&d)).norm()
     };
     let limit = NEAR * 2.0 * whole.mean_edge();
-    let lists = whole.topology().face_lists();
     let kept = whole.topology().faces().filter(|f| off(f) < limit);
-    let kept: Vec<Vec<u32>> = kept.map(|f| lists[f.index()].clone()).collect();
-    let positions: &PerVertex<Vec3> = &whole.positions;
-    Ok(trim::compact(positions.as_slice(), &kept)?)
+    Ok(trim::part(whole, &kept.collect::<Vec<_>>())?)
 }

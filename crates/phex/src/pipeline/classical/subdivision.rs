@@ -68,7 +68,6 @@ pub(super) fn make(coarse: &Ground, clock: &mut Clock<'_>) -> Result<ClassicalMe
         mesh,
         fine,
         (&field, placed.statistics),
-        None,
         classical,
     ))
 }
@@ -190,7 +189,7 @@ fn rejoined(
         CurvatureSign::Mixed => return Ok(mesh),
     };
     classical.count(&flipped, planes.len());
-    let planes = PerFace::from_vec(flipped.faces.iter().map(|f| planes[*f]).collect());
+    let planes = planes.picked(&flipped.faces);
     let mesh = envelope(&flipped.mesh, &planes)?;
     Ok(classical.with_sound_rim(mesh, &planes))
 }

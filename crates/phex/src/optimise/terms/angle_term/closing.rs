@@ -56,13 +56,13 @@ impl<'a> Closing<'a> {
     /// Largest failure to close, over the number of reflections: as it were, that of one
     /// reflection.
     pub fn defect(&self, x: &[f64]) -> f64 {
-        let of_walk = |walk: &Walk| {
-            let end = walk
-                .steps()
-                .fold(self.start, |s, ends| reflected(x, ends, s));
-            (end - self.start).norm() / walk.n_steps() as f64
-        };
+        let of_walk = |walk: &Walk| self.gap(walk, x).norm() / walk.n_steps() as f64;
         self.walks.walks.iter().map(of_walk).fold(0.0, f64::max)
+    }
+
+    /// From the start to where a walk brings it.
+    fn gap(&self, walk: &Walk, x: &[f64]) -> Vec3 {
+        reflected_along(walk, x, self.start) - self.start
     }
 
     /// What fails to close, by the last [`linearise`](Self::linearise).
@@ -88,10 +88,7 @@ impl<'a> Closing<'a> {
     /// Sum of the squares of what fails to close at `x`.
     pub fn squares(&self, x: &[f64]) -> f64 {
         let of_walk = |walk: &Walk| {
-            let end = walk
-                .steps()
-                .fold(self.start, |s, ends| reflected(x, ends, s));
-            let gap = end - self.start;
+            let gap = self.gap(walk, x);
             let along = |d: Vec3| d.dot(&gap).powi(2);
             self.directions(walk, x).into_iter().map(along).sum::<f64>()
         };
@@ -129,8 +126,7 @@ impl<'a> Closing<'a> {
         if walk.is_mirror() {
             vec![mirror_normal(&product(walk, x)) * 0.5]
         } else {
-            let mut axis = Vec3::zeros();
-            axis[self.start.iamin()] = 1.0;
+            let axis = Vec3::ith(self.start.iamin(), 1.0);
             let first = self.start.cross(&axis).normalize();
             vec![first, self.start.cross(&first)]
         }
@@ -171,11 +167,15 @@ fn reflected(x: &[f64], [from, to]: [u32; 2], image: Vec3) -> Vec3 {
     image - e * (2.0 * e.dot(&image))
 }
 
+/// An image reflected along all of a walk.
+fn reflected_along(walk: &Walk, x: &[f64], image: Vec3) -> Vec3 {
+    walk.steps().fold(image, |s, ends| reflected(x, ends, s))
+}
+
 /// The product of the reflections along a walk.
 fn product(walk: &Walk, x: &[f64]) -> Matrix3<f64> {
-    let columns = [Vec3::x(), Vec3::y(), Vec3::z()]
-        .map(|axis| walk.steps().fold(axis, |s, ends| reflected(x, ends, s)));
-    Matrix3::from_columns(&columns)
+    let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
+    Matrix3::from_columns(&axes.map(|axis| reflected_along(walk, x, axis)))
 }
 
 /// The unit vector `m` of a reflection `I - 2 m m^T`.

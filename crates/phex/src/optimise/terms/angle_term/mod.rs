@@ -4,9 +4,8 @@
 pub(in crate::optimise) mod closing;
 pub(in crate::optimise) mod walks;
 
-use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_block};
+use crate::optimise::panels::{Corner, FaceFrame, FaceShapes, Panels, add_at, add_outer};
 use closing::Closing;
-use nalgebra::Matrix3;
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::{Vec2, Vec3};
 use phex_numeric::Assembly;
@@ -105,16 +104,10 @@ impl<'a> AngleTerm<'a> {
                     .iter()
                     .map(|&v| *self.closing.row(v as usize, equation));
                 let rows: Vec<Vec3> = rows.collect();
-                for (i, (row, &v)) in rows.iter().zip(&vertices).enumerate() {
-                    let at = 3 * v as usize;
-                    for (g, r) in gradient[at..at + 3].iter_mut().zip(row.iter()) {
-                        *g += value * r;
-                    }
-                    for (j, other) in rows[..=i].iter().enumerate() {
-                        let outer: Matrix3<f64> = row * other.transpose() * self.weight;
-                        add_block(block, i, j, &outer);
-                    }
+                for (row, &v) in rows.iter().zip(&vertices) {
+                    add_at(gradient, v as usize, &(row * value));
                 }
+                add_outer(block, &rows, self.weight);
             }
         }
     }
@@ -143,13 +136,9 @@ impl<'a> AngleTerm<'a> {
         let rows: Vec<Vec3> = (0..corners.len())
             .map(|i| angle_gradient(frame, corners, i))
             .collect();
-        for (i, row) in rows.iter().enumerate() {
-            gradient[i] += row * (self.weight * r);
-            for (j, other) in rows[..=i].iter().enumerate() {
-                let outer: Matrix3<f64> = row * other.transpose() * self.weight;
-                add_block(block, i, j, &outer);
-            }
-        }
+        let pulls = gradient.iter_mut().zip(&rows);
+        pulls.for_each(|(g, row)| *g += row * (self.weight * r));
+        add_outer(block, &rows, self.weight);
     }
 }
 

@@ -39,7 +39,8 @@ impl Walk {
 
     /// Its equations.
     pub fn equations(&self) -> Range<usize> {
-        self.first..self.first + n_equations(self)
+        let count = if self.is_mirror() { 1 } else { 2 };
+        self.first..self.first + count
     }
 
     pub fn steps(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
@@ -94,7 +95,7 @@ impl Walks {
     /// Finds out which equations there are at each vertex.
     fn index(&mut self) {
         for walk in &self.walks {
-            let equations = walk.first..walk.first + n_equations(walk);
+            let equations = walk.equations();
             for &v in &walk.vertices {
                 let at = &mut self.at[v as usize];
                 if at.last() != Some(&(equations.end as u32 - 1)) {
@@ -108,7 +109,7 @@ impl Walks {
     }
 
     pub fn n_equations(&self) -> usize {
-        self.walks.last().map_or(0, |w| w.first + n_equations(w))
+        self.walks.last().map_or(0, |w| w.equations().end)
     }
 
     /// Pairs of a vertex and an equation.
@@ -131,10 +132,6 @@ impl Walks {
         let before = self.at[vertex].partition_point(|&k| (k as usize) < equation);
         self.start[vertex] + before
     }
-}
-
-fn n_equations(walk: &Walk) -> usize {
-    if walk.is_mirror() { 1 } else { 2 }
 }
 
 /// A spanning tree, breadth first from the middle, and the edges that are to turn freely.
@@ -232,8 +229,8 @@ fn number(v: VertexId) -> u32 {
     v.index() as u32
 }
 
-/// The vertex nearest to the mean of all, so that walks are short.
-fn middle_vertex(mesh: &HexMesh) -> VertexId {
+/// The vertex nearest to the mean of all, from which walks are short.
+pub(crate) fn middle_vertex(mesh: &HexMesh) -> VertexId {
     let mean = mesh.positions.iter().sum::<phex_mesh::Vec3>() / mesh.positions.len() as f64;
     let distance = |v: VertexId| (mesh.position(v) - mean).norm_squared();
     let vertices = mesh.topology().vertices();
