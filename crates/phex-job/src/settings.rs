@@ -33,7 +33,8 @@ pub struct MeshSettings {
         arg(short = 'n', long, value_name = "N", conflicts_with = "edge_length")
     )]
     pub panels: Option<u64>,
-    /// Length of the panels' edges, about: `1.2`, `1.2m`, or `2%` of the bounding-box diagonal
+    /// Length of the edges between panels, about: `1.2`, `1.2m`, or `2%` of the bounding-box
+    /// diagonal
     #[cfg_attr(feature = "clap", arg(long, value_name = "LENGTH"))]
     pub edge_length: Option<Quantity>,
     /// How panels are laid out [default: lattice]

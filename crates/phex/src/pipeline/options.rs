@@ -19,7 +19,8 @@ use serde::{Deserialize, Serialize};
 pub enum PanelSize {
     /// Number of panels, at least 1.
     Panels(usize),
-    /// Mean edge length, model units; met by another run or two where the first is off.
+    /// Mean length of the edges between panels, model units; met by another run or two where the
+    /// first is off.
     EdgeLength(f64),
 }
 

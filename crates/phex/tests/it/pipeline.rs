@@ -1,10 +1,11 @@
 //! The whole flow: what every run promises, on surfaces of all kinds.
 use crate::common::{figures, mapped, rotation, shape, two_components};
 use phex::pipeline::{Candidate, Method};
+use phex::trim::Boundary;
 use phex::{
     Effort, Event, MeshOptions, MeshRun, PanelSize, PipelineError, Progress, Silent, mesh_surface,
 };
-use phex_mesh::{HexMesh, MeshMeasures, TriangleSurface, Vec3, deviation, measure};
+use phex_mesh::{HexMesh, MeshMeasures, TriangleSurface, Vec3, deviation, measure, numbered};
 use phex_numeric::Status;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -530,7 +531,45 @@ fn an_edge_length_is_met() {
             ..Default::default()
         };
         let run = mesh_surface(&shape(name, 1500), &options, &Silent).unwrap();
-        let ratio = run.mesh.mean_edge() / edge;
+        let ratio = run.mesh.mean_inner_edge() / edge;
         assert!((ratio - 1.0).abs() < 0.06, "{name}: {ratio}");
     }
+}
+
+/// Squares in a vault of which every second one at the boundary is missing.
+fn vault_with_teeth() -> TriangleSurface {
+    let n = 25;
+    let at_rim = |i: u32| i == 0 || i == n - 1;
+    let is_there = |i: u32, j: u32| match (at_rim(i), at_rim(j)) {
+        (true, true) => false,
+        (true, false) => j % 2 == 1,
+        (false, true) => i % 2 == 1,
+        (false, false) => true,
+    };
+    let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let corners = |(i, j)| [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+    let squares: Vec<[(u32, u32); 4]> = (squares.filter(|(i, j)| is_there(*i, *j)))
+        .map(corners)
+        .collect();
+    let (vertices, faces) = numbered(squares.iter().map(|s| s.iter().copied()));
+    let place = |&(i, j): &(u32, u32)| {
+        let [x, y] = [i, j].map(|k| 0.1 * f64::from(k));
+        Vec3::new(x, y, 0.1 * (x - 1.2).powi(2))
+    };
+    let halves = |s: &Vec<u32>| [[s[0], s[1], s[2]], [s[0], s[2], s[3]]];
+    let triangles: Vec<[u32; 3]> = faces.iter().flat_map(halves).collect();
+    TriangleSurface::new(vertices.iter().map(place).collect(), &triangles).unwrap()
+}
+
+#[test]
+fn teeth_at_the_boundary_do_not_make_panels_grow() {
+    let options = MeshOptions {
+        size: PanelSize::EdgeLength(0.25),
+        boundary: Boundary::Clip,
+        effort: Effort::Draft,
+        ..Default::default()
+    };
+    let run = mesh_surface(&vault_with_teeth(), &options, &Silent).unwrap();
+    let panels = run.mesh.topology().n_faces();
+    assert!((30..60).contains(&panels), "{panels}");
 }
