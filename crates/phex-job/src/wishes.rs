@@ -8,6 +8,7 @@ use phex::directions::thickness;
 use phex::directions::{Cone, Guides};
 use phex::directions::{Demands, relative_sizes};
 use phex::layout::CELL;
+use phex::smooth_surface::coarsened;
 use phex_mesh::polygon::sides;
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, Vec3};
 
@@ -27,6 +28,8 @@ const NAMED: usize = 5;
 const ONE_SIZE: f64 = 1.05;
 /// Distance of sheets in panel lengths from which on it does not matter.
 const THICK: f64 = 4.0;
+/// Vertices a panel of the surface on which the sizes that are wanted are looked at.
+const VERTICES: usize = 32;
 
 /// Refuses points that are nowhere near the surface.
 ///
@@ -196,7 +199,10 @@ impl Wishes<'_> {
     }
 
     fn of_sizes(&self, limit: f64) -> String {
-        let surface = self.smooth;
+        let wanted = VERTICES * self.panels as usize;
+        let is_fine = self.smooth.positions().len() > 2 * wanted;
+        let coarse = is_fine.then(|| coarsened(self.smooth, &[], wanted).surface);
+        let surface = coarse.as_ref().unwrap_or(self.smooth);
         let length = (surface.area() / (CELL * self.panels as f64)).sqrt();
         let principal = curvature(surface, length, &self.options.curvature).principal();
         let thickness = thickness(surface, THICK * length);

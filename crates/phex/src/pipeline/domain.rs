@@ -144,8 +144,11 @@ impl Ground {
         let given = facets;
         let most = LARGEST_TOOTH * options.optimise.max_deviation.unwrap_or(USUAL_DEVIATION);
         // Methods by planes name vertices of the input: they get all of them.
-        let is_laid_out = matches!(options.method, Method::Lattice | Method::BrickWall);
-        let calm = is_laid_out.then(|| without_teeth(given, most)).flatten();
+        let calm = options
+            .method
+            .lays_out()
+            .then(|| without_teeth(given, most))
+            .flatten();
         let (calm, moved) = calm.map(|c| (c.part, c.moved)).unzip();
         let near = calm.as_ref().map_or(given, |c| &c.surface);
         let cut = without_long_triangles(near, panels, options);
@@ -332,7 +335,7 @@ fn with_fewer_vertices(
 ) -> Option<Coarsened> {
     let many = FINE * options.cell_vertices(panels);
     let is_fine = was_cut || input.positions().len() as f64 > many;
-    (is_fine && options.method == Method::Lattice).then(|| {
+    (is_fine && options.method.lays_out()).then(|| {
         let corners = boundary_corners(input, options.target.corner_angle.to_radians());
         smooth_surface::coarsened(input, &corners, wanted(panels, options))
     })

@@ -51,6 +51,13 @@ pub enum Method {
     Koebe,
 }
 
+impl Method {
+    /// Whether panels are laid out on the surface; other methods take planes at its vertices.
+    pub(super) fn lays_out(self) -> bool {
+        matches!(self, Self::Lattice | Self::BrickWall)
+    }
+}
+
 /// How much a run tries. Whatever it is, the mesh is judged, and what is wrong with it named.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

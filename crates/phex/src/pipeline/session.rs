@@ -110,7 +110,7 @@ impl Session {
         progress: &dyn Progress,
     ) -> Result<LatticePreview, PipelineError> {
         options.check()?;
-        if ![Method::Lattice, Method::BrickWall].contains(&options.method) {
+        if !options.method.lays_out() {
             return Err(PipelineError::NoPreview);
         }
         let panels = size::panel_count(&self.surface, options.size)?;

@@ -1,5 +1,5 @@
 use super::super::draft::Draft;
-use super::chamfered;
+use super::{ChamferStrip, FoldRun, chamfered};
 use phex_mesh::{HexMesh, ValidateOptions, Vec3, Violation, violations};
 use std::collections::BTreeMap;
 
@@ -112,10 +112,22 @@ fn slanting_ridge(half: f64, slant: f64) -> Draft {
 #[test]
 fn a_run_that_turns_back_has_finite_places() {
     let mut whole = ridge(0.4);
-    let at = |x: f64| move |p: &Vec3| (p - Vec3::new(x, 0.0, 0.0)).norm() < 1e-9;
-    let turning = whole.places.iter().position(at(4.0)).unwrap();
+    let at = |x: i32| {
+        let place = Vec3::new(f64::from(x), 0.0, 0.0);
+        let found = whole.places.iter().position(|p| (p - place).norm() < 1e-9);
+        found.unwrap() as u32
+    };
+    let run = FoldRun {
+        vertices: (2..=7).map(at).collect(),
+        is_closed: false,
+    };
+    let incidence = whole.incidence();
+    let edge = |side| whole.run_edge(&incidence, side, 0.01).unwrap();
+    let edges = run.edges().map(edge).collect();
+    let turning = run.vertices[2] as usize;
     whole.places[turning].x = 2.5;
-    let cut = chamfered(&whole, None, 0.01).unwrap();
+    let strip = ChamferStrip::new(&whole, run, edges).unwrap();
+    let cut = strip.laid().unwrap();
     assert!(cut.places.iter().flatten().all(|x| x.is_finite()));
 }
 
