@@ -146,6 +146,40 @@ def test_options_that_do_nothing_are_refused(roof):
         phex.start(roof, pannels=30)
 
 
+@pytest.mark.parametrize(
+    "option, name",
+    [
+        ({"symmetry": 4}, "symmetry"),
+        ({"ground": True}, "ground"),
+        ({"fix": [[0, 0, 0]]}, "fix"),
+        ({"fairness": 2.0}, "fairness"),
+        ({"target": "facets"}, "target facets"),
+        ({"effort": "best"}, "effort best"),
+        ({"time_limit": "5s"}, "time-limit"),
+        ({"keep_best": True}, "keep-best"),
+        ({"max_deviation": "1%"}, "max-deviation"),
+    ],
+)
+def test_a_layout_refuses_what_comes_after_it(roof, option, name):
+    with pytest.raises(phex.InputError, match=f"`{name}` has no effect with `until layout`"):
+        phex.mesh(roof, panels=60, until="layout", **option)
+
+
+def test_a_layout_has_no_target_and_a_start_no_number(roof, ball):
+    with pytest.raises(phex.InputError, match="write_target: with `until`"):
+        phex.mesh(roof, until="layout", write_target="target.ply")
+    with pytest.raises(phex.InputError, match="`panels` has no effect with `start`"):
+        phex.mesh(roof, start=ball, panels=40)
+
+
+def test_options_of_a_parallel_mesh_are_named(ball, sphere):
+    for name, value in (("least_edge", -1), ("fairness", -1), ("least_edge", 1.0)):
+        with pytest.raises(phex.InputError, match=name):
+            phex.parallel(ball, sphere, **{name: value})
+        with pytest.raises(phex.InputError, match=f"{name}: has no effect without a surface"):
+            phex.parallel(ball, **{name: value})
+
+
 def test_foreign_surfaces_are_refused():
     for thing in (None, 7, object(), Foreign(), [], (1, 2, 3), {"vertices": []}, b"roof.obj", ""):
         with pytest.raises(phex.PhexError):
@@ -181,6 +215,9 @@ def test_rotations_pictures_and_names(ball):
             with pytest.raises(phex.InputError, match=f"{side}: .*from 16 to 16384"):
                 ball.picture(**{side: size})
     assert ball.picture(width=16, height=np.int64(16))
+    for name in ("azimuth", "elevation"):
+        with pytest.raises(phex.InputError, match=f"{name}: nan is not a finite number"):
+            ball.picture(**{name: math.nan})
     with pytest.raises(phex.InputError, match="name: 5 is no text"):
         phex.Surface(SQUARE, [[0, 1, 2, 3]], name=5)
 

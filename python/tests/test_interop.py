@@ -77,7 +77,26 @@ def test_trimesh_round_trip(mesh):
     for ours, theirs in zip(mesh.faces, back.faces):
         k = theirs.tolist().index(ours[0])
         assert np.roll(theirs, -k).tolist() == ours.tolist()
+    judged = phex.check(there)
+    assert (judged.verdict, len(judged)) == (mesh.verdict, len(mesh)), "taken wherever meshes are"
     assert len(phex.check(trimesh.creation.box())) == 12
+
+
+APART = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]]
+
+
+@pytest.mark.parametrize("second", [[3, 4, 5], [1, 3, 4], [1, 0, 3], [0, 1, 2]])
+def test_groups_of_triangles_that_are_no_polygon_are_refused(second):
+    trimesh = pytest.importorskip("trimesh")
+    faces = [[0, 1, 2], second, [3, 4, 5]]
+    groups = {"face": np.array([7, 7, 8])}
+    if second == [1, 0, 3]:
+        good = trimesh.Trimesh(APART, faces[:2], process=False, face_attributes={"face": [7, 7]})
+        assert len(phex.interop.trimesh.from_trimesh(good).faces[0]) == 4
+        return
+    mesh = trimesh.Trimesh(APART, faces, process=False, face_attributes=groups)
+    with pytest.raises(phex.InputError, match=r'2 triangles of face_attributes\["face"\] 7 make no'):
+        phex.interop.trimesh.from_trimesh(mesh)
 
 
 def test_pyvista_round_trip(mesh):

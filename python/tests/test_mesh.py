@@ -1,6 +1,8 @@
+import copy
 import json
 import pathlib
 import pickle
+import re
 import subprocess
 
 import numpy as np
@@ -88,15 +90,37 @@ def test_what_a_result_tells(ball, sphere):
         ball.vertices[0] = 0.0
 
 
+def tables(made):
+    """What a page says, without the data that it draws."""
+    page = made.page(curves=False).split('id="phex-data"')[0]
+    return re.sub(r"base64,[^\"]*", "", page)
+
+
 def test_pictures_and_pages(ball):
     assert ball._repr_png_().startswith(b"\x89PNG") and "<table>" in ball._repr_html_()
     assert b"<svg" in ball.picture("planarity", svg=True)
     assert "</html>" in ball.page(curves=False)
-    copy = pickle.loads(pickle.dumps(ball))
-    assert same(copy, ball) and copy.report == ball.report
-    assert "</html>" in copy.page(curves=False)
+    again = pickle.loads(pickle.dumps(ball))
+    assert same(again, ball) and again.report == ball.report
+    assert tables(again) == tables(ball)
     with pytest.raises(ValueError, match="read-only"):
-        copy.vertices[0] = 0.0
+        again.vertices[0] = 0.0
+
+
+def test_pages_of_copies_say_what_those_of_the_results_say(sphere, panels):
+    failing = phex.mesh(sphere, panels=60, min_edge=0.5, max_deviation="5%", effort="draft")
+    assert "min_edge" in failing.offenders
+    bent = panels.vertices + 1e-4 * np.sin(1e3 * panels.vertices)
+    for made in (failing, panels, phex.planarize((bent, panels.faces)), phex.check(panels)):
+        for again in (copy.copy(made), pickle.loads(pickle.dumps(copy.deepcopy(made)))):
+            assert tables(again) == tables(made)
+
+
+def test_a_copy_that_the_judge_sees_otherwise_has_no_page(ball):
+    other = copy.copy(ball)
+    other._report_text = ball._report_text.replace('"verdict": "pass"', '"verdict": "invalid"')
+    with pytest.raises(phex.InputError, match="make the page from the result itself"):
+        other.page()
 
 
 def test_files(ball):

@@ -66,3 +66,45 @@ def test_pages_and_pictures_have_any_name_as_in_the_program(sphere):
     phex.mesh(sphere, effort="draft", **HOW, html="page.obj", png="picture.txt")
     assert "</html>" in pathlib.Path("page.obj").read_text()
     assert pathlib.Path("picture.txt").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.fixture
+def given(sphere):
+    """The user's own files."""
+    sphere.save("in.obj")
+    pathlib.Path("job.toml").write_text("panels = 32\n[guides]\nguide = 'g.obj'\n")
+    pathlib.Path("g.obj").write_text("v 1 0 0\nv 0 1 0\nl 1 2\n")
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"output": "in.obj"},
+        {"report": "./in.obj"},
+        {"png": "link.obj"},
+        {"config": "job.toml", "report": "job.toml"},
+        {"config": "job.toml", "output": "g.obj"},
+        {"guide": "g.obj", "output": "g.obj"},
+        {"html": "same.x", "report": "same.x"},
+        {"output": "a.obj", "write_target": "a.obj"},
+    ],
+)
+def test_no_file_is_written_that_is_read_or_written_twice(idle, given, how):
+    os.symlink("in.obj", "link.obj")
+    for surface in ("in.obj", phex.Surface.read("in.obj")):
+        for call in (phex.mesh, phex.start):
+            with pytest.raises(phex.InputError, match="is also read or written under another name"):
+                call(surface, **how)
+
+
+def test_a_file_is_not_converted_into_itself(given):
+    with pytest.raises(phex.InputError, match="output: in.obj: is also read"):
+        phex.convert("in.obj", "in.obj")
+
+
+def test_links_are_followed_by_every_file(sphere):
+    for file in FILES.values():
+        os.symlink(f"real-{file}", file)
+    phex.mesh(sphere, effort="draft", **HOW, **FILES)
+    for file in FILES.values():
+        assert os.path.islink(file) and os.path.getsize(f"real-{file}") > 0

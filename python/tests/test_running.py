@@ -93,6 +93,22 @@ def test_files_of_the_background_are_written_when_the_result_is_asked_for(sphere
     assert os.path.exists("deep/a.obj")
 
 
+def test_a_future_that_nothing_holds_is_cancelled(large):
+    future = phex.start(large, panels=3000)
+    while future.progress == 0.0:
+        time.sleep(0.01)
+    del future
+
+    def works():
+        before = time.process_time()
+        time.sleep(0.3)
+        return time.process_time() - before > 0.03
+
+    began = time.monotonic()
+    while works():
+        assert time.monotonic() - began < 10.0 * AT_ONCE
+
+
 def test_an_error_of_a_callback_comes_out(large):
     def hear(event):
         raise ZeroDivisionError

@@ -16,10 +16,11 @@ mod list;
 mod tests;
 
 use crate::exit::{Exit, Failure, OrExit};
-use crate::output::{self, check_writable};
+use crate::output::check_writable;
 use crate::progress::{check_interruption, while_writing};
 use anyhow::Context;
 use list::{LIST, List};
+use phex_job::Content;
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Write};
@@ -90,7 +91,7 @@ impl<'a> OutputFolder<'a> {
             return Err(self.refused("it is no folder"));
         }
         let list = self.path.join(LIST);
-        check_writable(&[(&list, output::Content::Other)], &[])?;
+        check_writable(&[(&list, Content::Other)], &[])?;
         if self.extent == Extent::Whole {
             inputs
                 .iter()

@@ -3,13 +3,13 @@
 
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
-use crate::output::{self, Content};
+use crate::output;
 use crate::shared_arguments::{Extras, ToleranceArguments};
 use anyhow::Context;
 use phex::Boundary;
 use phex::quality::Verdict;
 use phex::report::{OutputFile, RunReport};
-use phex_job::TypedLimits;
+use phex_job::{Content, TypedLimits};
 use phex_picture::{PictureOptions, draw};
 use std::path::Path;
 

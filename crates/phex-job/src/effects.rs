@@ -3,7 +3,8 @@
 
 use crate::error::JobError;
 use crate::given::Given;
-use crate::settings::{AtBoundary, CloseTo, LayoutMethod, MeshSettings};
+use crate::run::LastStage;
+use crate::settings::{AtBoundary, CloseTo, LayoutMethod, MeshSettings, TypedEffort};
 use crate::steering::TypedSolver;
 use phex::symmetry::Symmetry;
 
@@ -146,13 +147,68 @@ impl MeshSettings {
         fitted
     }
 
+    /// Refuses options that were typed (or are `given`, or are `others` by name) and have no effect
+    /// where a run ends after a stage. What a job file says is for whole runs; `whole` is what was
+    /// typed with what that file adds.
+    ///
+    /// # Errors
+    /// All of them that are set.
+    pub fn check_until(
+        &self,
+        until: Option<LastStage>,
+        whole: &Self,
+        given: &Given,
+        others: &[(&'static str, bool)],
+    ) -> Result<(), JobError> {
+        if until.is_none() {
+            return Ok(());
+        }
+        // Sizes may stand in the job file.
+        let typed = Self {
+            panels: whole.panels,
+            edge_length: whole.edge_length,
+            ..self.clone()
+        };
+        let others = others.iter().filter(|(_, is_set)| *is_set);
+        let mut idle = typed.idle_on_layout(given);
+        idle.extend(others.map(|(name, _)| *name));
+        none_idle(&idle, "`until layout`, which ends before panels are planar")
+    }
+
+    /// Refuses options that were typed and have no effect where an earlier mesh is taken up.
+    ///
+    /// # Errors
+    /// All of them that are set.
+    pub fn check_start(&self) -> Result<(), JobError> {
+        none_idle(&self.idle_on_start(), "`start`, which lays nothing out")
+    }
+
     /// The options that are set and mean nothing where panels are laid out and no more. Limits of
     /// size say how many panels there are, where nothing else does.
-    pub fn idle_on_layout(&self) -> Vec<&'static str> {
+    fn idle_on_layout(&self, given: &Given) -> Vec<&'static str> {
         let limits = &self.limits;
         let sized = self.is_sized();
+        let s = &self.steering;
+        let held = &given.steering;
         let later = [
+            // A draft makes one lattice, all others the most regular of the same ones.
+            ("effort best", self.effort == Some(TypedEffort::Best)),
+            ("symmetry", self.asks_for_symmetry()),
+            ("target facets", self.target == Some(CloseTo::Facets)),
             ("repeat", self.repeat.is_some()),
+            (
+                "fix",
+                s.fix.is_some()
+                    || !(held.fixed_points.is_empty() && held.fixed_vertices.is_empty()),
+            ),
+            ("curve", s.curve.is_some() || !held.curves.is_empty()),
+            ("ground", s.ground.is_some()),
+            ("anchors", s.anchors.is_some() || !held.anchors.is_empty()),
+            ("fairness", s.fairness.is_some()),
+            ("closeness", s.closeness.is_some()),
+            ("clearance", s.clearance.is_some()),
+            ("centres", s.centres.is_some()),
+            ("solver", s.solver.is_some()),
             ("max-deviation", self.max_deviation.is_some()),
             ("planarity", self.planarity.is_some()),
             ("max-panel", sized && limits.max_panel.is_some()),
@@ -174,7 +230,7 @@ impl MeshSettings {
 
     /// The options that are set and mean nothing where an earlier mesh is taken up: nothing is laid
     /// out.
-    pub fn idle_on_start(&self) -> Vec<&'static str> {
+    pub(crate) fn idle_on_start(&self) -> Vec<&'static str> {
         let laid_out = [
             ("panels", self.panels.is_some()),
             ("edge-length", self.edge_length.is_some()),
@@ -246,6 +302,19 @@ impl crate::steering::SteeringSettings {
     }
 }
 
+/// Refuses options that have no effect with another one.
+fn none_idle(idle: &[&str], with: &str) -> Result<(), JobError> {
+    let has = if idle.len() == 1 { "has" } else { "have" };
+    match idle.is_empty() {
+        true => Ok(()),
+        false => Err(JobError::input(format!(
+            "`{}` {has} no effect with {with}: leave {} out",
+            idle.join("`, `"),
+            if idle.len() == 1 { "it" } else { "them" }
+        ))),
+    }
+}
+
 /// A method as it is typed.
 fn name(method: LayoutMethod) -> String {
     let value = serde_json::to_value(method).unwrap_or_default();
@@ -305,7 +374,7 @@ mod tests {
         let idle = |text: &str| {
             toml::from_str::<MeshSettings>(text)
                 .unwrap()
-                .idle_on_layout()
+                .idle_on_layout(&Given::default())
         };
         let all = "repeat = '5mm'\n[limits]\nmax-edge = 2\nmin-angle = 30";
         assert_eq!(idle(all), ["repeat", "min-angle"]);
@@ -314,6 +383,17 @@ mod tests {
             ["repeat", "max-edge", "min-angle"]
         );
         assert!(idle("panels = 60\nboundary = 'clip'\nrotate = 5").is_empty());
+        assert!(idle("target = 'half-way'\nsymmetry = 'none'\neffort = 'draft'").is_empty());
+        assert_eq!(
+            idle("target = 'facets'\nsymmetry = 4\neffort = 'best'"),
+            ["effort best", "symmetry", "target facets"]
+        );
+        let steering =
+            "ground = 0\nfairness = 2\ncloseness = 2\nclearance = 0.1\nsolver = 'barrier'";
+        assert_eq!(
+            idle(&format!("[steering]\n{steering}")),
+            ["ground", "fairness", "closeness", "clearance", "solver"]
+        );
     }
 
     #[test]

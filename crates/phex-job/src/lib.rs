@@ -12,7 +12,7 @@
 //! | `suggestion` | what kind of surface one is, and how many panels suit it |
 //! | `effects`, `panel_size`, `size_field` | whether that makes sense |
 //! | `run`, `join`, `engine`, `deadline`, `surface_session` | the computation |
-//! | `output` | in which unit files hold meshes |
+//! | `output`, `output_paths` | in which unit files hold meshes; whether files can be written |
 //! | `limits`, `wishes`, `portfolio`, `ways` | what was reached, measured by what was wanted |
 //! | `whole_run` | how much is done |
 //!
@@ -33,6 +33,7 @@ mod join;
 mod limits;
 mod number_lists;
 mod output;
+mod output_paths;
 mod panel_limits;
 mod panel_size;
 mod portfolio;
@@ -59,6 +60,7 @@ pub use input::{MeshFile, NumberLine, number, read_numbers, read_polylines, read
 pub use limits::{TypedLimits, check_distances};
 pub use number_lists::{finite, ten, three};
 pub use output::in_file;
+pub use output_paths::{Content, OutputPaths};
 pub use panel_limits::LimitSettings;
 pub use panel_size::panels;
 pub use portfolio::members;

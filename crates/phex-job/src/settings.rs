@@ -326,6 +326,13 @@ impl MeshSettings {
         settings.check_job().map(|()| settings)
     }
 
+    /// The files that are read.
+    pub fn inputs(&self) -> impl Iterator<Item = &Path> {
+        (self.steering.inputs())
+            .chain(self.guides.inputs())
+            .chain(self.size_field.as_deref())
+    }
+
     /// Refuses what a job file can't say.
     ///
     /// # Errors

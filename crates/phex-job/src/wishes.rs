@@ -216,7 +216,8 @@ impl Wishes<'_> {
         if largest <= ONE_SIZE * smallest {
             let [least, most] = range(principal.iter().map(|p| p.large.abs() * length));
             return format!(
-                "NO EFFECT: panels of one size are wanted everywhere (panel length times curvature is {least:.2} to {most:.2}, the limit {limit})"
+                "HARDLY ANY EFFECT: panels of about one size are wanted everywhere (lengths in a ratio of {:.2}; panel length times curvature is {least:.2} to {most:.2}, the limit {limit})",
+                largest / smallest
             );
         }
         self.of_ratio(largest / smallest)

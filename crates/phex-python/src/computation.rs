@@ -124,6 +124,13 @@ impl Computation {
     }
 }
 
+/// Nobody can ask for the answer any more.
+impl Drop for Computation {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
 /// What a computation works on beside its request: meshes, a size of panels for each vertex, and
 /// what an earlier computation kept of its result or of its surface.
 type GivenParts<'py> = (

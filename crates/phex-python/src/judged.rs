@@ -6,19 +6,20 @@ use crate::kept::{Kept, KeptResult};
 use phex::Progress;
 use phex::koebe::{BoundaryCondition, KoebeOptions, koebe};
 use phex::offset::{FitOptions, FitStart, ParallelSpace, fit_parallel};
-use phex::quality::References;
-use phex::report::RunReport;
+use phex::quality::{References, Verdict};
+use phex::repetition::Repetition;
+use phex::report::{InputFile, RunReport, StageTime};
 use phex::{Boundary, continued};
 use phex_html::{SheetKind, contact_file};
 use phex_job::{
-    AtBoundary, Computed, Given, JobError, JobResult, LastStage, MeshFile, MeshJob, MeshSettings,
-    Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits, Unit, WayShown, chain,
-    time_limit, ways,
+    AtBoundary, Computed, Content, Given, JobError, JobResult, LastStage, MeshFile, MeshJob,
+    MeshSettings, OutputPaths, Planarization, Quantity, SteeringSettings, TimeLimit, TypedLimits,
+    Unit, WayShown, chain, time_limit, ways,
 };
 use phex_mesh::{EdgeId, HexMesh, LARGEST_COORDINATE, TriangleSurface};
 use phex_picture::ContactTile;
 use serde::Deserialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Points, lines and cones in memory, each a list of numbers as on a line of a file.
@@ -68,10 +69,53 @@ impl GivenValues {
     }
 }
 
+/// Files that a function is to write.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutputsRequest {
+    /// Each with the keyword that asks for it, and whether it is a mesh in a format of the program.
+    outputs: Vec<(String, PathBuf, bool)>,
+    /// Files that are read.
+    inputs: Vec<PathBuf>,
+    /// Settings and a job file, which name more of them.
+    #[serde(default)]
+    settings: MeshSettings,
+    #[serde(default)]
+    config: Option<PathBuf>,
+}
+
+/// Nothing, if the files can be written, none twice and none that is read.
+///
+/// # Errors
+/// If not, or the job file can't be used.
+pub fn check_outputs(
+    request: OutputsRequest,
+    _: Inputs,
+    _: &dyn Progress,
+) -> Result<Answer, JobError> {
+    let settings = with_job_file(request.settings, request.config.clone())?;
+    let read = request.inputs.iter().chain(&request.config);
+    let mut paths = OutputPaths::beside(read.map(PathBuf::as_path).chain(settings.inputs()));
+    for (name, path, is_mesh) in &request.outputs {
+        let content = if *is_mesh {
+            Content::Mesh
+        } else {
+            Content::Other
+        };
+        paths.add(path, content).map_err(|error| match error {
+            JobError::Input(cause) => JobError::Input(format!("{name}: {cause}")),
+            other => other,
+        })?;
+    }
+    Ok(Answer::new())
+}
+
 /// Options of `phex.mesh`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeshRequest {
+    /// What was asked for in this call, and not for all of a session.
+    asked: AskedOptions,
     settings: MeshSettings,
     config: Option<PathBuf>,
     #[serde(default)]
@@ -81,6 +125,38 @@ pub struct MeshRequest {
     until: Option<LastStage>,
     #[serde(default)]
     contact_sheet: Option<PathBuf>,
+}
+
+/// Options that are refused where they have no effect.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AskedOptions {
+    settings: MeshSettings,
+    given: GivenValues,
+    keep_best: bool,
+    time_limit: bool,
+}
+
+impl AskedOptions {
+    /// Refuses those that mean nothing in a job that ends early, or goes on from a mesh.
+    fn check(
+        self,
+        until: Option<LastStage>,
+        whole: &MeshSettings,
+        has_start: bool,
+    ) -> Result<(), JobError> {
+        let mut given = Given::default();
+        self.given.add_to(&mut given)?;
+        let others = [
+            ("time-limit", self.time_limit),
+            ("keep-best", self.keep_best),
+        ];
+        self.settings.check_until(until, whole, &given, &others)?;
+        match has_start {
+            true => self.settings.check_start(),
+            false => Ok(()),
+        }
+    }
 }
 
 /// A surface covered with panels; a second mesh is an earlier one to go on from.
@@ -94,6 +170,8 @@ pub fn mesh(
 ) -> Result<Answer, JobError> {
     let file = inputs.first()?;
     let settings = with_job_file(request.settings, request.config)?;
+    let has_start = inputs.files.len() > 1;
+    (request.asked).check(request.until, &settings, has_start)?;
     let mut given = Given::read(&settings)?;
     request.given.add_to(&mut given)?;
     given.size_field = inputs.sizes.clone().or(given.size_field);
@@ -303,6 +381,57 @@ pub struct CheckRequest {
     promised: Option<TypedLimits>,
     /// A job file, whose limits come before those of the earlier run.
     job: Option<PathBuf>,
+    /// The report of the mesh itself, where it is a copy of a result: it is taken up again.
+    #[serde(default)]
+    copied: Option<CopiedReport>,
+}
+
+/// What a report says and a judge does not.
+#[derive(Deserialize)]
+pub struct CopiedReport {
+    verdict: Verdict,
+    checks: Vec<CopiedCheck>,
+    inputs: Vec<InputFile>,
+    unit: String,
+    settings: Value,
+    seed: u64,
+    stages: Vec<StageTime>,
+    repetition: Option<Repetition>,
+    notes: Vec<String>,
+}
+
+/// A check of a report.
+#[derive(Deserialize, PartialEq)]
+struct CopiedCheck {
+    name: String,
+    pass: bool,
+}
+
+impl CopiedReport {
+    /// The report of the same mesh judged again, with what that can't say.
+    ///
+    /// # Errors
+    /// If the judge does not say what it said before.
+    fn take_up(self, report: &mut RunReport) -> Result<(), JobError> {
+        let again = report.checks.iter().map(|c| CopiedCheck {
+            name: c.name.to_owned(),
+            pass: c.pass,
+        });
+        if self.verdict != report.verdict || !again.eq(self.checks) {
+            return Err(JobError::Input(
+                "a copy of this result can't be judged as the result was: make the page from the result itself"
+                    .to_owned(),
+            ));
+        }
+        report.inputs = self.inputs;
+        report.unit = self.unit;
+        report.settings = self.settings;
+        report.seed = self.seed;
+        report.stages = self.stages;
+        report.repetition = self.repetition;
+        report.notes = self.notes;
+        Ok(())
+    }
 }
 
 impl CheckRequest {
@@ -315,7 +444,7 @@ impl CheckRequest {
 }
 
 /// A mesh judged; the second mesh is the surface that it stands for, the third the smooth surface
-/// that it was fitted to.
+/// that it was fitted to, the fourth the panels before the last step. Any of these may be empty.
 ///
 /// # Errors
 /// If an input can't be used.
@@ -324,8 +453,15 @@ pub fn checked(
     inputs: Inputs,
     _: &dyn Progress,
 ) -> Result<Answer, JobError> {
-    let (mesh, facets) = (inputs.panels()?, inputs.surface()?);
-    let smooth = inputs.files.get(2).map(MeshFile::surface).transpose()?;
+    let there = |k: usize| {
+        inputs
+            .files
+            .get(k)
+            .filter(|file| !file.soup.faces.is_empty())
+    };
+    let mesh = inputs.panels()?;
+    let facets = there(1).map(MeshFile::surface).transpose()?;
+    let smooth = there(2).map(MeshFile::surface).transpose()?;
     let limits = request.limits(facets.is_some())?;
     let panels = mesh.topology().n_faces();
     let is_whole = limits.boundary == Some(Boundary::Whole);
@@ -342,12 +478,15 @@ pub fn checked(
     report.inputs = inputs.files.iter().map(|f| f.record.clone()).collect();
     report.threads = rayon::current_num_threads();
     phex_job::add_features(&mut report, &mesh, facets.as_ref());
+    if let Some(copied) = request.copied {
+        copied.take_up(&mut report)?;
+    }
     answer(KeptResult {
+        start: there(3).map(|file| file.soup.clone()),
         mesh,
         report,
         smooth,
         facets,
-        start: None,
     })
 }
 
@@ -418,10 +557,10 @@ pub fn stopped(progress: &dyn Progress) -> Result<(), JobError> {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParallelRequest {
-    start: FitStart,
-    least_edge: f64,
-    fairness: f64,
-    constant_mean_curvature: f64,
+    start: Option<FitStart>,
+    least_edge: Option<f64>,
+    fairness: Option<f64>,
+    constant_mean_curvature: Option<f64>,
     /// Edges by their two vertices, and their lengths.
     lengths: Vec<(usize, usize, f64)>,
     basis: bool,
@@ -445,11 +584,34 @@ pub fn parallel(
     };
     let made = match surface {
         Some(surface) => fitted(&request, &mesh, surface, &inputs, progress),
-        None => with_lengths(&request, &mesh, &inputs),
+        None => request
+            .check_no_fit()
+            .and_then(|()| with_lengths(&request, &mesh, &inputs)),
     };
     let mut parts = made?;
     parts.extend(basis.map(|b| ("basis", AnswerPart::Numbers(b))));
     Ok(parts)
+}
+
+impl ParallelRequest {
+    /// Refuses what says how a mesh is fitted to a surface.
+    fn check_no_fit(&self) -> Result<(), JobError> {
+        let of_a_fit = [
+            ("start", self.start.is_some()),
+            ("least_edge", self.least_edge.is_some()),
+            ("fairness", self.fairness.is_some()),
+            (
+                "constant_mean_curvature",
+                self.constant_mean_curvature.is_some(),
+            ),
+        ];
+        match of_a_fit.iter().find(|(_, is_set)| *is_set) {
+            Some((name, _)) => Err(JobError::Input(format!(
+                "{name}: has no effect without a surface: give one, or leave it out"
+            ))),
+            None => Ok(()),
+        }
+    }
 }
 
 fn space(mesh: &HexMesh) -> Result<ParallelSpace, JobError> {
@@ -513,12 +675,14 @@ fn fitted(
     progress: &dyn Progress,
 ) -> Result<Answer, JobError> {
     let limits = request.limits.limits(true)?;
+    let usual = FitOptions::default();
+    let curvature = request.constant_mean_curvature;
     let options = FitOptions {
-        start: request.start,
-        least_edge: request.least_edge,
-        fairness: request.fairness,
-        constant_mean_curvature: request.constant_mean_curvature,
-        ..FitOptions::default()
+        start: request.start.unwrap_or(usual.start),
+        least_edge: request.least_edge.unwrap_or(usual.least_edge),
+        fairness: request.fairness.unwrap_or(usual.fairness),
+        constant_mean_curvature: curvature.unwrap_or(usual.constant_mean_curvature),
+        ..usual
     };
     let fitted = fit_parallel(mesh, &surface, &options, progress);
     let fitted = fitted.map_err(|e| JobError::Input(chain(&e)))?;

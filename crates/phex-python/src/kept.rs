@@ -1,6 +1,6 @@
 //! What a result keeps for pictures and pages that are made later.
 
-use crate::arrays::{self, GivenArrays};
+use crate::arrays::{self, Arrays, GivenArrays};
 use crate::errors::raised;
 use phex::Session;
 use phex::report::RunReport;
@@ -29,6 +29,25 @@ pub struct KeptResult {
     pub facets: Option<TriangleSurface>,
     /// The panels before the last step.
     pub start: Option<PolygonSoup>,
+}
+
+/// A surface as polygons.
+pub fn soup_of(surface: &TriangleSurface) -> PolygonSoup {
+    PolygonSoup {
+        positions: surface.positions().as_slice().to_vec(),
+        faces: surface.topology().face_lists(),
+    }
+}
+
+#[pymethods]
+impl Kept {
+    /// The surface that was given and the panels before the last step, as arrays: what a copy of
+    /// the result needs beside its own.
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<[Option<Arrays<'py>>; 2]> {
+        let facets = self.result.facets.as_ref().map(soup_of);
+        let made = |soup: Option<&PolygonSoup>| soup.map(|s| arrays::arrays(py, s)).transpose();
+        Ok([made(facets.as_ref())?, made(self.result.start.as_ref())?])
+    }
 }
 
 impl Kept {

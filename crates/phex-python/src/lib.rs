@@ -29,6 +29,8 @@ mod _phex {
     use crate::computation::{Computation, start};
     #[pymodule_export]
     use crate::kept::{Kept, KeptSurface};
+    #[pymodule_export]
+    use crate::requests::write_whole;
     use pyo3::prelude::*;
 
     #[pymodule_init]

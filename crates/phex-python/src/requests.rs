@@ -1,12 +1,14 @@
 //! What can be asked for: each kind has a struct of options, read from JSON, and a function.
 
 use crate::answer::{Answer, AnswerPart, json};
+use crate::errors::raised;
 use crate::inputs::Inputs;
 use crate::{judged, offsets, pictures, studies, workshop};
 use phex::Progress;
 use phex_job::{JobError, MeshFile, Unit, chain, in_file};
-use phex_mesh::io::write_soup;
+use phex_mesh::io::{atomic_write, write_soup};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate_with_parameters};
+use pyo3::prelude::*;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -43,6 +45,7 @@ pub fn work(what: &str, request: &str, inputs: Inputs) -> Result<Work, JobError>
         "study-page" => bound(request, inputs, studies::study_page),
         "read" => bound(request, inputs, read),
         "write" => bound(request, inputs, write),
+        "outputs" => bound(request, inputs, judged::check_outputs),
         "shapes" => bound(request, inputs, shapes),
         "shape" => bound(request, inputs, shape),
         _ => Err(JobError::Internal(format!("no request is called {what}"))),
@@ -98,6 +101,13 @@ fn write(request: WriteRequest, inputs: Inputs, _: &dyn Progress) -> Result<Answ
     let written = write_soup(&path, &in_file(&path, &inputs.first()?.soup, unit));
     written.map_err(|e| JobError::Input(chain(&e)))?;
     Ok(Answer::new())
+}
+
+/// Writes a file whole or not at all.
+#[pyfunction]
+pub fn write_whole(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyResult<()> {
+    let written = py.detach(|| atomic_write(&path, |out| out.write_all(content)));
+    written.map_err(|e| raised(JobError::Input(chain(&e))))
 }
 
 fn shapes(_: Nothing, _: Inputs, _: &dyn Progress) -> Result<Answer, JobError> {

@@ -70,6 +70,7 @@ def run(what: str, request: Dict[str, Any], *meshes: Any, **how: Any) -> Dict[st
 
 class Future:
     """A computation that runs; as :class:`concurrent.futures.Future`, with progress and preview.
+    It is cancelled when nothing holds the future any more: nobody could ask for its result.
 
     >>> import phex
     >>> future = phex.start(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")

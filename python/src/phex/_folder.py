@@ -11,7 +11,7 @@ import re
 from typing import Dict, Iterable, List, Set
 
 from ._errors import InputError
-from ._output import check_writable, unwritten, write_whole
+from ._output import check_writable, write_whole
 
 #: The list of a folder's files with their checksums, which the program keeps, too.
 LIST = "phex.sha256"
@@ -34,7 +34,7 @@ def check_folder(folder: str, names: Iterable[str] = (), inputs: Iterable[str] =
     inputs; gives what an earlier run wrote there."""
     if os.path.lexists(folder) and not os.path.isdir(folder):
         raise InputError(f"folder: {folder} is no folder")
-    check_writable(os.path.join(folder, LIST), "folder")
+    check_writable({"folder": os.path.join(folder, LIST)})
     whole = os.path.realpath(folder)
     for path in map(os.path.realpath, inputs):
         if path.startswith(os.path.join(whole, "")):
@@ -61,7 +61,7 @@ def save_folder(folder: str, files: Dict[str, bytes]) -> None:
             try:
                 os.unlink(path)
             except OSError as cause:
-                raise unwritten(path, cause) from None
+                raise InputError(f"{path} can't be removed: {cause.strerror}") from None
     _write_list(folder, new)
 
 

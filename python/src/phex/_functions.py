@@ -13,9 +13,9 @@ from ._arrays import checked_numbers, is_path, path_text, shown
 from ._compute import Future, begin, close, finish, floats, listener, no_valid, progress_mode, run
 from ._errors import InputError
 from ._folder import check_folder, save_folder
-from ._mesh import MESH_FORMATS, Mesh, Panelling, Surface, as_polygons, model_unit
+from ._mesh import Mesh, Panelling, Surface, as_polygons, model_unit
 from ._options import Option, checked, real, measured, whole
-from ._output import check_writable, write_whole
+from ._output import MESH_FILES, MESH_FORMATS, check_writable, write_whole
 
 
 def mesh(
@@ -115,7 +115,8 @@ def start(surface: Any, **options: Any) -> Future:
     Files (``output``, ``report``, ``png`` and so on) are written by the first
     :meth:`phex.Future.result`, and are not if nobody asks for it. Nothing is shown meanwhile:
     ``progress`` is ``"auto"`` or ``"none"``, and what happens is told by
-    :attr:`phex.Future.progress` and :meth:`phex.Future.events`.
+    :attr:`phex.Future.progress` and :meth:`phex.Future.events`. A future that nothing holds any
+    more is cancelled.
 
     >>> import phex
     >>> future = phex.start(phex.shape("sphere", triangles=2000), panels=32, max_deviation="5%")
@@ -167,9 +168,8 @@ class Session:
 
     def mesh(self, **options: Any) -> Panelling:
         """As :func:`phex.mesh`."""
-        options = {**self.options, **options}
         job = self._job(options)
-        hear = listener(**_talk(options))
+        hear = listener(**_talk({**self.options, **options}))
         try:
             answer = finish(job.begin(session=self._kept), hear, job.keep_best)
         finally:
@@ -179,14 +179,14 @@ class Session:
     def start(self, **options: Any) -> Future:
         """As :func:`phex.start`."""
         _check_silent(**_talk(options))
-        job = self._job({**self.options, **options})
+        job = self._job(options)
         return Future(job.begin(preview=True, session=self._kept), job.made)
 
     def _job(self, options: Dict[str, Any]) -> "_MeshJob":
-        for name in options:
+        for name in {**self.options, **options}:
             if name not in _options.MESH:
                 raise TypeError(f"mesh() got an unexpected keyword argument {name!r}")
-        return _MeshJob(self.surface, options)
+        return _MeshJob(self.surface, options, self.options)
 
     def __getstate__(self) -> Dict[str, Any]:
         return {"surface": self.surface, "options": self.options}
@@ -199,26 +199,26 @@ class Session:
 FILES = ("output", "write_target", "contact_sheet", "png", "html", "report")
 
 
-def _check_output(name: str, path: str) -> None:
-    """Refuses a file that can't be written, before the computation."""
+def _check_format(name: str, path: str) -> None:
+    """Refuses a mesh file of an unknown format."""
     extension = os.path.splitext(path)[1].lower()
-    if name in ("output", "write_target"):
-        if extension == ".3dm":
-            from .interop.rhino3dm import library
+    if extension == ".3dm":
+        from .interop.rhino3dm import library
 
-            library(path)
-        elif extension not in MESH_FORMATS:
-            known = ", ".join((*MESH_FORMATS, ".3dm"))
-            raise InputError(f"{name}: {path}: a mesh is written as one of {known}")
-    check_writable(path, name)
+        library(path)
+    elif extension not in MESH_FORMATS:
+        known = ", ".join((*MESH_FORMATS, ".3dm"))
+        raise InputError(f"{name}: {path}: a mesh is written as one of {known}")
 
 
 class _MeshJob:
     """The options of a panelling, checked."""
 
-    def __init__(self, surface: Any, options: Dict[str, Any]) -> None:
+    def __init__(
+        self, surface: Any, asked: Dict[str, Any], usual: Optional[Dict[str, Any]] = None
+    ) -> None:
         defaults = {name: False if o.kind == "flag" else None for name, o in _options.MESH.items()}
-        options = {**defaults, **options}
+        options = {**defaults, **(usual or {}), **asked}
         self.surface = as_polygons(surface, Surface, "surface")
         typed, given, self.sizes = _options.settings(options)
         flags = {name: _flag(name, options[name]) for name in ("keep_best", "keep_invalid")}
@@ -238,17 +238,28 @@ class _MeshJob:
         self.meshes = [self.surface]
         if earlier is not None:
             self.meshes.append(as_polygons(earlier, Mesh, "start"))
+        asked_typed, asked_given, _ = _options.settings(asked)
         self.request = {
+            "asked": {
+                "settings": asked_typed,
+                "given": asked_given,
+                "keep_best": bool(asked.get("keep_best")),
+                "time_limit": asked.get("time_limit") is not None,
+            },
             "settings": typed,
             "config": None if config is None else path_text(config, "config"),
             "given": given,
             "keep_best": self.keep_best,
             "time_limit": time_limit,
             "until": until,
-            "contact_sheet": self._sheet(earlier is not None or until is not None),
         }
-        for name, path in self.paths.items():
-            _check_output(name, path)
+        self.request["contact_sheet"] = self._sheet(earlier is not None or until is not None)
+        for name in MESH_FILES:
+            if name in self.paths:
+                _check_format(name, self.paths[name])
+        if self.paths:
+            read = [path for mesh in self.meshes for path in mesh._read_from()]
+            check_writable(self.paths, read, typed, self.request["config"])
         # What is laid out alone is a picture of what will be, and no invalid result.
         self.keep_invalid = self.keep_invalid or until is not None
 
@@ -258,6 +269,8 @@ class _MeshJob:
             raise InputError(f"contact_sheet: {path}: a contact sheet is a .png or a .html file")
         if path is not None and is_idle:
             raise InputError("contact_sheet: with `start` or `until` no ways are tried: leave it out")
+        if self.request["until"] is not None and "write_target" in self.paths:
+            raise InputError("write_target: with `until` panels are fitted to nothing: leave it out")
         return path
 
     def begin(self, preview: bool = False, session: Any = None) -> Any:
@@ -599,10 +612,10 @@ def parallel(
     *,
     lengths: Any = None,
     basis: bool = False,
-    start: str = "normals",
-    least_edge: float = 0.05,
-    fairness: float = 1e-3,
-    constant_mean_curvature: float = 0.0,
+    start: Optional[str] = None,
+    least_edge: Optional[float] = None,
+    fairness: Optional[float] = None,
+    constant_mean_curvature: Optional[float] = None,
     max_deviation: Any = None,
     planarity: Any = None,
     unit: Optional[str] = None,
@@ -611,7 +624,9 @@ def parallel(
 ) -> Panelling:
     """The mesh with the edge directions of ``mesh`` that is closest to a surface, or to ``lengths``:
     a dictionary or list of ``(from, to): length`` with the numbers of two vertices; other edges
-    keep theirs. As ``phex parallel``.
+    keep theirs. As ``phex parallel``: ``start`` (``"normals"`` or ``"positions"``), ``least_edge``
+    (0.05), ``fairness`` (0.001) and ``constant_mean_curvature`` (0) say how a surface is come close
+    to.
 
     ``basis=True`` adds ``basis`` to the result, a sparse basis of the space of parallel meshes: rows
     of ``vector, edge, from, to, change of length``.
@@ -624,11 +639,15 @@ def parallel(
     """
     panels = as_polygons(mesh, Mesh, "mesh")
     unit = model_unit(unit, panels)
+    starts = Option("choice", choices=("normals", "positions"))
+    weights = {
+        "least_edge": least_edge,
+        "fairness": fairness,
+        "constant_mean_curvature": constant_mean_curvature,
+    }
     request = {
-        "start": checked("start", start, Option("choice", choices=("normals", "positions"))),
-        "least_edge": real("least_edge", least_edge),
-        "fairness": real("fairness", fairness),
-        "constant_mean_curvature": real("constant_mean_curvature", constant_mean_curvature),
+        "start": None if start is None else checked("start", start, starts),
+        **{name: None if x is None else real(name, x) for name, x in weights.items()},
         "limits": _limits(max_deviation=max_deviation, planarity=planarity, unit=unit),
         "lengths": _edge_lengths(lengths),
         "basis": _flag("basis", basis),
@@ -778,7 +797,10 @@ def network(
 def convert(source: Any, output: Any, *, unit: Optional[str] = None) -> None:
     """Reads a file and writes it in the format of the other one's extension, as ``phex convert``.
     ``unit`` is that of the coordinates, in metres if it is not given: GLB and 3MF hold metres."""
-    Mesh.read(path_text(source, "source")).save(path_text(output, "output"), unit=unit)
+    read, written = path_text(source, "source"), path_text(output, "output")
+    _check_format("output", written)
+    check_writable({"output": written}, [read])
+    Mesh.read(read).save(written, unit=unit)
 
 
 def shapes() -> Dict[str, Dict[str, Any]]:

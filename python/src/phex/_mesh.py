@@ -12,11 +12,8 @@ from numpy.typing import NDArray
 from ._arrays import checked_corners, checked_faces, checked_vertices, is_path, path_text, shown
 from ._compute import no_valid, run
 from ._errors import InputError
-from ._options import UNITS, Option, checked, whole
+from ._options import UNITS, Option, checked, real, whole
 from ._output import write_whole
-
-#: Formats that the compiled part writes.
-MESH_FORMATS = (".obj", ".ply", ".off", ".stl", ".json", ".dxf", ".glb", ".3mf")
 
 
 class Polygons:
@@ -101,13 +98,12 @@ class Polygons:
     def __repr__(self) -> str:
         return f"<phex.{type(self).__name__} {len(self)} faces, {len(self._vertices)} vertices>"
 
+    def _read_from(self) -> List[str]:
+        """The file that it was read from, if it was."""
+        return [self.name] if self._sha256 else []
+
     def _given(self) -> Tuple[Any, ...]:
         return self.name, self._sha256, self._vertices, self._corners, self._offsets
-
-    def __getstate__(self) -> Dict[str, Any]:
-        state = self.__dict__.copy()
-        state.pop("_kept", None)
-        return state
 
     def __setstate__(self, state: Dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -195,6 +191,9 @@ class Mesh(Polygons):
         for name in ("width", "height"):
             if name in options:
                 options[name] = whole(name, options[name], 16384, 16)
+        for name in ("azimuth", "elevation"):
+            if options.get(name) is not None:
+                options[name] = real(name, options[name])
         request = {"color": color, "svg": _truth("svg", svg), "options": options}
         surface = self._reference()
         meshes = [self] if surface is None else [self, surface]
@@ -249,8 +248,17 @@ class Panelling(Mesh):
             made.target._unit = made._unit
         return made
 
+    def __getstate__(self) -> Dict[str, Any]:
+        state = self.__dict__.copy()
+        kept = state.pop("_kept", None)
+        if kept is not None:
+            state["_copied"] = kept.arrays()
+        return state
+
     _verdict: str
     _keep_invalid: bool
+    #: Of a copy: the surface that it was judged by, and the panels before the last step.
+    _copied: List[Any]
     #: The surface that was given, or ``None``.
     surface: Optional[Surface]
     #: See :func:`phex.parallel`, or ``None``.
@@ -288,13 +296,19 @@ class Panelling(Mesh):
     def page(self, title: str = "", curves: bool = True) -> str:
         """The HTML report as a text: pictures, tables and, where it was built in, the interactive
         view."""
-        kept = self.__dict__.get("_kept")
-        if kept is None:
-            from ._functions import check
-
-            kept = check(self, self.surface, keep_invalid=True)._kept
+        if "_kept" not in self.__dict__:
+            self._kept = self._judged_again()
         request = {"title": title or self.name, "command": "phex (Python)", "curves": curves}
-        return run("page", request, kept=kept)["page"]  # type: ignore[no-any-return]
+        return run("page", request, kept=self._kept)["page"]  # type: ignore[no-any-return]
+
+    def _judged_again(self) -> Any:
+        """What a copy keeps for pages: judged by the limits of its report, which it takes up."""
+        report = self.report
+        none = (np.zeros((0, 3)), np.zeros(0, np.uint32), np.zeros(1, np.int64))
+        surface, start = (Surface._of(none if a is None else a) for a in self._copied)
+        meshes = [self, surface, self.target or Surface._of(none), start]
+        limits = {"limits": {}, "promised": report["limits"], "job": None, "copied": report}
+        return run("check", limits, *meshes)["kept"]
 
     def save(
         self,
@@ -375,7 +389,9 @@ def as_polygons(given: Any, kind: Any, what: str) -> Any:
 
         return from_pyvista(given, kind)
     if module == "trimesh" and hasattr(given, "vertices") and hasattr(given, "faces"):
-        return kind(np.asarray(given.vertices), np.asarray(given.faces))
+        from .interop.trimesh import from_trimesh
+
+        return from_trimesh(given, kind)
     if module in ("rhino3dm", "Rhino"):
         from .interop.rhino3dm import from_rhino
 

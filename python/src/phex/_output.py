@@ -1,74 +1,35 @@
 """Files that are written: checked before a long computation, written whole or not at all."""
 
 import os
-import tempfile
+from typing import Any, Dict, Iterable, Optional
 
-from ._errors import InputError
+from ._compute import run
+from ._phex import write_whole as write_whole
+
+#: Formats that the compiled part writes.
+MESH_FORMATS = (".obj", ".ply", ".off", ".stl", ".json", ".dxf", ".glb", ".3mf")
 
 
-def check_writable(path: str, name: str) -> None:
-    """Refuses a file that can't be written; folders that are missing are made when it is written.
+def check_writable(
+    paths: Dict[str, str],
+    inputs: Iterable[str] = (),
+    settings: Optional[Dict[str, Any]] = None,
+    config: Optional[str] = None,
+) -> None:
+    """Refuses files that can't be written, that are written twice or read, by the program's rules;
+    folders that are missing are made when they are written.
 
-    ``name`` is the keyword that asks for the file.
+    ``paths`` are those of files by the keywords that ask for them; settings and a job file name
+    inputs, too.
     """
-    if os.path.isdir(path):
-        raise InputError(f"{name}: {path} is a folder")
-    folder = nearest_folder(path)
-    if not os.path.isdir(folder):
-        raise InputError(f"{name}: {path} can't be written: {folder} is no folder")
-    for part in os.path.relpath(path, folder).split(os.sep):
-        try:
-            os.lstat(os.path.join(folder, part))
-        except FileNotFoundError:
-            pass
-        except OSError as cause:
-            # The file system does not take the name, which may be too long.
-            raise InputError(f"{name}: {path} can't be written: {cause.strerror}") from None
-    try:
-        # A file without a name: nothing is left behind.
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as cause:
-        told = f"the folder {folder} refuses files ({cause.strerror})"
-        raise InputError(f"{name}: {path} can't be written: {told}") from None
+    outputs = [[name, path, _is_mesh(name, path)] for name, path in paths.items()]
+    request = {"outputs": outputs, "inputs": list(inputs), "config": config}
+    run("outputs", {**request, "settings": settings or {}})
 
 
-def nearest_folder(path: str) -> str:
-    """What exists of the folders that a file is to lie in."""
-    folder = os.path.dirname(os.path.abspath(path))
-    while not os.path.lexists(folder):
-        folder = os.path.dirname(folder)
-    return folder
+def _is_mesh(name: str, path: str) -> bool:
+    return name in MESH_FILES and os.path.splitext(path)[1].lower() != ".3dm"
 
 
-def make_parent(path: str) -> None:
-    """Makes the folder of a file."""
-    try:
-        os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
-    except OSError as cause:
-        raise unwritten(path, cause) from None
-
-
-def write_whole(path: str, content: bytes) -> None:
-    """Writes a file whole or not at all."""
-    make_parent(path)
-    folder = os.path.dirname(os.path.abspath(path))
-    try:
-        handle, new = tempfile.mkstemp(dir=folder, prefix=".phex-")
-    except OSError as cause:
-        raise unwritten(path, cause) from None
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(new, 0o666 & ~mask)
-        os.replace(new, path)
-    except OSError as cause:
-        os.unlink(new)
-        raise unwritten(path, cause) from None
-
-
-def unwritten(path: str, cause: OSError) -> InputError:
-    """The error of a file that the system refuses; it does not name the file that comes before."""
-    return InputError(f"{path} can't be written: {cause.strerror or cause}")
+#: Keywords of meshes; what others name has any extension.
+MESH_FILES = ("output", "write_target")

@@ -5,7 +5,7 @@ from typing import Any, Optional, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Computation", "start", "Kept", "KeptSurface", "__version__"]
+__all__ = ["Computation", "start", "Kept", "KeptSurface", "write_whole", "__version__"]
 
 __version__: str
 
@@ -13,7 +13,8 @@ _Arrays = tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.int64]]
 _Given = tuple[str, str, NDArray[np.float64], NDArray[np.uint32], NDArray[np.int64]]
 
 @final
-class Kept: ...
+class Kept:
+    def arrays(self, /) -> list[Optional[_Arrays]]: ...
 
 @final
 class KeptSurface:
@@ -27,6 +28,7 @@ class Computation:
     def cancel(self, /) -> None: ...
     def take(self, /) -> dict[str, Any]: ...
 
+def write_whole(path: str, content: bytes) -> None: ...
 def start(
     what: str,
     request: str,

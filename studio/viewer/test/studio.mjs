@@ -58,16 +58,16 @@ const verdict = (page) => page.waitForSelector(".outcome:not([data-stale]) [data
 const runs = async (page) => (await page.evaluate(async () => (await fetch("status")).json())).runs;
 
 /** Drops a file on the page, as a hand does. */
-async function drop(page, name, content) {
-  const bytes = [...(typeof content === "string" ? Buffer.from(content) : content)];
-  const transfer = await page.evaluateHandle(
-    ([name, bytes]) => {
-      const data = new DataTransfer();
-      data.items.add(new File([new Uint8Array(bytes)], name));
-      return data;
-    },
-    [name, bytes],
-  );
+const drop = (page, name, content) => dropAll(page, [[name, content]]);
+
+/** Drops files at once. */
+async function dropAll(page, files) {
+  const all = files.map(([name, content]) => [name, [...Buffer.from(content)]]);
+  const transfer = await page.evaluateHandle((all) => {
+    const data = new DataTransfer();
+    for (const [name, bytes] of all) data.items.add(new File([new Uint8Array(bytes)], name));
+    return data;
+  }, all);
   await page.dispatchEvent("body", "drop", { dataTransfer: transfer });
 }
 
@@ -252,6 +252,40 @@ async function filesAreTakenHome() {
   const metres = readFileSync(await saved(page, '[data-file="mesh.glb"]'));
   assert.equal(program("mesh", "roof.obj", "-n", "70", "--rotate", "10", "--unit", "mm", "-o", "again.glb", "--quiet").status, 0);
   assert.deepEqual(readFileSync(join(folder, "again.glb")), metres);
+  await leave(page);
+}
+
+/** A surface and a job file that are dropped together are both taken, and what is not is told. */
+async function filesAreDroppedTogether() {
+  const page = await visit();
+  const files = [["job.toml", "panels = 70\n"], ["roof.obj", readFileSync(roof)], ["more.obj", "v 0 0 0\n"]];
+  await dropAll(page, files);
+  await page.waitForFunction(() => location.hash.includes("70"));
+  assert.equal(await verdict(page), "pass");
+  const facts = await text(page, ".surface-facts");
+  assert.match(facts, /roof\.obj/);
+  assert.match(facts, /Not opened: more\.obj/);
+  await leave(page);
+}
+
+/** Of two surfaces that are dropped one after the other the second one stays, though it is read first. */
+async function theLastDropWins() {
+  const page = await visit();
+  let release;
+  const held = new Promise((resolve) => (release = resolve));
+  await page.route(/slow\.obj/, async (route) => {
+    await held;
+    await route.continue();
+  });
+  await drop(page, "slow.obj", readFileSync(roof));
+  await drop(page, "quick.obj", readFileSync(roof));
+  await page.waitForFunction(() => document.querySelector(".surface-facts .name")?.textContent === "quick.obj");
+  const answered = page.waitForResponse(/slow\.obj/);
+  release();
+  await answered;
+  await verdict(page);
+  await page.waitForTimeout(500);
+  assert.equal(await text(page, ".surface-facts .name"), "quick.obj");
   await leave(page);
 }
 
@@ -453,6 +487,8 @@ const TESTS = [
   aGuideIsDrawn,
   runsAreCompared,
   filesAreTakenHome,
+  filesAreDroppedTogether,
+  theLastDropWins,
   aRunIsStopped,
   wrongValuesAreToldByTheirField,
   theAddressHoldsTheState,

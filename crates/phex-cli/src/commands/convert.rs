@@ -3,8 +3,8 @@
 use super::tell;
 use crate::args::ConvertCommand;
 use crate::exit::{Exit, Failure};
-use crate::output::{Content, check_writable, write_mesh};
-use phex_job::MeshFile;
+use crate::output::{check_writable, write_mesh};
+use phex_job::{Content, MeshFile};
 
 /// Runs the command.
 ///

@@ -4,13 +4,13 @@
 use super::tell;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
-use crate::output::{Content, write_mesh};
+use crate::output::write_mesh;
 use crate::shared_arguments::{Extras, Talk};
 use crate::summary;
 use crate::verdict::{exit_of, written};
 use phex::quality::{References, Verdict};
 use phex::report::RunReport;
-use phex_job::TypedLimits;
+use phex_job::{Content, TypedLimits};
 use std::path::Path;
 
 /// A mesh on its way to the user.

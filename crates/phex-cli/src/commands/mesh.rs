@@ -7,12 +7,12 @@ use crate::contact;
 use crate::exit::{Exit, Failure};
 use crate::html::Shown;
 use crate::method_summary::{of_method, of_portfolio};
-use crate::output::{Content, check_writable, write_mesh};
+use crate::output::{check_writable, write_mesh};
 use crate::progress::{Reporter, check_interruption, keep_best, take_interruption};
 use crate::summary;
 use crate::verdict::written;
 use phex_job::{
-    Given, JobResult, LAYOUT_ALONE, LastStage, MeshFile, MeshJob, MeshSettings, TimeLimit,
+    Content, Given, JobResult, LAYOUT_ALONE, LastStage, MeshFile, MeshJob, MeshSettings, TimeLimit,
 };
 use std::path::Path;
 
@@ -108,43 +108,22 @@ fn settings(command: &MeshCommand) -> Result<MeshSettings, Failure> {
         .transpose()?;
     let settings = command.settings.clone().over(file.unwrap_or_default());
     settings.check()?;
-    if command.until.is_some() {
-        // Sizes may stand in the job file, and limits there are for the whole run.
-        let typed = MeshSettings {
-            panels: settings.panels,
-            edge_length: settings.edge_length,
-            ..command.settings.clone()
-        };
-        let why = "`until layout`, which ends before panels are planar";
-        none_idle(&typed.idle_on_layout(), why)?;
-    }
+    let others = [("time-limit", command.time_limit.is_some())];
+    let typed = &command.settings;
+    typed.check_until(command.until, &settings, &Given::default(), &others)?;
     if command.start.is_some() {
-        let typed = command.settings.idle_on_start();
-        none_idle(&typed, "`start`, which lays nothing out")?;
+        typed.check_start()?;
     } else {
         settings.check_effects(&Given::default())?;
     }
     Ok(settings)
 }
 
-/// Refuses options that were typed and have no effect with another one.
-fn none_idle(typed: &[&str], with: &str) -> Result<(), Failure> {
-    match typed.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::input(format!(
-            "`{}` has no effect with {with}: leave it out",
-            typed.join("`, `")
-        ))),
-    }
-}
-
 fn inputs<'a>(command: &'a MeshCommand, settings: &'a MeshSettings) -> Vec<&'a Path> {
     std::iter::once(command.input.as_path())
         .chain(command.config.as_deref())
         .chain(command.start.as_deref())
-        .chain(settings.steering.inputs())
-        .chain(settings.guides.inputs())
-        .chain(settings.size_field.as_deref())
+        .chain(settings.inputs())
         .collect()
 }
 

@@ -3,15 +3,15 @@
 use super::{tell, use_threads};
 use crate::args::NetworkCommand;
 use crate::exit::{Exit, Failure};
-use crate::output::{Content, check_writable, write_text};
+use crate::output::{check_writable, write_text};
 use crate::progress::Reporter;
 use crate::summary::SummaryTable;
 use phex::MeshOptions;
 use phex::directions::{Conjugacy, Curve, NetworkFamily};
 use phex::pipeline::NetworkCurves;
-use phex_job::MeshFile;
 use phex_job::TypedPanelSize;
 use phex_job::Unit;
+use phex_job::{Content, MeshFile};
 use std::fmt::Write;
 use std::path::Path;
 

@@ -2,11 +2,11 @@
 
 use super::tell;
 use crate::exit::{Exit, Failure};
-use crate::output::{Content, check_writable, given, write_picture, write_text};
+use crate::output::{check_writable, given, write_picture, write_text};
 use crate::picture_arguments::RenderCommand;
 use phex::quality::References;
 use phex_job::TypedLimits;
-use phex_job::{MeshFile, read_numbers, read_polylines};
+use phex_job::{Content, MeshFile, read_numbers, read_polylines};
 use phex_mesh::HexMesh;
 use phex_picture::maps::{Class, ColourMap, ColourScale, Coloured, Map, Range, Rgb, Subject};
 use phex_picture::{draw_svg, draw_with_curves};

@@ -4,13 +4,13 @@ use super::check::report_of;
 use super::tell;
 use crate::exit::{Exit, Failure};
 use crate::html::{self, Shown};
-use crate::output::{Content, check_writable, given};
+use crate::output::{check_writable, given};
 use crate::picture_arguments::ReportCommand;
 use crate::summary;
 use crate::verdict::written;
 use phex::quality::{References, Verdict};
-use phex_job::MeshFile;
 use phex_job::TypedLimits;
+use phex_job::{Content, MeshFile};
 
 /// Runs the command.
 ///

@@ -3,8 +3,8 @@
 use super::tell;
 use crate::args::ShapeCommand;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::output::{self, Content, check_writable, write_mesh};
-use phex_job::Unit;
+use crate::output::{self, check_writable, write_mesh};
+use phex_job::{Content, Unit};
 use phex_mesh::shapes::{Shape, ShapeInfo, TriangulationOptions, triangulate_with_parameters};
 
 /// Runs the command.

@@ -445,8 +445,13 @@ fn a_run_may_end_after_the_layout() {
     )
     .refuses(
         4,
-        &["`repeat`, `max-edge`, `min-angle` has no effect with `until layout`"],
+        &["`repeat`, `max-edge`, `min-angle` have no effect with `until layout`"],
     );
+    shop.phex("mesh wave.obj -o no.obj -n 60 --until layout --symmetry 4 --ground --fairness 2 --time-limit 5s")
+        .refuses(
+            4,
+            &["`symmetry`, `ground`, `fairness`, `time-limit` have no effect with `until layout`"],
+        );
     shop.phex("mesh wave.obj -o no.obj --until layout --keep-invalid")
         .refuses(2, &["--keep-invalid"]);
 }

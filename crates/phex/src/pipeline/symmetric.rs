@@ -155,14 +155,11 @@ pub(super) fn unused(ground: &Ground) -> Option<String> {
     }
     // It is a hint: the level of the directions, with a quarter of the vertices, is enough.
     let level = &ground.smooth.levels[ground.field_level(options)];
-    let found = symmetry::find(level, SYMMETRY_TOLERANCE).0?;
-    let planes = match found.revolution {
-        true => "through its axis of revolution".to_owned(),
-        false => format!("({})", found.group.name()),
-    };
-    Some(format!(
-        "the surface has mirror planes {planes} that panels do not follow; with `--symmetry auto` they do"
-    ))
+    symmetry::find(level, SYMMETRY_TOLERANCE).0?;
+    // Which group it is the full surface decides, where it is asked for.
+    let told =
+        "the surface has mirror planes that panels do not follow; with `--symmetry auto` they may";
+    Some(told.to_owned())
 }
 
 /// A symmetric mesh and what the judge says of it.

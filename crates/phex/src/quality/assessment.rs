@@ -11,7 +11,7 @@ use phex_mesh::measure::{
 use phex_mesh::validate::{Violation, violations};
 use phex_mesh::{FaceId, HexMesh, TriangleSurface, add_flips};
 use rayon::join;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A check that was not made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -83,7 +83,7 @@ impl<'a> References<'a> {
 }
 
 /// What the checks amount to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Every check holds.

@@ -94,7 +94,7 @@ fn advice(kind: PanelLimit, [limit, value]: [f64; 2], panels: usize) -> String {
                 "a wider limit: {MAX_PANELS} panels, the most that are made, would not be enough"
             )
         }
-        enough => format!("at most about {enough} panels, if all shrink alike"),
+        enough => format!("about {enough} panels would do, perhaps fewer, if all shrink alike"),
     };
     match kind {
         PanelLimit::MaxPanel | PanelLimit::MaxEdge | PanelLimit::MinDihedral => shrunk(2),
@@ -109,5 +109,19 @@ fn advice(kind: PanelLimit, [limit, value]: [f64; 2], panels: usize) -> String {
         PanelLimit::MinAngle | PanelLimit::MaxAspect => {
             "another --rotate, --boundary or number of panels; where the surface bends one way only panels are long".to_owned()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_panels_that_help_are_no_upper_limit() {
+        let told = advice(PanelLimit::MaxEdge, [1.0, 2.0], 100);
+        assert_eq!(
+            told,
+            "about 400 panels would do, perhaps fewer, if all shrink alike"
+        );
     }
 }

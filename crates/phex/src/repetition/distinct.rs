@@ -4,10 +4,10 @@ use super::shared::distinct_lengths;
 use phex_mesh::cluster::{Congruence, Rings, by_value, congruent};
 use phex_mesh::polygon::interior_angles;
 use phex_mesh::{FlatFace, HexMesh};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Numbers of different parts of a mesh, within a tolerance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DistinctParts {
     /// The least number of intervals, as wide as the tolerance, that hold all edge lengths.
     pub edge_lengths: usize,
@@ -50,7 +50,7 @@ impl DistinctParts {
 /// assert_eq!((told.after.edge_lengths, told.after.panels), (1, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Repetition {
     /// Width of the intervals within which lengths are equal, model units.
     pub tolerance: f64,

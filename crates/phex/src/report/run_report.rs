@@ -5,7 +5,7 @@ use crate::quality::{Assessment, Check, Omitted, Verdict};
 use crate::repetition::Repetition;
 use phex_mesh::measure::{BoundaryFit, Deviation, MeshMeasures};
 use phex_mesh::validate::Violation;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Version of the report's layout; it changes when a field changes its meaning or goes away.
@@ -30,7 +30,7 @@ impl Default for Tool {
 }
 
 /// A file that was read.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputFile {
     /// Path as it was given.
     pub path: String,
@@ -52,7 +52,7 @@ pub struct OutputFile {
 }
 
 /// How long a stage took.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StageTime {
     /// Name of the stage.
     pub stage: String,

@@ -4,13 +4,15 @@ Curves and breps hold full precision; Rhino's meshes are single precision, so ou
 breps are the main output. Triangles are ears of the panels: fans are wrong on concave ones.
 """
 
+import os
+import tempfile
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .._errors import InputError
 from .._mesh import Mesh, Polygons, model_unit, no_polygons
-from .._output import make_parent
+from .._output import write_whole
 
 #: Layers below ``phex``, with their colours.
 LAYERS = {
@@ -134,9 +136,12 @@ def save_3dm(
         dot = r.TextDot(named[k], centre)
         file.Objects.Add(dot, _named(r, layers["labels"], named[k], {}))
     file.Objects.AddMesh(rhino_mesh(mesh), _named(r, layers["mesh"], mesh.name, {}))
-    make_parent(path)
-    if not file.Write(path, 8):
-        raise InputError(f"{path}: can't be written")
+    with tempfile.TemporaryDirectory() as folder:
+        whole = os.path.join(folder, "panels.3dm")
+        if not file.Write(whole, 8):
+            raise InputError(f"{path}: can't be written")
+        with open(whole, "rb") as made:
+            write_whole(path, made.read())
 
 
 def _layers(r: Any, file: Any) -> Dict[str, int]:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from .._errors import InputError
 from .._mesh import Mesh, Polygons, no_polygons
 
 
@@ -40,17 +41,28 @@ def from_trimesh(mesh: Any, kind: Any = Mesh) -> Any:
     face = getattr(mesh, "face_attributes", {}).get("face")
     if face is None:
         return kind(np.asarray(mesh.vertices), triangles)
-    groups = [triangles[np.asarray(face) == k] for k in np.unique(face)]
-    return kind(np.asarray(mesh.vertices), [outline(group) for group in groups])
+    if len(face) != len(triangles):
+        told = f"{len(face)} values for {len(triangles)} triangles"
+        raise InputError(f'face_attributes["face"] has {told}')
+    groups = [(k, triangles[np.asarray(face) == k]) for k in np.unique(face)]
+    return kind(np.asarray(mesh.vertices), [outline(k, group) for k, group in groups])
 
 
-def outline(triangles: Any) -> Any:
-    """The corners round a few triangles that make one polygon."""
+def outline(name: Any, triangles: Any) -> Any:
+    """The corners round the triangles of a group that make one polygon.
+
+    Raises :class:`phex.InputError` if they make none."""
     sides = [(int(t[i]), int(t[(i + 1) % 3])) for t in triangles for i in range(3)]
     inner = set(sides)
-    after = {a: b for a, b in sides if (b, a) not in inner}
-    first = next(iter(after))
-    corners = [first]
-    while after[corners[-1]] != first:
+    outer = [(a, b) for a, b in sides if (b, a) not in inner]
+    after = dict(outer)
+    corners = [outer[0][0]] if outer else []
+    while len(corners) < len(after) and after.get(corners[-1], corners[0]) != corners[0]:
         corners.append(after[corners[-1]])
+    # A corner that is met twice, a hole or a second part leaves sides over.
+    if not corners or len(corners) != len(outer) or after.get(corners[-1]) != corners[0]:
+        raise InputError(
+            f'the {len(triangles)} triangles of face_attributes["face"] {name} make no polygon '
+            "without holes: give each polygon a number of its own, or leave the attribute out"
+        )
     return corners

@@ -114,6 +114,7 @@ export const GERMAN: Record<string, string> = {
   "{} loops": "{} Ränder",
   "This is no surface": "Das ist keine Fläche",
   "Reading {} …": "{} wird gelesen …",
+  "Not opened: {}. One surface and one job file are opened at a time.": "Nicht geöffnet: {}. Eine Fläche und eine Auftragsdatei werden auf einmal geöffnet.",
   "Beginning …": "Es beginnt …",
   "Stopped: another page has begun a run.": "Angehalten: eine andere Seite rechnet jetzt.",
   "not planar yet": "noch nicht eben",

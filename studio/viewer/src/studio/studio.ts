@@ -242,34 +242,59 @@ export class Studio {
       this.samples = await server.samples();
       this.buildWelcome();
       const { surface } = this.state.wanted;
-      if (surface) this.shown(await server.surface(surface));
+      if (surface) await this.openSurface(() => server.surface(surface));
     });
   }
 
   private chooseFile(): void {
-    const input = h("input", { type: "file", accept: ".obj,.ply,.stl,.off,.toml" }) as HTMLInputElement;
-    input.addEventListener("change", () => {
-      if (input.files?.[0]) void this.openFile(input.files[0]);
-    });
+    const input = h("input", { type: "file", multiple: "", accept: ".obj,.ply,.stl,.off,.toml" }) as HTMLInputElement;
+    input.addEventListener("change", () => void this.openFiles([...(input.files ?? [])]));
     input.click();
   }
 
-  async openFile(file: File): Promise<void> {
-    await this.attempt(async () => {
-      if (file.name.toLowerCase().endsWith(".toml")) {
-        const job = await server.readJob(await file.text());
-        this.state.wanted = { ...this.state.wanted, job };
-        this.done();
-        return;
-      }
+  /** Opens a surface, and then a job file for it; which of more files are left out is told. */
+  async openFiles(files: File[]): Promise<void> {
+    const isJob = (file: File): boolean => file.name.toLowerCase().endsWith(".toml");
+    const [job, surface] = [files.find(isJob), files.find((file) => !isJob(file))];
+    if (surface) {
       this.stop();
-      this.say(say("Reading {} …", file.name));
-      this.shown(await server.dropFile(file));
+      this.say(say("Reading {} …", surface.name));
+      if (!(await this.openSurface(() => server.dropFile(surface)))) return;
+    }
+    if (job) await this.openJob(job);
+    const others = files.filter((file) => file !== surface && file !== job);
+    if (others.length === 0) return;
+    const told = say("Not opened: {}. One surface and one job file are opened at a time.", others.map((file) => file.name).join(", "));
+    if (!this.surface) return this.say(told, "problem");
+    this.surface.info.notes.push(told);
+    this.showFacts();
+  }
+
+  /** Shows a surface once it is read, unless another one was asked for meanwhile; whether it did. */
+  private async openSurface(read: () => Promise<SurfaceFrame>): Promise<boolean> {
+    const opening = (this.opening = {});
+    const isWanted = (): boolean => opening === this.opening;
+    const open = async (): Promise<boolean> => {
+      const frame = await read();
+      if (isWanted()) this.shown(frame);
+      return isWanted();
+    };
+    return (await this.attempt(open, isWanted)) ?? false;
+  }
+
+  /** What the last surface that was asked for is known by. */
+  private opening = {};
+
+  private async openJob(file: File): Promise<void> {
+    await this.attempt(async () => {
+      const job = await server.readJob(await file.text());
+      this.state.wanted = { ...this.state.wanted, job };
+      this.done();
     });
   }
 
   private async openSample(name: string): Promise<void> {
-    await this.attempt(async () => this.shown(await server.dropSample(name)));
+    await this.openSurface(() => server.dropSample(name));
   }
 
   private shown(frame: SurfaceFrame): void {
@@ -357,7 +382,7 @@ export class Studio {
     this.running = stop;
     this.times.released = performance.now();
     this.say(say("Beginning …"), "running");
-    void this.attempt(() => this.follow(stop), stop);
+    void this.attemptRun(stop);
   }
 
   /** Notes whether the result that is shown is of earlier wishes, and says so at its files. */
@@ -444,22 +469,29 @@ export class Studio {
     const before = this.state.wanted.surface;
     if (!this.state[which]()) return;
     const { surface } = this.state.wanted;
-    if (surface !== null && surface !== before) void this.attempt(async () => this.shown(await server.surface(surface)));
+    if (surface !== null && surface !== before) void this.openSurface(() => server.surface(surface));
     else this.begin();
   }
 
-  /** Does something, and tells what goes wrong. */
-  private async attempt(act: () => Promise<void>, stop?: AbortController): Promise<void> {
+  /** Does something, and tells what goes wrong while somebody waits for it. */
+  private async attempt<T>(act: () => Promise<T>, isWanted = (): boolean => true): Promise<T | null> {
     try {
-      await act();
+      return await act();
     } catch (error) {
-      if (stop?.signal.aborted) return;
+      if (isWanted()) this.failed(error);
+      return null;
+    }
+  }
+
+  private async attemptRun(stop: AbortController): Promise<void> {
+    try {
+      await this.follow(stop);
+    } catch (error) {
+      if (stop.signal.aborted) return;
       // What goes wrong beside a run does not end it.
-      if (stop) {
-        this.running = null;
-        this.changedAt = 0;
-      }
-      this.failed(error, stop !== undefined);
+      this.running = null;
+      this.changedAt = 0;
+      this.failed(error, true);
     }
   }
 
@@ -817,8 +849,7 @@ export class Studio {
     for (const name of ["dragleave", "drop"]) document.addEventListener(name, () => void delete document.documentElement.dataset.dragging);
     document.addEventListener("drop", (event) => {
       event.preventDefault();
-      const file = event.dataTransfer?.files[0];
-      if (file) void this.openFile(file);
+      void this.openFiles([...(event.dataTransfer?.files ?? [])]);
     });
     document.addEventListener("keydown", (event) => this.key(event));
     window.addEventListener("pagehide", () => this.stop());

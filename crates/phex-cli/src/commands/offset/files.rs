@@ -4,8 +4,8 @@ use super::between::{Pair, beam_table, node_table, solids};
 use super::{Base, OffsetJob, OffsetLayer};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::offset_arguments::OffsetCommand;
-use crate::output;
 use crate::output_folder::{Extent, NamedFile, OutputFolder};
+use phex_job::Content;
 use phex_mesh::PolygonSoup;
 use phex_mesh::io::{Format, write_soup_to};
 use serde_json::{Value, json};
@@ -103,14 +103,12 @@ impl Files {
     }
 
     /// All paths, for checking that they can be written.
-    pub fn outputs(&self) -> Vec<(PathBuf, output::Content)> {
-        let meshes = self
-            .meshes()
-            .map(|n| (self.path(&n), output::Content::Mesh));
+    pub fn outputs(&self) -> Vec<(PathBuf, Content)> {
+        let meshes = self.meshes().map(|n| (self.path(&n), Content::Mesh));
         let tables = self.tables().map(|n| self.path(&n));
         let others = tables.chain(self.report.clone());
         meshes
-            .chain(others.map(|path| (path, output::Content::Other)))
+            .chain(others.map(|path| (path, Content::Other)))
             .collect()
     }
 
