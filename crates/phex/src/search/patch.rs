@@ -74,8 +74,8 @@ impl Patch {
         }
     }
 
-    /// A draft of the patch as a mesh; `None` if its panels are no manifold, or a place of theirs is
-    /// not finite: strips along edges without length have such.
+    /// A draft of the patch as a mesh; `None` if its panels are no manifold, or a place of theirs
+    /// is not finite: strips along edges without length have such.
     pub fn built(&self, draft: &Draft) -> Option<Built> {
         let kept = draft.kept();
         let rings = kept.iter().map(|f| draft.faces[*f].iter().copied());
