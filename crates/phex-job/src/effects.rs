@@ -389,7 +389,7 @@ mod tests {
             ["effort best", "symmetry", "target facets"]
         );
         let steering =
-            "ground = 0\nfairness = 2\ncloseness = 2\nclearance = 0.1\nsolver = 'barrier'";
+            "ground = '0'\nfairness = 2\ncloseness = 2\nclearance = 0.1\nsolver = 'barrier'";
         assert_eq!(
             idle(&format!("[steering]\n{steering}")),
             ["ground", "fairness", "closeness", "clearance", "solver"]
