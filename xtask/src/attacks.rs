@@ -28,12 +28,20 @@ pub fn fuzz_as_typed(root: &Path, words: &[&str]) -> Result<(), String> {
 
 /// All hostile surfaces through `phex mesh`.
 pub fn hostile(root: &Path) -> Result<(), String> {
-    succeed(&mut tests_of(root, &["--test", "hostile"], &["--ignored"]))
+    succeed(&mut tests_of(
+        root,
+        &["--test", "it"],
+        &["--ignored", "hostile::"],
+    ))
 }
 
 /// Kills, full discs, little memory, vanished files, in all commands that write.
 pub fn faults(root: &Path) -> Result<(), String> {
-    succeed(&mut tests_of(root, &["--test", "faults"], &["--ignored"]))
+    succeed(&mut tests_of(
+        root,
+        &["--test", "it"],
+        &["--ignored", "faults::"],
+    ))
 }
 
 /// Tests with the features of the whole workspace, as every other task builds them.
