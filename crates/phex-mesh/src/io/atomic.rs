@@ -18,7 +18,7 @@ const MOST_LINKS: usize = 40;
 /// stay. What exists and is no regular file (a pipe, a terminal) is written directly.
 ///
 /// A temporary file is locked while it is written. What a killed run has left is not, and goes when
-/// the next file is written into that folder.
+/// the next file is written into that folder. Runs side by side may write into one folder.
 ///
 /// # Errors
 /// If the folder or file can't be written, or `write` fails; the error names `path`.
@@ -45,9 +45,7 @@ fn replace(
     let folder = folder_of(&target);
     fs::create_dir_all(&folder)?;
     remove_left_behind(&folder);
-    let temporary = temporary_file(&folder)?;
-    // Where the system has no locks nothing is taken for left behind either.
-    let _ = temporary.as_file().try_lock();
+    let temporary = locked_file(&folder)?;
     let mut out = BufWriter::new(temporary);
     write(&mut out)?;
     let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -85,9 +83,11 @@ fn remove_left_behind(folder: &Path) {
     for entry in entries.flatten() {
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
         if is_file && entry.file_name().to_str().is_some_and(is_ours) {
-            let file = fs::File::open(entry.path());
-            if file.is_ok_and(|file| file.try_lock().is_ok()) {
-                // Another run may have been quicker.
+            // The lock is held until the file is gone: nobody writes into what is about to go.
+            // Another run may have been quicker.
+            if let Ok(file) = fs::File::open(entry.path())
+                && file.try_lock().is_ok()
+            {
                 let _ = fs::remove_file(entry.path());
             }
         }
@@ -98,6 +98,21 @@ fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
         _ => PathBuf::from("."),
+    }
+}
+
+/// A temporary file that no other run takes for left behind. Between its making and its lock
+/// another run may have done so: then it is gone, or about to go, and the next one is made.
+fn locked_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    loop {
+        let temporary = temporary_file(folder)?;
+        match temporary.as_file().try_lock() {
+            Err(fs::TryLockError::WouldBlock) => {}
+            // Where the system has no locks nothing is taken for left behind either.
+            Err(fs::TryLockError::Error(_)) => return Ok(temporary),
+            Ok(()) if temporary.path().exists() => return Ok(temporary),
+            Ok(()) => {}
+        }
     }
 }
 
@@ -130,6 +145,23 @@ mod tests {
         );
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn runs_side_by_side_leave_each_others_temporary_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path();
+        std::thread::scope(|scope| {
+            for run in 0..8 {
+                scope.spawn(move || {
+                    for file in 0..200 {
+                        let path = place.join(format!("{run}-{file}"));
+                        atomic_write(&path, |out| out.write_all(b"whole")).unwrap();
+                    }
+                });
+            }
+        });
+        assert_eq!(fs::read_dir(place).unwrap().count(), 8 * 200);
     }
 
     #[test]
