@@ -28,8 +28,9 @@ pub struct Deviation {
     pub coverage_max: f64,
     /// 99 % quantile of these distances.
     pub coverage_p99: f64,
-    /// Largest of them among the surface vertices farther than two mean edges of the mesh from the
-    /// surface's boundary; 0 if there are none, and `coverage_max` if the surface is closed.
+    /// Largest of them among the surface vertices that lie not in a band along the surface's
+    /// boundary, which is two mean edges of the mesh wide or as the caller says; 0 if there are
+    /// none, and `coverage_max` if the surface is closed.
     pub coverage_inner_max: f64,
     /// Distances of the surface vertices to the mesh; the ids are those of the surface.
     pub coverage: Metric<VertexId>,
@@ -55,15 +56,19 @@ pub struct Deviation {
 /// Measures the distance between a mesh and a surface, both ways. The mesh's faces count as their
 /// ear-clipped triangles.
 pub fn deviation(mesh: &HexMesh, surface: &TriangleSurface) -> Deviation {
-    deviation_beyond(mesh, surface, surface)
+    let rows = 2.0 * mesh.mean_edge();
+    deviation_beyond(mesh, surface, surface, |_| rows)
 }
 
 /// The same where panels may stick out beyond the boundary of `surface`: `beyond` is the surface
-/// continued there, and the distance of the mesh is that to the continued surface.
+/// continued there, and the distance of the mesh is that to the continued surface. Points of the
+/// surface that are as close to its boundary as `bare_rim` of the face closest to them, a length,
+/// do not count as inside.
 pub fn deviation_beyond(
     mesh: &HexMesh,
     surface: &TriangleSurface,
     beyond: &TriangleSurface,
+    bare_rim: impl Fn(FaceId) -> f64 + Sync,
 ) -> Deviation {
     let diagonal = surface.diagonal();
     let vertex_distance = to_surface(beyond, mesh.positions.as_slice());
@@ -75,7 +80,7 @@ pub fn deviation_beyond(
         .collect();
     let (coverage_face, coverage_distance) = to_mesh(surface, mesh);
     let coverage = metric(&coverage_distance, diagonal);
-    let inside = inside(surface, 2.0 * mesh.mean_edge());
+    let inside = inside(surface, &coverage_face, bare_rim);
     let inner = coverage_distance.iter().zip(&inside).filter(|(_, i)| **i);
     Deviation {
         diagonal,
@@ -131,12 +136,19 @@ fn sorted_quantile(values: &PerVertex<f64>, q: f64) -> f64 {
     quantile(&sorted, q)
 }
 
-/// Surface vertices farther than `margin` from the boundary.
-fn inside(surface: &TriangleSurface, margin: f64) -> PerVertex<bool> {
+/// Surface vertices farther from the boundary than the bare rim of the face `closest` to them.
+fn inside(
+    surface: &TriangleSurface,
+    closest: &PerVertex<FaceId>,
+    bare_rim: impl Fn(FaceId) -> f64 + Sync,
+) -> PerVertex<bool> {
     let boundary = BoundaryCurve::of(surface);
-    let far = |p: &Vec3| !boundary.as_ref().is_some_and(|b| b.is_within(*p, margin));
-    let points = surface.positions().as_slice();
-    PerVertex::from_vec(points.par_iter().map(far).collect())
+    let far = |(p, &f): (&Vec3, &FaceId)| {
+        let curve = boundary.as_ref();
+        curve.is_none_or(|b| !b.is_within(*p, bare_rim(f)))
+    };
+    let points = surface.positions().as_slice().par_iter();
+    PerVertex::from_vec(points.zip(closest.as_slice()).map(far).collect())
 }
 
 fn topology_key(topology: &crate::Topology) -> (i64, usize) {

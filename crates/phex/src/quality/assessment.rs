@@ -144,7 +144,12 @@ impl Assessment {
             }
             found
         };
-        let away = |s, k: usize| deviation_beyond(mesh, s, references.beyond.map_or(s, |b| b[k]));
+        let away = |s: &TriangleSurface, k: usize| {
+            let lengths = [mesh.mean_edge(), s.diagonal()];
+            let bare_rim = |f| limits.bare_rim(lengths, references.elsewhere.contains(&f));
+            let beyond = references.beyond.map_or(s, |b| b[k]);
+            deviation_beyond(mesh, s, beyond, bare_rim)
+        };
         let from_smooth = || references.smooth.map(|s| away(s, 0));
         let from_facets = || match references.are_one() {
             true => None,
@@ -393,6 +398,41 @@ mod tests {
         let (followed, zigzag) = (of(&calm.part.surface), of(&toothed));
         assert!(distance(&followed) < 1e-3 && followed.calm_line().is_some());
         assert!(distance(&zigzag) > 0.01);
+    }
+
+    /// A square of side 4 with a bump, of height .4, at a distance of 1 to the boundary.
+    fn bumpy_square() -> TriangleSurface {
+        let corner = |k: u32| [k % 5, k / 5];
+        let positions = (0..25).map(|k| {
+            let [x, y] = corner(k).map(f64::from);
+            let bump = if corner(k) == [1, 2] { 0.4 } else { 0.0 };
+            Vec3::new(x, y, bump)
+        });
+        let cells = (0..25).filter(|k| corner(*k).iter().all(|c| *c < 4));
+        let halves = cells.flat_map(|k| [[k, k + 1, k + 6], [k, k + 6, k + 5]]);
+        let triangles: Vec<[u32; 3]> = halves.collect();
+        TriangleSurface::new(positions.collect(), &triangles).unwrap()
+    }
+
+    #[test]
+    fn the_surface_is_to_be_near_the_panels_up_to_a_boundary_that_they_follow() {
+        let surface = bumpy_square();
+        let flat = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        let corners = flat.map(|[x, y]| Vec3::new(x, y, 0.0));
+        let mesh = HexMesh::new(corners.to_vec(), &[[0, 1, 2, 3]]).unwrap();
+        let misses = |boundary, led: &[FaceId]| {
+            let references = References {
+                facets: Some(&surface),
+                elsewhere: led,
+                ..Default::default()
+            };
+            let limits = Limits::new(Some(0.05), Some(boundary));
+            let found = Assessment::new(&mesh, references, &limits);
+            failing(&found).contains(&"coverage_inner")
+        };
+        assert!(misses(Boundary::Snap, &[]) && misses(Boundary::Clip, &[]));
+        assert!(!misses(Boundary::Whole, &[]));
+        assert!(!misses(Boundary::Snap, &[FaceId::new(0)]));
     }
 
     #[test]

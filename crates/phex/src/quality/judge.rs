@@ -17,8 +17,6 @@ use phex_mesh::{
 
 /// Excess over a limit, in limits, above which it does not matter how far it is exceeded.
 const LARGEST_EXCESS: f64 = 10.0;
-/// Mean edges from the boundary within which the surface need not be covered.
-const RIM: f64 = 2.0;
 
 /// What lengths and areas of a part are compared with: those of the whole mesh.
 #[derive(Clone, Copy, Debug)]
@@ -354,17 +352,19 @@ impl<'a> Judge<'a> {
     ) -> Vec<Vec<Vec3>> {
         let mut far = vec![Vec::new(); n_faces];
         for (p, &(f, distance)) in self.places(points).zip(closest) {
-            if distance > share * self.largest_distance() && self.is_inside(p, mean_edge) {
+            if distance > share * self.largest_distance() && self.is_inside(p, f, mean_edge) {
                 far[f.index()].push(p);
             }
         }
         far
     }
 
-    /// Whether a point of the surface is so far from its boundary that it is to be covered.
-    fn is_inside(&self, p: Vec3, mean_edge: f64) -> bool {
-        let curve = self.curve.as_ref();
-        curve.is_none_or(|c| !c.is_within(p, RIM * mean_edge))
+    /// Whether a point of the surface is so far from its boundary that it is to be covered; `f` is
+    /// the face that is closest to it.
+    fn is_inside(&self, p: Vec3, f: FaceId, mean_edge: f64) -> bool {
+        let is_led = self.references.elsewhere.contains(&f);
+        let rim = (self.limits).bare_rim([mean_edge, self.diagonal], is_led);
+        self.curve.as_ref().is_none_or(|c| !c.is_within(p, rim))
     }
 
     fn add_coverage(
@@ -378,7 +378,7 @@ impl<'a> Judge<'a> {
             let off = distance / self.largest_distance();
             let bare = self.excess(self.limits.deviation_rel, distance);
             let adds = off > face.off || bare > face.bare;
-            if adds && self.is_inside(p, yardstick.mean_edge) {
+            if adds && self.is_inside(p, f, yardstick.mean_edge) {
                 face.off = face.off.max(off);
                 face.bare = face.bare.max(bare);
             }

@@ -11,6 +11,9 @@ pub const USUAL_DEVIATION: f64 = 5e-3;
 /// Share of an open surface's area that panels cover at least, whatever happens at the boundary:
 /// `whole` leaves half a row of panels bare.
 const COVERED: f64 = 0.97;
+/// Width of the band along the boundary, in mean edges, in which the surface need not be near the
+/// panels: whole panels leave half a row of it bare.
+const BARE_RIM: f64 = 2.0;
 
 /// What a mesh must keep to: every search compares meshes by these limits, and every report judges
 /// by them.
@@ -42,6 +45,16 @@ impl Limits {
             covered: boundary.map(|_| COVERED),
             ..Self::default()
         }
+    }
+
+    /// Width of the band along the boundary, in model units, in which points of the surface need
+    /// not be near the panels. Where panels follow the boundary, its limit does for the points as
+    /// close to it as that; where they are left whole or their boundary `is_led` elsewhere, the
+    /// band is two mean edges wide.
+    pub(super) fn bare_rim(&self, [mean_edge, diagonal]: [f64; 2], is_led: bool) -> f64 {
+        let rows = BARE_RIM * mean_edge;
+        let follows = self.boundary_rel.filter(|_| !is_led);
+        follows.map_or(rows, |limit| rows.min(limit * diagonal))
     }
 
     /// Whether panels are left whole at the boundary, so that those of two sides of a slit or a
