@@ -3,7 +3,7 @@
 //! A sphere of 320 triangles is refined until it has 5000 vertices: the target passes through the
 //! input's vertices, and lies far closer to the sphere than the triangles did.
 
-use phex::smooth_surface::{Similarity, TargetOptions, smooth_target};
+use phex::smooth_surface::{Affinity, TargetOptions, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -13,9 +13,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let sphere = triangulate(&Shape::from_name("sphere", &[])?, &options)?;
     // Stages work on a model of diagonal 1.
-    let similarity = Similarity::normalising(&sphere);
+    let affinity = Affinity::normalising(&sphere);
     let target = smooth_target(
-        &sphere.mapped(|p| similarity.normalise(*p)),
+        &sphere.mapped(|p| affinity.normalise(*p)),
         5000,
         &TargetOptions::default(),
     );
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for level in &target.levels {
         let radii = level.positions().iter();
         let worst = radii
-            .map(|p| (similarity.restore(*p).norm() - 1.0).abs())
+            .map(|p| (affinity.restore(*p).norm() - 1.0).abs())
             .fold(0.0, f64::max);
         let vertices = level.positions().len();
         println!("{vertices:6} vertices, off the sphere by {worst:.1e}");

@@ -6,7 +6,7 @@ use phex::directions::{Directions, directions};
 use phex::layout::CELL;
 use phex::layout::Seed;
 use phex::layout::{CellSurface, Layout, Placed, panelling, place_seeds};
-use phex::smooth_surface::{Similarity, SmoothTarget, smooth_target};
+use phex::smooth_surface::{Affinity, SmoothTarget, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{TriangleSurface, VertexId};
 use std::collections::HashSet;
@@ -30,8 +30,8 @@ pub fn shape(name: &str) -> TriangleSurface {
 
 /// A surface with diagonal 1.
 pub fn normalised(surface: &TriangleSurface) -> TriangleSurface {
-    let similarity = Similarity::normalising(surface);
-    surface.mapped(|p| similarity.normalise(*p))
+    let affinity = Affinity::normalising(surface);
+    surface.mapped(|p| affinity.normalise(*p))
 }
 
 /// The smooth target of a shape for a number of panels.

@@ -158,7 +158,7 @@ pub fn network_curves(
     let curves = |function: &Function| {
         let mut lines = level_lines(&site.surface, function);
         for point in lines.iter_mut().flat_map(|c| &mut c.points) {
-            *point = model.similarity.restore(*point);
+            *point = model.affinity.restore(*point);
         }
         lines
     };
@@ -167,7 +167,7 @@ pub fn network_curves(
         rows: curves(&rows),
         columns: curves(&columns),
         conjugacy: measured.map(|c| Conjugacy {
-            place: model.similarity.restore(c.place),
+            place: model.affinity.restore(c.place),
             ..c
         }),
     })

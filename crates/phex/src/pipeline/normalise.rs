@@ -17,13 +17,13 @@ pub(super) fn normalised(
     };
     let guides = given.directions.guides.moved(|p| model.place(p));
     options.directions.guides = guides.with_creases(&model.surface);
-    options.dual.quadric = classical::quadric(&given.dual, &model.similarity)?;
-    options.steering = (given.steering).moved(|p| model.similarity.normalise(p));
+    options.dual.quadric = classical::quadric(&given.dual, &model.affinity)?;
+    options.steering = (given.steering).moved(|p| model.affinity.normalise(p));
     // The optimiser keeps to the limit by which the mesh is judged.
     let deviation = given.limits().deviation_rel;
     options.optimise.max_deviation = deviation.map(without_unit);
     options.optimise.panels = (given.optimise.panels)
-        .scaled(1.0 / model.similarity.scale)
+        .scaled(1.0 / model.affinity.scale)
         .with_sizes(without_unit, without_unit);
     options.repeat_rel = given.repeat_rel.map(without_unit);
     if let Some(values) = &given.size_field {
@@ -31,6 +31,15 @@ pub(super) fn normalised(
         options.size_field = Some(relative_sizes(values));
     }
     Ok(options)
+}
+
+/// Whether heights of a shallow surface may be raised: not where rows follow planes or a Gauss
+/// image, and not where lengths and angles in space are asked for that are others there.
+pub(super) fn may_raise(options: &MeshOptions) -> bool {
+    let panels = &options.optimise.panels;
+    let has_angles = panels.min_dihedral.is_some() || panels.max_dihedral.is_some();
+    let has_lengths = options.repeat_rel.is_some() || !options.steering.grounds.is_empty();
+    options.method == Method::Lattice && !has_angles && !has_lengths
 }
 
 /// Refuses sizes that are none, or not one for each vertex of the input.
@@ -60,7 +69,7 @@ fn relative_sizes(values: &[f64]) -> Vec<f64> {
 impl PipelineError {
     /// The same error with its places in model coordinates.
     pub(super) fn in_model(self, model: &Normalised) -> Self {
-        let restore = |p: Vec3| model.similarity.restore(p);
+        let restore = |p: Vec3| model.affinity.restore(p);
         match self {
             Self::Layout(LayoutError::Domain(e)) => {
                 LayoutError::from(e.mapped(|p| classical::place_in(model, p))).into()

@@ -6,7 +6,7 @@ use super::options::Candidate;
 use super::{Clock, PipelineError, StageSeconds};
 use crate::directions::guides::Cone;
 use crate::layout::LayoutStatistics;
-use crate::smooth_surface::Similarity;
+use crate::smooth_surface::Affinity;
 use phex_mesh::HexMesh;
 
 /// The panels of a lattice as they are laid out, on the surface and not planar.
@@ -23,10 +23,10 @@ pub struct LatticePreview {
 }
 
 impl LatticePreview {
-    pub(super) fn restored(mut self, similarity: &Similarity) -> Self {
-        self.mesh = self.mesh.mapped(|p| similarity.restore(*p));
+    pub(super) fn restored(mut self, affinity: &Affinity) -> Self {
+        self.mesh = self.mesh.mapped(|p| affinity.restore(*p));
         for cone in &mut self.cones {
-            *cone = cone.moved(|p| similarity.restore(p));
+            *cone = cone.moved(|p| affinity.restore(p));
         }
         self
     }

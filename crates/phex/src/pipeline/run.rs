@@ -116,11 +116,11 @@ impl MeshRun {
 
     /// The same in model coordinates, with vertices where they are held there.
     pub(super) fn restored(mut self, model: &Normalised, held: &Steering) -> Self {
-        let similarity = &model.similarity;
-        let restore = |p: Vec3| similarity.restore(p);
+        let affinity = &model.affinity;
+        let restore = |p: Vec3| affinity.restore(p);
         let mut positions = self.mesh.positions.map(|p| restore(*p));
-        held.put_exactly(&mut positions, similarity.scale);
-        self.orbits = self.orbits.map(|o| o.restored(similarity));
+        held.put_exactly(&mut positions, affinity.scale);
+        self.orbits = self.orbits.map(|o| o.restored(affinity));
         if let Some(orbits) = &self.orbits {
             orbits.put_exactly(&mut positions);
             if let Some(summary) = &mut self.statistics.symmetry {
@@ -128,7 +128,7 @@ impl MeshRun {
             }
         }
         self.mesh = self.mesh.with_positions(positions);
-        self.wished = self.wished.map(|area| area * similarity.scale.powi(2));
+        self.wished = self.wished.map(|area| area * affinity.scale.powi(2));
         self.unrepeated = (self.unrepeated).map(|mesh| mesh.mapped(|p| restore(*p)));
         for p in self.start.iter_mut().flat_map(|s| &mut s.positions) {
             *p = restore(*p);

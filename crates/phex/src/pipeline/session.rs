@@ -38,13 +38,15 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 /// ```
 pub struct Session {
     surface: TriangleSurface,
-    model: OnceLock<Normalised>,
+    plain: OnceLock<Normalised>,
+    raised: OnceLock<Normalised>,
     kept: Mutex<Option<(GroundKey, Ground)>>,
 }
 
 /// What a ground depends on.
 #[derive(Clone, PartialEq)]
 struct GroundKey {
+    diagonal: f64,
     panels: usize,
     boundary: Boundary,
     target: TargetOptions,
@@ -54,8 +56,10 @@ struct GroundKey {
 }
 
 impl GroundKey {
-    fn of(panels: usize, options: &MeshOptions) -> Self {
+    fn of((surface, panels): (&TriangleSurface, usize), options: &MeshOptions) -> Self {
         Self {
+            // Raised heights make another surface.
+            diagonal: surface.diagonal(),
             panels,
             boundary: options.boundary,
             target: options.target.clone(),
@@ -71,7 +75,8 @@ impl Session {
     pub fn new(surface: TriangleSurface) -> Self {
         Self {
             surface,
-            model: OnceLock::new(),
+            plain: OnceLock::new(),
+            raised: OnceLock::new(),
             kept: Mutex::new(None),
         }
     }
@@ -114,12 +119,13 @@ impl Session {
             return Err(PipelineError::NoPreview);
         }
         let panels = size::panel_count(&self.surface, options.size)?;
-        let model = self.model();
+        let model = self.model(options);
         let options = normalise::normalised(options, model)?;
         let mut clock = Clock::new(progress);
-        let ground = clock.stage("target", || self.ground(panels, &options))?;
+        let surface = &model.surface;
+        let ground = clock.stage("target", || self.ground((surface, panels), &options))?;
         match lay_out(&ground, &mut clock) {
-            Ok(preview) => Ok(preview.restored(&model.similarity)),
+            Ok(preview) => Ok(preview.restored(&model.affinity)),
             Err(error) => Err(error.in_model(model)),
         }
     }
@@ -131,11 +137,11 @@ impl Session {
         given: &MeshOptions,
         progress: &dyn Progress,
     ) -> Result<MeshRun, PipelineError> {
-        let model = self.model();
+        let model = self.model(given);
         let options = normalise::normalised(given, model)?;
         let progress = &InModel {
             progress,
-            similarity: &model.similarity,
+            affinity: &model.affinity,
         };
         let surface = &model.surface;
         let mut clock = Clock::new(progress);
@@ -147,7 +153,7 @@ impl Session {
                         return Ok(run.restored(model, &given.steering));
                     }
                 }
-                let ground = clock.stage("target", || self.ground(panels, &options))?;
+                let ground = clock.stage("target", || self.ground((surface, panels), &options))?;
                 let unused = clock.stage("symmetry", || symmetric::unused(&ground))?;
                 let notes = ground.calmed.map(teeth_note).into_iter().chain(unused);
                 notes.for_each(|message| progress.report(&Event::Note { message }));
@@ -163,19 +169,34 @@ impl Session {
         }
     }
 
-    fn model(&self) -> &Normalised {
-        self.model.get_or_init(|| Normalised::of(&self.surface))
+    /// The surface in the coordinates that these options work in.
+    fn model(&self, options: &MeshOptions) -> &Normalised {
+        let raised = || {
+            self.raised
+                .get_or_init(|| Normalised::raised(&self.surface))
+        };
+        let raised = normalise::may_raise(options).then(raised);
+        // Symmetries are kept to the last bit where heights are those of a coordinate.
+        let keeps = |m: &&Normalised| {
+            options.symmetry == Symmetry::None || m.affinity.axis.iter().any(|x| x.abs() == 1.0)
+        };
+        let plain = || self.plain.get_or_init(|| Normalised::of(&self.surface));
+        raised.filter(keeps).unwrap_or_else(plain)
     }
 
     /// What panels are laid out on: that of the last run where it is the same.
-    fn ground(&self, panels: usize, options: &MeshOptions) -> Ground {
-        let key = GroundKey::of(panels, options);
+    fn ground(
+        &self,
+        (surface, panels): (&TriangleSurface, usize),
+        options: &MeshOptions,
+    ) -> Ground {
+        let key = GroundKey::of((surface, panels), options);
         // A run that panicked has put nothing half-done here.
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, ground)) = kept.as_ref().filter(|(last, _)| *last == key) {
             return ground.with_options(options);
         }
-        let ground = Ground::new(&self.model().surface, panels, options);
+        let ground = Ground::new(surface, panels, options);
         *kept = Some((key, ground.clone()));
         ground
     }

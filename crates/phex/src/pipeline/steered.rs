@@ -45,7 +45,10 @@ pub fn refit_surface(
     options.check()?;
     let mut clock = Clock::new(progress);
     let panels = earlier.topology().n_faces();
-    let model = Normalised::of(surface);
+    let model = match normalise::may_raise(options) {
+        true => Normalised::raised(surface),
+        false => Normalised::of(surface),
+    };
     let vertices = options.cell_vertices(panels) as usize;
     let smooth = clock.stage("target", || {
         smooth_surface::smooth_target(&model.surface, vertices, &options.target)
@@ -54,7 +57,7 @@ pub fn refit_surface(
         TargetKind::Facets => &model.surface,
         _ => smooth.finest(),
     };
-    let start = earlier.mapped(|p| model.similarity.normalise(*p));
+    let start = earlier.mapped(|p| model.affinity.normalise(*p));
     let normalised = normalise::normalised(options, &model)?;
     let target = SurfaceTarget::new(close_to);
     let refitted = clock.stage("optimise", || {

@@ -35,7 +35,7 @@ pub fn subdivide(
     progress: &dyn Progress,
 ) -> Result<Vec<Level>, PipelineError> {
     let model = Normalised::of(surface);
-    let similarity = &model.similarity;
+    let affinity = &model.affinity;
     let panels = mesh.topology().n_faces() as f64 * 4f64.powi(levels as i32);
     if panels > MAX_PANELS as f64 {
         let told = format!("{levels} levels make {panels:.0} panels, more than {MAX_PANELS}");
@@ -49,7 +49,7 @@ pub fn subdivide(
     );
     let smooth = smooth.finest();
     let target = SurfaceTarget::new(smooth);
-    let mut current = mesh.mapped(|p| similarity.normalise(*p));
+    let mut current = mesh.mapped(|p| affinity.normalise(*p));
     let mut made = Vec::with_capacity(levels);
     for _ in 0..levels {
         let finer = chamfer(&current).map_err(LayoutError::topology)?;
@@ -57,7 +57,7 @@ pub fn subdivide(
         let optimised = optimise::optimise(&layout, &target, options, progress)?;
         current = optimised.mesh.clone();
         made.push(Level {
-            mesh: current.mapped(|p| similarity.restore(*p)),
+            mesh: current.mapped(|p| affinity.restore(*p)),
             optimised,
         });
         if progress.is_cancelled() {

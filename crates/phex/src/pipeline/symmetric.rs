@@ -266,7 +266,14 @@ fn used(
         _ => fewer_turns(all),
     };
     let group = |rotations| Group { rotations, level };
-    Ok(rotations.into_iter().map(group).collect())
+    let mut groups: Vec<Group> = rotations.into_iter().map(group).collect();
+    if level && wanted == Symmetry::Auto {
+        groups.push(Group {
+            rotations: 1,
+            level: false,
+        });
+    }
+    Ok(groups)
 }
 
 /// Rotations of the largest of the smaller groups that is tried.

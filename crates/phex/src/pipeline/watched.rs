@@ -1,13 +1,13 @@
 //! What a caller hears of stages that work in normalised coordinates.
 
 use crate::progress::{Event, Progress};
-use crate::smooth_surface::Similarity;
+use crate::smooth_surface::Affinity;
 use phex_mesh::PolygonSoup;
 
 /// The caller's progress, for stages in normalised coordinates.
 pub(super) struct InModel<'a> {
     pub progress: &'a dyn Progress,
-    pub similarity: &'a Similarity,
+    pub affinity: &'a Affinity,
 }
 
 impl Progress for InModel<'_> {
@@ -27,7 +27,7 @@ impl Progress for InModel<'_> {
         let restored = || {
             let mut soup = mesh();
             for p in &mut soup.positions {
-                *p = self.similarity.restore(*p);
+                *p = self.affinity.restore(*p);
             }
             soup
         };

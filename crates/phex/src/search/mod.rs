@@ -47,8 +47,8 @@ use trial::DefectPatch;
 const RINGS: [usize; 3] = [1, 2, 4];
 /// Sweeps over all defects at the most.
 const SWEEPS: usize = 30;
-/// Share of broken panels above which nothing is searched where one of them is invalid: panels are
-/// too large everywhere. Folds alone can be cured, as at the rim of a lens.
+/// Share of invalid panels above which nothing is searched: panels are too large everywhere. Folds
+/// can be cured, as at the rim of a lens, or are the surface's own, as along the ridges of a roof.
 const HOPELESS: f64 = 1.0 / 3.0;
 /// Places outside limits, and their share of the panels, above which panels are too large
 /// everywhere: more of them here and there would only spoil the rows. What is broken is searched
@@ -142,15 +142,15 @@ pub fn search(mesh: HexMesh, site: &Site<'_>, progress: &dyn Progress) -> Search
         summary,
         failed: Vec::new(),
     };
-    let broken = state
+    let invalid = state
         .whole
         .findings
         .of_face
         .iter()
-        .filter(|f| f.is_broken())
+        .filter(|f| f.invalid > 0.0)
         .count();
     let many = HOPELESS * state.mesh.topology().n_faces() as f64;
-    state.summary.is_hopeless = state.whole.findings.merit.invalid > 0.0 && broken as f64 > many;
+    state.summary.is_hopeless = invalid as f64 > many;
     if !state.summary.is_hopeless {
         state.together(site, progress);
         state.sweep(site, progress);

@@ -17,6 +17,7 @@
 //! corrections do not converge (very irregular triangles) the control points that came closest to
 //! the input are used.
 
+mod affinity;
 mod coarsen;
 mod elongated;
 pub(crate) mod extend;
@@ -27,6 +28,7 @@ mod slivers;
 pub(crate) mod subdivide;
 pub(crate) mod teeth;
 
+pub use affinity::Affinity;
 pub use coarsen::{Coarsened, coarsened};
 pub(crate) use elongated::{CutShort, cut_short};
 pub use extend::{Extension, extend};
@@ -74,34 +76,6 @@ impl Default for TargetOptions {
             damping: 0.9,
             corner_angle: 40.0,
         }
-    }
-}
-
-/// Similarity from model coordinates to normalised ones: `(p - centre) / scale`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Similarity {
-    /// Centre of the bounding box, model units.
-    pub centre: Vec3,
-    /// Diagonal of the bounding box, model units.
-    pub scale: f64,
-}
-
-impl Similarity {
-    /// The similarity that gives a surface diagonal 1 and its box centre at the origin.
-    pub fn normalising(surface: &TriangleSurface) -> Self {
-        let (low, high) = surface.bounding_box();
-        Self {
-            centre: (low + high) * 0.5,
-            scale: (high - low).norm(),
-        }
-    }
-    /// Model to normalised coordinates.
-    pub fn normalise(&self, p: Vec3) -> Vec3 {
-        (p - self.centre) / self.scale
-    }
-    /// Normalised to model coordinates.
-    pub fn restore(&self, p: Vec3) -> Vec3 {
-        p * self.scale + self.centre
     }
 }
 
@@ -157,7 +131,7 @@ impl SmoothTarget {
 /// let model = Normalised::of(&sphere);
 /// let target = smooth_target(&model.surface, 1000, &TargetOptions::default());
 /// // New vertices lie on the sphere of radius 1, too.
-/// let radius = |p| model.similarity.restore(p).norm();
+/// let radius = |p| model.affinity.restore(p).norm();
 /// assert!(target.finest().positions().iter().all(|p| (radius(*p) - 1.0).abs() < 0.01));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

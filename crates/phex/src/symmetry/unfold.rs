@@ -2,7 +2,7 @@
 
 use super::group::number_of;
 use crate::optimise::Quotient;
-use crate::smooth_surface::Similarity;
+use crate::smooth_surface::Affinity;
 use nalgebra::Matrix3;
 use phex_mesh::{FaceId, HexMesh, PerFace, PerVertex, TopologyError, Vec3};
 use serde::Serialize;
@@ -43,11 +43,11 @@ impl Isometry {
         Vec3::new(row(0), row(1), row(2))
     }
 
-    /// The same on points that a similarity has brought back to the model.
-    fn restored(&self, similarity: &Similarity) -> Self {
+    /// The same on points that an affinity has brought back to the model.
+    fn restored(&self, affinity: &Affinity) -> Self {
         let map = Matrix3::from_fn(|r, c| self.rows[r][c]);
-        let centre = similarity.centre;
-        let shift = Vec3::from(self.shift) * similarity.scale + (centre - map * centre);
+        let centre = affinity.centre;
+        let shift = affinity.restore_vector(self.shift.into()) + (centre - map * centre);
         Self::new(&map, shift)
     }
 }
@@ -67,9 +67,9 @@ pub struct Orbits {
 
 impl Orbits {
     /// The same in model coordinates.
-    pub(crate) fn restored(mut self, similarity: &Similarity) -> Self {
+    pub(crate) fn restored(mut self, affinity: &Affinity) -> Self {
         self.operations = (self.operations.iter())
-            .map(|o| o.restored(similarity))
+            .map(|o| o.restored(affinity))
             .collect();
         self
     }

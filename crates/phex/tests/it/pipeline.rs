@@ -75,6 +75,26 @@ fn a_monkey_saddle_is_meshed() {
 }
 
 #[test]
+fn a_camber_is_kept() {
+    let rise = 0.1;
+    let (width, depth) = (30.0, 20.0);
+    let place = |k: u32| {
+        let [u, v] = [k % 31, k / 31].map(|i| f64::from(i) / 30.0);
+        let [across, along] = [u, v].map(|t| (std::f64::consts::PI * t).sin());
+        Vec3::new(width * u, depth * v, rise * across * along)
+    };
+    let cells = (0..30 * 30).map(|k| k / 30 * 31 + k % 30);
+    let halves = cells.flat_map(|k| [[k, k + 1, k + 32], [k, k + 32, k + 31]]);
+    let triangles: Vec<[u32; 3]> = halves.collect();
+    let surface = TriangleSurface::new((0..31 * 31).map(place).collect(), &triangles).unwrap();
+    let run = run(&surface, 150);
+    assert!(run.is_sound(), "{:?}", run.violations());
+    let off = deviation(&run.mesh, &surface);
+    let farthest = off.deviation_max.max(off.coverage_max) * off.diagonal;
+    assert!(farthest < 0.05 * rise, "{farthest}");
+}
+
+#[test]
 fn a_roof_is_meshed() {
     check("roof", &shape("roof", 2000), 150);
 }

@@ -3,7 +3,7 @@ use crate::common::{
     figures, genus_two, mapped, normalised, punched_plane, rotation, shape, shape_with,
 };
 use phex::smooth_surface::{
-    Refinement, Similarity, SmoothTarget, TargetOptions, boundary_corners, smooth_target,
+    Affinity, Refinement, SmoothTarget, TargetOptions, boundary_corners, smooth_target,
 };
 use phex_mesh::{TriangleSurface, Vec3, VertexId};
 
@@ -127,13 +127,13 @@ fn the_similarity_and_its_inverse_cancel() {
     let surface = mapped(&shape("torus", 500), |p| {
         p * 37.0 + Vec3::new(5.0, -3.0, 900.0)
     });
-    let similarity = Similarity::normalising(&surface);
+    let affinity = Affinity::normalising(&surface);
     let unit = normalised(&surface);
     let (low, high) = unit.bounding_box();
     assert!(((high - low).norm() - 1.0).abs() < 1e-12 && (high + low).norm() < 1e-12);
     let pairs = surface.positions().iter().zip(unit.positions());
     for (p, q) in pairs {
-        assert!((similarity.restore(*q) - p).norm() < 1e-11);
+        assert!((affinity.restore(*q) - p).norm() < 1e-11);
     }
 }
 

@@ -8,7 +8,7 @@ use phex::layout::Seed;
 use phex::layout::{
     CellSurface, Layout, LayoutError, LayoutOptions, Placed, panelling, place_seeds,
 };
-use phex::smooth_surface::{Similarity, SmoothTarget, smooth_target};
+use phex::smooth_surface::{Affinity, SmoothTarget, smooth_target};
 use phex_mesh::shapes::{Shape, TriangulationOptions, triangulate};
 use phex_mesh::{HexMesh, Topology, TriangleSurface, Vec3, VertexId};
 use rand::{Rng, SeedableRng};
@@ -41,8 +41,8 @@ pub fn mapped(surface: &TriangleSurface, map: impl Fn(Vec3) -> Vec3) -> Triangle
 
 /// The same surface with diagonal 1, centred.
 pub fn normalised(surface: &TriangleSurface) -> TriangleSurface {
-    let similarity = Similarity::normalising(surface);
-    mapped(surface, |p| similarity.normalise(p))
+    let affinity = Affinity::normalising(surface);
+    mapped(surface, |p| affinity.normalise(p))
 }
 
 /// A rotation that keeps no axis.
